@@ -257,7 +257,11 @@ export function bindKeys(app) {
   window.addEventListener('keydown', (event) => {
     const { tagName } = /** @type {HTMLElement} */ (event.target);
     const typing = /^(INPUT|SELECT|TEXTAREA)$/.test(tagName) || byId('help').open || byId('note').open;
-    if (!typing && (event.ctrlKey || event.metaKey) && event.key === 'z' && !event.shiftKey && app.picking.on) app.picking.undo();
+    if (!typing && (event.ctrlKey || event.metaKey) && !event.altKey && /^[zy]$/i.test(event.key) && app.picking.on) {
+      event.preventDefault();
+      if (event.shiftKey || /y/i.test(event.key)) app.picking.redo();
+      else app.picking.undo();
+    }
     if (typing || event.ctrlKey || event.metaKey || event.altKey || !app.store) return;
     const act = KEYS[event.key] ?? (/^[1-9]$/.test(event.key) ? () => (app.picking.on ? app.picking.setClass(CLASSES[Number(event.key) - 1]) : app.setQuantity(app.quantities[Number(event.key) - 1]?.id)) : null);
     if (!act || (/^(Enter| )$/.test(event.key) && tagName === 'BUTTON')) return;

@@ -43,6 +43,8 @@ export class Picking {
   saved = new Map(); // as the server has them, while one is dragged, too
   /** @type {{ key: string, before: WallPick | null }[]} */
   changes = []; // made here, for undo
+  /** @type {{ key: string, before: WallPick | null }[]} */
+  undone = []; // taken back, for redo; a new change ends it
   /** @type {string | null} */
   selected = null; // key of one
   /** @type {WallPick | null} */
@@ -143,7 +145,7 @@ export class Picking {
     const found = this.points.length ? null : this.near(cursor, reach);
     this.selected = !found || found.key === this.selected ? null : found.key;
     if (found) this.kind = found.kind;
-    if (!found && this.kind !== BREAKOUT) this.points.push(this.point(cursor));
+    if (!found && this.kind !== BREAKOUT) Object.assign(this, { points: [...this.points, this.point(cursor)], undone: [] });
     this.app.redraw();
   }
 
@@ -225,6 +227,7 @@ export class Picking {
   /** @param {string} key */
   remember(key) {
     this.changes.push({ key, before: this.saved.get(key) ?? null });
+    this.undone = [];
   }
 
   // Save a pick, new or changed, and select it; false if there are too many.
@@ -256,14 +259,27 @@ export class Picking {
 
   // Take back the last point, or the last change of a pick.
   undo() {
-    const last = this.points.length ? null : this.changes.pop();
     if (this.points.pop()) this.app.redraw();
+    else this.restore(this.changes, this.undone);
+  }
+
+  // Make the last change again that was taken back.
+  redo() {
+    this.restore(this.undone, this.changes);
+  }
+
+  // Put a pick back to where the last entry of one list has it; the other list gets the way back.
+  /** @param {Picking['changes']} from @param {Picking['changes']} to */
+  restore(from, to) {
+    const last = from.pop();
     if (!last) return;
-    const count = this.changes.length;
+    const { changes, undone } = this;
     const made = this.kept.find(({ key }) => key === last.key);
+    to.push({ key: last.key, before: this.saved.get(last.key) ?? null });
+    Object.assign(this, { changes: [], undone: [] }); // what `put` and `remove` remember is no change of the user
     if (last.before) this.put(last.before);
     else if (made) this.remove(made);
-    this.changes.length = count; // undoing is no change
+    Object.assign(this, { changes, undone });
   }
 
   keep() {

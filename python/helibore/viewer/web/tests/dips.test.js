@@ -1,6 +1,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { fitPlane, planeDepth, planeOf, wallPoint } from '../src/dips.js';
+import { bindKeys } from '../src/input.js';
 import { pole, rose } from '../src/net.js';
 import { Picking } from '../src/picking.js';
 import { Path } from '../src/path.js';
@@ -157,6 +158,52 @@ test('a sine is dragged from its crest; a digit then sets its class, Delete remo
   made.undo();
   made.undo();
   assert.equal(made.kept.length, 0);
+});
+
+test('redo makes again what undo took back, in order; a new change ends it', () => {
+  const { made } = picking();
+  const drag = made.grab({ depth: 1010, toolface: 30 }, 0.02);
+  made.drag(drag, { depth: 1010.1, toolface: 120 });
+  made.drop();
+  const drawn = made.pick;
+  made.setClass('fault');
+  made.remove();
+  for (const _ of 'abcd') made.undo();
+  assert.equal(made.kept.length, 0);
+  made.redo();
+  assert.deepEqual(made.kept, [drawn]);
+  made.redo();
+  assert.equal(made.pick.kind, 'fault');
+  made.undo();
+  assert.equal(made.pick.kind, 'bed');
+  made.redo();
+  made.redo();
+  assert.equal(made.kept.length, 0);
+  made.redo();
+  made.undo();
+  assert.equal(made.kept.length, 1, 'nothing was left to redo');
+  made.setClass('fracture');
+  made.redo();
+  assert.deepEqual(made.kept.map(({ kind }) => kind), ['fracture']);
+});
+
+test('Ctrl Z takes back, Ctrl Shift Z and Ctrl Y make again, while picking and not in a field', () => {
+  const done = [];
+  let press;
+  globalThis.document = { getElementById: () => ({ open: false }) };
+  globalThis.window = { addEventListener: (_, listener) => (press = listener) };
+  const app = { store: {}, picking: { on: true, undo: () => done.push('undo'), redo: () => done.push('redo') } };
+  bindKeys(app);
+  const type = (key, more = {}) => press({ key, ctrlKey: true, target: { tagName: 'CANVAS' }, preventDefault: () => done.push(key), ...more });
+  type('z');
+  type('Z', { shiftKey: true });
+  type('y');
+  type('z', { ctrlKey: false, metaKey: true });
+  type('c');
+  type('z', { target: { tagName: 'INPUT' } });
+  app.picking.on = false;
+  type('y');
+  assert.deepEqual(done, ['z', 'undo', 'Z', 'redo', 'y', 'redo', 'z', 'undo']);
 });
 
 test('a box is dragged over a breakout, across the edge of the image as well; a tiny one is none', () => {
