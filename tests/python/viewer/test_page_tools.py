@@ -82,6 +82,9 @@ def test_picked_points_give_the_bed_that_was_made(browser: Any, viewer: Any) -> 
     (pick,) = viewer.scene.picks
     assert pick.dip(viewer.scene.path) == pytest.approx(screen.evaluate(DIPS)[0], abs=0.2)
     screen.keyboard.press("Escape")
+    assert screen.evaluate("window.__wall.app.picking.pick") is None
+    assert screen.is_visible("#dips"), "the first Esc deselects"
+    screen.keyboard.press("Escape")
     assert not screen.is_visible("#dips")
     again = Screen(browser, viewer.url, screen.address(), drawn=False)
     again.until("window.__wall.app.picking.kept.length")

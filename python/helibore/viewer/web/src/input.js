@@ -304,6 +304,6 @@ const KEYS = {
   Enter: (app) => app.picking.keep(),
   Backspace: (app) => (app.picking.selected ? app.picking.remove() : app.picking.undo()),
   Delete: (app) => app.picking.remove(),
-  Escape: ({ view, picking }) => (picking.on ? picking.toggle(false) : view.point(null, false)),
+  Escape: ({ view, picking }) => (picking.on ? picking.leave() : view.point(null, false)),
   '?': () => byId('help').showModal(),
 };

@@ -107,6 +107,13 @@ export class Picking {
     this.app.resize();
   }
 
+  // Let go of the selected pick, or of the points of the next one; without either, end picking.
+  leave() {
+    if (!this.selected && !this.points.length) return this.toggle(false);
+    Object.assign(this, { points: [], selected: null });
+    return this.app.redraw();
+  }
+
   // With the wall's radius; where it is not measured, with bit size, which the text says.
   /** @param {Aim} aim @returns {WallPoint} */
   point({ depth, toolface }) {

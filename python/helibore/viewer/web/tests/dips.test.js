@@ -187,6 +187,22 @@ test('redo makes again what undo took back, in order; a new change ends it', () 
   assert.deepEqual(made.kept.map(({ kind }) => kind), ['fracture']);
 });
 
+test('Esc deselects the pick or drops its points, the next one leaves picking', () => {
+  const { made } = picking();
+  const left = [];
+  made.on = true;
+  made.toggle = (on) => left.push(on);
+  made.receive([{ key: 'a', kind: 'bed', depth: 1010, toolface: 90, apparent_dip: 45, radius: 0.1 }]);
+  made.selected = 'a';
+  made.leave();
+  assert.deepEqual([made.pick, left], [null, []]);
+  made.click({ depth: 1015, toolface: 20 }, 0.02);
+  made.leave();
+  assert.deepEqual([made.points, left], [[], []]);
+  made.leave();
+  assert.deepEqual(left, [false]);
+});
+
 test('Ctrl Z takes back, Ctrl Shift Z and Ctrl Y make again, while picking and not in a field', () => {
   const done = [];
   let press;
