@@ -148,7 +148,8 @@ def view(
         Values to colour by, one per quad (quad k has the number of its first vertex), by name or by `Attribute`. None:
         `attributes_of` the wall.
     curves
-        Curves along the hole that the page offers beside those of `Wall.logs`: gamma ray, rate of penetration ...
+        Curves along the hole that the page offers beside those of `Wall.logs`: gamma ray, rate of penetration ... The
+        first two are shown at once where there is room.
     template
         Which tracks the page shows at first, in which order and how wide.
     reference

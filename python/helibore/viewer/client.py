@@ -181,6 +181,7 @@ def handshake(scene: Scene) -> dict[str, Any]:
         "frame_step": math.copysign(messages.FRAME_STEP, shape.pitch),
         "template": None if scene.template is None else asdict(scene.template),
         "attributes": [asdict(attribute) for attribute in shape.attributes],
+        "curves": [row["name"] for row in scene.state.curves if row["version"] == 0],  # given; the logs' have another
     }
 
 

@@ -464,3 +464,16 @@ def test_curves_stand_beside_the_image_and_tracks_are_dragged_into_a_template(br
         assert ("curves", 140) in kinds
         assert kinds.index(("curves", 140)) > [kind for kind, _ in kinds].index("image")
         screen.close()
+
+
+def test_the_first_two_curves_of_files_are_shown_at_once_where_there_is_room(browser: Any) -> None:
+    depth = np.arange(1000.0, 1031.0, 0.5)
+    curves = [ScalarCurve(name, "", depth, depth - 1000, (0.0, 40.0)) for name in ("GR", "ROP", "RES")]
+    with hb.view(MadeWall(20_000), curves=curves) as viewer:
+        for size, shown in (((1366, 768), ["GR", "ROP"]), ((1000, 640), [])):
+            screen = Screen(browser, viewer.url, "#md=1012&sec=12", size, drawn=False)
+            screen.until("window.__wall.app.curves.offered.length > 3")
+            screen.settle()
+            assert screen.evaluate("window.__wall.app.curves.shown.map(({ name }) => name)") == shown
+            assert screen.evaluate("window.__wall.app.rects.pane.width") >= 150
+            screen.close()

@@ -47,6 +47,7 @@ const UNSEEN = 250; // milliseconds that a change outside the section may wait f
 const SLOW = 40; // milliseconds of a picture
 const MOVING = 200; // milliseconds, besides the time to draw, between two pictures that move
 const USUAL_SCALE = 200; // of paper, at first
+const ROOM_FOR_CURVES = 800; // pixels of a stage whose other tracks need not be narrower for a track of curves
 const SUMMARY_WAIT = 250; // milliseconds that the section rests before its figures are requested
 const seconds = () => performance.now() / 1000;
 
@@ -197,7 +198,7 @@ export class App {
     });
     options('quantity', this.quantities.map(({ id, name }) => [id, name]));
     if (handshake.template) this.arrange(handshake.template);
-    else this.view.usual(this.usualBeside());
+    else this.view.usual(...this.usualTracks(handshake.curves ?? []));
     if (this.colours) Object.assign(this.quantity, this.colours);
     this.colours = null;
     byId('well').textContent = handshake.well || 'helibore';
@@ -329,11 +330,17 @@ export class App {
   }
 
   // Images that stand beside the first one at first: as many of the wall's as have room beside the panel, which rig mode hides.
-  usualBeside() {
+  // And the curves of files, if there is room for some; an exported file holds those that it was made with.
+  /** @param {string[]} given @returns {[beside: string[], curves: string[]]} */
+  usualTracks(given) {
+    const { contents } = this;
     document.body.classList.remove('rig');
-    const room = NARROW.matches ? 1 : Math.floor((byId('stage').clientWidth - 600) / 400);
+    const width = byId('stage').clientWidth;
     document.body.classList.toggle('rig', this.view.rig);
-    return this.quantities.filter(({ mode, length, id }) => mode === Q_ATTRIBUTE && !length && id !== this.quantity.id).slice(0, Math.max(0, room)).map(({ id }) => id);
+    const room = NARROW.matches ? 1 : Math.floor((width - 600) / 400);
+    const curves = NARROW.matches || width < ROOM_FOR_CURVES ? [] : given.filter((name) => !contents || name in contents.curves);
+    const beside = this.quantities.filter(({ mode, length, id }) => mode === Q_ATTRIBUTE && !length && id !== this.quantity.id).slice(0, Math.max(0, room)).map(({ id }) => id);
+    return [beside, curves];
   }
 
   // Keep the first image beside the others, or no longer.

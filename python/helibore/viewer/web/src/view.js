@@ -8,6 +8,7 @@ import { LENGTHS } from './units.js';
 const SHORTEST = 0.5; // metres of section
 const MOST_BESIDE = 3;
 const MOST_CURVES = 4;
+const USUAL_CURVES = 2;
 const AHEAD = 0.08; // of the section left free beyond the newest quad while following
 
 const NARROWEST = 64; // pixels of a track
@@ -56,6 +57,7 @@ export class View extends Settings {
   sized = false; // by the address, or the first time: how long the section is
   /** @type {string[]} */
   curves = []; // names of the curves along the hole that are shown
+  curvesChosen = false; // by the address or the user
   /** @type {Record<string, number>} */
   widths = {}; // pixels of the tracks that the user made wider or narrower
   /** @type {string[]} */
@@ -120,10 +122,11 @@ export class View extends Settings {
     this.#change({ quantity, beside: beside.slice(0, MOST_BESIDE), imagesChosen: true });
   }
 
-  // Show these images beside the first, unless some were chosen.
-  /** @param {string[]} beside */
-  usual(beside) {
+  // Show these images beside the first, and the first two of these curves, unless others were chosen.
+  /** @param {string[]} beside @param {string[]} curves */
+  usual(beside, curves) {
     if (!this.imagesChosen) this.#change({ beside: beside.slice(0, MOST_BESIDE) });
+    if (!this.curvesChosen) this.#change({ curves: curves.slice(0, USUAL_CURVES) });
   }
 
   // Keep the section's length when the page connects again.
@@ -134,7 +137,7 @@ export class View extends Settings {
   // Show a curve, or no longer.
   /** @param {string} name */
   toggleCurve(name) {
-    this.#change({ curves: this.curves.includes(name) ? this.curves.filter((one) => one !== name) : [...this.curves, name].slice(-MOST_CURVES) });
+    this.#change({ curvesChosen: true, curves: this.curves.includes(name) ? this.curves.filter((one) => one !== name) : [...this.curves, name].slice(-MOST_CURVES) });
   }
 
   /** @param {string} track @param {number} width */
@@ -209,7 +212,8 @@ export class View extends Settings {
     for (const key of CHOICES) {
       if (this[key] !== DEFAULTS[key]) parts[key] = String(this[key]);
     }
-    for (const key of LISTS) if (this[key].length || (key === 'beside' && this.imagesChosen)) parts[key] = this[key].join('~');
+    const chosen = { beside: this.imagesChosen, curves: this.curvesChosen, order: false };
+    for (const key of LISTS) if (this[key].length || chosen[key]) parts[key] = this[key].join('~');
     if (Object.keys(this.widths).length) parts.widths = Object.entries(this.widths).flat().join('~');
     for (const key of SWITCHES) if (this[key]) parts[key] = '1';
     const { cursor, pinned, pins } = this;
@@ -252,7 +256,8 @@ export class View extends Settings {
     this.imagesChosen = parts.has('beside') || parts.has('quantity');
     this.sized = parts.has('sec');
     this.beside = listed('beside', MOST_BESIDE).filter(Boolean);
-    this.curves = listed('curves', MOST_CURVES);
+    this.curvesChosen = parts.has('curves');
+    this.curves = listed('curves', MOST_CURVES).filter(Boolean);
     this.order = listed('order', 20);
     const widths = listed('widths', 40);
     this.widths = Object.fromEntries(widths.flatMap((name, i) => (i % 2 === 0 && Number(widths[i + 1]) > 0 ? [[name, Number(widths[i + 1])]] : [])));

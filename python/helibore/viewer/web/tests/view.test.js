@@ -202,3 +202,19 @@ test('a print has the scale of the screen, else the usual one nearest to it', ()
   for (const scale of [20, 200, 240, 1000]) assert.equal(at(scale), scale);
   assert.deepEqual([3.2, 139.5, 143.5, 199.4, 70000.5].map(at), [20, 100, 200, 200, 1000]);
 });
+
+test('the first two curves of files are shown until the address or the user chooses others, or none', () => {
+  const view = new View(() => {});
+  view.usual([], ['GR', 'ROP', 'RES']);
+  assert.deepEqual(view.curves, ['GR', 'ROP']);
+  const other = new View(() => {});
+  other.fromAddress(view.toAddress());
+  assert.deepEqual(other.curves, ['GR', 'ROP']);
+  for (const name of ['GR', 'ROP']) other.toggleCurve(name);
+  other.usual([], ['GR']);
+  assert.deepEqual(other.curves, []);
+  const third = new View(() => {});
+  third.fromAddress(other.toAddress());
+  third.usual([], ['GR']);
+  assert.deepEqual(third.curves, [], 'hidden for the one who gets the address, too');
+});
