@@ -26,6 +26,29 @@ export function drawDips(ink, look, planes, gpu) {
   if (look.rects.dips) tadpoles(ink, look, look.rects.dips, planes, palette);
 }
 
+// The symbol, colour and name of each class of pick in view, below the tracks; those that have room.
+/** @param {Ink} ink @param {Look} look @param {Planes} planes */
+export function drawLegend(ink, { view, rects: { axis, pane } }, { kept, boxes }) {
+  if (view.rig) return;
+  const palette = PALETTES[view.theme];
+  const shown = new Set([...kept, ...boxes].filter(({ depth }) => depth >= view.top && depth <= view.bottom).map(({ kind }) => kind));
+  const y = axis.top + axis.height + 10;
+  let x = axis.left + 8;
+  for (const kind of /** @type {(keyof Palette['picks'])[]} */ (Object.keys(palette.picks))) {
+    if (!shown.has(kind)) continue;
+    ink.font = SMALL;
+    const end = x + 9 + ink.measureText(kind).width;
+    if (end > pane.left) return;
+    if (kind === 'breakout') {
+      ink.strokeStyle = palette.picks[kind];
+      ink.lineWidth = 2;
+      ink.strokeRect(x - 4, y - 4, 8, 8);
+    } else symbol(ink, x, y, kind, palette.picks[kind], palette.panel);
+    label(ink, kind, x + 9, y, { colour: palette.ink, font: SMALL });
+    x = end + 16;
+  }
+}
+
 /** @param {Ink} ink @param {Look} look @param {WallPoint[]} points */
 export function drawPoints(ink, look, points) {
   const { view, rects } = look;

@@ -19,7 +19,7 @@ import { Gpu } from './gpu.js';
 import { whenHosted } from './host.js';
 import { bindControls, bindKeys, bindOrbit, bindTracks } from './input.js';
 import { FONT, HEAD, imageRects, layout, PALETTES } from './layout.js';
-import { drawDips, drawPoints } from './dip_ink.js';
+import { drawDips, drawLegend, drawPoints } from './dip_ink.js';
 import { DepthMap } from './map.js';
 import { drawNet } from './net.js';
 import { drawNotes, Notes } from './notes.js';
@@ -480,6 +480,7 @@ export class App {
     this.map.draw(ink, look);
     const planes = this.picking.planes();
     drawDips(ink, look, planes, this.gpu);
+    drawLegend(ink, look, planes);
     if (this.rects.image.width) drawNotes(ink, look);
     if (this.picking.on) for (const one of look.images) drawPoints(ink, one, this.picking.points);
     this.picking.write(planes);
