@@ -9,6 +9,7 @@ acknowledgement. Everything here is called with the scene's lock held; nothing h
 from __future__ import annotations
 
 import math
+import os
 import time
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -181,6 +182,7 @@ def handshake(scene: Scene) -> dict[str, Any]:
         "frame_step": math.copysign(messages.FRAME_STEP, shape.pitch),
         "template": None if scene.template is None else asdict(scene.template),
         "attributes": [asdict(attribute) for attribute in shape.attributes],
+        "picks_file": None if scene.picks_file is None else os.path.basename(scene.picks_file),
         "curves": [row["name"] for row in scene.state.curves if row["version"] == 0],  # given; the logs' have another
     }
 

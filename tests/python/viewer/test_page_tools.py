@@ -55,6 +55,7 @@ def test_picked_points_give_the_bed_that_was_made(browser: Any, viewer: Any) -> 
     screen.keyboard.press("d")
     screen.settle()
     assert screen.is_visible("#dips")
+    assert screen.inner_text("#dipSaved") == "not saved in a file"
     radii = []
     for toolface in (10, 80, 150, 220, 300):
         depth = 1009 - 0.6 * math.cos(math.radians(toolface - 40))
@@ -325,6 +326,7 @@ def test_a_geologist_reopens_the_picks_changes_one_and_boxes_a_breakout(browser:
         colour, net = (screen.locator(name).bounding_box() for name in ("#beside", "#net"))
         assert colour["y"] + colour["height"] <= min(768, net["y"]), "Colour is above the fold, the net below it"
         screen.keyboard.press("d")
+        assert screen.inner_text("#dipSaved") == "saved in a.wall.picks.csv"
         screen.mouse.click(*place(screen, 130, 1009.0))
         screen.until("window.__wall.app.picking.pick")
         assert screen.locator("#dipUndo").is_disabled()

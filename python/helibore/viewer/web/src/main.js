@@ -188,6 +188,7 @@ export class App {
     disableControls(false);
     byId('gl').hidden = false;
     showBasis(handshake);
+    this.picking.showFile(handshake.picks_file);
     this.alarms.begin(handshake.session);
     this.path = new Path(handshake.start_depth, handshake.frame_step, handshake.reference);
     this.glow.rows = this.store.levels[0].rows;

@@ -81,6 +81,13 @@ export class Picking {
     this.app.redraw();
   }
 
+  // Where the server saves every change.
+  /** @param {string | null} [file] */
+  showFile(file) {
+    const text = file ? `saved in ${file}` : 'not saved in a file';
+    Object.assign(byId('dipSaved'), { textContent: text, title: text });
+  }
+
   // The selected pick.
   get pick() {
     return this.kept.find(({ key }) => key === this.selected) ?? null;
