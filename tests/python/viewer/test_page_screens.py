@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -68,8 +69,11 @@ def test_a_finger_draws_a_sine_classes_deletes_and_restores_it(browser: Any, siz
     with hb.view(MadeWall(30_000), path=curved_path()) as viewer:
         screen = Screen(browser, viewer.url, "#md=1020&sec=12", size, drawn=False)
         screen.click("#menu")
+        keys = screen.locator("#keys").bounding_box()
+        assert min(keys["width"], keys["height"]) >= 44
         screen.click("#dipOpen")
         screen.settle()
+        said = [screen.inner_text("#dipText")]
         buttons = ["#pickClass", "#dipUndo", "#dipRemove", "#dipClose"]
         boxes = [screen.locator(button).bounding_box() for button in buttons]
         assert all(box["x"] >= 0 and box["x"] + box["width"] <= size[0] and box["height"] >= 44 for box in boxes)
@@ -85,12 +89,21 @@ def test_a_finger_draws_a_sine_classes_deletes_and_restores_it(browser: Any, siz
         made = screen.evaluate("window.__wall.app.picking.pick")
         assert made["toolface"] == pytest.approx(300, abs=0.5)
         assert made["depth"] == pytest.approx(1019 + 1.9 / (1 - np.cos(np.radians(170))), abs=0.02)
-        assert "drawn, no misfit" in screen.inner_text("#dipText")
+        said.append(screen.inner_text("#dipText"))
+        assert "drawn, no misfit" in said[1]
         moved = [("pointerdown", 210.0, made["depth"]), ("pointermove", 210.0, made["depth"] + 1)]
         screen.evaluate(FINGER, [*moved, ["pointerup", 210.0, made["depth"] + 1]])
         screen.page.select_option("#pickClass", "fracture")
         screen.until("window.__wall.app.picking.pick.kind === 'fracture'")
         assert screen.evaluate("window.__wall.app.picking.pick.depth") == pytest.approx(made["depth"] + 1, abs=0.02)
+        screen.page.select_option("#pickClass", "breakout")
+        screen.until("window.__wall.app.picking.kind === 'breakout'")
+        screen.settle()
+        said.append(screen.inner_text("#dipText"))
+        assert len(set(said)) == 3
+        assert not re.search("click|digit", "".join(said), re.IGNORECASE), "a finger has neither"
+        screen.page.select_option("#pickClass", "bed")
+        screen.evaluate("(({ picking }) => { picking.selected = picking.kept[0].key; picking.app.redraw(); })(window.__wall.app)")
         screen.click("#dipRemove")
         screen.until("window.__wall.app.picking.kept.length === 0")
         for _ in range(3):

@@ -381,9 +381,9 @@ export class Picking {
     byId('dipSave').hidden = byId('dipLoad').hidden = Boolean(this.app.contents);
     const plane = pick && pick.kind !== BREAKOUT ? this.plane(pick) : current;
     const lines = [`${kept.length} plane${kept.length === 1 ? '' : 's'}, ${boxes.length} breakout${boxes.length === 1 ? '' : 's'}.`];
-    if (pick) lines.push(`Selected ${pick.kind}: drag it${plane ? ' or its crest' : ''}; a digit sets its class.`);
-    else if (this.kind === BREAKOUT) lines.push('Drag a box over a breakout. A click on a pick selects it.');
-    else if (!current) lines.push(['Drag from a crest or trough along the bed, or click three points around the hole.', 'Two more points.', 'One more, round the hole.'][this.points.length] ?? 'These lie on one side: add a point round the hole.');
+    if (pick) lines.push(`Selected ${pick.kind}: drag it${plane ? ' or its crest' : ''}; its class is in the list above.`);
+    else if (this.kind === BREAKOUT) lines.push('Drag a box over a breakout. Press on a pick to select it.');
+    else if (!current) lines.push(['Drag from a crest or trough along the bed, or mark three points around the hole.', 'Two more points.', 'One more, round the hole.'][this.points.length] ?? 'These lie on one side: add a point round the hole.');
     if (plane) {
       const assumed = pick ? pick.radius === null : this.points.some(({ measured }) => !measured);
       const count = pick ? /** @type {PlanePick} */ (pick).points ?? 0 : this.points.length + Number(open);
