@@ -41,6 +41,7 @@ import { bySeverity, jump } from './zones.js';
 
 const NARROW = window.matchMedia('(max-width: 999px)');
 const PHONE = window.matchMedia('(max-width: 599px)');
+const DARK = window.matchMedia('(prefers-color-scheme: dark)');
 const FINE_TILES = 64; // a longer section is drawn from the overview
 const MEMORY = 256 * 2 ** 20; // bytes of tiles, textures included
 const UNSEEN = 250; // milliseconds that a change outside the section may wait for a frame
@@ -136,6 +137,8 @@ export class App {
     this.resize();
     this.contents = exportedContents();
     this.colours = fromAddress(this, location.hash || (this.contents?.address ?? ''));
+    this.view.followTheme(DARK.matches);
+    DARK.addEventListener('change', ({ matches }) => this.view.followTheme(matches));
     window.addEventListener('hashchange', () => this.readdress());
     setInterval(() => (lamp(this), this.view.rig && this.store && writeRig(this)), 1000);
     const { protocol, host, search } = location;

@@ -33,7 +33,7 @@ class Settings {
   rig = false; // large digits; follows the bit, whatever the user does
 }
 const DEFAULTS = new Settings();
-const CHOICES = /** @type {const} */ (['quantity', 'cut', 'units', 'pass', 'theme', 'tube', 'shape', 'median', 'camera', 'turn', 'tab']);
+const CHOICES = /** @type {const} */ (['quantity', 'cut', 'units', 'pass', 'tube', 'shape', 'median', 'camera', 'turn', 'tab']);
 const LISTS = /** @type {const} */ (['beside', 'curves', 'order']);
 const SWITCHES = /** @type {const} */ (['follow', 'rig']);
 
@@ -55,6 +55,7 @@ export class View extends Settings {
   beside = []; // ids of the quantities whose images stand beside the first
   imagesChosen = false; // by the address or the user
   sized = false; // by the address, or the first time: how long the section is
+  themeChosen = false; // by the address or the user; else it is that of the machine
   /** @type {string[]} */
   curves = []; // names of the curves along the hole that are shown
   curvesChosen = false; // by the address or the user
@@ -87,11 +88,17 @@ export class View extends Settings {
   // Choose settings: units, theme, what is coloured, exaggerations ...
   /** @param {Partial<Settings>} settings */
   choose(settings) {
-    this.#change(settings);
+    this.#change({ ...settings, ...(settings.theme ? { themeChosen: true } : {}) });
   }
 
   toggleTheme() {
-    this.#change({ theme: this.theme === 'dark' ? 'light' : 'dark' });
+    this.choose({ theme: this.theme === 'dark' ? 'light' : 'dark' });
+  }
+
+  // Take the theme of the machine, unless one was chosen.
+  /** @param {boolean} dark */
+  followTheme(dark) {
+    if (!this.themeChosen) this.#change({ theme: dark ? 'dark' : 'light' });
   }
 
   nextCamera() {
@@ -212,6 +219,7 @@ export class View extends Settings {
     for (const key of CHOICES) {
       if (this[key] !== DEFAULTS[key]) parts[key] = String(this[key]);
     }
+    if (this.themeChosen) parts.theme = this.theme;
     const chosen = { beside: this.imagesChosen, curves: this.curvesChosen, order: false };
     for (const key of LISTS) if (this[key].length || chosen[key]) parts[key] = this[key].join('~');
     if (Object.keys(this.widths).length) parts.widths = Object.entries(this.widths).flat().join('~');
@@ -250,6 +258,7 @@ export class View extends Settings {
       camera: among('camera', /** @type {(keyof typeof CAMERAS)[]} */ (Object.keys(CAMERAS))),
       quantity: parts.get('quantity')?.slice(0, 80) ?? null,
     };
+    this.themeChosen ||= taken.theme !== null;
     Object.assign(this, Object.fromEntries(Object.entries(taken).filter(([, value]) => value !== null)));
     /** @param {string} key @param {number} most */
     const listed = (key, most) => parts.get(key)?.split('~').slice(0, most) ?? [];

@@ -218,3 +218,17 @@ test('the first two curves of files are shown until the address or the user choo
   third.usual([], ['GR']);
   assert.deepEqual(third.curves, [], 'hidden for the one who gets the address, too');
 });
+
+test('the theme is that of the machine until someone chooses one, which the address then says', () => {
+  const view = new View(() => {});
+  view.followTheme(true);
+  assert.equal(view.theme, 'dark');
+  assert.doesNotMatch(view.toAddress(), /theme/, 'a colleague has their own');
+  view.toggleTheme();
+  view.followTheme(true);
+  assert.equal(view.theme, 'light');
+  const other = new View(() => {});
+  other.fromAddress(view.toAddress());
+  other.followTheme(true);
+  assert.equal(other.theme, 'light');
+});
