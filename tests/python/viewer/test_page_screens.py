@@ -103,7 +103,8 @@ def test_a_finger_draws_a_sine_classes_deletes_and_restores_it(browser: Any, siz
         assert len(set(said)) == 3
         assert not re.search("click|digit", "".join(said), re.IGNORECASE), "a finger has neither"
         screen.page.select_option("#pickClass", "bed")
-        screen.evaluate("(({ picking }) => { picking.selected = picking.kept[0].key; picking.app.redraw(); })(window.__wall.app)")
+        screen.evaluate("window.__wall.app.picking.selected = window.__wall.app.picking.kept[0].key")
+        screen.evaluate("window.__wall.app.redraw()")
         screen.click("#dipRemove")
         screen.until("window.__wall.app.picking.kept.length === 0")
         for _ in range(3):

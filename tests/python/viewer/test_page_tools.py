@@ -384,7 +384,7 @@ def test_the_page_prints_what_is_in_view_with_its_picks(browser: Any) -> None:
         screen.settle()
         assert not screen.is_visible("#print")
         scales, draw = [], section_printer(wall, {"title": "A"})
-        viewer.scene.draw_pages = lambda start, stop, unit, scale: scales.append(scale) or draw(start, stop, unit, scale)
+        viewer.scene.draw_pages = lambda *wanted: scales.append(wanted[-1]) or draw(*wanted)
         viewer.scene.update_state(prints=True)
         screen.until("window.__wall.app.prints")
         screen.keyboard.press("d")
