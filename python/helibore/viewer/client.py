@@ -9,9 +9,9 @@ acknowledgement. Everything here is called with the scene's lock held; nothing h
 from __future__ import annotations
 
 import math
-import os
 import time
 from dataclasses import asdict, dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -182,7 +182,7 @@ def handshake(scene: Scene) -> dict[str, Any]:
         "frame_step": math.copysign(messages.FRAME_STEP, shape.pitch),
         "template": None if scene.template is None else asdict(scene.template),
         "attributes": [asdict(attribute) for attribute in shape.attributes],
-        "picks_file": None if scene.picks_file is None else os.path.basename(scene.picks_file),
+        "picks_file": None if scene.picks_file is None else Path(scene.picks_file).name,
         "curves": [row["name"] for row in scene.state.curves if row["version"] == 0],  # given; the logs' have another
     }
 

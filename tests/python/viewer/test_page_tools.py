@@ -393,12 +393,12 @@ def test_the_page_prints_what_is_in_view_with_its_picks(browser: Any) -> None:
             screen.click("#dipPrint")
         assert saved.value.suggested_filename == "log-998.0-1010.0.pdf"
         assert Path(saved.value.path()).read_bytes().startswith(b"%PDF")
-        screen.page.select_option("#sectionLength", "1:500")
+        screen.page.select_option("#sectionLength", "1:50")
         screen.settle()
-        assert screen.get_attribute("#dipPrint", "title") == "This section on paper at 1:500, with its picks (PDF)"
+        assert screen.get_attribute("#dipPrint", "title") == "This section on paper at 1:50, with its picks (PDF)"
         with screen.expect_download():
             screen.click("#dipPrint")
-        assert scales == [100, 500], "12 m on 468 pixels are 1:97"
+        assert scales == [100, 50], "12 m on 468 pixels are 1:97"
         screen.evaluate("window.__wall.app.view.show(2000, 5, window.__wall.app.store)")
         screen.close()
 

@@ -168,7 +168,7 @@ test('redo makes again what undo took back, in order; a new change ends it', () 
   const drawn = made.pick;
   made.setClass('fault');
   made.remove();
-  for (const _ of 'abcd') made.undo();
+  for (let i = 0; i < 4; i++) made.undo();
   assert.equal(made.kept.length, 0);
   made.redo();
   assert.deepEqual(made.kept, [drawn]);
