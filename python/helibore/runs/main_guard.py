@@ -14,7 +14,7 @@ from helibore.base.errors import InputError
 
 
 def check_main_guard(caller: str) -> None:
-    """Refuse a call from the script that runs, unless it stands below an ``if``: that of ``__name__``, it is hoped."""
+    """Refuse a call from the script that runs, unless it stands below an ``if``; it need not be the guard itself."""
     main = vars(sys.modules["__main__"])
     file, spec = main.get("__file__"), main.get("__spec__")
     if file is None or (spec is not None and spec.name.endswith("__main__")):  # a new process does not run these again

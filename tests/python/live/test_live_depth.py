@@ -196,3 +196,41 @@ def test_a_level_that_was_refused_is_used_with_a_corrected_unit_or_a_larger_jump
         rig(live, 500.2 / 0.3048)
         sample(live)
     assert live.wall.samples.depth[-1] == pytest.approx(depth - 10.0, abs=1e-3)
+
+
+@pytest.mark.parametrize(("change", "used"), [('depth_unit = "ft", ', True), ("latency = 1.0, ", False)])
+def test_a_level_of_sent_depths_is_forgotten_if_their_unit_changes_and_kept_otherwise(change, used):
+    """Feet are read as metres for 20 samples, as the bit depth shows; the right unit is then no jump."""
+    clock, text = Clock(), FROM_BIT.replace("offset = 10.0, latency = LATENCY", 'depth = ["5011"]')
+    live = Live(parse(text), clock=clock)
+
+    def drill(start: int, stop: int) -> None:
+        for i in range(start, stop):
+            rig(live, 500.0 + 0.1 * i)
+            clock.step(1)
+            feet = f"{(490 + 0.1 * i) / 0.3048:.2f}"
+            live.receive("mwd", wits.frame([(5010, f"{i}"), (5011, feet), (5012, "110")]))
+            clock.step(1)
+
+    drill(0, 20)
+    assert live.wall.sample_count == 0
+    live.reconfigure(parse(text.replace('depth = ["5011"]', f'{change}depth = ["5011"]')))
+    drill(20, 60)
+    assert (live.wall.sample_count > 30) == used
+    assert live.model.events.counts["mwd", "depth_jump"] == 0
+
+
+def test_a_level_of_bit_depth_outlives_a_change_of_other_items():
+    clock, text = Clock(), FROM_BIT.replace("LATENCY", "0")
+    live = Live(parse(text), clock=clock)
+    rig(live, 500.0)
+    clock.step(61)
+    rig(live, 500.1 / 0.3048)
+    live.reconfigure(parse(text.replace(', activity = "0107"', "")))
+    clock.step(1)
+    rig(live, 500.2 / 0.3048)
+    clock.step(1)
+    rig(live, 500.3)
+    value = live.model.rig.tracks["bit_depth"].value
+    np.testing.assert_allclose(value[np.isfinite(value)], [500.0, 500.3])
+    assert live.model.events.counts["rig", "depth_jump"] == 4, "of bit and hole"

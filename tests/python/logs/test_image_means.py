@@ -34,8 +34,10 @@ def test_a_mean_is_weighed_by_the_hole_that_each_row_covers_and_missing_where_no
 def test_a_constant_image_is_that_constant_in_every_turn_and_names_are_mnemonics() -> None:
     logs = logs_of_a_wall().logs()
     one = image(np.arange(999.0, 1012.0, 0.15), np.full((87, 8), 55.0), 0.2)
-    columns = image_means(logs, {"gr up": one, "GR_UP": one, "AGE": one, "8 inch": one})
-    assert [column.mnemonic for column in columns] == ["GR_UP", "GR_UP_", "IMAGE_AGE", "IMAGE_8_INCH"]
+    columns = image_means(logs, {"gr up": one, "GR_UP": one, "AGE": one, "8 inch": one, "Incl": one, "CLEAR_178": one})
+    assert [column.mnemonic for column in columns] == [
+        "GR_UP", "GR_UP_", "IMAGE_AGE", "IMAGE_8_INCH", "IMAGE_INCL", "IMAGE_CLEAR_178",
+    ]  # fmt: skip
     for column in columns:
         np.testing.assert_allclose(column.values, 55.0, rtol=1e-12)
     names = [of.mnemonic for of in logs.table(columns)]

@@ -537,7 +537,7 @@ def test_a_script_that_would_start_itself_again_is_refused(field: Path, tmp_path
             f'InputError: all.py, line {line}: stands outside of if __name__ == "__main__": write that' in done.stderr
         )
         assert not (tmp_path / "out").exists()
-    done = run(f'if __name__ == "__main__":\n    print({call}.sentence())')
+    done = run(f'MAIN = __name__ == "__main__"\nif MAIN:\n    print({call}.sentence())')
     assert done.stdout.startswith("2 made, 0 there already, 0 failed"), done.stderr
 
 

@@ -114,7 +114,7 @@ export class Picking {
     this.app.resize();
   }
 
-  // Let go of the selected pick, or of the points of the next one; without either, end picking.
+  // Deselect the pick, or drop the points of the next one; without either, end picking.
   leave() {
     if (!this.selected && !this.points.length) return this.toggle(false);
     Object.assign(this, { points: [], selected: null });
