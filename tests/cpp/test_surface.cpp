@@ -130,7 +130,7 @@ void refusals() {
     CHECK_THROWS(InputError, "first = 9223372036854775807: must lie in -2^52 to 2^52",
                  layout_of([](HelixRadii& h) { h.first = std::numeric_limits<Index>::max(); }));
     radius[3] = -1.0;
-    CHECK_THROWS(InputError, "radius[3] = -1: must be positive and finite, or nan", surface_layout(good));
+    CHECK_THROWS(InputError, "radius[3] = -1: must be finite and above 0, or nan", surface_layout(good));
     radius[3] = 0.1;
     const SurfaceLayout layout = surface_layout(good);
     std::vector<Vector3> vertices(39);

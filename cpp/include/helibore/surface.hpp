@@ -63,7 +63,7 @@ struct VolumeLayout {
     Index vertex_count = 0, hexahedron_count = 0;
 };
 
-// Throws InputError on sectors < 3, a pitch of 0 or not finite, or a radius that is neither positive nor NaN.
+// Throws InputError on sectors < 3, a pitch of 0 or not finite, or a radius that is neither above 0 nor NaN.
 SurfaceLayout surface_layout(const HelixRadii& radii);
 
 // `shells`: two or more, each with the radii of the same vertices as radii.radius; the first is that span itself.

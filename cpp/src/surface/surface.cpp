@@ -45,7 +45,7 @@ std::vector<VertexRun> vertex_runs(std::span<const double> radius, Index first, 
         i += static_cast<std::size_t>(length);
         for (const std::size_t stop = i + static_cast<std::size_t>(run_length(radius, i, false)); i < stop; ++i) {
             if (!std::isnan(radius[i])) {
-                throw InputError(entry_name(name, static_cast<Index>(i)), "must be positive and finite, or nan",
+                throw InputError(entry_name(name, static_cast<Index>(i)), "must be finite and above 0, or nan",
                                  number_text(radius[i]));
             }
         }

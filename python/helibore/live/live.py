@@ -370,7 +370,7 @@ class Live:
         for name, values in columns.items():
             _require_finite(name, values)
         for index in np.flatnonzero(columns["radius"] <= 0)[:1].tolist():
-            raise ValueError(f"radius[{index}] = {columns['radius'][index]:g}: must be larger than 0")
+            raise ValueError(f"radius[{index}] = {columns['radius'][index]:g}: must be above 0")
         update = Update()
         step = journals.LONGEST_PAYLOAD // 32
         for start in range(0, depths.size, step):

@@ -185,7 +185,7 @@ def find_bias(
     arms = np.zeros(where.size, dtype=np.int64) if arm is None else whole_column("arm", arm, where.size, "depth")
     if not (cell > 0 and sectors >= 1 and floor > 0 and expected > 0 and sides >= 1):
         place = f"cell = {cell:g}, sectors = {sectors}, floor = {floor:g}, expected = {expected:g}, sides = {sides}"
-        raise InputError(place, "all must be larger than 0")
+        raise InputError(place, "all must be above 0")
     passes, arm_numbers = np.unique(number), np.unique(arms)
     shape = passes.size, arm_numbers.size
     group = np.searchsorted(passes, number) * shape[1] + np.searchsorted(arm_numbers, arms)

@@ -101,7 +101,7 @@ def spikes(
     number = whole_column("turn", turn, angle.size, "toolface")
     where = np.zeros(angle.size) if depth is None else column("depth", depth, angle.size, "toolface")
     if not (threshold > 0 and floor > 0):
-        raise InputError(f"threshold = {threshold:g}, floor = {floor:g}", "must be larger than 0")
+        raise InputError(f"threshold = {threshold:g}, floor = {floor:g}", "must be above 0")
     present = np.flatnonzero(np.isfinite(distance))
     order = present[np.lexsort((angle[present] % 360.0, number[present]))]
     rings = _Rings(angle[order] % 360.0, distance[order], number[order])
@@ -297,7 +297,7 @@ def closed(arms: Sequence[npt.ArrayLike], radius: float, *, tolerance: float = 0
         ``dropped`` is (n,), of rows.
     """
     if not radius > 0 or not tolerance >= 0:
-        rule = "radius must be larger than 0, tolerance not negative"
+        rule = "radius must be above 0, tolerance not negative"
         raise InputError(f"radius = {radius:g}, tolerance = {tolerance:g}", rule)
     if not len(arms):
         raise InputError("arms", "must have at least one column")
@@ -415,7 +415,7 @@ class Echo:
         finite = all(np.isfinite(value) for value in vars(self).values())
         if not (finite and self.velocity > 0 and self.tool_radius >= 0 and self.window >= 0):
             place = f"tool_radius = {self.tool_radius:g}, velocity = {self.velocity:g}, window = {self.window:g}"
-            raise InputError(place, "velocity must be larger than 0, the others not negative, all finite")
+            raise InputError(place, "velocity must be above 0, the others not negative, all finite")
 
     def radius(self, travel_time: Floats) -> Floats:
         """Radii of travel times of any shape, m; a time shorter than the window is no echo: NaN."""

@@ -178,13 +178,13 @@ def find_centres(
     Raises
     ------
     InputError
-        If lengths differ, a toolface or turn is not finite, a turn is not whole, or a radius is infinite or not
-        positive.
+        If lengths differ, a toolface or turn is not finite, a turn is not whole, or a radius is infinite or not above
+        0.
     """
     shape = Shape() if shape is None else shape
     angle, distance, number = _samples(toolface, radius, turn)
     if bit_diameter is not None and not 0 < bit_diameter < np.inf:
-        raise InputError("bit_diameter", "must be finite and larger than 0", f"{bit_diameter:g}")
+        raise InputError("bit_diameter", "must be finite and above 0", f"{bit_diameter:g}")
     place = None if position is None else finite_column("position", position, angle.size, "toolface")
     turns, row = np.unique(number, return_inverse=True)
     known = np.flatnonzero(np.isfinite(distance))
@@ -389,5 +389,5 @@ def _samples(toolface: npt.ArrayLike, radius: npt.ArrayLike, turn: npt.ArrayLike
     angle = finite_column("toolface", toolface)
     distance = column("radius", radius, angle.size, "toolface")
     valid = np.isnan(distance) | ((distance > 0) & (distance < np.inf))
-    require("radius", distance, valid, "must be finite and larger than 0, or NaN where missing")
+    require("radius", distance, valid, "must be finite and above 0, or NaN where missing")
     return angle, distance, whole_column("turn", turn, angle.size, "toolface")

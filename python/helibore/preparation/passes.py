@@ -48,7 +48,7 @@ def number_passes(depth: npt.ArrayLike, reversal: float = 5.0) -> Integers:
     """
     track = finite_column("depth", depth)
     if not reversal > 0:
-        raise InputError("reversal", "must be larger than 0", f"{reversal:g}")
+        raise InputError("reversal", "must be above 0", f"{reversal:g}")
     sign = 1 if _turn(track, 0, 1, reversal)[1] > _turn(track, 0, -1, reversal)[1] else -1  # 1: down at first
     begins, noticed = [0], 0
     while noticed < track.size:
@@ -100,7 +100,7 @@ def choose(
     number = whole_column("pass_number", pass_number)
     where = finite_column("depth", depth, number.size, "pass_number")
     if not cell > 0:
-        raise InputError("cell", "must be larger than 0", f"{cell:g}")
+        raise InputError("cell", "must be above 0", f"{cell:g}")
     known, group = np.unique(number, return_inverse=True)
     order = known if passes is None else np.array(passes, dtype=np.int64)
     strange = np.setdiff1d(order, known)

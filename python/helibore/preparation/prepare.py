@@ -143,7 +143,7 @@ class Preparation:
         for name in ("turn_height", "closed", "spikes", "reversal"):
             value = getattr(self, name)
             if value is not None and not 0 < value < np.inf:
-                raise InputError(name, "must be finite and larger than 0", f"{value:g}")
+                raise InputError(name, "must be finite and above 0", f"{value:g}")
         if self.stuck is not None and self.stuck < 2:
             raise InputError("stuck", "must be at least 2 rows", str(self.stuck))
         for least, most in (("least_radius", "greatest_radius"), ("shallowest", "deepest"), ("steep", "level")):
@@ -690,7 +690,7 @@ class _Pipeline:
             one = self.readings[int(samples.file[at])]
             channel = one.channels[int(one.arm[int(samples.sensor[at])])]
             place = f"{one.name}, {one.place(int(samples.row[at]))}, column {channel}"
-            rule = f"must be larger than 0 and at most {LARGEST_RADIUS:g} m; --radius-range drops such (Python: "
+            rule = f"must be above 0 and at most {LARGEST_RADIUS:g} m; --radius-range drops such (Python: "
             rule += f"least_radius); if the number of the file means no value, {say_so()}"
             raise InputError(f"{place}: radius {samples.radius[at]:g} m", rule)
 

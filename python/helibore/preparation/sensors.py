@@ -69,7 +69,7 @@ class TimeSeries:
         beyond: float = 0.0,
     ) -> None:
         if not gap > 0 or not beyond >= 0:
-            raise InputError(f"gap = {gap:g}, beyond = {beyond:g}", "gap must be larger than 0, beyond not negative")
+            raise InputError(f"gap = {gap:g}, beyond = {beyond:g}", "gap must be above 0, beyond not negative")
         stamps = finite_column("time", time)
         readings = column("values", values, stamps.size, "time")
         require("values", readings, ~np.isinf(readings), "must be finite")

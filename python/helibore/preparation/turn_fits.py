@@ -67,7 +67,7 @@ class Shape:
         for name in ("even", "odd", "reach", "noise", "one_sided"):
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0):
-                raise InputError(name, "must be finite and larger than 0", f"{value:g}")
+                raise InputError(name, "must be finite and above 0", f"{value:g}")
         if self.harmonics < 2:
             raise InputError("harmonics", "must be at least 2", str(self.harmonics))
 

@@ -213,7 +213,7 @@ def sample_batches(run: Run, only: Input) -> Iterator[tuple[Floats, ...]]:
                 continue
             odd = keep & ~((samples.radius > 0) & (samples.radius <= LARGEST_RADIUS))
             if odd.any():
-                rule = f"must be larger than 0 and at most {LARGEST_RADIUS:g} m; a radius range drops such"
+                rule = f"must be above 0 and at most {LARGEST_RADIUS:g} m; a radius range drops such"
                 raise InputError(f"{only.file.name}: radius", rule, f"{samples.radius[odd][0]:g}")
             yield tuple(column[keep] for column in columns)
 

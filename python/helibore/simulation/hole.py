@@ -103,9 +103,9 @@ class Hole:
         if not self.stop > self.start:
             raise InputError("stop", f"must be deeper than start = {self.start:g}", f"{self.stop:g}")
         if not self.bit_diameter > 0:
-            raise InputError("bit_diameter", "must be larger than 0", f"{self.bit_diameter:g}")
+            raise InputError("bit_diameter", "must be above 0", f"{self.bit_diameter:g}")
         if self.rugosity and not self.rugosity_length > 0:
-            raise InputError("rugosity_length", "must be larger than 0", f"{self.rugosity_length:g}")
+            raise InputError("rugosity_length", "must be above 0", f"{self.rugosity_length:g}")
         object.__setattr__(self, "_modes", self._roughness_modes())
 
     @classmethod

@@ -52,7 +52,7 @@ class Tool:
     def __post_init__(self) -> None:
         for name in ("rotation", "stick_slip_period", "advance", "sample_rate", "image_step"):
             if not getattr(self, name) > 0:
-                raise InputError(name, "must be larger than 0", f"{getattr(self, name):g}")
+                raise InputError(name, "must be above 0", f"{getattr(self, name):g}")
         for name in ("stick_slip", "noise", "toolface_noise", "gamma_noise"):
             if not getattr(self, name) >= 0:
                 raise InputError(name, "must not be negative", f"{getattr(self, name):g}")
@@ -139,7 +139,7 @@ def _check_lifts(hole: Hole, tool: Tool) -> None:
         if not (deepest <= lift.depth <= hole.stop):
             raise InputError(f"lifts[{index}].depth", f"must be in [{deepest:g}, {hole.stop:g}]", f"{lift.depth:g}")
         if not (0 < lift.length <= lift.depth - hole.start):
-            rule = f"must be larger than 0 and stay below {hole.start:g}"
+            rule = f"must be above 0 and stay below {hole.start:g}"
             raise InputError(f"lifts[{index}].length", rule, f"{lift.length:g}")
         deepest = lift.depth
 

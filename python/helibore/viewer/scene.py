@@ -78,9 +78,9 @@ class WallShape:
         if not 3 <= self.sectors <= MAX_SECTORS:
             raise InputError("sectors", f"the viewer draws 3 to {MAX_SECTORS} sectors", str(self.sectors))
         if not (math.isfinite(self.pitch) and self.pitch != 0):
-            raise InputError("pitch", "must be finite and not zero", str(self.pitch))
+            raise InputError("pitch", "must be finite and not 0", str(self.pitch))
         if not (math.isfinite(self.bit_diameter) and self.bit_diameter > 0):
-            raise InputError("bit_diameter", "must be finite and positive", str(self.bit_diameter))
+            raise InputError("bit_diameter", "must be finite and above 0", str(self.bit_diameter))
         names = [attribute.name for attribute in self.attributes]
         if len(names) > MAX_ATTRIBUTES:
             raise InputError(f"{len(names)} attributes", f"the viewer takes at most {MAX_ATTRIBUTES}")

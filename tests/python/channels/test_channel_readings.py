@@ -292,11 +292,11 @@ HEADER = "md_m,tf_deg,radius_m\n"
         (HEADER + "1,2,0.1\n\n-inf,2,0.1\n", {},
          "c.csv, line 4, column md_m: NaN or infinite: a depth must be finite, or empty"),
         (HEADER + "1,2,0\n1,2,0.1\n1,2,0.1\n", {},
-         "c.csv, line 2, column radius_m: radius 0 m: must be larger than 0 and at most 2 m; "
+         "c.csv, line 2, column radius_m: radius 0 m: must be above 0 and at most 2 m; "
          "--radius-range drops such (Python: least_radius); if the number of the file means no value, --absent NUMBER "
          "says so (Python: nulls of hb.open)"),
         (HEADER + ",2,99\n1,2,0.1\n1,2,8.5\n1,2,0.1\n1,2,0.1\n", {},
-         "c.csv, line 4, column radius_m: radius 8.5 m: must be larger than 0 and at most 2 m; "
+         "c.csv, line 4, column radius_m: radius 8.5 m: must be above 0 and at most 2 m; "
          "--radius-range drops such (Python: least_radius); if the number of the file means no value, --absent NUMBER "
          "says so (Python: nulls of hb.open)"),
         (HEADER + "1,2,8.5\n", {},
@@ -316,7 +316,7 @@ def test_bad_file(tmp_path: Path, text: str, choice: dict[str, Any], message: st
 def test_bad_npz(tmp_path: Path) -> None:
     path = tmp_path / "c.npz"
     np.savez(path, depth=[1.0, 2.0, 3.0], toolface=[1.0, 2.0, 3.0], radius=[0.1, 3.0, 0.1])
-    with pytest.raises(ValueError, match=r"^c.npz, row 1, column radius: radius 3 m: must be larger than 0"):
+    with pytest.raises(ValueError, match=r"^c.npz, row 1, column radius: radius 3 m: must be above 0"):
         hb.open(path).caliper()
     np.savez(path, depth=[1.0, np.nan, 3.0], toolface=[1.0, 2.0, 3.0], radius=[0.1, 0.1, 0.1])
     with pytest.raises(ValueError, match=r"^c.npz, row 1, column depth: NaN or infinite"):

@@ -249,7 +249,7 @@ def test_a_caliper_holds_no_impossible_radius() -> None:
     for metres in (0.0, -0.1, 2.5):
         one = log_set(DEPTH, TURN, channel("radius", "m", np.where(np.arange(40) == 7, metres, 0.1)))
         assert wall_samples(one).radius[7] == metres  # for conditioning to judge
-        rule = rf"^f.las, row 7, column radius: radius {metres:g} m: must be larger than 0 and at most 2 m; --radius-"
+        rule = rf"^f.las, row 7, column radius: radius {metres:g} m: must be above 0 and at most 2 m; --radius-"
         with pytest.raises(ValueError, match=rule):
             one.caliper()
 

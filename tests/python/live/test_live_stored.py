@@ -55,7 +55,7 @@ def test_the_host_pushes_samples_stations_and_images(tmp_path):
     [
         (lambda live: live.receive("x", b""), "source 'x': is not in the configuration"),
         (lambda live: live.append_samples([1.0], [np.nan], [0.1]), "toolface[0] = nan: must be finite"),
-        (lambda live: live.append_samples([1.0], [1.0], [-0.1]), "radius[0] = -0.1: must be larger than 0"),
+        (lambda live: live.append_samples([1.0], [1.0], [-0.1]), "radius[0] = -0.1: must be above 0"),
         (
             lambda live: live.append_samples([1.0, 2.0], [1.0], [0.1]),
             "toolface has 1 values, depth has 2: must be equal",

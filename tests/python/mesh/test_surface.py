@@ -420,9 +420,9 @@ def test_vertices_whose_reference_is_undefined(threads):
         (wall_of([0.1] * 9, sectors=2), "sectors = 2: must be 3 or more"),
         (wall_of([0.1] * 9, pitch=0.0), "pitch = 0: must be finite and not 0"),
         (wall_of([0.1] * 9, start_toolface=math.nan), "start_toolface = nan: must be finite"),
-        (wall_of([0.1, 0.1, -0.1]), "radius[2] = -0.1: must be positive and finite, or nan"),
-        (wall_of([0.1, math.inf]), "radius[1] = inf: must be positive and finite, or nan"),
-        (wall_of([0.1] * 100 + [0.0] + [0.1] * 100), "radius[100] = 0: must be positive and finite, or nan"),
+        (wall_of([0.1, 0.1, -0.1]), "radius[2] = -0.1: must be finite and above 0, or nan"),
+        (wall_of([0.1, math.inf]), "radius[1] = inf: must be finite and above 0, or nan"),
+        (wall_of([0.1] * 100 + [0.0] + [0.1] * 100), "radius[100] = 0: must be finite and above 0, or nan"),
     ],
 )
 def test_bad_walls(wall, text):

@@ -270,9 +270,9 @@ def test_travel_time():
     ("call", "text"),
     [
         (lambda: Echo(0, 0.04),
-         "tool_radius = 0.04, velocity = 0, window = 0: velocity must be larger than 0, the others not negative, "
+         "tool_radius = 0.04, velocity = 0, window = 0: velocity must be above 0, the others not negative, "
          "all finite"),
-        (lambda: spikes([0], [1], [0], floor=0), "threshold = 6, floor = 0: must be larger than 0"),
+        (lambda: spikes([0], [1], [0], floor=0), "threshold = 6, floor = 0: must be above 0"),
         (lambda: spikes([0], [1, 2], [0]), "radius has 2 values, toolface has 1: must be equal"),
         (lambda: stuck([[1.0]]), "arms has 1 columns: must have at least 2, to compare"),
         (lambda: stuck([[1.0], [1.0, 2.0]]), "arms[1] has 2 values, arms[0] has 1: must be equal"),
@@ -280,7 +280,7 @@ def test_travel_time():
         (lambda: repeated_rows(), "columns: must have at least one"),
         (lambda: closed([], 0.1), "arms: must have at least one column"),
         (lambda: closed([[1.0]], -1.0),
-         "radius = -1, tolerance = 0.002: radius must be larger than 0, tolerance not negative"),
+         "radius = -1, tolerance = 0.002: radius must be above 0, tolerance not negative"),
     ],
 )  # fmt: skip
 def test_errors(call, text):

@@ -84,14 +84,12 @@ def test_range_interval_repeated_are_counted_in_words() -> None:
         "repeated rows": "dropped 1 of 297 samples (1 repeated)",
     }
     assert found.counts == {"interval": 101, "range": 2, "repeated rows": 1, "kept": 296}
-    with pytest.raises(
-        ValueError, match=r"^f.csv, row 3, column radius: radius 0 m: must be larger than 0 and at most 2"
-    ):
+    with pytest.raises(ValueError, match=r"^f.csv, row 3, column radius: radius 0 m: must be above 0 and at most 2"):
         prepare(one.readings())
     with pytest.raises(hb.InputError) as caught:
         prepare(one.readings(), Preparation(recentre=True))
     rule = (
-        "must be larger than 0 and at most 2 m; --radius-range drops such (Python: least_radius); if the number of the "
+        "must be above 0 and at most 2 m; --radius-range drops such (Python: least_radius); if the number of the "
         "file means no value, --absent NUMBER says so (Python: nulls of hb.open)"
     )
     assert str(caught.value) == f"f.csv, row 3, column radius: radius 0 m: {rule}"
@@ -577,16 +575,16 @@ def test_rows_without_a_time_are_left_out() -> None:
     [
         ({"toolface_from": "south"}, "toolface_from = 'south': must be one of north, high-side, automatic"),
         ({"bias": "tool"}, "bias = 'tool': must be one of none, arm, side"),
-        ({"turn_height": 0.0}, "turn_height = 0: must be finite and larger than 0"),
+        ({"turn_height": 0.0}, "turn_height = 0: must be finite and above 0"),
         (
             {"least_radius": 2.0, "greatest_radius": 1.0},
             "least_radius = 2: must not be larger than greatest_radius = 1",
         ),
         ({"shifts": ((1, 0.1), (1, 0.2))}, "shifts: pass 1 is given twice"),
         ({"passes": (2, 2)}, "passes: pass 2 is given twice"),
-        ({"spikes": 0.0}, "spikes = 0: must be finite and larger than 0"),
-        ({"closed": -1.0}, "closed = -1: must be finite and larger than 0"),
-        ({"reversal": np.inf}, "reversal = inf: must be finite and larger than 0"),
+        ({"spikes": 0.0}, "spikes = 0: must be finite and above 0"),
+        ({"closed": -1.0}, "closed = -1: must be finite and above 0"),
+        ({"reversal": np.inf}, "reversal = inf: must be finite and above 0"),
         ({"stuck": 1}, "stuck = 1: must be at least 2 rows"),
         ({"steep": 6.0, "level": 4.0}, "steep = 6: must not be larger than level = 4"),
     ],

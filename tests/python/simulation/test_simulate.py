@@ -146,9 +146,9 @@ def test_example_hole_has_everything_in_it() -> None:
     ("make", "message"),
     [
         (lambda: Hole(start=10, stop=10), "stop = 10: must be deeper than start = 10"),
-        (lambda: Hole(bit_diameter=0), "bit_diameter = 0: must be larger than 0"),
-        (lambda: Hole(rugosity=1e-3, rugosity_length=0), "rugosity_length = 0: must be larger than 0"),
-        (lambda: Tool(advance=0), "advance = 0: must be larger than 0"),
+        (lambda: Hole(bit_diameter=0), "bit_diameter = 0: must be above 0"),
+        (lambda: Hole(rugosity=1e-3, rugosity_length=0), "rugosity_length = 0: must be above 0"),
+        (lambda: Tool(advance=0), "advance = 0: must be above 0"),
         (lambda: Tool(noise=-1), "noise = -1: must not be negative"),
         (lambda: Tool(missing=1), "missing = 1: must be in [0, 1)"),
         (lambda: Tool(sectors=0), "sectors = 0: must be at least 1"),
@@ -156,7 +156,7 @@ def test_example_hole_has_everything_in_it() -> None:
         (lambda: simulate(PLAIN, Tool(lifts=(Lift(111, 1),))), "lifts[0].depth = 111: must be in [100, 110]"),
         (
             lambda: simulate(PLAIN, Tool(lifts=(Lift(105, 6),))),
-            "lifts[0].length = 6: must be larger than 0 and stay below 100",
+            "lifts[0].length = 6: must be above 0 and stay below 100",
         ),
     ],
 )

@@ -272,8 +272,8 @@ def test_a_washout_all_around_the_hole_is_level_in_the_overview() -> None:
     ("wrong", "text"),
     [
         ({"sectors": 2}, "sectors = 2: the viewer draws 3 to 2048 sectors"),
-        ({"pitch": 0.0}, "pitch = 0.0: must be finite and not zero"),
-        ({"bit_diameter": -1.0}, "bit_diameter = -1.0: must be finite and positive"),
+        ({"pitch": 0.0}, "pitch = 0.0: must be finite and not 0"),
+        ({"bit_diameter": -1.0}, "bit_diameter = -1.0: must be finite and above 0"),
         ({"attributes": (Attribute("GR"), Attribute("GR"))}, r"attributes \['GR', 'GR'\]: each name may appear once"),
         ({"attributes": tuple(Attribute(str(i)) for i in range(17))}, "17 attributes: the viewer takes at most 16"),
     ],
