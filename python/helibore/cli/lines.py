@@ -10,7 +10,6 @@ import numpy as np
 
 from helibore.base.units import INCH, size_text
 from helibore.cli.quantities import facts_in
-from helibore.samples.caliper import BASIS_TEXT
 
 if TYPE_CHECKING:
     from helibore.images.image_breakouts import ImageBreakouts
@@ -31,7 +30,7 @@ def summary_lines(found: WallSummary, cells: str = "") -> Lines:
     samples = f", from {found.samples:,} samples" if found.samples else ""
     lines = [("wall", f"{found.start:.2f} to {found.stop:.2f} m, {helix}{cells}{samples}")]
     if found.basis != "azimuthal":
-        lines.append(("", BASIS_TEXT[found.basis]))
+        lines.append(("", found.basis_text))
     lines.append(("bit", size_text(found.bit_diameter)))
     if found.basis == "gauge":  # nothing was measured, so that there is nothing to report
         return lines

@@ -163,11 +163,10 @@ class _Measured(NamedTuple):
 
 def _measured(wall: Wall, options: dict[str, Any], reference: Any) -> _Measured:
     from helibore.logs.zones import classify
-    from helibore.samples.caliper import BASIS_TEXT
 
     shaped = wall.basis == "azimuthal"
     if not shaped and (options["zones"] or options["criteria"] or options["scaled"]):
-        raise InputError("zones", f"need a shape that was measured; this wall: {BASIS_TEXT[wall.basis]}")
+        raise InputError("zones", f"need a shape that was measured; this wall: {wall.basis_text}")
     criteria = _criteria(wall, options)
     every = wall.logs(rugosity_window=options["rugosity_window"], sigma=options["sigma"])
     if reference not in (None, every.reference):

@@ -27,7 +27,7 @@ from helibore.base.units import size_text
 from helibore.logs.turn_logs import Logs, Shape
 from helibore.logs.zone_criteria import Criteria
 from helibore.logs.zones import KINDS, Classification, classify
-from helibore.samples.caliper import BASIS_TEXT, Basis
+from helibore.samples.caliper import Basis
 from helibore.samples.helix import WallLike, helix_of
 
 
@@ -50,7 +50,7 @@ class WallSummary:
     ----------
     start, stop
         Ends of the interval, measured depth.
-    basis, bit_diameter, sectors, pitch
+    basis, basis_text, bit_diameter, sectors, pitch
         As of the wall.
     vertices, samples
         Of the interval; samples: of the whole wall where only their number is known.
@@ -89,6 +89,7 @@ class WallSummary:
     start: float
     stop: float
     basis: Basis
+    basis_text: str
     bit_diameter: float
     sectors: int
     pitch: float
@@ -122,7 +123,7 @@ class WallSummary:
         volume = f"{self.volume:.3f} m³ over {self.measured:.1f} m of whole turns"
         numbers = {
             "depth": f"{self.start:.2f} to {self.stop:.2f} m",
-            "basis": BASIS_TEXT[self.basis],
+            "basis": self.basis_text,
             "bit": size_text(self.bit_diameter),
             "mean diameter": size_text(self.mean_diameter),
             "least diameter": self.least_diameter.text(),
@@ -195,6 +196,7 @@ def summarize(
         start=start,
         stop=stop,
         basis=turns.basis,
+        basis_text=turns.basis_text,
         bit_diameter=turns.bit_diameter,
         sectors=helix.sectors,
         pitch=helix.pitch,

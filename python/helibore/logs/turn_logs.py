@@ -33,8 +33,8 @@ from helibore.logs.annulus import Annulus, annulus
 from helibore.logs.arms import arm_diameters
 from helibore.logs.depth_steps import by_step
 from helibore.logs.log_columns import COLUMNS
-from helibore.samples.caliper import BASIS_TEXT, Basis, Caliper
-from helibore.samples.helix import WallLike, basis_of, stretch_of
+from helibore.samples.caliper import Basis, Caliper
+from helibore.samples.helix import WallLike, basis_of, basis_text_of, stretch_of
 from helibore.trajectory.survey import Path
 from helibore.trajectory.true_depth import true_depth
 
@@ -120,8 +120,8 @@ class Logs(Tabular):
         Metres; vertices a turn; metres a turn; metres a row, None for one row a turn.
     rugosity_window
         Metres.
-    basis
-        What the wall is made from, as in `Caliper`.
+    basis, basis_text
+        What the wall is made from, as in `Caliper`; and in words.
     shape
         What `c1`, `c1_toolface`, `c2`, `least_diameter`, ovality, `out_of_roundness` and zones come from: ``"wall"``,
         or ``"arms"`` for a tool with few arms, which measures less than 0.9 of the turns.
@@ -168,6 +168,7 @@ class Logs(Tabular):
     pitch: float
     rugosity_window: float
     basis: Basis
+    basis_text: str
     step: float | None = None
     reference: str = ""
     shape: Shape = "wall"
@@ -273,7 +274,7 @@ class Logs(Tabular):
     def facts(self) -> dict[str, str]:
         """Return what the logs were made with, as texts; every file states them."""
         return {
-            "basis": BASIS_TEXT[self.basis],
+            "basis": self.basis_text,
             "bit diameter": f"{self.bit_diameter:.6g} m",
             "sectors": str(self.sectors),
             "pitch": f"{self.pitch:.6g} m",
@@ -322,7 +323,7 @@ class Logs(Tabular):
         if not len(self):
             return "Logs(empty)"
         row = "turns" if self.step is None else f"steps of {self.step:g} m"
-        return f"Logs({len(self)} {row}, {self.depth[0]:g} to {self.depth[-1]:g} m, {BASIS_TEXT[self.basis]})"
+        return f"Logs({len(self)} {row}, {self.depth[0]:g} to {self.depth[-1]:g} m, {self.basis_text})"
 
 
 TOOLFACE_0 = {
@@ -407,6 +408,7 @@ def turn_logs(
         pitch=pitch,
         rugosity_window=window * abs(pitch),
         basis=basis_of(wall),
+        basis_text=basis_text_of(wall),
         reference=path.reference if path is not None else "",
         with_sigma=sigma is not None,
         path=path,

@@ -15,8 +15,8 @@ import numpy as np
 from helibore import _core
 from helibore.base.arrays import Floats, Integers
 from helibore.mesh.attributes import Attributes
-from helibore.samples.caliper import BASIS_TEXT, Basis
-from helibore.samples.helix import Helix, WallLike, basis_of, helix_of, spread
+from helibore.samples.caliper import Basis
+from helibore.samples.helix import Helix, WallLike, basis_text_of, helix_of, spread
 from helibore.trajectory.survey import Path
 
 UNITS = "metres and degrees; depth along the hole, positive down; toolface clockwise looking downhole"
@@ -78,7 +78,7 @@ def metadata_of(wall: WallLike, path: Path | None) -> dict[str, str]:
     metadata = {
         "made by": f"helibore {_core.__version__}",
         "units": UNITS,
-        "basis": BASIS_TEXT[basis_of(wall)],
+        "basis": basis_text_of(wall),
         "helix": f"{helix.sectors} sectors, pitch {helix.pitch!r} m, from {helix.start_depth!r} m, "
         f"toolface {helix.start_toolface!r} deg",
         "toolface 0": "north" if path is None else path.reference,

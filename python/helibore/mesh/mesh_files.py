@@ -30,7 +30,6 @@ from helibore.mesh.mesh import Mesh, quad_radius, triangles
 from helibore.mesh.vtk_mesh import AXES, check_origin, vtk_mesh, z_up
 from helibore.mesh.vtk_xml import write_vtk_xml
 from helibore.mesh.vtkhdf import save_vtkhdf
-from helibore.samples.caliper import BASIS_TEXT
 
 Paint = Callable[[Floats], Colors]
 Writer = Callable[[BinaryIO], object]
@@ -188,7 +187,8 @@ def _stl(mesh: Mesh, positions: Floats, _color_by: str | None, _paint: Paint) ->
         raise InputError(f"STL holds float32, which would move vertices by up to {moved:.3g} m", rule)
     exported: Any = trimesh.Trimesh(z_up(positions), triangles(mesh), process=False)
     content = exported.export(file_type="stl")
-    header = f"helibore: {BASIS_TEXT[mesh.basis]}".encode("ascii").ljust(80)
+    basis = mesh.metadata.get("basis", mesh.basis)
+    header = f"helibore: {basis}".encode("ascii", "replace")[:80].ljust(80)
     return lambda file: file.write(header + content[80:])
 
 

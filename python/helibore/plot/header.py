@@ -15,7 +15,6 @@ from helibore.plot.picked import DASHES
 from helibore.plot.scales import length_text
 from helibore.plot.tracks import GREY, HATCH_COLOR, LETTERS
 from helibore.plot.zone_list import zone_sign
-from helibore.samples.caliper import BASIS_TEXT
 
 if TYPE_CHECKING:
     from helibore.plot.content import Content
@@ -50,7 +49,6 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
     """Return label, text and whether it is a warning, for everything a reader must know."""
     wall, settings, summary = content.wall, content.wall.settings, content.summary()
     bit = settings.bit_diameter
-    made = BASIS_TEXT[wall.basis] if wall.arms is None else "radius measured by the arms of a caliper"
     unit = content.drawing.depth_unit
     ends = unit.ends(content.top, content.bottom)
     elevation = content.drawing.elevation
@@ -75,7 +73,7 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
         ("Bit size", f"{length_text(bit / INCH, 'in')} ({bit * 1e3:.1f} mm)", False),
         ("Depth scale", f"1:{content.scale}, {paper}{below}", False),
         ("Toolface", REFERENCE_TEXT[content.reference], False),
-        ("Wall made from", made, wall.basis != "azimuthal"),
+        ("Wall made from", wall.basis_text, wall.basis != "azimuthal"),
         *measured,
         ("Helix", f"{settings.sectors} sectors, pitch {settings.pitch:g} m, {summary.vertices:,} vertices", False),
     ]

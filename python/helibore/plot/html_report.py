@@ -31,7 +31,6 @@ from helibore.plot.diameters import Diameters
 from helibore.plot.header import HEADER, REFERENCE_TEXT, facts, measured_text
 from helibore.plot.paper import MM
 from helibore.plot.tracks import LENGTHS
-from helibore.samples.caliper import BASIS_TEXT
 
 if TYPE_CHECKING:
     from helibore.logs.zones import Classification
@@ -108,7 +107,7 @@ def page(wall: Wall, messages: Sequence[tuple[str, str]] = (), **options: Any) -
     content = content_of(wall, Drawing(**options))
     zones = content.zones if wall.basis == "azimuthal" else None
     title = html.escape(content.drawing.title or "Borehole wall")
-    warned = "" if wall.basis == "azimuthal" else f'<p class="warning">{html.escape(BASIS_TEXT[wall.basis])}.</p>'
+    warned = "" if wall.basis == "azimuthal" else f'<p class="warning">{html.escape(wall.basis_text)}.</p>'
     parts = [
         ("summary", "Summary", warned + _summary(content)),
         ("pictures", "Pictures", _pictures(content)),

@@ -38,7 +38,7 @@ from helibore.preparation.sensors import observe_by_depth
 from helibore.runs.output_store import Json, Store
 from helibore.runs.run import Run, interval, no_samples
 from helibore.runs.run_settings import Input
-from helibore.samples.caliper import LARGEST_RADIUS, Basis, Caliper
+from helibore.samples.caliper import LARGEST_RADIUS, Basis, Caliper, basis_text
 from helibore.trajectory.survey import Path as WellPath
 from helibore.wall.wall import Wall
 
@@ -442,7 +442,8 @@ def merged(run: Run, store: Store, folder: str) -> tuple[Merged, Logs, Merged]:
     wall = Merged(settings, plan["start_depth"], radius, nearest, count, run.path)
     over = Merged(coarse, plan["start_depth"], overview, None, count, run.path)
     logs = Logs(
-        bit_diameter=settings.bit_diameter, sectors=settings.sectors, pitch=settings.pitch, basis="azimuthal",
+        bit_diameter=settings.bit_diameter, sectors=settings.sectors, pitch=settings.pitch, basis=wall.basis,
+        basis_text=basis_text(wall.basis),
         rugosity_window=window_turns(RUGOSITY_WINDOW, settings.pitch) * abs(settings.pitch),
         reference=run.path.reference if run.path is not None else "", path=run.path, **columns,
     )  # fmt: skip

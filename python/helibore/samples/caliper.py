@@ -41,11 +41,16 @@ BASIS_TEXT: dict[Basis, str] = {
     "average": "average caliper: size measured, shape assumed round",
     "gauge": "gauge hole at bit size: not measured",
 }
-"""The same in words, for files, pictures and summaries."""
+"""The same in words."""
 
 LARGEST_RADIUS = 2.0
 ROUND = 16
 """Samples around the hole that stand for a diameter without a direction."""
+
+
+def basis_text(basis: Basis, arms: bool = False) -> str:
+    """Return what files, pictures and summaries say of a basis; ``arms``: the arm of each sample is known."""
+    return "radius measured by the arms of a caliper" if arms else BASIS_TEXT[basis]
 
 
 def check_basis(basis: str) -> None:
@@ -293,13 +298,18 @@ class Caliper(Tabular):
         toolface = np.tile(np.arange(ROUND) * (360.0 / ROUND), depth.size)
         return cls(np.repeat(depth, ROUND), toolface, np.repeat(radius, ROUND), basis=basis)
 
+    @property
+    def basis_text(self) -> str:
+        """The basis in words."""
+        return basis_text(self.basis, self.arm is not None)
+
     def table(self) -> LogTable:
         """Return the samples as columns DEPTH, TOOLFACE, RADIUS and, where they have them, TIME and ARM."""
         units = {"depth": "m", "toolface": "deg", "radius": "m", "time": "s"}
         columns = [(name, getattr(self, name)) for name in COLUMNS]
         return LogTable(
             [LogColumn(of.upper(), units.get(of, ""), of, values) for of, values in columns if values is not None],
-            {"basis": BASIS_TEXT[self.basis]},
+            {"basis": self.basis_text},
         )
 
     def __len__(self) -> int:
@@ -317,7 +327,7 @@ class Caliper(Tabular):
             "samples": f"{len(self)}",
             "depth": f"{self.depth.min():.2f} to {self.depth.max():.2f} m",
             "radius": f"{1000 * self.radius.min():.1f} to {1000 * self.radius.max():.1f} mm",
-            "basis": BASIS_TEXT[self.basis],
+            "basis": self.basis_text,
         }
         if self.left_out:
             numbers["left out"] = f"{self.left_out} of the table's rows: a value is missing"
@@ -327,7 +337,7 @@ class Caliper(Tabular):
     def __repr__(self) -> str:
         if not len(self):
             return "Caliper(no samples)"
-        basis = "" if self.basis == "azimuthal" else f", {BASIS_TEXT[self.basis]}"
+        basis = "" if self.basis == "azimuthal" else f", {self.basis_text}"
         return f"Caliper({len(self)} samples, {self.depth.min():g} to {self.depth.max():g} m{basis})"
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from helibore.base.arrays import Floats, Integers
 from helibore.base.errors import InputError
-from helibore.samples.caliper import Basis
+from helibore.samples.caliper import Basis, basis_text
 
 
 class HelixSettings(Protocol):
@@ -108,6 +108,12 @@ def basis_of(wall: WallLike) -> Basis:
     """Return the basis of a wall; a wall without that attribute counts as measured around the hole."""
     basis: Basis = getattr(wall, "basis", "azimuthal")
     return basis
+
+
+def basis_text_of(wall: WallLike) -> str:
+    """Return the basis of a wall in words."""
+    text: str = getattr(wall, "basis_text", basis_text(basis_of(wall)))
+    return text
 
 
 def vertices_between(helix: Helix, count: int, start: float | None, stop: float | None) -> tuple[int, int]:

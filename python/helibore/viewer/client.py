@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 
 from helibore.base.ranges import Range, union
-from helibore.samples.caliper import BASIS_TEXT
 from helibore.viewer import messages
 from helibore.viewer.levels import TURNS
 from helibore.viewer.messages import FRAMES_LEVEL
@@ -167,7 +166,7 @@ def handshake(scene: Scene) -> dict[str, Any]:
         "session": scene.session,
         "well": shape.well,
         "basis": shape.basis,
-        "basis_text": BASIS_TEXT[shape.basis],
+        "basis_text": shape.basis_text,
         "reference": shape.reference,
         "bit_diameter": shape.bit_diameter,
         "start_depth": shape.start_depth,

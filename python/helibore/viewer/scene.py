@@ -23,7 +23,7 @@ from helibore.base.errors import InputError
 from helibore.logs.curves import ScalarCurve
 from helibore.logs.picks import Picks
 from helibore.logs.template import Template
-from helibore.samples.caliper import Basis
+from helibore.samples.caliper import BASIS_TEXT, Basis
 from helibore.trajectory.references import Reference
 from helibore.trajectory.survey import Path
 from helibore.viewer import messages
@@ -72,6 +72,7 @@ class WallShape:
     well: str = ""
     attributes: tuple[Attribute, ...] = ()
     basis: Basis = "azimuthal"
+    basis_text: str = BASIS_TEXT["azimuthal"]
     reference: Reference | None = None  # what toolface 0 is, if no path says it
 
     def __post_init__(self) -> None:

@@ -27,6 +27,7 @@ class WallState:
 
     settings: Settings
     basis: Basis
+    basis_text: str
     start_depth: float
     radius: Floats
     nearest: Floats

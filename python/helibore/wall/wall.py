@@ -31,7 +31,7 @@ from helibore.logs.picks import Picks
 from helibore.mesh.attributes import WallAttributes
 from helibore.mesh.surface import Surface, surface_of
 from helibore.mesh.volume import Volume, volume_of
-from helibore.samples.caliper import Basis, Caliper, check_basis
+from helibore.samples.caliper import Basis, Caliper, basis_text, check_basis
 from helibore.samples.helix import helix_of, quad_room
 from helibore.trajectory.survey import Path, checked_path
 from helibore.wall import archive
@@ -127,6 +127,11 @@ class Wall:
     def basis(self) -> Basis:
         """What the wall is made from: ``"azimuthal"``, ``"average"`` or ``"gauge"``."""
         return self._basis
+
+    @property
+    def basis_text(self) -> str:
+        """The basis in words, which name the arms of a caliper if samples were appended with theirs."""
+        return basis_text(self._basis, bool(self._arms))
 
     def append(
         self,
@@ -480,10 +485,10 @@ class Wall:
             vertices = (core.radius(), core.nearest(), core.support(), core.iterations())
             columns = core.samples() if samples else ()
             sums = core.sums() if samples and self._settings.sigma else ()
-            start_depth, arms = core.start_depth, self.arms if samples else None
+            start_depth, arms, text = core.start_depth, self.arms if samples else None, self.basis_text
         placing = (self.path, self.images, self.attributes, self.made_from)
         return WallState(
-            self._settings, self._basis, start_depth, *vertices, columns, *placing, arms, sums, self._threads
+            self._settings, self._basis, text, start_depth, *vertices, columns, *placing, arms, sums, self._threads
         )
 
     def logs(self, rugosity_window: float = 1.0, threads: int | None = None, *, sigma: bool = False) -> Logs:

@@ -144,7 +144,7 @@ def test_a_wall_that_was_not_measured_around_says_so(basis: str) -> None:
     wall.images["GR"] = image_of(depth, np.add.outer(depth - 900, np.arange(8.0)))
     figure = plot.log(wall, dpi=50)
     words = [text.get_text() for text in texts(figure)]
-    (said,) = [text for text in texts(figure) if text.get_text() == hb.samples.caliper.BASIS_TEXT[wall.basis]]  # type: ignore[attr-defined]
+    (said,) = [text for text in texts(figure) if text.get_text() == wall.basis_text]
     assert said.get_color() == "#b3261e"
     assert not [word for word in words if word.startswith(("Radius", "Cross", "least"))]
     assert ("Diameter [in]" in words) == (basis == "average")

@@ -65,6 +65,23 @@ def test_files_say_what_the_wall_is_made_from(tmp_path: Path, basis: str) -> Non
     assert scene["meshes"][0]["extras"]["basis"] == basis
 
 
+def test_everything_says_that_arms_measured_the_radius(tmp_path: Path) -> None:
+    depth = np.repeat(np.arange(0, 3, 0.05), 4)
+    arm = np.tile([0, 1, 0, 1], depth.size // 4)
+    caliper = hb.Caliper(depth, 90.0 * np.arange(depth.size), np.full(depth.size, 0.1), arm=arm)
+    words = "radius measured by the arms of a caliper"
+    made = hb.reconstruct(caliper, bit_diameter=0.2)
+    made.save(tmp_path / "arms.wall")
+    for wall in (made, hb.load(tmp_path / "arms.wall")):
+        logs, surface = wall.logs(), wall.surface()
+        said = [caliper.table().facts["basis"], wall.basis_text, wall.summary().numbers()["basis"]]
+        said += [logs.facts()["basis"], surface.metadata["basis"], wall.volume().metadata["basis"]]
+        assert said == [words] * 6
+        assert repr(logs) == f"Logs(29 turns, 0.0492188 to 2.84922 m, {words})"
+        surface.save(tmp_path / "arms.stl")
+        assert (tmp_path / "arms.stl").read_bytes()[:80] == f"helibore: {words}".encode().ljust(80)
+
+
 def test_the_picture_says_that_the_shape_is_not_measured() -> None:
     pytest.importorskip("matplotlib")
     wall = hb.reconstruct(hb.Caliper.gauge(0, 2, 0.2), bit_diameter=0.2)
