@@ -21,7 +21,7 @@ from helibore.samples.caliper import Caliper
 from helibore.wall.points import evaluate
 from helibore.wall.wall import Wall
 
-__all__ = ["choose", "difference", "evaluate", "number_passes", "odd_pass"]
+__all__ = ["choose", "difference", "evaluate", "number_passes", "odd_passes"]
 
 ODD_ROWS = 3
 """Rows in succession that a spike does not have."""
@@ -140,8 +140,8 @@ def difference(before: Wall, after: Wall) -> Floats:
     return after.radius - evaluate(before, after.depth, after.toolface)
 
 
-def odd_pass(wall: Wall, caliper: Caliper, pass_number: npt.ArrayLike, arm_names: Sequence[str] = ()) -> str | None:
-    """Say where a pass differs most from the wall that it was merged into with others; None: nowhere.
+def odd_passes(wall: Wall, caliper: Caliper, pass_number: npt.ArrayLike, arm_names: Sequence[str] = ()) -> list[str]:
+    """Say where a pass is most below, and where one is most above, the wall that it was merged into with others.
 
     The differences of an arm in a pass are taken from their median, row by row. It differs where they are larger than
     5 mm, and 6 robust deviations, on one side over 3 rows in succession: the merged wall does not show such a place.
@@ -154,10 +154,15 @@ def odd_pass(wall: Wall, caliper: Caliper, pass_number: npt.ArrayLike, arm_names
         These samples, and the pass of each, (n,).
     arm_names
         Of the numbers in ``caliper.arm``.
+
+    Returns
+    -------
+    list
+        A sentence for each of the two, less before more, if there is such a place.
     """
     number = whole_column("pass_number", pass_number, len(caliper), "caliper")
     passes = np.unique(number)
-    worst, sentence = 0.0, None
+    worst = {"less": (0.0, ""), "more": (0.0, "")}
     for one in passes if passes.size > 1 else ():
         of_pass = number == one
         for arm in (None,) if caliper.arm is None else np.unique(caliper.arm[of_pass]).tolist():
@@ -169,14 +174,15 @@ def odd_pass(wall: Wall, caliper: Caliper, pass_number: npt.ArrayLike, arm_names
             depth, row = np.unique(caliper.depth[mine], return_inverse=True)
             off = np.bincount(row, off - np.median(off)) / np.bincount(row)
             least = max(ODD_RADIUS, ODD_DEVIATIONS * 1.4826 * float(np.median(np.abs(off))))
-            for sign, word in ((1, "more"), (-1, "less")):
+            for sign, word in ((-1, "less"), (1, "more")):
                 for first, stop in runs_of(sign * off > least):
                     most = float((sign * off[first:stop]).max())
-                    if stop - first >= ODD_ROWS and most > worst:
-                        worst, name = most, "" if arm is None or not arm_names else f" ({arm_names[arm]})"
+                    if stop - first >= ODD_ROWS and most > worst[word][0]:
+                        name = "" if arm is None or not arm_names else f" ({arm_names[arm]})"
                         sentence = (
                             f"pass {one}{name} reads up to {1e3 * most:.1f} mm {word} in radius than the merged wall, "
                             f"from {depth[first]:.2f} to {depth[stop - 1]:.2f} m in {stop - first} rows; "
                             f"--passes {one} shows it"
                         )
-    return sentence
+                        worst[word] = most, sentence
+    return [sentence for _, sentence in worst.values() if sentence]

@@ -33,7 +33,7 @@ from helibore.channels.opening import open as open_file
 from helibore.channels.role_map import read_map
 from helibore.channels.roles import RoleMap, guess
 from helibore.images.sector_image import SectorImage
-from helibore.preparation.passes import odd_pass
+from helibore.preparation.passes import odd_passes
 from helibore.preparation.prepare import Prepared, Track, prepare
 from helibore.preparation.readings import Readings
 from helibore.preparation.sensors import TimeSeries
@@ -242,10 +242,9 @@ def build_wall(
                 sums = [{"name": file.name, "blake2b": run.files.checksum(file).result()} for file in made_from]
                 run.built.made_from = {"files": sums}
             if isinstance(made, Prepared):
-                odd = (
-                    None if made.pass_number is None else odd_pass(run.built, caliper, made.pass_number, made.arm_names)
-                )
-                lines = [("passes", odd)] if odd else []
+                number = made.pass_number
+                odd = [] if number is None else odd_passes(run.built, caliper, number, made.arm_names)
+                lines = [("passes", sentence) for sentence in odd]
                 run.messages += lines
                 if made.report or lines:
                     run.built.made_from["preparation"] = [list(line) for line in (*made.report, *lines)]

@@ -13,7 +13,7 @@ from locations import SHARED
 
 import helibore as hb
 from helibore.preparation.biases import arm_sides, find_bias
-from helibore.preparation.passes import choose, difference, evaluate, number_passes, odd_pass
+from helibore.preparation.passes import choose, difference, evaluate, number_passes, odd_passes
 from helibore.preparation.shifts import find_shifts
 
 F12 = SHARED / "calipers/volve_F-12_2010_pfcs_xy_caliper.csv.gz"
@@ -394,8 +394,9 @@ def test_f12_has_the_passes_its_file_says():
     assert found[-1] + 1 >= np.unique(number).size
 
 
-def test_the_worst_place_that_one_pass_sees_is_named() -> None:
-    """Ten passes of two arms in an oval hole; pass 3 reads 2 mm more throughout, arm 1 of pass 4 has a tight spot."""
+def test_the_worst_places_that_one_pass_sees_are_named() -> None:
+    """Ten passes of two arms in an oval hole. Pass 3 reads 2 mm more throughout; arm 1 of pass 4 has a tight spot, arm
+    0 of pass 6 a wide one."""
     rng = np.random.default_rng(1)
     row = np.tile(np.arange(400), 10)
     number, depth = np.repeat(np.arange(1, 11), 400), np.repeat(100 + 0.1 * np.tile(np.arange(400), 10), 4)
@@ -403,16 +404,19 @@ def test_the_worst_place_that_one_pass_sees_is_named() -> None:
     arm, of = np.tile([0, 0, 1, 1], row.size), np.repeat(number, 4)
     radius = 0.1 + 0.001 * np.cos(np.radians(2 * toolface)) + rng.normal(0, 1e-4, of.size) + 0.002 * (of == 3)
 
-    def sentence(tight: float, rows: int) -> str | None:
+    def sentences(tight: float, rows: int, wide: float = 0.0) -> list[str]:
         spot = (of == 4) & (arm == 1) & (depth > 119.95) & (depth < 119.95 + 0.1 * rows)
-        caliper = hb.Caliper(depth, toolface, radius - tight * spot, arm=arm)
-        return odd_pass(hb.reconstruct(caliper, bit_diameter=0.2), caliper, of, ("x", "y"))
+        hollow = (of == 6) & (arm == 0) & (depth > 109.95) & (depth < 110.25)
+        caliper = hb.Caliper(depth, toolface, radius - tight * spot + wide * hollow, arm=arm)
+        return odd_passes(hb.reconstruct(caliper, bit_diameter=0.2), caliper, of, ("x", "y"))
 
-    found = sentence(0.012, 5)
-    assert found is not None
-    assert found.startswith("pass 4 (y) reads up to 9.")
-    end = " mm less in radius than the merged wall, from 120.00 to 120.40 m in 5 rows; --passes 4 shows it"
-    assert found.endswith(end)
-    assert sentence(0.012, 2) is None  # a spike
-    assert sentence(0.004, 5) is None
-    assert sentence(0.0, 0) is None
+    less, more = sentences(0.012, 5, 0.02)  # what is larger, and by more, hides no tight spot
+    assert less.startswith("pass 4 (y) reads up to 9.")
+    wall = "in radius than the merged wall"
+    assert less.endswith(f" mm less {wall}, from 120.00 to 120.40 m in 5 rows; --passes 4 shows it")
+    assert more.startswith("pass 6 (x) reads up to 1")
+    assert more.endswith(f" mm more {wall}, from 110.00 to 110.20 m in 3 rows; --passes 6 shows it")
+    assert sentences(0.012, 5) == [less]
+    assert sentences(0.012, 2) == []  # a spike
+    assert sentences(0.004, 5) == []
+    assert sentences(0.0, 0) == []
