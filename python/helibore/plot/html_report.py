@@ -60,6 +60,7 @@ td.number, th.number { text-align: right; } td.number { white-space: nowrap; }
 tbody th { font-weight: 400; color: #5d6b77; width: 26%; }
 thead th, td.number { padding: .25rem .3rem; }
 td { white-space: nowrap; } tbody th + td { white-space: normal; overflow-wrap: anywhere; }
+#zones td:first-child { white-space: normal; }
 td.missing { background: #b0b0b0; } figure { margin: 0 -5mm; } img { max-width: 100%; display: block; }
 nav a { color: inherit; margin-right: 1.2em; } footer { color: #5d6b77; font-size: .8rem; margin-top: 2rem; }
 @media screen and (max-width: 700px) { body { padding: 0 3mm; margin: 1rem auto; } figure { margin: 0; }
@@ -253,7 +254,9 @@ def _zones(zones: Classification | None, content: Content) -> str:
         spread = f" ± {number(zone.deviation, 1)}" if math.isfinite(zone.deviation) else ""
         angles = (f"{number(zone.toolface, 0) or '–'}{spread}", openings or "–")
         ends = (in_depth_unit(zone.start, content), in_depth_unit(zone.stop, content))
-        rows.append([f"{zone.kind}, {zones.severity(zone):.1f} ×", *ends, *sizes, *angles])
+        most = "narrowest" if zone.kind == "undergauge" else "widest"
+        peak = f"{most} at {in_depth_unit(zone.peak, content)} {depths}"
+        rows.append([f"{zone.kind}, {zones.severity(zone):.1f} ×, {peak}", *ends, *sizes, *angles])
     return f"<p>Worst first. {_toolface(content)}</p>" + table(head, rows)
 
 

@@ -98,6 +98,13 @@ def test_tables_have_the_unit_of_the_diameters(wall: hb.Wall) -> None:
     assert {f"{row.mean_diameter * 1e3:.1f}", f"{row.greatest_diameter.value * 1e3:.1f}"} <= set(metric)
 
 
+def test_a_zone_has_the_depth_of_its_largest_diameter(wall: hb.Wall) -> None:
+    found = wall.zones()
+    worst = found.by_severity()[0]
+    shown = cells(page(wall, dpi=40, polar=(), body=()))
+    assert f"{worst.kind}, {found.severity(worst):.1f} ×, widest at {worst.peak:,.2f} m" in shown
+
+
 def test_settings_have_units_and_say_each_thing_once(wall: hb.Wall) -> None:
     shown = cells(page(wall, dpi=40, polar=(), body=()))
     rows = shown[shown.index("bit diameter") :]
@@ -183,10 +190,10 @@ def test_an_old_report_outlives_an_error(wall: hb.Wall, tmp_path: Path) -> None:
 
 @NEEDS_BROWSER[0]
 @NEEDS_BROWSER[1]
-@pytest.mark.parametrize("unit", ["in", "mm"])
-def test_no_table_is_wider_than_its_page(unit: str, wall: hb.Wall, browser: Any, tmp_path: Path) -> None:
+@pytest.mark.parametrize(("unit", "width"), [("in", 1200), ("mm", 1200), ("in", 390)])
+def test_no_table_is_wider_than_its_page(unit: str, width: int, wall: hb.Wall, browser: Any, tmp_path: Path) -> None:
     report(wall, tmp_path / "well.html", dpi=40, polar=(), body=(), unit=unit)
-    shown = browser.new_page(viewport={"width": 1200, "height": 900})
+    shown = browser.new_page(viewport={"width": width, "height": 900})
     shown.goto((tmp_path / "well.html").as_uri())
     over = "[...document.querySelectorAll('table')].map((one) => one.offsetWidth - one.parentElement.offsetWidth)"
     found = shown.evaluate(over)
