@@ -54,7 +54,8 @@ def reconstruct(
     -------
     Wall
         It takes more samples by `Wall.append`. With earlier passes to compare with, its attribute ``"difference"``
-        is how much larger it is than theirs, metres.
+        is how much larger it is than theirs, metres. Of readings, ``made_from["preparation"]`` has the lines on what
+        was left out and corrected, and on the worst places that one pass sees and the wall nearly hides.
 
     Raises
     ------
@@ -67,7 +68,7 @@ def reconstruct(
     >>> wall.radius
     array([0.1, 0.1, 0.1, 0.1, 0.1])
     """
-    earlier = None
+    prepared = None
     if isinstance(samples, Caliper):
         caliper = samples
     else:
@@ -77,14 +78,25 @@ def reconstruct(
         if not isinstance(samples, Prepared):
             samples = prepare(samples, preparation, path, track, bit_diameter if bit_diameter > 0 else None)
             preparation = track = None
-        caliper, earlier = samples.caliper, samples.earlier
+        caliper, prepared = samples.caliper, samples
     for name, given in (("preparation", preparation), ("track", track)):
         if given is not None:
             raise InputError(name, f"is for readings; a {type(samples).__name__} is prepared")
     wall = wall_of(caliper, bit_diameter=bit_diameter, path=path, threads=threads, **settings)
-    if earlier is not None:
-        compare(wall, wall_of(earlier, bit_diameter=bit_diameter, threads=threads, **settings))
+    if prepared is None:
+        return wall
+    if prepared.earlier is not None:
+        compare(wall, wall_of(prepared.earlier, bit_diameter=bit_diameter, threads=threads, **settings))
+    if lines := [*map(list, prepared.report), *(["passes", sentence] for sentence in _odd_passes(wall, prepared))]:
+        wall.made_from["preparation"] = lines
     return wall
+
+
+def _odd_passes(wall: Wall, prepared: Prepared) -> list[str]:
+    from helibore.preparation.passes import odd_passes
+
+    number = prepared.pass_number
+    return [] if number is None else odd_passes(wall, prepared.caliper, number, prepared.arm_names)
 
 
 def compare(wall: Wall, earlier: Wall) -> None:

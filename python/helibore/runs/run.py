@@ -33,7 +33,6 @@ from helibore.channels.opening import open as open_file
 from helibore.channels.role_map import read_map
 from helibore.channels.roles import RoleMap, guess
 from helibore.images.sector_image import SectorImage
-from helibore.preparation.passes import odd_passes
 from helibore.preparation.prepare import Prepared, Track, prepare
 from helibore.preparation.readings import Readings
 from helibore.preparation.sensors import TimeSeries
@@ -240,14 +239,9 @@ def build_wall(
             made_from = [one.file for one in (*settings.caliper, settings.average) if one is not None]
             if made_from:
                 sums = [{"name": file.name, "blake2b": run.files.checksum(file).result()} for file in made_from]
-                run.built.made_from = {"files": sums}
+                run.built.made_from = {"files": sums} | run.built.made_from
             if isinstance(made, Prepared):
-                number = made.pass_number
-                odd = [] if number is None else odd_passes(run.built, caliper, number, made.arm_names)
-                lines = [("passes", sentence) for sentence in odd]
-                run.messages += lines
-                if made.report or lines:
-                    run.built.made_from["preparation"] = [list(line) for line in (*made.report, *lines)]
+                run.messages += preparation_lines(run.built)[len(made.report) :]  # what the wall says of its passes
             header = log_header(run.files.headers())
             if header:
                 run.built.made_from["header"] = header
@@ -257,7 +251,7 @@ def build_wall(
 
 
 def preparation_lines(wall: Wall) -> list[tuple[str, str]]:
-    """Return the lines on what preparation left out and corrected, which a run keeps in ``wall.made_from``."""
+    """Return the lines on what preparation left out and corrected, which `reconstruct` keeps in ``wall.made_from``."""
     kept = wall.made_from.get("preparation")
     lines = kept if isinstance(kept, list) else []
     return [(str(line[0]), str(line[1])) for line in lines if isinstance(line, list) and len(line) == 2]

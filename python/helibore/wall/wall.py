@@ -76,7 +76,7 @@ class Wall:
     made_from
         What else is known of where the wall comes from (files, runs, shifts), as JSON has it: texts, numbers, lists,
         dicts. Archives and meshes carry it. Reports and logs of an archive read only ``"preparation"``: the lines on
-        what the commands left out and corrected.
+        what was left out and corrected of readings.
     picks
         `Picks`: beds, fractures and breakouts that were picked on the wall.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -61,6 +62,21 @@ def test_the_difference_is_that_of_the_passes(file: Path, path: hb.Path) -> None
     known = wall.attributes["difference"][np.isfinite(wall.attributes["difference"])]
     np.testing.assert_allclose(known, 0.001, atol=4e-4)  # noise of 0.2 mm, eight neighbours, four corners
     assert "difference" in wall.surface().attributes
+
+
+def test_the_wall_has_the_lines_on_its_readings_and_on_what_one_pass_sees(file: Path) -> None:
+    prepared = hb.prepare(hb.open(file).readings(), hb.Preparation(greatest_radius=0.12))
+    made, report = prepared.caliper, [list(line) for line in prepared.report]
+    assert report
+    assert hb.reconstruct(prepared, **SETTINGS).made_from == {"preparation": report}
+    assert hb.reconstruct(made, **SETTINGS).made_from == {}
+    tight = (prepared.pass_number == 2) & (abs(made.depth - 1000.5) < 0.1)
+    seen = replace(prepared, caliper=hb.Caliper(made.depth, made.toolface, made.radius - 0.03 * tight))
+    *lines, less, more = hb.reconstruct(seen, **SETTINGS).made_from["preparation"]
+    assert lines == report
+    assert [(label, text[:17]) for label, text in (less, more)] == [
+        ("passes", "pass 2 reads up t"), ("passes", "pass 1 reads up t"),
+    ]  # fmt: skip
 
 
 def test_what_is_prepared_is_not_prepared_again(file: Path) -> None:
