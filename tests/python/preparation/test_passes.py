@@ -14,6 +14,9 @@ from locations import SHARED
 import helibore as hb
 from helibore.preparation.biases import arm_sides, find_bias
 from helibore.preparation.passes import choose, difference, evaluate, number_passes, odd_passes
+from helibore.preparation.prepare import Preparation, prepare
+from helibore.preparation.readings import Readings
+from helibore.preparation.sensors import Sensor
 from helibore.preparation.shifts import find_shifts
 
 F12 = SHARED / "calipers/volve_F-12_2010_pfcs_xy_caliper.csv.gz"
@@ -420,3 +423,26 @@ def test_the_worst_places_that_one_pass_sees_are_named() -> None:
     assert sentences(0.012, 2) == []  # a spike
     assert sentences(0.004, 5) == []
     assert sentences(0.0, 0) == []
+
+
+def test_an_odd_pass_of_several_files_has_the_number_that_its_file_gives_it():
+    """Passes 1 and 2 in one file, 3 in another, where alone a washout is: it is `--passes 3` that shows it."""
+    random = np.random.default_rng(1)
+
+    def readings(name, passes, washed):
+        depth = np.tile(np.arange(100.0, 110.0, 0.05), len(passes))
+        radius = 0.11 + random.normal(0, 2e-4, depth.size)
+        radius[(depth > 104) & (depth < 104.6)] += 0.02 * washed
+        number = np.repeat(np.array(passes, np.int64), depth.size // len(passes))
+        toolface = np.arange(depth.size) * 77.0 % 360
+        return Readings(
+            name, depth, toolface, (Sensor("CAL", 0.0, 0.0, 0.0),), (radius,), np.array([0]), ("CAL",), (False,), None,
+            number, "high-side",
+        )  # fmt: skip
+
+    prepared = prepare([readings("a.csv", [1, 2], False), readings("b.csv", [3], True)], Preparation())
+    assert np.unique(prepared.pass_number).tolist() == [1, 2, 3]
+    wall = hb.reconstruct(prepared.caliper, bit_diameter=0.216, sectors=32)
+    *_, more = odd_passes(wall, prepared.caliper, prepared.pass_number, prepared.arm_names)
+    assert more.startswith("pass 3 reads up to 1") and "more in radius" in more
+    assert more.endswith("--passes 3 shows it")
