@@ -444,5 +444,6 @@ def test_an_odd_pass_of_several_files_has_the_number_that_its_file_gives_it():
     assert np.unique(prepared.pass_number).tolist() == [1, 2, 3]
     wall = hb.reconstruct(prepared.caliper, bit_diameter=0.216, sectors=32)
     *_, more = odd_passes(wall, prepared.caliper, prepared.pass_number, prepared.arm_names)
-    assert more.startswith("pass 3 reads up to 1") and "more in radius" in more
+    assert more.startswith("pass 3 reads up to 1")
+    assert "more in radius" in more
     assert more.endswith("--passes 3 shows it")
