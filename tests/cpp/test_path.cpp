@@ -201,6 +201,11 @@ void stations() {
         CHECK(std::ranges::equal(taken.depth(), depth) && std::ranges::equal(taken.inclination(), inclination));
         CHECK(std::ranges::equal(taken.azimuth(), azimuth));
     }
+    // -0 and 0 are one station, whichever came first: equal bits, not only equal numbers (std::signbit tells them).
+    const double depths[] = {0.0, 10.0}, zero[] = {0.0, 0.0}, minus[] = {-0.0, -0.0};
+    const std::vector<Vector3> tangent = Path(Survey(depths, minus, minus)).tangent(depths);
+    CHECK(!std::signbit(tangent[0][0]) && !std::signbit(tangent[0][1]));
+    CHECK(tangent == Path(Survey(depths, zero, zero)).tangent(depths));
     Stations few;
     const double depth[] = {nan, 2e7, 10.0, 10.0, 20.0, 10.0 + 1e-9, 15.0}, inclination[] = {1, 1, 190, 0, 180, 0, 190};
     const double azimuth[] = {0, 0, 0, 0, 0, 0, 0};

@@ -75,9 +75,11 @@ struct Station {
 };
 
 Station station(const StationColumns& columns, std::size_t index) {
-    const double inclination = columns.inclination[index], azimuth = columns.azimuth[index];
+    // With 0.0 added, -0 is 0: equal stations give the same bits.
+    const double depth = columns.depth[index] + 0.0, inclination = columns.inclination[index] + 0.0;
+    const double azimuth = columns.azimuth[index] + 0.0;
     const SineCosine i = sine_cosine(inclination), a = sine_cosine(azimuth);
-    return {columns.depth[index], inclination, azimuth, i, a, {i.sine * a.cosine, i.sine * a.sine, i.cosine}};
+    return {depth, inclination, azimuth, i, a, {i.sine * a.cosine, i.sine * a.sine, i.cosine}};
 }
 
 // |t2 - t1| / 2 is written as the haversine, which is exact for doglegs far below a millionth of a degree.
