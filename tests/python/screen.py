@@ -42,8 +42,9 @@ FLAGS = [
 PATIENCE = 40.0  # seconds: software GL on a busy machine
 
 # Resolves when nothing has arrived and nothing was drawn for a tenth of a second. New values stop glowing at once.
-AT_REST = """() => new Promise((done) => {
+AT_REST = """(patience) => new Promise((done, failed) => {
   const { app } = window.__wall;
+  const end = performance.now() + 1000 * patience;
   let before = null;
   let quiet = 0;
   const look = () => {
@@ -52,6 +53,7 @@ AT_REST = """() => new Promise((done) => {
     quiet = now === before && !app.scheduled && !app.summaryPending && !app.sharpening ? quiet + 1 : 0;
     before = now;
     if (quiet >= 4) done(true);
+    else if (performance.now() > end) failed(new Error(`never at rest: ${now}`));
     else setTimeout(look, 25);
   };
   look();
@@ -133,7 +135,7 @@ class Screen:
 
     def settle(self) -> None:
         """Wait until nothing arrives and everything is drawn; what glows is made to stop."""
-        self.page.evaluate(AT_REST)
+        self.page.evaluate(AT_REST, PATIENCE)
 
     def address(self) -> str:
         """The page's address after #, once it holds what the page shows."""

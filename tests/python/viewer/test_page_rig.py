@@ -6,7 +6,7 @@ import time
 from typing import Any
 
 import pytest
-from made_wall import MadeWall
+from made_wall import MadeWall, gamma_and_resistivity
 from screen import NEEDS_BROWSER, Screen
 
 import helibore as hb
@@ -144,4 +144,39 @@ def test_alarms_take_two_lines_and_turn_the_lamp_at_once(browser: Any) -> None:
         viewer.scene.update_state(alarms=(), lost=("rig",))
         screen.until("document.getElementById('rigLamp').className === 'lost'")
         assert screen.evaluate(lamp) == ["lost", "rig not connected", "lamp lost", "✕"]
+        screen.close()
+
+
+def test_the_images_beside_survive_a_restart_in_rig_mode(browser: Any) -> None:
+    wall = MadeWall(20_000)
+    with hb.view(wall, attributes=gamma_and_resistivity(wall)) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1010&sec=10", (1366, 768), drawn=False)
+        assert screen.evaluate("window.__wall.app.view.beside") == ["GR"]
+        screen.keyboard.press("k")
+        session = screen.evaluate("window.__wall.app.store.session")
+        viewer.scene.begin(viewer.scene.shape)  # as a new server does
+        viewer.update()
+        screen.until(f"window.__wall.app.store.session !== '{session}' && window.__wall.app.store.levels[0].size")
+        screen.keyboard.press("k")
+        screen.settle()
+        assert screen.evaluate("window.__wall.app.view.beside") == ["GR"]
+        assert screen.evaluate("'beside0' in window.__wall.app.rects")
+        screen.close()
+
+
+def test_rig_mode_for_less_than_a_frame_leaves_the_section_its_figures(browser: Any) -> None:
+    with hb.view(MadeWall(20_000)) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1010&sec=10", (1366, 768), drawn=False)
+        screen.settle()
+        screen.evaluate(  # a request of the section waits; rig mode comes and goes before the next picture
+            """() => {
+              const { app } = window.__wall;
+              app.schedule = () => {};
+              app.summarized = '';
+              app.summarize();
+              app.view.rig = true;
+              setTimeout(() => { app.view.rig = false; delete app.schedule; app.redraw(); }, 1500);
+            }"""
+        )
+        screen.until("!window.__wall.app.view.rig && !window.__wall.app.summaryPending")
         screen.close()

@@ -626,14 +626,14 @@ export class App {
     const { view, store, contents } = this;
     if (contents) this.summary = contents.summary;
     if (contents || store.basis === 'gauge') return;
-    const asked = () => (view.rig ? recent(this.store) : [view.top, view.bottom]);
+    const { rig } = view;
+    const asked = () => (rig ? recent(this.store) : [view.top, view.bottom]);
     const keyOf = (/** @type {number[]} */ ends) => [...ends.map((end) => end.toFixed(2)), this.store.levels[0].size, this.store.session].join();
-    if (this.summaryOf !== view.rig) Object.assign(this, { summary: null, summaryOf: view.rig, summarized: '', summaryPending: false });
+    if (this.summaryOf !== rig) Object.assign(this, { summary: null, summaryOf: rig, summarized: '', summaryPending: false });
     if (this.summaryPending || keyOf(asked()) === this.summarized) return;
     this.summaryPending = true;
-    const wait = view.rig && !this.summary ? 0 : SUMMARY_WAIT;
+    const wait = rig && !this.summary ? 0 : SUMMARY_WAIT;
     setTimeout(async () => {
-      const rig = view.rig;
       const [from, to] = asked();
       this.summarized = keyOf([from, to]);
       const query = new URLSearchParams(location.search);
@@ -642,7 +642,7 @@ export class App {
       const began = performance.now();
       const answer = await fetch(`api/summary?${query}`).catch(() => null);
       const summary = answer?.ok ? await answer.json() : null;
-      if (rig !== this.summaryOf) return; // the mode has changed meanwhile, and another request is under way
+      if (rig !== this.summaryOf) return; // the mode has changed since this was asked, and another request is under way
       this.summary = summary;
       this.writeSummary();
       setTimeout(() => {
