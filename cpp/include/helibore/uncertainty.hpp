@@ -1,4 +1,4 @@
-// How the uncertainty of a radius follows from what its neighbours say.
+// The sigma of a radius from the weights, radii and distances of its neighbours.
 #pragma once
 
 namespace helibore {

@@ -20,7 +20,7 @@ constexpr std::size_t header_crc_at = 44;
 
 using Table = std::array<std::array<std::uint32_t, 256>, 8>;
 
-// table[0] is the byte table of the reflected polynomial 0x82f63b78; table[j] moves a byte j places further.
+// Tables of CRC-32C, slicing by 8, reflected polynomial 0x82f63b78: table[j][b] is the CRC of byte b and j zero bytes.
 constexpr Table make_table() {
     Table table{};
     for (std::uint32_t i = 0; i < 256; ++i) {

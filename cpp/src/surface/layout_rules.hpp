@@ -38,7 +38,8 @@ inline const VertexRun& placed(const VertexRun& run) {
     return run;
 }
 
-// Throws InputError unless runs follow one another among the vertices of the helix and among the rows of the memory.
+// Throws InputError unless the runs are in order, do not overlap, and lie within the vertices of the helix and the rows
+// of the memory.
 template <class Run>
 void require_runs(const HelixRadii& radii, const std::string& name, std::span<const Run> runs, std::size_t size,
                   const char* memory) {

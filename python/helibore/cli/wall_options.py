@@ -300,8 +300,8 @@ def _curve(one: ScalarInput, run: Run) -> ScalarCurve:
 
 HEADER = opts(
     "--header headers",
-    "Of the header: company, well, field, location, service (company), run, date, datum, kb, gl (elevations), bit, mud "
-    "or remarks.  [as the files state it]",
+    "Entry of the header: company, well, field, location, service (company), run, date, datum, kb, gl (elevations), "
+    "bit, mud or remarks.  [as the files state it]",
     metavar="NAME=TEXT",
 )
 

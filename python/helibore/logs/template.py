@@ -86,12 +86,13 @@ def _track(place: str, row: dict[str, Any]) -> TemplateTrack:
     kind, name, names, width = row.get("kind", ""), row.get("name", ""), row.get("names", []), row.get("width")
     check_choice(f"{place}: kind", kind, KINDS)
     if not isinstance(name, str) or (kind == "image") != bool(name):
-        raise InputError(f"{place}: name", "must name the image of an image track, and stand in no other", repr(name))
+        rule = "must name the image if kind is image; leave it out for other kinds"
+        raise InputError(f"{place}: name", rule, repr(name))
     if not (isinstance(names, list) and all(isinstance(one, str) for one in names)) or (kind == "curves") != bool(
         names
     ):
         raise InputError(
-            f"{place}: names", "must list the curves of a track of curves, and stand in no other", repr(names)
+            f"{place}: names", "must list the curves if kind is curves; leave it out for other kinds", repr(names)
         )
     if width is not None and not (isinstance(width, (int, float)) and WIDTHS[0] <= width <= WIDTHS[1]):
         raise InputError(f"{place}: width", f"must be {WIDTHS[0]:g} to {WIDTHS[1]:g} pixels", repr(width))

@@ -34,7 +34,7 @@ from helibore.logs.arms import arm_diameters
 from helibore.logs.depth_steps import by_step
 from helibore.logs.log_columns import COLUMNS
 from helibore.samples.caliper import Basis, Caliper
-from helibore.samples.helix import WallLike, basis_of, basis_text_of, stretch_of
+from helibore.samples.helix import WallLike, basis_of, basis_text_of, whole_helix
 from helibore.trajectory.survey import Path
 from helibore.trajectory.true_depth import true_depth
 
@@ -378,7 +378,7 @@ def turn_logs(
     K, pitch = wall.settings.sectors, wall.settings.pitch
     window = window_turns(rugosity_window, pitch)
     radius = column("radius", wall.radius)
-    helix, around = stretch_of(wall), (K, wall.settings.start_toolface)
+    helix, around = whole_helix(wall), (K, wall.settings.start_toolface)
     first = helix.first // K
     threads = getattr(wall, "threads", None) if threads is None else threads
     found: dict[str, Any] = _core.turn_columns(radius, *around, window, thread_count(threads), first, reference)

@@ -16,7 +16,7 @@ from helibore import _core
 from helibore.base.arrays import Floats, Integers
 from helibore.mesh.attributes import Attributes
 from helibore.samples.caliper import Basis
-from helibore.samples.helix import Helix, WallLike, basis_text_of, helix_of, spread
+from helibore.samples.helix import Helix, WallLike, basis_text_of, expand_ranges, helix_of
 from helibore.trajectory.survey import Path
 
 UNITS = "metres and degrees; depth along the hole, positive down; toolface clockwise looking downhole"
@@ -41,7 +41,7 @@ class Mesh:
     @cached_property
     def vertex_index(self) -> Integers:
         """The vertex of the wall that each row of ``vertices`` is, or lies over, (n,) int64."""
-        return np.concatenate([spread(ranges) for ranges in self._ranges])
+        return np.concatenate([expand_ranges(ranges) for ranges in self._ranges])
 
     @cached_property
     def radius(self) -> Floats:

@@ -26,7 +26,7 @@ from helibore.mesh.mesh import Mesh, metadata_of, quad_radius, triangles
 from helibore.mesh.mesh_files import save_surface
 from helibore.mesh.vtkhdf import append_mesh
 from helibore.samples.caliper import Basis
-from helibore.samples.helix import Helix, WallLike, basis_of, helix_of, spread, vertices_between
+from helibore.samples.helix import Helix, WallLike, basis_of, expand_ranges, helix_of, vertex_range
 from helibore.trajectory.survey import Path, core_path
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ class Surface(Mesh):
         helix: Helix,
         basis: Basis = "azimuthal",
     ) -> None:
-        index = range(*quad_ranges[0].tolist()) if len(quad_ranges) == 1 else spread(quad_ranges)
+        index = range(*quad_ranges[0].tolist()) if len(quad_ranges) == 1 else expand_ranges(quad_ranges)
         attributes = Attributes("quad", index, helix.quads(wall_radius.size))
         super().__init__(vertices, quads, [wall_radius], [vertex_ranges], helix, basis, attributes)
         self.quads, self._quad_ranges = quads, quad_ranges
@@ -76,7 +76,7 @@ class Surface(Mesh):
     @cached_property
     def quad_index(self) -> Integers:
         """The vertex k of the wall that each quad belongs to, its corner nearest to k = 0, (q,) int64."""
-        return spread(self._quad_ranges)
+        return expand_ranges(self._quad_ranges)
 
     def quad_radius(self) -> Floats:
         """Return the mean radius of the corners of each quad, metres, (q,) float64."""
@@ -189,7 +189,7 @@ def surface_of(
 ) -> Surface:
     """Place the radii of a helix along ``path`` and join them into quads: `Wall.surface` describes the arguments."""
     radius, helix = wall.radius, helix_of(wall)
-    first, last = vertices_between(helix, radius.size, start, stop)
+    first, last = vertex_range(helix, radius.size, start, stop)
     stretch = column("radius", radius[first : last + helix.sectors + 1])
     made = _core.surface(helix, first, stretch, core_path(path), thread_count(threads))
     surface = Surface(*made, radius, helix, basis_of(wall))

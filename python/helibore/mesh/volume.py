@@ -32,7 +32,7 @@ from helibore.mesh.mesh import Mesh, metadata_of
 from helibore.mesh.mesh_files import save_volume
 from helibore.mesh.vtkhdf import append_mesh
 from helibore.samples.caliper import Basis
-from helibore.samples.helix import Helix, WallLike, basis_of, helix_of, numbered, spread, vertices_between
+from helibore.samples.helix import Helix, WallLike, basis_of, expand_ranges, helix_of, numbered, vertex_range
 from helibore.trajectory.survey import Path, core_path
 
 
@@ -69,7 +69,8 @@ class Volume(Mesh):
         basis: Basis = "azimuthal",
     ) -> None:
         self.hexes, self._layer_ranges, self._whole = hexes, layer_ranges, helix.quads(shells[0].size)
-        index = np.concatenate([spread(ranges) + layer * self._whole for layer, ranges in enumerate(layer_ranges)])
+        rows = [expand_ranges(ranges) + layer * self._whole for layer, ranges in enumerate(layer_ranges)]
+        index = np.concatenate(rows)
         attributes = Attributes("hexahedron", index, self._whole * len(layer_ranges))
         super().__init__(vertices, hexes, shells, shell_ranges, helix, basis, attributes)
         self.layer = numbered(layer_ranges)
@@ -87,7 +88,7 @@ class Volume(Mesh):
     @cached_property
     def hex_index(self) -> Integers:
         """The vertex k of the wall whose quad each hexahedron stands on, (h,) int64."""
-        return np.concatenate([spread(ranges) for ranges in self._layer_ranges])
+        return np.concatenate([expand_ranges(ranges) for ranges in self._layer_ranges])
 
     @property
     def hex_layer(self) -> Integers:
@@ -171,7 +172,7 @@ def volume_of(
 ) -> Volume:
     """Thicken the wall outwards, shell by shell, into hexahedra: `Wall.volume` describes the arguments."""
     radius, helix = wall.radius, helix_of(wall)
-    first, last = vertices_between(helix, radius.size, start, stop)
+    first, last = vertex_range(helix, radius.size, start, stop)
     stretch = slice(first, last + helix.sectors + 1)
     radii = [radius, *(_shell(number, shell, helix, radius) for number, shell in enumerate(shells))]
     stretches = [column("radius", values[stretch]) for values in radii]

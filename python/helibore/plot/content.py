@@ -31,8 +31,8 @@ from helibore.plot.cross_sections import CrossSection, sections_at, telling_dept
 from helibore.plot.diameters import diameters
 from helibore.plot.picked import DipTrack, draw_picks
 from helibore.plot.raster import at_points
-from helibore.plot.scales import FEET, METRES, DepthUnit, Lines, usual_scale
-from helibore.plot.solid import Stretched, most_relief, stretch_of
+from helibore.plot.scales import FEET, METRES, DepthUnit, Lines, usual_depth_scale
+from helibore.plot.solid import Stretched, most_relief, turns_between
 from helibore.plot.tracks import (
     CURVES,
     LENGTHS,
@@ -252,7 +252,7 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     if len(wall) < wall.settings.sectors:
         raise InputError("a picture needs a full turn of the wall", f"it has {len(wall)} vertices")
     top, bottom = _interval(wall, drawing)
-    scale = drawing.scale or usual_scale(bottom - top)
+    scale = drawing.scale or usual_depth_scale(bottom - top)
     zones = wall.zones()
     turns = diameters(wall, zones.logs, zones.kind.astype(np.float64))
     reference = _reference(wall, drawing)
@@ -500,13 +500,13 @@ def _caliper(
 
 def _stretched(wall: Wall, drawing: Drawing, top: float, bottom: float, images: list[SectorImage]) -> Stretched | None:
     if drawing.body is not None:
-        return stretch_of(wall, drawing.body[0], drawing.body[1]) if drawing.body else None
+        return turns_between(wall, drawing.body[0], drawing.body[1]) if drawing.body else None
     if wall.basis != "azimuthal" and not images:
         return None
     found = most_relief(wall, top, bottom)
     if found is not None and wall.basis == "gauge":  # no relief: where the images have most to show
         found = _imaged(wall, images[0], top, bottom, 0.5 * (found[1] - found[0]))
-    return None if found is None else stretch_of(wall, *found)
+    return None if found is None else turns_between(wall, *found)
 
 
 def _imaged(wall: Wall, image: SectorImage, top: float, bottom: float, half: float) -> tuple[float, float]:

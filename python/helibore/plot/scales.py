@@ -19,10 +19,10 @@ LONGEST = 1000.0
 """Millimetres of paper that a fine scale may need."""
 
 
-def usual_scale(length: float) -> int:
+def usual_depth_scale(length: float) -> int:
     """Return the finest of 1:20, 1:40 and 1:200 that puts so many metres on a metre of paper, else 1:500.
 
-    >>> usual_scale(3.0), usual_scale(160.0), usual_scale(736.0)
+    >>> usual_depth_scale(3.0), usual_depth_scale(160.0), usual_depth_scale(736.0)
     (20, 200, 500)
     """
     return next((scale for scale in FINE_SCALES if length * 1000.0 / scale <= LONGEST), COARSEST)

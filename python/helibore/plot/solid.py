@@ -66,7 +66,7 @@ def most_relief(wall: Wall, top: float, bottom: float) -> tuple[float, float] | 
     return ends[0], ends[1]
 
 
-def stretch_of(wall: Wall, start: float, stop: float) -> Stretched:
+def turns_between(wall: Wall, start: float, stop: float) -> Stretched:
     """Cut whole turns between two depths out of a wall, which must have three turns there, and a radius."""
     sectors, pitch = wall.settings.sectors, wall.settings.pitch
     turns = len(wall) // sectors

@@ -354,7 +354,7 @@ def _read_average(run: Run, one: Input) -> tuple[str, Caliper]:
     lines = [("caliper", f"{one.file.name}: {log.rows:,} rows; {text}")]
     for rows, what in (
         (~there, "without a depth or diameter"),
-        (there & ~hole, "no diameter of a hole"),
+        (there & ~hole, "with a diameter that no hole has"),
         (hole & ~usable, "outside the range of radii"),
     ):
         if count := np.count_nonzero(rows):
@@ -364,14 +364,14 @@ def _read_average(run: Run, one: Input) -> tuple[str, Caliper]:
 
 
 def _check_interval(name: str, caliper: Caliper, settings: Settings) -> None:
-    """Refuse samples, from a file of this name, of which none lies where the wall is asked for."""
+    """Raise an InputError if no sample of the file ``name`` lies in the wall's interval of depths."""
     depth, (top, bottom) = caliper.depth, interval(settings)
     if not ((depth >= top) & (depth <= bottom)).any():
         raise no_samples(name, (float(depth.min()), float(depth.max())), settings)
 
 
 def no_samples(name: str, ends: tuple[float, float], settings: Settings) -> InputError:
-    """Return the error of samples between these depths, of which none lies where the wall is asked for."""
+    """Return the error of a file whose samples, between the depths ``ends``, all lie outside the wall's interval."""
     top, bottom = interval(settings)
     asked = f"between {top:g} and {bottom:g} m"
     if np.isinf(top) or np.isinf(bottom):

@@ -97,7 +97,7 @@ def helix_of(wall: WallLike) -> Helix:
     )
 
 
-def stretch_of(wall: WallLike) -> Helix:
+def whole_helix(wall: WallLike) -> Helix:
     """Return the helix that a wall is a stretch of: the depths of its vertices have the bits of the whole wall."""
     settings: Any = wall.settings
     helix, first = helix_of(wall), getattr(settings, "first_vertex", 0)
@@ -116,10 +116,10 @@ def basis_text_of(wall: WallLike) -> str:
     return text
 
 
-def vertices_between(helix: Helix, count: int, start: float | None, stop: float | None) -> tuple[int, int]:
+def vertex_range(helix: Helix, count: int, start: float | None, stop: float | None) -> tuple[int, int]:
     """Return the half-open range of vertices whose depth lies in [start, stop), whichever way the helix grows.
 
-    InputError if an end is not finite, the ends are not in order, or no vertex lies between.
+    InputError if an end is not finite, the ends are not in order, or no vertex lies in the interval.
     """
     for name, bound in (("start", start), ("stop", stop)):
         if bound is not None and not math.isfinite(bound):
@@ -138,11 +138,11 @@ def vertices_between(helix: Helix, count: int, start: float | None, stop: float 
         last = count if start is None else bisect_right(range(count), -start, key=lambda k: -depth(k))
     if first >= last and not (start is None and stop is None):
         reach = f"reaches from {depth(0):g} to {depth(count - 1):g} m" if count else "is empty"
-        raise InputError(f"start = {start}, stop = {stop}", f"the wall {reach}, no vertex lies between")
+        raise InputError(f"start = {start}, stop = {stop}", f"no vertex lies in [start, stop); the wall {reach}")
     return first, last
 
 
-def spread(ranges: Integers) -> Integers:
+def expand_ranges(ranges: Integers) -> Integers:
     """Return all numbers of half-open ranges, in order."""
     return np.concatenate([np.arange(start, stop) for start, stop in ranges] or [np.arange(0)])
 

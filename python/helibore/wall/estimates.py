@@ -124,10 +124,10 @@ def estimate_left_out(
     settings
         What the wall is built with.
     box
-        (m,) metres and (m,) degrees: samples at most so far above or below the row and at most so far beside it are
-        left out, too. None: only those at the position of the row.
+        (m,) metres and (m,) degrees: samples within this distance above or below the row and within this angle beside
+        it are left out, too. None: only those at the position of the row.
     trial
-        (m,) metres: radii near those looked for, at which one estimate is made. None: the iteration of the method.
+        (m,) metres: initial radii; one estimate is made from them, without iteration. None: the method iterates.
     nuggets
         Of kriging, for `Estimates.by_nugget`.
     """

@@ -14,7 +14,7 @@ from helibore.base.threads import thread_count
 from helibore.images.sector_image import SectorImage
 from helibore.mesh.attributes import WallAttributes
 from helibore.samples.caliper import Basis, Caliper
-from helibore.samples.helix import quad_room, stretch_of
+from helibore.samples.helix import quad_room, whole_helix
 from helibore.trajectory.survey import Path
 
 
@@ -47,7 +47,7 @@ class WallState:
         depth, toolface, *_ = self.sample_columns
         reach = self.settings.gap_reach
         return _core.angular_gaps(
-            stretch_of(self), self.radius.size, depth, toolface, reach, thread_count(self.threads)
+            whole_helix(self), self.radius.size, depth, toolface, reach, thread_count(self.threads)
         )
 
     @property

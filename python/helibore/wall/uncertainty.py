@@ -28,7 +28,7 @@ from helibore import _core
 from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.base.settings import Settings
-from helibore.samples.helix import stretch_of
+from helibore.samples.helix import whole_helix
 from helibore.wall.estimates import MOST_UNMEASURED, Columns, choose_left_out, estimate_left_out
 from helibore.wall.state import WallState
 
@@ -164,7 +164,7 @@ def _unmeasured(wall: WallState) -> np.ndarray:
     each of the parts of the turn, three to the largest gap, has one, no gap is longer than two of these parts.
     """
     depth, toolface = wall.sample_columns[:2]
-    ends = stretch_of(wall).depth(np.array([0, wall.radius.size - 1]))
+    ends = whole_helix(wall).depth(np.array([0, wall.radius.size - 1]))
     intervals, parts = (
         int(np.ceil(np.ptp(ends) / wall.settings.gap_reach)) + 1,
         int(np.ceil(1080 / wall.settings.largest_gap)),

@@ -44,11 +44,11 @@ def test_a_template_has_tracks_in_order_with_their_widths(tmp_path: Path) -> Non
         ('[[track]]\nkind = "map"', "track 1: kind = 'map': must be one of caliper, image, curves, dips"),
         (
             '[[track]]\nkind = "image"',
-            "track 1: name = '': must name the image of an image track, and stand in no other",
+            "track 1: name = '': must name the image if kind is image; leave it out for other kinds",
         ),
         (
             '[[track]]\nkind = "dips"\nnames = ["a"]',
-            "track 1: names = ['a']: must list the curves of a track of curves, and stand in no other",
+            "track 1: names = ['a']: must list the curves if kind is curves; leave it out for other kinds",
         ),
         ('[[track]]\nkind = "dips"\nwidth = 5', "track 1: width = 5: must be 20 to 4000 pixels"),
         ('[[track]]\nkind = "dips"\nheight = 5', "track 1: height: must be one of kind, name, names, width"),

@@ -232,14 +232,17 @@ def test_surfaces_of_neighbouring_intervals_meet_without_overlap_or_gap(pitch):
     assert inside.max() < sorted(cut)[1]
 
 
+OUTSIDE = "no vertex lies in [start, stop); the wall reaches from 1000 to 1018.74 m"
+
+
 @pytest.mark.parametrize(
     ("start", "stop", "text"),
     [
         (math.nan, None, "start = nan: must be finite"),
         (1010, 1005, "stop = 1005: must be greater than start = 1010"),
         (1005, 1005, "stop = 1005: must be greater than start = 1005"),
-        (2000, None, "start = 2000, stop = None: the wall reaches from 1000 to 1018.74 m, no vertex lies between"),
-        (None, 900, "start = None, stop = 900: the wall reaches from 1000 to 1018.74 m, no vertex lies between"),
+        (2000, None, f"start = 2000, stop = None: {OUTSIDE}"),
+        (None, 900, f"start = None, stop = 900: {OUTSIDE}"),
     ],
 )
 def test_bad_intervals(start, stop, text):

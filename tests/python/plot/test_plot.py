@@ -25,8 +25,8 @@ from helibore.plot.header import SIDES_TEXT, header_height
 from helibore.plot.html_report import page
 from helibore.plot.log import MARGIN, _divided
 from helibore.plot.paper import MM
-from helibore.plot.scales import FEET, Lines, usual_scale
-from helibore.plot.solid import exaggeration, most_relief, stretch_of
+from helibore.plot.scales import FEET, Lines, usual_depth_scale
+from helibore.plot.solid import exaggeration, most_relief, turns_between
 from helibore.plot.tracks import HATCH, HATCH_BYTES, HEAD, ImageTrack
 from helibore.simulation.tool import Hole, Tool, simulate
 from helibore.wall.interpolation import on_quads
@@ -305,7 +305,7 @@ def test_sections_are_the_vertices_nearest_to_the_depth(wall: hb.Wall) -> None:
 
 
 def test_scales_lines_and_limits() -> None:
-    assert [usual_scale(length) for length in (3.0, 20.0, 40.0, 41.0, 200.0, 201.0, 9000.0)] == [
+    assert [usual_depth_scale(length) for length in (3.0, 20.0, 40.0, 41.0, 200.0, 201.0, 9000.0)] == [
         20, 20, 40, 200, 200, 500, 500,
     ]  # fmt: skip
     assert Lines.of(200) == Lines(1.0, 5.0)
@@ -337,20 +337,20 @@ def test_the_body_is_the_stretch_with_most_relief(wall: hb.Wall) -> None:
     assert ends is not None
     assert ends[0] <= 2026 < 2029 <= ends[1]
     with pytest.raises(ValueError, match=r"3-D view of 1 to 2 m: must hold three turns of the wall; the wall reaches"):
-        stretch_of(wall, 1.0, 2.0)
+        turns_between(wall, 1.0, 2.0)
     with pytest.raises(ValueError, match=r"3-D view of 2013\.3 to 2014\.6 m: the wall has no radius there"):
-        stretch_of(wall, 2013.3, 2014.6)
+        turns_between(wall, 2013.3, 2014.6)
 
 
 def test_what_is_exaggerated_is_written_on_the_body(wall: hb.Wall) -> None:
-    one = stretch_of(wall, 2001, 2010)
+    one = turns_between(wall, 2001, 2010)
     tube, shape = exaggeration(one, BIT)
     words = [text.get_text() for text in texts(plot.log(wall, body=(2001, 2010), dpi=40))]
     assert [
         word for word in words if word.startswith(f"tube × {tube:g} against depth, shape × {shape:g} more; seen from")
     ]
     round_hole = hb.reconstruct(hb.Caliper.gauge(0, 20, BIT), bit_diameter=BIT)
-    assert exaggeration(stretch_of(round_hole, 0, 12), BIT)[1] == 1.0  # nothing to exaggerate
+    assert exaggeration(turns_between(round_hole, 0, 12), BIT)[1] == 1.0  # nothing to exaggerate
 
 
 def hb_washout(start: float, stop: float) -> Any:

@@ -1,7 +1,7 @@
 // What is coloured and how: the quantities, their colour maps and the ends of their colours, which the server chooses once
 // from the whole wall. A user may fit them to the values in view.
 //
-//   colour = map[(value - low) / (high - low)], both logarithmic where the quantity is      no value: hatched grey
+//   colour = map[(value - low) / (high - low)], of their logarithms on a logarithmic scale      no value: hatched grey
 //
 // Static: one range everywhere, so a colour is a value. Dynamic: the range at each depth is the mean plus and minus two
 // standard deviations of a window around it, which brings out layers; then a colour is NOT a value. In view: one range for the

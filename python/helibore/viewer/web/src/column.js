@@ -65,7 +65,7 @@ function bitGlyph(ink, x, y, bit, down, palette) {
   ink.fill();
 }
 
-// A picked plane where it cuts the wall that is seen: the front on the left half, the far side on the right one.
+// The curve of a picked plane on the visible wall: its front in the left half, its back in the right one.
 /** @param {Ink} ink @param {Look} look @param {Plane} plane @param {string} colour */
 export function columnCurve(ink, look, plane, colour) {
   const { view, path, wallRect: rect } = look;

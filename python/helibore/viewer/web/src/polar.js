@@ -14,7 +14,8 @@ import { zoneAt, zoneText } from './zones.js';
 
 const CERTAIN = 1.96; // standard deviations that enclose 95 %
 
-// The turn at a depth: {k, radii, sigma, between, measured, level}, from the wall or, where that is not here, nothing.
+// The turn at a depth: {k, radii, sigma, between, measured, level}, from the wall; without radii where the page has not
+// received that part of the wall.
 /** @param {Store} store @param {View} view @param {number} depth */
 export function turnAt(store, view, depth) {
   const level = store.levels[0];
