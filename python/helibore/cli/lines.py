@@ -42,11 +42,11 @@ def summary_lines(found: WallSummary, cells: str = "") -> Lines:
             ("", f"least     {_extreme(found.least_diameter, found)}"),
             ("", f"greatest  {_extreme(found.greatest_diameter, found)}"),
             *(_shape_lines(found) if found.basis == "azimuthal" else []),
-            ("volume", f"{_volume(found.volume)} over {found.measured:,.1f} m of whole turns, "
+            ("volume", f"{_volume(found.volume)} over {found.whole_turns:,.1f} m of whole turns, "
              f"{100 * found.excess:+.1f} % against the bit"),
         ]  # fmt: skip
-    if found.not_measured:
-        lines.append(("", f"{found.not_measured:,.1f} m have a missing radius in each turn and are not counted"))
+    if found.incomplete_turns:
+        lines.append(("", f"{found.incomplete_turns:,.1f} m have a missing radius in each turn and are not counted"))
     lines.append(("support", f"{100 * found.without_radius:.2f} % of the vertices have no sample in reach"))
     if not math.isnan(found.nearest_half):
         half, most = found.nearest_half * 1e3, found.nearest_most * 1e3

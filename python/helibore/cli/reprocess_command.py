@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import click
@@ -14,6 +15,12 @@ from helibore.cli.wall_options import Sectioned, opt, section
 if TYPE_CHECKING:
     from helibore.runs.reprocess import Progress
 
+MOST_WARNINGS = 10
+"""Wells whose warnings are shown."""
+
+STOPPED = 130
+"""Exit code after Ctrl-C, as shells have it."""
+
 FAILED = 3
 """Exit code where wells failed, or the catalogue could not be written."""
 
@@ -23,10 +30,13 @@ FAILED = 3
     "Options",
     opt("-o --output", "Folder of the results, any fsspec address.  [the manifest's]"),
     opt("--scheduler", "Dask scheduler, such as tcp://host:8786.  [a cluster on this machine]", metavar="ADDRESS"),
+    opt("--workers", "Processes on this machine.  [one a processor]", type=click.IntRange(1), metavar="N"),
     QUIET,
 )
 @click.argument("manifest", nargs=-1, required=True, metavar="[status] MANIFEST")
-def reprocess(manifest: tuple[str, ...], output: str | None, scheduler: str | None, quiet: bool) -> None:
+def reprocess(
+    manifest: tuple[str, ...], output: str | None, scheduler: str | None, workers: int | None, quiet: bool
+) -> None:
     """Rebuild the walls of the wells of MANIFEST: archives, meshes, logs, zones and one catalogue of all.
 
     \b
@@ -35,8 +45,9 @@ def reprocess(manifest: tuple[str, ...], output: str | None, scheduler: str | No
     helibore reprocess status manifest.toml
 
     MANIFEST is TOML, or a Parquet table with one row a well. A well whose outputs are there, from the same files and
-    settings, is not made again; status says which wells are not made or out of date, and starts none. Exit code 3: some
-    wells failed, and the others are done.
+    settings, is not made again; status says which wells are not made or out of date, and starts none. Ctrl-C stops;
+    what is done stays, and a second run goes on. Exit code 1: an error before any work; 2: wrong options; 3: some wells
+    failed, and the others are done; 130: stopped by Ctrl-C.
     """
     from helibore.runs.manifest import read_jobs
     from helibore.runs.reprocess import reprocess as run
@@ -53,9 +64,22 @@ def reprocess(manifest: tuple[str, ...], output: str | None, scheduler: str | No
         for well, changed in sorted(found.outdated.items()):
             click.echo(f"{well}: out of date: changed since it was made: {changed}")
     else:
-        found = run(jobs, scheduler, progress=None if quiet else _show)
+        seen: list[Progress] = []
+
+        def show(progress: Progress) -> None:
+            seen[:] = [progress]
+            if not quiet:
+                _show(progress)
+
+        try:
+            found = run(jobs, scheduler, workers=workers, progress=show)
+        except KeyboardInterrupt:
+            counts = f"; {seen[0].sentence()}" if seen else ""
+            click.echo(f"\nstopped{counts}: run it again to go on, and to write the catalogue", err=True)
+            click.get_current_context().exit(STOPPED)
         if not quiet:
             click.echo(found.sentence())
+            _show_warnings(found.warnings)
     for well, reason in sorted(found.failed.items()):
         click.echo(f"{well}: {reason}", err=not words)
     if found.orphans and not quiet:
@@ -78,3 +102,11 @@ def _show(progress: Progress) -> None:
         click.echo(f"\r\x1b[K{line}", err=True, nl=progress.finished == progress.wells)
     elif progress.finished * 10 // progress.wells > (progress.finished - 1) * 10 // progress.wells:
         click.echo(line, err=True)
+
+
+def _show_warnings(warnings: Mapping[str, str]) -> None:
+    """Show the warnings of the first wells; the catalogue has them all."""
+    for well in sorted(warnings)[:MOST_WARNINGS]:
+        click.echo(f"{well}: {warnings[well]}", err=True)
+    if (left := len(warnings) - MOST_WARNINGS) > 0:
+        click.echo(f"{left} more wells have warnings: column warnings of the catalogue", err=True)

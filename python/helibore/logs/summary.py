@@ -62,7 +62,7 @@ class WallSummary:
         The smallest of the turns' largest inscribed circles, which is what passes; `Extreme` with its depth.
     volume, excess
         Of the whole turns, cubic metres; over the volume at bit size, less 1.
-    measured, not_measured
+    whole_turns, incomplete_turns
         Metres of hole in whole turns, which have every radius, measured or interpolated; and in the other turns.
     ovality, rugosity
         Mean and greatest of the turns: after API, and in metres over ``rugosity_window``.
@@ -101,8 +101,8 @@ class WallSummary:
     inscribed_diameter: Extreme
     volume: float
     excess: float
-    measured: float
-    not_measured: float
+    whole_turns: float
+    incomplete_turns: float
     ovality: tuple[float, float]
     rugosity: tuple[float, float]
     rugosity_window: float
@@ -120,7 +120,7 @@ class WallSummary:
 
     def numbers(self) -> dict[str, str]:
         """Return what a card shows, by name; missing numbers are left out."""
-        volume = f"{self.volume:.3f} m³ over {self.measured:.1f} m of whole turns"
+        volume = f"{self.volume:.3f} m³ over {self.whole_turns:.1f} m of whole turns"
         numbers = {
             "depth": f"{self.start:.2f} to {self.stop:.2f} m",
             "basis": self.basis_text,
@@ -208,8 +208,8 @@ def summarize(
         inscribed_diameter=_extreme(logs, logs.inscribed_diameter, np.nanargmin),
         volume=float((share * turns.volume)[full].sum()),
         excess=mean_square / turns.bit_diameter**2 - 1,
-        measured=counted * height,
-        not_measured=float(share[~full].sum()) * height,
+        whole_turns=counted * height,
+        incomplete_turns=float(share[~full].sum()) * height,
         ovality=_mean_and_greatest(logs.ovality_api),
         rugosity=_mean_and_greatest(logs.rugosity),
         rugosity_window=turns.rugosity_window,

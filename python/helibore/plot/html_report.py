@@ -183,10 +183,12 @@ def _summary(content: Content) -> str:
     stated = [(HEADER[name], text) for name, text in content.drawing.header.items() if text and name in HEADER]
     rows = [*stated, *((label, text) for label, text, _ in facts(content))]
     depths = content.drawing.depth_unit.name
-    if summary.measured and wall.basis != "gauge":
+    if summary.whole_turns and wall.basis != "gauge":
         ends = [in_unit(extreme.value, content) for extreme in (summary.least_diameter, summary.greatest_diameter)]
         sizes = f"{size_text(summary.mean_diameter)} mean, {ends[0]} to {ends[1]} {content.drawing.size_unit} across"
-        volume = f"{summary.volume:,.3f} m³ over {in_depth_unit(summary.measured, content, 1)} {depths} of whole turns"
+        volume = (
+            f"{summary.volume:,.3f} m³ over {in_depth_unit(summary.whole_turns, content, 1)} {depths} of whole turns"
+        )
         rows += [
             ("Diameter", sizes),
             ("Hole volume", f"{volume}; {100 * summary.excess:+.1f} % against bit size"),
@@ -225,8 +227,8 @@ def _diameters(content: Content) -> str:
     rows = []
     for row in intervals(content):
         lengths = (row.mean_diameter, row.least_diameter.value, row.greatest_diameter.value)
-        volume = row.volume if row.measured else math.nan
-        share = 100 * row.measured / max(row.measured + row.not_measured, 1e-9)
+        volume = row.volume if row.whole_turns else math.nan
+        share = 100 * row.whole_turns / max(row.whole_turns + row.incomplete_turns, 1e-9)
         rest = [number(volume, 4), number(100 * row.excess, 1), number(share, 1)]
         ends = (in_depth_unit(row.start, content), in_depth_unit(row.stop, content))
         rows.append([*ends, *(in_unit(size, content) for size in lengths), *rest])

@@ -78,7 +78,7 @@ class Store:
         try:
             self.write_json(".writable", {})
             self.delete([".writable"])
-        except OSError as error:
+        except Exception as error:  # the libraries of stores have errors of their own
             raise InputError(self.address, f"cannot be written: {error}") from error
 
     @contextlib.contextmanager

@@ -28,6 +28,7 @@ from helibore.runs.main_guard import check_main_guard
 from helibore.runs.manifest import Job, check_files, read_jobs
 from helibore.runs.output_store import Json, Store
 from helibore.runs.well import (
+    COLUMNS,
     changes,
     check_versions,
     merge_well,
@@ -49,6 +50,8 @@ QUIET = {
     "distributed.admin.system-monitor.interval": "2s",
 }
 """How often Dask looks at itself in the workers of this machine: its defaults cost a good part of a small well."""
+IGNORE_CTRL_C = ["helibore.runs.ignore_ctrl_c"]
+"""Modules that each worker of this machine loads."""
 TRIES = 3
 """Times that a task is tried where a store does not answer or a worker is killed, and that a cluster is started."""
 
@@ -61,6 +64,7 @@ class Progress:
     done: list[str] = field(default_factory=list)  # made now
     skipped: list[str] = field(default_factory=list)  # there already, from the same inputs and settings
     failed: dict[str, str] = field(default_factory=dict)  # well to reason
+    warnings: dict[str, str] = field(default_factory=dict)  # well to what a reader of its numbers must know
     unwritten: dict[str, str] = field(default_factory=dict)  # file of all wells that could not be written, to reason
     seconds: float = 0.0
     dashboard: str | None = None  # where Dask shows what the workers do
@@ -94,6 +98,7 @@ def reprocess(
     client: Client | str | None = None,
     *,
     output: str | None = None,
+    workers: int | None = None,
     progress: Callable[[Progress], object] | None = None,
 ) -> Progress:
     """Rebuild the walls of many wells, with their archives, meshes, logs, zones and one catalogue.
@@ -106,6 +111,8 @@ def reprocess(
         A Dask client, or the address of a scheduler; None: a cluster on this machine, one worker a processor.
     output
         Folder of the results at any fsspec address, in place of the manifest's.
+    workers
+        Without a client: how many processes work on this machine; None: one a processor.
     progress
         Called at the start and after each well.
 
@@ -138,7 +145,7 @@ def reprocess(
     store = Store(jobs[0].output)
     store.check_writable()
     records: dict[str, Json] = {}
-    with connected(client) as cluster:
+    with connected(client, workers) as cluster:
         _check_workers(cluster, jobs)
         so_far = _run(cluster, jobs, records, progress or (lambda _: None))
     try:
@@ -156,7 +163,7 @@ def reprocess(
 
 
 @contextlib.contextmanager
-def connected(client: Client | str | None) -> Iterator[Any]:
+def connected(client: Client | str | None, workers: int | None = None) -> Iterator[Any]:
     """Give a client as it is, one of a scheduler's address, or one of a cluster on this machine."""
     with needs("", "scale"):
         import dask
@@ -173,9 +180,15 @@ def connected(client: Client | str | None) -> Iterator[Any]:
         yield client
     else:
         own = dask.config.set({"distributed.scheduler.allowed-failures": DEATHS, **QUIET})
-        local = {"n_workers": thread_count(None), "threads_per_worker": 1, "dashboard_address": "127.0.0.1:0"}
+        count = thread_count(workers)
+        local = {
+            "n_workers": count,
+            "threads_per_worker": 1,
+            "dashboard_address": "127.0.0.1:0",
+            "preload": IGNORE_CTRL_C,
+        }
         with own, _started(lambda: LocalCluster(**local)) as cluster, Client(cluster) as made:
-            cluster.adapt(minimum=local["n_workers"], maximum=local["n_workers"])  # replaces workers that do not return
+            cluster.adapt(minimum=count, maximum=count)  # replaces workers that do not return
             yield made
 
 
@@ -261,6 +274,8 @@ def _run(client: Any, jobs: Sequence[Job], records: dict[str, Json], tell: Calla
             so_far.failed[job.well] = reason
         elif record is not None:
             records[job.well] = record
+            if text := record["catalogue"]["warnings"]:
+                so_far.warnings[job.well] = text
             (so_far.done if record.pop("made") else so_far.skipped).append(job.well)
         so_far.seconds = time.perf_counter() - begin
         tell(so_far)
@@ -330,7 +345,8 @@ def _write_catalogue(store: Store, records: dict[str, Json]) -> None:
         import pyarrow
 
         table = pyarrow.Table.from_pylist(rows)
-        types = [pyarrow.float64() if pyarrow.types.is_null(of.type) else of.type for of in table.schema]
-        table = table.cast(pyarrow.schema(zip(table.schema.names, types, strict=True)))  # numbers that no well has
+        types = [pyarrow.float64() if pyarrow.types.is_null(of.type) else of.type for of in table.schema]  # no well's
+        said = [dict(zip(("unit", "description"), COLUMNS.get(of.name, ("", "")), strict=True)) for of in table.schema]
+        table = table.cast(pyarrow.schema(map(pyarrow.field, table.schema.names, types, [True] * len(types), said)))
         with store.writing(CATALOGUE) as path:
             write_whole(path, lambda file: write_parquet(table, file))

@@ -28,6 +28,7 @@ from helibore._core import __version__
 from helibore.base.errors import InputError
 from helibore.files.log_files import save_table
 from helibore.logs.summary import WallSummary, summarize
+from helibore.logs.turn_logs import Logs
 from helibore.logs.zones import Classification, classify
 from helibore.mesh.surface import Surface, surface_of
 from helibore.runs.blocks import (
@@ -90,9 +91,14 @@ def reprocess_well(job: Job, expected: dict[str, str] | None = None) -> Json:
     try:
         return _made(job, store)
     except InputError:  # what is there was made of another input, or is a part
-        parts = (f"wells/{job.key}", f"logs/well={job.key}", f"zones/well={job.key}", _work(job))
-        store.delete([record_name(job.well), *(name for part in parts for name in store.sizes(part))])
+        folders = (*_folders(job), _work(job))
+        store.delete([record_name(job.well), *(name for folder in folders for name in store.sizes(folder))])
         raise
+
+
+def _folders(job: Job) -> tuple[str, ...]:
+    """Return the folders of a well's outputs."""
+    return f"wells/{job.key}", f"logs/well={job.key}", f"zones/well={job.key}"
 
 
 def _made(job: Job, store: Store) -> Json:
@@ -102,6 +108,7 @@ def _made(job: Job, store: Store) -> Json:
             if not _changes(before, _made_from(job, run.files, local), store):
                 return before | {"made": False}
             store.delete([record_name(job.well), *before["files"]])
+        store.delete([name for folder in _folders(job) for name in store.sizes(folder) if name.endswith(".part")])
         most, is_stream = job.block_samples, needs_stream(run, job.block_samples)
         if is_stream:
             read_path(run)
@@ -145,7 +152,7 @@ def merge_well(job: Job, expected: dict[str, str] | None = None) -> Json:
         zones = _save_tables(job, save, classify(wall, None, logs))
         if "mesh" in job.outputs:
             _save_overview(job, save, surface_of(over, run.path, threads=1))
-        row = catalogue_row(job.well, run.settings, wall, summarize(wall, zones=zones))
+        row = catalogue_row(job.well, run.settings, wall, logs, summarize(wall, zones=zones))
     made_from = read_plan(store, _work(job))["made_from"]
     record = _write_record(job, store, made_from, files, row)
     store.delete(list(store.sizes(_work(job))))
@@ -265,12 +272,13 @@ def write_outputs(run: Run, job: Job, store: Store) -> tuple[dict[str, int], Jso
     files, save = _saver(store)
     if "archive" in job.outputs:
         save(f"wells/{key}/{key}.wall", wall.save)
-    zones = _save_tables(job, save, classify(wall, None, wall.logs()))
+    logs = wall.logs(sigma=wall.settings.sigma)
+    zones = _save_tables(job, save, classify(wall, None, logs))
     if "mesh" in job.outputs:
         save(f"wells/{key}/{key}.glb", lambda path: wall.surface().save(path))
         coarse = vars(overview_settings(wall.settings))
         _save_overview(job, save, surface_of(wall_of(wall.samples, threads=1, **coarse), wall.path, threads=1))
-    return files, catalogue_row(job.well, run.settings, wall, summarize(wall, zones=zones))
+    return files, catalogue_row(job.well, run.settings, wall, logs, summarize(wall, zones=zones))
 
 
 def _save_tables(job: Job, save: Save, zones: Classification) -> Classification:
@@ -290,25 +298,49 @@ def _save_overview(job: Job, save: Save, surface: Surface) -> None:
         save(f"wells/{job.key}/{job.key}-overview.glb", surface.save)
 
 
-NUMBERS = (
-    "start", "stop", "bit_diameter", "sectors", "pitch", "vertices", "samples", "mean_diameter", "volume", "excess",
-    "measured", "not_measured", "washed_out", "coverage", "without_radius", "nearest_half", "nearest_most",
-)  # fmt: skip
-"""Numbers of `WallSummary` in the catalogue: metres, cubic metres and shares."""
+NUMBERS = {
+    "start": ("m", "Start of the wall, measured depth"),
+    "stop": ("m", "End of the wall, measured depth"),
+    "bit_diameter": ("m", "Bit diameter"),
+    "sectors": ("", "Vertices a turn"),
+    "pitch": ("m", "Depth a turn"),
+    "vertices": ("", "Vertices"),
+    "samples": ("", "Samples"),
+    "mean_diameter": ("m", "Diameter of the cylinder with the volume of the whole turns"),
+    "volume": ("m3", "Volume of the whole turns"),
+    "excess": ("", "Volume over the volume at bit size, less 1"),
+    "whole_turns": ("m", "Length of turns that have every radius, measured or interpolated"),
+    "incomplete_turns": ("m", "Length of the other turns"),
+    "washed_out": ("m", "Length of washouts"),
+    "coverage": ("", "Mean share of the turns that is measured, not interpolated"),
+    "without_radius": ("", "Share of the vertices that no sample reaches"),
+    "nearest_half": ("m", "Distance to the nearest sample, at most so far for half of the vertices"),
+    "nearest_most": ("m", "Distance to the nearest sample, at most so far for 99 % of the vertices"),
+}
+"""Numbers of `WallSummary` in the catalogue: unit and description."""
+
+COLUMNS = NUMBERS | {
+    "diameter_sigma": ("m", "Mean standard uncertainty of DEQ, where sigma is asked for"),
+    "breakout_length": ("m", "Length of breakouts"),
+    "breakout_axis": ("deg", "Mean axis of breakouts"),
+    "breakout_deviation": ("deg", "Standard deviation of that axis"),
+}
+"""Columns of the catalogue that are numbers."""
 
 
-def catalogue_row(well: str, settings: RunSettings, wall: Wall | Merged, summary: WallSummary) -> Json:
+def catalogue_row(well: str, settings: RunSettings, wall: Wall | Merged, logs: Logs, summary: WallSummary) -> Json:
     """Return what the catalogue says of a well: interval, sizes, quality and settings; None for what is missing."""
 
     def known(value: Any) -> Any:
         return None if isinstance(value, float) and not math.isfinite(value) else value
 
     numbers = {name: known(getattr(summary, name)) for name in NUMBERS}
-    axis = summary.breakout_axis
+    axis, sigma = summary.breakout_axis, logs.diameter_sigma
     return {
         "well": well,
         "basis": summary.basis,
         **numbers,
+        "diameter_sigma": float(np.nanmean(sigma)) if np.isfinite(sigma).any() else None,
         "breakout_length": summary.kinds.get("breakout", 0.0),
         "breakout_axis": known(axis.mean),
         "breakout_deviation": known(axis.deviation),

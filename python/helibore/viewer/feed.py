@@ -235,7 +235,7 @@ class Feed:
         with self._finding:  # the first zones of a long wall take a second
             self._zones = self._zones or classify(self._wall)
         summary = summarize(self._wall, start, stop, zones=self._zones)
-        names = ("start", "stop", "volume", "excess", "measured", "not_measured", "washed_out", "without_radius")
+        names = ("start", "stop", "volume", "excess", "whole_turns", "incomplete_turns", "washed_out", "without_radius")
         values = {name: float(getattr(summary, name)) for name in (*names, "coverage", "mean_diameter")}
         values |= {name: getattr(summary, name).value for name in ("least_diameter", "greatest_diameter")}
         return {name: value if math.isfinite(value) else None for name, value in values.items()}

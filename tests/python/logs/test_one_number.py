@@ -70,8 +70,8 @@ def test_one_number(seed: int) -> None:
     volume = numbers(re.search(r"\| volume ([^|]*)", lines)[1])[0]
     excess = re.search(r"([-+][\d.]+) % against the bit", lines)[1]
     assert numbers(rows["Hole volume"])[0] == volume == f"{summary.volume:,.3f}" == f"{viewed.volume:,.3f}"
-    assert f"over {viewed.measured:,.1f} m of whole turns" in rows["Hole volume"]
-    assert f"over {summary.measured:,.1f} m of whole turns" in lines
+    assert f"over {viewed.whole_turns:,.1f} m of whole turns" in rows["Hole volume"]
+    assert f"over {summary.whole_turns:,.1f} m of whole turns" in lines
     assert f"{excess} % against bit size" in rows["Hole volume"]
     assert excess == f"{100 * viewed.excess:+.1f}"
     sizes = numbers(rows["Diameter"])
@@ -86,6 +86,6 @@ def test_one_number(seed: int) -> None:
     assert numbers(rows["Measured"])[0] == f"{100 * viewed.coverage:.2f}" == f"{100 * summary.coverage:.2f}"
     assert numbers(rows["Without support"])[0] == f"{100 * viewed.without_radius:.2f}"
     assert f"{100 * viewed.without_radius:.2f} % of the vertices have no sample in reach" in lines
-    assert (viewed.washed_out, viewed.not_measured) == (summary.washed_out, summary.not_measured)
+    assert (viewed.washed_out, viewed.incomplete_turns) == (summary.washed_out, summary.incomplete_turns)
     for kind, length in summary.kinds.items() if summary.basis == "azimuthal" else ():
         assert f"{kind} {length:,.1f} m" in rows["Zones"]

@@ -50,7 +50,7 @@ def test_every_number_is_that_of_the_full_turns() -> None:
     assert found.mean_diameter == pytest.approx(mean, rel=1e-12)
     assert found.volume == pytest.approx(math.pi / 4 * mean**2 * 2.5, rel=1e-12)
     assert found.excess == pytest.approx(mean**2 / BIT**2 - 1, rel=1e-12)
-    assert (found.measured, found.not_measured) == pytest.approx((2.5, 0.4))
+    assert (found.whole_turns, found.incomplete_turns) == pytest.approx((2.5, 0.4))
     assert found.least_diameter.value == pytest.approx(BIT - 0.004)
     assert found.greatest_diameter.value == pytest.approx(BIT + 0.04)
     assert 1001.0 < found.greatest_diameter.depth < 1001.5
@@ -67,21 +67,21 @@ def test_volume_and_mean_diameter_are_of_the_same_metres_of_hole() -> None:
     cuts = [1000.0, *(1000.0 + 0.3048 * np.arange(1, 11)), 1003.4]  # feet, where a turn is 0.1 m
     rows = [summarize(wall, start, stop) for start, stop in pairwise(cuts)]
     for row in rows:
-        assert row.measured == pytest.approx(row.stop - row.start)
+        assert row.whole_turns == pytest.approx(row.stop - row.start)
         assert row.volume == pytest.approx(math.pi / 4 * row.mean_diameter**2 * (row.stop - row.start), rel=1e-9)
     assert sum(row.volume for row in rows) == pytest.approx(summarize(wall, 1000.0, 1003.4).volume)
     assert sum(row.washed_out for row in rows) == pytest.approx(0.5)
     upwards = wall_of((30, GAUGE))
     upwards.settings.pitch = -PITCH
-    assert summarize(upwards, 997.111, 998.222).measured == pytest.approx(1.111)
-    assert summarize(upwards).measured == pytest.approx(3.0)
+    assert summarize(upwards, 997.111, 998.222).whole_turns == pytest.approx(1.111)
+    assert summarize(upwards).whole_turns == pytest.approx(3.0)
 
 
 def test_an_interval_counts_the_metres_that_lie_in_it() -> None:
     wall = wall_of((10, GAUGE), (5, WASHED), (10, GAUGE))
     found = summarize(wall, 1001.2, 1002.0)
     assert found.washed_out == pytest.approx(0.3)
-    assert found.measured == pytest.approx(0.8)
+    assert found.whole_turns == pytest.approx(0.8)
     assert (found.start, found.stop) == (1001.2, 1002.0)
 
 
@@ -116,7 +116,7 @@ def test_washed_out_is_what_zones_call_washout() -> None:
 def test_a_wall_without_a_full_turn_has_no_numbers() -> None:
     found = hb.Wall(bit_diameter=BIT).summary()
     assert found.vertices == found.samples == 0
-    assert found.measured == found.volume == found.washed_out == 0
+    assert found.whole_turns == found.volume == found.washed_out == 0
     for number in (found.mean_diameter, found.excess, found.least_diameter.value, found.without_radius, found.start):
         assert math.isnan(number)
 

@@ -144,7 +144,7 @@ def test_intervals_against_a_loop(wall: hb.Wall) -> None:
                 if np.isfinite(one).all():
                     whole += 1
                     volume += math.pi * float(np.mean(one**2)) * pitch
-        assert row.measured / (row.measured + row.not_measured) == pytest.approx(whole / count)
+        assert row.whole_turns / (row.whole_turns + row.incomplete_turns) == pytest.approx(whole / count)
         if whole:
             assert row.volume == pytest.approx(volume)
             assert row.excess == pytest.approx(volume / (whole * pitch * math.pi * BIT**2 / 4) - 1)

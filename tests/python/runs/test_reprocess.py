@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
 import resource
 import shutil
+import signal
 import subprocess
 import sys
 import zipfile
@@ -209,6 +211,45 @@ def test_a_well_is_made_again_only_where_something_changed(field: Path, tmp_path
     shutil.copy(field / "1.parquet", tmp_path / "a.parquet")
     assert reprocess_well(Job("A", tree, str(tmp_path / "out"), ("archive",)))["made"]
     assert content(tmp_path / "out")["wells/A/A.wall"] != files["wells/A/A.wall"]
+
+
+def test_what_a_killed_worker_left_in_part_goes_when_its_well_is_made(field: Path, tmp_path: Path) -> None:
+    job = read_jobs(manifest(field), str(tmp_path))[1]
+    for left in ("wells/B/.B.glb.0123abcd.part", "logs/well=B/.logs-0.parquet.0123abcd.part"):
+        (tmp_path / left).parent.mkdir(parents=True)
+        (tmp_path / left).write_bytes(b"")
+    reprocess_well(job)
+    assert not [name for name in content(tmp_path) if name.endswith(".part")]
+
+
+def test_sigma_that_a_well_asks_for_is_in_its_logs_and_row(field: Path, tmp_path: Path) -> None:
+    text = MANIFEST.replace("sectors = 32", "sectors = 32\nsigma = true")
+    plain, sure = (reprocess_well(job) for job in read_jobs(manifest(field, text, "s.toml"), str(tmp_path)))
+    logs = parquet.read_table(tmp_path / "logs/well=B/logs-0.parquet")
+    assert sure["catalogue"]["diameter_sigma"] == np.nanmean(logs["DEQ_SIGMA"].to_numpy())
+    assert plain["catalogue"]["diameter_sigma"] is None
+
+
+def test_a_store_with_errors_of_its_own_is_refused_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def unreachable(*_: Any) -> None:
+        raise RuntimeError("could not connect to the endpoint")
+
+    monkeypatch.setattr(Store, "write_json", unreachable)
+    with pytest.raises(hb.InputError, match=r"out: cannot be written: could not connect to the endpoint$"):
+        Store(str(tmp_path / "out")).check_writable()
+
+
+def test_ctrl_c_says_how_to_go_on(field: Path, tmp_path: Path) -> None:
+    where = ["-o", str(tmp_path), "--workers", "1"]
+    command = [sys.executable, "-m", "helibore", "reprocess", str(manifest(field)), *where]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
+        assert process.stderr is not None
+        assert process.stderr.readline().startswith("Dask shows its work at ")
+        os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+        lines = process.stderr.read().splitlines()
+    assert process.returncode == 130, lines
+    assert "run it again to go on, and to write the catalogue" in lines[-1]
+    assert not [line for line in lines if "Traceback" in line]
 
 
 def test_a_well_whose_input_fails_leaves_nothing(field: Path, tmp_path: Path) -> None:
@@ -460,6 +501,9 @@ def test_all_wells_on_dask(field: Path, tmp_path: Path, client: Any) -> None:
     assert seen == [0, 1, 2, 3]
     catalogue = parquet.read_table(tmp_path / "catalogue.parquet").to_pylist()
     assert [row["well"] for row in catalogue] == ["15/9-F 1", "B"]
+    schema = parquet.read_schema(tmp_path / "catalogue.parquet")
+    assert [schema.field(name).metadata[b"unit"] for name in ("volume", "excess", "coverage")] == [b"m3", b"", b""]
+    assert found.warnings == {row["well"]: row["warnings"] for row in catalogue if row["warnings"]}
     assert json.loads((tmp_path / "failures.json").read_text()) == found.failed
     assert (len(status(jobs).skipped), list(status(jobs).failed)) == (2, ["C"])
     before = content(tmp_path)

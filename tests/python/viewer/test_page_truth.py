@@ -151,9 +151,9 @@ def test_a_measured_wall_has_no_banner_and_the_figures_of_its_summary(browser: A
         assert summary.washed_out == pytest.approx(6, abs=0.5)
         assert f"{summary.washed_out:.1f} m" in text
         assert f"{summary.volume:.3f} m³" in text
-        whole = summary.measured + summary.not_measured
+        whole = summary.whole_turns + summary.incomplete_turns
         assert f"{summary.washed_out:.1f} m of {whole:.1f} m, {100 * summary.washed_out / whole:.1f} %" in text
-        assert f"{summary.measured:.1f} m of full turns" in text
+        assert f"{summary.whole_turns:.1f} m of whole turns" in text
         assert "gap_reach" in screen.get_attribute("#section dd", "title")
         (zone,) = measured.zones().zones
         shown = screen.evaluate("window.__wall.app.zones")

@@ -187,7 +187,7 @@ export function writeBrief({ view, zones, path, store }, read, figures) {
 const MEANINGS = {
   measured: 'Share of the wall between two samples that are at most largest_gap (at first 60°) apart around the hole, among the samples within gap_reach (at first 0.5 m) of its depth; empty: without a radius',
   volume: 'Of the turns that have a radius all around; the others count nothing',
-  washed: 'Metres of washout of all metres of the section that lie in the wall, with and without full turns',
+  washed: 'Metres of washout of all metres of the section that lie in the wall, in whole turns and others',
 };
 
 // The figures of a section, as `Wall.summary` has them.
@@ -195,13 +195,13 @@ const MEANINGS = {
 export function sectionText(store, summary, units) {
   if (store.basis === 'gauge') return [['Hole size, volume, washout', 'not measured']];
   if (!summary) return [['Section', '…']];
-  const { volume, excess, coverage, measured, not_measured: gaps, washed_out: washed, without_radius: without } = summary;
+  const { volume, excess, coverage, whole_turns: counted, incomplete_turns: others, washed_out: washed, without_radius: without } = summary;
   /** @param {number | null} value */
   const number = (value) => value ?? NaN;
-  const whole = measured + gaps;
+  const whole = counted + others;
   return [
     ['Measured', `${showPercent(number(coverage))}, ${showPercent(number(without))} empty`, MEANINGS.measured],
-    ['Volume', measured ? `${volume.toFixed(3)} m³ in ${showDepth(measured, units, 1)} of full turns` : '–', MEANINGS.volume],
+    ['Volume', counted ? `${volume.toFixed(3)} m³ in ${showDepth(counted, units, 1)} of whole turns` : '–', MEANINGS.volume],
     ['Over bit volume', showPercent(number(excess)), MEANINGS.volume],
     ['Washed out', washed === null ? '–' : `${showDepth(washed, units, 1)} of ${showDepth(whole, units, 1)}, ${showPercent(washed / whole)}`, MEANINGS.washed],
   ];
