@@ -147,11 +147,12 @@ def test_alarms_take_two_lines_and_turn_the_lamp_at_once(browser: Any) -> None:
         screen.close()
 
 
-def test_the_images_beside_survive_a_restart_in_rig_mode(browser: Any) -> None:
+def test_section_and_images_beside_survive_a_restart_in_rig_mode(browser: Any) -> None:
     wall = MadeWall(20_000)
     with hb.view(wall, attributes=gamma_and_resistivity(wall)) as viewer:
         screen = Screen(browser, viewer.url, "#md=1010&sec=10", (1366, 768), drawn=False)
         assert screen.evaluate("window.__wall.app.view.beside") == ["GR"]
+        section = screen.evaluate("[window.__wall.app.view.top, window.__wall.app.view.bottom]")
         screen.keyboard.press("k")
         session = screen.evaluate("window.__wall.app.store.session")
         viewer.scene.begin(viewer.scene.shape)  # as a new server does
@@ -161,6 +162,7 @@ def test_the_images_beside_survive_a_restart_in_rig_mode(browser: Any) -> None:
         screen.settle()
         assert screen.evaluate("window.__wall.app.view.beside") == ["GR"]
         assert screen.evaluate("'beside0' in window.__wall.app.rects")
+        assert screen.evaluate("[window.__wall.app.view.top, window.__wall.app.view.bottom]") == pytest.approx(section)
         screen.close()
 
 
