@@ -1,33 +1,64 @@
 """Columns of a data frame by what they hold: pandas, Polars, Arrow, xarray, or a dict of columns.
 
-frame_columns(frame, {"depth": ("MD", LENGTH), "time": ("T", TIME)}, {"depth": "ft"})   metres; left out: 3 rows
+rows = frame_rows(frame, {"depth": ("MD", LENGTH), "radius": ("CAL", LENGTH)}, {"radius": "in"})
+with rows.named():                  radius[2] = -25.3746: ...   ->   CAL[3] = -999 in: ...
+    Caliper(**rows.columns)
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from helibore.base.arrays import Floats, are_dates, numbers_or_dates
+from helibore.base.arrays import Floats, Mask, are_dates, numbers_or_dates
 from helibore.base.errors import InputError
 from helibore.base.nulls import NULLS
 from helibore.base.units import TIME, factor
 
 
-def frame_columns(
+@dataclass(frozen=True)
+class FrameRows:
+    """The complete rows of some columns of a data frame."""
+
+    columns: dict[str, Floats]  # by role, in metres, degrees and seconds
+    complete: Mask  # (rows of the table,) which of them these are
+    stated: dict[str, tuple[str, Floats, str]]  # by role: column, its values as in the table, " " and their unit
+
+    @contextmanager
+    def named(self) -> Iterator[None]:
+        """Make an InputError about an entry of a role one about the table: its column, row and value."""
+        try:
+            yield
+        except InputError as error:
+            entry = rf"({'|'.join(self.stated)})\[(\d+)\]"
+            found = re.fullmatch(entry, error.place)
+            rule = re.sub(rf"{entry} = [^ ]+", lambda of: " = ".join(self._in_table(of)), error.rule)
+            place, value = self._in_table(found) if found else (error.place, error.value)
+            raise InputError(place, rule, value) from None
+
+    def _in_table(self, entry: re.Match[str]) -> tuple[str, str]:
+        name, values, unit = self.stated[entry[1]]
+        row = int(np.flatnonzero(self.complete)[int(entry[2])])
+        return f"{name}[{row}]", f"{values[row]:.15g}{unit}"
+
+
+def frame_rows(
     table: Any, wanted: Mapping[str, tuple[str | None, str | None]], units: Mapping[str, str] | None
-) -> tuple[dict[str, Floats], int]:
-    """Return the complete rows of some columns, in metres, degrees and seconds, and how many rows were left out.
+) -> FrameRows:
+    """Return the complete rows of some columns.
 
     Parameters
     ----------
     table
         ``table[name]`` is a column. A row with a missing value (NaN, null, one of `NULLS`) is left out.
     wanted
-        For each role the name of its column, None for one that is not wanted, and what its unit measures, None for
-        one without a unit. A time may be of dates.
+        For each role the name of its column, None for a time or an arm that is not wanted, and what its unit measures,
+        None for one without a unit. A time may be of dates.
     units
         By role; None: metres, degrees and seconds.
 
@@ -42,6 +73,7 @@ def frame_columns(
         if unknown not in known:
             raise InputError("units", f"{unknown!r} is none of {', '.join(known)}")
     columns: dict[str, Floats] = {}
+    stated: dict[str, tuple[str, Floats, str]] = {}
     names = list(getattr(table, "column_names", getattr(table, "columns", ())))  # Arrow; pandas and Polars
     for role, (name, kind) in wanted.items():
         if name is None:
@@ -65,9 +97,10 @@ def frame_columns(
             raise InputError("units", f"column {name!r} is of dates, which have no unit ({role})")
         null = np.isin(values, NULLS)
         values = np.where(null, np.nan, values) if null.any() else values
+        stated[role] = (str(name), values, f" {units[role]}" if role in units else "")
         columns[role] = values * factor(units[role], kind) if role in units and kind else values
-    there = np.logical_and.reduce([~np.isnan(of) for of in columns.values()])
-    if not there.any():
-        raise InputError("table", f"none of {there.size} rows has all of {', '.join(columns)}")
-    whole = columns if there.all() else {role: of[there] for role, of in columns.items()}
-    return whole, int(there.size - there.sum())
+    complete = np.logical_and.reduce([~np.isnan(of) for of in columns.values()])
+    if not complete.any():
+        raise InputError("table", f"none of {complete.size} rows has all of {', '.join(columns)}")
+    whole = columns if complete.all() else {role: of[complete] for role, of in columns.items()}
+    return FrameRows(whole, complete, stated)

@@ -20,7 +20,7 @@ import numpy.typing as npt
 from helibore import _core
 from helibore.base.arrays import Floats, column
 from helibore.base.errors import InputError
-from helibore.base.frames import frame_columns
+from helibore.base.frames import frame_rows
 from helibore.base.notebook import card, curve_picture
 from helibore.base.units import ANGLE, LENGTH
 from helibore.trajectory.references import Reference
@@ -113,7 +113,7 @@ class Survey:
         ------
         InputError
             On a column that the table does not have or that does not hold numbers, an unknown unit, a table without a
-            complete row, and as `Survey`; rows then count the complete ones.
+            complete row, and as `Survey`, with the table's column, row and value.
 
         Examples
         --------
@@ -124,9 +124,10 @@ class Survey:
         Survey(2 stations, 0 to 304.8 m)
         """
         wanted = {"depth": (depth, LENGTH), "inclination": (inclination, ANGLE), "azimuth": (azimuth, ANGLE)}
-        columns, left_out = frame_columns(table, wanted, units)
-        made = cls(**columns)
-        made.__dict__["left_out"] = left_out
+        rows = frame_rows(table, wanted, units)
+        with rows.named():
+            made = cls(**rows.columns)
+        made.__dict__["left_out"] = int((~rows.complete).sum())
         return made
 
     def dogleg(self) -> Floats:

@@ -100,8 +100,8 @@ def test_a_card_has_the_colours_of_the_print():
 
 def test_a_card_of_samples_says_how_many_rows_were_left_out():
     frame = {"DEPTH": [1.0, 1.1, 1.2], "TOOLFACE": [0.0, 90.0, 180.0], "RADIUS": [0.1, np.nan, 0.1]}
-    assert "1 of the table&#x27;s rows" in hb.Caliper.from_table(frame)._repr_html_()
-    assert "left out" not in hb.Caliper([1.0], [0.0], [0.1])._repr_html_()
+    assert "a value in 1 of the table&#x27;s rows" in hb.Caliper.from_table(frame)._repr_html_()
+    assert "missing" not in hb.Caliper([1.0], [0.0], [0.1])._repr_html_()
 
 
 def test_a_map_has_the_colours_of_its_cells():

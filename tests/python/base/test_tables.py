@@ -167,7 +167,9 @@ def test_samples_go_round_by_a_data_frame(wall):
          "must be a unit of length: m, cm, mm, ft, ftUS, in, 0.1in"),
         ({"R": [4.0] * 4}, {},
          "column 'R': median = 4 m: must be at most 2 m: units={\"radius\": \"in\"} states another unit"),
-        ({"R": [0.1, 0.1, 0.1, 4.0]}, {}, "radius[2] = 4: must be above 0 and at most 2 m"),
+        ({"R": [0.1, 0.1, 0.1, 4.0]}, {}, "R[3] = 4: must be above 0 and at most 2 m"),
+        ({"R": [4.0, np.nan, 4.2, -999]}, {"units": {"radius": "in"}},
+         "R[3] = -999 in: must be above 0 and at most 2 m"),
         ({"R": np.arange(4).astype("M8[s]")}, {}, "column 'R': must be numbers"),
         ({"T": np.arange(4).astype("m8[s]")}, {"time": "T"}, "column 'T': must be numbers"),
         ({"T": np.arange(4).astype("M8[s]")}, {"time": "T", "units": {"time": "s"}},
@@ -232,10 +234,38 @@ def test_diameters_of_few_arms_are_those_of_a_file(tmp_path: Path) -> None:
     assert len(wall.logs().arm_diameter) == 2
     for more, text in (
         ({"diameters": diameters}, "column 'cal_x_in': median = 8.5"),
-        ({"diameters": {}}, "diameters: must name at least one column"),
+        ({"diameters": {}}, "diameters = {}: must be the angle of the arms by column, degrees: {"),
+        ({"diameters": ["cal_x_in"]}, "diameters = ['cal_x_in']: must be the angle of the arms by column"),
+        ({"diameters": {"cal_x_in": "0"}}, "diameters['cal_x_in'] = '0': must be finite degrees"),
         ({"diameters": diameters, "radius": "R"}, "diameters: state the arms, and take the place of radius and arm"),
         ({"diameters": {"z": 0}}, "column 'z': is not in the table (diameter)"),
     ):  # fmt: skip
         with pytest.raises(hb.InputError) as caught:
             hb.Caliper.from_table(frame, **places, **more)
         assert str(caught.value).startswith(text)
+
+
+@pytest.mark.parametrize("column", ["cal_x_in", "cal_y_in"])
+def test_an_error_about_a_table_has_its_column_row_and_value(column):
+    k = np.arange(30.0)
+    frame = {"DEPTH": 100 + k, "TOOLFACE": k, "cal_x_in": np.full(30, 8.5), "cal_y_in": np.full(30, 8.6)}
+    frame["TOOLFACE"][3] = frame["cal_x_in"][7] = np.nan
+    frame[column][20] = -999
+    with pytest.raises(hb.InputError) as error:
+        hb.Caliper.from_table(frame, diameters={"cal_x_in": 0, "cal_y_in": 90}, units={"diameter": "in"})
+    assert (error.value.place, error.value.value) == (f"{column}[20]", "-999 in")
+    assert error.value.rule == "must be above 0 and at most 4 m"
+
+
+def test_an_error_about_a_survey_has_the_rows_and_values_of_its_table():
+    frame = {"MD": [0.0, np.nan, 1000, 900], "INC": [0.0, 0, 10, 20], "AZI": [0.0, 0, 0, 0]}
+    with pytest.raises(hb.InputError) as error:
+        hb.Survey.from_table(frame, depth="MD", inclination="INC", azimuth="AZI", units={"depth": "ft"})
+    assert str(error.value) == "MD[3] = 900 ft: must be greater than MD[2] = 1000 ft"
+
+
+def test_rows_with_a_missing_value_count_once():
+    frame = {"DEPTH": np.arange(20.0), "TOOLFACE": np.arange(20.0), "X": np.full(20, 0.2), "Y": np.full(20, 0.2)}
+    frame["TOOLFACE"][:2] = frame["X"][5:10] = frame["Y"][8:12] = np.nan
+    made = hb.Caliper.from_table(frame, diameters={"X": 0, "Y": 90})
+    assert (len(made), made.left_out) == (2 * (20 - 7) + 2 * (20 - 6), 2 + 7)
