@@ -20,6 +20,11 @@ from helibore.base.errors import InputError
 from helibore.base.nulls import NULLS
 from helibore.base.units import TIME, factor
 
+OPTIONAL = ("time", "arm")
+"""Roles that a table need not have."""
+WAYS = {"fetchall": "df()", "collect": "collect()", "read_all": "read_all()"}
+"""What makes a data frame of a DuckDB relation, a lazy frame and an Arrow reader, by a method that only they have."""
+
 
 @dataclass(frozen=True)
 class FrameRows:
@@ -72,21 +77,22 @@ def frame_rows(
         known = [role for role, (_, kind) in wanted.items() if kind]
         if unknown not in known:
             raise InputError("units", f"{unknown!r} is none of {', '.join(known)}")
+    _refuse_no_frame(table)
     columns: dict[str, Floats] = {}
     stated: dict[str, tuple[str, Floats, str]] = {}
     names = list(getattr(table, "column_names", getattr(table, "columns", ())))  # Arrow; pandas and Polars
     for role, (name, kind) in wanted.items():
-        if name is None:
+        if name is None and role in OPTIONAL:
             continue
+        if name is None:
+            raise InputError(role, "must be the name of a column", "None")
         place = f"column {name!r}"
         if names.count(name) > 1:
             raise InputError(place, f"the table has {names.count(name)} of this name ({role})")
         try:
             column = table[name]
         except Exception as error:  # each library has an error of its own for a column that is not there
-            index = getattr(table, "index", None)
-            way = ": it is the index, which reset_index() makes a column" if getattr(index, "name", "") == name else ""
-            raise InputError(place, f"is not in the table ({role}){way}") from error
+            raise InputError(place, f"is not in the table ({role}){_way_from_index(table, name)}") from error
         try:
             values = numbers_or_dates(column, dates=kind == TIME)
         except InputError as error:
@@ -104,3 +110,22 @@ def frame_rows(
         raise InputError("table", f"none of {complete.size} rows has all of {', '.join(columns)}")
     whole = columns if complete.all() else {role: of[complete] for role, of in columns.items()}
     return FrameRows(whole, complete, stated)
+
+
+def _refuse_no_frame(table: Any) -> None:
+    kind, rule = type(table).__name__, "must be a data frame or a dict of columns"
+    if isinstance(table, (list, tuple)):
+        raise InputError("table", f"{rule}: pandas.DataFrame(records) makes one of records", kind)
+    for method, way in WAYS.items():
+        if hasattr(table, method):
+            raise InputError("table", f"{rule}: its {way} is one", kind)
+
+
+def _way_from_index(table: Any, name: str) -> str:
+    """What makes a column of the index of a table of pandas that has one, where the column may be meant."""
+    index = getattr(table, "index", None)
+    if index is None or type(index).__name__ in ("RangeIndex", "MultiIndex"):
+        return ""
+    if index.name == name:
+        return ": it is the index, which reset_index() makes a column"
+    return "" if index.name is not None else f": reset_index(names={name!r}) makes a column of the index"

@@ -245,6 +245,32 @@ def test_diameters_of_few_arms_are_those_of_a_file(tmp_path: Path) -> None:
         assert str(caught.value).startswith(text)
 
 
+@pytest.mark.parametrize(
+    ("table", "options", "text"),
+    [
+        (pl.LazyFrame(FRAME), {}, "table = LazyFrame: must be a data frame or a dict of columns: its collect() is one"),
+        (pa.table(FRAME).to_reader(), {},
+         "table = RecordBatchReader: must be a data frame or a dict of columns: its read_all() is one"),
+        ([{"MD": 1.0}], {}, "table = list: must be a data frame or a dict of columns: "
+         "pandas.DataFrame(records) makes one of records"),
+        (pd.DataFrame(FRAME, index=[4.0, 5.0, 6.0, 7.0]), {"depth": "md_m"},
+         "column 'md_m': is not in the table (depth): reset_index(names='md_m') makes a column of the index"),
+        (pd.DataFrame(FRAME), {"depth": "md_m"}, "column 'md_m': is not in the table (depth)"),
+        (FRAME, {"depth": None}, "depth = None: must be the name of a column"),
+    ],
+)  # fmt: skip
+def test_what_is_no_data_frame_is_refused_with_the_way_out(table, options, text):
+    with pytest.raises(hb.InputError) as error:
+        hb.Caliper.from_table(table, **{"depth": "MD", "toolface": "TF", "radius": "R"} | options)
+    assert str(error.value) == text
+
+
+def test_a_relation_of_duckdb_is_refused_with_the_way_out():
+    relation = pytest.importorskip("duckdb").sql("select 1.0 as MD")
+    with pytest.raises(hb.InputError, match=r"must be a data frame or a dict of columns: its df\(\) is one$"):
+        hb.Caliper.from_table(relation, depth="MD")
+
+
 @pytest.mark.parametrize("column", ["cal_x_in", "cal_y_in"])
 def test_an_error_about_a_table_has_its_column_row_and_value(column):
     k = np.arange(30.0)
