@@ -80,6 +80,10 @@ class Tabular(ABC):
         batch = arrow.c_array_from_buffers(arrow.struct(fields), table.rows, [None], children=arrays)
         return CArrayStream.from_c_arrays([batch], batch.schema).__arrow_c_stream__(requested_schema)
 
+    def __iter__(self) -> Iterator[Any]:
+        """Have ``pandas.DataFrame(logs)`` ask for an array, so that its error says what makes a data frame."""
+        self.__array__()
+
     def __array__(self, *_: Any, **__: Any) -> NoReturn:
         """Refuse ``pandas.DataFrame(table)``, which would make rows of the names and units."""
         raise InputError(type(self).__name__, "is not an array: to_pandas() or polars.DataFrame() make a data frame")

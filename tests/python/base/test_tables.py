@@ -55,10 +55,13 @@ def test_to_pandas_keeps_units_and_facts(wall):
     assert wall.zones().to_pandas().columns[3] == "CLASS"
 
 
-def test_pandas_makes_no_rows_of_names_and_units(wall):
+@pytest.mark.parametrize("of", ["logs", "table", "zones", "samples"])
+def test_pandas_makes_no_rows_of_names_and_units(wall, of):
+    table = {"logs": wall.logs(), "table": wall.logs().table(), "zones": wall.zones(), "samples": wall.samples}[of]
     with pytest.raises(hb.InputError) as error:
-        pd.DataFrame(wall.logs().table())
-    assert str(error.value) == "LogTable: is not an array: to_pandas() or polars.DataFrame() make a data frame"
+        pd.DataFrame(table)
+    name = type(table).__name__
+    assert str(error.value) == f"{name}: is not an array: to_pandas() or polars.DataFrame() make a data frame"
 
 
 @pytest.mark.parametrize(("call", "library"), [("logs", "pandas"), ("wall", "xarray")])
