@@ -148,13 +148,13 @@ void bad_surveys_and_depths() {
                  down.tangent(below));
     CHECK_THROWS(InputError, "depth[0] = nan: must be finite", Path().position(no));
     const std::string vertical =
-        "depth[0] = 5: the high side is undefined where the hole is vertical; use reference=\"north\"";
+        "depth[0] = 5: the high side is undefined where the hole is vertical; use the reference north";
     CHECK_THROWS(InputError, vertical, down.frame(one));
     CHECK_THROWS(InputError, vertical, down.north_to_high_side(one));
     const double level[] = {90.0, 90.0};
     CHECK_THROWS(
         InputError,
-        "depth[0] = 5: north is undefined where the hole runs level north or south; use reference=\"high-side\"",
+        "depth[0] = 5: north is undefined where the hole runs level north or south; use the reference high-side",
         Path(Survey(two, level, zero), {.reference = Reference::north}).frame(one));
     const Path level_north(Survey(two, level, zero), {.reference = Reference::parallel_transport});
     CHECK(near(level_north.frame(one)[0][0][2], -1.0));  // starts from the high side

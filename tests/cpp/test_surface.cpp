@@ -174,7 +174,7 @@ void refusals() {
     const double at[] = {0.0, 50.0, 200.0}, inclination[] = {30.0, 0.0, 0.0}, azimuth[] = {0.0, 0.0, 0.0};
     const HelixRadii straight = with([](HelixRadii& h) { h.start_depth = 49.95; });
     CHECK_THROWS(InputError,
-                 "vertex 4 at depth 50: the high side is undefined where the hole is vertical; use reference=\"north\"",
+                 "vertex 4 at depth 50: the high side is undefined where the hole is vertical; use the reference north",
                  surface_of(straight, Path(Survey(at, inclination, azimuth))));
 
     Shells shells(0.1, {}, 1);

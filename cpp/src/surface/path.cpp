@@ -328,8 +328,8 @@ void Segments::require_reach(double depth, const DepthOf& of) const {
 
 void Segments::refuse_frame(double depth, const DepthOf& of) const {
     if (reference == Reference::high_side)
-        throw of.error(depth, "the high side is undefined where the hole is vertical; use reference=\"north\"");
-    throw of.error(depth, "north is undefined where the hole runs level north or south; use reference=\"high-side\"");
+        throw of.error(depth, "the high side is undefined where the hole is vertical; use the reference north");
+    throw of.error(depth, "north is undefined where the hole runs level north or south; use the reference high-side");
 }
 
 // "depth[3] = 12" or "vertex 7 at depth 12"

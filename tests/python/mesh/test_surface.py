@@ -404,7 +404,7 @@ def test_paths_that_do_not_cover_the_wall():
 def test_vertices_whose_reference_is_undefined(threads):
     kicked = hb.Survey([0, 1002, 1100], [0, 0, 30], [0, 0, 60])
     wall = wall_of(rugged(80_000), pitch=0.01)
-    text = 'vertex 0 at depth 1000: the high side is undefined where the hole is vertical; use reference="north"'
+    text = "vertex 0 at depth 1000: the high side is undefined where the hole is vertical; use the reference north"
     with pytest.raises(ValueError, match=f"^{re.escape(text)}$"):
         surface_of(wall, kicked.path(), threads=threads)
     assert len(surface_of(wall, kicked.path(reference="north"), threads=threads).vertices) == 80_000

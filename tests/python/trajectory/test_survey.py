@@ -261,7 +261,7 @@ def test_references_are_refused_where_they_are_undefined_and_only_there():
     kicked = hb.Survey([0, 100, 130], [0, 0, 3], [0, 0, 60])
     with pytest.raises(
         ValueError,
-        match=re.escape('depth[1] = 99: the high side is undefined where the hole is vertical; use reference="north"'),
+        match=r"depth\[1\] = 99: the high side is undefined where the hole is vertical; use the reference north",
     ):
         kicked.path().frame([101, 99])
     just_below = kicked.path().frame(100.001)
@@ -270,7 +270,7 @@ def test_references_are_refused_where_they_are_undefined_and_only_there():
     with pytest.raises(
         ValueError,
         match=re.escape(
-            'depth[0] = 5: north is undefined where the hole runs level north or south; use reference="high-side"'
+            "depth[0] = 5: north is undefined where the hole runs level north or south; use the reference high-side"
         ),
     ):
         level.path(reference="north").frame(5)
