@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from numbers import Real
 from typing import Any, Literal, get_args
 
@@ -150,7 +151,9 @@ class Caliper(Tabular):
         table
             ``table[name]`` is a column of numbers; a time may be of dates, which become seconds since 1970; without a
             time zone they are UTC. A row with a missing value (NaN, null, or a number that logs write for none, as in
-            files: -999.25, -9999, -9999.25) is left out; ``left_out`` of the caliper is how many.
+            files: -999.25, -9999, -9999.25) is left out; ``left_out`` of the caliper is how many. Rows that are equal
+            count once if there is a ``time``; without one each counts, which moves radii: `repeated` is how many there
+            are, and ``frame.drop_duplicates()`` of pandas drops them.
         depth, toolface, radius, time, arm
             Names of the columns; radius, not diameter.
         diameters
@@ -312,6 +315,14 @@ class Caliper(Tabular):
         toolface = np.tile(np.arange(ROUND) * (360.0 / ROUND), depth.size)
         return cls(np.repeat(depth, ROUND), toolface, np.repeat(radius, ROUND), basis=basis)
 
+    @cached_property
+    def repeated(self) -> int:
+        """Number of samples that equal an earlier one in every column: they count again, unless there are times."""
+        columns = [of for of in (self.depth, self.toolface, self.radius, self.time) if of is not None]
+        order = np.lexsort(columns)
+        same = np.logical_and.reduce([of[order[1:]] == of[order[:-1]] for of in columns])
+        return int(np.count_nonzero(same))
+
     @property
     def basis_text(self) -> str:
         """The basis in words."""
@@ -345,6 +356,9 @@ class Caliper(Tabular):
         }
         if self.left_out:
             numbers["missing"] = f"a value in {self.left_out} of the table's rows"
+        if self.repeated:
+            counted = "counted again, since there is no time" if self.time is None else "counted once"
+            numbers["repeated"] = f"{self.repeated} equal to an earlier sample, {counted}"
         picture = usual_picture(mean.reshape(120, 72), "radius", "m", "radius by depth and toolface")
         return card("Caliper", numbers, picture)
 

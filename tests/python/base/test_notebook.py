@@ -104,6 +104,17 @@ def test_a_card_of_samples_says_how_many_rows_were_left_out():
     assert "missing" not in hb.Caliper([1.0], [0.0], [0.1])._repr_html_()
 
 
+def test_a_card_of_samples_says_how_many_repeat_others():
+    columns = [[1.0, 1.1, 1.0, 1.0], [0.0, 90.0, 0.0, 0.0], [0.1, 0.1, 0.1, 0.1]]
+    caliper = hb.Caliper(*columns)
+    assert caliper.repeated == 2
+    assert "2 equal to an earlier sample, counted again, since there is no time" in caliper._repr_html_()
+    timed = hb.Caliper(*columns, time=[0.0, 0.0, 0.0, 1.0])
+    assert timed.repeated == 1
+    assert "1 equal to an earlier sample, counted once" in timed._repr_html_()
+    assert "repeated" not in hb.Caliper([1.0], [0.0], [0.1])._repr_html_()
+
+
 def test_a_map_has_the_colours_of_its_cells():
     values = np.array([[0.0, 1.0, np.nan], [1.0, 0.0, 1.0]])
     pixels = pixels_of(map_picture(values, None, "a map"))
