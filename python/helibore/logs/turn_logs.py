@@ -243,6 +243,15 @@ class Logs(Tabular):
 
     def warnings(self) -> list[str]:
         """Return a sentence for each thing that a reader of the numbers must know."""
+        return self._warnings_of_shape() + self._warnings_of_path()
+
+    def _warnings_of_path(self) -> list[str]:
+        if self.path is None or true_depth(self.path, None) is not None:
+            return []
+        return [f"TVD is missing: the true depth of the survey's first station, at {self.path.start_depth:g} m, is not "
+                "known; the path's head (north, east and true depth of that station) says it"]  # fmt: skip
+
+    def _warnings_of_shape(self) -> list[str]:
         size = self.equivalent_diameter[np.isfinite(self.equivalent_diameter)]
         median = float(np.median(size)) if size.size else self.bit_diameter
         small = 1.0 - median / self.bit_diameter

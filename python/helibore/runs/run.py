@@ -462,7 +462,7 @@ def _survey_lines(run: Run) -> Iterator[tuple[str, str]]:
 
 
 def _first_station(log: LogSet, roles: RoleMap, survey: Survey, head: tuple[float, ...]) -> Iterator[tuple[str, str]]:
-    """Say what positions and TVD count from, if no head is given and the first station is not the origin."""
+    """Say what positions count from, if no head is given and the first station is not the origin."""
     top = float(survey.depth[0])
     row = int(np.flatnonzero(column(log, needed(log, roles, "depth")) == top)[0])
     found = [roles.one(name) for name in ("north", "east", "tvd")]
@@ -474,4 +474,4 @@ def _first_station(log: LogSet, roles: RoleMap, survey: Survey, head: tuple[floa
     if known:
         north, east, down = (f"{value:.10g}" for value in stated)
         place = f"the file has it at north {north}, east {east}, down {down} m; --head {north} {east} {down} takes that"
-    yield "", f"positions and TVD count from the first station, at {top:g} m, as from (0, 0, 0); {place}"
+    yield "", f"positions count from the first station, at {top:g} m, as from (0, 0, 0); {place}"

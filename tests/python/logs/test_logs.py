@@ -344,9 +344,18 @@ def test_a_path_adds_true_depth_inclination_and_azimuth() -> None:
         np.testing.assert_allclose(table["TVD"].values, np.where(inside, down, np.nan), atol=1e-6)
         np.testing.assert_allclose(table["INCL"].values, np.where(inside, np.degrees(bend), np.nan), atol=1e-6)
         np.testing.assert_allclose(table["AZIM"].values, np.where(inside & ~vertical, 90.0, np.nan), atol=1e-6)
-    wall.path = hb.Survey([900.0, 1100.0], [48.0, 48.0], [248.0, 248.0]).path()
+    assert wall.logs().warnings() == []
+    survey = hb.Survey([900.0, 1100.0], [48.0, 48.0], [248.0, 248.0])
+    wall.path = survey.path()
     table = wall.logs().table()
     assert np.isnan(table["TVD"].values).all()  # nothing says how deep the first station lies
+    assert wall.logs().warnings() == [
+        "TVD is missing: the true depth of the survey's first station, at 900 m, is not known; "
+        "the path's head (north, east and true depth of that station) says it"
+    ]
     np.testing.assert_allclose(table["AZIM"].values, 248.0)
+    wall.path = survey.path(head=(0.0, 0.0, 850.0))
+    assert not np.isnan(wall.logs().table()["TVD"].values).any()
+    assert wall.logs().warnings() == []
     wall.path = None
     assert "TVD" not in {one.mnemonic for one in wall.logs().table()}
