@@ -17,6 +17,7 @@ if TYPE_CHECKING:  # the same names as below
     from helibore.base.errors import InputError as InputError
     from helibore.base.errors import MissingExtraError as MissingExtraError
     from helibore.base.settings import Settings as Settings
+    from helibore.base.tables import LogColumn as LogColumn
     from helibore.channels.opening import open as open  # noqa: A004
     from helibore.images.sector_image import SectorImage as SectorImage
     from helibore.live.live import Live as Live
@@ -42,6 +43,7 @@ __getattr__, _, __all__ = lazy_loader.attach(
     {
         "base.errors": ["InputError", "MissingExtraError"],
         "base.settings": ["Settings"],
+        "base.tables": ["LogColumn"],
         "channels.opening": ["open"],
         "images.sector_image": ["SectorImage"],
         "live.live": ["Live"],

@@ -27,19 +27,39 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class LogColumn:
-    """One log."""
+    """One log: a column of a table of logs, or one to save with them: ``logs.save("well.las", more=[column])``.
 
-    mnemonic: str  # short name in files: capital letters, digits and underscores
-    unit: str  # "m", "m3", "deg", "s", or "" for a fraction or a code
-    description: str  # the meaning of the log, in one line of ASCII
-    values: Floats  # (n,) float64; NaN where missing
-    decimals: int | None = None  # in text files; None: by the unit
+    Parameters
+    ----------
+    mnemonic
+        Short name in files: capital letters, digits and underscores.
+    unit
+        ``"m"``, ``"m3"``, ``"deg"``, ``"s"``, ``"gAPI"``; "" for a fraction or a code. ASCII.
+    description
+        The meaning of the log, in one line of ASCII.
+    values
+        (n,) numbers, one for each row of the table, as many as its depths; NaN where missing.
+    decimals
+        In text files; None: by the unit.
+
+    Raises
+    ------
+    InputError
+        ``mnemonic = 'gamma ray': must be capital letters, digits and underscores``.
+    """
+
+    mnemonic: str
+    unit: str
+    description: str
+    values: Floats
+    decimals: int | None = None
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"[A-Z][A-Z0-9_]*", self.mnemonic):
             raise InputError("mnemonic", "must be capital letters, digits and underscores", repr(self.mnemonic))
         if not (self.description.isascii() and self.unit.isascii()):
             raise InputError(self.mnemonic, "unit and description must be ASCII")
+        self.__dict__["values"] = column(self.mnemonic, self.values)
 
 
 class Tabular(ABC):
@@ -109,7 +129,6 @@ class LogTable(Tabular):
             size, rows = one.values.size, columns[0].values.size
             if size != rows:
                 raise InputError(f"{one.mnemonic}: {size} values, {columns[0].mnemonic} has {rows}", "must be equal")
-            column(one.mnemonic, one.values)
             self._columns[one.mnemonic] = one
 
     def table(self) -> LogTable:

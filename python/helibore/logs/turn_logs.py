@@ -299,6 +299,11 @@ class Logs(Tabular):
         """Return the logs with mnemonics, units and descriptions, ``more`` columns behind them, and more ``facts``."""
         if not len(self):
             raise InputError("logs", "the wall has no full turn")
+        more = list(more)
+        for number, one in enumerate(more):
+            if not isinstance(one, LogColumn):
+                rule = "must be a hb.LogColumn(mnemonic, unit, description, values)"
+                raise InputError(f"more[{number}]", rule, type(one).__name__)
         skipped = [] if self.arm_diameter else ["wall_out_of_roundness", "uneven"]
         skipped += [] if self.with_sigma else ["diameter_sigma"]
         own = [
@@ -321,7 +326,7 @@ class Logs(Tabular):
         more: Iterable[LogColumn] = (),
         facts: Mapping[str, str] | None = None,
     ) -> None:
-        """Write `table` to .las, .csv, .parquet or .dlis."""
+        """Write `table` to .las, .csv, .parquet or .dlis; ``more``: `LogColumn`, one value for each row."""
         self.table(more, facts).save(filename)
 
     def _repr_html_(self) -> str:

@@ -180,6 +180,16 @@ def test_what_cannot_be_written_is_refused(logs: Logs, tmp_path: Path) -> None:
         LogColumn("c 1", "", "", np.zeros(2))
 
 
+def test_an_own_column_stands_beside_those_of_the_logs(logs: Logs, tmp_path: Path) -> None:
+    logs.save(tmp_path / "well.csv", more=[hb.LogColumn("GR", "gAPI", "Gamma ray", list(range(len(logs))))])
+    assert hb.open(tmp_path / "well.csv").set().numbers("GR (gAPI)").tolist() == [*range(len(logs))]
+    rule = r"^more\[0\] = tuple: must be a hb.LogColumn\(mnemonic, unit, description, values\)$"
+    with pytest.raises(hb.InputError, match=rule):
+        logs.save(tmp_path / "well.csv", more=[("GR", logs.depth)])
+    with pytest.raises(hb.InputError, match=r"^GR: must be numbers$"):
+        hb.LogColumn("GR", "gAPI", "Gamma ray", ["a"])
+
+
 def test_an_uneven_depth_has_step_0(tmp_path: Path) -> None:
     lasio = pytest.importorskip("lasio")
     save_table(LogTable([LogColumn("DEPT", "m", "Depth", np.array([1.0, 2.0, 4.0]))], {}), tmp_path / "w.las")
