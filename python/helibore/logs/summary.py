@@ -28,7 +28,7 @@ from helibore.logs.turn_logs import Logs, Shape
 from helibore.logs.zone_criteria import Criteria
 from helibore.logs.zones import KINDS, Classification, classify
 from helibore.samples.caliper import Basis
-from helibore.samples.helix import WallLike, helix_of
+from helibore.samples.helix import Helix, WallLike, helix_of
 
 
 class Extreme(NamedTuple):
@@ -53,7 +53,8 @@ class WallSummary:
     basis, basis_text, bit_diameter, sectors, pitch
         As of the wall.
     vertices, samples
-        Of the interval; samples: of the whole wall where only their number is known.
+        Of the interval; samples: of the whole wall where only their number is known. The samples behind the last vertex
+        are the wall's, too: they lie within a vertex's height of it.
     mean_diameter
         Of the cylinder with the same volume.
     least_diameter, greatest_diameter
@@ -201,7 +202,7 @@ def summarize(
         sectors=helix.sectors,
         pitch=helix.pitch,
         vertices=vertices,
-        samples=_sample_count(wall, start, stop),
+        samples=_sample_count(wall, *_reach(helix, ends, start, stop)),
         mean_diameter=math.sqrt(mean_square),
         least_diameter=_extreme(logs, logs.least_diameter, np.nanargmin),
         greatest_diameter=_extreme(logs, logs.c1, np.nanargmax),
@@ -232,6 +233,12 @@ def _sample_count(wall: WallLike, start: float, stop: float) -> int:
     if columns is None:
         return int(getattr(wall, "sample_count", 0))
     return int(np.count_nonzero((columns[0] >= start) & (columns[0] <= stop))) if columns else 0
+
+
+def _reach(helix: Helix, ends: tuple[float, float], start: float, stop: float) -> tuple[float, float]:
+    """The interval, at the ends of the wall as far as where the next vertex would lie."""
+    height = abs(helix.pitch) / helix.sectors
+    return start - height * (start <= ends[0]), stop + height * (stop >= ends[1])
 
 
 def _share_inside(turns: Logs, start: float, stop: float) -> Floats:

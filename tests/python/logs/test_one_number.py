@@ -62,7 +62,8 @@ def test_one_number(seed: int) -> None:
     wall = wall_of(seed)
     summary = wall.summary()
     depth = wall.samples.depth
-    inside = np.count_nonzero((depth >= summary.start) & (depth <= summary.stop))
+    height = abs(summary.pitch) / summary.sectors
+    inside = np.count_nonzero((depth >= summary.start - height) & (depth <= summary.stop + height))
     lines = " | ".join(f"{label} {text}" for label, text in summary_lines(summary))
     rows, viewed = report_rows(wall), SimpleNamespace(**viewer_numbers(wall, summary))
     assert rows["Samples"] == f"{inside:,}"

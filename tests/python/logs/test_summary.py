@@ -121,6 +121,17 @@ def test_a_wall_without_a_full_turn_has_no_numbers() -> None:
         assert math.isnan(number)
 
 
+@pytest.mark.parametrize("pitch", [0.1, -0.1])
+def test_the_samples_of_a_whole_wall_are_those_that_it_was_made_of(pitch: float) -> None:
+    """The last row lies behind the last vertex, by less than a vertex's height."""
+    depth = np.repeat(np.append(1000 + 0.0125 * np.arange(100), 1001.257), 4)
+    caliper = hb.Caliper(depth, np.tile([0.0, 90, 180, 270], 101), np.full(depth.size, 0.11))
+    wall = hb.reconstruct(caliper, bit_diameter=BIT, sectors=12, pitch=pitch)
+    assert np.ptp(wall.depth) < np.ptp(depth)
+    assert wall.summary().samples == wall.sample_count == len(caliper)
+    assert wall.summary(stop=1000.5).samples == 4 * 41
+
+
 def test_a_gauge_hole_is_not_called_washed_out_or_sound() -> None:
     caliper = hb.Caliper.gauge(100, 101, BIT)
     found = hb.reconstruct(caliper, bit_diameter=BIT).summary()
