@@ -27,7 +27,10 @@ struct Turns {
     double start_toolface = 0.0;     // degrees, of the first vertex
     int sectors = 64;                // K: vertices per turn, 3 or more
     std::span<const double> radius;  // metres; NaN: missing
-    Index window = 11;               // turns that rugosity is measured over: odd, 3 or more
+    Index window = 11;               // turns (not metres) that rugosity is measured over: odd, 3 or more
+
+    // Python's wall.logs() takes metres, 1 by default, and makes them 2 * round((metres / pitch - 1) / 2) + 1 turns,
+    // halves rounded to even, at least 3: 9 turns at a pitch of 0.1 m.
 
     // Of a stretch of a wall: the number of its first turn, and what rugosity takes off all radii, metres; NaN: the
     // first radius. Turns from a multiple of 256 on, half a window inside the stretch, have the bits of the whole

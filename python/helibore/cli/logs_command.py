@@ -39,7 +39,7 @@ DECIMALS = {"in": 4, "mm": 3, "ft": 5}
     opt("--step", "One row for each step of depth.  [one a turn]", type=LENGTH),
     opt(
         "--rugosity-window",
-        "Length of hole that rugosity is taken over, made an odd number of turns.",
+        "Length of hole that rugosity is taken over, made an odd number of turns: 1 m at a pitch of 0.1 m is 9 turns.",
         type=LENGTH,
         default="1m",
     ),

@@ -369,7 +369,8 @@ def turn_logs(
     bit_diameter
         Metres; what `Logs.excess` compares with; None: the wall's own.
     rugosity_window
-        Metres; rounded to an odd number of turns, at least 3; `Logs.rugosity_window` is what was used.
+        Metres; rounded to an odd number of turns, at least 3: 1 m at a pitch of 0.1 m is 9 turns.
+        `Logs.rugosity_window` is what was used, 0.9 m.
     threads
         None: all cores. The result does not depend on it.
     sigma

@@ -494,8 +494,9 @@ class Wall:
     def logs(self, rugosity_window: float = 1.0, threads: int | None = None, *, sigma: bool = False) -> Logs:
         """Measure every full turn: `helibore.logs.turn_logs.turn_logs` with this wall and its bit diameter.
 
-        ``rugosity_window``: metres of hole over which rugosity is taken. ``threads``: None: as many as the wall has.
-        ``sigma``: with the uncertainty of diameters and volumes.
+        ``rugosity_window``: metres of hole over which rugosity is taken, rounded to an odd number of turns: 1 m at a
+        pitch of 0.1 m is 9 turns. ``threads``: None: as many as the wall has. ``sigma``: with the uncertainty of
+        diameters and volumes.
         """
         from helibore.logs.turn_logs import turn_logs
 
