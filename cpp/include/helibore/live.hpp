@@ -59,6 +59,7 @@ class Live {
     // Throws InputError on bad settings.
     explicit Live(const LiveSettings& settings);
     ~Live();
+    // A well that was moved from may only be destroyed or assigned to.
     Live(Live&&) noexcept;
     Live& operator=(Live&&) noexcept;
 

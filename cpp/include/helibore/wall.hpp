@@ -61,6 +61,7 @@ class Wall {
     // Throws InputError on bad settings.
     explicit Wall(const Settings& settings);
     ~Wall();
+    // A wall that was moved from may only be destroyed or assigned to.
     Wall(Wall&&) noexcept;
     Wall& operator=(Wall&&) noexcept;
 

@@ -95,6 +95,7 @@ class Parser {
     explicit Parser(std::vector<double> nulls = {-9999.0, -8888.0, -999.25, -9999.25, -999.0, -99999.0},
                     Limits limits = {});
     ~Parser();
+    // A parser that was moved from may only be destroyed or assigned to.
     Parser(Parser&&) noexcept;
     Parser& operator=(Parser&&) noexcept;
 
