@@ -1,4 +1,4 @@
-// Fifteen lines that rebuild a hole, as in the README.
+// A few lines that rebuild a hole, as in docs/developer.md.
 #include <helibore/surface.hpp>
 #include <helibore/wall.hpp>
 #include <iostream>
@@ -12,8 +12,13 @@ int main() {
     }
     helibore::Wall wall({.bit_diameter = 0.216, .sectors = 32});
     wall.append({depth, toolface, radius});
+    const helibore::Settings& settings = wall.settings();
     const std::vector<double> found = wall.radius();
-    const helibore::HelixRadii radii{.start_depth = wall.start_depth(), .sectors = 32, .radius = found};
+    const helibore::HelixRadii radii{.start_depth = wall.start_depth(),
+                                     .start_toolface = settings.start_toolface,
+                                     .pitch = settings.pitch,
+                                     .sectors = settings.sectors,
+                                     .radius = found};
     const helibore::Surface surface = helibore::surface_of(radii);
     std::cout << surface.quads.size() << " quads, radius " << found.front() << " to " << found.back() << " m\n";
 }

@@ -1,8 +1,12 @@
 // The wall in space: vertices along the path, joined into quads (a surface) or hexahedra (a volume).
 //
+//     const helibore::Settings& settings = wall.settings();
 //     const std::vector<double> radius = wall.radius();
-//     const helibore::HelixRadii radii{.start_depth = wall.start_depth(), .radius = radius};
+//     const helibore::HelixRadii radii{.start_depth = wall.start_depth(), .start_toolface = settings.start_toolface,
+//                                      .pitch = settings.pitch, .sectors = settings.sectors, .radius = radius};
 //     const helibore::Surface surface = helibore::surface_of(radii, path);
+//
+// The helix of the radii must be the wall's: all four come from the wall, and the defaults fit a wall of defaults only.
 //
 // Quads of vertex k, seen from the formation; depth downwards, toolface to the right for a positive pitch:
 //
@@ -24,7 +28,7 @@
 
 namespace helibore {
 
-// Radii at consecutive vertices of one helix. Borrowed: the radii must outlive the call.
+// Radii at consecutive vertices of one helix, that of their wall. Borrowed: the radii must outlive the call.
 struct HelixRadii {
     double start_depth = 0.0;        // metres, of vertex 0
     double start_toolface = 0.0;     // degrees, of vertex 0
