@@ -1,7 +1,8 @@
 /* The C interface: the wall of a hole for hosts in any language that calls C.
 
-       hb_settings settings = {sizeof settings};
-       int64_t wall = 0, vertices = 0;
+       hb_settings settings;
+       int64_t wall = 0;
+       settings.size = sizeof settings;
        hb_settings_init(&settings);
        settings.bit_diameter = 0.216;
        if (hb_wall_create(&settings, &wall) || hb_wall_append(wall, n, depth, toolface, radius, NULL, NULL))

@@ -150,6 +150,15 @@ def test_the_c_header_compiles_alone(standard: str) -> None:
     run(CC, f"-std={standard}", *warnings, "-fsyntax-only", "-include", C_HEADER, "-x", "c", os.devnull)
 
 
+def test_the_opening_lines_of_the_c_header_compile(tmp_path: Path) -> None:
+    lines = re.findall(r"^       (.*)\n", C_HEADER.read_text().partition("#ifndef")[0], flags=re.MULTILINE)
+    source = tmp_path / "opening.c"
+    arguments = "int64_t n, const double* depth, const double* toolface, const double* radius"
+    includes = f'#include <stdio.h>\n#include "{C_HEADER}"\n'
+    source.write_text(f"{includes}void host({arguments});\nvoid host({arguments}) {{\n" + "\n".join(lines) + "\n}\n")
+    run(CC, "-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only", source)
+
+
 def test_installed_headers(prefix: Path) -> None:
     """The public headers and no others, and none lets a host see GLM."""
     installed, public = prefix / "include/helibore", set(C_HEADER.parent.iterdir())
