@@ -37,7 +37,8 @@ class NotebookView(anywidget.AnyWidget):
     Attributes
     ----------
     depths : tuple of float
-        Top and bottom of the section in view, metres. Set it to move the section.
+        Top and bottom of the section in view, metres; of the whole wall, before the page has drawn. Set it to move the
+        section.
     cursor : tuple or None
         Depth in metres and toolface in degrees (None on the depth axis) of the point that the reader clicked.
     """
@@ -54,11 +55,12 @@ class NotebookView(anywidget.AnyWidget):
         if page("app.js") is None:
             raise InputError("inline", no_page())
         level, shape = scene.levels[0], scene.shape
-        start = shape.start_depth
-        stop = start + min(level.size, MOST_ENCLOSED) / level.sectors * shape.pitch
+        start, height = shape.start_depth, shape.pitch / level.sectors
+        stop = start + min(level.size, MOST_ENCLOSED) * height
         files = {name: (page(name) or b"").decode() for name in TYPES}
         enclosed = "".join(html_export(scene, files, start, stop, hosted=True))
-        super().__init__(_page=enclosed, _still=f"helibore-{uuid.uuid4().hex}", depths=tuple(sorted((start, stop))))
+        depths = tuple(sorted((start, start + (level.size - 1) * height)))
+        super().__init__(_page=enclosed, _still=f"helibore-{uuid.uuid4().hex}", depths=depths)
         self._app = WebApp(scene)
         self._requests = Starlette(routes=self._app.routes())
         self._frames: dict[str, _Frame] = {}
@@ -74,6 +76,11 @@ class NotebookView(anywidget.AnyWidget):
     def still(self, card: str) -> str:
         """Return the card of the wall, for an output that the frame hides."""
         return f'<div class="{self._still}">{card}</div>'
+
+    def _repr_mimebundle_(self, **kwargs: Any) -> Any:
+        """Return the view without a text, which a notebook without a kernel would show below the card of the wall."""
+        bundle = super()._repr_mimebundle_(**kwargs)
+        return bundle and (bundle[0] | {"text/plain": ""}, bundle[1])
 
     def _receive(self, content: dict[str, Any]) -> None:
         """Take what a frame sends: its opening, a message of the protocol, a question, its end."""

@@ -35,7 +35,7 @@ def test_a_frame_gets_the_wall_its_growth_and_answers(monkeypatch: pytest.Monkey
         widget = viewer.widget
         assert widget is not None
         assert (viewer.url, repr(viewer)) == ("", "Viewer(in a notebook)")
-        assert widget.depths == pytest.approx((100.0, 103.0))
+        assert widget.depths == pytest.approx((100.0, wall.depth[-1]))
         assert '"hosted":true' in widget._page
         sent: queue.Queue[tuple[dict[str, Any], list[bytes]]] = queue.Queue()
         monkeypatch.setattr(widget, "send", lambda content, buffers=(): sent.put((content, list(buffers))))
@@ -66,6 +66,25 @@ def test_a_frame_gets_the_wall_its_growth_and_answers(monkeypatch: pytest.Monkey
         viewer.update(wall.append(np.linspace(103, 104, 1000), np.arange(1000) * 37.0, np.full(1000, 0.11)))
         sizes = (int.from_bytes(parts[0][16:20], "little") for _, parts in iter(next_sent, None) if parts)
         assert next(size for size in sizes if size == len(wall))
+
+
+@NEEDS_PAGE
+def test_depths_begin_with_the_whole_wall(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also where the page encloses less of it."""
+    monkeypatch.setattr("helibore.viewer.notebook_view.MOST_ENCLOSED", 100)
+    wall = made_wall()
+    with hb.view(wall, inline=True) as viewer:
+        assert viewer.widget is not None
+        assert viewer.widget.depths == pytest.approx((100.0, wall.depth[-1]))
+
+
+@NEEDS_PAGE
+def test_a_saved_notebook_has_no_text_in_the_place_of_the_widget() -> None:
+    formatters = pytest.importorskip("IPython.core.formatters")
+    with hb.view(made_wall(), inline=True) as viewer:
+        data, _ = formatters.format_display_data(viewer.widget)
+    assert data["text/plain"] == ""
+    assert "application/vnd.jupyter.widget-view+json" in data
 
 
 @NEEDS_PAGE
