@@ -168,6 +168,14 @@ def test_installed_headers(prefix: Path) -> None:
     assert not [header for header in installed.iterdir() if "glm" in header.read_text().lower()]
 
 
+def test_installed_licences(prefix: Path) -> None:
+    """Those of the code in the libraries; pybind11 is in the Python extension alone."""
+    if (prefix / "include/helibore" / C_HEADER.name).exists():  # a wheel has them in its metadata
+        licences = [ROOT / "LICENSE", *(ROOT / "cpp/licenses").glob("[!p]*.txt")]
+        installed = [path for path in (prefix / "share/doc/helibore").rglob("*") if path.is_file()]
+        assert {path.name: path.read_text() for path in installed} == {path.name: path.read_text() for path in licences}
+
+
 @pytest.mark.parametrize("header", sorted(C_HEADER.parent.iterdir()), ids=lambda path: path.name)
 def test_a_public_header_compiles_alone(header: Path) -> None:
     warnings = ("-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Werror")
