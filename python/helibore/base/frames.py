@@ -114,11 +114,13 @@ def frame_rows(
 
 def _refuse_no_frame(table: Any) -> None:
     kind, rule = type(table).__name__, "must be a data frame or a dict of columns"
-    if isinstance(table, (list, tuple)):
+    if isinstance(table, list | tuple):
         raise InputError("table", f"{rule}: pandas.DataFrame(records) makes one of records", kind)
     for method, way in WAYS.items():
         if hasattr(table, method):
             raise InputError("table", f"{rule}: its {way} is one", kind)
+    if isinstance(table, str) or not hasattr(table, "__getitem__"):
+        raise InputError("table", rule, kind)
 
 
 def _way_from_index(table: Any, name: str) -> str:

@@ -259,6 +259,8 @@ def test_diameters_of_few_arms_are_those_of_a_file(tmp_path: Path) -> None:
         (pd.DataFrame(FRAME, index=[4.0, 5.0, 6.0, 7.0]), {"depth": "md_m"},
          "column 'md_m': is not in the table (depth): reset_index(names='md_m') makes a column of the index"),
         (pd.DataFrame(FRAME), {"depth": "md_m"}, "column 'md_m': is not in the table (depth)"),
+        ("well.csv", {}, "table = str: must be a data frame or a dict of columns"),
+        (None, {}, "table = NoneType: must be a data frame or a dict of columns"),
         (FRAME, {"depth": None}, "depth = None: must be the name of a column"),
     ],
 )  # fmt: skip
