@@ -15,11 +15,12 @@ so on a hole of radius R it is a sinusoid of height 2 R tan(apparent_dip), deepe
 from __future__ import annotations
 
 import csv
+import hashlib
 import io
 import math
 import os
 import secrets
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path as FilePath
 from typing import Any
@@ -43,10 +44,13 @@ LIMITS: dict[str, tuple[float, float]] = {
 COLUMNS = {
     "class": "kind", "depth_m": "depth", "toolface_deg": "toolface", "apparent_dip_deg": "apparent_dip",
     "radius_m": "radius", "misfit_m": "misfit", "points": "points", "height_m": "height", "opening_deg": "opening",
-    "tilt_deg": "tilt", "note": "note",
+    "tilt_deg": "tilt", "note": "note", "key": "key",
 }  # fmt: skip
 """Columns of the table and the fields they hold; the true dip and its azimuth stand beside them."""
 DIP = ("dip_deg", "dip_azimuth_deg")
+TEXTS = ("kind", "note", "key")
+PLACE = ("kind", "depth", "toolface", "apparent_dip", "height", "opening", "tilt")
+"""What two picks of one feature have in common."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,7 +76,7 @@ class Pick:
     note
         At most 80 characters.
     key
-        What two edits of one pick have in common; made at random.
+        What two edits of one pick have in common, from one opening of its table to the next; made at random.
     """
 
     kind: str
@@ -149,6 +153,22 @@ class Picks(list[Pick]):
             raise InputError(f"{len(self)} picks", f"must be at most {MOST}")
         self.append(pick)
 
+    def add_new(self, others: Iterable[Pick]) -> list[Pick]:
+        """Add picks, without those that are here already to the digits of a table, and return what was added."""
+        known, keys = {_place(pick) for pick in self}, {pick.key for pick in self}
+        added = []
+        for pick in others:
+            if _place(pick) in known:
+                continue
+            one = replace(pick, key=secrets.token_hex(6)) if pick.key in keys else pick
+            if len(self) >= MOST:
+                raise InputError(f"{len(self)} picks", f"must be at most {MOST}")
+            self.append(one)
+            added.append(one)
+            known.add(_place(one))
+            keys.add(one.key)
+        return added
+
     def remove_key(self, key: str) -> None:
         """Remove the pick with this key, if it is there."""
         self[:] = [pick for pick in self if pick.key != key]
@@ -173,7 +193,8 @@ class Picks(list[Pick]):
     def load(cls, filename: str | os.PathLike[str], path: Path | None = None) -> Picks:
         """Read a table as `save` writes it; columns that it does not know are left out.
 
-        A table without ``apparent_dip_deg`` has true dips: then the path of the wall makes apparent ones of them.
+        A table without ``apparent_dip_deg`` has true dips: then the path of the wall makes apparent ones of them. A row
+        without a key gets one by its text, the same at every reading; of two rows with one key the second gets another.
         """
         try:
             return cls.parse(FilePath(filename).read_text("utf-8-sig"), path)
@@ -190,10 +211,12 @@ class Picks(list[Pick]):
         needed = {"class", "depth_m", *(("toolface_deg",) if "apparent_dip_deg" in names else DIP)}
         if missing := sorted(needed - set(names)):
             raise InputError("line 1", f"must have the columns {', '.join(missing)}")
-        picks = cls()
+        picks, keys = cls(), set[str]()
         try:
             for row in reader:
-                picks.put(_parsed(row, path, "apparent_dip_deg" in names, f"line {reader.line_num}"))
+                pick = _parsed(row, path, "apparent_dip_deg" in names, f"line {reader.line_num}")
+                picks.put(replace(pick, key=secrets.token_hex(6)) if pick.key in keys else pick)
+                keys.add(picks[-1].key)
         except csv.Error as error:
             raise InputError(f"line {reader.line_num}", str(error)) from error
         return picks
@@ -208,11 +231,10 @@ def _parsed(row: Mapping[str, Any], path: Path | None, apparent: bool, line: str
         except (TypeError, ValueError):
             raise InputError(f"{line}, {column}", "must be a number", repr(row[column])) from None
 
-    texts: dict[str, Any] = {
-        name: row[column] for column, name in COLUMNS.items() if name in ("kind", "note") and row.get(column)
-    }
+    texts: dict[str, Any] = {name: row[column] for column, name in COLUMNS.items() if name in TEXTS and row.get(column)}
+    texts.setdefault("key", hashlib.blake2s(repr(sorted(row.items(), key=str)).encode(), digest_size=6).hexdigest())
     numbers: dict[str, Any] = {
-        name: number(column) for column, name in COLUMNS.items() if name not in ("kind", "note") and row.get(column)
+        name: number(column) for column, name in COLUMNS.items() if name not in TEXTS and row.get(column)
     }
     try:
         if apparent:
@@ -220,11 +242,15 @@ def _parsed(row: Mapping[str, Any], path: Path | None, apparent: bool, line: str
         if path is None:
             raise InputError("dip_deg", "a true dip needs the path of the wall")
         found = plane(texts["kind"], numbers["depth"], number(DIP[0]), number(DIP[1]), path)
-        return replace(found, note=texts.get("note", ""))
+        return replace(found, note=texts.get("note", ""), key=texts["key"])
     except InputError as error:
         raise error.within(line) from error
     except (TypeError, KeyError) as error:
         raise InputError(line, "class, depth and toolface must not be empty") from error
+
+
+def _place(pick: Pick) -> tuple[str, ...]:
+    return tuple(_cell(getattr(pick, name)) for name in PLACE)
 
 
 def _cell(value: Any) -> str:
