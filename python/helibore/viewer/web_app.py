@@ -230,7 +230,7 @@ class WebApp:
         return await self._change_picks(lambda picks: picks.put(pick))
 
     async def picks_table(self, request: Request) -> Response:
-        """Return the picks as a table, or add those of a table."""
+        """Return the picks as a table, or add those of a table that are new, and say their keys as JSON."""
         if request.method == "GET":
             with self.scene.lock:
                 text = self.scene.picks.table(self.scene.path)
@@ -238,15 +238,15 @@ class WebApp:
                 text, media_type="text/csv", headers={"content-disposition": "attachment; filename=picks.csv"}
             )
         try:
-            added = Picks.parse((await _body(request, MOST_TABLE)).decode("utf-8-sig"), self.scene.path)
+            read = Picks.parse((await _body(request, MOST_TABLE)).decode("utf-8-sig"), self.scene.path)
         except ValueError as error:
             return PlainTextResponse(f"{error}\n", 400)
 
-        def add(picks: Picks) -> None:
-            for pick in added:
-                picks.put(pick)
-
-        return await self._change_picks(add)
+        added: list[Pick] = []
+        answer = await self._change_picks(lambda picks: added.extend(picks.add_new(read)))
+        if answer.status_code != 200:
+            return answer
+        return JSONResponse({"added": [pick.key for pick in added], "present": len(read) - len(added)})
 
     async def _change_picks(self, change: Callable[[Picks], object]) -> Response:
         try:
@@ -300,7 +300,7 @@ class _Connection:
         self.wake = asyncio.Event()
         self.client: Client | None = None
         self.sent_state: dict[str, Any] = {}
-        self.sent_picks: list[Pick] = []
+        self.sent_picks: list[tuple[str, Pick]] | None = None
         self.sent_curves: Any = ()
         self.sent_at = -math.inf  # on the loop's clock
 
@@ -329,10 +329,10 @@ class _Connection:
             if self.scene.begun and (self.client is None or self.client.session != self.scene.session):
                 self.client = Client(self.scene)
                 texts.append(json.dumps(handshake(self.scene)))
-                self.sent_picks, self.sent_curves = [], ()
+                self.sent_picks, self.sent_curves = None, ()
             state = state_message(self.scene)
             curves = state.pop("curves")
-            picks = list(self.scene.picks) if self.client is not None else []
+            picks = None if self.client is None else [(pick.key, pick) for pick in self.scene.picks]
             picks_text = json.dumps(picks_message(self.scene)) if picks != self.sent_picks else ""
         if state != self.sent_state or curves != self.sent_curves:
             changed = [row for row in curves if row not in self.sent_curves]

@@ -11,7 +11,8 @@ import time
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -26,6 +27,7 @@ from made_wall import MadeWall, curved_path  # noqa: E402
 from tabs import Tabs  # noqa: E402
 
 import helibore as hb  # noqa: E402
+from helibore.logs.picks import Pick, Picks  # noqa: E402
 from helibore.logs.zones import classify  # noqa: E402
 
 SEAM = 16384  # first vertex of the second tile
@@ -39,6 +41,15 @@ import helibore as hb
 wall = MadeWall(40_000)
 wall.patch(16_000, 17_000, float(sys.argv[3]))
 hb.view(wall, path=curved_path(), port=int(sys.argv[2])).wait()
+"""
+
+SERVED_PICKS = """
+import sys
+import helibore as hb
+from helibore.logs.picks import Picks
+wall = hb.reconstruct(hb.Caliper.gauge(1015.0, 1035.0, 0.2), bit_diameter=0.2, sectors=16)
+wall.picks = Picks.load(sys.argv[2])
+hb.view(wall, port=int(sys.argv[1]), picks_file=sys.argv[2]).wait()
 """
 
 # How many frames the page has drawn, and the radii it then holds of what came while it was hidden.
@@ -109,11 +120,14 @@ def test_a_hidden_page_catches_up_at_once() -> None:
         assert caught["bytes"] - before["bytes"] < 20 * 60_000
 
 
-@contextmanager
-def served(port: int, patch: float) -> Iterator[str]:
+def served(port: int, patch: float) -> AbstractContextManager[str]:
     """Serve a wall from a process of its own, which is killed at the end."""
-    script = [sys.executable, "-c", SERVED, str(ROOT / "tests" / "python"), str(port), str(patch)]
-    process = subprocess.Popen(script)
+    return run(port, SERVED, str(ROOT / "tests" / "python"), str(port), str(patch))
+
+
+@contextmanager
+def run(port: int, script: str, *values: str) -> Iterator[str]:
+    process = subprocess.Popen([sys.executable, "-c", script, *values])
     url = f"http://127.0.0.1:{port}/"
     try:
         until(lambda: process.poll() is not None or answers(url))
@@ -144,6 +158,32 @@ def test_a_killed_server_is_found_again_when_it_is_back(browser: Any) -> None:
         screen.until(f"window.__wall.app.store.vertex({SEAM})?.radius > 0.115")
         assert round(screen.evaluate("window.__wall.app.view.middle"), 6) == 1025.6
         shows_what_a_new_page_shows(browser, screen, url)
+        screen.close()
+
+
+def test_picks_made_while_the_server_is_away_are_saved_when_it_is_back(browser: Any, tmp_path: Path) -> None:
+    port, file = free_port(), tmp_path / "a.wall.picks.csv"
+    Picks([Pick(kind="bed", depth=1024.0 + i, toolface=40.0, apparent_dip=60.0) for i in range(3)]).save(file)
+    kept = "window.__wall.app.picking.kept.map(({ depth }) => Math.round(depth)).sort().join()"
+    with run(port, SERVED_PICKS, str(port), str(file)) as url:
+        screen = Screen(browser, url, ADDRESS, SIZE, drawn=False)
+        screen.until(f"{kept} === '1024,1025,1026'")
+        screen.keyboard.press("d")
+    screen.until("document.getElementById('lamp').className === 'lamp lost'")
+    screen.evaluate(
+        "(({ picking }) => { picking.put({ ...picking.kept[0], key: 'new', depth: 1027 });"
+        " picking.put({ ...picking.kept[1], note: 'changed' }); picking.remove(picking.kept[2]); })(window.__wall.app)"
+    )
+    screen.until("document.getElementById('dipSaved').textContent === '3 picks not saved'")
+    stays = "window.dispatchEvent(new Event('beforeunload', { cancelable: true }))"
+    assert screen.evaluate(stays) is False, "the browser asks before it leaves the page"
+    with run(port, SERVED_PICKS, str(port), str(file)):
+        screen.until("document.getElementById('dipSaved').textContent === 'saved in a.wall.picks.csv'")
+        assert screen.evaluate(kept) == "1024,1025,1027"
+        assert screen.evaluate(stays) is True
+        assert [(round(one.depth), one.note) for one in Picks.load(file)] == [(1024, ""), (1025, "changed"), (1027, "")]
+        screen.keyboard.press("Control+z")
+        screen.until(f"{kept} === '1024,1025,1026,1027'")
         screen.close()
 
 

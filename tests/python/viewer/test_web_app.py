@@ -24,6 +24,7 @@ from starlette.testclient import TestClient  # noqa: E402
 from starlette.websockets import WebSocketDisconnect  # noqa: E402
 
 import helibore as hb  # noqa: E402
+from helibore.logs.picks import Picks  # noqa: E402
 from helibore.viewer import Attribute, messages  # noqa: E402
 from helibore.viewer.access import NO_TOKEN  # noqa: E402
 from helibore.viewer.feed import Feed  # noqa: E402
@@ -377,6 +378,7 @@ def test_picks_of_a_page_are_saved_and_shown_on_every_page(client: TestClient, f
                 if message["type"] == "picks":
                     return [(one["key"], one["kind"], one["depth"]) for one in message["picks"]]
 
+        assert shown() == [], "a page is told that there are none, too: it may hold some of a server before"
         assert client.put("/api/pick", json=pick).status_code == 200
         assert shown() == [("one", "bed", 1010.0)]
         assert client.put("/api/pick", json=pick | {"kind": "fault"}).status_code == 200
@@ -384,11 +386,14 @@ def test_picks_of_a_page_are_saved_and_shown_on_every_page(client: TestClient, f
         table = client.get("/api/picks.csv").text
         assert file.read_bytes().decode() == table
         assert table.splitlines()[1].startswith("fault,1010,20,30,")
-        assert client.post("/api/picks.csv", content=table).status_code == 200
-        assert [kind for _, kind, _ in shown()] == ["fault", "fault"]
+        assert client.post("/api/picks.csv", content=table).json() == {"added": [], "present": 1}
+        other = table.replace("fault,1010,", "fault,1011,")
+        (added,) = client.post("/api/picks.csv", content=other).json()["added"]
+        assert added != "one", "another place is another pick, whatever its key"
+        assert shown() == [("one", "fault", 1010.0), (added, "fault", 1011.0)]
         assert client.delete("/api/pick?key=one").status_code == 200
-        assert len(shown()) == 1
-        assert len(file.read_text().splitlines()) == 2
+        assert shown() == [(added, "fault", 1011.0)]
+        assert [pick.key for pick in Picks.load(file)] == [added]
 
 
 def test_a_pick_that_breaks_a_rule_or_cannot_be_saved_changes_nothing(client: TestClient, feed: Any) -> None:

@@ -140,6 +140,7 @@ export class App {
     this.view.followTheme(DARK.matches);
     DARK.addEventListener('change', ({ matches }) => this.view.followTheme(matches));
     window.addEventListener('hashchange', () => this.readdress());
+    window.addEventListener('beforeunload', (event) => this.picking.waits && event.preventDefault());
     setInterval(() => (lamp(this), this.view.rig && this.store && writeRig(this)), 1000);
     const { protocol, host, search } = location;
     /** @type {Handlers} */
@@ -191,7 +192,7 @@ export class App {
     disableControls(false);
     byId('gl').hidden = false;
     showBasis(handshake);
-    this.picking.showFile(handshake.picks_file);
+    this.picking.begin(handshake);
     this.alarms.begin(handshake.session);
     this.path = new Path(handshake.start_depth, handshake.frame_step, handshake.reference);
     this.glow.rows = this.store.levels[0].rows;

@@ -1,8 +1,8 @@
 // Picking on the image. A plane: drag from the crest or the trough of a bed or fracture along it; or click three points or
 // more and press Enter, which fits the plane through them. A breakout: drag a box. What was just made is selected, so a
 // digit sets its class and Delete removes it; a click selects another one. A drag on a pick moves it, at the crest or trough
-// of a sine it changes its dip. The server holds the picks of the wall, and saves them beside it; every page shows them. An
-// exported file holds its own.
+// of a sine it changes its dip. The server holds the picks of the wall, and saves them beside it; every page shows them. A
+// change stays here until the server has taken it, and is sent again until then. An exported file holds its own picks.
 
 import definition from '../../../base/color_maps.json' with { type: 'json' };
 import { messageOf } from './errors.js';
@@ -16,12 +16,16 @@ export const CLASSES = /** @type {(PlaneKind | 'breakout')[]} */ (Object.keys(de
 const MOST = 5000;
 const HANDLE = 20; // degrees around the crest or the trough of a sine in which a drag changes its dip
 const LEAST = { opening: 5, height: 0.02, turn: 45 }; // of a box that is dragged; degrees that a sine is dragged along
+const PATIENCE = { answer: 15_000, again: 5000 }; // milliseconds: for an answer of the server, before a change is sent again
 const BY_HAND = { misfit: 0, points: 0 }; // of a plane that is fitted to no points
 /** @type {Record<'plane' | 'breakout', [string, string, number][]>} */
 const FIELDS = {
   plane: [['depth', 'MD', 2], ['apparent_dip', 'to hole °', 1], ['toolface', 'deepest °', 0]],
   breakout: [['depth', 'MD', 2], ['height', 'high', 2], ['toolface', 'toolface °', 0], ['opening', 'wide °', 0], ['tilt', 'tilt °', 0]],
 };
+const WORDS = Object.fromEntries([...FIELDS.plane, ...FIELDS.breakout]);
+/** @param {number} count @param {string} [what] */
+const counted = (count, what = 'pick') => `${count} ${what}${count === 1 ? '' : 's'}`;
 /** @param {string} name */
 const isDepth = (name) => name === 'depth' || name === 'height';
 // How many of the field's unit a metre is, for lengths along the hole; 1 for the others.
@@ -40,10 +44,20 @@ export class Picking {
   /** @type {WallPick[]} */
   kept = []; // the picks of the wall
   /** @type {Map<string, WallPick>} */
-  saved = new Map(); // as the server has them, while one is dragged, too
-  /** @type {{ key: string, before: WallPick | null }[]} */
+  served = new Map(); // as the server has them
+  /** @type {Map<string, WallPick>} */
+  saved = new Map(); // those with the changes that the server has not taken yet; while one is dragged, as it was before
+  /** @type {Unsaved} */
+  unsaved = new Map(); // what the server has not taken yet: a pick, or null where it is deleted
+  /** @type {Map<string, Unsaved>} */
+  ofWalls = new Map(); // the same of every wall that was shown here
+  wall = ''; // well and file of the picks
+  file = '';
+  sending = false;
+  trouble = ''; // why the last change was not taken
+  /** @type {PickChange[][]} */
   changes = []; // made here, for undo
-  /** @type {{ key: string, before: WallPick | null }[]} */
+  /** @type {PickChange[][]} */
   undone = []; // taken back, for redo; a new change ends it
   /** @type {string | null} */
   selected = null; // key of one
@@ -68,24 +82,52 @@ export class Picking {
     on('dipLoad', () => byId('dipFile').click());
     byId('dipFile').addEventListener('change', () => this.load(byId('dipFile')));
     byId('pickClass').addEventListener('change', () => this.setClass(/** @type {PlaneKind | 'breakout'} */ (byId('pickClass').value)));
-    byId('pickFields').addEventListener('change', ({ target }) => this.setField(/** @type {HTMLInputElement} */ (target)));
+    byId('pickFields').addEventListener('input', ({ target }) => (/** @type {HTMLInputElement} */ (target).dataset.typing = ''));
+    for (const event of ['change', 'focusout']) {
+      byId('pickFields').addEventListener(event, ({ target }) => {
+        const field = /** @type {HTMLInputElement} */ (target);
+        delete field.dataset.typing;
+        if (event === 'change') this.setField(field);
+      });
+    }
+  }
+
+  // A wall begins. Changes that wait belong to the wall that they were made on, and are kept for it.
+  /** @param {{ well: string, picks_file?: string | null }} handshake */
+  begin({ well, picks_file: file }) {
+    const wall = JSON.stringify([well, file]);
+    this.file = file ?? '';
+    if (wall === this.wall) return;
+    if (this.unsaved.size) this.app.notice(`${counted(this.unsaved.size)} of ${JSON.parse(this.wall)[0] || 'another wall'} not saved: this is another wall. They are sent when theirs is back.`, 10);
+    const unsaved = this.ofWalls.get(wall) ?? new Map();
+    this.ofWalls.set(wall, unsaved);
+    Object.assign(this, { wall, unsaved, served: new Map(), changes: [], undone: [] });
   }
 
   // The picks of the server, or of an exported file.
   /** @param {WallPick[]} picks */
   receive(picks) {
+    this.served = new Map(picks.map((pick) => [pick.key, pick]));
+    this.show();
+    this.sendUnsaved();
+  }
+
+  // Show the picks of the server with the changes that it has not taken yet, and the one that is dragged.
+  show() {
     const { dragged } = this;
-    this.saved = new Map(picks.map((pick) => [pick.key, pick]));
-    this.kept = picks.map((pick) => (pick.key === dragged?.key ? dragged : pick));
+    this.saved = new Map(this.served);
+    for (const [key, pick] of this.unsaved) {
+      if (pick) this.saved.set(key, pick);
+      else this.saved.delete(key);
+    }
+    this.kept = [...this.saved.values()].map((pick) => (pick.key === dragged?.key ? dragged : pick));
     if (!this.pick) this.selected = null;
     this.app.redraw();
   }
 
-  // Where the server saves every change.
-  /** @param {string | null} [file] */
-  showFile(file) {
-    const text = file ? `saved in ${file}` : 'not saved in a file';
-    Object.assign(byId('dipSaved'), { textContent: text, title: text });
+  // Does a change of any wall wait for its server?
+  get waits() {
+    return [...this.ofWalls.values()].some(({ size }) => size > 0);
   }
 
   // The selected pick.
@@ -189,7 +231,8 @@ export class Picking {
       this.dragged = { ...pick, ...BY_HAND, toolface: turned(pick.toolface + toolface - from.toolface), apparent_dip: (Math.atan(Math.max(0, slope)) * 180) / Math.PI };
     } else {
       const { pick } = drag;
-      this.dragged = { ...pick, depth: pick.depth + depth - from.depth, ...(pick.kind === BREAKOUT ? { toolface: turned(pick.toolface + toolface - from.toolface) } : BY_HAND) };
+      const [top, bottom] = this.app.store.span;
+      this.dragged = { ...pick, depth: Math.min(bottom, Math.max(top, pick.depth + depth - from.depth)), ...(pick.kind === BREAKOUT ? { toolface: turned(pick.toolface + toolface - from.toolface) } : BY_HAND) };
     }
     this.selected = this.dragged.key;
     return this.replace(this.dragged);
@@ -238,36 +281,41 @@ export class Picking {
     this.app.redraw();
   }
 
-  /** @param {string} key */
-  remember(key) {
-    this.changes.push({ key, before: this.saved.get(key) ?? null });
-    this.undone = [];
-  }
-
-  // Save a pick, new or changed, and select it; false if there are too many.
+  // Save a pick, new or changed, and select it; false if it lies outside the wall, or there are too many.
   /** @param {WallPick} pick */
   put(pick) {
-    if (!this.saved.has(pick.key) && this.saved.size >= MOST) {
-      this.replace(pick, true);
-      this.app.notice(`There are ${MOST} picks, as many as a wall has. This one was not kept: ${showDepth(pick.depth, this.app.view.units)}`, 10);
+    const { span } = this.app.store;
+    const { units } = this.app.view;
+    const before = this.saved.get(pick.key);
+    const outside = pick.depth !== before?.depth && (pick.depth < span[0] || pick.depth > span[1]);
+    const tooMany = !before && this.saved.size >= MOST;
+    if (outside || tooMany) {
+      this.show();
+      this.app.notice(outside ? `${showDepth(pick.depth, units)} is outside the wall, ${showSpan(span[0], span[1], units)}` : `There are ${MOST} picks, as many as a wall has. This one was not kept: ${showDepth(pick.depth, units)}`, 10);
       return false;
     }
-    this.remember(pick.key);
-    this.saved.set(pick.key, pick);
     this.selected = pick.key;
-    this.replace(pick);
-    this.send('pick', { method: 'PUT', body: JSON.stringify(pick) });
-    this.app.resize();
+    this.change([{ key: pick.key, pick }]);
     return true;
   }
 
   remove(pick = this.pick) {
-    if (!pick) return;
-    this.remember(pick.key);
-    this.saved.delete(pick.key);
-    this.replace(pick, true);
-    this.selected = null;
-    this.send('pick', { method: 'DELETE' }, { key: pick.key });
+    if (pick) this.change([{ key: pick.key, pick: null }]);
+  }
+
+  // Change picks here and at the server, as one step; null deletes one. Undo takes the step back.
+  /** @param {PickChange[]} step @param {PickChange[][]} [to] */
+  change(step, to) {
+    const before = step.map(({ key }) => ({ key, pick: this.saved.get(key) ?? null }));
+    if (!to) this.undone = [];
+    (to ?? this.changes).push(before);
+    for (const { key, pick } of step) {
+      if (!this.app.contents) this.unsaved.set(key, pick);
+      else if (pick) this.served.set(key, pick);
+      else this.served.delete(key);
+    }
+    this.show();
+    this.sendUnsaved();
     this.app.resize();
   }
 
@@ -282,18 +330,13 @@ export class Picking {
     this.restore(this.undone, this.changes);
   }
 
-  // Put a pick back to where the last entry of one list has it; the other list gets the way back.
-  /** @param {Picking['changes']} from @param {Picking['changes']} to */
+  // Put picks back to where the last step of one list has them; the other list gets the way back.
+  /** @param {PickChange[][]} from @param {PickChange[][]} to */
   restore(from, to) {
-    const last = from.pop();
-    if (!last) return;
-    const { changes, undone } = this;
-    const made = this.kept.find(({ key }) => key === last.key);
-    to.push({ key: last.key, before: this.saved.get(last.key) ?? null });
-    Object.assign(this, { changes: [], undone: [] }); // what `put` and `remove` remember is no change of the user
-    if (last.before) this.put(last.before);
-    else if (made) this.remove(made);
-    Object.assign(this, { changes, undone });
+    const step = from.pop();
+    if (!step) return;
+    this.selected = step.length === 1 && step[0].pick ? step[0].key : null;
+    this.change(step, to);
   }
 
   keep() {
@@ -326,9 +369,8 @@ export class Picking {
   setField({ name, value, valueAsNumber }) {
     const { app, pick } = this;
     const { units } = app.view;
-    const depth = name === 'depth' ? valueAsNumber / unitOfField(name, units) : NaN;
-    if (depth < app.store.span[0] || depth > app.store.span[1]) return void app.notice(`${showDepth(depth, units)} is outside the wall, ${showSpan(app.store.span[0], app.store.span[1], units)}`, 10);
-    if (!pick || (name !== 'note' && !Number.isFinite(valueAsNumber))) return;
+    if (!pick) return;
+    if (name !== 'note' && !Number.isFinite(valueAsNumber)) return void app.redraw();
     if (name === 'note') this.put({ ...pick, note: value });
     else this.put({ ...pick, ...(pick.kind === BREAKOUT ? {} : BY_HAND), [name]: name === 'toolface' ? turned(valueAsNumber) : valueAsNumber / unitOfField(name, units) });
   }
@@ -340,19 +382,75 @@ export class Picking {
     return `api/${name}?${query}`;
   }
 
-  // Tell the server; what it refuses is said, and its own picks come back.
+  // An answer of the server; status 0: there was none.
   /** @param {string} name @param {RequestInit} request @param {Record<string, string>} [more] */
-  async send(name, request, more) {
-    if (this.app.contents) return;
-    const answer = await fetch(this.address(name, more), request).catch((error) => ({ ok: false, text: () => messageOf(error) }));
-    if (!answer.ok) this.app.notice(`Not saved: ${(await answer.text()).trim().slice(0, 300)}`, 10);
+  ask(name, request, more) {
+    return fetch(this.address(name, more), { ...request, signal: AbortSignal.timeout(PATIENCE.answer) }).catch((error) => ({ status: 0, text: async () => messageOf(error) }));
   }
 
+  // Send the server what it has not taken yet, one change after the other. What breaks a rule (400) is dropped, and the page
+  // says why; anything else stays, and is sent again.
+  async sendUnsaved() {
+    const { unsaved, app } = this;
+    const waiting = unsaved.size;
+    if (!waiting || this.sending) return;
+    if (app.status !== 'live') return void this.wait('the server is not connected');
+    this.sending = true;
+    const before = this.trouble;
+    let failed = '';
+    while (unsaved.size && unsaved === this.unsaved && !failed) {
+      const [[key, pick]] = unsaved;
+      const answer = await (pick ? this.ask('pick', { method: 'PUT', body: JSON.stringify(pick) }) : this.ask('pick', { method: 'DELETE' }, { key }));
+      const text = answer.status === 200 ? '' : (await answer.text()).trim().slice(0, 300);
+      if (answer.status !== 200 && answer.status !== 400) failed = text || `status ${answer.status}`;
+      else if (unsaved.get(key) === pick) this.taken(unsaved, key, pick, text);
+    }
+    this.sending = false;
+    if (failed) {
+      setTimeout(() => this.sendUnsaved(), PATIENCE.again);
+      return void this.wait(failed);
+    }
+    this.trouble = '';
+    if (before && unsaved === this.unsaved) app.notice(`${counted(waiting)} saved that waited for the server`, 5);
+    return void (unsaved === this.unsaved ? app.redraw() : this.sendUnsaved());
+  }
+
+  // The server has taken a change, or has refused it with a text.
+  /** @param {Unsaved} unsaved @param {string} key @param {WallPick | null} pick @param {string} refusal */
+  taken(unsaved, key, pick, refusal) {
+    unsaved.delete(key);
+    if (unsaved !== this.unsaved) return;
+    if (refusal) {
+      const at = this.changes.findLastIndex((step) => step.some((one) => one.key === key));
+      if (at >= 0) this.changes.splice(at, 1);
+      this.app.notice(`Not saved: ${refusal.replace(/^\w+/, (name) => WORDS[name] ?? name)}`, 10);
+    } else if (pick) this.served.set(key, pick);
+    else this.served.delete(key);
+    this.show();
+  }
+
+  /** @param {string} trouble */
+  wait(trouble) {
+    if (!this.trouble) this.app.notice(`Not saved yet: ${trouble}. This page keeps the change and sends it again.`, 10);
+    this.trouble = trouble;
+    this.app.redraw();
+  }
+
+  // Add the picks of a table: one step for undo.
   /** @param {HTMLInputElement} input */
   async load(input) {
     const [file] = input.files ?? [];
-    if (file) await this.send('picks.csv', { method: 'POST', body: await file.text() });
+    const body = await file?.text();
     input.value = '';
+    if (!body) return;
+    const answer = await this.ask('picks.csv', { method: 'POST', body });
+    if (answer.status !== 200) return this.app.notice(`Not added: ${(await answer.text()).trim().slice(0, 300)}`, 10);
+    const { added, present } = JSON.parse(await answer.text());
+    if (added.length) {
+      this.changes.push(added.map((/** @type {string} */ key) => ({ key, pick: null })));
+      this.undone = [];
+    }
+    return this.app.notice(`${counted(added.length)} added${present ? `, ${present} already there` : ''}`, 10);
   }
 
   // Planes and boxes to draw: the kept ones, and the plane being picked, `open` while the cursor is one of its points.
@@ -374,13 +472,14 @@ export class Picking {
     if (!this.on) return;
     const { units } = this.app.view;
     const { pick } = this;
+    this.writeSaved();
     byId('pickClass').value = this.kind;
     byId('dipKeep').disabled = open || !current;
     byId('dipRemove').disabled = !pick;
     byId('dipUndo').disabled = !this.points.length && !this.changes.length;
     byId('dipSave').hidden = byId('dipLoad').hidden = Boolean(this.app.contents);
     const plane = pick && pick.kind !== BREAKOUT ? this.plane(pick) : current;
-    const lines = [`${kept.length} plane${kept.length === 1 ? '' : 's'}, ${boxes.length} breakout${boxes.length === 1 ? '' : 's'}.`];
+    const lines = [`${counted(kept.length, 'plane')}, ${counted(boxes.length, 'breakout')}.`];
     if (pick) lines.push(`Selected ${pick.kind}: drag it${plane ? ' or its crest' : ''}; its class is in the list above.`);
     else if (this.kind === BREAKOUT) lines.push('Drag a box over a breakout. Press on a pick to select it.');
     else if (!current) lines.push(['Drag from a crest or trough along the bed, or mark three points around the hole.', 'Two more points.', 'One more, round the hole.'][this.points.length] ?? 'These lie on one side: add a point round the hole.');
@@ -394,9 +493,17 @@ export class Picking {
     if (byId('dipText').textContent !== text) byId('dipText').textContent = text;
     writeFields(pick, units);
   }
+
+  // Where the server saves every change, or how many it has not.
+  writeSaved() {
+    const { unsaved: { size }, trouble, file } = this;
+    const text = size ? (trouble ? `${counted(size)} not saved` : 'saving …') : file ? `saved in ${file}` : 'not saved in a file';
+    Object.assign(byId('dipSaved'), { textContent: text, title: size && trouble ? `${trouble}: this page keeps the changes and sends them again. Keep it open.` : text });
+    byId('dipSaved').classList.toggle('bad', Boolean(size && trouble));
+  }
 }
 
-// Numbers of the selected pick as fields, those that nobody is typing in.
+// Numbers of the selected pick as fields, but for the one that somebody is typing in.
 /** @param {WallPick | null} pick @param {Units} units */
 function writeFields(pick, units) {
   const box = byId('pickFields');
@@ -414,7 +521,7 @@ function writeFields(pick, units) {
   }
   if (!pick) return;
   const values = /** @type {Record<string, unknown>} */ ({ ...pick });
-  const input = (/** @type {string} */ name) => /** @type {HTMLInputElement | null} */ (box.querySelector(`[name=${name}]:not(:focus)`));
+  const input = (/** @type {string} */ name) => /** @type {HTMLInputElement | null} */ (box.querySelector(`[name=${name}]:not([data-typing])`));
   for (const [name, , digits] of fields) {
     const field = input(name);
     if (field) field.value = String(Number((Number(values[name] ?? 0) * unitOfField(name, units)).toFixed(digits)));

@@ -83,6 +83,8 @@ interface AnyPick { key: string; depth: number; toolface: number; radius?: numbe
 interface PlanePick extends AnyPick { kind: PlaneKind; apparent_dip: number; misfit?: number; points?: number }
 interface BreakoutPick extends AnyPick { kind: 'breakout'; height: number; opening: number; tilt?: number }
 type WallPick = PlanePick | BreakoutPick;
+interface PickChange { key: string; pick: WallPick | null } // null: it is deleted
+type Unsaved = Map<string, WallPick | null>;
 interface Plane {
   a: number; b: number; c: number; frame: Frame & { depth: number }; depth: number; radius: number; misfit: number; dip: number; azimuth: number; apparent: number; deepest: number;
   kind: PlaneKind; pick?: PlanePick;

@@ -112,7 +112,7 @@ function picking(more = {}) {
   globalThis.document = { getElementById: () => ({ addEventListener() {}, replaceChildren() {}, classList: { toggle() {} } }) };
   globalThis.Option = class {};
   const sent = [];
-  const app = { path: path(20, 0), store: { bitRadius: 0.1, quad: () => ({ radius: 0.1 }), levels: [{ quadAt: () => 0 }] }, contents: {}, redraw() {}, resize() {}, view: { units: 'mm', set() {} }, notice: (text) => sent.push(text), ...more };
+  const app = { path: path(20, 0), store: { span: [1000, 1030], bitRadius: 0.1, quad: () => ({ radius: 0.1 }), levels: [{ quadAt: () => 0 }] }, contents: {}, redraw() {}, resize() {}, view: { units: 'mm', set() {} }, notice: (text) => sent.push(text), ...more };
   return { made: new Picking(app), sent };
 }
 
@@ -220,6 +220,102 @@ test('Ctrl Z takes back, Ctrl Shift Z and Ctrl Y make again, while picking and n
   app.picking.on = false;
   type('y');
   assert.deepEqual(done, ['z', 'undo', 'Z', 'redo', 'y', 'redo', 'z', 'undo']);
+});
+
+// A page whose server answers with these statuses, in turn; the last one stays.
+function served(statuses, words = '') {
+  const asked = [];
+  const view = picking({ contents: null, status: 'live' });
+  globalThis.location = { search: '' };
+  globalThis.fetch = async (address, { method }) => {
+    asked.push(`${method} ${address}`);
+    const status = statuses.length > 1 ? statuses.shift() : statuses[0];
+    if (!status) throw new Error('Failed to fetch');
+    return { status, text: async () => words };
+  };
+  view.made.begin({ well: 'A', picks_file: 'a.picks.csv' });
+  return { ...view, asked, statuses };
+}
+const idle = () => new Promise((done) => setImmediate(done));
+const BED = { key: 'a', kind: 'bed', depth: 1010, toolface: 90, apparent_dip: 45 };
+
+test('what the server has not taken stays, over what it sends, and is sent again when it is back', async (t) => {
+  const later = t.mock.method(globalThis, 'setTimeout', () => {});
+  const { made, sent, asked, statuses } = served([200]);
+  const page = {};
+  globalThis.document.getElementById = () => ({ classList: { toggle: (_, on) => (page.bad = on) }, set textContent(text) { page.text = text; } });
+  const card = () => {
+    made.writeSaved();
+    return page.text;
+  };
+  made.receive([BED, { ...BED, key: 'b', depth: 1015 }]);
+  assert.equal(card(), 'saved in a.picks.csv');
+  made.app.status = 'lost';
+  made.put({ ...BED, key: 'c', depth: 1020 });
+  made.put({ ...BED, apparent_dip: 30 });
+  made.remove(made.kept.find(({ key }) => key === 'b'));
+  await idle();
+  assert.deepEqual([asked, card(), page.bad, made.waits], [[], '3 picks not saved', true, true]);
+  assert.deepEqual(sent, ['Not saved yet: the server is not connected. This page keeps the change and sends it again.']);
+  made.begin({ well: 'B', picks_file: null });
+  assert.equal(sent.at(-1), '3 picks of A not saved: this is another wall. They are sent when theirs is back.');
+  made.receive([]);
+  assert.deepEqual([made.kept, asked, made.waits], [[], [], true], 'never sent to another wall');
+  made.app.status = 'live';
+  statuses[0] = 500;
+  made.begin({ well: 'A', picks_file: 'a.picks.csv' });
+  made.receive([BED, { ...BED, key: 'b', depth: 1015 }]);
+  assert.deepEqual(made.kept.map(({ key, apparent_dip: dip }) => [key, dip]), [['a', 30], ['c', 45]]);
+  await idle();
+  assert.deepEqual([card(), made.waits, asked.length, later.mock.callCount()], ['3 picks not saved', true, 1, 1], 'a disk that is full refuses nothing');
+  statuses[0] = 200;
+  made.receive([BED, { ...BED, key: 'b', depth: 1015 }]);
+  await idle();
+  assert.deepEqual(asked.slice(1), ['PUT api/pick?', 'PUT api/pick?', 'DELETE api/pick?key=b']);
+  assert.deepEqual([card(), made.waits, sent.at(-1)], ['saved in a.picks.csv', false, '3 picks saved that waited for the server']);
+});
+
+test('what breaks a rule is said in the words of its field, and the pick is as it was', async () => {
+  const { made, sent } = served([400], 'apparent_dip = 95: must be 0 to 89.9\n');
+  made.receive([BED]);
+  made.selected = 'a';
+  made.put({ ...BED, apparent_dip: 95 });
+  assert.equal(made.pick.apparent_dip, 95);
+  await idle();
+  assert.deepEqual([made.kept, made.selected, made.waits, made.changes], [[BED], 'a', false, []]);
+  assert.deepEqual(sent, ['Not saved: to hole ° = 95: must be 0 to 89.9']);
+});
+
+test('a table is added as one step for undo, and says what was there already', async () => {
+  const { made, sent, asked } = served([200], JSON.stringify({ added: ['x', 'y'], present: 3 }));
+  await made.load({ files: [{ text: async () => 'class,depth_m' }], value: 'a.csv' });
+  made.receive([BED, { ...BED, key: 'x', depth: 1011 }, { ...BED, key: 'y', depth: 1012 }]);
+  assert.deepEqual([asked, sent], [['POST api/picks.csv?'], ['2 picks added, 3 already there']]);
+  made.undo();
+  assert.deepEqual(made.kept, [BED]);
+  made.redo();
+  assert.equal(made.kept.length, 3);
+  made.undo();
+  await idle();
+  assert.deepEqual(asked.slice(1).sort(), ['DELETE api/pick?key=x', 'DELETE api/pick?key=y']);
+});
+
+test('a pick stays in the wall, whether it is dragged, drawn or typed', () => {
+  const { made, sent } = picking();
+  made.receive([BED, { ...BED, key: 'out', depth: 2000 }]);
+  made.selected = 'a';
+  made.drag(made.grab({ depth: 1010, toolface: 0 }, 0.02), { depth: 1400, toolface: 0 });
+  made.drop();
+  assert.equal(made.pick.depth, 1030);
+  made.setField({ name: 'depth', value: '9999', valueAsNumber: 9999 });
+  assert.deepEqual([made.pick.depth, sent], [1030, ['9999.00 m is outside the wall, 1000.0–1030.0 m']]);
+  made.selected = null;
+  made.drag(made.grab({ depth: 1029.9, toolface: 30 }, 0.001), { depth: 1030.4, toolface: 120 });
+  made.drop();
+  assert.deepEqual([made.kept.length, made.pick, sent.at(-1)], [2, null, '1030.40 m is outside the wall, 1000.0–1030.0 m']);
+  made.selected = 'out';
+  made.setClass('fault');
+  assert.equal(made.pick.kind, 'fault', 'one that a table put there can be changed otherwise');
 });
 
 test('a box is dragged over a breakout, across the edge of the image as well; a tiny one is none', () => {
