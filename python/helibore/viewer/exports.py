@@ -21,11 +21,16 @@ SCALES = 10, 10_000
 
 
 def vertex(scene: Scene, k: int) -> dict[str, Any]:
-    """Return all that the scene holds about vertex ``k``: metres, degrees, the attributes' units; None is missing."""
+    """Return all that the scene holds about vertex ``k``: metres, degrees, the attributes' units; None is missing.
+
+    In a gauge hole nothing is measured, so it has no radius and no samples.
+    """
     shape, level = scene.shape, scene.levels[0]
     texel = level.texels[k]
     radius, first = (float(messages.radius_of(texel, shape.radius_unit, i)) for i in (messages.RADIUS, messages.FIRST))
     state = int(texel[messages.STATE])
+    if shape.basis == "gauge":
+        radius = first = math.nan
     return {
         "vertex": k,
         "depth": shape.start_depth + k * shape.pitch / shape.sectors,
@@ -33,7 +38,7 @@ def vertex(scene: Scene, k: int) -> dict[str, Any]:
         "radius": _or_none(radius),
         "first_radius": _or_none(first),
         "nearest": int(texel[messages.NEAREST]) * messages.NEAREST_UNIT if math.isfinite(radius) else None,
-        "support": state & messages.SUPPORT_MASK,
+        "support": None if shape.basis == "gauge" else state & messages.SUPPORT_MASK,
         "rescanned": bool(state & messages.RESCANNED),
         "provisional": bool(state & messages.PROVISIONAL),
         "interpolated": bool(state & messages.INTERPOLATED),

@@ -19,6 +19,7 @@ from made_wall import MadeWall, curved_path, gamma
 from page_messages import unpack
 from starlette.requests import ClientDisconnect
 
+import helibore as hb
 from helibore.viewer import exports, html_export, messages
 from helibore.viewer.downloads import Downloads
 from helibore.viewer.feed import Feed
@@ -59,6 +60,18 @@ def test_a_table_is_of_the_moment_it_was_asked_for(scene: Scene) -> None:
     grow_and_patch(scene)
     assert first + "".join(pieces) == whole
     assert whole.count("\n") == 1 + 250 * 64 + 1
+
+
+def test_a_table_of_a_gauge_hole_has_no_radius_and_no_samples() -> None:
+    wall = hb.reconstruct(hb.Caliper.gauge(1000.0, 1003.0, 0.2), bit_diameter=0.2, sectors=16)
+    scene = Feed(wall, path=None, attributes={"GR": np.arange(len(wall) - 17.0)}, well="A").scene
+    head, *rows = "".join(exports.section_csv(scene, 1001.0, 1002.0)).splitlines()
+    assert head.endswith(',radius [m],first radius [m],nearest [m],support,"GR []"')
+    assert len(rows) == 161
+    for row in rows:
+        k, _, _, *measured, gamma_ray = row.split(",")
+        assert measured == ["", "", "", ""], "bit size is no measurement"
+        assert float(gamma_ray) == int(k)
 
 
 @pytest.mark.parametrize("ends", [(-5.0, 3.0), (900.0, 999.0), (1100.0, 1200.0), (9e9, 8e9)])
