@@ -1,5 +1,6 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
+import { setImmediate } from 'node:timers';
 import { fitPlane, planeDepth, planeOf, wallPoint } from '../src/dips.js';
 import { bindKeys } from '../src/input.js';
 import { pole, rose } from '../src/net.js';
