@@ -484,3 +484,30 @@ def test_the_first_two_curves_of_files_are_shown_at_once_where_there_is_room(bro
             assert screen.evaluate("window.__wall.app.curves.shown.map(({ name }) => name)") == shown
             assert screen.evaluate("window.__wall.app.rects.pane.width") >= 150
             screen.close()
+
+
+def test_a_depth_is_typed_the_next_class_is_beside_the_cursor_and_a_scale_survives_a_reload(browser: Any) -> None:
+    with hb.view(MadeWall(60_000), path=curved_path()) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1012&sec=12", (1366, 768), drawn=False)
+        screen.page.select_option("#sectionLength", "1:200")
+        screen.keyboard.press("Escape")
+        screen.evaluate("document.activeElement.blur()")
+        screen.keyboard.press("g")
+        screen.keyboard.type("1050.5")
+        screen.keyboard.press("Enter")
+        screen.until("Math.abs(window.__wall.app.view.middle - 1050.5) < 0.01")
+        assert screen.evaluate("window.__wall.app.view.cursor.depth") == 1050.5
+        screen.keyboard.press("ControlOrMeta+a")
+        screen.keyboard.type("9999")
+        screen.keyboard.press("Enter")
+        screen.page.get_by_text("9999.00 m is outside the wall").wait_for()
+        screen.evaluate("document.activeElement.blur()")
+        screen.until("document.getElementById('goTo').value === '1050.5'")
+        screen.keyboard.press("d")
+        screen.keyboard.press("5")
+        screen.mouse.move(*place(screen, 130, 1052.0))
+        screen.until("document.getElementById('ink').labels.some(({ text }) => text === 'fault')")
+        screen.until("window.__wall.addressed()")
+        screen.page.reload()
+        screen.until("window.__wall?.ready && document.getElementById('sectionLength').value === '1:200'")
+        screen.close()

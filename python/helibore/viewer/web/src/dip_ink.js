@@ -4,7 +4,7 @@
 
 import { columnCurve } from './column.js';
 import { planeDepth, wallPoint } from './dips.js';
-import { BOLD, HEAD, label, PALETTES, SMALL, within, yOf } from './layout.js';
+import { BOLD, HEAD, imageRects, label, PALETTES, SMALL, within, yOf } from './layout.js';
 import { leftEdge } from './path.js';
 import { line } from './strokes.js';
 
@@ -46,6 +46,19 @@ export function drawLegend(ink, { view, rects: { axis, pane } }, { kept, boxes }
     } else symbol(ink, x, y, kind, palette.picks[kind], palette.panel);
     label(ink, kind, x + 9, y, { colour: palette.ink, font: SMALL });
     x = end + 16;
+  }
+}
+
+// The class of the next pick, beside the cursor.
+/** @param {Ink} ink @param {Look} look @param {PlaneKind | 'breakout'} kind */
+export function drawNext(ink, { view, path, rects }, kind) {
+  const { cursor } = view;
+  if (!cursor || cursor.toolface === null || cursor.depth < view.top || cursor.depth > view.bottom) return;
+  const palette = PALETTES[view.theme];
+  const turn = ((((cursor.toolface - leftEdge(path, view.cut, cursor.depth).toolface) % 360) + 360) % 360) / 360;
+  for (const { left, width } of imageRects(rects)) {
+    const right = turn > 0.5;
+    label(ink, kind, left + turn * width + (right ? -8 : 8), yOf(view, rects.image, cursor.depth) - 12, { colour: palette.picks[kind], halo: palette.paper, align: right ? 'right' : 'left', font: BOLD });
   }
 }
 

@@ -45,7 +45,7 @@ export function bindTracks(app) {
     }
     const { curve, crest } = precision(event);
     const aim = app.picking.on ? aimAt(app, x, y) : null;
-    drag = { head, width: head ? app.rects[head.name].width : 0, pick: aim && app.picking.grab(aim, reachOf(app, curve), (360 * crest) / app.rects.image.width), x, y, top: app.view.top, moved: false, onMap: inside(app.rects.map, x, y), turn: app.straight && inside(app.rects.wall, x, y) ? app.view.turn : null };
+    drag = { head, width: head ? app.rects[head.name].width : 0, pick: aim && app.picking.grab(aim, reachOf(app, curve), (360 * crest) / app.rects.image.width, event.pointerType === 'touch'), x, y, top: app.view.top, moved: false, onMap: inside(app.rects.map, x, y), turn: app.straight && inside(app.rects.wall, x, y) ? app.view.turn : null };
     if (drag.onMap && app.store) app.view.centre(app.map.depthAt(app.look(), y), app.store);
   });
   ink.addEventListener('pointermove', (event) => {
@@ -203,6 +203,7 @@ export function bindControls(app) {
   for (const id of /** @type {const} */ (['tube', 'shape', 'median'])) on(id, 'change', ({ value }) => view.choose({ [id]: Number(value) }));
   on('pass', 'change', ({ value }) => value === 'change' && app.setQuantity('change'));
   on('sectionLength', 'change', ({ value }) => app.setLength(value));
+  on('goTo', 'change', ({ valueAsNumber }) => app.goTo(valueAsNumber));
   on('follow', 'click', () => app.follow(!view.follow));
   on('rigOpen', 'click', () => app.rig());
   on('menu', 'click', () => openMenu(!byId('bar').classList.contains('open')));
@@ -299,6 +300,7 @@ const KEYS = {
   e: (app) => app.keepBeside(),
   k: (app) => app.rig(),
   a: (app) => app.alarms.silence(),
+  g: () => byId('goTo').select(),
   n: (app) => app.jump(1),
   N: (app) => app.jump(-1),
   Enter: (app) => app.picking.keep(),

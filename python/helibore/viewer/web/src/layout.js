@@ -25,7 +25,7 @@ export function layout(width, height, { dips = false, measured = true, rig = fal
   const slim = tab !== null && width < PHONE;
   const widths = rig ? { map: 0, axis: 66, image: Math.round(width * 0.36), caliper: 0 }
     : tab === '3d' ? { map: 0, axis: 66, image: 0, caliper: 0 }
-      : slim ? phone(width, measured) : desk(width, { dips, measured, beside, curves });
+      : slim ? phone(width, measured, dips) : desk(width, { dips, measured, beside, curves });
   /** @type {Rects} */
   const rects = {};
   let left = 4;
@@ -38,10 +38,12 @@ export function layout(width, height, { dips = false, measured = true, rig = fal
   return rects;
 }
 
-/** @param {number} width @param {boolean} measured */
-function phone(width, measured) {
-  const caliper = measured ? Math.round(width * 0.19) : 0;
-  return { map: 38, axis: 62, image: width - 118 - (measured ? caliper + 6 : 0), caliper };
+// Tadpoles take the place of the caliper, whose sizes at the cursor stand above the log.
+/** @param {number} width @param {boolean} measured @param {boolean} dips @returns {Record<string, number>} */
+function phone(width, measured, dips) {
+  const caliper = measured && !dips ? Math.round(width * 0.19) : 0;
+  const last = dips ? DIPS : caliper;
+  return { map: 38, axis: 62, image: width - 118 - (last ? last + 6 : 0), caliper, ...(dips ? { dips: DIPS } : {}) };
 }
 
 /** @param {number} width @param {{ dips: boolean, measured: boolean, beside: number, curves: number }} of @returns {Record<string, number>} */

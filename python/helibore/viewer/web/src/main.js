@@ -19,7 +19,7 @@ import { Gpu } from './gpu.js';
 import { whenHosted } from './host.js';
 import { bindControls, bindKeys, bindOrbit, bindTracks } from './input.js';
 import { FONT, HEAD, imageRects, layout, PALETTES } from './layout.js';
-import { drawDips, drawLegend, drawPoints } from './dip_ink.js';
+import { drawDips, drawLegend, drawNext, drawPoints } from './dip_ink.js';
 import { DepthMap } from './map.js';
 import { drawNet } from './net.js';
 import { drawNotes, Notes } from './notes.js';
@@ -34,7 +34,7 @@ import { drawPolar, sized, turnAt, turnText } from './polar.js';
 import { fromTemplate } from './template.js';
 import { coverage, Store } from './tiles.js';
 import { drawAhead, drawAxis, drawAxisLabels, drawCursor, drawImageHead, scaleLength } from './tracks.js';
-import { scaleOf, showLength, showSpan } from './units.js';
+import { LENGTHS, scaleOf, showDepth, showLength, showSpan } from './units.js';
 import { View } from './view.js';
 import { drawWallInk } from './wall_ink.js';
 import { bySeverity, jump } from './zones.js';
@@ -492,6 +492,7 @@ export class App {
     byId('netSection').hidden = !this.picking.kept.length;
     if (byId('net').clientHeight) byId('netText').textContent = drawNet(byId('net'), look, planes);
     drawCursor(ink, look);
+    if (this.picking.on && !this.picking.selected) drawNext(ink, look, this.picking.kind);
     drawAxisLabels(ink, look);
     if (this.straight && this.rects.wall.width) drawColumn(ink, look, calipers);
     else if (this.gpu && this.rects.wall.width && !this.straight) drawWallInk(ink, look, this.gpu, calipers);
@@ -667,6 +668,19 @@ export class App {
     if (start < view.top || stop > view.bottom) view.centre(depth, store);
     view.choose({ follow: false });
     view.point({ depth, toolface: null }, true);
+  }
+
+  // Go to a depth in the unit of the page, and mark it.
+  /** @param {number} shown */
+  goTo(shown) {
+    const { view, store } = this;
+    const depth = shown / LENGTHS[view.units].depth.scale;
+    if (!Number.isFinite(depth)) return this.redraw();
+    const [top, bottom] = store.span;
+    if (depth < top || depth > bottom) return this.notice(`${showDepth(depth, view.units)} is outside the wall, ${showSpan(top, bottom, view.units)}`, 10);
+    view.centre(depth, store);
+    view.choose({ follow: false });
+    return view.point({ depth, toolface: null }, true);
   }
 
   keepSection() {

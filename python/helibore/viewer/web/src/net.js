@@ -59,7 +59,7 @@ export function drawNet(canvas, { view, path }, { kept, boxes }) {
   const dips = planes.map((plane) => attitude(plane, path)[1]).filter(Number.isFinite);
   petals(ink, flower, rose(dips), palette.soft);
   petals(ink, flower, rose(axes), palette.picks[BREAKOUT]);
-  return `${planes.length} pole${planes.length === 1 ? '' : 's'}, lower hemisphere; rose: ${[dips.length ? (sidesOf(path)[0] === 'N' ? 'dip azimuths' : 'dip toolfaces') : '', axes.length ? 'breakout axes' : ''].filter(Boolean).join(', ') || 'nothing'}`;
+  return `${planes.length} pole${planes.length === 1 ? '' : 's'}, ${path.surveyed ? 'lower hemisphere' : 'seen downhole'}; rose: ${[dips.length ? (sidesOf(path)[0] === 'N' ? 'dip azimuths' : 'dip toolfaces') : '', axes.length ? 'breakout axes' : ''].filter(Boolean).join(', ') || 'nothing'}`;
 }
 
 /** @param {Ink} ink @param {{ x: number, y: number, radius: number }} of @param {Palette} palette @param {string[]} names */

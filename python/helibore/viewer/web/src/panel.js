@@ -121,6 +121,7 @@ export function reflect(view, quantity, image) {
   sections(depth);
   const length = SECTIONS.find((one) => Math.abs(one / depth.scale - view.length) < 1e-6 * view.length);
   byId('sectionLength').value = paper ? `1:${paper}` : length ? String(length / depth.scale) : '';
+  if (document.activeElement !== byId('goTo')) byId('goTo').value = (view.middle * depth.scale).toFixed(1);
   byId('beside').textContent = view.beside.includes(quantity.id) ? 'Alone' : 'Beside';
   for (const tab of tabs()) tab.setAttribute('aria-selected', String(tab.value === view.tab));
   byId('follow').classList.toggle('on', view.follow);

@@ -75,6 +75,7 @@ export class Picking {
     on('dipOpen', () => this.toggle());
     on('dipKeep', () => this.keep());
     on('dipUndo', () => this.undo());
+    on('dipRedo', () => this.redo());
     on('dipRemove', () => this.remove());
     on('dipClose', () => this.toggle(false));
     on('dipSave', () => download(app, this.address('picks.csv'), 'The picks were'));
@@ -148,6 +149,7 @@ export class Picking {
     if (!on) Object.assign(this, { points: [], selected: null });
     byId('dipOpen').classList.toggle('on', on);
     byId('dips').hidden = !on;
+    this.writeSaved();
     document.body.classList.toggle('picking', on);
     if (on) {
       this.app.view.release();
@@ -158,7 +160,10 @@ export class Picking {
 
   // Deselect the pick, or drop the points of the next one; without either, end picking.
   leave() {
-    if (!this.selected && !this.points.length) return this.toggle(false);
+    if (!this.selected && !this.points.length) {
+      this.app.notice('Picking ended: D picks again, digits choose the colours', 8);
+      return this.toggle(false);
+    }
     Object.assign(this, { points: [], selected: null });
     return this.app.redraw();
   }
@@ -206,12 +211,13 @@ export class Picking {
   }
 
   // A drag begins on the image: it moves a pick, draws a sine or a box, or is not for picking (null). `handle` is how many
-  // degrees around the crest or the trough of a sine a drag changes its dip.
-  /** @param {Aim} from @param {number} reach @param {number} [handle] @returns {Drag | null} */
-  grab(from, reach, handle = 0) {
+  // degrees around the crest or the trough of a sine a drag changes its dip. A finger, which reaches far, moves only the
+  // selected pick.
+  /** @param {Aim} from @param {number} reach @param {number} [handle] @param {boolean} [finger] @returns {Drag | null} */
+  grab(from, reach, handle = 0, finger = false) {
     if (this.points.length) return null;
     const pick = this.near(from, reach);
-    if (!pick) return { act: this.kind === BREAKOUT ? 'box' : 'sine', from };
+    if (!pick || (finger && pick.key !== this.selected)) return { act: this.kind === BREAKOUT ? 'box' : 'sine', from };
     const crest = [0, 180].find((turn) => apart(from.toolface, pick.toolface + turn) < Math.max(HANDLE, handle));
     return pick.kind === BREAKOUT || crest === undefined ? { act: 'move', from, pick } : { act: 'dip', from, pick, crest };
   }
@@ -477,7 +483,10 @@ export class Picking {
     byId('dipKeep').disabled = open || !current;
     byId('dipRemove').disabled = !pick;
     byId('dipUndo').disabled = !this.points.length && !this.changes.length;
-    byId('dipSave').hidden = byId('dipLoad').hidden = Boolean(this.app.contents);
+    byId('dipRedo').disabled = !this.undone.length;
+    byId('dipKeep').hidden = !this.points.length; // it and Open take turns, so that all have room in one row
+    byId('dipSave').hidden = Boolean(this.app.contents);
+    byId('dipLoad').hidden = this.points.length > 0 || Boolean(this.app.contents);
     const plane = pick && pick.kind !== BREAKOUT ? this.plane(pick) : current;
     const lines = [`${counted(kept.length, 'plane')}, ${counted(boxes.length, 'breakout')}.`];
     if (pick) lines.push(`Selected ${pick.kind}: drag it${plane ? ' or its crest' : ''}; its class is in the list above.`);

@@ -130,8 +130,8 @@ interface Contents {
 type Ids<Names extends string, Kind> = { [id in Names]: Kind };
 type Elements = Ids<'gl' | 'histogram' | 'ink' | 'net' | 'polar', Canvas>
   & Ids<'camera' | 'curve' | 'cut' | 'map' | 'median' | 'pass' | 'pickClass' | 'quantity' | 'sectionLength' | 'shape' | 'tube' | 'units', HTMLSelectElement>
-  & Ids<'dipFile' | 'dynamic' | 'high' | 'inView' | 'log' | 'low' | 'moment' | 'noteText', HTMLInputElement>
-  & Ids<'dipKeep' | 'dipRemove' | 'dipUndo', HTMLButtonElement>
+  & Ids<'dipFile' | 'dynamic' | 'goTo' | 'high' | 'inView' | 'log' | 'low' | 'moment' | 'noteText', HTMLInputElement>
+  & Ids<'dipKeep' | 'dipRedo' | 'dipRemove' | 'dipUndo', HTMLButtonElement>
   & Ids<'csv' | 'export' | 'print', HTMLAnchorElement>
   & Ids<'help' | 'note', HTMLDialogElement>;
 type ElementOf<Id extends string> = Id extends keyof Elements ? Elements[Id] : HTMLElement;

@@ -215,7 +215,7 @@ export class View extends Settings {
 
   toAddress() {
     /** @type {Record<string, string>} */
-    const parts = { md: this.middle.toFixed(2), sec: this.length.toFixed(2) };
+    const parts = { md: this.middle.toFixed(2), sec: String(Number(this.length.toFixed(6))) };
     for (const key of CHOICES) {
       if (this[key] !== DEFAULTS[key]) parts[key] = String(this[key]);
     }

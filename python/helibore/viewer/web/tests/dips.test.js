@@ -134,6 +134,16 @@ test('a drag of the crest changes dip and azimuth, elsewhere the depth', () => {
   assert.equal(made.grab({ depth: 1009, toolface: 10 }, 0.02).act, 'sine', 'beside the curve another one begins');
 });
 
+test('a finger moves the selected pick and no other: beside it, it draws the next one', () => {
+  const { made } = picking();
+  made.receive([BED]);
+  const on = { depth: 1010.1, toolface: 92 };
+  assert.equal(made.grab(on, 0.5, 0, true).act, 'sine');
+  assert.equal(made.grab(on, 0.5).act, 'dip', 'a mouse aims well enough');
+  made.click(on, 0.5);
+  assert.equal(made.grab(on, 0.5, 0, true).act, 'dip');
+});
+
 test('a sine is dragged from its crest; a digit then sets its class, Delete removes it, undo takes both back', () => {
   const { made } = picking();
   const drag = made.grab({ depth: 1010, toolface: 30 }, 0.02);
@@ -188,8 +198,8 @@ test('redo makes again what undo took back, in order; a new change ends it', () 
   assert.deepEqual(made.kept.map(({ kind }) => kind), ['fracture']);
 });
 
-test('Esc deselects the pick or drops its points, the next one leaves picking', () => {
-  const { made } = picking();
+test('Esc deselects the pick or drops its points, the next one leaves picking and says so', () => {
+  const { made, sent } = picking();
   const left = [];
   made.on = true;
   made.toggle = (on) => left.push(on);
@@ -199,9 +209,9 @@ test('Esc deselects the pick or drops its points, the next one leaves picking', 
   assert.deepEqual([made.pick, left], [null, []]);
   made.click({ depth: 1015, toolface: 20 }, 0.02);
   made.leave();
-  assert.deepEqual([made.points, left], [[], []]);
+  assert.deepEqual([made.points, left, sent], [[], [], []]);
   made.leave();
-  assert.deepEqual(left, [false]);
+  assert.deepEqual([left, sent], [[false], ['Picking ended: D picks again, digits choose the colours']]);
 });
 
 test('Ctrl Z takes back, Ctrl Shift Z and Ctrl Y make again, while picking and not in a field', () => {

@@ -232,3 +232,10 @@ test('the theme is that of the machine until someone chooses one, which the addr
   other.followTheme(true);
   assert.equal(other.theme, 'light');
 });
+
+test('on a phone tadpoles stand beside the image, in place of the caliper', () => {
+  const widths = (dips) => Object.entries(layout(390, 700, { tab: 'log', dips })).map(([name, { width }]) => [name, width]);
+  const [without, withThem] = [false, true].map((dips) => Object.fromEntries(widths(dips)));
+  assert.deepEqual([without.caliper > 0, without.dips, withThem.caliper, withThem.dips], [true, undefined, 0, 70]);
+  assert.ok(withThem.image >= without.image);
+});
