@@ -15,6 +15,7 @@ from helibore.plot.picked import DASHES
 from helibore.plot.scales import length_text
 from helibore.plot.tracks import GREY, HATCH_COLOR, LETTERS
 from helibore.plot.zone_list import zone_sign
+from helibore.trajectory.references import reference_assumed
 
 if TYPE_CHECKING:
     from helibore.plot.content import Content
@@ -72,11 +73,17 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
         ("Interval", f"{ends} ({unit.text(content.bottom - content.top, 1)} {unit.name})", False),
         ("Bit size", f"{length_text(bit / INCH, 'in')} ({bit * 1e3:.1f} mm)", False),
         ("Depth scale", f"1:{content.scale}, {paper}{below}", False),
-        ("Toolface", REFERENCE_TEXT[content.reference], False),
+        ("Toolface", toolface_text(content), False),
         ("Wall made from", wall.basis_text, wall.basis != "azimuthal"),
         *measured,
         ("Helix", f"{settings.sectors} sectors, pitch {settings.pitch:g} m, {summary.vertices:,} vertices", False),
     ]
+
+
+def toolface_text(content: Content) -> str:
+    """Return what toolfaces count from, and whether that is only assumed."""
+    assumed = "assumed " if content.reference and reference_assumed(content.wall) else ""
+    return assumed + REFERENCE_TEXT[content.reference]
 
 
 def header_height(content: Content) -> float:

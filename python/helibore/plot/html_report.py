@@ -28,9 +28,10 @@ from helibore.logs.summary import WallSummary
 from helibore.logs.turn_logs import TOOLFACE_0
 from helibore.plot.content import Drawing, content_of
 from helibore.plot.diameters import Diameters
-from helibore.plot.header import HEADER, REFERENCE_TEXT, facts, measured_text
+from helibore.plot.header import HEADER, facts, measured_text, toolface_text
 from helibore.plot.paper import MM
 from helibore.plot.tracks import LENGTHS
+from helibore.trajectory.references import reference_assumed
 
 if TYPE_CHECKING:
     from helibore.logs.zones import Classification
@@ -264,7 +265,7 @@ def _zones(zones: Classification | None, content: Content) -> str:
 
 def _toolface(content: Content) -> str:
     """What toolfaces in a table count from."""
-    return f"Toolfaces: {html.escape(REFERENCE_TEXT[content.reference])}."
+    return f"Toolfaces: {html.escape(toolface_text(content))}."
 
 
 def _picks(content: Content) -> str:
@@ -340,14 +341,14 @@ def _settings(content: Content, zones: Classification | None) -> str:
     rows = {name.replace("_", " "): _setting_text(name, value) for name, value in settings.items()}
     if zones is not None:
         rows |= zones.facts()
-    rows["toolface 0"] = TOOLFACE_0[content.reference]
+    rows["toolface 0"] = TOOLFACE_0[content.reference] + ", assumed" * reference_assumed(content.wall)
     return pairs([*rows.items(), *_made_from(content.wall.made_from)])
 
 
 def _made_from(made_from: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Files with their checksums, as a run notes them, and whatever else the wall's maker wrote."""
     for name, value in made_from.items():
-        if name in ("preparation", "header"):  # among the messages, and above all
+        if name in ("preparation", "header", "toolface"):  # among the messages, above all, and with toolface 0
             continue
         of_a_run = name == "files" and isinstance(value, list)
         if of_a_run and all(isinstance(one, dict) and one.keys() == {"name", "blake2b"} for one in value):

@@ -40,6 +40,7 @@ from helibore.runs import run_settings
 from helibore.runs.reconstruct import reconstruct
 from helibore.runs.run_settings import ImageInput, Input, Output, RunSettings
 from helibore.samples.caliper import LARGEST_RADIUS, Caliper
+from helibore.trajectory.references import ASSUMED
 from helibore.trajectory.survey import Path as WellPath
 from helibore.trajectory.survey import Survey
 from helibore.wall.load import load
@@ -132,11 +133,24 @@ class Run:
     @property
     def reference(self) -> str | None:
         """What toolface 0 of the wall is, if the settings, the path or else all samples state it."""
+        return self.stated or (self.path.reference if self.path is not None else None)
+
+    @property
+    def stated(self) -> str | None:
+        """What toolface 0 of the wall is, if the settings or, without a path, all samples state it."""
         if self.settings.path.reference or self.path is not None:
-            return self.settings.path.reference or (self.path.reference if self.path else None)
+            return self.settings.path.reference
         stated = {self.settings.preparation.toolface_from or one.reference for one in self.readings}
         tagged = any(one.high_side is not None for one in self.readings)
         return stated.pop() if stated in ({"north"}, {"high-side"}) and not tagged else None
+
+    @property
+    def assumed(self) -> bool:
+        """Whether readings or images are taken to count from the reference of the wall though nothing states it."""
+        known = self.stated or self.settings.preparation.toolface_from
+        silent = [one for one in self.readings if not (known or one.reference or one.high_side is not None)]
+        images = [one for one in self.settings.image if not (self.stated or one.reference)]
+        return bool(images or (self.path is not None and silent))
 
     @property
     def name(self) -> str:
@@ -245,6 +259,8 @@ def build_wall(
             header = log_header(run.files.headers())
             if header:
                 run.built.made_from["header"] = header
+    if run.assumed:
+        run.wall.made_from["toolface"] = ASSUMED
     run.wall.path = run.path
     run.messages += add_images(run.wall, images)
     return run
@@ -310,8 +326,8 @@ def _track(log: LogSet, roles: RoleMap) -> Track:
 
 def _read_image(run: Run, one: ImageInput) -> SectorImage:
     """Return a sector image in the reference that is stated for it, or in that of the wall."""
-    stated = one.reference or run.reference
-    reference: Any = stated or "high-side"
+    stated = one.reference or run.stated
+    reference: Any = stated or run.reference or "high-side"
     if reference not in ("north", "high-side"):
         rule = f"the wall counts toolfaces from {reference}, but no image does: end it with :north or :high-side"
         raise InputError(f"image {one.name}", rule)

@@ -29,8 +29,11 @@ from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Mask, finite_column
 from helibore.base.errors import InputError
 
-__all__ = ["REFERENCES", "Reference", "defined", "from_high_side", "onto_path", "reference_of"]
+__all__ = [
+    "ASSUMED", "REFERENCES", "Reference", "defined", "from_high_side", "onto_path", "reference_assumed", "reference_of",
+]  # fmt: skip
 
+ASSUMED = "assumed"
 Reference = Literal["high-side", "north", "parallel-transport"]
 """What toolface 0 of a path, a wall or an image points to."""
 
@@ -52,6 +55,11 @@ def reference_of(wall: Any) -> Reference | None:
     """Return what toolface 0 of a wall is: what its path says, or else its first image; None where neither does."""
     stated = [getattr(wall, "path", None), *getattr(wall, "images", {}).values()]
     return next((one.reference for one in stated if one is not None), None)
+
+
+def reference_assumed(wall: Any) -> bool:
+    """Return whether toolfaces of a wall count from its reference only because a run found nothing that says so."""
+    return bool(getattr(wall, "made_from", {}).get("toolface") == ASSUMED)
 
 
 def from_high_side(inclination: npt.ArrayLike, low: float = 4.0, high: float = 6.0) -> Mask:

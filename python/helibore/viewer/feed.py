@@ -30,7 +30,7 @@ from helibore.logs.curves import curves_of
 from helibore.logs.summary import summarize
 from helibore.logs.zones import Classification, classify
 from helibore.samples.helix import basis_of, basis_text_of, helix_of
-from helibore.trajectory.references import Reference, reference_of
+from helibore.trajectory.references import Reference, reference_assumed, reference_of
 from helibore.trajectory.survey import Path
 from helibore.trajectory.true_depth import true_depth
 from helibore.viewer.client import MOST_PENDING
@@ -75,7 +75,7 @@ class Feed:
         settings, helix = wall.settings, helix_of(wall)
         self._shape = WallShape(
             helix.sectors, helix.pitch, helix.start_depth, float(settings.bit_diameter), helix.start_toolface, well,
-            tuple(named), basis_of(wall), basis_text_of(wall), reference or reference_of(wall),
+            tuple(named), basis_of(wall), basis_text_of(wall), reference or reference_of(wall), reference_assumed(wall),
         )  # fmt: skip
         self._values = {attribute.name: values for attribute, values in named.items()}
         for name, values in self._values.items():

@@ -74,6 +74,7 @@ class WallShape:
     basis: Basis = "azimuthal"
     basis_text: str = BASIS_TEXT["azimuthal"]
     reference: Reference | None = None  # what toolface 0 is, if no path says it
+    assumed: bool = False  # nothing states that toolfaces count from the reference of the wall
 
     def __post_init__(self) -> None:
         if not 3 <= self.sectors <= MAX_SECTORS:

@@ -282,26 +282,37 @@ def test_an_average_caliper_of_another_interval_or_without_values_is_named(
     assert result.stderr.startswith(f"helibore: {rule}")
 
 
+ASSUMED = "from high-side, as nothing says otherwise (:north or --reference north would)"
+
+
 @pytest.mark.parametrize(
-    ("suffix", "options", "said"),
+    ("suffix", "options", "surveyed", "said", "printed"),
     [
-        ("", (), "from high-side, as nothing says otherwise (:north or --reference north would)"),
-        (":north", (), "from north"),
-        (":high-side", (), "from high-side"),
-        ("", ("--reference", "north"), "from north"),
+        ("", (), False, ASSUMED, "assumed from the high side"),
+        ("", (), True, ASSUMED, "assumed from the high side"),
+        ("", ("--reference", "high-side"), True, "from high-side", "from the high side"),
+        (":high-side", (), True, "from high-side", "from the high side"),
+        (":north", (), False, "from north", "from north"),
+        (":high-side", (), False, "from high-side", "from the high side"),
+        ("", ("--reference", "north"), False, "from north", "from north"),
     ],
 )
 def test_what_an_image_counts_from_is_told_and_whether_anything_says_so(
-    tmp_path: Path, suffix: str, options: tuple[str, ...], said: str
+    tmp_path: Path, suffix: str, options: tuple[str, ...], surveyed: bool, said: str, printed: str
 ) -> None:
+    if surveyed:
+        survey = tmp_path / "survey.csv"
+        survey.write_text("depth_m,inclination_deg,azimuth_deg\n900,30,40\n1100,30,40\n")
+        options = (*options, "--survey", str(survey))
     table = tmp_path / "log.csv"
     names = ",".join(f"GR{sector}_gAPI" for sector in range(1, 9))
     table.write_text(f"depth_m,{names}\n" + "".join(f"{1000 + row}{f',{row}' * 8}\n" for row in range(9)))
     made = ("--gauge", "--bit-diameter", "8.5in", "--image", f"{table}:GR:edge{suffix}", *options)
-    result = run_cli(*made, "-o", tmp_path / "log.png", "--dpi", 40, "--no-body", "--no-polar")
+    result = run_cli(*made, "-o", tmp_path / "log.svg", "--no-body", "--no-polar")
     assert result.exit_code == 0, result.output
     words = " ".join(result.output.split())
     assert f"9 rows x 8 sectors, 0 values missing, {said} paper" in words
+    assert f"<!-- {printed}, clockwise looking downhole -->" in (tmp_path / "log.svg").read_text()
 
 
 def test_a_full_disk_leaves_the_old_picture(archive: Path, monkeypatch: pytest.MonkeyPatch) -> None:

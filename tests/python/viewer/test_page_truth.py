@@ -112,6 +112,7 @@ def test_the_range_of_what_is_in_view_is_chosen_and_said(browser: Any) -> None:
 @pytest.mark.parametrize(("reference", "sides"), [("high-side", "URDL"), ("north", "NESW")])
 def test_without_a_survey_the_sides_are_named_as_in_print(browser: Any, reference: str, sides: str) -> None:
     wall = with_gamma(hb.Caliper.gauge(2000.0, 2040.0, BIT), reference)
+    wall.made_from["toolface"] = "assumed"  # as a run notes it
     assert content_of(wall, Drawing()).reference == reference
     with hb.view(wall) as viewer:
         screen = Screen(browser, viewer.url, "#md=2020&sec=30")
@@ -119,6 +120,8 @@ def test_without_a_survey_the_sides_are_named_as_in_print(browser: Any, referenc
         assert [text for text in texts if text in sides][:5] == [*sides, sides[0]]
         assert "no survey" in texts  # of true depth
         assert screen.evaluate("document.getElementById('cut').selectedOptions[0].text").startswith("-".join(sides))
+        assert screen.evaluate("document.getElementById('cut').selectedOptions[0].text").endswith("(assumed)")
+        assert "From high side / north, assumed" in screen.readout()
         screen.close()
 
 

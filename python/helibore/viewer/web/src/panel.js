@@ -42,12 +42,12 @@ function sections({ unit, scale }) {
 // Name the cuts that the reference of the wall allows: a survey knows up and north; without one, toolface 0 is one of them, or
 // the wall is cut by the tool's own angles. Returns the cut, or another one where that is not among them.
 /** @param {Path} path @param {Cut} chosen @returns {Cut} */
-export function nameCuts({ surveyed, reference }, chosen) {
+export function nameCuts({ surveyed, reference, assumed }, chosen) {
   const named = surveyed ? ['up', 'north'] : reference === 'north' ? ['north'] : ['up'];
   const known = surveyed || reference === 'north' || reference === 'high-side';
   for (const option of byId('cut').options) {
     const { letters, label, offset, reference: own } = CUTS[/** @type {Cut} */ (option.value)];
-    option.text = known ? `${letters.join('-')}: ${label}` : `cut at ${offset}° of the tool`;
+    option.text = known ? `${letters.join('-')}: ${label}${assumed ? ' (assumed)' : ''}` : `cut at ${offset}° of the tool`;
     option.hidden = !named.includes(own);
   }
   if (named.includes(CUTS[chosen].reference)) return chosen;
@@ -160,7 +160,7 @@ export function readout({ store, view, path, quad }) {
     ['MD', showDepth(cursor?.depth, units)],
     ['TVD', (cursor && Number.isNaN(tvd) && path.whyNoTvd(cursor.depth)) || showDepth(tvd, units)],
     ['Toolface', showAngle(cursor?.toolface ?? NaN)],
-    ['From high side / north', `${around(dial.up)} / ${around(dial.north)}`],
+    [`From high side / north${path.assumed ? ', assumed' : ''}`, `${around(dial.up)} / ${around(dial.north)}`],
     ['Radius', measured ? showLength(measured.radius, units) : !cursor ? '–' : gauge ? 'not measured' : cursor.toolface === null ? '–' : 'no data'],
     ['Over bit radius', showSigned(measured ? measured.radius - store.bitRadius : NaN, units)],
     ['Since first pass', measured && state & RESCANNED ? showSigned(measured.radius - measured.first, units) : '–'],

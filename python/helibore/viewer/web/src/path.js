@@ -11,10 +11,11 @@ const DEG = 180 / Math.PI;
 const FAINT = Math.sin(1 / DEG); // a direction seen under less than a degree is no reference
 
 export class Path {
-  /** @param {number} startDepth @param {number} step @param {string | null} [reference] */
-  constructor(startDepth, step, reference = null) {
+  /** @param {number} startDepth @param {number} step @param {string | null} [reference] @param {boolean} [assumed] */
+  constructor(startDepth, step, reference = null, assumed = false) {
     this.surveyed = false; // then the hole is drawn straight and vertical, and true depth is not known
     this.reference = reference; // what toolface 0 is, if it is not surveyed
+    this.assumed = assumed; // nothing states what toolfaces count from
     /** @type {Vector | null} */
     this.trueDepth = null; // [start, stop, down]: where the survey gives true depths, and their zero
     this.startDepth = startDepth;

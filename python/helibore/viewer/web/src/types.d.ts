@@ -98,7 +98,7 @@ interface CurveValues { depth: Float64Array; values: Float32Array; step: number 
 
 // Messages.
 interface Handshake {
-  session: string; basis: string; basis_text: string; reference: string | null; attributes: Attribute[]; radius_unit: number; nearest_unit: number; bit_diameter: number; start_depth: number;
+  session: string; basis: string; basis_text: string; reference: string | null; assumed?: boolean; attributes: Attribute[]; radius_unit: number; nearest_unit: number; bit_diameter: number; start_depth: number;
   start_toolface: number; frame_step: number; vertices: number; well: string; template?: Template | null; curves?: string[]; picks_file?: string | null; levels: { sectors: number; pitch: number; rows: number; rings?: boolean }[];
 }
 interface State {
