@@ -5,6 +5,7 @@ Rows without a value are left out and counted. ``readings`` makes the columns th
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -140,6 +141,15 @@ def needed(log_set: RawSet, roles: RoleMap, role: str) -> Role:
 def about_names(log_set: RawSet) -> str:
     """Return the remarks that explain why no name fits: the table has no header, or names repeat."""
     return "".join(f"; {remark}" for remark in log_set.remarks if NO_HEADER in remark or "columns are named" in remark)
+
+
+def north_of(log_set: RawSet, roles: RoleMap) -> str:
+    """Return which north azimuths of a survey count from, true, grid or magnetic, if their channel says it; else ""."""
+    role = roles.one("azimuth")
+    channel = None if role is None else log_set[role.channel]
+    text = "" if channel is None else re.sub("[\\W_]+", " ", f"{channel.name} {channel.description}".lower())
+    named = set(re.findall(r"\b(true|grid|magnetic)\b", text))
+    return named.pop() if len(named) == 1 else ""
 
 
 def survey(log_set: RawSet, roles: RoleMap | None = None) -> Survey:

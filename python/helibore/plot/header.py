@@ -74,6 +74,7 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
         ("Bit size", f"{length_text(bit / INCH, 'in')} ({bit * 1e3:.1f} mm)", False),
         ("Depth scale", f"1:{content.scale}, {paper}{below}", False),
         ("Toolface", toolface_text(content), False),
+        *([("Survey", survey_text(content), False)] if wall.path is not None else []),
         ("Wall made from", wall.basis_text, wall.basis != "azimuthal"),
         *measured,
         ("Helix", f"{settings.sectors} sectors, pitch {settings.pitch:g} m, {summary.vertices:,} vertices", False),
@@ -84,6 +85,14 @@ def toolface_text(content: Content) -> str:
     """Return what toolfaces count from, and whether that is only assumed."""
     assumed = "assumed " if content.reference and reference_assumed(content.wall) else ""
     return assumed + REFERENCE_TEXT[content.reference]
+
+
+def survey_text(content: Content) -> str:
+    """Return which survey the path and the true dips come from, and from which north, if that is known."""
+    noted = content.wall.made_from.get("survey")
+    survey = noted if isinstance(noted, dict) else {}
+    north = f"azimuths from {survey['north']} north" if survey.get("north") else "north as in the survey"
+    return f"{survey['name']}: {north}" if survey.get("name") else north
 
 
 def header_height(content: Content) -> float:

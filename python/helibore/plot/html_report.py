@@ -348,7 +348,7 @@ def _settings(content: Content, zones: Classification | None) -> str:
 def _made_from(made_from: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Files with their checksums, as a run notes them, and whatever else the wall's maker wrote."""
     for name, value in made_from.items():
-        if name in ("preparation", "header", "toolface"):  # among the messages, above all, and with toolface 0
+        if name in ("preparation", "header", "toolface", "survey"):  # among the messages, above all, and with the facts
             continue
         of_a_run = name == "files" and isinstance(value, list)
         if of_a_run and all(isinstance(one, dict) and one.keys() == {"name", "blake2b"} for one in value):

@@ -25,7 +25,7 @@ import numpy as np
 from helibore.base.errors import InputError
 from helibore.base.settings import Settings
 from helibore.channels.channel_readings import note, readings
-from helibore.channels.columns import column, depths, needed
+from helibore.channels.columns import column, depths, needed, north_of
 from helibore.channels.depth_remarks import depth_remarks
 from helibore.channels.log_header import log_header
 from helibore.channels.log_set import LogFile, LogSet
@@ -261,6 +261,9 @@ def build_wall(
                 run.built.made_from["header"] = header
     if run.assumed:
         run.wall.made_from["toolface"] = ASSUMED
+    if (survey := run.settings.survey) is not None:
+        north = north_of(run.files.log_set(survey), survey.roles)
+        run.wall.made_from["survey"] = {"name": survey.file.name, "north": north}
     run.wall.path = run.path
     run.messages += add_images(run.wall, images)
     return run

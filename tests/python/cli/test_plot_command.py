@@ -282,6 +282,19 @@ def test_an_average_caliper_of_another_interval_or_without_values_is_named(
     assert result.stderr.startswith(f"helibore: {rule}")
 
 
+@pytest.mark.parametrize(
+    ("azimuth", "said"),
+    [("azimuth_deg", "north as in the survey"), ("azimuth grid north_deg", "azimuths from grid north")],
+)
+def test_a_print_names_its_survey_and_the_north_that_the_file_states(tmp_path: Path, azimuth: str, said: str) -> None:
+    survey = tmp_path / "survey.csv"
+    survey.write_text(f"depth_m,inclination_deg,{azimuth}\n900,30,40\n1100,30,40\n")
+    made = ("--gauge", "--bit-diameter", "8.5in", "--from", 1000, "--to", 1005, "--survey", survey)
+    result = run_cli(*made, "--azimuth", azimuth, "-o", tmp_path / "log.svg", "--no-body")
+    assert result.exit_code == 0, result.output
+    assert f"<!-- survey.csv: {said} -->" in (tmp_path / "log.svg").read_text()
+
+
 ASSUMED = "from high-side, as nothing says otherwise (:north or --reference north would)"
 
 
