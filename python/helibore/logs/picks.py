@@ -44,11 +44,11 @@ LIMITS: dict[str, tuple[float, float]] = {
 COLUMNS = {
     "class": "kind", "depth_m": "depth", "toolface_deg": "toolface", "apparent_dip_deg": "apparent_dip",
     "radius_m": "radius", "misfit_m": "misfit", "points": "points", "height_m": "height", "opening_deg": "opening",
-    "tilt_deg": "tilt", "note": "note", "key": "key",
+    "tilt_deg": "tilt", "note": "note", "image": "image", "key": "key",
 }  # fmt: skip
 """Columns of the table and the fields they hold; the true dip and its azimuth stand beside them."""
 DIP = ("dip_deg", "dip_azimuth_deg")
-TEXTS = ("kind", "note", "key")
+TEXTS = ("kind", "note", "image", "key")
 PLACE = ("kind", "depth", "toolface", "apparent_dip", "height", "opening", "tilt")
 """What two picks of one feature have in common."""
 
@@ -75,6 +75,8 @@ class Pick:
         Of a breakout: its length, its width around the hole, and how far it leans from the axis, to the right.
     note
         At most 80 characters.
+    image
+        Name of the image that it was picked on; "": not known.
     key
         What two edits of one pick have in common, from one opening of its table to the next; made at random.
     """
@@ -90,6 +92,7 @@ class Pick:
     opening: float = 0.0
     tilt: float = 0.0
     note: str = ""
+    image: str = ""
     key: str = field(default_factory=lambda: secrets.token_hex(6), compare=False)
 
     def __post_init__(self) -> None:
@@ -102,7 +105,7 @@ class Pick:
             raise InputError("breakout", "height and opening must be above 0")
         if not (isinstance(self.points, int) and self.points >= 0):
             raise InputError("points", "must be a whole number", str(self.points))
-        for name, most in (("note", LONGEST_NOTE), ("key", 32)):
+        for name, most in (("note", LONGEST_NOTE), ("image", LONGEST_NOTE), ("key", 32)):
             if not isinstance(getattr(self, name), str) or len(getattr(self, name)) > most:
                 raise InputError(name, f"must be a text of at most {most} characters")
 
@@ -242,7 +245,7 @@ def _parsed(row: Mapping[str, Any], path: Path | None, apparent: bool, line: str
         if path is None:
             raise InputError("dip_deg", "a true dip needs the path of the wall")
         found = plane(texts["kind"], numbers["depth"], number(DIP[0]), number(DIP[1]), path)
-        return replace(found, note=texts.get("note", ""), key=texts["key"])
+        return replace(found, note=texts.get("note", ""), image=texts.get("image", ""), key=texts["key"])
     except InputError as error:
         raise error.within(line) from error
     except (TypeError, KeyError) as error:

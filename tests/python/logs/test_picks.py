@@ -60,7 +60,7 @@ def test_without_a_path_or_beyond_it_a_dip_is_not_known() -> None:
         ({"key": "x" * 33}, "key: must be a text of at most 32 characters"),
         (
             {"colour": "red"},
-            "pick: must be an object with some of apparent_dip, depth, height, key, kind, misfit, note, opening, "
+            "pick: must be an object with some of apparent_dip, depth, height, image, key, kind, misfit, note, opening, "
             "points, radius, tilt, toolface",
         ),
     ],
@@ -94,7 +94,9 @@ def test_a_table_is_read_as_it_was_written(tmp_path: Path) -> None:
     picks = Picks(
         [
             Pick(kind="breakout", depth=20.0, toolface=359.5, height=2.0, opening=40.0, tilt=-5.0),
-            Pick(kind="fracture", depth=10.25, toolface=12.0, apparent_dip=61.5, note='open, "wide"\nindeed'),
+            Pick(
+                kind="fracture", depth=10.25, toolface=12.0, apparent_dip=61.5, note='open, "wide"\nindeed', image="GR"
+            ),
             plane("bed", 15.0, 20.0, 100.0, hole),
         ]
     )

@@ -123,8 +123,9 @@ export function cursorAt({ view, rects, path }, x, y) {
 // The cursor where it is on an image; null elsewhere.
 /** @param {App} app @param {number} x @param {number} y @returns {Aim | null} */
 function aimAt(app, x, y) {
-  const onImage = imageRects(app.rects).some((rect) => inside(rect, x, y));
-  return onImage ? /** @type {Aim | null} */ (cursorAt(app, x, y)) : null;
+  const track = Object.keys(app.rects).find((name) => /^(image|beside)/.test(name) && inside(app.rects[name], x, y));
+  const cursor = track ? /** @type {Aim | null} */ (cursorAt(app, x, y)) : null;
+  return cursor && { ...cursor, image: (track === 'image' ? app.quantity : app.besides[Number(track?.slice(6))])?.name };
 }
 
 /** @param {App} app @param {number} x @param {number} y @param {number} reach */

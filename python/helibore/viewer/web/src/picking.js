@@ -17,12 +17,16 @@ const MOST = 5000;
 const HANDLE = 20; // degrees around the crest or the trough of a sine in which a drag changes its dip
 const LEAST = { opening: 5, height: 0.02, turn: 45 }; // of a box that is dragged; degrees that a sine is dragged along
 const PATIENCE = { answer: 15_000, again: 5000 }; // milliseconds: for an answer of the server, before a change is sent again
+const AROUND = Array.from({ length: 12 }, (_, i) => 30 * i);
 const BY_HAND = { misfit: 0, points: 0 }; // of a plane that is fitted to no points
 /** @type {Record<'plane' | 'breakout', [string, string, number][]>} */
 const FIELDS = {
   plane: [['depth', 'MD', 2], ['apparent_dip', 'to hole °', 1], ['toolface', 'deepest °', 0]],
   breakout: [['depth', 'MD', 2], ['height', 'high', 2], ['toolface', 'toolface °', 0], ['opening', 'wide °', 0], ['tilt', 'tilt °', 0]],
 };
+// The image of a pick, as the server takes it: at most 80 characters.
+/** @param {string} [image] */
+const onImage = (image) => (image ? { image: image.slice(0, 80) } : {});
 const WORDS = Object.fromEntries([...FIELDS.plane, ...FIELDS.breakout]);
 /** @param {number} count @param {string} [what] */
 const counted = (count, what = 'pick') => `${count} ${what}${count === 1 ? '' : 's'}`;
@@ -71,16 +75,16 @@ export class Picking {
     this.app = app;
     options('pickClass', CLASSES.map((name, i) => [name, `${i + 1} ${name}`]));
     /** @type {(id: string, act: (event: Event) => void) => void} */
-    const on = (id, act) => byId(id).addEventListener('click', act);
-    on('dipOpen', () => this.toggle());
-    on('dipKeep', () => this.keep());
-    on('dipUndo', () => this.undo());
-    on('dipRedo', () => this.redo());
-    on('dipRemove', () => this.remove());
-    on('dipClose', () => this.toggle(false));
-    on('dipSave', () => download(app, this.address('picks.csv'), 'The picks were'));
-    on('dipPrint', () => byId('print').click());
-    on('dipLoad', () => byId('dipFile').click());
+    const click = (id, act) => byId(id).addEventListener('click', act);
+    click('dipOpen', () => this.toggle());
+    click('dipKeep', () => this.keep());
+    click('dipUndo', () => this.undo());
+    click('dipRedo', () => this.redo());
+    click('dipRemove', () => this.remove());
+    click('dipClose', () => this.toggle(false));
+    click('dipSave', () => download(app, this.address('picks.csv'), 'The picks were'));
+    click('dipPrint', () => byId('print').click());
+    click('dipLoad', () => byId('dipFile').click());
     byId('dipFile').addEventListener('change', () => this.load(byId('dipFile')));
     byId('pickClass').addEventListener('change', () => this.setClass(/** @type {PlaneKind | 'breakout'} */ (byId('pickClass').value)));
     byId('pickFields').addEventListener('input', ({ target }) => (/** @type {HTMLInputElement} */ (target).dataset.typing = ''));
@@ -168,12 +172,13 @@ export class Picking {
     return this.app.redraw();
   }
 
-  // With the wall's radius; where it is not measured, with bit size, which the text says.
+  // With the wall's radius; where it is not measured, with bit size, which the text says. `seen`: something was measured there.
   /** @param {Aim} aim @returns {WallPoint} */
-  point({ depth, toolface }) {
+  point({ depth, toolface, image }) {
     const { store } = this.app;
-    const quad = store.quad(store.levels[0].quadAt(depth, toolface));
-    return { depth, toolface, radius: quad?.radius ?? store.bitRadius, measured: quad !== null };
+    const quad = store.basis === 'gauge' ? null : store.quad(store.levels[0].quadAt(depth, toolface));
+    const seen = quad !== null || store.attributes.some((_, i) => Number.isFinite(store.attributeAt(i, { depth, toolface })));
+    return { depth, toolface, radius: quad?.radius ?? store.bitRadius, measured: quad !== null, seen, ...onImage(image) };
   }
 
   // The plane of a kept pick on the path as it is now.
@@ -230,7 +235,7 @@ export class Picking {
     if (drag.act === 'box') {
       const opening = apart(toolface, from.toolface);
       const middle = turned(from.toolface + (turned(toolface - from.toolface + 180) - 180) / 2);
-      this.dragged = { key: this.dragged?.key ?? newKey(), kind: BREAKOUT, depth: (depth + from.depth) / 2, toolface: middle, height: Math.abs(depth - from.depth), opening: Math.min(180, opening) };
+      this.dragged = { key: this.dragged?.key ?? newKey(), kind: BREAKOUT, depth: (depth + from.depth) / 2, toolface: middle, height: Math.abs(depth - from.depth), opening: Math.min(180, opening), ...onImage(from.image) };
     } else if (drag.act === 'dip') {
       const { pick, crest } = drag;
       const slope = Math.tan((pick.apparent_dip * Math.PI) / 180) + ((crest ? from.depth - depth : depth - from.depth) / (pick.radius ?? this.app.store.bitRadius));
@@ -302,7 +307,15 @@ export class Picking {
     }
     this.selected = pick.key;
     this.change([{ key: pick.key, pick }]);
+    if (!before && !this.seen(pick)) this.app.notice(`Nothing was measured where this was picked, ${showDepth(pick.depth, units)}`, 10);
     return true;
+  }
+
+  // Was anything measured along a pick?
+  /** @param {WallPick} pick */
+  seen(pick) {
+    const along = pick.kind === BREAKOUT ? [pick] : AROUND.map((toolface) => ({ depth: planeDepth(this.app.path, this.plane(pick), toolface), toolface }));
+    return along.some((place) => this.point(place).seen);
   }
 
   remove(pick = this.pick) {
@@ -356,7 +369,7 @@ export class Picking {
   /** @param {Plane} plane @param {WallPoint[]} points @returns {PlanePick} */
   made({ depth, deepest, apparent, radius, misfit }, points) {
     const measured = points.some((point) => point.measured);
-    return { key: newKey(), kind: /** @type {PlaneKind} */ (this.kind), depth, toolface: deepest, apparent_dip: apparent, radius: measured ? radius : null, misfit, points: points.length };
+    return { key: newKey(), kind: /** @type {PlaneKind} */ (this.kind), depth, toolface: deepest, apparent_dip: apparent, radius: measured ? radius : null, misfit, points: points.length, ...onImage(points[0].image) };
   }
 
   // The class of the selected pick, and of the next one.

@@ -56,7 +56,7 @@ interface Quantity {
 }
 type Colours = Partial<Pick<Quantity, 'low' | 'high' | 'map' | 'log' | 'dynamic' | 'inView' | 'chosen'>>;
 interface Cursor { depth: number; toolface: number | null }
-interface Aim { depth: number; toolface: number } // a cursor on the image
+interface Aim { depth: number; toolface: number; image?: string } // a cursor on the image of this name
 interface Note { depth: number; text: string }
 type ZoneKind = 'washout' | 'breakout' | 'key seat' | 'undergauge';
 interface Zone { kind: ZoneKind; start: number; stop: number; measure: number; severity: number }
@@ -77,9 +77,9 @@ interface Look {
 interface Looks extends Look { images: Look[] } // the first image, and those beside it
 
 // Picks.
-interface WallPoint { depth: number; toolface: number; radius: number; measured?: boolean }
+interface WallPoint { depth: number; toolface: number; radius: number; measured?: boolean; seen?: boolean; image?: string }
 type PlaneKind = 'bed' | 'fracture' | 'healed fracture' | 'induced fracture' | 'fault';
-interface AnyPick { key: string; depth: number; toolface: number; radius?: number | null; note?: string }
+interface AnyPick { key: string; depth: number; toolface: number; radius?: number | null; note?: string; image?: string }
 interface PlanePick extends AnyPick { kind: PlaneKind; apparent_dip: number; misfit?: number; points?: number }
 interface BreakoutPick extends AnyPick { kind: 'breakout'; height: number; opening: number; tilt?: number }
 type WallPick = PlanePick | BreakoutPick;

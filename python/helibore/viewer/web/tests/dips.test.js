@@ -113,7 +113,7 @@ function picking(more = {}) {
   globalThis.document = { getElementById: () => ({ addEventListener() {}, replaceChildren() {}, classList: { toggle() {} } }) };
   globalThis.Option = class {};
   const sent = [];
-  const app = { path: path(20, 0), store: { span: [1000, 1030], bitRadius: 0.1, quad: () => ({ radius: 0.1 }), levels: [{ quadAt: () => 0 }] }, contents: {}, redraw() {}, resize() {}, view: { units: 'mm', set() {} }, notice: (text) => sent.push(text), ...more };
+  const app = { path: path(20, 0), store: { span: [1000, 1030], attributes: [], bitRadius: 0.1, quad: () => ({ radius: 0.1 }), levels: [{ quadAt: () => 0 }] }, contents: {}, redraw() {}, resize() {}, view: { units: 'mm', set() {} }, notice: (text) => sent.push(text), ...more };
   return { made: new Picking(app), sent };
 }
 
@@ -132,6 +132,18 @@ test('a drag of the crest changes dip and azimuth, elsewhere the depth', () => {
   made.drop();
   assert.deepEqual([made.pick.toolface, made.pick.depth, made.pick.points], [98, 1010.5, 0]);
   assert.equal(made.grab({ depth: 1009, toolface: 10 }, 0.02).act, 'sine', 'beside the curve another one begins');
+});
+
+test('a pick names the image that it was drawn on, has no radius in a gauge hole, and says where nothing was measured', () => {
+  const { made, sent } = picking();
+  const store = { ...made.app.store, basis: 'gauge', attributes: [{}], attributeAt: (_, { depth }) => (depth < 1020 ? 7 : NaN) };
+  Object.assign(made.app, { store });
+  made.drag(made.grab({ depth: 1010, toolface: 30, image: 'GR' }, 0.02), { depth: 1010.1, toolface: 120, image: 'RHOB' });
+  made.drop();
+  assert.deepEqual([made.pick.image, made.pick.radius, sent], ['GR', null, []]);
+  made.drag(made.grab({ depth: 1025, toolface: 30, image: 'GR' }, 0.02), { depth: 1025.1, toolface: 120 });
+  made.drop();
+  assert.equal(sent[0], 'Nothing was measured where this was picked, 1025.10 m');
 });
 
 test('a finger moves the selected pick and no other: beside it, it draws the next one', () => {
