@@ -60,8 +60,8 @@ def test_without_a_path_or_beyond_it_a_dip_is_not_known() -> None:
         ({"key": "x" * 33}, "key: must be a text of at most 32 characters"),
         (
             {"colour": "red"},
-            "pick: must be an object with some of apparent_dip, depth, height, image, key, kind, misfit, note, opening, "
-            "points, radius, tilt, toolface",
+            "pick: must be an object with some of apparent_dip, depth, height, image, key, kind, misfit, note, "
+            "opening, points, radius, tilt, toolface",
         ),
     ],
 )

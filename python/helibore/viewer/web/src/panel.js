@@ -233,16 +233,22 @@ export function listZones(zones, { units, theme }, alarms, show) {
 
 // Downloads of the section; an exported file has no server to ask.
 /** @param {App} app @param {string} address */
-export function links({ view, contents, prints, rects }, address) {
+export function links({ view, store, contents, prints, rects }, address) {
   byId('csv').hidden = byId('export').hidden = contents !== null;
-  byId('print').hidden = byId('dipPrint').hidden = !prints || contents !== null;
+  byId('print').hidden = byId('printAll').hidden = byId('dipPrint').hidden = !prints || contents !== null;
   const query = new URLSearchParams(location.search); // the token
   query.set('start', view.top.toFixed(3));
   query.set('stop', view.bottom.toFixed(3));
   byId('csv').href = `api/section.csv?${query}`;
   const scale = printScale(view, rects.image);
-  byId('print').href = `api/print.pdf?${query}&units=${view.units}&scale=${scale}`;
+  const look = `units=${view.units}&scale=${scale}`;
+  byId('print').href = `api/print.pdf?${query}&${look}`;
   byId('print').title = byId('dipPrint').title = `This section on paper at 1:${scale}, with its picks (PDF)`;
+  const whole = new URLSearchParams(location.search);
+  whole.set('start', String(store.span[0]));
+  whole.set('stop', String(store.span[1]));
+  byId('printAll').href = `api/print.pdf?${whole}&${look}`;
+  byId('printAll').title = `The whole well on paper at 1:${scale}, with its picks (PDF)`;
   query.set('address', address);
   byId('export').href = `api/export.html?${query}`;
 }
