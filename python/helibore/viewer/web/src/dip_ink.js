@@ -19,7 +19,7 @@ export function drawDips(ink, look, planes, gpu) {
   for (const plane of planes.current ? [...planes.kept, planes.current] : planes.kept) {
     if (Math.abs(plane.depth - look.view.middle) > look.view.length) continue;
     const dash = planes.open && plane === planes.current ? [5, 4] : DASHES[plane.kind];
-    for (const one of look.images) curve(ink, one, plane, colourOf(plane), palette, dash);
+    for (const one of look.images) curve(ink, one, plane, colourOf(plane), palette, dash, plane.pick && plane.pick === planes.selected ? 4 : 2);
     if (gpu) (look.view.camera === 'straight' ? columnCurve : disc)(ink, look, plane, colourOf(plane), gpu);
   }
   for (const pick of planes.boxes) for (const one of look.images) box(ink, one, pick, pick === planes.selected ? palette.cursor : palette.picks[pick.kind], palette);
@@ -79,8 +79,8 @@ export function drawPoints(ink, look, points) {
   }
 }
 
-/** @param {Ink} ink @param {Look} look @param {Plane} plane @param {string} colour @param {Palette} palette @param {number[]} dash */
-function curve(ink, { view, path, rects }, plane, colour, palette, dash) {
+/** @param {Ink} ink @param {Look} look @param {Plane} plane @param {string} colour @param {Palette} palette @param {number[]} dash @param {number} wide */
+function curve(ink, { view, path, rects }, plane, colour, palette, dash, wide) {
   const { image } = rects;
   within(ink, image, () => {
     ink.beginPath();
@@ -90,18 +90,18 @@ function curve(ink, { view, path, rects }, plane, colour, palette, dash) {
       ink.lineTo(image.left + x, yOf(view, image, depth));
     }
     ink.setLineDash(dash);
-    outlined(ink, colour, palette);
+    outlined(ink, colour, palette, wide);
     ink.setLineDash([]);
   });
 }
 
 // Stroke a path so that it is seen on any colour.
-/** @param {Ink} ink @param {string} colour @param {Palette} palette */
-function outlined(ink, colour, palette) {
-  ink.lineWidth = 4;
+/** @param {Ink} ink @param {string} colour @param {Palette} palette @param {number} [wide] */
+function outlined(ink, colour, palette, wide = 2) {
+  ink.lineWidth = wide + 2;
   ink.strokeStyle = palette.paper;
   ink.stroke();
-  ink.lineWidth = 2;
+  ink.lineWidth = wide;
   ink.strokeStyle = colour;
   ink.stroke();
 }

@@ -476,8 +476,9 @@ export class Picking {
   /** @returns {Planes} */
   planes() {
     const { app, kind } = this;
-    const kept = this.kept.filter((pick) => pick.kind !== BREAKOUT).map((pick) => this.plane(pick));
     const selected = this.pick;
+    const ordered = this.kept.filter((pick) => pick.kind !== BREAKOUT).sort((a, b) => Number(a === selected) - Number(b === selected));
+    const kept = ordered.map((pick) => this.plane(pick)); // the selected one last, above the others
     if (!this.on || selected || kind === BREAKOUT) return { kept, boxes: this.boxes, selected, current: null, open: false };
     const { cursor } = app.view;
     const more = this.points.length && cursor && cursor.toolface !== null ? [this.point(/** @type {Aim} */ (cursor))] : [];
