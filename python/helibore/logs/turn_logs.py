@@ -35,6 +35,7 @@ from helibore.logs.depth_steps import by_step
 from helibore.logs.log_columns import COLUMNS
 from helibore.samples.caliper import Basis, Caliper
 from helibore.samples.helix import WallLike, basis_of, basis_text_of, whole_helix
+from helibore.trajectory.references import reference_assumed
 from helibore.trajectory.survey import Path
 from helibore.trajectory.true_depth import true_depth
 
@@ -128,6 +129,8 @@ class Logs(Tabular):
     reference
         What toolface 0 is, by the path of the wall: ``"high-side"``, ``"north"`` or ``"parallel-transport"``; "": the
         wall has no path.
+    reference_assumed
+        Whether toolfaces count from it only because no file says otherwise.
     with_sigma
         Whether `table` has the columns DEQ_SIGMA and VOL_SIGMA, also where no turn has a value.
     path
@@ -171,6 +174,7 @@ class Logs(Tabular):
     basis_text: str
     step: float | None = None
     reference: str = ""
+    reference_assumed: bool = False
     shape: Shape = "wall"
     arm_diameter: tuple[Floats, ...] = ()
     with_sigma: bool = False
@@ -287,7 +291,7 @@ class Logs(Tabular):
             "bit diameter": f"{self.bit_diameter:.6g} m",
             "sectors": str(self.sectors),
             "pitch": f"{self.pitch:.6g} m",
-            "toolface 0": TOOLFACE_0[self.reference],
+            "toolface 0": TOOLFACE_0[self.reference] + ", assumed" * self.reference_assumed,
             "row": "one full turn" if self.step is None else f"{self.step:.6g} m of depth",
             "rugosity window": f"{self.rugosity_window:.6g} m",
             "shape": SHAPE_TEXT[self.shape],
@@ -425,6 +429,7 @@ def turn_logs(
         basis=basis_of(wall),
         basis_text=basis_text_of(wall),
         reference=path.reference if path is not None else "",
+        reference_assumed=reference_assumed(wall),
         with_sigma=sigma is not None,
         path=path,
         **found,

@@ -330,6 +330,8 @@ def test_logs_say_what_toolface_0_is(reference: Any) -> None:
     assert said.startswith(
         {"high-side": "high side", "north": "north", "parallel-transport": "north at the top"}[reference]
     )
+    wall.made_from = {"toolface": "assumed"}  # as a run notes it
+    assert wall.logs().facts()["toolface 0"] == f"{said}, assumed"
 
 
 def test_a_path_adds_true_depth_inclination_and_azimuth() -> None:
