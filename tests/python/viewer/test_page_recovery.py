@@ -174,7 +174,7 @@ def test_picks_made_while_the_server_is_away_are_saved_when_it_is_back(browser: 
         "(({ picking }) => { picking.put({ ...picking.kept[0], key: 'new', depth: 1027 });"
         " picking.put({ ...picking.kept[1], note: 'changed' }); picking.remove(picking.kept[2]); })(window.__wall.app)"
     )
-    screen.until("document.getElementById('dipSaved').textContent === '3 picks not saved'")
+    screen.until("document.getElementById('dipSaved').textContent === '3 changes not saved'")
     stays = "window.dispatchEvent(new Event('beforeunload', { cancelable: true }))"
     assert screen.evaluate(stays) is False, "the browser asks before it leaves the page"
     with run(port, SERVED_PICKS, str(port), str(file)):

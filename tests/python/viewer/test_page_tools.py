@@ -501,11 +501,13 @@ def test_a_depth_is_typed_the_next_class_is_beside_the_cursor_and_a_scale_surviv
         screen.keyboard.press("Enter")
         screen.until("Math.abs(window.__wall.app.view.middle - 1050.5) < 0.01")
         assert screen.evaluate("window.__wall.app.view.cursor.depth") == 1050.5
-        screen.keyboard.press("ControlOrMeta+a")
+        screen.keyboard.press("g")  # Enter has left the field
         screen.keyboard.type("9999")
         screen.keyboard.press("Enter")
         screen.page.get_by_text("9999.00 m is outside the wall").wait_for()
-        screen.evaluate("document.activeElement.blur()")
+        screen.keyboard.press("?")
+        screen.until("document.getElementById('help').open && document.getElementById('help').scrollTop === 0")
+        screen.keyboard.press("Escape")
         screen.until("document.getElementById('goTo').value === '1050.5'")
         screen.keyboard.press("d")
         screen.keyboard.press("5")

@@ -212,7 +212,7 @@ export function bindControls(app) {
   for (const tab of tabs()) tab.addEventListener('click', () => view.choose({ tab: tab.value }));
   on('theme', 'click', () => view.toggleTheme());
   on('fit', 'click', () => app.fit());
-  on('keys', 'click', () => byId('help').showModal());
+  on('keys', 'click', openHelp);
   on('copy', 'click', () => app.copy());
   on('pin', 'click', () => app.keepSection());
   on('quantity', 'change', ({ value }) => app.setQuantity(value));
@@ -254,10 +254,18 @@ function bindHistogram(app) {
   canvas.addEventListener('pointerup', () => (end = null));
 }
 
+// The dialog puts the focus on its button, at the bottom: show its top.
+function openHelp() {
+  byId('help').showModal();
+  byId('help').scrollTop = 0;
+}
+
 /** @param {App} app */
 export function bindKeys(app) {
   window.addEventListener('keydown', (event) => {
-    const { tagName } = /** @type {HTMLElement} */ (event.target);
+    const target = /** @type {HTMLElement} */ (event.target);
+    const { tagName } = target;
+    if (event.key === 'Enter' && tagName === 'INPUT' && !byId('note').open) target.blur(); // so that keys are keys again
     const typing = /^(INPUT|SELECT|TEXTAREA)$/.test(tagName) || byId('help').open || byId('note').open;
     if (!typing && (event.ctrlKey || event.metaKey) && !event.altKey && /^[zy]$/i.test(event.key) && app.picking.on) {
       event.preventDefault();
@@ -308,5 +316,5 @@ const KEYS = {
   Backspace: (app) => (app.picking.selected ? app.picking.remove() : app.picking.undo()),
   Delete: (app) => app.picking.remove(),
   Escape: ({ view, picking }) => (picking.on ? picking.leave() : view.point(null, false)),
-  '?': () => byId('help').showModal(),
+  '?': openHelp,
 };

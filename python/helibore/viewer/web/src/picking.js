@@ -103,7 +103,7 @@ export class Picking {
     const wall = JSON.stringify([well, file]);
     this.file = file ?? '';
     if (wall === this.wall) return;
-    if (this.unsaved.size) this.app.notice(`${counted(this.unsaved.size)} of ${JSON.parse(this.wall)[0] || 'another wall'} not saved: this is another wall. They are sent when theirs is back.`, 10);
+    if (this.unsaved.size) this.app.notice(`${counted(this.unsaved.size, 'change')} of ${JSON.parse(this.wall)[0] || 'another wall'} not saved: this is another wall. They are sent when theirs is back.`, 10);
     const unsaved = this.ofWalls.get(wall) ?? new Map();
     this.ofWalls.set(wall, unsaved);
     Object.assign(this, { wall, unsaved, served: new Map(), changes: [], undone: [] });
@@ -430,7 +430,7 @@ export class Picking {
       return void this.wait(failed);
     }
     this.trouble = '';
-    if (before && unsaved === this.unsaved) app.notice(`${counted(waiting)} saved that waited for the server`, 5);
+    if (before && unsaved === this.unsaved) app.notice(`${counted(waiting, 'change')} saved that waited for the server`, 5);
     return void (unsaved === this.unsaved ? app.redraw() : this.sendUnsaved());
   }
 
@@ -520,7 +520,7 @@ export class Picking {
   // Where the server saves every change, or how many it has not.
   writeSaved() {
     const { unsaved: { size }, trouble, file } = this;
-    const text = size ? (trouble ? `${counted(size)} not saved` : 'saving …') : file ? `saved in ${file}` : 'not saved in a file';
+    const text = size ? (trouble ? `${counted(size, 'change')} not saved` : 'saving …') : file ? `saved in ${file}` : 'not saved in a file';
     Object.assign(byId('dipSaved'), { textContent: text, title: size && trouble ? `${trouble}: this page keeps the changes and sends them again. Keep it open.` : text });
     byId('dipSaved').classList.toggle('bad', Boolean(size && trouble));
   }

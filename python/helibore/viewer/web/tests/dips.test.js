@@ -278,10 +278,10 @@ test('what the server has not taken stays, over what it sends, and is sent again
   made.put({ ...BED, apparent_dip: 30 });
   made.remove(made.kept.find(({ key }) => key === 'b'));
   await idle();
-  assert.deepEqual([asked, card(), page.bad, made.waits], [[], '3 picks not saved', true, true]);
+  assert.deepEqual([asked, card(), page.bad, made.waits], [[], '3 changes not saved', true, true]);
   assert.deepEqual(sent, ['Not saved yet: the server is not connected. This page keeps the change and sends it again.']);
   made.begin({ well: 'B', picks_file: null });
-  assert.equal(sent.at(-1), '3 picks of A not saved: this is another wall. They are sent when theirs is back.');
+  assert.equal(sent.at(-1), '3 changes of A not saved: this is another wall. They are sent when theirs is back.');
   made.receive([]);
   assert.deepEqual([made.kept, asked, made.waits], [[], [], true], 'never sent to another wall');
   made.app.status = 'live';
@@ -290,12 +290,12 @@ test('what the server has not taken stays, over what it sends, and is sent again
   made.receive([BED, { ...BED, key: 'b', depth: 1015 }]);
   assert.deepEqual(made.kept.map(({ key, apparent_dip: dip }) => [key, dip]), [['a', 30], ['c', 45]]);
   await idle();
-  assert.deepEqual([card(), made.waits, asked.length, later.mock.callCount()], ['3 picks not saved', true, 1, 1], 'a disk that is full refuses nothing');
+  assert.deepEqual([card(), made.waits, asked.length, later.mock.callCount()], ['3 changes not saved', true, 1, 1], 'a disk that is full refuses nothing');
   statuses[0] = 200;
   made.receive([BED, { ...BED, key: 'b', depth: 1015 }]);
   await idle();
   assert.deepEqual(asked.slice(1), ['PUT api/pick?', 'PUT api/pick?', 'DELETE api/pick?key=b']);
-  assert.deepEqual([card(), made.waits, sent.at(-1)], ['saved in a.picks.csv', false, '3 picks saved that waited for the server']);
+  assert.deepEqual([card(), made.waits, sent.at(-1)], ['saved in a.picks.csv', false, '3 changes saved that waited for the server']);
 });
 
 test('what breaks a rule is said in the words of its field, and the pick is as it was', async () => {
