@@ -177,7 +177,9 @@ export class Picking {
   point({ depth, toolface, image }) {
     const { store } = this.app;
     const quad = store.basis === 'gauge' ? null : store.quad(store.levels[0].quadAt(depth, toolface));
-    const seen = quad !== null || store.attributes.some((_, i) => Number.isFinite(store.attributeAt(i, { depth, toolface })));
+    const has = (/** @type {number} */ i) => Number.isFinite(store.attributeAt(i, { depth, toolface }));
+    const own = store.attributes.findIndex(({ name }) => name === image);
+    const seen = own >= 0 ? has(own) : quad !== null || store.attributes.some((_, i) => has(i));
     return { depth, toolface, radius: quad?.radius ?? store.bitRadius, measured: quad !== null, seen, ...onImage(image) };
   }
 
@@ -307,7 +309,7 @@ export class Picking {
     }
     this.selected = pick.key;
     this.change([{ key: pick.key, pick }]);
-    if (!before && !this.seen(pick)) this.app.notice(`Nothing was measured where this was picked, ${showDepth(pick.depth, units)}`, 10);
+    if (!before && !this.seen(pick)) this.app.notice(`${pick.image ? `${pick.image}: nothing` : 'Nothing'} was measured where this was picked, ${showDepth(pick.depth, units)}`, 10);
     return true;
   }
 
@@ -315,7 +317,8 @@ export class Picking {
   /** @param {WallPick} pick */
   seen(pick) {
     const along = pick.kind === BREAKOUT ? [pick] : AROUND.map((toolface) => ({ depth: planeDepth(this.app.path, this.plane(pick), toolface), toolface }));
-    return along.some((place) => this.point(place).seen);
+    const { image } = pick;
+    return along.some((place) => this.point({ ...place, image }).seen);
   }
 
   remove(pick = this.pick) {

@@ -136,14 +136,14 @@ test('a drag of the crest changes dip and azimuth, elsewhere the depth', () => {
 
 test('a pick names the image that it was drawn on, has no radius in a gauge hole, and says where nothing was measured', () => {
   const { made, sent } = picking();
-  const store = { ...made.app.store, basis: 'gauge', attributes: [{}], attributeAt: (_, { depth }) => (depth < 1020 ? 7 : NaN) };
+  const store = { ...made.app.store, basis: 'gauge', attributes: [{ name: 'GR' }, { name: 'RHOB' }], attributeAt: (i, { depth }) => (i === 1 || depth < 1020 ? 7 : NaN) };
   Object.assign(made.app, { store });
   made.drag(made.grab({ depth: 1010, toolface: 30, image: 'GR' }, 0.02), { depth: 1010.1, toolface: 120, image: 'RHOB' });
   made.drop();
   assert.deepEqual([made.pick.image, made.pick.radius, sent], ['GR', null, []]);
   made.drag(made.grab({ depth: 1025, toolface: 30, image: 'GR' }, 0.02), { depth: 1025.1, toolface: 120 });
   made.drop();
-  assert.equal(sent[0], 'Nothing was measured where this was picked, 1025.10 m');
+  assert.deepEqual(sent, ['GR: nothing was measured where this was picked, 1025.10 m']);
 });
 
 test('a finger moves the selected pick and no other: beside it, it draws the next one', () => {
