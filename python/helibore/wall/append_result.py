@@ -1,10 +1,10 @@
-"""What an append changed, and the values of some vertices at one moment: what a live host asks a wall for.
+"""The results that a live host asks a wall for: what an append changed, and the values of some vertices.
 
     change = wall.append(depth, toolface, radius)
     for start, stop in change.ranges:
         columns = wall.vertices(start, stop)
 
-Made by `Wall`; nothing is computed here.
+`Wall` makes both; this file computes nothing.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ class Change:
     settled
         Vertices below this no longer change while the hole only gets deeper.
     accepted, redundant
-        Samples taken; and dropped because one equal in depth, time, toolface and radius was there.
+        Number of samples taken, and number dropped because the wall has one of equal depth, time, toolface and radius.
     """
 
     ranges: Integers
@@ -46,7 +46,7 @@ class Change:
 
 
 class VertexColumns(NamedTuple):
-    """One value for each of some vertices, all of one moment; named as the properties of `Wall`."""
+    """The values of some vertices at one moment; the names are those of the properties of `Wall`."""
 
     depth: Floats
     toolface: Floats

@@ -1,16 +1,18 @@
-"""Whether the shape of a hole goes on along it, for tools that leave most of each turn unmeasured: few arms, telemetry.
+"""Decide whether the shape of a hole continues along it, for tools that leave most of each turn unmeasured.
 
-Where it does (a breakout, a key seat, an oval hole), the wall between two arms is known from where an arm passed at the
-same toolface, metres above or below: kriging with a large angular scale finds it. Leaving samples out cannot tell,
+Such tools have few arms, or send few samples by telemetry.
+
+If the shape continues (a breakout, a key seat, an oval hole), the wall between two arms is known from samples at the
+same toolface, metres above or below: kriging with a large angular scale uses them. Cross-validation cannot decide this,
 because no sample lies between the arms. The likelihood of the samples can:
 
     blocks of at most 48 samples over 10 m; in each the radius is a constant and a Gaussian process with the covariance
     of kriging: Wendland's C2 function of distance / range, and a nugget
     restricted likelihood: the constants are integrated out; all blocks share one variance, which has its best value
 
-The best long covariance counts if it beats the best short one by more than `LEAST_GAIN` nats a block. On holes of known
-truth right choices gained 36 and more, wrong ones lost (bench/accuracy/known_holes.py). A shape that turns with the
-tool looks like one that does not turn.
+The best long covariance is chosen if its likelihood exceeds that of the best short one by more than `LEAST_GAIN` nats a
+block. On holes of known shape, right choices gained 36 or more and wrong choices lost (bench/accuracy/known_holes.py).
+A shape that turns with the tool cannot be told from a shape that does not turn.
 """
 
 from __future__ import annotations
@@ -39,15 +41,15 @@ _BLOCKS, _MOST_SAMPLES, _BLOCK_LENGTH, _POSITIONS = 60, 48, 10.0, 2000
 
 
 def find_continuation(samples: Columns, settings: Settings, seed: int) -> tuple[Settings | None, float]:
-    """Find the settings of kriging along a hole whose shape goes on.
+    """Find the settings of kriging for a hole whose shape continues along it.
 
     Returns
     -------
     settings
-        None where the shape does not go on, and of tools that measure half of the turns or more.
+        None if the shape does not continue, or if the tool measures half of the turns or more.
     gain
-        By how much the likelihood of the best long covariance exceeds that of the best short one, nats a block; NaN
-        where this was not looked at.
+        Log-likelihood of the best long covariance less that of the best short one, nats a block; NaN if they were not
+        compared.
     """
     depth, toolface, radius = samples
     turns = max(_POSITIONS // settings.sectors, 1)
@@ -71,7 +73,7 @@ def find_continuation(samples: Columns, settings: Settings, seed: int) -> tuple[
 
 
 def _likelihoods(samples: Columns, rng: np.random.Generator) -> Iterator[tuple[tuple[float, float, float], float]]:
-    """Angular scale, range and nugget, and the logarithm of their restricted likelihood for each block."""
+    """Yield (angular scale, range, nugget), and the logarithm of their restricted likelihood for each block."""
     rows = _blocks(samples[0], rng)
     if not rows.size:
         return
@@ -83,14 +85,14 @@ def _likelihoods(samples: Columns, rng: np.random.Generator) -> Iterator[tuple[t
     contrasts = rows.shape[1] - 1
     for scale in (*SHORT, *LONG):
         distance = np.hypot(scale * around, along)
-        half_turn = np.pi * float(np.median(radius)) * scale  # the most that kriging uses
+        half_turn = np.pi * float(np.median(radius)) * scale  # kriging uses no longer range
         for reach in RANGES:
             part = np.minimum(distance / min(reach, half_turn), 1.0)
             covariance = (1.0 - part) ** 4 * (1.0 + 4.0 * part)
             for nugget in NUGGETS:
                 try:
                     root = np.linalg.cholesky(covariance + nugget * np.eye(contrasts + 1))
-                except np.linalg.LinAlgError:  # not positive definite, with arcs around the hole
+                except np.linalg.LinAlgError:  # arc lengths around the hole may make it not positive definite
                     continue
                 one, value = np.moveaxis(np.linalg.solve(root, sides), -1, 0)
                 ones = np.sum(one**2, axis=1)
@@ -101,7 +103,7 @@ def _likelihoods(samples: Columns, rng: np.random.Generator) -> Iterator[tuple[t
 
 
 def _blocks(depth: Floats, rng: np.random.Generator) -> np.ndarray:
-    """Rows of the samples of each block, (blocks, samples)."""
+    """Return the rows of the samples of each block, (blocks, samples)."""
     length = min(_BLOCK_LENGTH, float(np.ptp(depth)))
     first = rng.uniform(depth[0], depth[-1] - length, _BLOCKS) if depth[-1] - length > depth[0] else depth[:1]
     ends = np.searchsorted(depth, [first, first + length])

@@ -1,7 +1,8 @@
-"""Estimates at samples that are left out, from the others: for cross-validation and for uncertainty.
+"""Estimate the radius at samples that are left out, from the other samples: for cross-validation and uncertainty.
 
-The core finds the neighbours of each point and estimates its radius by the method of the wall. Samples are left out
-alone, or with all others in a box around them that is as empty as the box around a random vertex of the wall.
+The core finds the neighbours of each point and estimates its radius by the method of the wall. A sample is left out
+alone, or together with all samples in a box around it. The box is as large as the empty box around a random vertex of
+the wall.
 """
 
 from __future__ import annotations
@@ -33,17 +34,17 @@ class Estimates(NamedTuple):
     """Estimates at m points, (m,) each; NaN where no sample is within ``max_distance``."""
 
     radius: Floats  # metres
-    nearest: Floats  # metres in the metric of ``angular_scale``, to the nearest sample used
-    farthest: Floats  # the same, to the farthest sample used
+    nearest: Floats  # metres in the metric of ``angular_scale``: distance to the nearest sample used
+    farthest: Floats  # metres, same metric: distance to the farthest sample used
     square_weights: Floats  # sum of the squared weights
-    scatter: Floats  # m^2: mean square of the radii used less ``radius``
+    scatter: Floats  # m^2: mean square of (radius of a sample used - ``radius``)
     along: Floats  # m^2: mean square of the distances along the hole to the samples used
-    across: Floats  # m^2: the same of the distances around it
-    by_nugget: list[Floats]  # metres: radii by kriging with each of the nuggets asked for
+    across: Floats  # m^2: mean square of the distances around the hole to the samples used
+    by_nugget: list[Floats]  # metres: radii by kriging, one array for each of the nuggets given
 
 
 def in_depth_order(caliper: Caliper) -> Columns:
-    """Depth, toolface in [0, 360) and radius by depth; samples at one depth keep their order."""
+    """Return depth, toolface in [0, 360) and radius, sorted by depth; samples at equal depths keep their order."""
     depth, toolface, radius = caliper.depth, caliper.toolface, caliper.radius
     if np.any(depth[1:] < depth[:-1]):
         order = np.argsort(depth, kind="stable")
@@ -57,11 +58,11 @@ def in_depth_order(caliper: Caliper) -> Columns:
 def choose_left_out(
     samples: Columns, settings: Settings, most: int, seed: int, purpose: str, boxes: int = FEW_BOXES
 ) -> tuple[Integers, Boxes]:
-    """Return rows to leave out, (m,) with m at most ``most``, and half the height and width of a box around each.
+    """Return the rows to leave out, (m,) with m at most ``most``, and half the height and width of a box around each.
 
     At most ``boxes`` of the boxes are different.
 
-    An InputError says that there are too few samples for the ``purpose``, or that the settings have a window.
+    Raises InputError if there are too few samples for the ``purpose``, or if the settings have a window.
     """
     count = samples[0].size
     if settings.window is not None:
@@ -79,9 +80,10 @@ def empty_boxes(
 ) -> Boxes:
     """Return half the height (m) and half the width (degrees) of the empty boxes around random vertices of the wall.
 
-    The height is the depth to the nearest sample within half a sector of angle, at most 1 m (at 0.5 m the same arm,
-    with the same bias, still says much); the width is the angle to the nearest sample within half a pitch of depth.
-    There are ``different`` boxes, repeated.
+    Half the height is the distance in depth to the nearest sample within half a sector of angle, at most 1 m. (With a
+    limit of 0.5 m, samples of the same arm, with the same bias, would be too close.) Half the width is the angle to the
+    nearest sample within half a pitch of depth. At most ``different`` boxes are computed; they are repeated to
+    ``count``.
     """
     depth, toolface, _ = samples
     some = min(count, different)
@@ -91,7 +93,7 @@ def empty_boxes(
     reaches = (half_pitch, max(half_pitch, _MOST_BOX_DEPTH))
     starts, stops = (np.searchsorted(depth, [where + sign * reach for reach in reaches]) for sign in (-1.0, 1.0))
     for i in range(some):
-        for k, reach in enumerate(reaches):  # mostly the first is enough
+        for k, reach in enumerate(reaches):  # the first is enough in most cases
             band = slice(starts[k, i], stops[k, i])
             along = np.abs(depth[band] - where[i])
             turn = np.abs(toolface[band] - angle[i])
@@ -122,7 +124,7 @@ def estimate_left_out(
     rows
         (m,) rows of ``samples``.
     settings
-        What the wall is built with.
+        Settings of the wall.
     box
         (m,) metres and (m,) degrees: samples within this distance above or below the row and within this angle beside
         it are left out, too. None: only those at the position of the row.
@@ -144,7 +146,7 @@ def estimate_left_out(
 def find_kriging_range(samples: Columns, settings: Settings) -> float:
     """Return four times the median distance from a sample to the 16th nearest other, in the metric of the settings.
 
-    Half a turn of a hole of bit size where samples are too few, or all at one position, to have such a distance.
+    If there are too few samples, or all lie at one position, return half the circumference at bit size.
     """
     rows = np.unique(np.linspace(0, samples[0].size - 1, min(1000, samples[0].size)).astype(np.int64))
     simple = replace(settings, estimator="inverse-distance", neighbors=16, max_distance=None, max_iterations=2)

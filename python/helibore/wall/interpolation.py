@@ -1,8 +1,9 @@
-"""Scattered attributes: values measured with the samples, interpolated on the wall by the weights of its radius.
+"""Interpolate values that were measured with the samples, with the weights of the wall's radius.
 
     gamma on the wall:   sum(w v) / sum(w)   over the neighbours of each vertex that have a value
 
-The same neighbours and weights as the radius (Energies 2021, 14, 291); images of sectors are `SectorImage`'s.
+Neighbours and weights are those of the radius (Energies 2021, 14, 291). Images of sectors are not interpolated here:
+see `SectorImage`.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from helibore.samples.caliper import Caliper
 
 
 def canonical_order(caliper: Caliper) -> Integers:
-    """Return the rows of ``caliper``, (m,), in the order of `Wall.samples`: the first of equal timed rows only."""
+    """Return the rows of ``caliper``, (m,), in the order of `Wall.samples`; of equal timed rows the first."""
     if caliper.time is None:
         return np.argsort(caliper.depth, kind="stable")
     columns = (caliper.depth, caliper.time, wrapped(caliper.toolface), caliper.radius)
@@ -30,7 +31,7 @@ def canonical_order(caliper: Caliper) -> Integers:
 
 
 def in_canonical_order(samples: Caliper, values: npt.ArrayLike, caliper: Caliper | None) -> Floats:
-    """Return ``values``, one a row of ``caliper`` (None: of ``samples``), as one a row of a wall's ``samples``."""
+    """Reorder ``values``, one per row of ``caliper`` (None: of ``samples``), to one per row of a wall's ``samples``."""
     if caliper is None:
         return column("values", values, len(samples), "the wall")
     array = column("values", values, len(caliper), "caliper")
@@ -41,7 +42,7 @@ def in_canonical_order(samples: Caliper, values: npt.ArrayLike, caliper: Caliper
 
 
 def on_quads(values: Floats, sectors: int) -> Floats:
-    """Return the mean of the four corners of each quad (k, k+1, k+1+K, k+K), (q,); NaN where a corner has none."""
+    """Return the mean of the four corners of each quad (k, k+1, k+1+K, k+K), (q,); NaN if a corner is NaN."""
     count = max(values.size - sectors - 1, 0)
     corners = [values[first : first + count] for first in (0, 1, sectors + 1, sectors)]
     mean: Floats = (corners[0] + corners[1] + corners[2] + corners[3]) / 4

@@ -1,7 +1,8 @@
-"""`hb.load`: an archive becomes a wall again, by appending its samples in canonical order in one go.
+"""`hb.load`: reopen an archive, by appending its samples in canonical order to an empty wall.
 
-By the law of splits the reopened wall goes on with the bits of one never saved. The stored vertices prove that this
-helibore still makes the same of the same samples.
+How samples are split into appends does not change a wall. So the reopened wall and all further appends have the same
+bits as if it had never been saved. The stored vertices show whether this version of helibore still computes the same
+values.
 """
 
 from __future__ import annotations
@@ -33,24 +34,25 @@ def load(filename: str | os.PathLike[str], threads: int | None = None, recompute
     Parameters
     ----------
     filename
-        An archive, whatever its name.
+        An archive; its name may have any ending.
     threads
         As in `Wall`.
     recompute
-        Take the values that this helibore makes of the samples, even where another version made others.
+        Accept the values that this version of helibore computes from the samples, even if they differ from the saved
+        ones.
 
     Returns
     -------
     Wall
         With the settings, basis, samples, vertices, ``path``, ``images``, ``attributes`` and ``made_from`` of the saved
-        one, and the ``picks`` of FILENAME.picks.csv, if it is there. Further appends give the bits they would have
-        given to that.
+        one, and the ``picks`` of FILENAME.picks.csv, if it is there. Further appends give the same bits as on the saved
+        wall.
 
     Raises
     ------
     InputError
-        Naming the file and the reason: foreign, truncated, damaged, or of a newer version; and if this version makes
-        other values of the samples than the one that saved them.
+        If the file is not an archive, is truncated, damaged or of a newer version, or if this version computes other
+        values than the saved ones. The error names the file and the reason.
     OSError
         If the file cannot be read.
     """
@@ -95,7 +97,7 @@ def _wall(members: Members, threads: int | None, recompute: bool) -> Wall:
 
 
 def _require_same(wall: Wall, saved: Arrays, contents: dict[str, Any]) -> None:
-    """Refuse, unless the samples still make the vertices that were saved."""
+    """Raise an InputError if the vertices computed from the samples differ from those saved."""
     versions = f"helibore {contents['helibore']}, and this helibore {_core.__version__}"
     advice = "hb.load(..., recompute=True) takes what this version makes"
     for name, before in saved.items():

@@ -1,4 +1,4 @@
-"""What a wall says at any point of it: radius, distance to the nearest sample, samples used, angular gap."""
+"""Values at any point of a wall: radius, distance to the nearest sample, samples used, angular gap."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from helibore.samples.helix import WallLike, helix_of
 
 
 class PointValues(NamedTuple):
-    """Values at points, (m,) each: the radius in metres as `evaluate`, NaN where no vertex around the point has one.
+    """Values at points, (m,) each: radius in metres as from `evaluate`, NaN if no vertex around the point has one.
 
-    The others are those of the vertex nearest to the point, as in `Wall`: metres, samples, degrees; NaN, 0 and 360
-    beyond the wall.
+    ``nearest`` (metres), ``support`` (number of samples) and the angular gap (degrees) are those of the nearest vertex,
+    as in `Wall`; beyond the wall they are NaN, 0 and 360.
     """
 
     radius: Floats
@@ -25,7 +25,7 @@ class PointValues(NamedTuple):
 
 
 def values_at(wall: Any, depth: npt.ArrayLike, toolface: npt.ArrayLike) -> PointValues:
-    """Return what a wall says at points: `Wall.at`."""
+    """Return the values of a wall at points: `Wall.at`."""
     where, angle = (column(name, np.ravel(of)) for name, of in (("depth", depth), ("toolface", toolface)))
     radius = evaluate(wall, where, angle)
     helix, count = helix_of(wall), wall.radius.size
@@ -46,7 +46,7 @@ def evaluate(wall: WallLike, depth: npt.ArrayLike, toolface: npt.ArrayLike) -> F
 
     With s = toolface in sectors, s in [0, K), the vertices of one toolface lie at depths start + (s + m K) pitch / K,
     so the turn of a point is m = (depth - start) / pitch - s / K. Vertices without support, or beyond the ends of the
-    helix, have no weight; the others share it. NaN where no vertex of the cell has a radius.
+    helix, have weight 0; the weights of the others are normalised. NaN if no vertex of the cell has a radius.
     """
     where = finite_column("depth", depth)
     angle = finite_column("toolface", toolface, where.size, "depth")

@@ -1,4 +1,4 @@
-"""A wall at one moment: what archives hold, and what meshes and logs are made of while the wall itself grows on."""
+"""A frozen copy of a wall: archives hold it, and meshes and logs are made from it while the wall itself grows."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ from helibore.trajectory.survey import Path
 
 @dataclass(frozen=True, eq=False)
 class WallState:
-    """Owned arrays of one moment, named as in `Wall`; ``sample_columns`` are depth, toolface, radius and any time.
+    """Copies of a wall's arrays, named as in `Wall`; ``sample_columns`` are depth, toolface, radius and time, if any.
 
-    ``sums``: of each vertex, what its uncertainty is computed from, with `Settings.sigma` only; else ().
+    ``sums``: for each vertex, the sums from which its uncertainty is computed; () without `Settings.sigma`.
     """
 
     settings: Settings
@@ -60,5 +60,5 @@ class WallState:
 
     @property
     def quads(self) -> int:
-        """Quads that the vertices have room for."""
+        """Number of quads between the vertices, including those with a missing corner."""
         return quad_room(self.radius.size, self.settings.sectors)

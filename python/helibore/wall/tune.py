@@ -1,4 +1,4 @@
-"""`hb.tune`: which estimator and which settings rebuild a hole best, by leaving samples out.
+"""`hb.tune`: find the estimator and the settings that rebuild a hole best, by leaving samples out.
 
 Each candidate estimates some samples from the others, twice:
 
@@ -6,10 +6,10 @@ Each candidate estimates some samples from the others, twice:
     box     all samples in a box around it are left out, as large as the empty box around a random vertex of the wall
             (angle to the nearest sample within half a pitch; depth to the nearest within half a sector): what gaps do
 
-Where a tool leaves most of each turn unmeasured, the likelihood of the samples says first whether the shape of the hole
-goes on along it (`helibore.wall.continuation`): no sample that can be left out lies between the arms.
+If a tool leaves most of each turn unmeasured, no sample lies between its arms that could be left out. In this case the
+likelihood of the samples first decides whether the shape of the hole continues along it (`helibore.wall.continuation`).
 
-Leaving out single samples alone would choose wrongly where samples are clustered, because the vertices lie elsewhere.
+Leaving out single samples only would give wrong choices where samples are clustered, because vertices lie elsewhere.
 """
 
 from __future__ import annotations
@@ -57,15 +57,15 @@ _ROUNDING = 1e-9  # metres
 class Candidate:
     """Settings that were tried, and the errors they make."""
 
-    settings: Settings  # what a wall would be built with
+    settings: Settings  # settings of the wall
     alone: float  # root mean square error of the samples left out alone, metres; their noise is included
-    box: float  # the same of the samples left out with their boxes
+    box: float  # root mean square error of the samples left out with their boxes, metres
     gain_alone: float = 0.0  # how much less than the mean square error of the first candidate, in standard errors
     gain_box: float = 0.0
 
     @property
     def name(self) -> str:
-        """The settings in which candidates differ."""
+        """The settings in which candidates differ, as text."""
         scale = f"angular_scale {self.settings.angular_scale:g}"
         if self.settings.estimator == "kriging":
             return f"kriging, {scale}, nugget {self.settings.nugget:g}"
@@ -81,14 +81,15 @@ class Tuning:
     settings
         The best settings: ``hb.reconstruct(caliper, **vars(tuning.settings))``.
     best
-        Their candidate.
+        The candidate with these settings.
     candidates
         All candidates; the first has the settings without tuning.
     targets
         Number of samples that were left out.
     continuation
-        Of a tool that leaves most of each turn unmeasured: by how much it is likelier that the shape of the hole goes
-        on along it than that it does not, nats a block (`helibore.wall.continuation`); NaN of other tools.
+        For a tool that leaves most of each turn unmeasured: the logarithm of how much likelier it is that the shape of
+        the hole continues along it than that it does not, nats a block (`helibore.wall.continuation`). NaN for other
+        tools.
     """
 
     best: Candidate
@@ -103,13 +104,13 @@ class Tuning:
 
     @property
     def gain(self) -> float:
-        """Share by which the error of the boxes falls, 0 to 1."""
+        """Fraction, 0 to 1, by which the best candidate reduces the error of the boxes."""
         before = self.candidates[0].box
         return 1.0 - self.best.box / before if before > 0 else 0.0
 
     @property
     def table(self) -> list[dict[str, Any]]:
-        """One row a candidate: its name, errors (m), gains and whether it was chosen."""
+        """One row per candidate: its name, errors (m), gains and whether it was chosen."""
         rows = [{"candidate": each.name} | asdict(each) | {"chosen": each is self.best} for each in self.candidates]
         return [{name: value for name, value in row.items() if name != "settings"} for row in rows]
 
@@ -178,8 +179,8 @@ def tune(
     caliper
         The samples of the hole.
     bit_diameter, **fixed
-        As in `Settings`: what all candidates share. Of ``estimator``, ``angular_scale`` and ``nugget`` those are tried
-        that are not given.
+        As in `Settings`: settings that all candidates share. `tune` tries values of ``estimator``, ``angular_scale``
+        and ``nugget`` if they are not given.
     targets
         Number of samples to leave out.
     threads
@@ -190,8 +191,9 @@ def tune(
     Returns
     -------
     Tuning
-        The candidate with the least error in gaps, among those that are better than the settings without tuning by more
-        than two standard errors both alone and in gaps; these settings themselves, if there is none.
+        The chosen candidate has the least error in gaps, among those that are better than the settings without tuning
+        by more than two standard errors, both alone and in gaps. If there is none, the settings without tuning are
+        chosen.
 
     Raises
     ------
@@ -200,7 +202,7 @@ def tune(
     """
     refuse_table(caliper, "caliper")
     settings = Settings(bit_diameter=bit_diameter, **fixed)
-    Wall(**vars(settings) | {"kriging_range": settings.kriging_range or 1.0})  # the core checks them
+    Wall(**vars(settings) | {"kriging_range": settings.kriging_range or 1.0})  # the core checks the settings
     return _tuning(in_depth_order(caliper), settings, fixed, targets, thread_count(threads), seed, boxes=targets)
 
 
@@ -239,14 +241,14 @@ def _tuning(
         for each, of_kind in zip(kinds, errors, strict=True):
             of_kind.append(estimate_left_out(samples, rows, along, each, threads).radius - radius[rows])
     candidates = _compared(tried, errors, depth[rows])
-    if along:  # leaving samples out says nothing of what lies between arms
+    if along:  # leaving samples out does not test the wall between arms
         return Tuning(candidates[-1], candidates, rows.size, gain)
     passed = [each for each in candidates if min(each.gain_alone, each.gain_box) > _STANDARD_ERRORS]
     return Tuning(min(passed, key=lambda each: each.box, default=candidates[0]), candidates, rows.size, gain)
 
 
 def _grid(first: Settings, fixed: dict[str, Any]) -> Iterator[tuple[Settings, tuple[float, ...]]]:
-    """The candidates: settings, and the nuggets to try with them; none where the estimator is inverse distance."""
+    """Yield the candidates: settings, and the nuggets to try with them; no nuggets for inverse distance."""
     kriging = fixed.get("estimator", "kriging") == "kriging"
     chosen: dict[str, Any] = {"estimator": "kriging"} if kriging else {}
     if kriging and "neighbors" not in fixed:
@@ -259,8 +261,8 @@ def _grid(first: Settings, fixed: dict[str, Any]) -> Iterator[tuple[Settings, tu
 def _compared(tried: list[Settings], errors: list[list[Floats]], depth: Floats) -> tuple[Candidate, ...]:
     """Compare each candidate with the first, sample by sample.
 
-    Errors close together are alike: those of one metre of the hole (a fortieth of it, in a short one) count as one in
-    the standard error.
+    Neighbouring errors are correlated. So the standard error counts those of one metre of hole as one (in a short hole,
+    those of a fortieth of its length).
     """
     measures = []
     for of_kind in errors:

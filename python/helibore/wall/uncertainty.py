@@ -1,20 +1,20 @@
-"""How sure a wall is: `Wall.sigma`, calibrated by leaving samples out.
+"""The uncertainty of a wall: `Wall.sigma`, calibrated by leaving samples out.
 
     sigma^2 = (q / 1.96)^2 (tau^2 W + c S^a D^b)
 
-    W   sum of the squared weights: how much of the noise tau is left
+    W   sum of the squared weights: the part of the noise tau^2 that is left
     S   mean square of the radii used about the estimate: how much the wall changes there
-    D   mean square of the distances to them, those around the hole stretched: what lies between them
+    D   mean square of the distances to these samples, with distances around the hole multiplied by the stretch
 
-Samples are left out with boxes as empty as those around vertices (`choose_left_out`). tau, c, a, b and the stretch have
-the greatest likelihood of their errors, by Student's t with 5 degrees of freedom; an error has the variance of the
-estimate plus the noise tau^2 of the sample itself. q is the 95 % quantile of the errors in these units. So the true
-radius lies within 1.96 sigma of the wall with 95 % probability where the wall is like the places that were left out.
-Where it is not, sigma is NaN: farther from the samples used than 98 % of the left-out ones, and in gaps of the turn
+Samples are left out with boxes as empty as those around vertices (`choose_left_out`). tau, c, a, b and the stretch
+maximise the likelihood of the errors, by Student's t with 5 degrees of freedom. The variance of an error is that of the
+estimate plus the noise tau^2 of the sample itself. q is the 95 % quantile of the errors divided by their standard
+deviations. So the true radius lies within 1.96 sigma of the wall with 95 % probability, at places that are like those
+left out. Elsewhere sigma is NaN: farther from the samples used than 98 % of the left-out ones, and in gaps of the turn
 (`Wall.angular_gap` above `Settings.largest_gap`).
 
-Where a tool leaves more than half of the turns unmeasured (few arms, telemetry), samples are too far apart to tell
-noise from shape: tau^2 (1 + W) takes the place of tau^2 W.
+If a tool leaves more than half of the turns unmeasured (few arms, telemetry), samples are too far apart to separate
+noise from shape. Then tau^2 (1 + W) replaces tau^2 W.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ NORMAL_95 = 1.959964
 _FREEDOM = 5.0
 _MEDIAN_SQUARE = 0.455
 """Of a normal deviate with variance 1."""
-_ENOUGH = 0.1  # of the logarithm of the likelihood: what changes it by less is as likely
+_ENOUGH = 0.1  # a smaller difference of the log-likelihood does not count
 _SMALLEST = 1e-18  # square metres; smaller ones are rounding
 _STRETCHES = (1.0, 16.0, 256.0)
 _POWERS = ((0.5, 1.0), (1.0, 1.0))
@@ -46,7 +46,7 @@ _POWERS = ((0.5, 1.0), (1.0, 1.0))
 
 @dataclass(frozen=True)
 class Calibration:
-    """What the uncertainty of a wall is computed with; symbols as above."""
+    """The parameters of the uncertainty of a wall; symbols as above."""
 
     noise: float  # tau, metres
     between: float  # c
@@ -54,7 +54,7 @@ class Calibration:
     distance_power: float  # b
     stretch: float
     quantile: float  # q
-    reach: float  # metres: 98 % of the left-out samples are at most so far from the samples used, in the rms
+    reach: float  # metres: the 98 % quantile of the rms distance from a left-out sample to the samples used
 
     def sigma(self, sums: tuple[Floats, ...]) -> Floats:
         """Return the standard uncertainty of estimates, metres; NaN beyond ``reach``.
@@ -84,7 +84,7 @@ def calibrate(samples: Columns, settings: Settings, threads: int = 1) -> Calibra
         [np.maximum(along + of * across, _SMALLEST) for of in _STRETCHES],
     )
     fits: list[_Fit] = []
-    for distance in distances:  # the next begins where the last ended
+    for distance in distances:  # each fit starts from the result of the previous one
         fits.append(_fit(squares, weights, np.log([scatter, distance]), fits[-1] if fits else None))
     best = int(np.argmax([fit.likelihood for fit in fits]))
     fit, changes = fits[best], np.log([scatter, distances[best]])
@@ -104,9 +104,9 @@ class _Fit(NamedTuple):
 
 
 def _fit(squares: Floats, weights: Floats, changes: Floats, near: _Fit | None = None) -> _Fit:
-    """Find the likeliest tau^2, c and powers for squared errors by Student's t: Fisher scoring, damped, in logarithms.
+    """Find the likeliest tau^2, c and powers for squared errors by Student's t: damped Fisher scoring of logarithms.
 
-    ``changes``: (2, n) logarithms of S and D. Begins ``near`` a fit, or at three shares of tau^2.
+    ``changes``: (2, n) logarithms of S and D. The search starts from the fit ``near``, or from three shares of tau^2.
     """
     usual, middle = np.log(np.median(squares) / _MEDIAN_SQUARE), changes.mean(axis=1, keepdims=True)
     terms = np.vstack([np.ones((1, squares.size)), changes - middle])
@@ -147,7 +147,7 @@ def _fit(squares: Floats, weights: Floats, changes: Floats, near: _Fit | None = 
 
 
 def wall_sigma(wall: WallState, threads: int) -> Floats:
-    """Return the standard uncertainty at each vertex: `Wall.sigma`; ``wall`` has its ``sums``."""
+    """Return the standard uncertainty at each vertex: `Wall.sigma`. ``wall`` must have its ``sums``."""
     depth, toolface, radius = wall.sample_columns[:3]
     calibration = calibrate((depth, toolface, radius), wall.settings, threads)
     sigma, unmeasured = calibration.sigma(wall.sums), _unmeasured(wall)
@@ -158,10 +158,11 @@ def wall_sigma(wall: WallState, threads: int) -> Floats:
 
 
 def _unmeasured(wall: WallState) -> np.ndarray:
-    """Whether each vertex lies in a gap of the turn above `Settings.largest_gap`.
+    """Return whether each vertex lies in a gap of the turn above `Settings.largest_gap`.
 
-    Mostly none does, and a few samples show it: where in every interval of depth no longer than `Settings.gap_reach`
-    each of the parts of the turn, three to the largest gap, has one, no gap is longer than two of these parts.
+    In most walls none does, and some of the samples are enough to show this. Divide the depths into intervals no longer
+    than `Settings.gap_reach`, and the turn into parts of a third of the largest gap. If each part of each interval has
+    a sample, no gap is longer than two parts.
     """
     depth, toolface = wall.sample_columns[:2]
     ends = whole_helix(wall).depth(np.array([0, wall.radius.size - 1]))

@@ -63,22 +63,22 @@ class Wall:
     instruction_set
         'automatic', or one of 'plain', 'avx2' and 'avx512' to force it (for tests: all give the same bits).
     basis
-        What its samples are, as in `Caliper`; surfaces, files and pictures of the wall say it.
+        What its samples are, as in `Caliper`; surfaces, files and pictures of the wall state it.
 
     Attributes
     ----------
     path
-        Where the hole goes, a `Path`, or None. Surfaces and volumes follow it unless they are given another, or None.
+        The `Path` of the hole, or None. Surfaces and volumes follow it unless they are given another path, or None.
     images
         `SectorImage` by name. Every surface has them as attributes, turned into the reference of the wall's path.
     attributes
         `WallAttributes`: other values, one for each quad of the wall. Every surface has them, too.
     made_from
-        What else is known of where the wall comes from (files, runs, shifts), as JSON has it: texts, numbers, lists,
-        dicts. Archives and meshes carry it. Reports and logs of an archive read only ``"preparation"``: the lines on
-        what was left out and corrected of readings.
+        Further facts on the origin of the wall (files, runs, shifts), as JSON values: texts, numbers, lists, dicts.
+        Archives and meshes carry them. Reports and logs of an archive read only ``"preparation"``: the messages on
+        readings that were left out or corrected.
     picks
-        `Picks`: beds, fractures and breakouts that were picked on the wall.
+        `Picks`: beds, fractures, faults and breakouts that were picked on the wall.
 
     Raises
     ------
@@ -87,9 +87,9 @@ class Wall:
 
     Notes
     -----
-    A wall has vertices from its first sample on. It may be used from several threads: each call sees it before or after
-    another, never between. Every array it returns is an owned copy. A wall can be copied and pickled: the copy has the
-    same bits, now and after further appends.
+    A wall has vertices as soon as it has a sample. It may be used from several threads: calls take effect one after
+    another. Every array it returns is a copy. A wall can be copied and pickled: the copy has the same bits, now and
+    after further appends.
     """
 
     def __init__(
@@ -108,11 +108,11 @@ class Wall:
             raise InputError("kriging_range", "must be given where samples arrive later; reconstruct() finds it")
         self._threads = thread_count(threads)
         self._core = _core.Wall(vars(self._settings), self._threads, instruction_set)
-        self._growing = threading.Lock()  # between an append and what must see all columns of one moment
+        self._growing = threading.Lock()  # held by an append, and while all columns are read together
         self._arms: list[Caliper] = []
         self._path: Path | None = None
         self.images: dict[str, SectorImage] = SectorImages()
-        # Of the core, not of self: a wall that refers to itself would keep its memory until the garbage collector runs.
+        # A method of the core, not of self: a reference cycle would keep the memory until the garbage collector runs.
         core, sectors = self._core, self._settings.sectors
         self.attributes = WallAttributes(lambda: (core.start_depth, quad_room(len(core), sectors)))
         self.made_from: dict[str, Any] = {}
@@ -120,7 +120,7 @@ class Wall:
 
     @property
     def settings(self) -> Settings:
-        """What the wall is built with."""
+        """The settings of the wall."""
         return self._settings
 
     @property
@@ -130,7 +130,7 @@ class Wall:
 
     @property
     def basis_text(self) -> str:
-        """The basis in words, which name the arms of a caliper if samples were appended with theirs."""
+        """The basis in words; they mention the arms of the caliper if samples were appended with their arm numbers."""
         return basis_text(self._basis, bool(self._arms))
 
     def append(
@@ -142,7 +142,7 @@ class Wall:
         *,
         arm: npt.ArrayLike | None = None,
     ) -> Change:
-        """Take samples from anywhere in the hole and recompute the vertices they can change.
+        """Add samples from anywhere in the hole and recompute the vertices that they can change.
 
         Parameters
         ----------
@@ -152,12 +152,12 @@ class Wall:
         Returns
         -------
         Change
-            What is new or different.
+            The vertices that are new or have other values.
 
         Raises
         ------
         InputError
-            As `Caliper`. The wall is then as it was, to the last bit.
+            As `Caliper`. The wall then keeps its state, bit for bit.
         """
         columns = sample_columns(depth, toolface, radius, time)
         own: list[Any] = [] if arm is None else [None if of is None else of.copy() for of in columns]
@@ -172,7 +172,7 @@ class Wall:
 
     @property
     def sample_count(self) -> int:
-        """Samples kept."""
+        """Number of samples kept."""
         return self._core.sample_count
 
     @property
@@ -182,7 +182,7 @@ class Wall:
 
     @property
     def start_depth(self) -> float:
-        """Depth of the first vertex, metres; NaN while there is none."""
+        """Depth of the first vertex, metres; NaN if the wall has no vertices yet."""
         return self._core.start_depth
 
     @property
@@ -197,17 +197,17 @@ class Wall:
 
     @property
     def threads(self) -> int:
-        """How many threads its work is shared out to."""
+        """Number of threads that compute the wall."""
         return self._threads
 
     @property
     def radius(self) -> Floats:
-        """(n,) float64 radius at each vertex, metres; NaN where no sample is in reach; a copy."""
+        """(n,) float64 radius at each vertex, metres; NaN if no sample is within ``max_distance``; a copy."""
         return self._core.radius()
 
     @property
     def nearest(self) -> Floats:
-        """(n,) float64 distance from each vertex to the nearest sample used, metres; NaN where none is; a copy."""
+        """(n,) float64 distance from each vertex to the nearest sample used, metres; NaN if none was used; a copy."""
         return self._core.nearest()
 
     @property
@@ -222,21 +222,21 @@ class Wall:
 
     @property
     def provisional(self) -> npt.NDArray[np.bool_]:
-        """(n,) bool: is the radius that of a sample, until the vertex is settled? Only with ``direct``; a copy."""
+        """(n,) bool: whether the radius is that of one sample until the vertex is settled (``direct`` only); a copy."""
         return self._core.provisional()
 
     @property
     def sigma(self) -> Floats:
-        """(n,) float64 standard uncertainty of each radius, metres, computed when asked for: `wall_sigma`.
+        """(n,) float64 standard uncertainty of each radius, metres, computed at each access: `wall_sigma`.
 
-        With 95 % probability the true radius is within 1.96 sigma. NaN where the hole is not sampled: farther from
-        samples than calibration can say, or in a gap of the turn larger than `Settings.largest_gap`. InputError if
-        there are fewer than 100 samples.
+        With 95 % probability the true radius is within 1.96 sigma. NaN if the vertex is farther from samples than the
+        calibration covers, or in a gap of the turn larger than `Settings.largest_gap`. Raises InputError if there are
+        fewer than 100 samples.
         """
         return wall_sigma(self._with_sums(self._state()), self._threads)
 
     def _with_sums(self, state: WallState) -> WallState:
-        """The sums that sigma needs: kept by the wall, or those of a wall that is made again to keep them."""
+        """Return the state with the sums that sigma needs; if it lacks them, compute the wall again."""
         if state.sums or not state.radius.size:
             return state
         settings = vars(self._settings) | {"sigma": True, "direct": False}
@@ -248,15 +248,16 @@ class Wall:
     def angular_gap(self) -> Floats:
         """(n,) float64 degrees around the hole between the nearest samples on the two sides of each vertex.
 
-        Samples within `Settings.gap_reach` metres of its depth count. 0 at a sample's toolface; 360 where there is no
-        sample, or only one elsewhere. A small gap means that the tool measured this part of the turn. Between few arms
-        the gap is large: the wall there is interpolated, even if samples of the arms are near.
+        Samples within `Settings.gap_reach` metres of its depth count. The gap is 0 at a sample's toolface; it is 360 if
+        there is no sample, or only one at another toolface. A small gap means that the tool measured this part of the
+        turn. Between the arms of a tool with few arms the gap is large: the wall there is interpolated, even if samples
+        of the arms are near.
         """
         return self._state().angular_gap
 
     @property
     def arms(self) -> Caliper | None:
-        """The samples that were appended with the number of their arm, in that order; None where none were."""
+        """The samples that were appended with an arm number, in the order of appending; None if there are none."""
         if len(self._arms) < 2:
             return self._arms[0] if self._arms else None
         names = ("depth", "toolface", "radius", "time", "arm")
@@ -269,7 +270,7 @@ class Wall:
             self._arms.append(arms)
 
     def at(self, depth: npt.ArrayLike, toolface: npt.ArrayLike) -> PointValues:
-        """Return radius, nearest, support and gap at points of the wall: `helibore.wall.points.values_at`.
+        """Return radius, nearest, support and angular gap at points: `helibore.wall.points.values_at`.
 
         Parameters
         ----------
@@ -285,18 +286,18 @@ class Wall:
         return values_at(self._state(), depth, toolface)
 
     def vertices(self, start: int | None = None, stop: int | None = None) -> VertexColumns:
-        """Return the vertices [start, stop), as those of a `Change`: what a viewer or a host's store copies after it.
+        """Return the values of the vertices [start, stop), for example of a range of a `Change`.
 
         Parameters
         ----------
         start, stop
-            Numbers of vertices on the helix, 0 <= start <= stop <= len(wall); those of a stretch count from
+            Numbers of vertices, 0 <= start <= stop <= len(wall). If the wall is a part of a helix, they count from
             `Settings.first_vertex`, as in `Change`. None: the ends of the wall.
 
         Returns
         -------
         VertexColumns
-            Arrays of stop - start values; copies, all of one moment.
+            Arrays of stop - start values: copies, all taken between the same two appends.
 
         Raises
         ------
@@ -308,10 +309,11 @@ class Wall:
         return VertexColumns(*self._core.vertices(*ends))
 
     def reach(self, start: int, stop: int) -> tuple[float, float]:
-        """Return the depths between which samples decide the values of the vertices [start, stop).
+        """Return the depths, metres, between which samples decide the values of the vertices [start, stop).
 
-        A wall of all samples between them has the same bits there, whatever samples lie beyond. Infinite where a vertex
-        has too few samples and no `Settings.max_distance`. InputError as `vertices`.
+        A wall of all samples between these depths has the same bits at these vertices; samples beyond do not matter. A
+        depth is infinite if a vertex has too few samples and `Settings.max_distance` is None. Raises InputError as
+        `vertices`.
 
         Examples
         --------
@@ -329,21 +331,21 @@ class Wall:
     def interpolate_samples(
         self, values: npt.ArrayLike, caliper: Caliper | None = None, *, on: str = "quads"
     ) -> Floats:
-        """Interpolate values that were measured with the samples, by the neighbours and weights of the radius.
+        """Interpolate values that were measured with the samples, with the neighbours and weights of the radius.
 
         Parameters
         ----------
         values
-            (m,) one a sample; NaN where there is none.
+            (m,) one per sample; NaN where missing.
         caliper
             The samples in the order of ``values``, as they were appended; None: values in the order of `samples`.
         on
-            'quads': the mean of each quad's four corners, ready for `attributes`; 'vertices': one a vertex.
+            'quads': the mean of each quad's four corners, as `attributes` takes them; 'vertices': one per vertex.
 
         Returns
         -------
         array
-            (q,) or (n,) float64; NaN where no neighbour (or, for quads, one corner) has a value.
+            (q,) or (n,) float64; NaN if no neighbour has a value (of a quad: if any of its corners is NaN).
 
         Raises
         ------
@@ -369,18 +371,18 @@ class Wall:
         Parameters
         ----------
         path
-            Where the hole goes; ``"own"``: along the wall's own `path`; None, and a wall without one: straight down
-            from (0, 0, 0), toolface 0 to the north.
+            Path of the hole; ``"own"``: the wall's own `path`. None, or a wall without a path: straight down from (0,
+            0, 0), with toolface 0 to the north.
         start, stop
-            Depths, metres; None: the ends of the wall. The surface holds the quads of the vertices from ``start`` up
-            to, but without, ``stop``, so that surfaces of neighbouring intervals meet without overlap or gap. It
-            reaches one turn beyond ``stop``.
+            Depths, metres; None: the ends of the wall. The surface holds the quads of the vertices with depths in
+            [start, stop), so that surfaces of neighbouring intervals meet without overlap or gap. These quads reach one
+            turn beyond ``stop``.
 
         Raises
         ------
         InputError
-            If the path does not reach a vertex, or its reference is undefined there (``vertex 7 at depth 12: ...``), or
-            the wall has nothing between ``start`` and ``stop``; and as `SectorImage.on` and `WallAttributes`.
+            If the path does not reach a vertex, its reference is undefined there (``vertex 7 at depth 12: ...``), or no
+            vertex lies between ``start`` and ``stop``; and as `SectorImage.on` and `WallAttributes`.
         """
         state = self._state(samples=False)
         surface = surface_of(state, self._resolve_path(path), start, stop, self._threads)
@@ -406,15 +408,15 @@ class Wall:
         path, start, stop
             As for `surface`.
         shells
-            From the wall outwards, one or more, each one of: a thickness in metres; thicknesses, one for every vertex
-            of the wall (NaN: nothing there); or a second wall on the same helix, taken as it is. Thicknesses all count
-            from the wall itself, not from the shell before: ``[0.05, 0.20]`` gives layers of 0.05 and 0.15 m.
+            One or more shells, from the wall outwards. Each is a thickness in metres; or thicknesses, one for every
+            vertex of the wall (NaN: no shell there); or a second wall on the same helix. All thicknesses count from the
+            wall itself, not from the previous shell: ``[0.05, 0.20]`` gives layers of 0.05 and 0.15 m.
 
         Raises
         ------
         InputError
-            As `surface`; naming shell, vertex and depth where a shell does not lie beyond the one before, and where the
-            path bends so sharply that a shell folds over itself; if a second wall has another helix.
+            As `surface`. If a shell does not lie beyond the previous one, or the path bends so sharply that a shell
+            folds over itself: the error names shell, vertex and depth. If a second wall has another helix.
         """
         state = self._state(samples=False)
         return volume_of(state, self._resolve_path(path), shells, start, stop, self._threads)
@@ -428,7 +430,7 @@ class Wall:
         return empty, (), (state.sample_columns, state.arms, *placing)
 
     def __setstate__(self, state: tuple[Any, ...]) -> None:
-        """Restore an empty wall from what an archive or a pickle holds: the samples make the vertices again."""
+        """Restore a wall from an archive or a pickle: compute the vertices again from the samples."""
         samples, arms, self.path, images, attributes, units, self.made_from, picks = state
         if samples:
             self.append(*samples)
@@ -456,30 +458,30 @@ class Wall:
         self._path = checked_path(path)
 
     def save(self, filename: str | os.PathLike[str]) -> None:
-        """Write everything that this wall holds to an archive, whole or not at all; `helibore.load` reopens it.
+        """Write the wall to an archive, whole or not at all; `helibore.load` reopens it.
 
-        Settings, samples, vertices, `path`, `images`, `attributes` and `made_from`. The reopened wall has the same
-        bits, and goes on with the bits that this one would have. `helibore.wall.archive` says what the file holds.
-        `picks`, if there are any, stand beside it in FILENAME.picks.csv, which `helibore.load` reads, too.
+        It holds settings, samples, vertices, `path`, `images`, `attributes` and `made_from`. The reopened wall has the
+        same bits, now and after further appends. `helibore.wall.archive` describes the file. `picks`, if there are any,
+        are written to FILENAME.picks.csv, which `helibore.load` reads, too.
 
         Parameters
         ----------
         filename
-            Ends in .wall; replaced if it is there.
+            Ends in .wall; an existing file is replaced.
 
         Raises
         ------
         InputError
-            On another ending, and on a `made_from` that JSON cannot hold.
+            If the name has another ending, or JSON cannot hold `made_from`.
         OSError
-            If the file cannot be written; the old one is then as it was.
+            If the file cannot be written; an existing file then does not change.
         """
         archive.save(self._state(), filename)
         if self.picks:
             self.picks.save(f"{os.fspath(filename)}{PICKS}", self.path)
 
     def _state(self, samples: bool = True) -> WallState:
-        """Return all arrays of one moment, without the samples if they are not needed."""
+        """Return a frozen copy of the wall; ``samples``: with the samples."""
         core = self._core
         with self._growing:
             vertices = (core.radius(), core.nearest(), core.support(), core.iterations())
@@ -494,9 +496,9 @@ class Wall:
     def logs(self, rugosity_window: float = 1.0, threads: int | None = None, *, sigma: bool = False) -> Logs:
         """Measure every full turn: `helibore.logs.turn_logs.turn_logs` with this wall and its bit diameter.
 
-        ``rugosity_window``: metres of hole over which rugosity is taken, rounded to an odd number of turns: 1 m at a
-        pitch of 0.1 m is 9 turns. ``threads``: None: as many as the wall has. ``sigma``: with the uncertainty of
-        diameters and volumes.
+        ``rugosity_window``: metres of hole over which rugosity is computed, rounded to an odd number of turns: 1 m at a
+        pitch of 0.1 m is 9 turns. ``threads``: None: as many as the wall uses. ``sigma``: whether to add the
+        uncertainty of diameters and volumes.
         """
         from helibore.logs.turn_logs import turn_logs
 
@@ -509,7 +511,7 @@ class Wall:
     def zones(self, criteria: Criteria | None = None) -> Classification:
         """Find washouts, breakouts, key seats and undergauge hole: `helibore.logs.zones.classify` with this wall.
 
-        ``criteria`` holds the limits in metres; None: the limits that are usual in the industry.
+        ``criteria`` holds the limits in metres; None: the usual limits of the industry.
         """
         from helibore.logs.zones import classify
 
