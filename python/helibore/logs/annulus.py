@@ -1,12 +1,13 @@
-"""The annulus between the hole and a casing: what cement has to fill, and whether the casing passes.
+"""The annulus between the hole and a casing: the volume that cement has to fill, and whether the casing passes.
 
     area = pi/4 (equivalent diameter^2 - outer diameter^2)        volume = area x height, turn by turn
 
     space = wall.logs().annulus(casing=0.2445)                9 5/8 in casing in a measured hole
     space.total, space.unmeasured, space.cement(top=2000, excess=0.1)
 
-Volumes add up from the deepest row upwards, as cement rises. A row without a measured area adds nothing and is counted
-as unmeasured, never filled with gauge; nor does one whose area is less than the casing's, which is counted as narrower.
+Volumes are summed from the deepest row upwards, as cement rises. A row without a measured area adds no volume; its
+height counts as unmeasured, and bit size is never assumed for it. A row whose area is less than the casing's adds no
+volume either; its height counts as narrower.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from helibore.base.units import size_text
 
 @dataclass(frozen=True, eq=False)
 class Annulus:
-    """Columns of one row a turn or a step, each (rows,) float64, owned; made by `Logs.annulus`.
+    """Columns with one row per turn or step, each (rows,) float64, owned; made by `Logs.annulus`.
 
     Attributes
     ----------
@@ -34,15 +35,16 @@ class Annulus:
         Between the hole and the casing in this row, cubic metres; NaN where the hole's area is missing or less than
         the casing's.
     from_bottom
-        Volume from the deepest row up to and with this one, cubic metres, of the rows that have one.
+        Sum of ``volume`` from the deepest row up to this one, included, cubic metres; rows without a volume count as 0.
     clearance
-        Largest inscribed circle less the casing, metres; negative where it does not pass; NaN where missing.
+        Diameter of the largest inscribed circle less that of the casing, metres; negative if the casing does not pass;
+        NaN where missing.
     hole
         Diameter of the circle with the hole's area, metres.
     casing
         Outer diameter of the casing, metres.
     height
-        Metres of hole in a row.
+        Height of a row, metres.
     """
 
     depth: Floats
@@ -55,7 +57,7 @@ class Annulus:
 
     @property
     def total(self) -> float:
-        """Volume of all rows that have one, cubic metres."""
+        """Sum of the volumes that are not missing, cubic metres."""
         return float(np.nansum(self.volume))
 
     @property
@@ -65,7 +67,7 @@ class Annulus:
 
     @property
     def narrower(self) -> float:
-        """Metres of hole with less area than the casing, which does not pass: `total` leaves them out, too."""
+        """Metres of hole with less area than the casing, where it does not pass: `total` leaves them out, too."""
         return float((self.hole < self.casing).sum() * self.height)
 
     def cement(self, top: float | None = None, bottom: float | None = None, excess: float = 0.0) -> float:
@@ -74,15 +76,16 @@ class Annulus:
         Parameters
         ----------
         top, bottom
-            Depths, metres; None: the ends of the logs. Rows count whose depth lies in [top, bottom].
+            Depths, metres; None: the ends of the logs. A row counts if its depth lies in [top, bottom].
         excess
-            To pump on top, as a fraction: 0.1 is ten percent.
+            Excess to pump, as a fraction: 0.1 is ten percent.
 
         Raises
         ------
         InputError
-            ``cement: 12.4 m between 2000 and 2100 m have a missing radius or are narrower ...``, since any number
-            would be a guess; if no row lies in the interval; on a negative excess.
+            If a row of the interval has no volume (``cement: 12.4 m between 2000 and 2100 m have a missing radius or
+            are narrower ...``), since any number would be a guess; if no row lies in the interval; on a negative
+            excess.
         """
         if not (math.isfinite(excess) and excess >= 0):
             raise InputError("excess", "must be finite and not negative", str(excess))

@@ -1,10 +1,11 @@
-"""The diameters that the arms of a tool measured: what a tool with few arms knows about the shape of the hole.
+"""The diameters that the arms of a tool measured: they give the shape of the hole if a tool has few arms.
 
     arm 1     r(toolface) + r(toolface + 180)  at each depth, linear between readings, averaged over each turn
 
-Between few arms the wall is interpolated, and its eight nearest samples mix the arms: an oval hole comes out rounder
-than it is. So where a tool does not see all around, the largest and smallest diameters, ovality and zones are the
-arms' own, and only what needs the whole section (area, volume, centre, circles) comes from the wall.
+Between the arms the wall is interpolated. The eight nearest samples of a vertex come from several arms, so an oval hole
+becomes rounder than it is. If a tool does not measure all around the hole, the largest and smallest diameters, ovality
+and zones therefore come from the arms. Only area, volume, centre and circles, which need the whole section, come from
+the wall.
 """
 
 from __future__ import annotations
@@ -24,14 +25,14 @@ _SAME_AXIS = 1e-3  # degrees
 
 @dataclass(frozen=True, eq=False)
 class ArmDiameters:
-    """What the arms measured in each turn; made by `arm_diameters`.
+    """The diameters that the arms measured in each turn; made by `arm_diameters`.
 
     Attributes
     ----------
     diameter, toolface
-        (arms, turns) metres, and the axis of each, degrees in [0, 180); NaN where no reading is near.
+        (arms, turns) diameters, metres, and their axes, degrees in [0, 180); NaN if no reading is near.
     uneven
-        (arms, turns) how much farther one end is from the tool's axis than the other, metres; 0 for measured diameters.
+        (arms, turns) difference of the two ends' distances from the tool's axis, metres; 0 if diameters were measured.
     """
 
     diameter: Floats
@@ -39,7 +40,7 @@ class ArmDiameters:
     uneven: Floats
 
     def sizes(self) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-        """Return largest diameter, its axis and unevenness, the diameter nearest to right angles, and the smallest."""
+        """Return largest diameter, its axis and unevenness, the diameter most nearly across it, and the smallest."""
         turns = np.arange(self.diameter.shape[1])
         largest = np.argmax(np.nan_to_num(self.diameter, nan=-np.inf), axis=0)
         axis = self.toolface[largest, turns]
@@ -51,21 +52,22 @@ class ArmDiameters:
 
 
 def arm_diameters(arms: Caliper, depth: Floats, height: float, reach: float) -> ArmDiameters | None:
-    """Return the diameters of the arms at turns.
+    """Return the diameters of the arms at each turn.
 
     Parameters
     ----------
     arms
         Samples with their arm numbers.
     depth, height
-        Middles of the turns, and metres of hole in one.
+        Middles of the turns, and height of a turn, metres.
     reach
-        Metres: a turn farther from every reading of an arm has no diameter of it.
+        Metres: a turn gets no diameter of an arm if all readings of that arm are farther away.
 
     Returns
     -------
     ArmDiameters or None
-        None where samples have no opposite ones, or there are fewer than two or more than `FEW_ARMS` diameters.
+        None if no two samples lie opposite each other, or if there are fewer than two or more than `FEW_ARMS`
+        diameters.
     """
     number, at, diameter, axis, uneven = _pairs(arms)
     names = np.unique(number)
@@ -83,9 +85,9 @@ def arm_diameters(arms: Caliper, depth: Floats, height: float, reach: float) -> 
 
 
 def _pairs(arms: Caliper) -> tuple[Integers, Floats, Floats, Floats, Floats]:
-    """Pairs of places half a turn apart at one depth: arm, depth, diameter, axis in [0, 180), difference of radii.
+    """Return pairs of opposite samples at one depth: arm, depth, diameter, axis in [0, 180), difference of radii.
 
-    Samples at one place, as of two calipers with one direction, count as their mean, and their arm as the first.
+    Samples at one place, as from two calipers with one direction, are averaged, and get the least of their arm numbers.
     """
     assert arms.arm is not None
     turn, half = round(360 / _SAME_AXIS), round(180 / _SAME_AXIS)
@@ -103,14 +105,14 @@ def _pairs(arms: Caliper) -> tuple[Integers, Floats, Floats, Floats, Floats]:
     second = first + 1
     axis = toolface[first] % half
     pair = np.minimum(number[first], number[second])
-    if np.unique(axis).size < np.unique(pair).size:  # several arms look along one axis, here and there one alone
+    if np.unique(axis).size < np.unique(pair).size:  # arms share an axis, and in places one is missing
         pair = axis
     off = np.abs(radius[first] - radius[second])
     return pair, depth[first], radius[first] + radius[second], np.multiply(axis, _SAME_AXIS), off
 
 
 def _means(at: Floats, columns: Floats, depth: Floats, height: float, reach: float) -> Floats:
-    """Means of columns, linear between readings, over ``height`` around each depth; (columns, depths)."""
+    """Return means of columns, linear between readings, over ``height`` around each depth; (columns, depths)."""
     known, inverse, count = np.unique(at, return_inverse=True, return_counts=True)
     values = np.stack([np.bincount(inverse, column) / count for column in columns])
     low = np.clip(depth - height / 2, known[0], known[-1])

@@ -1,4 +1,4 @@
-"""Where the lobes of a section lie and how wide they open (``base.axial`` has what images share).
+"""Find the direction and the opening of breakout lobes in a section (``base.axial`` has the part shared with images).
 
 height(toolface) = distance of the wall from the centre of the area, less C2/2
 
@@ -18,13 +18,13 @@ from helibore.logs.turn_logs import Logs
 
 
 def rows(radius: Floats, turns: Integers, sectors: int) -> Floats:
-    """Return the radii of growing turns, (turns, sectors); only what lies between the first and the last is read."""
+    """Return the radii of rising ``turns``, (turns, sectors); radii before the first or after the last are not read."""
     first, last = int(turns[0]), int(turns[-1])
     return radius[first * sectors : (last + 1) * sectors].reshape(-1, sectors)[turns - first]
 
 
 def sections(logs: Logs, turns: Integers, radius: Floats, start: float) -> tuple[Floats, Floats]:
-    """Return height over the circle of C2 and direction from its centre, degrees, both (turns, sectors)."""
+    """Return height over the circle of C2, metres, and direction from its centre, degrees, both (turns, sectors)."""
     toolface = np.radians(start + np.arange(logs.sectors) * (360 / logs.sectors))
     around = rows(radius, turns, logs.sectors)
     x = around * np.cos(toolface) - logs.centre_0[turns, None]
@@ -65,7 +65,7 @@ def lobes_of(
 def lobes_of_arms(
     logs: Logs, turns: Integers, radius: Floats, start: float, both: bool
 ) -> tuple[float, float, tuple[BreakoutLobe, ...]]:
-    """Return the same from the diameters of few arms, which do not show how wide a lobe opens."""
+    """Return the result of `lobes_of` from the diameters of a tool with few arms; openings are NaN."""
     axes = logs.c1_toolface[turns]
     spread = axial_mean(axes)
     half, uneven = (logs.c1 - logs.c2)[turns] / 2, logs.uneven[turns] / 2

@@ -1,6 +1,6 @@
-"""Curves along the hole: gamma ray, rate of penetration, and what `Wall.logs` measures.
+"""Curves along the hole: gamma ray, rate of penetration, and the logs of `Wall.logs`.
 
-The page and the print draw a curve on the same scale: its limits, or round numbers around all of its values.
+The viewer's page and prints draw a curve on the same scale: its limits, or round numbers around its values.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ MOST = (1.0, 99.0)
 
 @dataclass(frozen=True, eq=False)
 class ScalarCurve:
-    """A curve along the hole, such as a gamma ray: depth (m, rising) and values, (n,), NaN where missing.
+    """A curve along the hole, such as a gamma ray: depth (metres, rising) and values, (n,), NaN where missing.
 
-    ``limits``: values at the left and the right edge of its track, the first may be the larger one; None: round numbers
-    around its values.
+    ``limits``: values at the left and the right edge of its track, in either order; None: round numbers around its
+    values.
     """
 
     name: str
@@ -51,9 +51,9 @@ class ScalarCurve:
 
 
 def nice_limits(values: Floats, always: float, least: float) -> tuple[float, float]:
-    """Return round ends of an axis, at least ``least`` long, for nearly all values and for ``always``, off its edge.
+    """Return round ends of an axis that holds nearly all values, and ``always`` inside it; at least ``least`` long.
 
-    The outermost 0.2 % of the values at each end may lie beyond the axis; NaN do not count.
+    At each end 0.2 % of the values may lie beyond the axis; NaN are ignored.
     """
     there = values[np.isfinite(values)]
     low, high = (always, always) if not there.size else np.percentile(there, NEARLY_ALL).tolist()
@@ -71,7 +71,7 @@ def nice_limits(values: Floats, always: float, least: float) -> tuple[float, flo
 
 
 def curves_of(logs: Logs) -> list[ScalarCurve]:
-    """Return the curves of the logs of a wall that have a value, by their mnemonics, shallow end first."""
+    """Return the logs of a wall that have a value as curves, named by mnemonic, from the shallow end down."""
     depth, *columns = logs.table()
     order = np.argsort(depth.values, kind="stable")
     rising = depth.values[order]

@@ -23,10 +23,10 @@ NUMBERED = ("ARM_DIAMETER_", "AVOL_", "ASUM_", "CLEAR_")
 
 
 def image_means(logs: Logs, images: Mapping[str, SectorImage]) -> list[LogColumn]:
-    """Return a column for each image: the mean over the row of `logs` of all sectors that have a value.
+    """Return a column for each image: the mean of its values over each row of `logs`.
 
-    Its mnemonic is the name of the image in capital letters, with ``IMAGE_`` before it where that is no mnemonic, or
-    one of the logs.
+    The mnemonic is the name of the image in capital letters. If that is not a valid mnemonic, or is the name of a log,
+    ``IMAGE_`` is put before it.
     """
     found: dict[str, LogColumn] = {}
     for name, image in images.items():
@@ -42,7 +42,7 @@ def image_means(logs: Logs, images: Mapping[str, SectorImage]) -> list[LogColumn
 
 
 def _means(depth: Floats, height: float, image: SectorImage) -> Floats:
-    """Return the mean of the image over each row; NaN where no row of the image with a value reaches."""
+    """Return the mean of the image over each row; NaN if no image row with a value covers a part of it."""
     there = np.isfinite(image.values)
     count = there.sum(axis=1)
     rows = count > 0

@@ -1,6 +1,6 @@
-"""What each log is called in files, its unit, and how rows of turns become rows of steps.
+"""The name of each log in files, its unit, and how turns are combined into steps.
 
-The one list of names: `Logs` attribute, mnemonic, unit, description. Mnemonics follow the habit of caliper services.
+The only list of names: `Logs` attribute, mnemonic, unit, description. Mnemonics are those usual for caliper logs.
 """
 
 from __future__ import annotations
@@ -13,10 +13,10 @@ Rule = Literal["mean", "least", "greatest", "least there", "greatest there", "ow
 
 @dataclass(frozen=True)
 class Definition:
-    """A log as files name it; ``by_step`` is how the turns of a step become one value.
+    """The name of a log in files; ``by_step`` is the rule that combines the turns of a step into one value.
 
-    A turn without a value leaves its step without one, but for the extremes of what is "there".
-    "own": a rule of its own.
+    If a turn has no value, neither has its step, except with "least there" and "greatest there", which ignore such
+    turns. "own": `by_step` computes this log by a separate rule.
     """
 
     name: str

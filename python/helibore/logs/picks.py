@@ -1,10 +1,10 @@
-"""Features picked on a wall, with their class: planes (beds, fractures, faults) and breakouts.
+"""Features picked on a wall, each with a class: planes (beds, fractures, faults) and breakouts.
 
     wall.picks.append(Pick(kind="bed", depth=2054.2, apparent_dip=21.0, toolface=140.0))
     wall.picks[0].dip(wall.path)                      # true dip and its azimuth, degrees
     wall.picks.save("f12.wall.picks.csv", wall.path)  # `hb.load("f12.wall")` reads it again
 
-A plane crosses the axis of the hole at ``depth``. In the frame of the hole there it is
+A plane crosses the axis of the hole at ``depth``. In the frame of the hole at that depth, its equation is
 
     along = tan(apparent_dip) (cos(toolface) high side + sin(toolface) right)
 
@@ -62,23 +62,23 @@ class Pick:
     kind
         One of `CLASSES`.
     depth
-        Where a plane crosses the axis; the middle of a breakout.
+        Measured depth at which a plane crosses the axis, or of the middle of a breakout.
     toolface
-        Where a plane is deepest; the middle of one side of a breakout.
+        Toolface at which a plane is deepest, or of the middle of one side of a breakout.
     apparent_dip
         Angle between a plane and the plane at right angles to the hole. 0 for a breakout.
     radius
-        Of the hole where the plane was picked; None: bit size.
+        Radius of the hole where the plane was picked; None: that of the bit.
     misfit, points
-        Of the points that the plane was fitted to: root mean square along the hole, and their number.
+        Root mean square misfit, along the hole, of the points that the plane was fitted to, and the number of points.
     height, opening, tilt
         Of a breakout: its length, its width around the hole, and how far it leans from the axis, to the right.
     note
         At most 80 characters.
     image
-        Name of the image that it was picked on; "": not known.
+        Name of the image on which the pick was made; "": not known.
     key
-        What two edits of one pick have in common, from one opening of its table to the next; made at random.
+        Random identifier of the pick. It stays the same when the pick is edited, or its table is saved and reopened.
     """
 
     kind: str
@@ -111,17 +111,17 @@ class Pick:
 
     @property
     def slopes(self) -> tuple[float, float]:
-        """How far the plane goes along the hole per metre towards toolface 0 and 90."""
+        """Metres that the plane moves along the hole per metre towards toolface 0, and towards toolface 90."""
         slope, toolface = math.tan(math.radians(self.apparent_dip)), math.radians(self.toolface)
         return slope * math.cos(toolface), slope * math.sin(toolface)
 
     def dip(self, path: Path | None) -> tuple[float, float]:
-        """Return true dip and dip azimuth of a plane; NaN without a path, beyond it, and for a breakout."""
+        """Return true dip and dip azimuth of a plane, degrees; NaN without a path, beyond it, and for a breakout."""
         if path is None or self.kind == BREAKOUT or not path.start_depth <= self.depth <= path.stop_depth:
             return math.nan, math.nan
         try:
             high, right, along = path.frame(np.array([self.depth]))[0]
-        except InputError:  # no high side where the hole is vertical
+        except InputError:  # a vertical hole has no high side
             return math.nan, math.nan
         normal = along - self.slopes[0] * high - self.slopes[1] * right
         north, east, down = normal if normal[2] <= 0 else -normal
@@ -157,7 +157,7 @@ class Picks(list[Pick]):
         self.append(pick)
 
     def add_new(self, others: Iterable[Pick]) -> list[Pick]:
-        """Add picks, without those that are here already to the digits of a table, and return what was added."""
+        """Add and return the picks that the list does not hold yet, compared to the digits of a table."""
         known, keys = {_place(pick) for pick in self}, {pick.key for pick in self}
         added = []
         for pick in others:
@@ -177,7 +177,7 @@ class Picks(list[Pick]):
         self[:] = [pick for pick in self if pick.key != key]
 
     def table(self, path: Path | None = None) -> str:
-        """Return the picks as CSV, by depth, with the true dips on a path."""
+        """Return the picks as CSV, sorted by depth; with a path, true dips are included."""
         text = io.StringIO()
         writer = csv.writer(text)
         writer.writerow([*COLUMNS, *DIP])
@@ -194,10 +194,11 @@ class Picks(list[Pick]):
 
     @classmethod
     def load(cls, filename: str | os.PathLike[str], path: Path | None = None) -> Picks:
-        """Read a table as `save` writes it; columns that it does not know are left out.
+        """Read a table as `save` writes it; unknown columns are ignored.
 
-        A table without ``apparent_dip_deg`` has true dips: then the path of the wall makes apparent ones of them. A row
-        without a key gets one by its text, the same at every reading; of two rows with one key the second gets another.
+        If a table has no ``apparent_dip_deg``, apparent dips are computed from its true dips and the path of the wall.
+        A row without a key gets one made from its text, the same at every reading. If two rows have one key, the second
+        gets another.
         """
         try:
             return cls.parse(FilePath(filename).read_text("utf-8-sig"), path)
@@ -208,7 +209,7 @@ class Picks(list[Pick]):
 
     @classmethod
     def parse(cls, text: str, path: Path | None = None) -> Picks:
-        """Return the picks of a table's text: `load` without the file."""
+        """Return the picks of a table given as text: `load` without the file."""
         reader = csv.DictReader(io.StringIO(text, newline=""))
         names = reader.fieldnames or []
         needed = {"class", "depth_m", *(("toolface_deg",) if "apparent_dip_deg" in names else DIP)}
@@ -226,7 +227,7 @@ class Picks(list[Pick]):
 
 
 def _parsed(row: Mapping[str, Any], path: Path | None, apparent: bool, line: str) -> Pick:
-    """Make a pick of a row of the table."""
+    """Return the pick that a row of the table describes."""
 
     def number(column: str) -> float:
         try:

@@ -1,11 +1,11 @@
-"""The summary of a wall: the only owner of the numbers that print, page, report and viewer show of a whole interval.
+"""The summary of a wall: prints, report and viewer take all their numbers for a whole interval from here.
 
     summary = wall.summary()                    summary.volume, summary.excess, summary.washed_out
     wall.summary(start=2000, stop=2100)         of an interval
 
-Diameters, volume and excess come from whole turns: those without a missing radius, measured or interpolated. The mean
-diameter is that of the cylinder with the same volume. Metres of a kind of hole are those of its zones (``zones``). A
-turn that an end of the interval cuts counts with its share of metres, volume and coverage.
+Diameters, volume and excess come from whole turns, in which every vertex has a radius, measured or interpolated. The
+mean diameter is that of the cylinder with the same volume. The length of a kind of hole is that of its zones
+(``zones``). If an end of the interval cuts a turn, only the part inside counts for length, volume and coverage.
 """
 
 from __future__ import annotations
@@ -32,19 +32,19 @@ from helibore.samples.helix import Helix, WallLike, helix_of
 
 
 class Extreme(NamedTuple):
-    """The least or greatest value of a log and its depth, both metres; NaN where no turn is full."""
+    """The least or greatest value of a log and its depth, both metres; NaN if no turn is whole."""
 
     value: float
     depth: float
 
     def text(self) -> str:
-        """Return both as text."""
+        """Return value and depth as text."""
         return f"{size_text(self.value)} at {self.depth:.2f} m"
 
 
 @dataclass(frozen=True, kw_only=True)
 class WallSummary:
-    """What an interval of a wall measures; made by `Wall.summary`. Lengths in metres, missing numbers are NaN.
+    """The measures of an interval of a wall; made by `Wall.summary`. Lengths are metres, missing numbers NaN.
 
     Attributes
     ----------
@@ -53,20 +53,21 @@ class WallSummary:
     basis, basis_text, bit_diameter, sectors, pitch
         As of the wall.
     vertices, samples
-        Of the interval; samples: of the whole wall where only their number is known. The samples behind the last vertex
-        are the wall's, too: they lie within a vertex's height of it.
+        Their numbers in the interval; ``samples`` is that of the whole wall if depths of samples are not known. Samples
+        beyond the last vertex count if they lie within the distance to the next vertex.
     mean_diameter
         Of the cylinder with the same volume.
     least_diameter, greatest_diameter
-        Through the axis of the hole, `Extreme` with its depth.
+        Diameters through the axis of the hole; each is an `Extreme` with its depth.
     inscribed_diameter
-        The smallest of the turns' largest inscribed circles, which is what passes; `Extreme` with its depth.
+        The smallest of the turns' largest inscribed circles: what passes through the interval; an `Extreme` with its
+        depth.
     volume, excess
-        Of the whole turns, cubic metres; over the volume at bit size, less 1.
+        Volume of the whole turns, cubic metres; and the ratio of this volume to that at bit size, less 1.
     whole_turns, incomplete_turns
-        Metres of hole in whole turns, which have every radius, measured or interpolated; and in the other turns.
+        Metres of hole in turns whose vertices all have a radius, measured or interpolated; and in the other turns.
     ovality, rugosity
-        Mean and greatest of the turns: after API, and in metres over ``rugosity_window``.
+        Mean and greatest value of the turns: ovality by API, rugosity in metres over ``rugosity_window``.
     washed_out
         Metres of washout by `classify`; NaN for a gauge hole, which no tool measured.
     kinds
@@ -74,17 +75,17 @@ class WallSummary:
     breakout_axis
         Mean axis of the whole wall's breakouts, weighted by length.
     shape, arms
-        What ovality, least and greatest diameter and kinds come from (`Logs.shape`); how many diameters arms measured.
+        Source of ovality, least and greatest diameter and kinds (`Logs.shape`); number of diameters that arms measured.
     coverage
         Mean share of the turns that is measured, not interpolated, 0 to 1.
     shape_kept
-        The wall's out-of-roundness over the arms'; NaN for tools that see all around.
+        Ratio of the wall's out-of-roundness to that of the arms; NaN for tools that measure all around.
     warnings
-        One sentence for each thing that a reader of these numbers must know.
+        One sentence for each restriction that a reader of these numbers must know.
     without_radius
         Share of the vertices that no sample reaches, 0 to 1.
     nearest_half, nearest_most
-        Distance to the nearest sample: at most so far for 50 % and for 99 % of the vertices that have one.
+        The 50 % and the 99 % quantile of the vertices' distance to the nearest sample.
     """
 
     start: float
@@ -120,7 +121,7 @@ class WallSummary:
     nearest_most: float
 
     def numbers(self) -> dict[str, str]:
-        """Return what a card shows, by name; missing numbers are left out."""
+        """Return the numbers of a notebook card as texts by name; missing numbers are left out."""
         volume = f"{self.volume:.3f} m³ over {self.whole_turns:.1f} m of whole turns"
         numbers = {
             "depth": f"{self.start:.2f} to {self.stop:.2f} m",
@@ -155,12 +156,12 @@ def summarize(
     wall
         Radii on a helix.
     start, stop
-        Measured depths, metres; None: the ends of the wall. Volume, mean diameter, metres and coverage are those of the
-        hole in [start, stop]; the other numbers those of the turns whose middle lies there.
+        Measured depths, metres; None: the ends of the wall. Volume, mean diameter, lengths and coverage are those of
+        the hole in [start, stop]; the other numbers are those of the turns whose middle lies in it.
     criteria
-        Of the kinds of hole; None: the defaults.
+        Criteria of the kinds of hole; None: the defaults.
     zones
-        `classify` of the same wall with these criteria, where it is at hand.
+        Result of `classify` for this wall with these criteria; None: it is computed here.
 
     Raises
     ------
@@ -236,17 +237,17 @@ def _sample_count(wall: WallLike, start: float, stop: float) -> int:
 
 
 def _reach(helix: Helix, ends: tuple[float, float], start: float, stop: float) -> tuple[float, float]:
-    """The interval, at the ends of the wall as far as where the next vertex would lie."""
+    """Return the interval; an end at the end of the wall is moved to where the next vertex would lie."""
     height = abs(helix.pitch) / helix.sectors
     return start - height * (start <= ends[0]), stop + height * (stop >= ends[1])
 
 
 def _share_inside(turns: Logs, start: float, stop: float) -> Floats:
-    """(rows,) share of each turn that lies in [start, stop]; a turn reaches to the first vertex of the next one."""
+    """Return the share of each turn in [start, stop], (rows,); a turn ends at the first vertex of the next turn."""
     first = turns.depth - turns.pitch * (turns.sectors - 1) / (2 * turns.sectors)
     top, bottom = np.minimum(first, first + turns.pitch), np.maximum(first, first + turns.pitch)
     inside = np.minimum(bottom, stop) - np.maximum(top, start)
-    shares: Floats = np.clip(np.round(inside / turns.height, 9), 0.0, 1.0)  # a cut between two turns cuts none
+    shares: Floats = np.clip(np.round(inside / turns.height, 9), 0.0, 1.0)  # a cut between two turns cuts neither
     return shares
 
 

@@ -1,4 +1,4 @@
-"""A template of a log: which tracks it has, in which order, how wide. Page, print and report read the same file.
+"""A template of a log: its tracks, their order and widths. Viewer, prints and report read the same file.
 
     units = "mm"               # of diameters: "mm" or "in"; "ft": inches, and feet for depths
     scale = 200                # 1:200
@@ -15,8 +15,8 @@
     kind = "curves"
     names = ["GR", "RUGO"]     # curves of files, and mnemonics of `Wall.logs`
 
-The page writes it: *Curves*, *template …*. A name that a wall does not have is left out, so that one template
-serves many wells.
+The viewer's page writes it: *Curves*, *template …*. If a wall lacks a curve or an image that the template names, it is
+left out, so that one template serves many wells.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ PIXEL = INCH / MILLIMETRE / 96  # millimetres
 
 @dataclass(frozen=True)
 class TemplateTrack:
-    """One track: its kind, the name of its image or the names of its curves, its width in pixels (None: the usual)."""
+    """One track: kind, name of its image or names of its curves, and width in pixels (None: default)."""
 
     kind: str
     name: str = ""
@@ -47,7 +47,7 @@ class TemplateTrack:
 
     @property
     def millimetres(self) -> float | None:
-        """Width on paper."""
+        """Width on paper, millimetres."""
         return None if self.width is None else self.width * PIXEL
 
 
@@ -61,7 +61,7 @@ class Template:
 
     @classmethod
     def load(cls, filename: str | os.PathLike[str]) -> Template:
-        """Read a template; an InputError names file and place of what breaks a rule."""
+        """Read a template; an InputError names the file and the place that breaks a rule."""
         tree = read_toml(Path(filename), str(filename))
         try:
             return template_of(tree)
@@ -70,7 +70,7 @@ class Template:
 
 
 def template_of(content: dict[str, Any]) -> Template:
-    """Return the template that parsed TOML holds."""
+    """Return the template from parsed TOML."""
     check_names("", content, ("units", "scale", "track"))
     units, scale, rows = content.get("units", "mm"), content.get("scale"), content.get("track", [])
     check_choice("units", units, UNITS)

@@ -1,4 +1,4 @@
-"""Logs of a wall: what every full turn of its helix, or every step of depth, measures.
+"""Logs of a wall: the measures of every full turn of its helix, or of every step of depth.
 
     area = 1/2 int r^2 dtoolface = pi mean(r^2)        equivalent diameter = 2 sqrt(mean(r^2))
 
@@ -7,9 +7,10 @@
     logs.table(), logs.save("well.las")     with mnemonics, units and the facts they were made with
 
 The mean over evenly spaced toolfaces is the periodic trapezoid rule: for a smooth hole its error falls faster than any
-power of the sectors, where the area of the polygon loses 2.5 % at 16. A turn with a missing radius has no area, since
-what is missing need not be like what is there; `coverage` says how much there is. The last turn counts when it is full.
-Not here: casing and cement (``annulus``), what kind of hole it is (``zones``), the formats of files (``log_files``).
+power of the number of sectors, while the area of the polygon is 2.5 % too small at 16 sectors. A turn with a missing
+radius has no area, since the missing part may differ from the measured one; `coverage` is the part that is measured.
+The last turn counts only if it is full. Other files have casing and cement (``annulus``), the kinds of hole (``zones``)
+and the formats of files (``log_files``).
 """
 
 from __future__ import annotations
@@ -62,79 +63,83 @@ RUGOSITY_WINDOW = 1.0
 
 @dataclass(frozen=True, eq=False)
 class Logs(Tabular):
-    """Columns of one row a turn or a step, each (rows,) float64, owned; made by `turn_logs`.
+    """Columns with one row per turn or step, each (rows,) float64, owned; made by `turn_logs`.
 
     Lengths are metres; 0 and 90 are toolfaces, so on a high-side wall `diameter_0` is the vertical diameter. Diameters
-    go through the axis of the hole. Missing is NaN: unless said otherwise a row is missing unless all its vertices are
-    there.
+    go through the axis of the hole. Missing values are NaN: unless stated otherwise, a value is missing if any vertex
+    of its row has no radius.
 
     Attributes
     ----------
     depth
         Mean depth of the turn's vertices, or middle of the step.
     mean, smallest, largest
-        Radius; the latter two of what is there.
+        Mean, smallest and largest radius; the latter two ignore missing radii.
     equivalent_diameter
-        Diameter of the circle of the same area, from the integral, not from the polygon.
+        Diameter of the circle of the same area; the area is the integral, not that of the polygon.
     c1, c1_toolface, c2
-        Largest diameter, where it lies (degrees in [0, 180)), and the diameter at right angles to it.
+        Largest diameter, its toolface (degrees in [0, 180)), and the diameter at right angles to it.
     least_diameter
         Smallest diameter.
     diameter_0, diameter_90
-        The pair at fixed toolfaces: 0 to 180 and 90 to 270.
+        The diameters from toolface 0 to 180 and from 90 to 270.
     ovality_api, ovality_dnv
         (max - min) / (max + min) of the diameters (API RP 1111, 17B), and twice that (DNV-ST-F101, ISO 13623).
     out_of_roundness
         Largest less smallest diameter (API 5L, 7-1).
     wall_out_of_roundness
-        The same of the wall, whatever `shape` is.
+        Largest less smallest diameter of the wall, whatever `shape` is.
     uneven
-        With ``shape = "arms"``: difference between the two ends of the largest diameter; 0 for measured diameters.
+        With ``shape = "arms"``: difference of the radii at the two ends of the largest diameter; 0 if diameters were
+        measured.
     centre_0, centre_90
-        The centre of the area, from the axis towards toolfaces 0 and 90.
+        Distances of the centre of the area from the axis, towards toolfaces 0 and 90.
     inscribed_diameter, inscribed_0, inscribed_90
-        The largest circle with no vertex inside, what passes; and its centre. No small move makes it larger. With
-        ``shape = "arms"`` at most the least diameter of the arms: the wall between them is rounder than the hole.
+        The largest circle with no vertex inside (what passes), and its centre: no small move makes the circle larger.
+        With ``shape = "arms"`` it is at most the least diameter of the arms: the wall between them is rounder than the
+        hole.
     enclosing_diameter
-        The smallest circle around all vertices; with ``shape = "arms"`` at least the largest diameter of the arms.
+        Diameter of the smallest circle around all vertices; with ``shape = "arms"`` at least the largest diameter of
+        the arms.
     rugosity
-        Root mean square of the radii over `rugosity_window` metres around the turn, less each sector's straight line
-        along the hole. NaN, too, within half a window of an end or a missing radius.
+        Root mean square of the radii over `rugosity_window` metres around the turn, after a straight line along the
+        hole is subtracted in each sector. Also NaN within half a window of an end or a missing radius.
     volume
-        Of the hole over one pitch or step, cubic metres.
+        Volume of the hole over one pitch or step, cubic metres.
     excess
-        That volume over the volume at bit size, less 1: 0.1 is ten percent; negative where the hole is under gauge.
+        Ratio of `volume` to the volume at bit size, less 1: 0.1 is ten percent; negative where the hole is under gauge.
     coverage
-        Share of the turn that is measured: vertices with a radius whose angular gap is at most the wall's
-        ``largest_gap`` (`Wall.angular_gap`). Without samples: vertices with a radius.
+        Share of the turn that is measured, 0 to 1: vertices with a radius whose angular gap is at most the wall's
+        ``largest_gap`` (`Wall.angular_gap`). If the wall has no samples: vertices with a radius.
     arm_diameter
-        The diameters that each arm of a tool with few arms measured, one array an arm; () for other tools.
+        The diameters that each arm of a tool with few arms measured, one array per arm; () for other tools.
     nearest
-        Largest distance from a vertex to the nearest sample used; NaN where no vertex has any or the wall does not say.
+        Largest distance from a vertex to the nearest sample used; NaN if no vertex has one or the wall does not hold
+        it.
     diameter_sigma
-        Standard uncertainty of `equivalent_diameter`, with ``sigma=True``, else NaN: at most this, since the errors of
-        a turn are taken to be equal. NaN where a vertex is not sampled.
+        Upper bound of the standard uncertainty of `equivalent_diameter`: the errors of a turn are taken to be equal.
+        NaN without ``sigma=True``, and where a vertex is not sampled.
     age
-        Seconds (or ticks of the caliper's clock) from the newest sample at this depth to the newest of the wall; NaN
-        where there is none, or the samples carry no time.
+        Seconds (or ticks of the caliper's clock) from the newest sample at this depth to the newest of the wall; NaN if
+        there is no sample, or samples have no times.
     bit_diameter, sectors, pitch, step
-        Metres; vertices a turn; metres a turn; metres a row, None for one row a turn.
+        Metres; vertices per turn; metres per turn; metres per row, or None for one row per turn.
     rugosity_window
         Metres.
     basis, basis_text
-        What the wall is made from, as in `Caliper`; and in words.
+        What the wall is made from, as in `Caliper`; and the same in words.
     shape
-        What `c1`, `c1_toolface`, `c2`, `least_diameter`, ovality, `out_of_roundness` and zones come from: ``"wall"``,
-        or ``"arms"`` for a tool with few arms, which measures less than 0.9 of the turns.
+        Source of `c1`, `c1_toolface`, `c2`, `least_diameter`, ovality, `out_of_roundness` and zones: ``"wall"``, or
+        ``"arms"`` for a tool with few arms, which measures less than 0.9 of the turns.
     reference
         What toolface 0 is, by the path of the wall: ``"high-side"``, ``"north"`` or ``"parallel-transport"``; "": the
         wall has no path.
     reference_assumed
-        Whether toolfaces count from it only because no file says otherwise.
+        Whether toolfaces are only assumed to count from ``reference``, because no file states it.
     with_sigma
         Whether `table` has the columns DEQ_SIGMA and VOL_SIGMA, also where no turn has a value.
     path
-        Of the wall: `table` has TVD, INCL and AZIM along it.
+        Path of the wall: `table` has TVD, INCL and AZIM along it.
     """
 
     depth: Floats
@@ -186,17 +191,17 @@ class Logs(Tabular):
 
     @property
     def volume_sigma(self) -> Floats:
-        """Standard uncertainty of `volume`, m3, at most, as `diameter_sigma`."""
+        """Upper bound of the standard uncertainty of `volume`, (rows,) m3, as `diameter_sigma`."""
         uncertain: Floats = 0.5 * np.pi * self.height * self.equivalent_diameter * self.diameter_sigma
         return uncertain
 
     @property
     def height(self) -> float:
-        """Metres of hole in a row."""
+        """Height of a row, metres."""
         return abs(self.pitch) if self.step is None else self.step
 
     def by_step(self, step: float) -> Logs:
-        """Return the logs of every step of depth, from turns whose middle lies in it: `helibore.logs.depth_steps`.
+        """Return logs by steps of depth, each from the turns whose middle lies in it: `helibore.logs.depth_steps`.
 
         Parameters
         ----------
@@ -206,7 +211,7 @@ class Logs(Tabular):
         Raises
         ------
         InputError
-            ``step = 0.01: must be at least the pitch, 0.1 m``; if these logs are by steps already.
+            ``step = 0.01: must be at least the pitch, 0.1 m``; if these logs are already by steps.
         """
         if self.step is not None:
             raise InputError("step", f"these logs are by steps of {self.step:g} m already: gather those of turns")
@@ -214,16 +219,17 @@ class Logs(Tabular):
         return replace(self, step=float(step), **columns)
 
     def between(self, top: float | None, bottom: float | None) -> Logs:
-        """Return the rows whose depth lies in [top, bottom], as views of these; None: no end."""
+        """Return the rows whose depth lies in [top, bottom], metres, without copying them; None: no limit."""
         kept = np.flatnonzero(self.rows_between(top, bottom))
-        inside = slice(kept[0], kept[-1] + 1) if kept.size else slice(0)  # rows are in the order of depth: no copy
+        inside = slice(kept[0], kept[-1] + 1) if kept.size else slice(0)  # rows are in depth order: no copy
         columns: dict[str, Any] = {name: getattr(self, name)[inside] for name in COLUMN_NAMES}
         return replace(self, arm_diameter=tuple(of[inside] for of in self.arm_diameter), **columns)
 
     def annulus(self, casing: float) -> Annulus:
         """Return the annulus around a casing: volume, cement, clearance, as `helibore logs --casing` writes them.
 
-        ``logs.annulus(0.2445).cement(top=2000, excess=0.1)`` is the cement above 2,000 m, ten percent more than fits.
+        ``logs.annulus(0.2445).cement(top=2000, excess=0.1)`` is the cement below 2,000 m, with an excess of ten
+        percent.
 
         Parameters
         ----------
@@ -239,14 +245,14 @@ class Logs(Tabular):
 
     @property
     def shape_kept(self) -> float:
-        """The wall's mean out-of-roundness over the arms'; NaN for round holes and for tools that see all around."""
+        """Ratio of the wall's mean out-of-roundness to the arms'; NaN for round holes and tools without few arms."""
         both = np.isfinite(self.wall_out_of_roundness) & np.isfinite(self.out_of_roundness)
         if self.shape == "wall" or not self.out_of_roundness[both].any():
             return math.nan
         return float(self.wall_out_of_roundness[both].mean() / self.out_of_roundness[both].mean())
 
     def warnings(self) -> list[str]:
-        """Return a sentence for each thing that a reader of the numbers must know."""
+        """Return a sentence for each restriction that a reader of the numbers must know."""
         return self._warnings_of_shape() + self._warnings_of_path()
 
     def _warnings_of_path(self) -> list[str]:
@@ -279,13 +285,13 @@ class Logs(Tabular):
         return found
 
     def rows_between(self, top: float | None, bottom: float | None) -> Mask:
-        """(rows,) which rows `between` keeps."""
+        """Return which rows `between` keeps, (rows,) bool."""
         least, most = (-math.inf if top is None else top), (math.inf if bottom is None else bottom)
         inside: Mask = (self.depth >= least) & (self.depth <= most)
         return inside
 
     def facts(self) -> dict[str, str]:
-        """Return what the logs were made with, as texts; every file states them."""
+        """Return the settings and sources of the logs as texts; every file states them."""
         return {
             "basis": self.basis_text,
             "bit diameter": f"{self.bit_diameter:.6g} m",
@@ -300,7 +306,7 @@ class Logs(Tabular):
         }
 
     def table(self, more: Iterable[LogColumn] = (), facts: Mapping[str, str] | None = None) -> LogTable:
-        """Return the logs with mnemonics, units and descriptions, ``more`` columns behind them, and more ``facts``."""
+        """Return the logs with mnemonics, units and descriptions, followed by ``more`` columns; ``facts`` are added."""
         if not len(self):
             raise InputError("logs", "the wall has no full turn")
         more = list(more)
@@ -371,24 +377,25 @@ def turn_logs(
     wall
         Radii on a helix; it is not changed.
     bit_diameter
-        Metres; what `Logs.excess` compares with; None: the wall's own.
+        Bit size for `Logs.excess`, metres; None: the wall's own.
     rugosity_window
         Metres; rounded to an odd number of turns, at least 3: 1 m at a pitch of 0.1 m is 9 turns.
-        `Logs.rugosity_window` is what was used, 0.9 m.
+        `Logs.rugosity_window` is then the length used, 0.9 m.
     threads
         None: all cores. The result does not depend on it.
     sigma
         (n,) standard uncertainty of each radius, metres: `Wall.sigma`; None: not known.
     reference
-        What `Logs.rugosity` takes off all radii, metres; NaN: the first radius. With that of the whole wall, the rows
-        of a stretch from a multiple of 256 turns on, half a window inside it, have the bits of the whole wall's.
+        Radius that `Logs.rugosity` subtracts from all radii, metres; NaN: the first radius. If a part of a wall starts
+        at a multiple of 256 turns and is given the reference of the whole wall, its rows have the bits of the whole
+        wall's, except within half a window of its ends.
     newest
-        Time of the newest sample of the whole wall, for a stretch; None: of these samples.
+        Time of the newest sample of the whole wall, if ``wall`` is a part of it; None: that of the samples of ``wall``.
 
     Raises
     ------
     InputError
-        ``bit_diameter = 0: must be finite and above 0``; on a window without sense.
+        ``bit_diameter = 0: must be finite and above 0``; on a window that is not valid.
     """
     bit = float(getattr(wall.settings, "bit_diameter", math.nan) if bit_diameter is None else bit_diameter)
     for name, value in (("bit_diameter", bit), ("rugosity_window", rugosity_window)):
@@ -441,7 +448,7 @@ ALONG = ("TVD", "INCL", "AZIM")
 
 
 def _along(path: Path, depth: Floats) -> list[LogColumn]:
-    """Columns of the path at some depths; NaN beyond its ends, and where the true depth or the azimuth is not known."""
+    """Return columns of the path at depths; NaN beyond its ends, and where true depth or azimuth are not known."""
     inside = (depth >= path.start_depth) & (depth <= path.stop_depth)
     down, east, north = (np.full(depth.size, np.nan) for _ in range(3))
     north[inside], east[inside], down[inside] = path.tangent(depth[inside]).T
@@ -456,12 +463,12 @@ def _along(path: Path, depth: Floats) -> list[LogColumn]:
 
 
 def window_turns(length: float, pitch: float) -> int:
-    """Return how many turns a window of this length has: odd, at least 3."""
+    """Return the number of turns in a window of this length, metres: odd, at least 3."""
     return max(3, 2 * round((length / abs(pitch) - 1) / 2) + 1)
 
 
 def _coverage(wall: WallLike, radius: Floats, with_radius: Floats) -> Floats:
-    """Share of each turn with a radius and a small angular gap, where the wall has samples."""
+    """Return the share of each turn with a radius and, if the wall has angular gaps, a small gap."""
     gap: Floats | None = getattr(wall, "angular_gap", None)
     if gap is None or not with_radius.size:
         return with_radius
@@ -472,7 +479,7 @@ def _coverage(wall: WallLike, radius: Floats, with_radius: Floats) -> Floats:
 
 
 def _from_arms(wall: Any, depth: Floats, of_wall: dict[str, Any]) -> dict[str, Any]:
-    """The columns that a tool with few arms measures itself, and the wall's circles held to them."""
+    """Return the columns that a tool with few arms measures itself, and the wall's circles limited by them."""
     reach = wall.settings.max_distance
     arms = arm_diameters(wall.arms, depth, abs(wall.settings.pitch), math.inf if reach is None else reach)
     if arms is None:
@@ -498,11 +505,11 @@ def _nearest(wall: WallLike, turns: int) -> Floats:
 
 
 def _ages(samples: Caliper | None, depth: Floats, height: float, last: float | None) -> Floats:
-    """Time from the newest sample within half a turn's height of each depth to the newest of all."""
+    """Return the time from the newest sample within half a turn's height of each depth to the newest of all."""
     ages = np.full(depth.size, np.nan)
     if samples is None or samples.time is None or not depth.size:
         return ages
-    middles = np.sort(depth)  # samples are in the order of depth
+    middles = np.sort(depth)  # samples are sorted by depth
     bounds = np.searchsorted(samples.depth, np.append(middles - height / 2, middles[-1] + height / 2))
     some = bounds[1:] > bounds[:-1]
     starts = bounds[:-1][some]

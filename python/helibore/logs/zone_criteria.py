@@ -1,6 +1,6 @@
 """The criteria of washout, breakout, key seat and undergauge hole.
 
-With C1 the largest diameter, C2 the one at right angles to it and the bit, each turn is the first of these that fits:
+C1 is the largest diameter, C2 the one at right angles to it. Each turn is of the first of these kinds that fits:
 
     undergauge   least diameter  < bit - 0.25 in
     washout      C2 - bit       >= 0.5 in                                     enlarged all around
@@ -8,10 +8,10 @@ With C1 the largest diameter, C2 the one at right angles to it and the bit, each
     key seat     one end of C1 is 0.25 in high, and the other does not share in it     one lobe
     gauge        all else
 
-An end of C1 is as high as it stands out of the circle of C2 around the centre of the area. For a tool with few arms C1
-and C2 are diameters of arms, and the centre is the tool's (``arms``).
+The height of an end of C1 is its distance outside the circle of diameter C2 around the centre of the area. For a tool
+with few arms C1 and C2 are diameters of arms, and the centre is that of the tool (``arms``).
 
-These are the four-arm criteria of the trade (JewelSuite's defaults; the undergauge limit is ours), read from the whole
+These are the usual four-arm criteria (JewelSuite's defaults; the undergauge limit is helibore's), applied to the whole
 section instead of four pads. `helibore.logs.zones` applies them.
 """
 
@@ -30,7 +30,7 @@ CRITERIA_BIT = 8.5 * INCH
 
 @dataclass(frozen=True, kw_only=True)
 class Criteria:
-    """What makes a turn, and a zone, of a kind. Lengths in metres.
+    """The criteria by which turns and zones are of a kind. Lengths are metres.
 
     Attributes
     ----------
@@ -43,14 +43,15 @@ class Criteria:
     undergauge
         How much less than the bit the least diameter must be.
     symmetry
-        Share of the elongation that must be symmetric about the hole's centre in a breakout, 0 to 1; with less it is
-        one-sided. 0.5 as six-arm practice has it.
+        Share of the elongation that must be symmetric about the hole's centre in a breakout, 0 to 1; with less, the
+        turn is one-sided. 0.5 is usual for six-arm tools.
     opening_level
         Share of a lobe's height at which its opening is measured, in (0, 1).
     least_length
         Metres of hole that make a zone.
     join
-        Metres between two zones of a kind that do not part them, unless they are a zone of another kind or missing.
+        Two zones of a kind become one if they are at most this many metres apart and the hole between them is neither
+        of another kind nor missing.
     """
 
     elongation: float = 1.0 * INCH
@@ -71,17 +72,18 @@ class Criteria:
 
     @classmethod
     def scaled(cls, bit_diameter: float, **others: float) -> Criteria:
-        """Return criteria that are to this bit what the defaults are to `CRITERIA_BIT`, 8.5 in.
+        """Return the default criteria, which are for a bit of `CRITERIA_BIT` (8.5 in), scaled to another bit.
 
         Elongation, washout, key seat and undergauge scale with the bit. Service companies state their limits in inches
-        for holes of any size; in a hole of 4 in, lobes of a fifth of its diameter stay below an elongation of 1 in.
+        for holes of any size; but in a hole of 4 in, lobes of a fifth of its diameter do not reach an elongation of 1
+        in.
 
         Parameters
         ----------
         bit_diameter
             Metres.
         **others
-            Attributes that are to be something else.
+            Attributes that get other values.
 
         Examples
         --------
@@ -104,9 +106,9 @@ class Criteria:
 
 
 def washed_out(c2: Floats, bit_diameter: float, criteria: Criteria | None = None) -> Mask:
-    """Return which turns are enlarged all around: C2 - bit >= `Criteria.washout`. NaN is not.
+    """Return which turns are enlarged all around, C2 - bit >= `Criteria.washout`; False where C2 is NaN.
 
-    The one definition; a zone of washout is where such turns are long enough (`classify`).
+    This is the only definition; a zone of washout is a long enough run of such turns (`classify`).
     """
     criteria = Criteria() if criteria is None else criteria
     washed: Mask = c2 - bit_diameter >= criteria.washout

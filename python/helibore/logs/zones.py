@@ -1,9 +1,9 @@
-"""What kind of hole each turn is, gathered into zones: gauge, washout, breakout, key seat, undergauge.
+"""Classify each turn and join turns of one kind into zones: gauge, washout, breakout, key seat, undergauge.
 
-`helibore.logs.zone_criteria` says what each kind is; every output states it. Turns of a kind become a zone when they
-are long enough. A turn with a missing radius is of no kind.
+`helibore.logs.zone_criteria` defines the kinds; every output states the criteria. A run of turns of one kind becomes a
+zone if it is long enough. A turn with a missing radius is of no kind.
 
-Not here: azimuth and opening of the lobes (``breakouts``), stress.
+``breakouts`` finds the azimuth and opening of lobes. Stress is not computed.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ NO_LOBE = BreakoutLobe(math.nan, math.nan, math.nan)
 
 @dataclass(frozen=True)
 class Zone:
-    """A stretch of hole of one kind.
+    """An interval of hole of one kind.
 
     Attributes
     ----------
@@ -51,19 +51,19 @@ class Zone:
     start, stop
         Measured depths, metres, start above stop.
     enlargement
-        Median of C1 - bit over the zone, metres; of the least diameter - bit where undergauge.
+        Median of C1 - bit over the zone, metres; if undergauge, median of the least diameter - bit.
     elongation
         Median of C1 - C2, metres.
     peak
-        Measured depth of the largest C1, metres; of the least diameter where undergauge.
+        Measured depth of the largest C1, metres; if undergauge, of the least diameter.
     coverage
         Mean share of its turns that is measured, not interpolated, 0 to 1.
     toolface
-        Of a breakout, its axis, [0, 180); of a key seat, where it lies, [0, 360); else NaN. Degrees.
+        Axis of a breakout, [0, 180), or direction of a key seat, [0, 360), degrees; else NaN.
     deviation
-        Standard deviation of the turns' axes about it, degrees (axial, Mardia); NaN where there are fewer than two.
+        Standard deviation of the turns' axes about ``toolface``, degrees (axial, Mardia); NaN for fewer than two turns.
     lobes
-        The two of a breakout or the one of a key seat; see `BreakoutLobe`.
+        The two lobes of a breakout or the one lobe of a key seat; see `BreakoutLobe`.
     """
 
     kind: str
@@ -79,7 +79,7 @@ class Zone:
 
     @property
     def length(self) -> float:
-        """Metres of hole."""
+        """Length of hole, metres."""
         return self.stop - self.start
 
 
@@ -89,13 +89,14 @@ class Classification(Tabular):
     Attributes
     ----------
     logs
-        Of the turns.
+        Logs of the turns.
     kind
-        (turns,) int8 code in `KINDS`, of the zone a turn lies in; 0 (gauge) outside, -1 where a radius is missing.
+        (turns,) int8 index in `KINDS` of the zone in which a turn lies; 0 (gauge) outside zones, -1 if a radius is
+        missing.
     zones
         In order of depth.
     criteria
-        What they were found with.
+        The criteria used.
     """
 
     def __init__(self, logs: Logs, kind: Kinds, zones: tuple[Zone, ...], criteria: Criteria) -> None:
@@ -113,9 +114,10 @@ class Classification(Tabular):
         return tuple(zone for zone in self.zones if zone.kind == kind)
 
     def measure(self, zone: Zone) -> float:
-        """Return the length that makes a zone one of its kind, metres.
+        """Return the length, metres, that the criteria of the zone's kind compare with a limit.
 
-        C2 - bit of a washout, C1 - C2 of a breakout, the height of a key seat, least diameter - bit if undergauge.
+        It is C2 - bit for a washout, C1 - C2 for a breakout, the height of a key seat, and least diameter - bit if
+        undergauge.
         """
         if zone.kind == "washout":
             return zone.enlargement - zone.elongation
@@ -124,7 +126,7 @@ class Classification(Tabular):
         return zone.elongation if zone.kind == "breakout" else zone.enlargement
 
     def severity(self, zone: Zone) -> float:
-        """Return how many times larger than its limit in the criteria the `measure` of a zone is."""
+        """Return the ratio of the `measure` of a zone to its limit in the criteria."""
         limits = self.criteria
         limit = {
             "washout": limits.washout,
@@ -135,25 +137,25 @@ class Classification(Tabular):
         return self.measure(zone) / limit if limit else math.inf
 
     def by_severity(self, start: float = -math.inf, stop: float = math.inf) -> list[Zone]:
-        """Return the zones that reach into an interval, the worst first; equally bad ones by depth."""
+        """Return the zones that overlap an interval, metres, the most severe first; equally severe ones by depth."""
         inside = (zone for zone in self.zones if zone.stop > start and zone.start < stop)
         return sorted(inside, key=lambda zone: (-self.severity(zone), zone.start))
 
     def breakout_axis(self) -> Axes:
-        """Return mean axis and spread of all breakouts, weighted by length; NaN where there are none."""
+        """Return mean axis and spread of all breakouts, weighted by length; NaN if there are none."""
         found = self.of("breakout")
         return axial_mean(np.array([zone.toolface for zone in found]), np.array([zone.length for zone in found]))
 
     def column(self) -> LogColumn:
-        """Return the kinds as a log, ``CLASS``: `Logs.table` and `Logs.save` take it as one of ``more``."""
+        """Return the kinds as the log ``CLASS``, to be given to `Logs.table` or `Logs.save` in ``more``."""
         return LogColumn("CLASS", "", f"Class of hole, {CLASSES}", np.where(self.kind < 0, np.nan, self.kind), 0)
 
     def facts(self) -> dict[str, str]:
-        """Return what the logs were made with, the criteria, and what the numbers of ``CLASS`` are."""
+        """Return the facts of the logs, the criteria, and the meaning of the numbers of ``CLASS``."""
         return {**self.logs.facts(), **self.criteria.facts(), "class": CLASSES}
 
     def table(self) -> LogTable:
-        """Return the zones, one a row, with the criteria among the facts; without zones the table has no row."""
+        """Return the zones, one per row, with the criteria among the facts; without zones the table has no row."""
         zones = self.zones
         codes = ", ".join(f"{code} {kind}" for code, kind in enumerate(KINDS) if code)
         rows: list[Any] = [
@@ -202,7 +204,7 @@ class Classification(Tabular):
 
 
 def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None = None) -> Classification:
-    """Tell gauge hole, washouts, breakouts, key seats and undergauge hole apart: `Wall.zones`.
+    """Classify the hole into gauge, washout, breakout, key seat and undergauge: `Wall.zones`.
 
     Parameters
     ----------
@@ -211,7 +213,7 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
     criteria
         None: the defaults.
     logs
-        `turn_logs` of the same wall, where they are at hand.
+        Result of `turn_logs` for this wall; None: it is computed here.
 
     Raises
     ------
@@ -228,7 +230,7 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
     fits = _kinds(logs, criteria, radius, start)
     kind = np.where(fits == NO_KIND, NO_KIND, GAUGE).astype(np.int8)
     zones = []
-    for code in (WASHOUT, UNDERGAUGE, BREAKOUT, KEY_SEAT):  # what is enlarged all around does not join lobes
+    for code in (WASHOUT, UNDERGAUGE, BREAKOUT, KEY_SEAT):  # a washout between two breakouts keeps them apart
         for first, stop in _runs(fits == code, kind == GAUGE, criteria, abs(logs.pitch)):
             kind[first:stop] = code
             inside = first + np.flatnonzero(fits[first:stop] == code)
@@ -237,7 +239,7 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
 
 
 def _kinds(logs: Logs, criteria: Criteria, radius: Floats, start: float) -> Kinds:
-    """The kind that each turn fits by itself."""
+    """Return the kind of each turn by itself."""
     bit = logs.bit_diameter
     elongation = logs.c1 - logs.c2
     missing = np.isnan(logs.c1) if logs.shape == "arms" else np.isnan(logs.mean)
@@ -255,7 +257,7 @@ def _kinds(logs: Logs, criteria: Criteria, radius: Floats, start: float) -> Kind
 
 
 def _ends(logs: Logs, radius: Floats, start: float) -> tuple[Floats, Floats]:
-    """How far the two ends of C1 stand out of the circle of C2 around the centre of the area, the lower first."""
+    """Return the heights of the two ends of C1 over the circle of C2 around the centre of the area, the lower first."""
     if logs.shape == "arms":
         half = (logs.c1 - logs.c2) / 2
         return half - logs.uneven / 2, half + logs.uneven / 2
@@ -275,7 +277,7 @@ def _ends(logs: Logs, radius: Floats, start: float) -> tuple[Floats, Floats]:
 
 
 def _runs(fits: Mask, free: Mask, criteria: Criteria, pitch: float) -> Iterator[tuple[int, int]]:
-    """Turns [first, stop) that fit and are free, joined over short stretches that are free, long enough to count."""
+    """Yield runs of turns [first, stop) that fit and are free, joined over short free gaps, if they are long enough."""
     joined: list[list[int]] = []
     for first, stop in runs_of(fits & free):
         last = joined[-1][1] if joined else 0
