@@ -1,20 +1,20 @@
-"""What each arm of each pass reads too much, found where passes and arms see the hole.
+"""Find the bias of each arm in each pass: the amount by which it reads too large a radius.
 
     radius = level(depth) + shape(sector) + wall(cell) + by_pass[pass] + by_arm[arm] + by_both[pass, arm] + noise
 
-A cell is half a metre of depth and a sector of the hole. Two arms that see one cell are compared there. Arms that see
-other sectors are compared by the level of their depth and the shape that the hole keeps along the log, as far as both
-explain the walls of the cells: the deviation of the cells from them is found with the biases. So a tool that turns
-separates its arms from the shape of the hole; a tool that stays at one bearing does not.
+A cell is half a metre of depth in one sector of the hole. Two arms that measure in one cell are compared directly. Arms
+in different sectors are compared by the level at their depth and by the shape that the hole keeps along the log. How
+far cells depart from level and shape is estimated together with the biases. If the tool rotates, biases of its arms can
+be separated from the shape of the hole; if it keeps one toolface, they cannot.
 
-``by_both`` is what an arm does in one pass alone: an arm that drifts from pass to pass, while another stays, is no
-shape of the hole. Biases are pulled to 0 as far as the samples do not decide (shrinkage). Their covariance is the
-posterior one, and that of the scores of stretches of 10 m (the sandwich of clustered samples), for walls that go on
-along the hole.
+``by_both`` is the bias of an arm in one pass only: if an arm drifts from pass to pass while another does not, the shape
+of the hole cannot be the cause. Where the samples do not determine biases, they are pulled to 0 (shrinkage). Their
+covariance is the posterior one plus that of the scores of intervals of 10 m (the sandwich estimate for clustered
+samples), since walls are correlated along the hole.
 
-Only differences can be found. Zero is the mean of all, unless some arms drift while others are steady: then it is the
-mean of the steady ones. A bias whose deviation exceeds 0.127 mm is NaN and is not
-corrected. Not here: gain errors, and a bias that changes within a pass.
+Only differences can be found. Zero is the mean of all arms; if some arms drift while others are steady, it is the mean
+of the steady ones. A bias whose deviation exceeds 0.127 mm is NaN and is not corrected. Gain errors, and biases that
+change within a pass, are not supported.
 """
 
 from __future__ import annotations
@@ -30,17 +30,17 @@ from helibore.base.errors import InputError
 
 __all__ = ["Bias", "arm_sides", "find_bias"]
 
-_STEEPNESS = 0.001  # m: how much a wall may well change from the middle of a cell to its edge
-_SHAPE = 0.01  # m: how much a sector may well depart from the mean radius along the whole log
-_KNOWN = 0.000127  # m, 0.01 in of diameter: a bias is subtracted where its deviation is no larger
-_STRETCH = 10.0  # m: walls may go on so far along the hole
+_STEEPNESS = 0.001  # m: expected change of a wall from the middle of a cell to its edge
+_SHAPE = 0.01  # m: expected departure of a sector from the mean radius along the whole log
+_KNOWN = 0.000127  # m, 0.01 in of diameter: a bias is subtracted only if its deviation is at most this
+_STRETCH = 10.0  # m: walls are correlated along the hole over this length
 _PAIRS_AT_ONCE = 1 << 16
-_STEADY = 0.33  # of the drift of another arm: an arm that drifts less is steady beside it
+_STEADY = 0.33  # an arm is steady if it drifts by less than this share of another arm's drift
 
 
 @dataclass(frozen=True)
 class Bias:
-    """How much each pass and each arm reads too much, metres, for p passes and a arms.
+    """The biases of p passes and a arms, metres: positive if the readings are too large.
 
     The bias of a sample is the sum of ``by_pass``, ``by_arm`` and ``by_both``.
     """
@@ -49,7 +49,7 @@ class Bias:
     arms: Integers  # (a,)
     by_pass: Floats  # (p,); NaN for passes that cannot be compared with another
     by_arm: Floats  # (a,); NaN for arms that cannot be separated from the hole's shape
-    by_both: Floats  # what each arm of each pass reads too much beside these, (p, a)
+    by_both: Floats  # the remaining bias of each arm in each pass, (p, a)
     estimate: Floats  # best estimate of their sums, (p, a)
     sigma: Floats  # its standard deviation, (p, a)
     # What is subtracted, (p, a): the estimate; NaN where its deviation exceeds 0.127 mm, for an arm that drifts and
@@ -60,10 +60,10 @@ class Bias:
     drift: Floats  # from least to largest bias over the passes that can be compared, (a,); NaN for fewer than two
     drift_sigma: Floats  # its standard deviation, (a,)
     drift_ends: Integers  # rows of these two passes, (a, 2)
-    noise: float  # robust deviation of a sample from its cell after correction
+    noise: float  # metres: robust deviation of a sample from its cell after correction
 
     def at(self, pass_number: npt.ArrayLike, arm: npt.ArrayLike | None = None) -> Floats:
-        """Return the bias of each sample, (n,) m, new: subtract it from the radius. 0 where it is not known.
+        """Return the bias of each sample, (n,) metres, new: subtract it from the radius. 0 if it is not known.
 
         Raises
         ------
@@ -76,7 +76,7 @@ class Bias:
         return np.nan_to_num(self.table)[rows]
 
     def lines(self, names: Sequence[str]) -> list[str]:
-        """Return one sentence a pass, with the arms by ``names``, and what disagrees or is not known."""
+        """Return a sentence for each pass, with the ``names`` of the arms, then the `warnings`."""
         lines = []
         for row, number in enumerate(self.passes):
             arms = [
@@ -94,7 +94,7 @@ class Bias:
         lines, drift = [], np.nan_to_num(self.drift)
         least = np.maximum(3.0 * np.fmax(self.noise, self.drift_sigma), drift.min(initial=0.0) / _STEADY)
         drifting = drift > least
-        for arm in np.flatnonzero(drifting).tolist() if not drifting.all() else ():  # all alike: that is the passes
+        for arm in np.flatnonzero(drifting).tolist() if not drifting.all() else ():  # if all drift, the passes differ
             others = [f"{names[i]} by {1e3 * drift[i]:.2f}" for i in np.flatnonzero(~drifting).tolist()]
             beside = f", {' and '.join(others)}" if others else ""
             ends = [f"{1e3 * self.estimate[row, arm]:+.2f} in pass {self.passes[row]}" for row in self.drift_ends[arm]]
@@ -114,7 +114,7 @@ class Bias:
         return lines
 
     def warnings(self, names: Sequence[str]) -> list[str]:
-        """Return the disagreements, and a sentence for what is not known."""
+        """Return the disagreements, and sentences on the biases that are not known."""
         lines = self.disagreements(names)
         unknown = [names[arm] for arm in np.flatnonzero(np.isnan(self.by_arm)).tolist()]
         if unknown:
@@ -132,7 +132,7 @@ class Bias:
 
 
 def _few(names: list[str]) -> str:
-    """The names, or the first of many."""
+    """Return the names as text; of many, only the first."""
     few = names if len(names) <= 6 else [*names[:5], f"{len(names) - 5} more"]
     return " and ".join([", ".join(few[:-1]), few[-1]] if len(few) > 1 else few)
 
@@ -151,10 +151,10 @@ def find_bias(
     expected: float = 0.002,
     rounds: int = 10,
 ) -> Bias:
-    """Find the bias of each pass and arm from the wall that they saw.
+    """Find the bias of each pass and arm by comparing what they measured of one wall.
 
     Levels, cells (a level and a slope each) and biases are solved for together, with Huber's weights (1.345 deviations,
-    found by the median) in some rounds.
+    estimated by the median), in ``rounds`` rounds.
 
     Parameters
     ----------
@@ -168,11 +168,13 @@ def find_bias(
     cell, sectors
         Height of a cell in m and cells around the hole.
     floor
-        Least deviation, m. Quantised radii mostly agree exactly, and their median deviation is 0: about half a step.
+        Least deviation, metres. Most quantised radii agree exactly, so that their median deviation is 0; then give
+        about half a step.
     expected
-        Expected deviation of biases, m: a weak pull to 0 that decides what the samples do not.
+        Expected deviation of biases, metres: a weak pull to 0, which matters only where the samples do not determine a
+        bias.
     rounds
-        Of weights and biases in turn.
+        Number of rounds; each computes weights, then biases.
 
     Notes
     -----
@@ -218,13 +220,13 @@ def find_bias(
 
 
 def _indicators(of: Integers) -> Floats:
-    """A column for each number, 1 in the rows that have it."""
+    """Return a column for each number, 1 in the rows that have it."""
     columns: Floats = (of[:, None] == np.unique(of)).astype(np.float64)
     return columns
 
 
 def _parts(joined: Mask) -> Integers:
-    """Number of the part that each group belongs to: groups that are joined, directly or by others, are one part."""
+    """Return the number of each group's part: groups that are joined, directly or through others, are one part."""
     size = len(joined)
     part = np.arange(size)
     for _ in range(size):
@@ -238,13 +240,13 @@ def _parts(joined: Mask) -> Integers:
 def _referred(
     found: Floats, covariance: Floats, passes: Integers, arms: Integers, samples: Integers, noise: float
 ) -> Bias:
-    """Place the zero of every part whose differences are known, and split the sums into passes, arms and both."""
+    """Choose the zero of every part whose differences are known, and split the sums into passes, arms and both."""
     shape, count = samples.shape, samples.ravel()
     arm, seen, variance = np.tile(np.arange(arms.size), passes.size), count > 0, covariance.diagonal()
     part = _parts(variance[:, None] + variance - 2.0 * covariance <= (2.0 * _KNOWN) ** 2)
     drift, drift_sigma, rms = np.full((3, arms.size), np.nan)
     drift_ends = np.zeros((arms.size, 2), dtype=np.int64)
-    for each in range(arms.size):  # within the part of most of its samples
+    for each in range(arms.size):  # within the part that has most of its samples
         mine = (arm == each) & seen
         mine &= part == np.argmax(np.bincount(part[mine], count[mine], 1))
         if np.count_nonzero(mine) > 1:
@@ -260,7 +262,7 @@ def _referred(
     known = np.zeros(count.size, dtype=bool)
     estimate, sigma = np.zeros((2, count.size))
     sizes = np.bincount(part, seen)
-    for each in [-1, *np.flatnonzero(sizes > 1).tolist()] if seen.any() else ():  # first all, for what has no part
+    for each in [-1, *np.flatnonzero(sizes > 1).tolist()] if seen.any() else ():  # -1: all, for those without a part
         mine = (part == each) | (each < 0)
         zero = mine & seen & steady[arm]
         sure = bool(zero.any())
@@ -290,11 +292,12 @@ def _referred(
 
 
 def arm_sides(arm: npt.ArrayLike, toolface: npt.ArrayLike, sides: int = 8) -> Integers:
-    """Return arm * sides + side, (n,), for :func:`find_bias`: arms by the side of the hole they lie on.
+    """Return arm * sides + side, (n,), for :func:`find_bias`: the class of an arm on one side of the hole.
 
-    The weight of the tool bends and closes its arms, each by its direction: the two ends of a diameter read differently
-    when they change places. Passes that lie rotated in the hole tell that from the hole's own shape. ``arm`` are whole
-    numbers, ``toolface`` degrees of the tool's reference from the high side, (n,); the first side is centred on 0.
+    The weight of the tool bends and closes its arms, depending on their direction: the two ends of a diameter read
+    differently when they change places. Passes in which the tool lay rotated separate this from the shape of the hole.
+    ``arm`` are whole numbers, ``toolface`` degrees of the tool's reference from the high side, (n,); the first side is
+    centred on 0.
     """
     if sides < 1:
         raise InputError("sides", "must be at least 1", str(sides))
@@ -306,9 +309,9 @@ def arm_sides(arm: npt.ArrayLike, toolface: npt.ArrayLike, sides: int = 8) -> In
 class _Walls:
     """The walls: a level for each row of cells, and level + slope * aside for each cell, aside from -1 to 1 across it.
 
-    All are eliminated by weighted least squares from the equations of the groups (passes and arms) and sectors. The
-    level of a cell is pulled to 0 by its expected roughness, the slope by its expected steepness: without the latter,
-    passes that look at other edges of a cell would take the slope for bias.
+    Weighted least squares eliminates them from the equations of the groups (passes and arms) and sectors. The expected
+    roughness pulls the level of a cell to 0, the expected steepness its slope: without the latter, the slope would be
+    taken for bias if passes measure at different edges of a cell.
     """
 
     def __init__(
@@ -338,18 +341,18 @@ class _Walls:
         return np.bincount(self.spot, self.weight * values, self.row_of.size).astype(np.float64, copy=False)
 
     def _fitted(self, radius: Floats) -> tuple[Floats, Floats]:
-        """The level of each cell, and the wall at every sample."""
+        """Return the level of each cell, and the wall at every sample."""
         r, rt = self._sum(radius), self._sum(radius * self.aside)
         level = (self.own_tt * r - self.sum_t * rt) / self.determinant
         slope = (self.own_1 * rt - self.sum_t * r) / self.determinant
         return level, level[self.spot] + slope[self.spot] * self.aside
 
     def eliminated(self, radius: Floats) -> tuple[Floats, Floats]:
-        """Normal equations of the groups and sectors alone.
+        """Return the normal equations of the groups and sectors alone.
 
-        A cell leaves diag(a) - (a b) S^-1 (a b)' to its groups, with a and b the sums of w and w t of each group in the
-        cell and S those of the cell as a 2 x 2 matrix; its level and sector get the sums of that over the groups. Then
-        the level of each row of cells is eliminated, too.
+        A cell contributes diag(a) - (a b) S^-1 (a b)' to the equations of its groups. Here a and b are the sums of w
+        and w t of each group in the cell, and S is the 2 x 2 matrix of the sums over the cell. Level and sector of the
+        cell get the sums of this over the groups. Then the level of each row of cells is eliminated, too.
         """
         groups, sectors, cell, group, rows = (
             self.groups,
@@ -379,7 +382,7 @@ class _Walls:
         return matrix - self.coupling.T @ shares, side - shares.T @ self.row_rest
 
     def _shared(self, a: Floats, b: Floats) -> Floats:
-        """(a b) S^-1 (a b)' of all cells, (groups, groups)."""
+        """Return the sum of (a b) S^-1 (a b)' over all cells, (groups, groups)."""
         total: Floats = np.zeros((self.groups, self.groups))
         _, first, count = np.unique(self.cell_of, return_index=True, return_counts=True)
         begin, size = np.repeat(first, count), np.repeat(count, count)  # of each pair's cell
@@ -395,14 +398,14 @@ class _Walls:
         return total
 
     def residual(self, radius: Floats, found: Floats) -> tuple[Floats, float]:
-        """What biases and walls leave of each radius, and the deviation of the cells from level and shape."""
+        """Return the residual of each radius, and the deviation of the cells from level and shape, metres."""
         level = (self.row_rest - self.coupling @ found) / self.row_left
         rest = radius - found[self.group] - found[self.groups + self.sector] - level[self.row]
         cells, fitted = self._fitted(rest)
         return rest - fitted, float(np.sqrt((np.square(cells) + self.variance).sum() / max(cells.size, 1)))
 
     def scores(self, residual: Floats, stretch: Integers) -> Floats:
-        """Gradients of the groups and sectors by stretches, (stretches, groups + sectors)."""
+        """Return the gradients of the groups and sectors by interval of depth, (stretches, groups + sectors)."""
         count, force = int(stretch.max(initial=-1)) + 1, self.weight * residual
         return np.hstack([
             _table(stretch, self.group, force, count, self.groups),
@@ -411,13 +414,13 @@ class _Walls:
 
 
 def _table(row: Integers, column: Integers, weights: Floats, rows: int, columns: int) -> Floats:
-    """Sums of the weights by row and column."""
+    """Return the sums of the weights by row and column."""
     sums = np.bincount(row * columns + column, weights, rows * columns).reshape(rows, columns)
     return sums.astype(np.float64, copy=False)
 
 
 def rows_of(name: str, numbers: Integers, known: Integers) -> Integers:
-    """Row of each number among the known ones, which are sorted."""
+    """Return the index of each number in ``known``, which is sorted."""
     row = np.minimum(np.searchsorted(known, numbers), max(known.size - 1, 0))
     there = known[row] == numbers if known.size else np.zeros(numbers.size, dtype=bool)
     require(name, numbers, there, f"is not among {known.tolist()}")

@@ -1,10 +1,11 @@
-"""What to leave out, and why: each step looks at the samples, changes nothing, and returns a :class:`Step`.
+"""Decide which samples to leave out: each step judges the samples, changes nothing, and returns a :class:`Step`.
 
     step = spikes(toolface, radius, turn)
     radius[step.kept], step.counts         # counts: {"spike": 3}
 
-A step is a name, its settings, a mask of what it drops and a count for each reason. Steps do not see each other: apply
-one, select, apply the next where order matters. Also here: travel time to radius. Not here: any repair of a value.
+A step has a name, its settings, a mask of the samples to drop and a count for each reason. Steps are independent: if
+their order matters, select the kept samples before the next step. `Echo` converts travel times to radii. No step
+repairs a value.
 """
 
 from __future__ import annotations
@@ -24,25 +25,25 @@ _SAMPLES_AT_ONCE = 1 << 17
 
 @dataclass(frozen=True)
 class Step:
-    """What one step found.
+    """The result of one step.
 
-    ``settings`` are all that, with the samples, decides the result.
+    The result depends only on ``settings`` and the samples.
     """
 
     name: str
     settings: Mapping[str, float | int]
-    dropped: Mask  # True where the sample is to be left out; of the shape of what was judged
+    dropped: Mask  # True where the value is to be left out; same shape as the values judged
     counts: Mapping[str, int] = field(default_factory=dict)  # dropped samples for each reason
     unjudged: int = 0  # samples that the step could not judge (too few neighbours); they are kept
 
     @property
     def kept(self) -> Mask:
-        """The samples to go on with: not ``dropped``, a new array."""
+        """The samples to keep: not ``dropped``, a new array."""
         return ~self.dropped
 
 
 def in_range(values: npt.ArrayLike, low: float, high: float) -> Step:
-    """Drop values (n,) that are missing (NaN), below ``low`` or above ``high``, of the same unit; each is counted."""
+    """Drop values (n,) that are missing (NaN), below ``low`` or above ``high``, in the same unit; count each reason."""
     array = column("values", values)
     if not low <= high:
         raise InputError(f"low = {low:g}, high = {high:g}", "low must not be larger than high")
@@ -60,11 +61,11 @@ def spikes(
     threshold: float = 6.0,
     floor: float = 0.0005,
 ) -> Step:
-    """Drop samples that the neighbouring turns at the same toolface contradict, in time and in depth.
+    """Drop samples that disagree with the neighbouring turns at the same toolface, in time and in depth.
 
-    A breakout, a key seat or a ledge goes on from turn to turn or around the hole; a spike does not. Of the samples of
-    the three turns before and the three after that lie next to the toolface on either side, the six nearest in
-    toolface are compared with the sample. It is a spike where all of these hold::
+    A breakout, a key seat or a ledge continues from turn to turn or around the hole; a spike does not. In each of the
+    three turns before and after, take the two samples next to the toolface, one on either side. The six of these
+    nearest in toolface are compared with the sample. It is a spike if all of these hold::
 
         1  it lies beyond the second largest or smallest of them by the tolerance and a tenth of their spread
         2  none of the two next to it in its own turn, or next to its toolface in the turn before and after, is within
@@ -80,12 +81,12 @@ def spikes(
     toolface, radius, turn
         Degrees, metres (NaN: left alone, not counted), whole numbers in order of time; (n,).
     depth
-        Metres, (n,), for the third rule; None: every turn has a depth of its own.
+        Metres, (n,), for the third rule; None: no two turns have a depth in common.
     threshold
         In deviations.
     floor
-        Least deviation, m: what noise alone may do. Quantised radii need about one step, for their median distance is
-        often 0.
+        Least deviation, metres, which noise alone may cause. Quantised radii need about one step, for their median
+        distance is often 0.
 
     Returns
     -------
@@ -126,7 +127,7 @@ def spikes(
 
 
 class _Rings:
-    """Samples sorted by turn and toolface: the samples of a turn stand in a ring."""
+    """Samples sorted by turn and toolface: the samples of a turn form a ring."""
 
     reach, used = 3, 6  # turns to either side, and neighbours compared of those next to the toolface in them
 
@@ -137,7 +138,7 @@ class _Rings:
         self.key = ring * 360.0 + angle
 
     def _next_to(self, at: Integers, step: int) -> tuple[Integers, Mask]:
-        """The two samples next to the toolface in the turn ``step`` away, (n, 2), and whether there is such a turn."""
+        """Return the two samples next to the toolface, ``step`` turns away, (n, 2), and whether that turn exists."""
         ring = np.searchsorted(self.turns, self.turns[self.ring[at]] + step)
         ring = np.minimum(ring, self.turns.size - 1)
         there = self.turns[ring] == self.turns[self.ring[at]] + step
@@ -146,11 +147,11 @@ class _Rings:
         return self.first[ring, None] + pair, there
 
     def neighbours(self, at: Integers) -> tuple[Floats, Floats, Floats, Floats]:
-        """Number of neighbours in other turns, their median, second smallest and second largest radius."""
+        """Return the number of neighbours in other turns, their median, second smallest and second largest radius."""
         pairs = [self._next_to(at, step) for step in range(-self.reach, self.reach + 1) if step]
         candidates = np.concatenate([pair for pair, _ in pairs], axis=1)
         gap = np.abs((self.angle[candidates] - self.angle[at, None] + 180.0) % 360.0 - 180.0)
-        far = gap > np.maximum(20.0, 270.0 / self.count[self.ring[at], None])  # another arm of a tool of few arms
+        far = gap > np.maximum(20.0, 270.0 / self.count[self.ring[at], None])  # with few arms, that is another arm
         gap[far | ~np.repeat(np.stack([there for _, there in pairs], axis=1), 2, axis=1)] = np.inf
         nearest = np.argsort(gap, axis=1, kind="stable")[:, : self.used]
         absent = np.isinf(np.take_along_axis(gap, nearest, axis=1))
@@ -162,9 +163,9 @@ class _Rings:
         return number.astype(np.float64), middle, values[row, np.minimum(1, last)], values[row, np.maximum(last - 1, 0)]
 
     def deviation(self, middle: Floats) -> Floats:
-        """Robust deviation from the medians of the neighbours: the median turn of each hundred speaks for all of them.
+        """Return the robust deviation from the neighbours' medians, metres: that of the median turn of each hundred.
 
-        A turn through a breakout has a larger median distance of its own, which is shape and not noise.
+        A turn through a breakout has a larger median distance, which is due to shape and not to noise.
         """
         off = np.nan_to_num(np.abs(self.radius - middle), nan=np.inf)
         off = off[np.lexsort((off, self.ring))][self.first + (self.count - 1) // 2]
@@ -175,7 +176,7 @@ class _Rings:
         return deviation
 
     def supported(self, at: Integers, tolerance: Floats) -> Mask:
-        """Whether one next to each in its own turn, or next to its toolface in the next turns, agrees with it."""
+        """Return whether a sample next to each, in its turn or at its toolface in the next turns, agrees with it."""
         first, count = self.first[self.ring[at]], self.count[self.ring[at]]
         agrees = np.zeros(at.size, dtype=bool)
         for step in (-1, 1):
@@ -187,7 +188,7 @@ class _Rings:
         return agrees
 
     def repeated(self, at: Integers, depth: Floats, tolerance: Floats) -> Mask:
-        """Whether the sample of another time next to each in depth, within 5 cm, agrees with it."""
+        """Return whether the sample of another time that is nearest in depth, within 5 cm, agrees with each."""
         cell = np.floor(self.angle / 10.0)
         order = np.lexsort((depth, cell))
         place = np.empty(order.size, dtype=np.int64)
@@ -204,23 +205,23 @@ class _Rings:
 
 
 def _runs_of(values: Integers) -> tuple[Integers, Integers, Integers, Integers]:
-    """The different values of a sorted column, where each begins, how many there are, and which one each row is."""
+    """Return the distinct values of a sorted column, where each begins, how often it occurs, and each row's value."""
     different, first, count = np.unique(values, return_index=True, return_counts=True)
     return different, first, count, np.repeat(np.arange(different.size), count)
 
 
 def stuck(arms: Sequence[npt.ArrayLike], *, rows: int = 50, moving: float = 0.5) -> Step:
-    """Drop stretches in which one arm (or sector) stands still, or is silent, while the others move.
+    """Drop runs of rows in which the reading of one arm (or sector) is constant or missing while the others change.
 
     Parameters
     ----------
     arms
         Two or more columns of readings in the order they were taken, (n,) each; NaN is missing.
     rows
-        Shortest stretch of one and the same reading.
+        Shortest run of one reading that counts.
     moving
-        The others' mean share of rows in which their reading changed, within the stretch, from which on standing still
-        is a fault: in a smooth pipe all arms rest together, and none is to blame.
+        A constant reading is a fault if, within the run, the readings of the other arms changed in at least this mean
+        share of rows. In a smooth pipe the readings of all arms are constant, and none is at fault.
 
     Returns
     -------
@@ -255,7 +256,7 @@ def stuck(arms: Sequence[npt.ArrayLike], *, rows: int = 50, moving: float = 0.5)
 
 
 def repeated_rows(*columns: npt.ArrayLike) -> Step:
-    """Drop rows that equal an earlier row in every column (n,); the first of them stays. NaN equals NaN."""
+    """Drop rows that equal an earlier row in every column (n,); the first of equal rows is kept. NaN equals NaN."""
     if not columns:
         raise InputError("columns", "must have at least one")
     values = _table("columns", columns)
@@ -268,7 +269,7 @@ def repeated_rows(*columns: npt.ArrayLike) -> Step:
 
 
 def share_of_repeats(depth: Floats, toolface: Floats, radius: Floats, *, most: int = 1 << 15) -> float:
-    """Return the share of rows that equal an earlier one, judged by about ``most`` rows: all of some of the hashes."""
+    """Return the share of rows that equal an earlier one, from about ``most`` rows, chosen by their hashes."""
     odd = np.uint64(0x9E3779B97F4A7C15)
     bits = [values.copy().view(np.uint64) for values in (depth, toolface, radius)]
     place = (bits[0] ^ (bits[1] << np.uint64(1))) * odd
@@ -289,7 +290,7 @@ def closed(arms: Sequence[npt.ArrayLike], radius: float, *, tolerance: float = 0
         One or more columns of readings, (n,), in the order they were taken; NaN is missing. A row without any reading
         is not judged.
     radius, tolerance
-        Of the closed tool, and what a closed arm may read more, in the unit of the readings.
+        Radius of the closed tool, and how much more a closed arm may read, in the unit of the readings.
 
     Returns
     -------
@@ -309,10 +310,10 @@ def closed(arms: Sequence[npt.ArrayLike], radius: float, *, tolerance: float = 0
 
 
 def saturated(radius: npt.ArrayLike, depth: npt.ArrayLike) -> Step:
-    """Drop the flat tops of an arm that has opened as far as it can: stretches at its largest reading.
+    """Drop the flat tops of an arm that has opened as far as it can: runs of rows at its largest reading.
 
-    A largest reading is a limit where readings pile up: five times as many there as in the 2 mm below. A pipe, in which
-    most readings are alike, is none: no more than half of the readings may be at the limit. A flat top has five
+    The largest reading is a limit of the arm if readings accumulate there: five times as many as in the 2 mm below. At
+    most half of the readings may be at the limit, because in a pipe most readings are equal. A flat top has five
     readings or more, over half a metre or more.
 
     Parameters
@@ -339,7 +340,7 @@ def saturated(radius: npt.ArrayLike, depth: npt.ArrayLike) -> Step:
 
 
 def closed_stretches(readings: Readings) -> tuple[float, list[tuple[int, int, int, int]]]:
-    """Find the stretches in which all arms stay closed, with the ramps on which they close before and open after it.
+    """Find the runs of rows in which all arms stay closed, and the ramps on which they close before and open after.
 
     The closed radius is the least, over all rows, of what the largest arm reads, if half of all rows read at least
     10 mm more. A stretch has 20 rows or more within 2 mm of it. A ramp is where the largest arm reads more from row to
@@ -370,9 +371,9 @@ def closed_stretches(readings: Readings) -> tuple[float, list[tuple[int, int, in
 
 
 def disagreements(readings: Readings, apart: float = 0.0025, rows: int = 10) -> list[str]:
-    """Where two calipers that look in one direction differ by more than ``apart`` metres: a sentence for each two.
+    """Return a sentence for each two calipers in one direction that differ by more than ``apart`` metres.
 
-    Stretches of so many rows or more count. An InputError where they do so in half of all rows.
+    Runs of ``rows`` rows or more count. Raises InputError if two calipers differ in half of all rows.
     """
     place = [(sensor.mounting, sensor.offset) for sensor in readings.sensors]
     lines = {}
@@ -399,17 +400,17 @@ def disagreements(readings: Readings, apart: float = 0.0025, rows: int = 10) -> 
 
 
 def _stretches(mask: Mask, rows: int) -> list[tuple[int, int]]:
-    """First and last index (exclusive) of every run of at least so many rows in which the mask is True."""
+    """Return first and last index (exclusive) of every run of at least ``rows`` rows in which the mask is True."""
     return [(first, last) for first, last in runs_of(mask) if last - first >= rows]
 
 
 @dataclass(frozen=True)
 class Echo:
-    """How a travel time becomes a radius: tool_radius + velocity * (travel_time - window) / 2."""
+    """The conversion of a travel time to a radius: tool_radius + velocity * (travel_time - window) / 2."""
 
     velocity: float  # of sound in the mud, m/s; about 1500 in water
     tool_radius: float  # from the tool's axis to the face of its transducer, m
-    window: float = 0.0  # what the echo spends inside the tool, behind the transducer's window, there and back, seconds
+    window: float = 0.0  # two-way time of the echo inside the tool, behind the transducer's window, seconds
 
     def __post_init__(self) -> None:
         finite = all(np.isfinite(value) for value in vars(self).values())
@@ -418,13 +419,13 @@ class Echo:
             raise InputError(place, "velocity must be above 0, the others not negative, all finite")
 
     def radius(self, travel_time: Floats) -> Floats:
-        """Radii of travel times of any shape, m; a time shorter than the window is no echo: NaN."""
+        """Return the radii of travel times of any shape, metres; NaN if a time is shorter than the window (no echo)."""
         late = np.where(travel_time >= self.window, travel_time, np.nan)
         return self.tool_radius + 0.5 * self.velocity * (late - self.window)
 
 
 def _table(name: str, columns: Sequence[npt.ArrayLike]) -> Floats:
-    """Columns of one length as the rows of an array."""
+    """Return columns of equal length as the rows of an array."""
     first = column(f"{name}[0]", columns[0])
     rest = [column(f"{name}[{i}]", columns[i], first.size, f"{name}[0]") for i in range(1, len(columns))]
     return np.stack([first, *rest])

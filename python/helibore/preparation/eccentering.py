@@ -1,4 +1,4 @@
-"""Where the tool was in the hole, turn by turn, and the samples as seen from the hole's own axis.
+"""Find the tool's centre in the hole, turn by turn, and convert samples to radii from the hole's axis.
 
 A sample of radius r at toolface a, taken by a tool whose centre lies at c = (x, y), sees the wall at c + r u(a)::
 
@@ -8,8 +8,9 @@ A sample of radius r at toolface a, taken by a tool whose centre lies at c = (x,
              |  /r                  rho(phi) = R + sum over n = 2 .. H of (a_n cos n phi + b_n sin n phi) + noise
       axis   +-c---- y (toolface 90)
 
-The hole's axis is where the first harmonic of its wall vanishes, so c is what makes rho(phi) free of one. This is exact
-for any shape: no small-offset expansion, and for a circle the same as r = e cos psi + sqrt(R^2 - e^2 sin^2 psi).
+The hole's axis is the point from which the wall has no first harmonic, so c is the offset that removes it from
+rho(phi). This is exact for any shape, without a small-offset expansion; for a circle it equals r = e cos psi + sqrt(R^2
+- e^2 sin^2 psi).
 
 Offset is the odd first harmonic; ovality and opposite breakouts are even. So even harmonics may be large (``even``),
 odd ones are small (``odd``), and all are marginalised with these as Gaussian priors: with part of the circle missing
@@ -17,27 +18,26 @@ they become hard to tell from an offset and the stated covariance grows by itsel
 
 - the posterior covariance at the noise found in the turn (Tukey's biweight keeps spikes out);
 - the jackknife of the turn's own residuals ("HC3", MacKinnon and White 1985), for edges that no H harmonics follow;
-- the one-sided wall: a washout on one side holds a first harmonic that no fit can tell from an offset, but it does not
-  come alone. A box of width b has |a_1 / a_n| = n |sin(b/2) / sin(n b/2)|. Odd harmonics beyond their prior therefore
+- the one-sided wall: a washout on one side has a first harmonic, which no fit can separate from an offset, but also
+higher ones. A box of width b has |a_1 / a_n| = n |sin(b/2) / sin(n b/2)|. Odd harmonics beyond their prior therefore
   count, fourfold, into the deviation of the centre.
 
-A second fit lets the odd harmonics be as large as a washout makes them. Where the samples show that they are, or, with
-much of the circle missing, do not show that they are not, the two models are mixed: the centre moves to what is left
-when the wall may have a first harmonic of its own, the covariance takes in both models and what lies between them, and
-less of the offset is corrected (``Centres.one_sided``, ``Centres.share``).
+A second fit allows odd harmonics as large as those of a washout. If the samples show such harmonics, or cannot exclude
+them because much of the circle is missing, the two models are mixed: the wall may then have a first harmonic of its
+own, which reduces the offset; the covariance includes both models and the difference between them; and less of the
+offset is corrected (``Centres.one_sided``, ``Centres.share``).
 
-Where the wall steps out and back, harmonics do not follow: 32 samples a turn in breakouts with upright edges leave
-0.6 mm.
-So a rough turn is fitted twice more, as an oval with two opposite steps and with one, their edges found by trying all,
-and the models are mixed by their evidence (``turn_fits``).
+Harmonics do not fit a wall with steps: 32 samples a turn in breakouts with upright edges leave an error of 0.6 mm. So a
+rough turn is fitted twice more: as an oval with two opposite steps, and with one. All edges are tried, and the models
+are mixed by their evidence (``turn_fits``).
 
-What no model can tell: a smooth washout on one side, 120 deg wide or more, has hardly a third harmonic; its first and
-second are those of a tool off centre in an oval hole. The axis found is then that of the washed-out wall. With the bit
-size known the covariance owns this: a wall that lies nowhere inside the bit has a first harmonic of at most twice the
-excess of its mean radius. And a tool that whirls moves during a turn: with the position of every sample along the turns
-the centre is interpolated between them, and the fit repeated in the frame that moves with it.
+One case cannot be detected: a smooth washout on one side, 120 deg wide or more, has hardly a third harmonic, and its
+first and second are those of a tool off centre in an oval hole. The axis found is then that of the washed-out wall. If
+the bit size is known, the covariance includes this error: a wall that lies nowhere inside the bit has a first harmonic
+of at most twice the excess of its mean radius. A tool that whirls moves during a turn. If the position of every sample
+along the turns is given, the centre is interpolated between turns, and the fit is repeated in the moving frame.
 
-Not here: which samples make a turn of a tool that does not rotate (any integers will do), and the wall itself.
+The caller decides which samples form a turn if the tool does not rotate: any integers will do.
 """
 
 from __future__ import annotations
@@ -56,10 +56,10 @@ from helibore.preparation.turn_fits import Shape, TurnFits, estimate, powers
 __all__ = ["Centres", "Shape", "find_centres", "recentre", "turn_positions"]
 
 _SAMPLES_AT_ONCE = 1 << 16
-_EXCESS = 0.8  # 2/3 makes the bound three deviations; the mean about an axis that is off is a little less, and noisy
+_EXCESS = 0.8  # 2/3 would make the bound three deviations; more, as the mean radius about a wrong axis is too small
 _FASTEST_WHIRL = 100.0  # degrees a turn
 _SHAPE_HARMONICS = 8
-_SHOWN = 0.7  # of a wave that the centres found make: less is another motion
+_SHOWN = 0.7  # least share of the wave that the centres predict; with less, the motion is another one
 _MOTION_ROUNDS = 2  # of fits in which the samples follow the centre from turn to turn
 
 
@@ -67,7 +67,7 @@ _MOTION_ROUNDS = 2  # of fits in which the samples follow the centre from turn t
 class Centres:
     """The tool's centre in each of t turns, sorted by ``turn``; metres.
 
-    NaN where a turn has no radius, and where the tool moves too far from turn to turn to be followed.
+    NaN if a turn has no radius, or the tool moves too far from turn to turn to be followed.
     """
 
     turn: Integers
@@ -78,8 +78,8 @@ class Centres:
     noise: Floats  # deviation of the samples from the fitted wall
     inliers: Floats  # share of the samples within three times that noise
     samples: Integers  # with a finite radius
-    one_sided: Floats  # how far a wall enlarged on one side counts, in [0, 1]: shown, or not excluded by the samples
-    within: Floats  # covariance if it were excluded, (t, 2, 2) m^2
+    one_sided: Floats  # weight in [0, 1] of a wall enlarged on one side: shown, or not excluded, by the samples
+    within: Floats  # covariance without that possibility, (t, 2, 2) m^2
 
     def __repr__(self) -> str:
         known = self.eccentering[np.isfinite(self.x)]
@@ -107,7 +107,7 @@ class Centres:
         return wrapped(np.degrees(np.arctan2(self.y, self.x)))
 
     def share(self, significance: float = 3.0) -> Floats:
-        """Part of each centre that is worth correcting: (1 - one_sided) max(0, 1 - (significance / c' within^-1 c)^2).
+        """Return the share of each centre to correct: (1 - one_sided) max(0, 1 - (significance / c' within^-1 c)^2).
 
         c' within^-1 c of a centred tool follows chi-squared with two degrees of freedom at most (the covariance is
         rather too large): 22 % of turns pass 3, and few by much, so noise is hardly taken for eccentering. At ten
@@ -129,7 +129,7 @@ class Centres:
 
 
 def turn_positions(toolface: npt.ArrayLike) -> Floats:
-    """Turns made at every sample of a rotating tool, from its toolfaces in order of time, (n,).
+    """Return the number of turns made at every sample of a rotating tool, from its toolfaces in order of time, (n,).
 
     The steps between samples, less than 180 degrees, are taken the short way round and summed, from toolface 0 of the
     first turn on. A tool that turns back (stick-slip) returns into the turn it came from.
@@ -239,15 +239,15 @@ def _fit(result: Centres, reach: Complexes, shape: Shape) -> Floats:
 
 
 def _widen(covariance: Floats, deviation: Floats) -> None:
-    """Add an uncertainty of the same deviation in all directions, (t,) m."""
+    """Add an uncertainty with the same ``deviation``, (t,) metres, in all directions."""
     covariance[:, [0, 1], [0, 1]] += np.square(deviation)[:, None]
 
 
 def _moving(turns: Integers, centre: Complexes, place: Floats, row: Integers) -> Complexes:
-    """The tool's centre at places along the turns: the cubic through the middles of the four turns around each.
+    """Return the tool's centre at places along the turns: the cubic through the middles of the four turns around each.
 
-    Beside a gap it is the line through two turns, or the centre of the sample's own turn, ``row``, where a turn is
-    missing.
+    Beside a gap, use the line through two turns; if one of these is missing, the centre of the sample's own turn,
+    ``row``.
     """
     line, bend = _line_and_bend(turns, centre, place)
     curve = np.where(np.isfinite(bend), line + bend, line)
@@ -256,9 +256,9 @@ def _moving(turns: Integers, centre: Complexes, place: Floats, row: Integers) ->
 
 
 def _motion_deviation(turns: Integers, centre: Complexes) -> Floats:
-    """How far the centre may be off because it moves during the turn, (t,) m.
+    """Return the deviation of the centre due to its motion during the turn, (t,) metres.
 
-    Half of what the cubic departs from the line halfway to the next turn, the largest of the turns around.
+    It is half the distance of the cubic from the line, halfway to the next turn; the largest value of the turns around.
     """
     bend = np.abs(_line_and_bend(turns, centre, turns + 1.0)[1])
     around = np.pad(np.nan_to_num(0.5 * bend), 2)
@@ -267,7 +267,7 @@ def _motion_deviation(turns: Integers, centre: Complexes) -> Floats:
 
 
 def _too_fast(turns: Integers, centre: Complexes, deviation: Floats) -> Mask:
-    """Where the centre moves too far from turn to turn to be followed, (t,): judged by the 21 turns around.
+    """Return where the centre moves too far from turn to turn to be followed, (t,): judged by the 21 turns around.
 
     A whirl of a degrees a turn bends the line through three turns by 2 sin(a/2) of their distance. From 100 degrees on
     the cubic does not follow it. A centre that rests has such a ratio, too, but moves by its noise only.
@@ -282,17 +282,18 @@ def _too_fast(turns: Integers, centre: Complexes, deviation: Floats) -> Mask:
 
 
 def _sum_around(values: Floats) -> Floats:
-    """Sums over the 21 turns around each turn."""
+    """Return the sums over the 21 turns around each turn."""
     return np.convolve(values, np.ones(21))[10 : 10 + values.size]  # "same" would be 21 for fewer turns
 
 
 def _size_deviation(mean_radius: Floats, deviation: Floats) -> Floats:
-    """How far the centre may be off because the tool whirls nearly as fast as it turns, (t,) m.
+    """Return the deviation of the centre if the tool whirls nearly as fast as it turns, (t,) metres.
 
     A whirl of 360 - n degrees a turn shows nearly the same side of the offset all the time: the mean radius rises and
-    falls by the whole offset in 360 / n turns, as in a hole that grows and shrinks along the turns. The samples do not
-    tell the two apart. So the deviation is that of the mean radius from its own line in the 21 turns around, less its
-    noise. (A steady growth is taken for one: a whirl that rises for longer than 21 turns is not owned.)
+    falls by the whole offset in 360 / n turns, as in a hole that grows and shrinks along the turns. The samples cannot
+    separate the two. So the result is the deviation of the mean radius from a straight line over the 21 turns around,
+    less its noise. (A steady growth counts as growth of the hole: a whirl whose radius rises for longer than 21 turns
+    is not included.)
     """
     known = np.flatnonzero(np.isfinite(mean_radius))
     if known.size < 3:
@@ -311,7 +312,7 @@ def _size_deviation(mean_radius: Floats, deviation: Floats) -> Floats:
 
 
 def _contradicted(centres: Centres, reach: Complexes, place: Floats, row: Integers) -> Mask:
-    """Where the samples within the turns do not show the centres found, (t,): judged by some 21 turns together.
+    """Return where the samples within the turns contradict the centres found, (t,): judged by 21 turns together.
 
     From turn to turn a whirl of 270 degrees a turn looks like one of -90. But a centre c changes the radius at toolface
     a by -Re(c exp(-i a)) while the tool turns: a wave of its own. The radii less one shape of the hole are regressed on
@@ -338,7 +339,7 @@ def _contradicted(centres: Centres, reach: Complexes, place: Floats, row: Intege
 
 
 def _line_and_bend(turns: Integers, centre: Complexes, place: npt.NDArray[np.floating]) -> tuple[Complexes, Complexes]:
-    """The line through the turns before and after each place, and what the cubic adds; NaN where a turn is missing."""
+    """Return the line through the turns before and after each place, and what the cubic adds; NaN if one is missing."""
     middle = np.floor(place - 0.5).astype(np.int64)
     part = place - 0.5 - middle
     around = []

@@ -35,7 +35,7 @@ REASONS = ("no depth", "no toolface", "no radius", "no time")
 
 @dataclass(frozen=True)
 class Track:
-    """Where the tool was at any time: depth and, where the file has one, toolface, from a file of their own."""
+    """Depth and, if the file has one, toolface of the tool by time, from a separate file."""
 
     depth: TimeSeries
     toolface: TimeSeries | None = None
@@ -43,7 +43,7 @@ class Track:
 
 @contextmanager
 def placed(place: str) -> Iterator[None]:
-    """Put the place of an input error inside an outer one."""
+    """Prefix the place of an input error with an outer one."""
     try:
         yield
     except InputError as error:
@@ -59,14 +59,15 @@ def observe(
     latency: float = 0.0,
     dropped: Mapping[str, int] | None = None,
 ) -> Samples:
-    """Bring the sensors of all readings into one frame; a file of which no sample is left is an error.
+    """Bring the sensors of all readings into one frame; raise an InputError if no sample of a file is left.
 
     Parameters
     ----------
     readings, track
         Of one file or more; depth and toolface by time, None: each file has its own.
     report
-        Gets a (step, sentence) for what is left out; ``counts`` of the samples say how many.
+        List that receives a (step, sentence) for each kind of sample left out; ``counts`` of the samples has the
+        numbers.
     offset, latency
         Added to those of every sensor: metres, seconds.
     dropped
@@ -98,7 +99,7 @@ def observe(
 
 
 def _joined(parts: Sequence[Samples]) -> Samples:
-    """The samples of all parts as one list."""
+    """Return the samples of all parts together."""
     if len(parts) == 1:
         return parts[0]
     columns = {
@@ -112,7 +113,7 @@ def _joined(parts: Sequence[Samples]) -> Samples:
 
 
 def _observe(one: Readings, track: Track | None, report: Report, offset: float, latency: float) -> Samples:
-    """The samples of one file."""
+    """Return the samples of one file."""
     sensors = [replace(each, offset=each.offset + offset, latency=each.latency + latency) for each in one.sensors]
     if track is None and not any(sensor.latency for sensor in sensors):
         return observe_by_depth(sensors, one.depth, one.toolface, one.radii, one.time)
@@ -138,7 +139,7 @@ def _observe(one: Readings, track: Track | None, report: Report, offset: float, 
 
 
 def _clocks(one: Readings, time: Floats, report: Report) -> list[Integers]:
-    """The rows that share a clock: all, or those of a pass, unless the clock restarts among them."""
+    """Return the groups of rows with one clock: all rows or those of a pass, split where the clock restarts."""
     rows = np.flatnonzero(np.isfinite(time))
     number = one.pass_number
     clocks = [rows] if number is None else [rows[number[rows] == each] for each in np.unique(number[rows])]
@@ -149,7 +150,7 @@ def _clocks(one: Readings, time: Floats, report: Report) -> list[Integers]:
 
 
 def _runs(rows: Integers, time: Floats, depth: Floats) -> list[Integers]:
-    """Rows split into runs of rising or falling time, if in the order of time the tool would jump from row to row."""
+    """Return the rows, split into runs of rising or falling time if sorting by time would make the tool jump."""
     known = rows[np.isfinite(depth[rows])]
     when, where = _in_order(time[known], depth[known])
     if not (np.abs(np.diff(where)) > 1.0 + FASTEST * np.diff(when)).any():

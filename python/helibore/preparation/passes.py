@@ -1,10 +1,10 @@
-"""Several passes over one stretch of hole: which is which, which to use, and how two walls differ.
+"""Several passes over one interval of hole: number them, choose those to use, and compare two walls.
 
-A tool that goes over a stretch more than once sees one wall, through three errors of its own::
+A tool that passes an interval more than once measures one wall, with three errors::
 
     radius = wall(depth + shift[pass], toolface) + by_pass[pass] + by_arm[arm] + noise
 
-``shifts`` finds the first, ``biases`` the other two. Not here: stretching of depths within a pass.
+``shifts`` finds the first, ``biases`` the other two. Stretching of depths within a pass is not supported.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def choose(
     latest: bool = False,
     cell: float = 0.5,
 ) -> Step:
-    """Choose the passes a wall is built from: merged, or the latest that was there.
+    """Choose the passes from which a wall is built: all together, or the latest at each depth.
 
     Parameters
     ----------
@@ -124,7 +124,7 @@ def choose(
 
 
 def difference(before: Wall, after: Wall) -> Floats:
-    """How much larger a wall is than an earlier one: an attribute of the later wall.
+    """Return how much larger a wall is than an earlier one, metres: an attribute of the later wall.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def difference(before: Wall, after: Wall) -> Floats:
 
 
 def odd_passes(wall: Wall, caliper: Caliper, pass_number: npt.ArrayLike, arm_names: Sequence[str] = ()) -> list[str]:
-    """Say where a pass is most below, and where one is most above, the wall that it was merged into with others.
+    """Return sentences on the places where a pass lies farthest below, and farthest above, the wall of all passes.
 
     The differences of an arm in a pass are taken from their median, row by row. It differs where they are larger than
     5 mm, and 6 robust deviations, on one side over 3 rows in succession: the merged wall does not show such a place.

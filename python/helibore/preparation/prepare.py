@@ -1,11 +1,10 @@
-"""From readings to samples a wall can trust: every step optional, in one order, each counted and reported.
+"""Prepare readings for a wall: optional steps in a fixed order, each counted and reported.
 
     readings --flat tops, closed, stuck--> rows --sensors--> one frame --range, repeated, spikes--> --passes, shifts-->
              --reference--> the wall's toolface --recentre--> the hole's axis --bias--> --latest--> Caliper
 
 ``Preparation()`` only drops flat tops and closed arms, and brings the sensors into one frame. The steps themselves are
-in ``conditioning``, ``observe``, ``passes``, ``references`` and ``eccentering``; here is their order, and what each
-needs from the others.
+in ``conditioning``, ``observe``, ``passes``, ``references`` and ``eccentering``; this file calls them in their order.
 """
 
 from __future__ import annotations
@@ -62,7 +61,7 @@ BIASES = ("none", "arm", "side")
 
 @dataclass(frozen=True, kw_only=True)
 class Preparation:
-    """Which steps turn readings into samples. Metres, degrees, seconds.
+    """The steps that turn readings into samples. Units are metres, degrees and seconds.
 
     Attributes
     ----------
@@ -78,37 +77,38 @@ class Preparation:
     stuck
         Readings of an arm that stays at one value over so many rows, while others move, are dropped.
     least_radius, greatest_radius
-        Radii beyond them are dropped. Without these limits a radius that no hole has is an error.
+        Radii beyond these limits are dropped. Without limits, an impossible radius is an error.
     repeated
         Drop samples equal to an earlier one in depth, toolface, radius and time.
     spikes
-        Drop samples that the neighbouring turns contradict by so many robust deviations; 6 is usual.
+        Drop samples that differ from the neighbouring turns by this many robust deviations; 6 is usual.
     turn_height
         Height of a turn, for tools that do not rotate. None: a turn is a rotation, or a row of an image (`is_image`).
     sensor_offset, latency
         Added to those of every sensor.
     toolface_from
-        What toolfaces count from: "north", "high-side" or "automatic"; None: what the file's map states.
+        Reference of the toolfaces: "north", "high-side" or "automatic"; None: as the file's map states.
     steep, level
         Automatic: north until the inclination reaches ``level``, the high side until it is down to ``steep``.
     recentre
         Correct each turn for the tool's offset from the hole's axis.
     reversal
-        Number the passes anew: one begins where the tool went back by more than this. None: as the file numbers them.
+        Number the passes again: a pass begins where the tool moved back by more than this. None: as the file numbers
+        them.
     passes
-        Which to use; None: all. The wall is made from those that are not ``earlier``.
+        Numbers of the passes to use; None: all. The wall is made from those that are not ``earlier``.
     latest
         In each 0.5 m keep only the samples of the last pass that measured there.
     shifts
-        (pass, metres) to be added to its depths.
+        (pass, metres) pairs: the shift to add to the depths of a pass.
     find_shifts
-        Find the shift of every pass from the overlap. Passes with a shift given are held where it puts them; without
-        any, the mean of the shifts is 0.
+        Find the shift of every pass from the overlap. Passes in ``shifts`` keep the shift given there; without any, the
+        mean of the shifts is 0.
     bias
-        Find from the overlap what reads too much, and subtract it: "none", each pass and "arm", or each pass and arm by
-        the "side" of the hole it is on.
+        Find biases from the overlap and subtract them: "none"; of each pass and "arm"; or of each pass and arm by the
+        "side" of the hole on which it lies.
     earlier
-        Passes that make the wall to compare with, and no other.
+        Passes used only for the earlier wall, with which the wall is compared.
     """
 
     shallowest: float | None = None
@@ -170,11 +170,11 @@ class Preparation:
 
 @dataclass(frozen=True)
 class Prepared:
-    """Samples ready for a wall, and what was done to them; None for what was not asked for."""
+    """Samples ready for a wall, and a record of the preparation; fields of steps that were not chosen are None."""
 
     caliper: Caliper
     report: tuple[tuple[str, str], ...]  # (step, sentence) for what was dropped, corrected or assumed, in order
-    counts: dict[str, int]  # name of a step to the samples it dropped, and "kept"
+    counts: dict[str, int]  # samples dropped, by name of the step, and "kept"
     pass_number: Integers | None = None  # of each sample of ``caliper``; None: nothing states passes
     centres: Centres | None = None  # the tool's centre in each of t turns
     centre_depth: Floats | None = None  # mean depth of these turns, (t,) m
@@ -198,13 +198,13 @@ def prepare(
     readings
         Of one file or of several over one hole, earliest first; each file is a pass of its own unless it numbers them.
     settings
-        Which steps to take; None: ``Preparation()``.
+        The steps to take; None: ``Preparation()``.
     path
         The wall's path: needed where toolfaces count from another reference than the wall's.
     track
         Depth and toolface by time, for readings that have only a time.
     bit_diameter
-        Metres; states how far a washout on one side may be taken for an offset of the tool (`find_centres`).
+        Metres; limits the error if a washout on one side looks like an offset of the tool (`find_centres`).
 
     Returns
     -------
@@ -223,7 +223,7 @@ def prepare(
 
 
 class _Pipeline:
-    """The samples between the steps, and what was done to them so far."""
+    """The samples between the steps, and the record of the steps done so far."""
 
     def __init__(
         self, readings: list[Readings], settings: Preparation, path: Path | None, bit_diameter: float | None
@@ -239,7 +239,7 @@ class _Pipeline:
         self.samples: Samples
 
     def run(self, track: Track | None) -> Prepared:
-        """Take all steps in their order."""
+        """Run all steps in their order."""
         settings = self.settings
         self.readings = [self._conditioned(one) for one in self.readings]
         self.samples = observe(
@@ -262,7 +262,7 @@ class _Pipeline:
         return self._finished()
 
     def _drop(self, step: Step, what: str = "samples") -> None:
-        """Leave out what a step dropped, and report it."""
+        """Remove the samples that a step dropped, and report them."""
         self._report_step(step, what)
         if step.dropped.any():
             self.samples = self.samples.select(step.kept)
@@ -312,10 +312,10 @@ class _Pipeline:
         return replace(one, radii=tuple(radii))
 
     def _opened(self, one: Readings) -> Readings:
-        """The readings without the stretches in which all arms are closed, if they lie inside the bit."""
+        """Return the readings without the rows in which all arms are closed at a radius well inside the bit."""
         level, found = conditioning.closed_stretches(one)
         if self.bit_diameter is not None and level + INSIDE_BIT > 0.5 * self.bit_diameter:
-            return one  # a casing, or the hole itself
+            return one  # not closed: a casing, or the hole itself
         dropped = np.zeros(one.rows, dtype=bool)
         for begin, first, last, end in found:
             top, bottom = np.nanmin(one.depth[first:last]), np.nanmax(one.depth[first:last])
@@ -338,7 +338,7 @@ class _Pipeline:
         return replace(one, radii=tuple(np.where(dropped, np.nan, radius) for radius in one.radii))
 
     def _unsaturated(self, one: Readings) -> Readings:
-        """The readings without the flat tops of arms at their limit."""
+        """Return the readings without the flat tops of arms at their limit."""
         radii = list(one.radii)
         for arm, name in enumerate(one.channels):
             sensors = np.flatnonzero(one.arm == arm)
@@ -389,7 +389,7 @@ class _Pipeline:
         if settings.repeated:
             times = [] if samples.time is None else [samples.time]
             self._drop(conditioning.repeated_rows(samples.depth, samples.toolface, samples.radius, *times))
-        elif samples.time is None:  # a wall takes rows of one time once
+        elif samples.time is None:  # equal rows with times count only once in a wall
             share = conditioning.share_of_repeats(samples.depth, samples.toolface, samples.radius)
             if share > 0.01:
                 text = (
@@ -404,7 +404,7 @@ class _Pipeline:
             ))  # fmt: skip
 
     def _turns(self, rows: bool = False) -> tuple[Integers, Floats | None]:
-        """Number the turns, and say where along them each sample lies; None where a tool does not rotate.
+        """Return the turn of each sample and its position along the turns (None if a tool does not rotate).
 
         The samples of one turn were taken around the hole from one place.
 
@@ -432,13 +432,13 @@ class _Pipeline:
         return turn, position if kinds == {"rotation"} else None
 
     def _height(self, turn: Integers, mine: Integers) -> float:
-        """Depth from one turn to the next, in the median."""
+        """Return the median depth from one turn to the next, metres."""
         _, row = np.unique(turn, return_inverse=True)
         depth = np.bincount(row, self.samples.depth[mine]) / np.bincount(row)
         return float(np.median(np.abs(np.diff(depth)))) if depth.size > 1 else 0.0
 
     def _turns_of(self, one: Readings, mine: Integers) -> tuple[Integers | Floats, str]:
-        """Where the samples of one file lie along its turns, and what makes a turn."""
+        """Return the positions of one file's samples along its turns, and in words what makes a turn."""
         samples, height = self.samples, self.settings.turn_height
         if height is not None:
             depth = samples.depth[mine]
@@ -455,11 +455,11 @@ class _Pipeline:
         return turned[samples.row[mine]], "rotation"
 
     def _of_row(self, columns: Sequence[npt.NDArray[Number]]) -> npt.NDArray[Number]:
-        """A column of each file, at every sample's row."""
+        """Return a column of each file at every sample's row."""
         return self._at(columns, self.samples.row)
 
     def _at(self, columns: Sequence[npt.NDArray[Number]], place: Integers) -> npt.NDArray[Number]:
-        """A column of each file, at every sample's place in it."""
+        """Return a column of each file at every sample's place in it."""
         starts = np.cumsum([0, *(column.size for column in columns[:-1])])
         return np.concatenate(columns)[starts[self.samples.file] + place]
 
@@ -467,13 +467,13 @@ class _Pipeline:
         return sorted({name for one in self.readings for name in one.channels})
 
     def _arm(self) -> Integers:
-        """Which wall channel each sample is read from: one number for channels of one name in all files."""
+        """Return the wall channel of each sample: channels with one name have one number in all files."""
         names = self._arm_names()
         columns = [np.array([names.index(name) for name in one.channels])[one.arm] for one in self.readings]
         return self._at(columns, self.samples.sensor).astype(np.int64)
 
     def _number_passes(self) -> None:
-        """Number the passes: as the files do, else one a file, or anew where the tool went back by ``reversal``."""
+        """Number the passes: as the files do, else one per file; or again, where the tool went back by ``reversal``."""
         columns = self._pass_columns()
         if _repeat_a_pass(columns):
             rule = "numbers a pass as another file does: number the passes anew"
@@ -626,7 +626,7 @@ class _Pipeline:
         self.report += [("bias", line) for line in (found.warnings(shown) if sides else found.lines(shown))]
 
     def _stated_passes(self) -> Integers | None:
-        """The pass of each sample, as it is or would be numbered; one a file if they repeat numbers; None: unknown."""
+        """Return the pass of each sample, stated or derived; one per file if files repeat numbers; None: unknown."""
         samples = self.samples
         if samples.pass_number.size:
             return samples.pass_number
@@ -711,12 +711,12 @@ def _named(passes: Sequence[int]) -> str:
 
 
 def _runs(depth: Floats) -> Integers:
-    """Number the runs of a file that states none, from 1; all are one run if the rows turn back too often."""
+    """Number the runs of a file without pass numbers, from 1; if rows turn back too often, all are one run."""
     numbers = np.ones(depth.size, dtype=np.int64)
     known = np.flatnonzero(np.isfinite(depth))
     run = number_passes(depth[known])
     count = np.bincount(run)
-    long = count >= 0.01 * known.size  # others are the way back, one row long
+    long = count >= 0.01 * known.size  # shorter runs are single rows that turn back
     if 2 <= np.count_nonzero(long) <= MOST_PASSES and count[~long].sum() <= 0.01 * known.size:
         numbers[known] = np.maximum(np.cumsum(long), 1)[run]
     return numbers

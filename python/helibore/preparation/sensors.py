@@ -1,14 +1,14 @@
-"""From what each sensor reads to samples in one frame: where on the string it sits, which way it looks, its latency.
+"""Convert readings of sensors to samples in one frame, by each sensor's offset, mounting angle and latency.
 
        bit depth at t - latency                 depth    = bit depth(t - latency) - offset
     ===[tool]======o=======>  bit               toolface = tool's toolface(t - latency) + mounting
                    |<-offset->                  radius   = the reading
 
 A reading stamped t was taken at t - latency. Bit depth and toolface are time series of their own and are interpolated
-at that moment: linearly between their readings, the toolface along the short way round. So sensors that fire at one
-instant look at different depths and toolfaces, and their samples end up in one list, in order of time.
+at that time: linearly between their readings, toolfaces along the shorter arc. So sensors that fire at one time measure
+at different depths and toolfaces. All samples are returned together, in order of time.
 
-Depth-indexed files need no clock: :func:`observe_by_depth`. Not here: eccentering, the path, units, file formats.
+Depth-indexed files need no times: :func:`observe_by_depth`.
 """
 
 from __future__ import annotations
@@ -55,8 +55,8 @@ class TimeSeries:
         The values are degrees: from one reading to the next the short way round, results in [0, 360). A tool that turns
         by 180 degrees or more between two readings cannot be followed.
     gap, beyond
-        Longest time between two readings that is bridged, NaN in a longer one; and seconds before the first and after
-        the last reading that are answered, along the line of the two readings there.
+        Longest time between two readings that is interpolated (NaN in a longer one); and how far before the first and
+        after the last reading values are extrapolated, along the line through the two readings there. Seconds.
     """
 
     def __init__(
@@ -88,11 +88,11 @@ class TimeSeries:
 
     @property
     def step(self) -> float:
-        """Median change from one reading to the next, the short way round where they are angles; 0 for one reading."""
+        """Median change from one reading to the next, of angles along the shorter arc; 0 for one reading."""
         return float(np.median(np.abs(np.diff(self._values)))) if self._values.size > 1 else 0.0
 
     def at(self, time: npt.ArrayLike) -> Floats:
-        """Values at these times, (n,) float64, new; NaN where there is no answer or the time is NaN."""
+        """Return the values at these times, (n,) float64, new; NaN where there is no value or the time is NaN."""
         when = column("time", time)
         result = np.full(when.size, np.nan)
         count = self._time.size
@@ -211,7 +211,7 @@ def observe_by_depth(
 
 
 def _present(samples: Samples, **inputs: Floats) -> Samples:
-    """Leave out samples that lack a depth, toolface, radius or time, and count them by reason; refuse infinities."""
+    """Return the samples that have depth, toolface, radius and time; count the others by reason; refuse infinities."""
     for name, values in inputs.items():
         if np.isinf(values).any():
             raise InputError(f"{name} is infinite in {np.count_nonzero(np.isinf(values))} rows", "must be finite")

@@ -1,4 +1,4 @@
-r"""How far each pass is off in depth, found by correlating its median radius along the hole with that of the others.
+r"""Find the depth shift of each pass by correlating its median radius along the hole with that of the other passes.
 
     radius       _/\__/\_____     pass, moved by the trial shift       correlation(shift) has its peak
     less trend     _/\__/\____    the others                           at the shift to be added to its depths
@@ -26,17 +26,17 @@ __all__ = ["Shifts", "find_shifts"]
 _STEP = 0.05  # m between trial shifts; the best is refined by a parabola
 _LIMIT = 2.0  # m: the largest trial shift
 _TREND = 10.0  # m of the running mean that is taken off first; at least so much overlap is asked for
-_LEAST = 0.4  # correlation below which a pass is left where it is
-_WIDEST_GAP = 1.0  # m between samples of one pass that a profile bridges
+_LEAST = 0.4  # least correlation: with less, a pass is not shifted
+_WIDEST_GAP = 1.0  # m: longest gap between samples of one pass across which its profile is interpolated
 _ROUNDS = 5
 _VALLEY = 0.7  # of the best correlation: a peak reaches as far as the curve stays above
 _GRID = 0.2  # steps: what the grid and its linear interpolation leave of a shift
-_RIVAL = 0.9  # of the best correlation: a second peak that high leaves open which of the two is the shift
+_RIVAL = 0.9  # of the best correlation: with a second peak this high, the shift is ambiguous
 
 
 @dataclass(frozen=True)
 class Shifts:
-    """How far each pass is off in depth; columns of p passes, metres."""
+    """The depth shift of each of p passes; columns are (p,), metres."""
 
     passes: Integers  # sorted
     shift: Floats  # to be added to the depths of the pass; 0 where nothing was found
@@ -48,11 +48,11 @@ class Shifts:
     second_correlation: Floats  # the correlation there
 
     def at(self, pass_number: npt.ArrayLike) -> Floats:
-        """Shift of each sample, (n,) m, new: add it to the depth. Raises InputError at an unknown pass."""
+        """Return the shift of each sample, (n,) m, new: add it to the depth. Raises InputError at an unknown pass."""
         return self.shift[rows_of("pass_number", whole_column("pass_number", pass_number), self.passes)]
 
     def lines(self) -> list[str]:
-        """Return one sentence a pass that was not held."""
+        """Return a sentence for each pass that was not held."""
         lines = []
         for row, number in enumerate(self.passes):
             if self.sigma[row] == 0:
@@ -85,8 +85,8 @@ def find_shifts(
     depth, radius, pass_number
         Metres, metres, whole numbers, (n,), finite, in any order.
     held
-        Passes that stay where they are. The others are shifted onto these first; then, as where none is held, each onto
-        the mean of all others, again and again until they rest.
+        Passes that are not shifted. The others are first shifted to match these; then each, as if none were held, to
+        match the mean of all others, repeated until the shifts no longer change.
     """
     where = finite_column("depth", depth)
     distance = finite_column("radius", radius, where.size, "depth")

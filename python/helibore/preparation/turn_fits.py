@@ -33,12 +33,12 @@ _SMOOTH = 8  # harmonics of a wall beside its steps
 _ROUNDS, _ROUNDS_TOGETHER = 32, 8
 _CONVERGED = 5e-7  # m: far below the best standard deviation
 _STEP_DEPTHS = np.array([0.03, 0.003])  # m: expected of a step, and of how two opposite ones differ
-_STATE = ("centre", "terms", "free", "noise")  # what one round takes over from the last
+_STATE = ("centre", "terms", "free", "noise")  # state that one round passes on to the next
 
 _CLOSED, _OPEN = 0.64, 0.72  # of the third harmonic of a washout left open: it counts from here on, and fully
 _ROUGH, _OVAL = 1.5, 2.0  # expected deviations: steps are searched where an oval leaves more, or is more oval
 _ODDS = 8.0  # logarithm of the odds that steps have to overcome, beside the number of their sectors
-_LIKELY = 1e-6  # a model of less weight is left out
+_LIKELY = 1e-6  # a model with less weight is left out
 
 _CELLS = 240  # around the hole, for the search for steps
 _PAIR_WIDTHS = range(10, 61, 2)  # cells that each of two opposite steps may take
@@ -49,7 +49,7 @@ _SAME = 1e-9  # gains that differ by less are those of the same samples
 
 @dataclass(frozen=True)
 class Shape:
-    """What may be expected of a hole and a tool before any sample: standard deviations in metres.
+    """Prior expectations of a hole and a tool: standard deviations in metres.
 
     Two opposite boxes of depth D and width 60 deg hold a second harmonic of 0.55 D; a box of width 120 to 150 deg on
     one side holds a third of 0 to 0.15 D.
@@ -79,11 +79,11 @@ class Shape:
         return np.where(n == 2, self.even, self.odd * np.square(3.0 / n))
 
     def plain(self) -> Shape:
-        """Return what may be expected of a wall beside its steps: oval, and else smooth."""
+        """Return the expectations for a wall outside its steps: oval, otherwise smooth."""
         return replace(self, lobed=False, harmonics=min(self.harmonics, _SMOOTH))
 
     def widened(self) -> Shape:
-        """Return what may be expected of a wall that is enlarged on one side."""
+        """Return the expectations for a wall that is enlarged on one side."""
         return replace(self, odd=max(self.odd, self.one_sided), harmonics=max(self.harmonics, 3))
 
 
@@ -100,7 +100,7 @@ def powers(z: Complexes, order: int) -> Complexes:
 
 
 def normal_equations(weight: Floats, value: Floats, table: Complexes, starts: Integers) -> tuple[Floats, Floats]:
-    """sum(w x x'), (t, P, P), and sum(w x v), (t, P), of every turn, from ``powers(z, 2 H)``."""
+    """Return sum(w x x'), (t, P, P), and sum(w x v), (t, P), of every turn, from ``powers(z, 2 H)``."""
     order = (len(table) - 1) // 2
     moments = np.add.reduceat(weight * table, starts, axis=1)
     matrix = np.empty((starts.size, 2 * order + 1, 2 * order + 1))
@@ -120,7 +120,7 @@ def normal_equations(weight: Floats, value: Floats, table: Complexes, starts: In
 
 
 def projections(value: Floats, table: Complexes, starts: Integers) -> Floats:
-    """sum(x v), (t, 2 H + 1), of every turn, from ``powers(z, H)``."""
+    """Return sum(x v), (t, 2 H + 1), of every turn, from ``powers(z, H)``."""
     sums = np.add.reduceat(value * table, starts, axis=1)
     side = np.empty((starts.size, 2 * len(table) - 1))
     side[:, 0] = sums[0].real
@@ -138,7 +138,7 @@ def evaluate(terms: Floats, table: Complexes, turn: Integers) -> Floats:
 
 
 def leverage(matrix: Floats, table: Complexes, turn: Integers) -> Floats:
-    """x' B x at every sample, (n,), of one symmetric matrix B a turn, (t, P, P).
+    """Return x' B x at every sample, (n,), for one symmetric matrix B per turn, (t, P, P).
 
     With v = (z^-H ... z^H) and x = U v it is v' (U' B U) v: a Fourier series of order 2 H, whose terms of one power of
     z lie on one antidiagonal.
@@ -214,7 +214,7 @@ class TurnFits:
     def plain(self, steps: Floats | None = None) -> TurnFits:
         """Fit the same turns from their present centres with an oval wall, perhaps with steps.
 
-        No sample is left out at first: one in a step must have the time to find that it is.
+        No sample is rejected in the first rounds: samples in a step would have weight 0 before the step is fitted.
         """
         oval = TurnFits(self.reach, self.count, self.shape.plain(), steps)
         oval.centre, oval.terms[:, 0] = self.centre.copy(), self.terms[:, 0]
@@ -231,13 +231,13 @@ class TurnFits:
         return wide
 
     def look(self) -> None:
-        """Distance of every sample from the hole's axis, and the powers of its direction, at the present centres."""
+        """Compute each sample's distance from the hole's axis and the powers of its direction, at these centres."""
         wall = self.centre[self.turn] + self.reach
         self.distance = np.abs(wall)
         self.table = powers(wall / self.distance, 2 * self.shape.harmonics)
 
     def _move(self) -> Floats:
-        """One round: weights from the residuals, the linear fit, the centre moved; returns by how much, (t,) m."""
+        """Do one round: compute weights, fit, move the centres; return the distances moved, (t,) metres."""
         self.look()
         self.residual = self.distance - self._wall(self.terms)
         self._weigh()
@@ -256,7 +256,7 @@ class TurnFits:
         return np.abs(move)
 
     def normal_equations(self) -> tuple[Floats, Floats]:
-        """Matrix and right-hand side of waves and steps together."""
+        """Return matrix and right-hand side of waves and steps together."""
         waves, side = normal_equations(self.weight, self.distance, self.table, self.starts)
         if not len(self.steps):
             return waves, side
@@ -291,7 +291,8 @@ class TurnFits:
         return hat
 
     def _weigh(self) -> None:
-        """Biweights and noise: noise^2 = sum(w e^2) / (sum(w) - terms used), with the expected noise as four samples.
+        """Set biweights and noise: noise^2 = sum(w e^2) / (sum(w) - terms used); the expected noise counts as four
+        samples.
 
         1.25 makes sum(w e^2) / sum(w) of Gaussian noise, cut by a biweight of 6 deviations, come back as its variance.
         """
@@ -305,7 +306,7 @@ class TurnFits:
             self.noise = variance**0.5
 
     def covariance(self) -> Floats:
-        """Covariance of (x, y): the posterior, the jackknife and the odd excess."""
+        """Return the covariance of (x, y): the posterior, the jackknife and the odd excess."""
         covariance: Floats = self.inverse[:, 1:3, 1:3] * (self.noise**2)[:, None, None]
         hat = self.weight * self.leverage()
         left_out = self.weight * self.residual / np.maximum(1.0 - hat, 0.05)
@@ -320,10 +321,10 @@ class TurnFits:
         return covariance
 
     def left_open(self) -> Floats:
-        """Root mean square that the third harmonic may have after these samples, in units of what it may have before.
+        """Return the posterior root mean square of the third harmonic, divided by its prior one, (t,).
 
-        The posterior expectation, found and not known alike: large where it is seen to be large, and where samples are
-        missing that would show it. The third is the one that a washout on one side cannot do without.
+        It includes the estimate and its uncertainty: it is large if the harmonic is large, and if samples that would
+        show it are missing. Every washout on one side has a third harmonic.
         """
         variance = np.einsum("tpp->tp", self.inverse)[:, 5:7] * (self.noise**2)[:, None]
         found = (np.square(self.terms[:, 5:7]) + variance).sum(axis=1)
@@ -342,9 +343,9 @@ class TurnFits:
         return self.centre * part, covariance
 
     def evidence(self) -> Floats:
-        """Logarithm of the probability of the samples under this model, (t,), but for a constant common to all models.
+        """Return the log-probability of the samples under this model, (t,), up to a constant common to all models.
 
-        Laplace's: the biweight's bounded loss, the prior of the terms, and the volume of what is left open.
+        Laplace's approximation: the biweight's bounded loss, the prior of the terms, and the posterior volume.
         """
         noise, expected = self.noise, self.shape.noise
         outside = np.clip(1.0 - np.square(self.residual / (_REJECT * noise[self.turn])), 0.0, None)
@@ -360,12 +361,12 @@ class TurnFits:
         return value
 
     def spread(self) -> Floats:
-        """Root mean square of all residuals, of samples left out too, (t,) m."""
+        """Return the root mean square of all residuals, including those of rejected samples, (t,) metres."""
         spread: Floats = np.sqrt(np.add.reduceat(np.square(self.residual), self.starts) / self.count)
         return spread
 
     def inliers(self) -> Floats:
-        """Share of the samples within three times the noise."""
+        """Return the share of the samples within three times the noise, (t,)."""
         within = np.abs(self.residual) <= 3.0 * self.noise[self.turn]
         share: Floats = np.add.reduceat(within.astype(np.float64), self.starts) / self.count
         return share
@@ -441,7 +442,7 @@ def cell_sums(fits: TurnFits, where: Floats, cell: Integers, cells: int) -> Floa
 
 
 def best_sectors(sums: Floats, widths: range, least: float) -> tuple[Integers, Integers, Integers]:
-    """First cell and width of the narrowest sector with the greatest gain, and the width of the widest, each (t,)."""
+    """Return first cell and width of the narrowest sector with the greatest gain, and the width of the widest, (t,)."""
     turns, cells, _ = sums.shape
     around = np.concatenate([np.zeros((turns, 1, sums.shape[2])), sums, sums[:, : widths.stop]], axis=1)
     running = np.cumsum(around, axis=1)
@@ -533,7 +534,7 @@ def _estimate(fits: TurnFits, added: Floats) -> Estimate:
 
 
 def _squares(apart: Complexes) -> Floats:
-    """d d' of every turn, (t, 2, 2)."""
+    """Return d d' of every turn, (t, 2, 2)."""
     vector = np.stack([apart.real, apart.imag], axis=1)
     squares: Floats = vector[:, :, None] * vector[:, None, :]
     return squares
