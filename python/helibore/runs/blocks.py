@@ -1,13 +1,14 @@
-"""A well larger than a worker's memory, in blocks of the helix: the same bits as in one piece.
+"""Rebuild a well larger than a worker's memory in blocks of the helix, with the same bits as in one piece.
 
     samples, batch by batch --> bins by depth    plan: ends of the helix, blocks of whole 256 turns, first radius
     bins of a block, and what its vertices reach --> stretch of the wall --> archive, rows of logs      one task a block
     rows and radii of all blocks --> logs, zones, overview, record                                      the merge
 
-Samples keep their order of arrival in a bin, so ties fall as in one piece. A block reads farther until `Wall.reach`
-says that no other sample can matter. Samples that fit in memory are prepared as those of any well; more are read from
-Parquet as a stream, and what needs all of them (finding shifts, biases, flat tops, closed arms) is refused by name.
-So are, in both cases, the range of kriging, images, and a tool of two to seven arms.
+Samples keep their order of arrival in a bin, so that ties are resolved as in one piece. A block reads more bins until
+`Wall.reach` shows that no other sample can matter. Samples that fit in memory are prepared like those of any well. If
+there are more, they are read from Parquet as a stream, and steps that need all samples (finding shifts, biases, flat
+tops, closed arms) are refused by name. In both cases a kriging range to be found, images, and tools of two to seven
+arms are refused.
 """
 
 from __future__ import annotations
@@ -65,12 +66,12 @@ Batches = Iterable[tuple[Floats, ...]]
 
 
 def needs_stream(run: Run, most_samples: int) -> bool:
-    """Say whether the caliper files of a run have more rows than fit in memory."""
+    """Return whether the caliper files of a run have more rows than fit in memory."""
     return sum(run.files.log_set(each).rows for each in run.settings.caliper) > most_samples
 
 
 def prepared_batches(run: Run, samples: tuple[str, Caliper | Prepared] | None, most_samples: int) -> Batches | None:
-    """Return the prepared samples of a well that has too many vertices for one piece; None: it has not.
+    """Return the prepared samples of a well with too many vertices for one piece; None if it fits in one piece.
 
     An InputError names what needs the whole well.
     """
@@ -102,7 +103,7 @@ def _check_settings(run: Run, why: str) -> None:
 
 
 def stream(run: Run, most_samples: int) -> Batches:
-    """Return the samples of a well with more rows than fit in memory, which are read as they are taken.
+    """Return the samples of a well with more rows than fit in memory, as batches that are read when needed.
 
     An InputError names what needs the whole well.
     """
@@ -126,7 +127,7 @@ def stream(run: Run, most_samples: int) -> Batches:
 
 
 def plan_well(run: Run, store: Store, folder: str, made_from: Json, most_samples: int, batches: Batches) -> Json:
-    """Sort the samples of a well into bins by depth, and plan its blocks; the plan lies in the store after the bins."""
+    """Sort the samples of a well into bins by depth, and plan its blocks; the plan is stored after the bins."""
     name = f"{folder}/plan.json"
     before: Json | None = store.read_checked(name)
     if before is not None and before["made_from"] == made_from:
@@ -146,7 +147,7 @@ def plan_well(run: Run, store: Store, folder: str, made_from: Json, most_samples
             if width > 3:
                 newest = max(newest, float(others[-1].max()))
             number = np.floor(depth / height).astype(np.int64)
-            order = np.argsort(number, kind="stable")  # of two samples of a bin, the one that came first stays first
+            order = np.argsort(number, kind="stable")  # samples of a bin keep their order
             for part in np.split(order, np.flatnonzero(np.diff(number[order])) + 1):
                 at = int(number[part[0]])
                 counts[at] += part.size
@@ -184,7 +185,7 @@ def read_plan(store: Store, folder: str) -> Json:
 
 
 def sample_batches(run: Run, only: Input) -> Iterator[tuple[Floats, ...]]:
-    """Read depth, toolface, radius and any time of the samples of a Parquet file, batch by batch, in their order."""
+    """Yield depth, toolface, radius and any time of the samples of a Parquet file, batch by batch, in file order."""
     from pyarrow import parquet
 
     preparation = run.settings.preparation
@@ -241,7 +242,7 @@ def _settings(run: Run) -> Settings:
 
 
 def _helix(wall: Settings, ends: tuple[float, float]) -> Json:
-    """Return where the helix of a well begins and ends, from the depths of its samples, and its vertices."""
+    """Return start, end and number of vertices of the helix of a well, from the depths of its samples."""
     start, stop = ends if wall.pitch > 0 else ends[::-1]
     start = start if wall.start_depth is None else wall.start_depth
     stop = stop if wall.stop_depth is None else wall.stop_depth
@@ -257,7 +258,7 @@ def _count(settings: Settings, plan: Json) -> int:
 
 
 def _blocks(wall: Settings, plan: Json, most_samples: int) -> list[list[int]]:
-    """Return the turns [start, stop) of the blocks: whole units with about so many samples at most."""
+    """Return the turns [start, stop) of the blocks: whole units with about ``most_samples`` samples at most."""
     turns = -(-plan["vertices"] // wall.sectors)
     found: list[list[int]] = []
     for first in range(0, turns, UNIT):
@@ -276,7 +277,7 @@ def _blocks(wall: Settings, plan: Json, most_samples: int) -> list[list[int]]:
 
 
 def _samples(wall: Settings, plan: Json, first: int, stop: int) -> int:
-    """Count the samples of the bins that turns lie in, and at least one a vertex: both take memory."""
+    """Return the number of samples in the bins of some turns, or of vertices if larger: both take memory."""
     ends = sorted(plan["start_depth"] + turn * wall.pitch for turn in (first, stop))
     low, high = (math.floor(end / plan["height"]) for end in ends)
     counted: int = sum(plan["counts"].get(str(at), 0) for at in range(low, high + 1))
@@ -284,7 +285,7 @@ def _samples(wall: Settings, plan: Json, first: int, stop: int) -> int:
 
 
 def _load(store: Store, plan: Json, low: float, high: float) -> list[Floats]:
-    """Return the columns of the samples between two depths: within one depth in their order of arrival."""
+    """Return the columns of the samples between two depths; samples at one depth keep their order of arrival."""
     first, last = (math.floor(end / plan["height"]) for end in (max(low, plan["ends"][0]), min(high, plan["ends"][1])))
     parts = [np.empty((0, plan["width"]))]
     for at in range(first, last + 1):
@@ -324,20 +325,20 @@ def stretch(store: Store, plan: Json, settings: Settings, first: int, stop: int)
 
 
 def _beyond_gap(plan: Json, along: float, sign: int) -> float:
-    """Return a depth times ``sign``, or the edge of the next bin beyond it, along the sign, that has samples."""
+    """Return a depth times ``sign``, moved on in that direction to the edge of the next bin with samples."""
     edges = (min(sign * at * plan["height"], sign * (at + 1) * plan["height"]) for at in map(int, plan["counts"]))
-    reached = along - plan["height"]  # the bin that a depth lies in has samples beyond it
+    reached = along - plan["height"]  # the bin that holds the depth may have samples beyond it
     return max(along, min((edge for edge in edges if edge >= reached), default=along))
 
 
 def radii(wall: Wall, count: int) -> tuple[Floats, Floats]:
-    """Return radius and nearest of a stretch of so many vertices; NaN where no sample is near it."""
+    """Return radius and nearest of a block of ``count`` vertices; all NaN if the wall has no samples."""
     nothing = np.full(count, np.nan)
     return (wall.radius, wall.nearest) if len(wall) else (nothing, nothing)
 
 
 def _first_radius(store: Store, plan: Json, settings: Settings) -> float:
-    """Return the first radius of the well that is not missing, from which its rugosity is counted."""
+    """Return the first radius of the well that is not missing, the reference of its rugosity."""
     for first, last in plan["blocks"]:
         for turn in range(first, last, UNIT):
             ends = turn * settings.sectors, min((turn + UNIT) * settings.sectors, plan["vertices"])
@@ -349,7 +350,7 @@ def _first_radius(store: Store, plan: Json, settings: Settings) -> float:
 
 
 def make_block(run: Run, store: Store, folder: str, number: int, archive: str | None) -> None:
-    """Make a block: its archive, if it has a name; then the rows of its logs and its radii, for the merge."""
+    """Make a block: its archive, if ``archive`` names one; then the rows of its logs and its radii, for the merge."""
     plan, part = read_plan(store, folder), _part(folder, number)
     if part in store.sizes(folder) and (archive is None or store.has(archive)):
         return
@@ -387,10 +388,10 @@ def _turn_depth(settings: Settings, plan: Json, turn: int) -> float:
 
 
 class PartColumn:
-    """A number of every vertex, from the parts of all blocks, of which one is in memory: sliced as an array."""
+    """One value per vertex, from the parts of all blocks, sliced like an array; one part at a time is in memory."""
 
     def __init__(self, read: Callable[[int], Floats], stops: list[int]) -> None:
-        """``read`` returns those of a block, ``stops`` holds the vertex that each block ends before."""
+        """``read`` returns the values of a block; ``stops`` holds the vertex before which each block ends."""
         self._read, self._stops, self.size = read, stops, stops[-1]
         self._number, self._values = -1, np.empty(0)
 
@@ -408,7 +409,7 @@ class PartColumn:
 
 
 class Merged(NamedTuple):
-    """A well of which all blocks are made, without its samples: what logs, zones, summary and overview need."""
+    """A well whose blocks are all made, without its samples: all that logs, zones, summary and overview need."""
 
     settings: Settings
     start_depth: float
@@ -451,7 +452,7 @@ def merged(run: Run, store: Store, folder: str) -> tuple[Merged, Logs, Merged]:
 
 
 def _part(folder: str, number: int) -> str:
-    """Return the name of what a block leaves for the merge."""
+    """Return the name of the file that a block leaves for the merge."""
     return f"{folder}/part-{number:05}.npz"
 
 

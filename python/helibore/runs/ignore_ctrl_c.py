@@ -1,4 +1,4 @@
-"""Let a worker of this machine ignore Ctrl-C, which a terminal sends to all: the process that was started ends it."""
+"""Let local workers ignore Ctrl-C, which a terminal sends to all processes: the main process ends them."""
 
 import signal
 

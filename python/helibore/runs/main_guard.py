@@ -1,7 +1,7 @@
-"""Refuse to start processes from a script that would start them again in each of these.
+"""Refuse to start processes from a script that would start processes again in each of them.
 
-A new process runs the script of the user from its top, except what stands below ``if __name__ == "__main__":``. Without
-it, each process calls what started it, and dies with a traceback.
+A new process runs the user's script from its top, except the part below ``if __name__ == "__main__":``. Without that
+line, each new process makes the same call again, and ends with a traceback.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from helibore.base.errors import InputError
 
 
 def check_main_guard(caller: str) -> None:
-    """Refuse a call from the script that runs, unless it stands below an ``if``; it need not be the guard itself."""
+    """Refuse a call at the top level of the running script, unless it stands below an ``if`` (any ``if`` will do)."""
     main = vars(sys.modules["__main__"])
     file, spec = main.get("__file__"), main.get("__spec__")
     if file is None or (spec is not None and spec.name.endswith("__main__")):  # a new process does not run these again

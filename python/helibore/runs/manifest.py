@@ -1,4 +1,4 @@
-"""Which wells to reprocess, from what and how: a TOML manifest, or a Parquet catalogue with one row a well.
+"""The wells to reprocess, their files and settings: a TOML manifest, or a Parquet catalogue with one row per well.
 
     output = "s3://field/walls"             # folder of all results, any fsspec address
     outputs = ["archive", "logs"]           # of: archive, mesh, logs, zones; all of them if left out
@@ -37,7 +37,7 @@ from helibore.runs.run_settings import ImageInput, Input, RunSettings, run_setti
 from helibore.wall.wall import Wall
 
 OUTPUTS = ("archive", "mesh", "logs", "zones")
-"""What a well gets."""
+"""Outputs of a well."""
 
 BLOCK_SAMPLES = 2_000_000
 """Samples of a well up to which it is made in one piece; a worker then takes less than 1 GB."""
@@ -59,13 +59,13 @@ OF_A_FILE = {key: (*(each.name for each in fields(ImageInput if key == "image" e
 
 
 def path_part(well: str) -> str:
-    """Return the name of a well as a part of a path: 15/9-F-1 becomes 15%2F9-F-1, which data sets read back."""
+    """Return the name of a well as a part of a path: 15/9-F-1 becomes 15%2F9-F-1, which data set readers decode."""
     return quote(well, safe="")
 
 
 @dataclass(frozen=True)
 class Job:
-    """One well of a manifest, as it travels to a worker: addresses and settings, no samples."""
+    """One well of a manifest, as it is sent to a worker: addresses and settings, no samples."""
 
     well: str
     tree: Json  # the settings as a settings file has them, and ``map`` beside a file; every file an address
@@ -80,16 +80,16 @@ class Job:
 
     @property
     def settings_hash(self) -> str:
-        """BLAKE2b of all settings that decide the bytes of the outputs, without folders and contents of the files."""
+        """BLAKE2b of all settings that decide the bytes of the outputs, without folders and file contents."""
         content = json.dumps([self.well, self.named(), sorted(self.outputs), self.block_samples], sort_keys=True)
         return hashlib.blake2b(content.encode(), digest_size=16).hexdigest()
 
     def named(self) -> Json:
-        """Return the settings with the names of files in place of their addresses."""
+        """Return the settings with file names in place of addresses."""
         return self.mapped(lambda address: address.rstrip("/").rpartition("/")[2])
 
     def mapped(self, change: Any, keys: tuple[str, ...] = FILES) -> Json:
-        """Return the settings with other addresses of the files of these keys."""
+        """Return the settings with ``change`` applied to the addresses of the files of these keys."""
         tree = dict(self.tree)
         for key in keys:
             if key in tree:
@@ -145,7 +145,7 @@ MOST_NAMED = 10
 
 
 def check_files(jobs: list[Job]) -> None:
-    """Refuse jobs whose files do not exist, by well and address; stores are asked from 32 threads."""
+    """Raise an InputError that names well and address of files that do not exist; 32 threads ask the stores."""
 
     def missing(one: tuple[str, str]) -> bool:
         system, path, _ = file_system(one[1])
@@ -216,7 +216,7 @@ def _absolute(address: str, folder: str) -> str:
 
 
 def _merged(defaults: Json, own: Json) -> Json:
-    """Return the tables of a well; a table takes what it lacks from the defaults."""
+    """Return the tables of a well, with missing keys from the defaults."""
     both = {key: defaults[key] | own[key] for key in defaults if isinstance(own.get(key), dict) and key not in FILES}
     for key in FILES:
         if isinstance(of_all := defaults.get(key), dict):
@@ -242,7 +242,7 @@ def _nested(row: Json) -> Iterator[tuple[str, Any]]:
     tables: dict[str, Json] = {}
     for key, value in row.items():
         table, dot, inner = key.partition(".")
-        if isinstance(value, float) and value.is_integer():  # whole numbers come so from pandas if some are missing
+        if isinstance(value, float) and value.is_integer():  # pandas stores whole numbers as floats if some are missing
             value = int(value)
         if value is not None and dot:
             tables.setdefault(table, {})[inner] = value

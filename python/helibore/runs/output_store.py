@@ -1,11 +1,11 @@
-"""A folder at any fsspec address (a path, s3://, gs://, abfs:// ...): files come and go whole.
+"""A folder at any fsspec address (a path, s3://, gs://, abfs:// ...): files are written and read whole.
 
     store = Store("s3://field/walls")
     with store.writing("wells/A-1/A-1.wall") as path:      # a local file, in the store when the block ends
         wall.save(path)
 
-A local folder is written in place, by writers that rename a complete file; another store gets the complete file.
-fsspec's own configuration and the cloud's environment variables say how to log in.
+A local file is written in place, by writers that rename a complete file; other stores get a copy of the complete file.
+The login comes from fsspec's configuration and the environment variables of the cloud.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ Json = dict[str, Any]
 
 
 def file_system(address: str) -> tuple[Any, str, bool]:
-    """Return the file system of an address, the path in it, and whether that is a path of this machine."""
+    """Return the file system of an address, the path in it, and whether the path is local."""
     with needs("fsspec", "scale"):
         from fsspec.core import url_to_fs
         from fsspec.implementations.local import LocalFileSystem
@@ -47,7 +47,7 @@ def file_system(address: str) -> tuple[Any, str, bool]:
 
 @contextlib.contextmanager
 def local_file(address: str) -> Iterator[Path]:
-    """Give the file at an address as a local file: itself, or a copy for as long as the block runs."""
+    """Yield the file at an address as a local file: the file itself, or a copy that exists while the block runs."""
     system, path, is_local = file_system(address)
     if is_local:
         yield Path(path)
@@ -78,12 +78,12 @@ class Store:
         try:
             self.write_json(".writable", {})
             self.delete([".writable"])
-        except Exception as error:  # the libraries of stores have errors of their own
+        except Exception as error:  # each store library has its own errors
             raise InputError(self.address, f"cannot be written: {error}") from error
 
     @contextlib.contextmanager
     def writing(self, name: str) -> Iterator[Path]:
-        """Give a local path to write to; the file is in the store when the block ends without an error."""
+        """Yield a local path to write to; the file is in the store when the block ends without an error."""
         if self.is_local:
             path = Path(self.path(name))
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -96,7 +96,7 @@ class Store:
 
     @contextlib.contextmanager
     def writing_folder(self, name: str) -> Iterator[Path]:
-        """Give a new local folder to write to; its files are in the store when the block ends without an error."""
+        """Yield a new local folder to write to; its files are in the store when the block ends without an error."""
         if self.is_local:
             path = Path(self.path(name))
             path.mkdir(parents=True)
@@ -112,19 +112,19 @@ class Store:
             self.system.put([str(of) for of in files], [self.path(f"{name}/{of.name}") for of in files])
 
     def read_array(self, name: str, checksum: int) -> Floats:
-        """Return a file of plain float64 numbers; an InputError if its CRC-32 is another."""
+        """Return the numbers of a file of plain float64; raise an InputError if its CRC-32 differs."""
         content = self.system.cat_file(self.path(name))
         if zlib.crc32(content) != checksum:
             raise InputError(name, "is damaged")
         return np.frombuffer(content)
 
     def read_arrays(self, name: str, *wanted: str) -> list[Array]:
-        """Return arrays of an NPZ file; one that is damaged is deleted, and an InputError names it."""
+        """Return arrays of an NPZ file; delete a damaged file and raise an InputError that names it."""
         try:
             with self.system.open(self.path(name), "rb") as file, np.load(file) as found:
                 return [found[of] for of in wanted]
         except DAMAGED_NPZ as error:
-            if isinstance(error, OSError) and error.errno != errno.EINVAL:  # the store's; a wrong offset is invalid
+            if isinstance(error, OSError) and error.errno != errno.EINVAL:  # the store's; EINVAL: a wrong offset
                 raise
             self.delete([name])
             raise InputError(name, f"was damaged and is deleted: start again ({error})") from error
@@ -136,7 +136,7 @@ class Store:
             write_whole(path, lambda file: file.write(content))
 
     def read_json(self, name: str) -> Any:
-        """Return a value from JSON; None if there is no such file, or it is damaged."""
+        """Return a value from a JSON file; None if there is no such file, or it is damaged."""
         try:
             return json.loads(self.system.cat_file(self.path(name)))
         except (FileNotFoundError, ValueError):
@@ -153,18 +153,18 @@ class Store:
         return value if stated is not None and stated == _checksum(value) else None
 
     def has(self, name: str) -> bool:
-        """Say whether a file is there."""
+        """Return whether a file exists."""
         return bool(self.system.exists(self.path(name)))
 
     def holds(self, files: dict[str, int]) -> bool:
-        """Say whether all these files are there, with these numbers of bytes."""
+        """Return whether all these files exist with these numbers of bytes."""
         try:
             return all(self.system.info(self.path(name))["size"] == size for name, size in files.items())
         except FileNotFoundError:
             return False
 
     def sizes(self, folder: str) -> dict[str, int]:
-        """Return the names below a folder, relative to the store, and their bytes."""
+        """Return the names of the files below a folder, relative to the store, and their sizes in bytes."""
         self.system.invalidate_cache()
         found = self.system.find(self.path(folder), detail=True)
         return {path[len(self.root) + 1 :]: int(of["size"]) for path, of in found.items()}

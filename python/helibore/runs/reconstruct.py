@@ -3,7 +3,7 @@
     caliper                              -->  wall          hb.reconstruct(caliper, bit_diameter=0.216)
     readings --preparation--> caliper    -->  wall          hb.reconstruct(file.readings(), bit_diameter=..., ...)
 
-Not here: what the preparation does (``preparation``), and runs that a settings file repeats (``run``).
+``preparation`` describes the preparation, and ``run`` repeats runs from settings files.
 """
 
 from __future__ import annotations
@@ -41,26 +41,29 @@ def reconstruct(
     Parameters
     ----------
     samples
-        A caliper, whose basis the wall takes over; what `helibore.prepare` made; or the readings of one file or of
-        several over one hole, earliest first (``hb.open("caliper.las").readings()``), which are prepared here.
+        A caliper, whose basis becomes that of the wall; the result of `helibore.prepare`; or the readings of one file,
+        or of several files of one hole, earliest first (``hb.open("caliper.las").readings()``), which are prepared
+        here.
     preparation, track
         As in `helibore.prepare`, for readings.
     path
-        What the wall's `Wall.path` becomes; readings are turned into its reference.
+        The path of the wall, `Wall.path`; toolfaces of readings are turned into its reference.
     bit_diameter, threads, **settings
         As in `Wall` and `Settings`.
 
     Returns
     -------
     Wall
-        It takes more samples by `Wall.append`. With earlier passes to compare with, its attribute ``"difference"``
-        is how much larger it is than theirs, metres. Of readings, ``made_from["preparation"]`` has the lines on what
-        was left out and corrected, and on the worst places that one pass sees and the wall nearly hides.
+        More samples can be added by `Wall.append`. If the preparation has earlier passes, the attribute
+        ``"difference"`` is the wall's radius less that of the wall from these passes, metres. For readings,
+        ``made_from["preparation"]`` lists what was left out and corrected, and the worst places where one pass differs
+        from the merged wall.
 
     Raises
     ------
     InputError
-        On a setting that breaks its rule, a preparation of samples that are prepared, and as `helibore.prepare`.
+        On a setting that breaks its rule, on a preparation for samples that are already prepared, and as
+        `helibore.prepare`.
 
     Examples
     --------
@@ -100,7 +103,7 @@ def _odd_passes(wall: Wall, prepared: Prepared) -> list[str]:
 
 
 def compare(wall: Wall, earlier: Wall) -> None:
-    """Give a wall the attribute that says how much larger it is than an earlier one."""
+    """Set the attribute of a wall that states how much larger it is than an earlier one, metres."""
     from helibore.preparation.passes import difference
 
     wall.attributes[DIFFERENCE] = on_quads(difference(earlier, wall), wall.settings.sectors)

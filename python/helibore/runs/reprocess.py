@@ -1,10 +1,10 @@
-"""Reprocess many wells on Dask: `hb.reprocess`. helibore describes the work, Dask does it.
+"""Reprocess many wells on Dask: `hb.reprocess`. helibore defines the tasks, Dask runs them.
 
     manifest --read_jobs--> jobs --one task a well--> records --> one catalogue
 
-The scheduler holds names and records only: no wall and no sample travels. A well that fails is named with its reason,
-and the others finish. A job that is started again makes only what is not there. Without a scheduler the wells run on
-this machine, one worker a processor, one thread of the core in each.
+The scheduler holds names and records only: no wall and no samples are sent to it. If a well fails, it is reported with
+the reason, and the others finish. A job that is started again makes only the missing outputs. Without a scheduler the
+wells run on this machine, with one worker per processor and one core thread in each.
 """
 
 from __future__ import annotations
@@ -43,13 +43,13 @@ if TYPE_CHECKING:
 
 CATALOGUE, FAILURES = "catalogue.parquet", "failures.json"
 DEATHS = 30
-"""Workers that may die around a task before it counts as their killer. Dask's 3 fails a healthy task in a bad hour."""
+"""Workers that may die during a task before the task fails. Dask's default, 3, can fail a task without fault."""
 QUIET = {
     "distributed.worker.profile.enabled": False,
     "distributed.admin.tick.interval": "500ms",
     "distributed.admin.system-monitor.interval": "2s",
 }
-"""How often Dask looks at itself in the workers of this machine: its defaults cost a good part of a small well."""
+"""Dask settings for local workers: its default self-monitoring takes a large part of the time of a small well."""
 IGNORE_CTRL_C = ["helibore.runs.ignore_ctrl_c"]
 """Modules that each worker of this machine loads."""
 TRIES = 3
@@ -58,32 +58,32 @@ TRIES = 3
 
 @dataclass
 class Progress:
-    """How far a job is."""
+    """The progress of a job."""
 
     wells: int
-    done: list[str] = field(default_factory=list)  # made now
-    skipped: list[str] = field(default_factory=list)  # there already, from the same inputs and settings
+    done: list[str] = field(default_factory=list)  # wells made now
+    skipped: list[str] = field(default_factory=list)  # wells made before, from the same inputs and settings
     failed: dict[str, str] = field(default_factory=dict)  # well to reason
     warnings: dict[str, str] = field(default_factory=dict)  # well to what a reader of its numbers must know
-    unwritten: dict[str, str] = field(default_factory=dict)  # file of all wells that could not be written, to reason
+    unwritten: dict[str, str] = field(default_factory=dict)  # file for all wells that could not be written, to reason
     seconds: float = 0.0
-    dashboard: str | None = None  # where Dask shows what the workers do
+    dashboard: str | None = None  # address of Dask's dashboard
     outdated: dict[str, str] = field(default_factory=dict)  # `status`: well to what changed since it was made
     orphans: list[str] = field(default_factory=list)  # wells of the output that the manifest does not name
 
     @property
     def finished(self) -> int:
-        """Wells that need no more work."""
+        """Number of wells that need no more work."""
         return len(self.done) + len(self.skipped) + len(self.failed)
 
     @property
     def unmade(self) -> int:
-        """Wells that were not tried, or whose outputs are not there."""
+        """Number of wells that were not tried, or whose outputs are missing."""
         return self.wells - self.finished - len(self.outdated)
 
     @property
     def seconds_left(self) -> float:
-        """Estimate by the wells that were made so far; infinite before the first."""
+        """Seconds left, estimated from the wells made so far; infinite before the first."""
         made = len(self.done) + len(self.failed)
         return self.seconds / made * (self.wells - self.finished) if made else float("inf")
 
@@ -119,15 +119,15 @@ def reprocess(
     Returns
     -------
     Progress
-        The wells made, there already, and failed with their reasons; the wells of the output that the manifest does not
+        The wells made now, made before, and failed with their reasons; wells in the output that the manifest does not
         name; and whether the catalogue could not be written.
 
     Raises
     ------
     InputError
-        Before any work: a manifest that breaks a rule (well, key, rule), a missing file, an output that cannot be
-        written, a worker with other versions of helibore, NumPy or pyarrow, or without a library that a file needs; a
-        script without ``if __name__ == "__main__":``, if ``client`` is None.
+        Raised before any work, on: a manifest that breaks a rule (the error names well, key and rule); a missing file;
+        an output that cannot be written; a worker with other versions of helibore, NumPy or pyarrow, or without a
+        library that a file needs; a script without ``if __name__ == "__main__":``, if ``client`` is None.
     MissingExtraError
         Without the extra ``scale``.
 
@@ -164,7 +164,7 @@ def reprocess(
 
 @contextlib.contextmanager
 def connected(client: Client | str | None, workers: int | None = None) -> Iterator[Any]:
-    """Give a client as it is, one of a scheduler's address, or one of a cluster on this machine."""
+    """Yield a Dask client: the one given, one of the scheduler at an address, or one of a cluster on this machine."""
     with needs("", "scale"):
         import dask
         import pyarrow  # noqa: F401
@@ -188,12 +188,12 @@ def connected(client: Client | str | None, workers: int | None = None) -> Iterat
             "preload": IGNORE_CTRL_C,
         }
         with own, _started(lambda: LocalCluster(**local)) as cluster, Client(cluster) as made:
-            cluster.adapt(minimum=count, maximum=count)  # replaces workers that do not return
+            cluster.adapt(minimum=count, maximum=count)  # replaces workers that were lost
             yield made
 
 
 def _started(start: Callable[[], Any]) -> Any:
-    """Start a cluster; where a worker dies before it answers, Dask gives all up, and the cluster is started again."""
+    """Start a cluster; if a worker dies before it answers, Dask ends the cluster, and it is started again."""
     for _ in range(TRIES - 1):
         with contextlib.suppress(RuntimeError):
             return start()
@@ -201,9 +201,9 @@ def _started(start: Callable[[], Any]) -> Any:
 
 
 def status(jobs: Sequence[Job]) -> Progress:
-    """Return how far the wells are: those that need no work are ``skipped``. All inputs are read, for their checksums.
+    """Return the progress of the wells; ``skipped`` need no work. All inputs are read, to compute their checksums.
 
-    A well that is neither ``skipped`` nor ``failed`` nor ``outdated`` is not made.
+    A well that is not in ``skipped``, ``failed`` or ``outdated`` has not been made.
     """
     store = Store(jobs[0].output)
     failed = store.read_json(FAILURES) or {}
@@ -227,21 +227,21 @@ def _orphans(store: Store, jobs: Sequence[Job]) -> list[str]:
 
 
 def _check_workers(client: Any, jobs: Sequence[Job]) -> None:
-    """Refuse workers with other versions, or without a library that a file needs, by name, before any work.
+    """Refuse workers with other versions, or without a library that a file needs; the error names them.
 
-    One that comes later refuses its first task.
+    A worker that joins later refuses its first task.
     """
-    files: dict[str, str] = {}  # the first file of each ending
+    files: dict[str, str] = {}  # ending to the first file that has it
     for job in jobs:
         for address in job.addresses():
             files.setdefault(ending_of(address), f"well {job.well}: {address}")
     for worker, reason in client.run(_refusal, versions(), files, on_error="return").items():
-        if reason and not isinstance(reason, OSError):  # one that has just died does not answer
+        if reason and not isinstance(reason, OSError):  # a worker that has just died
             raise InputError(f"worker {worker}", str(reason))
 
 
 def _refusal(expected: dict[str, str], files: dict[str, str]) -> str:
-    """Return why this worker cannot work for who asks; "" if it can. Of what is raised, Dask prints the traceback."""
+    """Return why this worker cannot do the job; "" if it can. Not raised, since Dask would print a traceback."""
     try:
         check_versions(expected)
     except InputError as error:
@@ -261,7 +261,7 @@ def _run(client: Any, jobs: Sequence[Job], records: dict[str, Json], tell: Calla
     begin, so_far = time.perf_counter(), Progress(len(jobs), dashboard=client.dashboard_link)
     tell(so_far)
     waiting: dict[Any, _Task] = {}
-    blocks: dict[str, int] = {}  # of a large well, those that are not made
+    blocks: dict[str, int] = {}  # large well to the number of its blocks not yet made
 
     def submit(task: _Task) -> Any:
         key = f"{task.make.__name__}-{uuid.uuid4().hex}"
@@ -289,7 +289,7 @@ def _run(client: Any, jobs: Sequence[Job], records: dict[str, Json], tell: Calla
         try:
             error = future.exception()
             made = {} if error is not None else future.result()
-        except (CancelledError, OSError):  # what a task raised is in `error`
+        except (CancelledError, OSError):  # an error of the task itself is in `error`
             finish(job, "the scheduler was lost")
             continue
         if error is not None and task.tries < TRIES:
@@ -311,7 +311,7 @@ def _run(client: Any, jobs: Sequence[Job], records: dict[str, Json], tell: Calla
 
 
 class _Task(NamedTuple):
-    """What a worker does for a well, and for which time."""
+    """A task of a worker for a well, and the number of the attempt."""
 
     make: Callable[..., Any]
     job: Job
@@ -320,7 +320,7 @@ class _Task(NamedTuple):
 
 
 def _attempt(make: Callable[..., Json | None], job: Job, *more: Any) -> Json:
-    """Run a task; an error that the input explains is returned: of one that is raised, Dask prints the traceback."""
+    """Run a task; errors of the input are returned, not raised, since Dask would print a traceback."""
     try:
         return make(job, *more) or {}
     except (InputError, MissingExtraError, FileNotFoundError) as error:
@@ -328,13 +328,13 @@ def _attempt(make: Callable[..., Json | None], job: Job, *more: Any) -> Json:
 
 
 def _reason(error: BaseException) -> str:
-    """Return an error in one line; one that no input explains begins with its type."""
+    """Return an error in one line; unless the input caused it, the line begins with the type of the error."""
     text = " ".join(str(error).split())
     return text if isinstance(error, InputError | OSError) else f"{type(error).__name__}: {text}"
 
 
 def _write_catalogue(store: Store, records: dict[str, Json]) -> None:
-    """Write the rows of all records in the store, those of earlier jobs too, in the order of their wells."""
+    """Write the rows of all records in the store, including those of earlier jobs, sorted by well."""
     known = {record_name(well) for well in records}
     earlier = [
         store.read_checked(name) for name in store.sizes("records") if name.endswith(".json") and name not in known

@@ -1,4 +1,4 @@
-"""One run, from files to a wall and what is written of it, stage by stage; the commands and Python both use it.
+"""One run, from files to a wall and its outputs, stage by stage; the commands and the Python functions use it.
 
     run = repeat("wall.glb.toml")               # the same samples, wall and surface, to the last bit
     run.wall.surface().save("again.glb")
@@ -6,7 +6,7 @@
     caliper files --readings--> --prepare--> samples --> wall     (or an average caliper, a gauge hole, an archive)
     survey --> wall.path        images --> wall.images
 
-A ``RunSettings`` decides every byte of the output. Not here: options and printing (``cli``).
+A ``RunSettings`` decides every byte of the output. ``cli`` handles options and printing.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ Stage = Callable[[str, str], AbstractContextManager[None]]
 
 
 def checksum(path: str | os.PathLike[str]) -> str:
-    """Return the BLAKE2b of a file, 256 bits, as ``b2sum -l 256`` prints it: it takes half the time of SHA-256."""
+    """Return the BLAKE2b of a file, 256 bits, as ``b2sum -l 256`` prints it; it takes half the time of SHA-256."""
     with Path(path).open("rb") as file:
         return hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=32)).hexdigest()
 
@@ -94,7 +94,7 @@ class OpenFiles:
         return Input(file, "", log_set.name, tuple(change(log_set, roles)))
 
     def log_set(self, one: Input) -> LogSet:
-        """Return the set of a file that the settings name."""
+        """Return the set of a file that ``one`` names."""
         return self.log(one.file).set(one.set)
 
     def headers(self) -> list[dict[str, str]]:
@@ -102,7 +102,7 @@ class OpenFiles:
         return [each.header for log in self._logs.values() for each in log.sets]
 
     def description(self, one: Input) -> str:
-        """Describe what was read of a file in one sentence."""
+        """Return one sentence on what was read from a file."""
         log = self.log_set(one)
         named = f"set {log.name!r}, " if log.name not in ("table", "arrays") else ""
         return f"{one.file.name}: {self.log(one.file).format}, {named}{log.rows:,} rows"
@@ -132,12 +132,12 @@ class Run:
 
     @property
     def reference(self) -> str | None:
-        """What toolface 0 of the wall is, if the settings, the path or else all samples state it."""
+        """The reference of toolface 0 of the wall, if the settings, the path or else all samples state it."""
         return self.stated or (self.path.reference if self.path is not None else None)
 
     @property
     def stated(self) -> str | None:
-        """What toolface 0 of the wall is, if the settings or, without a path, all samples state it."""
+        """The reference of toolface 0 of the wall, if the settings or, without a path, all samples state it."""
         if self.settings.path.reference or self.path is not None:
             return self.settings.path.reference
         stated = {self.settings.preparation.toolface_from or one.reference for one in self.readings}
@@ -146,7 +146,7 @@ class Run:
 
     @property
     def assumed(self) -> bool:
-        """Whether readings or images are taken to count from the reference of the wall though nothing states it."""
+        """Whether toolfaces of readings or images are only assumed to count from the reference of the wall."""
         known = self.stated or self.settings.preparation.toolface_from
         silent = [one for one in self.readings if not (known or one.reference or one.high_side is not None)]
         images = [one for one in self.settings.image if not (self.stated or one.reference)]
@@ -194,7 +194,7 @@ def make_wall(run: Run, threads: int | None = None, stage: Stage = lambda *_: nu
 def read_run(
     run: Run, stage: Stage = lambda *_: nullcontext()
 ) -> tuple[list[SectorImage], tuple[str, Caliper | Prepared] | None]:
-    """Read the files of a run; return its images, and the name and samples of its wall, prepared: none of an archive.
+    """Read the files of a run; return its images, and name and prepared samples of its wall (None for an archive).
 
     The path of the run is known then.
     """
@@ -255,7 +255,7 @@ def build_wall(
                 sums = [{"name": file.name, "blake2b": run.files.checksum(file).result()} for file in made_from]
                 run.built.made_from = {"files": sums} | run.built.made_from
             if isinstance(made, Prepared):
-                run.messages += preparation_lines(run.built)[len(made.report) :]  # what the wall says of its passes
+                run.messages += preparation_lines(run.built)[len(made.report) :]  # messages on the passes of the wall
             header = log_header(run.files.headers())
             if header:
                 run.built.made_from["header"] = header
@@ -277,7 +277,7 @@ def preparation_lines(wall: Wall) -> list[tuple[str, str]]:
 
 
 def stated_header(run: Run) -> dict[str, str]:
-    """Return what the files of a run state of the hole; of a saved wall, what the files it was made from stated."""
+    """Return the facts on the hole that a run's files state; for a saved wall, those that its own files stated."""
     kept = run.wall.made_from.get("header") if run.built is not None else None
     earlier = {str(name): str(text) for name, text in kept.items()} if isinstance(kept, dict) else {}
     return earlier | log_header(run.files.headers())
@@ -296,7 +296,7 @@ def _tune(run: Run, wall: Settings, caliper: Caliper, threads: int | None) -> Se
     """Return the settings of the wall that `helibore.tune` finds, and give them to the run."""
     from helibore.wall.tune import TUNED, tune
 
-    usual = {"max_distance": Settings.max_distance}  # not chosen by anyone
+    usual = {"max_distance": Settings.max_distance}  # a default, not chosen by the user
     fixed = {name: of for name, of in vars(wall).items() if name not in TUNED and usual.get(name) != of}
     tuning = tune(caliper, threads=threads, **fixed)
     run.messages.append(("tuned", tuning.sentence))
@@ -399,7 +399,7 @@ def no_samples(name: str, ends: tuple[float, float], settings: Settings) -> Inpu
 
 
 def interval(settings: Settings) -> tuple[float, float]:
-    """Return the shallow and the deep end of the wall that the settings ask for; infinite: as the samples reach."""
+    """Return the shallow and the deep end of the wall that the settings state, metres; infinite if not stated."""
     ends = (settings.start_depth, settings.stop_depth)
     top, bottom = ends if settings.pitch > 0 else ends[::-1]
     return -np.inf if top is None else top, np.inf if bottom is None else bottom
@@ -407,7 +407,7 @@ def interval(settings: Settings) -> tuple[float, float]:
 
 @contextmanager
 def placing(run: Run, options: str = "") -> Iterator[None]:
-    """Name the file of the survey, and the options that help, in the error of a path that misses a part of the wall."""
+    """If the path misses a part of the wall, name in the error the survey's file and the options that help."""
     try:
         yield
     except ValueError as error:
@@ -431,7 +431,7 @@ def check_path(run: Run, *ends: float) -> None:
 
 
 def save_settings(run: Run, output: Path, verb: str, options: dict[str, Any]) -> RunSettings:
-    """Write the settings that repeat ``output`` beside it, with the checksums of what was read and of the output."""
+    """Write the settings that repeat ``output`` beside it, with the checksums of the inputs and of the output."""
 
     def known(one: Any) -> Any:
         blake2b, line = run.files.checksum(one.file).result(), run.files.header_lines.get(one.file)
@@ -481,7 +481,7 @@ def _survey_lines(run: Run) -> Iterator[tuple[str, str]]:
 
 
 def _first_station(log: LogSet, roles: RoleMap, survey: Survey, head: tuple[float, ...]) -> Iterator[tuple[str, str]]:
-    """Say what positions count from, if no head is given and the first station is not the origin."""
+    """Yield a message on the origin of positions, if no head is given and the first station is not the origin."""
     top = float(survey.depth[0])
     row = int(np.flatnonzero(column(log, needed(log, roles, "depth")) == top)[0])
     found = [roles.one(name) for name in ("north", "east", "tvd")]

@@ -1,4 +1,4 @@
-"""What an output was made from and how: a TOML file beside it, one format for every mesh, log and picture; and back.
+"""Settings that repeat an output: a TOML file beside it, in one format for every mesh, log and picture.
 
     helibore = "0.1.0"          verb = "mesh"         nulls = [-999.25, -9999.0, -9999.25]
     [output]                    file = "wall.glb"     blake2b = "..."
@@ -11,7 +11,7 @@
     [options]                                         the verb's own options
 
 Files are named relative to the settings file. Defaults are written too, so that a later version with other defaults
-repeats the run. Not here: the run itself (``run``).
+repeats the run. ``run`` has the run itself.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Input:
     """A file that was read: its checksum, the set, and the role of every channel used."""
 
     file: Path
-    blake2b: str = ""  # of its bytes, in hexadecimal; "" while not known
+    blake2b: str = ""  # checksum of its bytes, in hexadecimal; "" while not known
     set: str | None = None  # None where the file has no sets
     channel: tuple[Role, ...] = ()
     header_line: int | None = None  # the line of a table's column names, where it was given
@@ -85,9 +85,10 @@ class Output:
 
 @dataclass(frozen=True, kw_only=True)
 class PathSettings:
-    """How a survey becomes a path; see `helibore.Survey.path`.
+    """Settings of a path; see `helibore.Survey.path`.
 
-    Without a survey, ``reference`` says what toolface 0 of the wall is. None: high side on a path, else not known.
+    Without a survey, ``reference`` states what toolface 0 of the wall is. None: the high side if there is a path, else
+    not known.
     """
 
     method: str = "minimum-curvature"
@@ -132,7 +133,7 @@ class RunSettings:
 
     @property
     def shown(self) -> tuple[Input | ImageInput | ScalarInput, ...]:
-        """The files whose values are shown, not those that say where they lie; picks are saved beside the first."""
+        """The files whose values are shown, without survey and track; picks are saved beside the first of them."""
         alone = (one for one in (self.average, self.archive) if one is not None)
         return (*self.caliper, *alone, *self.image, *self.scalar)
 
@@ -174,7 +175,7 @@ def _tree(value: Any, folder: Path) -> Any:
     if isinstance(value, Path):
         try:
             return Path(os.path.relpath(value.resolve(), folder)).as_posix()
-        except ValueError:  # another drive
+        except ValueError:  # on another drive
             return value.resolve().as_posix()
     return "none" if value is None else value
 

@@ -1,4 +1,4 @@
-"""One well of a manifest: from its files to its outputs in the store, on any worker.
+"""Make one well of a manifest, from its files to its outputs in the store, on any worker.
 
     files --local copies--> Run --> wall --> archive, mesh, logs, zones --> the record, last
 
@@ -7,8 +7,8 @@
     OUTPUT/zones/well=A-1/zones-0.parquet
     OUTPUT/records/A-1.json                     what the outputs were made from, and the row of the catalogue
 
-A well is done when its record is there: it names settings, versions, checksums of the inputs and the files written. A
-well whose record agrees is not made again. Without its record, its files are replaced.
+A well is complete when its record exists. The record states settings, versions, checksums of the inputs and the files
+written. A well whose record agrees with these is not made again. If there is no record, files of the well are replaced.
 """
 
 from __future__ import annotations
@@ -64,20 +64,20 @@ def record_name(well: str) -> str:
 
 
 def reprocess_well(job: Job, expected: dict[str, str] | None = None) -> Json:
-    """Make the outputs of one well, unless its record shows that they are there.
+    """Make the outputs of one well, unless its record shows that they exist.
 
     Parameters
     ----------
     job
         The well.
     expected
-        The `versions` of who asks; a worker that has others refuses. None: any.
+        The `versions` of the calling process; a worker with other versions refuses. None: any versions.
 
     Returns
     -------
     dict
-        The record; its ``made`` says whether the outputs were made now. Or, for a well too large for one piece,
-        ``blocks``: how many `reprocess_block` makes, before `merge_well` makes the record.
+        The record; its ``made`` states whether the outputs were made now. For a well too large for one piece, a dict
+        with ``blocks``: the number of blocks that `reprocess_block` makes, before `merge_well` makes the record.
 
     Raises
     ------
@@ -90,7 +90,7 @@ def reprocess_well(job: Job, expected: dict[str, str] | None = None) -> Json:
     store = Store(job.output)
     try:
         return _made(job, store)
-    except InputError:  # what is there was made of another input, or is a part
+    except InputError:  # outputs in the store are of another input, or incomplete
         folders = (*_folders(job), _work(job))
         store.delete([record_name(job.well), *(name for folder in folders for name in store.sizes(folder))])
         raise
@@ -128,7 +128,7 @@ def _made(job: Job, store: Store) -> Json:
 
 
 def _check_path(job: Job, run: Run, *ends: float) -> None:
-    """Refuse a path that ends before the wall where ``helibore mesh`` does: for an archive and a mesh."""
+    """Refuse a path that ends before the wall, for an archive or a mesh, as ``helibore mesh`` does."""
     if {"archive", "mesh"} & set(job.outputs):
         check_path(run, *ends)
 
@@ -142,7 +142,7 @@ def reprocess_block(job: Job, number: int, expected: dict[str, str] | None = Non
 
 
 def merge_well(job: Job, expected: dict[str, str] | None = None) -> Json:
-    """Make the outputs of a large well, of which all blocks are made, and its record; return it as `reprocess_well`."""
+    """Make outputs and record of a large well whose blocks are all made; return the record as `reprocess_well`."""
     check_versions(expected)
     store = Store(job.output)
     with _opened(job, ("survey",)) as (run, _):
@@ -160,7 +160,7 @@ def merge_well(job: Job, expected: dict[str, str] | None = None) -> Json:
 
 
 def _work(job: Job) -> str:
-    """Return the folder of what a large well needs while it is made."""
+    """Return the folder of the temporary files of a large well."""
     return f"work/{job.key}"
 
 
@@ -197,9 +197,9 @@ def _changes(record: Json, now: Json, store: Store) -> str:
 
 
 def changes(job: Job) -> str | None:
-    """Return what has changed since a well was made, as "its settings, A-1.csv"; "" if nothing, None if it is not made.
+    """Return what has changed since a well was made, as "its settings, A-1.csv"; "": nothing; None: it is not made.
 
-    All its inputs are read, for their checksums.
+    All its inputs are read, to compute their checksums.
     """
     store = Store(job.output)
     record: Json | None = store.read_checked(record_name(job.well))
@@ -215,7 +215,7 @@ def changes(job: Job) -> str | None:
 
 
 def _provenance(made_from: Json) -> Json:
-    """Return the columns of the catalogue that say what a well was made from."""
+    """Return the columns of the catalogue that state what a well was made from."""
     inputs = ", ".join(f"{of['name']} {of['blake2b']}" for of in made_from["inputs"])
     return {"inputs": inputs, "settings_hash": made_from["settings"], **made_from["versions"]}
 
@@ -255,7 +255,7 @@ Save = Callable[[str, Callable[[Path], object]], None]
 
 
 def _saver(store: Store) -> tuple[dict[str, int], Save]:
-    """Return a function that writes a file of the store, and the bytes of the files that it wrote."""
+    """Return the sizes, bytes, of the files written so far by name, and a function that writes a file to the store."""
     files: dict[str, int] = {}
 
     def save(name: str, write: Callable[[Path], object]) -> None:
@@ -267,7 +267,7 @@ def _saver(store: Store) -> tuple[dict[str, int], Save]:
 
 
 def write_outputs(run: Run, job: Job, store: Store) -> tuple[dict[str, int], Json]:
-    """Write what a job asks for; return the bytes of each file by name, and the row of the catalogue."""
+    """Write the outputs of a job; return the size of each file in bytes, by name, and the row of the catalogue."""
     wall, key = run.wall, job.key
     files, save = _saver(store)
     if "archive" in job.outputs:
@@ -329,7 +329,7 @@ COLUMNS = NUMBERS | {
 
 
 def catalogue_row(well: str, settings: RunSettings, wall: Wall | Merged, logs: Logs, summary: WallSummary) -> Json:
-    """Return what the catalogue says of a well: interval, sizes, quality and settings; None for what is missing."""
+    """Return the catalogue row of a well: interval, sizes, quality and settings; None for missing values."""
 
     def known(value: Any) -> Any:
         return None if isinstance(value, float) and not math.isfinite(value) else value
