@@ -1,9 +1,10 @@
-"""What a picture of a wall shows: interval, scale, tracks, cross sections, shaded body. Decided once, for all papers.
+"""Decide what a picture of a wall shows: interval, scale, tracks, cross sections, shaded body; the same on all papers.
 
     Drawing (options, checked)  +  Wall  ->  Content (tracks with their colours, limits shared by every page)
 
-The colours of an image come from all of it, as on the viewer's page: percentiles 2 to 98, logarithms for resistivity,
-or a sliding window (dynamic). Those of the radius are centred on bit size and come from the whole wall.
+The colour scale of an image is that of the whole image, as on the viewer's page: percentiles 2 to 98, logarithms for
+resistivity, or a sliding window (dynamic). The colour scale of the radius is that of the whole wall, centred on bit
+size.
 """
 
 from __future__ import annotations
@@ -69,7 +70,7 @@ NARROW_CURVE, NARROW_IMAGE = 15.0, 24.0
 
 @dataclass(frozen=True, kw_only=True)
 class Look:
-    """How an image is coloured; None: as is customary for it.
+    """The colours of an image; None: those usual for it.
 
     Attributes
     ----------
@@ -80,7 +81,7 @@ class Look:
     log
         Whether colours follow the logarithm.
     window
-        Metres: dynamic normalisation by a window that slides; colours are then not values.
+        Metres: dynamic normalisation by a sliding window; a colour then does not stand for one value.
     """
 
     limits: tuple[float, float] | None = None
@@ -97,49 +98,50 @@ class Look:
 
 @dataclass(frozen=True, kw_only=True)
 class Drawing:
-    """What is drawn, and how.
+    """The options of a drawing.
 
     Attributes
     ----------
     title, subtitle
-        Of the header: the well, and what else to say.
+        Title of the header (the well), and the line below it.
     header
-        What else the header says of the hole, by name: company, field, date, datum, mud, remarks ...
+        Further entries of the header, by name: company, field, date, datum, mud, remarks ...
     scalars
         Curves along the hole, each a track of its own: gamma ray, resistivity, inclination ...
     start, stop
         Measured depths, metres; None: the ends of the wall.
     scale
-        200 for 1:200; None: the finest usual one that the interval allows.
+        200 for 1:200; None: the finest usual scale for the length of the interval.
     images
         Names of the wall's images to draw, in this order; None: all.
     looks
         `Look` by name of an image; ``"Radius"`` is that of the radius.
     reference
-        What toolface 0 is: ``"high-side"``, ``"north"`` or ``"parallel-transport"``. None: what the wall's path says,
-        else its images; where neither is there, the picture says that it is not known.
+        What toolface 0 is: ``"high-side"``, ``"north"`` or ``"parallel-transport"``. None: as the wall's path states,
+        else as its images state; without both, the picture says that it is not known.
     left
-        Toolface of the left edge of every image: 0, 90, 180 or 270; 180 puts up in the middle.
+        Toolface of the left edge of every image: 0, 90, 180 or 270; with 180, toolface 0 is in the middle.
     unit
-        Of diameters, radii and cross sections: ``"in"`` or ``"mm"``; ``"ft"``: inches, and feet for depths.
+        Unit of diameters, radii and cross sections: ``"in"`` or ``"mm"``; ``"ft"``: inches, and feet for depths.
     curves
-        Of the caliper track, beside the diameter by area: ``"C1"``, ``"C2"`` (the largest diameter, and the one across
-        it), ``"D0"``, ``"D90"`` (across toolfaces 0 and 180, 90 and 270).
+        Curves of the caliper track, beside the diameter by area: ``"C1"``, ``"C2"`` (the largest diameter, and the one
+        at right angles to it), ``"D0"``, ``"D90"`` (from toolface 0 to 180, from 90 to 270).
     polar
-        Depths of the cross sections; None: the largest, most oval, most usual and smallest turn; empty: none.
+        Depths of the cross sections, metres; None: those of the largest, most oval, most usual and smallest turn;
+        empty: none.
     body
-        Ends of the stretch drawn as a shaded body, metres; None: the 12 m with most relief; empty: none.
+        Ends of the interval drawn as a shaded body, metres; None: the 12 m with most relief; empty: none.
     dpi
         Pixels an inch.
     elevation
-        Metres from mean sea level up to the zero of the depths (rotary table, kelly bushing): true depths, which stand
-        under the measured ones where the survey says them, are then TVDSS. None: TVD.
+        Metres from mean sea level up to the zero of the depths (rotary table, kelly bushing). True depths, printed
+        under the measured ones if the survey gives them, are then TVDSS. None: TVD.
     template
-        Which tracks there are, in which order and how wide; its units and scale are not read here. None: all of them.
+        Tracks, their order and widths; the units and scale of the template are not used here. None: all tracks.
     beside
-        Other walls by name (wells, or passes of the same one), drawn on the same depths at the right of the tracks:
-        caliper on one scale with the wall's own, radius in the same colours. ``start`` and ``stop`` None: the ends of
-        all of them.
+        Other walls by name (wells, or passes of the same well), drawn at the same depths to the right of the tracks:
+        their calipers have the scale, their radii the colours of the first wall. If ``start`` and ``stop`` are None,
+        the interval holds all walls.
     """
 
     title: str = ""
@@ -184,18 +186,18 @@ class Drawing:
 
     @property
     def size_unit(self) -> str:
-        """Of diameters: ``"in"`` or ``"mm"``."""
+        """Unit of diameters: ``"in"`` or ``"mm"``."""
         return "mm" if self.unit == "mm" else "in"
 
     @property
     def depth_unit(self) -> DepthUnit:
-        """Of depths."""
+        """Unit of depths."""
         return FEET if self.unit == "ft" else METRES
 
 
 @dataclass(frozen=True)
 class Body:
-    """Colours of the shaded body: a scale, one value a vertex of the stretch, and what they are."""
+    """Colours of the shaded body: a scale, one value per vertex of its interval, and their name."""
 
     scale: ColorScale
     values: Floats
@@ -277,7 +279,7 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     sure = _uncertainty(wall, top, bottom, drawing.size_unit)
     count = len(images) + (sure is not None) + sum(one.basis == "azimuthal" for one in (wall, *drawing.beside.values()))
     room = ROOM - sum(track.width + 2.0 for track in [*tracks, *dips, *calipers]) - 2.0 * count
-    for track in scalars:  # first they get narrower, then the images, then the paper wider
+    for track in scalars:  # curves get narrower first, then images; then the paper gets wider
         track.width = min(track.width, max(NARROW_CURVE, (room - NARROW_IMAGE * count) / len(scalars) - 2.0))
     tracks += scalars
     room -= sum(track.width + 2.0 for track in scalars)
@@ -320,7 +322,7 @@ def _logged(logs: Logs) -> list[ScalarCurve]:
 def _arranged(
     template: Template, tracks: list[PlacedTrack], curves: Sequence[ScalarCurve], top: float, bottom: float
 ) -> list[PlacedTrack]:
-    """Return the depth and the tracks of a template that the wall has."""
+    """Return the depth track, and those tracks of a template for which the wall has values."""
     images = {track.shown.name: track for track in tracks if isinstance(track, ImageTrack)}
     by_name = {curve.name: curve for curve in reversed(curves)}
     arranged = tracks[:1]
@@ -386,7 +388,7 @@ def _interval(wall: Wall, drawing: Drawing) -> tuple[float, float]:
 
 
 def _reference(wall: Wall, drawing: Drawing) -> str:
-    """What toolface 0 of the picture is; "" where nothing says so."""
+    """Return what toolface 0 of the picture is; "" if nothing states it."""
     own = wall.path.reference if wall.path is not None else None
     if drawing.reference is None:
         return reference_of(wall) or ""
@@ -412,7 +414,7 @@ def _images(wall: Wall, drawing: Drawing, reference: str) -> list[SectorImage]:
 
 
 def _turned(image: SectorImage, values: Floats, path: Path | None, reference: str) -> SectorImage:
-    """The image with values, or what their colours stand for, in the reference of the picture."""
+    """Return the image with ``values`` (its own, or normalised), in the reference of the picture."""
     drawn = SectorImage(
         image.depth, values, image.name, image.unit, origin=image.origin, reference=image.reference,
         direction=image.direction, offset=image.offset, reach=image.reach,
@@ -421,7 +423,7 @@ def _turned(image: SectorImage, values: Floats, path: Path | None, reference: st
 
 
 def _shown(image: SectorImage, look: Look, top: float, bottom: float) -> tuple[Shown, Floats]:
-    """How an image is shown between two depths, and the values that its colours stand for."""
+    """Return how an image is shown between two depths, and the values that its colours stand for."""
     rows = (image.depth >= top - image.reach) & (image.depth <= bottom + image.reach)
     if not rows.any():
         ends = f"{image.depth[0]:g} to {image.depth[-1]:g} m"
@@ -448,12 +450,12 @@ def _shown(image: SectorImage, look: Look, top: float, bottom: float) -> tuple[S
 
 
 def _beyond(values: Floats, low: float, high: float) -> tuple[int, int]:
-    """How many values a scale cuts off, and how many there are."""
+    """Return the number of values beyond the ends of a scale, and the number of all values."""
     return int(((values < low) | (values > high)).sum()), int(np.isfinite(values).sum())
 
 
 def _radius(wall: Wall, look: Look, top: float, bottom: float, unit: str) -> tuple[Shown, Floats]:
-    """Radius over half the bit size, in ``unit``, one a vertex; the middle of the whole wall's colours is 0."""
+    """Return radius less half the bit size, in ``unit``, one per vertex, and the whole wall's colours around 0."""
     if look.log or look.window is not None:
         raise InputError("Radius", "is drawn over bit size, on a plain scale: log and window are not for it")
     over, scale = over_bit(wall.radius, wall.settings.bit_diameter, look.color_map, look.limits, LENGTHS[unit])
@@ -463,7 +465,7 @@ def _radius(wall: Wall, look: Look, top: float, bottom: float, unit: str) -> tup
 
 
 def _uncertainty(wall: Wall, top: float, bottom: float, unit: str) -> tuple[Shown, Floats] | None:
-    """Half the interval that holds 95 % of the radii, in ``unit``, one a vertex, if the wall came with its sigma."""
+    """Return half the 95 % interval of each radius, in ``unit``, one per vertex; None if the wall has no sigma."""
     if "sigma" not in wall.attributes:
         return None
     of_quads = wall.attributes.whole("sigma", wall.start_depth, max(len(wall) - wall.settings.sectors - 1, 0))
@@ -504,13 +506,13 @@ def _stretched(wall: Wall, drawing: Drawing, top: float, bottom: float, images: 
     if wall.basis != "azimuthal" and not images:
         return None
     found = most_relief(wall, top, bottom)
-    if found is not None and wall.basis == "gauge":  # no relief: where the images have most to show
+    if found is not None and wall.basis == "gauge":  # no relief: choose by the images
         found = _imaged(wall, images[0], top, bottom, 0.5 * (found[1] - found[0]))
     return None if found is None else turns_between(wall, *found)
 
 
 def _imaged(wall: Wall, image: SectorImage, top: float, bottom: float, half: float) -> tuple[float, float]:
-    """A stretch around the middle row of those, from ``top`` to ``bottom``, that hold a value in every sector."""
+    """Return an interval around the middle one of the rows between ``top`` and ``bottom`` without missing values."""
     whole = np.isfinite(image.values).all(axis=1) & (image.depth >= top) & (image.depth <= bottom)
     low, high = max(top, float(wall.depth.min())), min(bottom, float(wall.depth.max()))
     middle = float(np.median(image.depth[whole])) if whole.any() else low + half
@@ -521,7 +523,7 @@ def _imaged(wall: Wall, image: SectorImage, top: float, bottom: float, half: flo
 def _bodies(
     wall: Wall, one: Stretched, radius: tuple[Shown, Floats], images: list[tuple[SectorImage, tuple[Shown, Floats]]]
 ) -> list[Body]:
-    """The body coloured by the radius, where that was measured, and by the images that say most of it: two at most."""
+    """Return the body coloured by the radius, if it was measured, and by the images with most values: two at most."""
     part = slice(one.first, one.first + one.radius.size)
     bodies = []
     if wall.basis == "azimuthal":

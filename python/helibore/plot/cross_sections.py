@@ -1,4 +1,4 @@
-"""Cross sections of the hole, as it is: the same scale across and along, the bit's circle, what was measured.
+"""Cross sections of the hole, with one scale for both axes, the circle of the bit, and the samples.
 
       T                 one point a sector, from the turn nearest to the depth: nothing is interpolated;
    .-----.              dots are the samples within half a pitch; a grey wedge is where no sample is in reach
@@ -72,7 +72,7 @@ def sections_at(wall: Wall, depths: list[float], interpolated: Floats | None = N
 
 
 def telling_depths(turns: Diameters, top: float, bottom: float) -> list[float]:
-    """Return up to four depths worth a section: the largest, the most oval, a usual and the smallest turn."""
+    """Return up to four depths for sections, metres: of the largest, the most oval, a usual and the smallest turn."""
     inside = (turns.depth >= top) & (turns.depth <= bottom) & np.isfinite(turns.area)
     if not inside.any():
         return []

@@ -17,7 +17,7 @@ from helibore.samples.helix import WallLike
 
 @dataclass(frozen=True)
 class Diameters:
-    """One row a turn from the shallowest to the deepest, each (rows,) float64, metres; NaN where missing.
+    """One row per turn from the shallowest to the deepest, each (rows,) float64, metres; NaN where missing.
 
     ``area``, ``c1`` to ``d90`` are `Logs.equivalent_diameter`, ``c1``, ``c2``, ``diameter_0`` and ``diameter_90``: NaN
     unless the turn is whole.
@@ -39,7 +39,7 @@ def diameters(wall: WallLike, logs: Logs, kind: Floats) -> Diameters:
     """Return the diameters of every full turn, from the turns' logs and kinds."""
     K = wall.settings.sectors
     by_turn = wall.radius[: logs.depth.size * K].reshape(-1, K)
-    half = K // 2  # with an odd number the far side is the mean of the two vertices next to it
+    half = K // 2  # if K is odd, the far side is the mean of two vertices
     far = 0.5 * (np.roll(by_turn, -half, axis=1) + np.roll(by_turn, -((K + 1) // 2), axis=1))
     across = by_turn + far
     whole = (logs.depth, logs.equivalent_diameter, logs.c1, logs.c2, logs.diameter_0, logs.diameter_90)
@@ -63,7 +63,7 @@ def thinned(turns: Diameters, top: float, bottom: float, rows: int) -> Diameters
     found["least"] = np.fmin.reduceat(columns["least"], first)
     found["greatest"] = np.fmax.reduceat(columns["greatest"], first)
     found["kind"] = np.maximum.reduceat(columns["kind"], first)
-    for name in ("area", "c1", "c2", "d0", "d90"):  # of rows at least half of whose turns are whole
+    for name in ("area", "c1", "c2", "d0", "d90"):  # only in rows in which at least half of the turns are whole
         there = np.isfinite(columns[name])
         total = np.add.reduceat(np.where(there, columns[name], 0.0), first)
         known = np.add.reduceat(there.astype(np.float64), first)

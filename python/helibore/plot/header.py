@@ -1,6 +1,6 @@
-"""The header of a log, which says what hole it is and what was measured, and the foot, which explains signs.
+"""The header of a log, which states the hole and what was measured, and the foot, which explains the symbols.
 
-A wall that is not an image of the shape says so in the header, in red.
+If a wall does not show the shape of the hole, the header says so in red.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ MADE = 62.0
 
 
 def facts(content: Content) -> list[tuple[str, str, bool]]:
-    """Return label, text and whether it is a warning, for everything a reader must know."""
+    """Return the facts that a reader must know: label, text, and whether it is a warning."""
     wall, settings, summary = content.wall, content.wall.settings, content.summary()
     bit = settings.bit_diameter
     unit = content.drawing.depth_unit
@@ -58,7 +58,7 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
     below = "" if elevation is None else f"; TVDSS is TVD less {elevation / unit.metres:.6g} {unit.name}"
     paper = f"{1000 * unit.metres / content.scale:.4g} mm on paper a {'foot' if unit.name == 'ft' else 'metre'}"
     measured: list[tuple[str, str, bool]] = []
-    if wall.basis != "gauge":  # whose samples are no measurements
+    if wall.basis != "gauge":  # samples of a gauge hole are not measurements
         measured.append(("Samples", f"{summary.samples:,}", False))
         measured.append(
             ("Measured", measured_text(content), True)
@@ -82,13 +82,13 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
 
 
 def toolface_text(content: Content) -> str:
-    """Return what toolfaces count from, and whether that is only assumed."""
+    """Return as text what toolfaces count from, and whether that is only assumed."""
     assumed = "assumed " if content.reference and reference_assumed(content.wall) else ""
     return assumed + REFERENCE_TEXT[content.reference]
 
 
 def survey_text(content: Content) -> str:
-    """Return which survey the path and the true dips come from, and from which north, if that is known."""
+    """Return as text the survey of the path and the true dips, and its north reference, if known."""
     noted = content.wall.made_from.get("survey")
     survey = noted if isinstance(noted, dict) else {}
     north = f"azimuths from {survey['north']} north" if survey.get("north") else "north as in the survey"
@@ -101,7 +101,7 @@ def header_height(content: Content) -> float:
 
 
 def measured_text(content: Content) -> str:
-    """Return how much of the turns was measured, and what the rest is."""
+    """Return as text the measured part of the turns, and what the rest is."""
     rest = content.hatching or "interpolated or missing"
     return f"{100 * content.summary().coverage:.2f} % of the turns; the rest is {rest}"
 
@@ -134,7 +134,7 @@ def draw_header(sheet: Sheet, content: Content, x: float, y: float, width: float
 
 
 def _kinds(content: Content) -> tuple[list[str], list[str]]:
-    """The kinds of zones and of picks in the interval, whose colours the foot explains."""
+    """Return the kinds of zones and of picks in the interval; the foot explains their colours."""
     zones = {zone.kind for zone in content.zones.by_severity(content.top, content.bottom)}
     picks = {pick.kind for pick in content.wall.picks if content.top <= pick.depth <= content.bottom}
     return [kind for kind in LETTERS if kind in zones], [kind for kind in PICK_COLORS if kind in picks]

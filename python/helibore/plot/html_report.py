@@ -89,7 +89,7 @@ def report(
     filename
         Replaced if it is there.
     messages
-        (label, sentence) of what was read, dropped and corrected on the way to the wall.
+        (label, sentence) on the readings and samples that were read, dropped and corrected.
     **options
         As in `helibore.plot.Drawing`.
 
@@ -264,12 +264,12 @@ def _zones(zones: Classification | None, content: Content) -> str:
 
 
 def _toolface(content: Content) -> str:
-    """What toolfaces in a table count from."""
+    """Return as text what toolfaces in a table count from."""
     return f"Toolfaces: {html.escape(toolface_text(content))}."
 
 
 def _picks(content: Content) -> str:
-    """Planes and breakouts that were picked, by depth."""
+    """Return the table of picked planes and breakouts, sorted by depth."""
     wall = content.wall
     picks = sorted(
         (pick for pick in wall.picks if content.top <= pick.depth <= content.bottom), key=lambda one: one.depth
@@ -331,7 +331,7 @@ def _quality(content: Content, messages: Sequence[tuple[str, str]]) -> str:
 
 
 def largest_gaps(turns: Diameters, pitch: float) -> list[tuple[float, float]]:
-    """Return the longest stretches, at most ten, whose turns lack a radius somewhere; the longest first."""
+    """Return the longest intervals whose turns all lack a radius somewhere: at most ten, the longest first, metres."""
     runs = sorted(runs_of(turns.coverage < 1), key=lambda run: run[0] - run[1])[:MOST_GAPS]
     return [(float(turns.depth[first]) - pitch / 2, float(turns.depth[stop - 1]) + pitch / 2) for first, stop in runs]
 
@@ -346,9 +346,9 @@ def _settings(content: Content, zones: Classification | None) -> str:
 
 
 def _made_from(made_from: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Files with their checksums, as a run notes them, and whatever else the wall's maker wrote."""
+    """Yield the files with their checksums, as a run records them, and all other entries of ``made_from``."""
     for name, value in made_from.items():
-        if name in ("preparation", "header", "toolface", "survey"):  # among the messages, above all, and with the facts
+        if name in ("preparation", "header", "toolface", "survey"):  # shown elsewhere: in messages, header and facts
             continue
         of_a_run = name == "files" and isinstance(value, list)
         if of_a_run and all(isinstance(one, dict) and one.keys() == {"name", "blake2b"} for one in value):
@@ -358,7 +358,7 @@ def _made_from(made_from: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def _setting_text(name: str, value: Any) -> str:
-    """A setting of the wall with its unit, in words where it is none."""
+    """Return a setting of the wall with its unit; None becomes words."""
     if value is None or isinstance(value, bool):
         return NO_SETTING.get(name, "none") if value is None else "yes" if value else "no"
     if isinstance(value, str):

@@ -1,4 +1,4 @@
-"""Where everything stands: header, heads, tracks at a true scale, cross sections and shaded bodies.
+"""Lay out a log: header, heads, tracks at a true scale, cross sections and shaded bodies.
 
     figure = hb.plot.log(wall, title="F-12", scale=200)      one sheet, as long as the interval
     figures = hb.plot.pages(wall, title="F-12")              the same on A4
@@ -57,8 +57,8 @@ def log(wall: Wall, **options: Any) -> Figure:
     Raises
     ------
     InputError
-        On an image outside the interval, without a value in it, constant, or not above 0 on a log scale; on options
-        that break their rules.
+        On an image that lies outside the interval, has no value in it, is constant, or is not above 0 on a log scale;
+        on options that break their rules.
     MissingExtraError
         Without matplotlib.
     """
@@ -87,13 +87,13 @@ def pages(wall: Wall, paper: str | tuple[float, float] = "a4", **options: Any) -
     wall, **options
         As in `log`.
     paper
-        ``"a4"``, ``"a3"``, or width and height in millimetres. It is made wider where the tracks need it.
+        ``"a4"``, ``"a3"``, or width and height in millimetres. It becomes wider if the tracks need it.
     """
     return pages_of(content_of(wall, Drawing(**options)), paper)
 
 
 def pages_of(content: Content, paper: str | tuple[float, float]) -> list[Figure]:
-    """Draw content that is decided already: `pages`."""
+    """Draw ``content`` on pages: `pages` after its options are resolved."""
     width, height = PAPERS[paper] if isinstance(paper, str) else paper
     width = max(width, _width(content))
     free = height - MARGIN - footer_height(content)
@@ -108,7 +108,7 @@ def pages_of(content: Content, paper: str | tuple[float, float]) -> list[Figure]
         y = draw_tracks(sheets[-1], content, top, bottom, y)
         ends.append(content.drawing.depth_unit.ends(top, bottom))
     for needed, draw in _tail(content):
-        if y + GAP + needed > free:  # else it stands under the last metres
+        if y + GAP + needed > free:  # else it is placed below the tracks on this page
             longest = needed + 2 * MARGIN + footer_height(content)
             sheets.append(Sheet(width, max(height, longest), content.drawing.dpi))
             ends.append("")
@@ -135,7 +135,7 @@ def _divided(content: Content, room: float) -> list[tuple[float, float]]:
             cut = top + free * metres
         parts.append((top, cut))
         top, free = cut, room
-    if parts and content.bottom - top < STUB * metres:  # the page before gives it what it lacks
+    if parts and content.bottom - top < STUB * metres:  # the page before gives up a part of its metres
         top = parts.pop()[0]
         cut = coarse * int((content.bottom - STUB * metres) / coarse + 1e-9)
         if top < cut < content.bottom:
@@ -192,7 +192,7 @@ def _tail_rows(content: Content) -> int:
 
 
 def _tail(content: Content) -> list[tuple[float, Callable[[Sheet, Content, float], None]]]:
-    """What stands below the tracks: the millimetres that each part takes, and what draws it."""
+    """Return the parts below the tracks: the height of each in millimetres, and the function that draws it."""
     parts: list[tuple[float, Callable[[Sheet, Content, float], None]]] = []
     zones = zone_list_height(content)
     if zones:

@@ -65,7 +65,7 @@ class Sheet:
         self.width, self.height, self.dpi = width, height, dpi
         self.figure: Figure = Figure(figsize=(width / MM, height / MM), dpi=dpi, facecolor="white")
         vars(self.figure)["_repr_png_"] = partial(screen_picture, self.figure)  # notebooks show it without pyplot
-        # matplotlib's own renderer is a picture as large as the page, made anew for every text that is measured.
+        # matplotlib would make a renderer with a picture as large as the page for every text that is measured.
         self._measure = RendererAgg(1, 1, self.figure.dpi)  # type: ignore[no-untyped-call]
 
     def axes(self, x: float, y: float, width: float, height: float, **extra: Any) -> Axes:
@@ -80,7 +80,7 @@ class Sheet:
     def text(
         self, x: float, y: float, text: str, size: float = USUAL, within: float | None = None, **extra: Any
     ) -> Text:
-        """Write text whose middle line is at y; ``within`` millimetres: smaller, then shortened, until it fits."""
+        """Write text centred on y; if it is wider than ``within`` millimetres, make it smaller, then shorten it."""
         look: dict[str, Any] = {"color": INK, "va": "center", "ha": "left", "fontsize": size, "family": FONT} | extra
         shown = self.figure.text(x / self.width, 1.0 - y / self.height, text, parse_math=False, **look)
         if within is None:
@@ -116,7 +116,7 @@ class Sheet:
         return False
 
     def text_width(self, shown: Text) -> float:
-        """Millimetres that a text takes at this many dots per inch: with few, its letters stand wider."""
+        """Return the width of a text, millimetres, at this figure's dpi: letters are wider at a low dpi."""
         return float(shown.get_window_extent(self._measure).width) / self.dpi * MM
 
     def line(self, x: tuple[float, float], y: tuple[float, float], **extra: Any) -> None:
@@ -150,7 +150,7 @@ def save(figures: Figure | Sequence[Figure], path: str | os.PathLike[str]) -> No
     Parameters
     ----------
     figures
-        One, or for .pdf any number: a page each.
+        One figure, or for .pdf any number: one per page.
     path
         Replaced if it is there.
 

@@ -1,8 +1,8 @@
-"""What was picked on the wall, on paper: curves and boxes on the images, tadpoles on a track of their own.
+"""Draw the picks of a wall on paper: curves and boxes on the images, tadpoles on a separate track.
 
 A tadpole has the colour of its class. Its head stands at the true dip, 0 to 90 degrees across the track; its tail
-points to where the plane dips, north up. Without a survey it is the dip to the hole, and the tail counts from toolface
-0; the head of the track says which.
+points in the direction of dip, north up. Without a survey, dips are relative to the hole, and the tail counts from
+toolface 0; the head of the track states which.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class DipTrack:
         self.tail = "dip azimuth, N up" if self.known else f"toolface, {SIDES[reference][0]} up"
 
     def head(self, sheet: Sheet, x: float, y: float) -> None:
-        """Write what the numbers are, and the symbols of the classes."""
+        """Write the meaning of the numbers, and the symbols of the classes."""
         title = "Dip [°]" if self.known else "Dip to hole [°]"
         sheet.text(x + 0.5 * self.width, y + 2.5, title, ha="center", weight="bold", within=self.width - 1)
         for row, kind in enumerate(kind for kind in PLANES if any(pick.kind == kind for pick, *_ in self.planes)):
@@ -65,7 +65,7 @@ class DipTrack:
             sheet.text(at, y + HEAD - 2.0, f"{degrees}", SMALL, ha="center")
 
     def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
-        """Draw a tadpole a plane."""
+        """Draw one tadpole per plane."""
         axes = bare_axes(sheet, x, self.width, stretch)
         across = 90.0 / (self.width - 2 * TAIL)  # degrees a millimetre of paper
         axes.set_xlim(-TAIL * across, 90 + TAIL * across)

@@ -5,8 +5,8 @@
            |    |    |    |    |  one row of pixels  it is missing where more than half of those cells are missing,
     bottom +----+----+----+----+                     and where there is none
 
-A 10 km well of millions of cells so costs a few sums over its columns, and no more pixels than the paper shows.
-Not here: colours (``colors``) and paper (``paper``).
+So a 10 km well with millions of cells needs only a few sums over its columns, and no more pixels than the paper shows.
+``colors`` and ``paper`` do the rest.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Grid:
 def unroll_wall(values: Floats, settings: HelixSettings, start_depth: float, grid: Grid) -> Floats:
     """Return one value of a helix a pixel, (rows, columns), from (n,) one a vertex, which is the middle of its cell."""
     K, pitch = settings.sectors, settings.pitch
-    # Column j lies j/K of a turn farther along: each has its own rows for the same depths.
+    # Column j lies j/K of a turn farther along, so rows of equal depth differ from column to column.
     along = (grid.edges() - start_depth) / pitch
     first = min(max(math.floor(along.min()) - 2, 0), (values.size - 1) // K)  # only turns that these pixels reach
     values = values[first * K : max(math.ceil(along.max()) + 2, first + 1) * K]

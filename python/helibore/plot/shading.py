@@ -1,4 +1,4 @@
-"""A stretch of wall as a shaded picture, in NumPy alone: seen from the formation, from the side and a little above.
+"""Draw an interval of wall as a shaded picture, in NumPy alone: seen from outside, from the side and slightly above.
 
     x right, y to the viewer, z down the hole; the viewer stands at toolface ``facing``, ``tilt`` above level
     R' = tube (bit/2 + shape (R - bit/2))          tube and shape are the two exaggerations a caption must state

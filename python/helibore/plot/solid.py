@@ -1,4 +1,4 @@
-"""A stretch of the wall as a shaded body, with what was exaggerated written on it.
+"""Draw an interval of the wall as a shaded body, with its exaggeration in the caption.
 
     tube x 10     the diameter is drawn ten times larger than the depth
     shape x 3     the difference of radius and bit size is drawn three times larger than the tube
@@ -47,7 +47,7 @@ class Stretched:
 
 
 def most_relief(wall: Wall, top: float, bottom: float) -> tuple[float, float] | None:
-    """Return the ends of the 12 m between two depths that hold most enlarged turns; None where no turn is whole."""
+    """Return the ends, metres, of the 12 m between two depths with most enlarged turns; None if no turn is whole."""
     sectors, pitch = wall.settings.sectors, wall.settings.pitch
     turns = len(wall) // sectors
     by_turn = wall.radius[: turns * sectors].reshape(turns, sectors)

@@ -78,7 +78,7 @@ class Stretch:
 
 @dataclass(frozen=True)
 class Shown:
-    """What an image shows: values on a colour scale, and the words over it.
+    """The scale and texts of an image track.
 
     ``scale.low`` and ``scale.high`` are the ends of the colour bar; ``remark`` goes under its name. ``beyond`` of
     ``count`` values lie outside them and have the colour of the nearer end.
@@ -94,7 +94,7 @@ class Shown:
 
     @property
     def note(self) -> str:
-        """What a reader of the colour bar must know: its law, and how much is cut off at its ends."""
+        """The note under the colour bar: its kind of scale, and how many values lie beyond its ends."""
         share = 100 * self.beyond / max(self.count, 1)
         cut = f"{self.beyond:,} beyond the ends ({share:.2g} %)" if self.beyond else ""
         return ", ".join(part for part in ("logarithmic" if self.scale.log else "", cut) if part)
@@ -112,7 +112,7 @@ class DepthTrack:
         self._middle = 0.57  # of the numbers, between the strip and the lines
 
     def head(self, sheet: Sheet, x: float, y: float) -> None:
-        """Write what the numbers are, and the scale of the paper."""
+        """Write the meaning of the numbers, and the scale of the paper."""
         middle = x + 0.5 * self.width
         for down, text in ((8.0, "Depth"), (12.0, f"MD [{self.unit.name}]"), (19.0, f"1:{self.scale}")):
             sheet.text(middle, y + down, text, ha="center")
@@ -163,7 +163,7 @@ class DepthTrack:
             )
 
     def _true(self, axes: Axes, depth: float, place: float) -> None:
-        """Write the true depth of ``depth`` at ``place``, where the path reaches so far."""
+        """Write the true depth of ``depth`` at ``place``, if the path reaches it."""
         true = np.nan if self.true_depth is None else float(self.true_depth.at(np.array([depth]))[0])
         if np.isfinite(true):
             look: dict[str, Any] = {"ha": "center", "va": "center", "size": SMALL, "family": FONT, "color": FAINT}
@@ -178,7 +178,8 @@ class CaliperTrack:
     turns
         What to draw.
     basis
-        What was measured: without directions there is no least and greatest. A gauge hole has no such track.
+        What was measured: without directions there is no least and greatest diameter. A gauge hole has no caliper
+        track.
     bit_diameter
         Metres.
     unit
@@ -190,7 +191,7 @@ class CaliperTrack:
     reference
         One of `SIDES`, for the names of D0 and D90.
     name
-        Before the title: whose caliper it is, where there are several.
+        Name of the wall before the title, if there are several walls.
     """
 
     width = least = 40.0
@@ -277,7 +278,7 @@ class CaliperTrack:
         return axes
 
     def _missing(self, axes: Axes, sheet: Sheet, stretch: Stretch) -> None:
-        """Grey over turns without any radius, and beyond the wall's ends."""
+        """Draw grey over turns without any radius, and beyond the wall's ends."""
         rows = sheet.pixels(stretch.height)
         edges = np.linspace(stretch.top, stretch.bottom, rows + 1)
         turn = np.searchsorted(self.turns.depth, 0.5 * (edges[:-1] + edges[1:]))
@@ -371,7 +372,7 @@ class ImageTrack:
     interpolated
         Of a wall: (n,) 1 at vertices that lie between the arms, whose pixels are hatched, else 0; None: none are.
     ink
-        Draws on the pixels: called with the axes, whose x goes from 0 to 360 degrees from the left edge.
+        Function that draws over the pixels; its argument is the axes, whose x is degrees from the left edge, 0 to 360.
     """
 
     least = 16.0
@@ -406,7 +407,7 @@ class ImageTrack:
         sheet.line((x, x + self.width), (y + HEAD - 0.2, y + HEAD - 0.2), color=INK)
 
     def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
-        """Draw the pixels, and a line a quarter of the way round."""
+        """Draw the pixels, and a line at each quarter turn."""
         axes = bare_axes(sheet, x, self.width, stretch)
         grid = Grid(stretch.top, stretch.bottom, sheet.pixels(stretch.height), sheet.pixels(self.width), self.left)
         source, values = self.source
