@@ -124,7 +124,7 @@ def _refuse_no_frame(table: Any) -> None:
 
 
 def _way_from_index(table: Any, name: str) -> str:
-    """What makes a column of the index of a table of pandas that has one, where the column may be meant."""
+    """Return the advice to make a column of the index of a pandas table, if ``name`` may mean that index."""
     index = getattr(table, "index", None)
     if index is None or type(index).__name__ in ("RangeIndex", "MultiIndex"):
         return ""

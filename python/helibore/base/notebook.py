@@ -1,4 +1,4 @@
-"""What notebooks show of an object: a small picture beside its key numbers, as HTML that needs nothing else.
+"""Cards for notebooks: a small picture of an object beside its key numbers, as self-contained HTML.
 
 All styles are inline and all colours of text and lines are the page's own, so that a saved notebook shows the same in
 light and dark. A card has less than 30 kB.
@@ -42,7 +42,7 @@ def map_picture(values: Floats, scale: ColorScale | None, label: str) -> str:
 
     Without a scale, colours run from the least value to the greatest.
 
-    Every cell shows one value of its place, not a mean, so that nothing missing is filled.
+    Every cell shows one of the values at its place, not a mean, so that missing values stay visible.
     """
     rows, columns = (np.linspace(0, size - 1, min(size, most)).astype(int) for size, most in
                      zip(values.shape, (_HEIGHT, _WIDTH), strict=True))  # fmt: skip

@@ -4,5 +4,5 @@ NULLS = (-999.25, -9999.0, -9999.25)
 
 
 def say_so(number: str = "NUMBER") -> str:
-    """Return how a reader says that a number means no value."""
+    """Return advice for users: the option that declares a number to mean "no value"."""
     return f"--absent {number} says so (Python: nulls of hb.open)"

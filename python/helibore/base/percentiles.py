@@ -1,7 +1,8 @@
 """Percentiles of more numbers than fit in memory, from parts that are read several times.
 
-A float64 that is not negative is in the order of its bits. So a count by the first 16 of them finds those that the
-sought one begins with; then those numbers alone are sorted, or, where they are too many, counted by the next 16.
+Float64 numbers that are not negative have the same order as their bits. So a count by the first 16 bits gives the first
+16 bits of the percentile. Then only the numbers with these bits are sorted or, if they are too many, counted by the
+next 16 bits.
 """
 
 from __future__ import annotations

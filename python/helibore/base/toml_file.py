@@ -9,7 +9,7 @@ from helibore.base.errors import InputError
 
 
 def read_toml(path: Path, place: str) -> dict[str, Any]:
-    """Return the tables of a file of TOML in UTF-8; an InputError at ``place`` says where it is none."""
+    """Return the tables of a TOML file in UTF-8; an InputError at ``place`` states why it is not valid."""
     import tomllib
 
     try:

@@ -10,7 +10,7 @@ from helibore.files.raw_set import RawSet
 
 
 def depth_remarks(log_set: RawSet, roles: RoleMap) -> list[str]:
-    """Describe range in metres (if the file has another unit), direction, repeats, and gaps over three median steps."""
+    """Return sentences on range in metres (if the unit differs), direction, repeats, and gaps over 3 median steps."""
     role = roles.one("depth")
     if role is None or log_set[role.channel].is_text:
         return []

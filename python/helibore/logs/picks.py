@@ -50,7 +50,7 @@ COLUMNS = {
 DIP = ("dip_deg", "dip_azimuth_deg")
 TEXTS = ("kind", "note", "image", "key")
 PLACE = ("kind", "depth", "toolface", "apparent_dip", "height", "opening", "tilt")
-"""What two picks of one feature have in common."""
+"""Fields that are equal in two picks of one feature."""
 
 
 @dataclass(frozen=True, kw_only=True)

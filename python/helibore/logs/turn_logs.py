@@ -46,13 +46,13 @@ SHAPE_TEXT: dict[Shape, str] = {
     "arms": "C1, C2, DMIN, ovality and class of hole come from the tool's arms; the wall between arms is interpolated",
 }
 SEES_ALL_AROUND = 0.9
-"""Mean coverage from which on the wall shows the shape better than the arms alone."""
+"""Least mean coverage at which the wall shows the shape better than the arms alone."""
 COVERED = 0.9
 """Mean coverage below which a wall is said to be interpolated."""
 LARGE = 1.85
-"""Times the bit's size from which on a hole is not as large, unless bit size or units are wrong."""
+"""If a hole is larger than this multiple of bit size, bit size or units are probably wrong."""
 SMALL = 0.1
-"""Share of the bit's size by which a hole is not smaller, unless bit size or units are wrong."""
+"""If a hole is smaller than bit size by more than this share, bit size or units are probably wrong."""
 SHAPE_KEPT = 0.7
 """Least share of the arms' out-of-roundness that the wall must have to be called true to shape."""
 VERTICAL = 1e-6

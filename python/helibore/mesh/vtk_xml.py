@@ -99,6 +99,6 @@ def _values(appended: _Appended, mesh: VtkMesh) -> Iterable[str]:
 
 
 def _text_array(name: str, text: str) -> str:
-    """Return a text of the field data: the codes of its bytes, and 0."""
+    """Return the XML of a text in the field data: the codes of its bytes, and a final 0."""
     codes = " ".join(map(str, [*text.encode(), 0]))
     return f'<DataArray type="String" Name={_quoted(name)} NumberOfTuples="1" format="ascii">{codes}</DataArray>'

@@ -28,7 +28,7 @@ ODD_ROWS = 3
 ODD_RADIUS = 0.005
 """Metres, 10 mm of a diameter. The passes of a real X-Y caliper differ from their merged wall by 1.3 mm over 3 rows."""
 ODD_DEVIATIONS = 6.0
-"""Robust deviations of a pass from the merged wall: one that is off everywhere, as in depth, is not odd at a place."""
+"""Robust deviations from the merged wall: a pass that differs everywhere (by a depth shift) is not odd at one place."""
 
 
 def number_passes(depth: npt.ArrayLike, reversal: float = 5.0) -> Integers:

@@ -291,8 +291,7 @@ class TurnFits:
         return hat
 
     def _weigh(self) -> None:
-        """Set biweights and noise: noise^2 = sum(w e^2) / (sum(w) - terms used); the expected noise counts as four
-        samples.
+        """Set biweights and noise: noise^2 = sum(w e^2) / (sum(w) - terms used), the expected noise worth four samples.
 
         1.25 makes sum(w e^2) / sum(w) of Gaussian noise, cut by a biweight of 6 deviations, come back as its variance.
         """

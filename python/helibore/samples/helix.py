@@ -77,12 +77,12 @@ class Helix(NamedTuple):
         return slice(bisect_left(places, low, key=along), bisect_right(places, high, key=along))
 
     def quads(self, vertices: int) -> int:
-        """The quads that so many vertices have room for."""
+        """Return the number of quads between ``vertices`` vertices."""
         return quad_room(vertices, self.sectors)
 
 
 def quad_room(vertices: int, sectors: int) -> int:
-    """Return how many quads so many vertices have room for."""
+    """Return the number of quads between ``vertices`` vertices."""
     return max(vertices - sectors - 1, 0)
 
 
@@ -98,7 +98,7 @@ def helix_of(wall: WallLike) -> Helix:
 
 
 def whole_helix(wall: WallLike) -> Helix:
-    """Return the helix that a wall is a stretch of: the depths of its vertices have the bits of the whole wall."""
+    """Return the helix of which a wall is a part: the depths of its vertices have the bits of the whole wall."""
     settings: Any = wall.settings
     helix, first = helix_of(wall), getattr(settings, "first_vertex", 0)
     return helix._replace(start_depth=settings.start_depth, first=first) if first else helix

@@ -58,7 +58,7 @@ def reference_of(wall: Any) -> Reference | None:
 
 
 def reference_assumed(wall: Any) -> bool:
-    """Return whether toolfaces of a wall count from its reference only because a run found nothing that says so."""
+    """Return whether toolfaces of a wall are only assumed to count from its reference, because no file states it."""
     return bool(getattr(wall, "made_from", {}).get("toolface") == ASSUMED)
 
 

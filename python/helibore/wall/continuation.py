@@ -30,7 +30,7 @@ from helibore.samples.helix import Helix
 from helibore.wall.estimates import MOST_UNMEASURED, Columns
 
 LEAST_GAIN = 8.0
-"""Nats a block by which a long covariance must be likelier."""
+"""Nats a block by which the log-likelihood of a long covariance must exceed that of a short one."""
 SHORT, LONG = (1.0, 2.0, 4.0, 8.0), (64.0, 200.0, 400.0)
 """Angular scales."""
 RANGES = (0.3, 1.0, 3.0, 12.0, 30.0, 80.0)

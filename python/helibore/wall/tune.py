@@ -42,11 +42,11 @@ from helibore.wall.wall import Wall
 TUNED = ("estimator", "neighbors", "angular_scale", "kriging_range", "nugget")
 """The settings that a candidate may change."""
 TUNED_ALONG = frozenset((*TUNED, "max_distance"))
-"""Those of a hole whose shape goes on along it (`helibore.wall.continuation`)."""
+"""The same settings and one more, for a hole whose shape continues along it (`helibore.wall.continuation`)."""
 ANGULAR_SCALES = (0.5, 1.0, 2.0, 4.0, 8.0)
 NUGGETS = (0.003, 0.02, 0.1, 0.4)
 _CLIP = 12.0
-"""Errors count as at most so many robust deviations: one wrong sample must not decide."""
+"""Errors are clipped to this many robust deviations, so that one wrong sample does not decide."""
 _MEDIAN_SQUARE = 0.455
 """Of a normal deviate with variance 1."""
 _STANDARD_ERRORS = 2.0
