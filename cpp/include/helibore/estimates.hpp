@@ -1,5 +1,5 @@
-// Estimates at points, each from the samples nearest to it that are not left out: for cross-validation, and for what
-// the uncertainty of a radius is computed from.
+// Estimates of the radius at points. Samples near a point can be left out of its estimate. Used for cross-validation,
+// and for the sums from which the uncertainty of a radius is computed.
 #pragma once
 
 #include <array>
@@ -28,8 +28,9 @@ struct PointEstimates {
     std::vector<double> square_weights, scatter, along, across;  // W, S, A and C of SigmaRule
 };
 
-// `samples` in canonical order. The helix, the window and `direct` of the settings do not count. Throws InputError on a
-// bad setting, and if columns differ in length. Kriging with several nuggets searches once.
+// `samples` must be in canonical order. The helix, the window and `direct` of the settings have no effect. Throws
+// InputError on a bad setting, and if columns differ in length. Kriging with several nuggets searches for neighbours
+// once.
 PointEstimates estimate_at(const SampleColumns& samples, const PointColumns& points, const Settings& settings,
                            std::span<const double> nuggets = {});
 

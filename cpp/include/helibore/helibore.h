@@ -56,7 +56,7 @@ extern "C" {
 #define HB_BUFFER_TOO_SMALL 4 /* *count says how much room is needed */
 
 HB_API const char* HB_CALL hb_version(void);         /* "0.1.0" */
-HB_API const char* HB_CALL hb_instruction_set(void); /* that searches use: "plain", "avx2" or "avx512" */
+HB_API const char* HB_CALL hb_instruction_set(void); /* used by searches: "plain", "avx2" or "avx512" */
 
 /* The error of this thread's last call that returned a status, "" if that succeeded: "toolface[17] = nan: must be
    finite". At most 1023 bytes of UTF-8, which the thread's next call overwrites. */
@@ -65,9 +65,9 @@ HB_API const char* HB_CALL hb_last_error(void);
 /* Close a handle of any kind. */
 HB_API int32_t HB_CALL hb_close(int64_t handle);
 
-/* The host's threads in place of the library's own, for this thread's later calls; NULL: the library's own again. `run`
-   calls job(context, worker) once for each worker in [0, workers), on any threads, and returns when all these calls
-   have returned. A worker needs 64 KB of stack at most; runner.hpp says more. */
+/* Sets the host's threads for later calls of this thread; NULL: use the library's own threads again. `run` calls
+   job(context, worker) once for each worker in [0, workers), on any threads, and returns when all these calls have
+   returned. A worker needs 64 KB of stack at most; runner.hpp says more. */
 typedef void(HB_CALL* hb_job)(void* context, int32_t worker);
 typedef void(HB_CALL* hb_run)(void* host, int32_t workers, hb_job job, void* context);
 HB_API int32_t HB_CALL hb_use_runner(hb_run run, void* host);

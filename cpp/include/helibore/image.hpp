@@ -37,10 +37,10 @@ struct QuadCentres {
 // Both return one value for each quad; the result does not depend on `threads`. Both throw InputError unless every cell
 // of the rows has a value and there is a sector.
 //
-// low, high: each row covers the depths [low, high), rising and without overlap; NaN between them.
+// low, high: row i covers the depths [low[i], high[i]). Rows rise and do not overlap; quads between two rows get NaN.
 std::vector<double> cell_values(const ImageRows& image, std::span<const double> low, std::span<const double> high,
                                 const QuadCentres& quads, int threads = 1);
-// reach: metres; there is no value between rows that are more than twice this apart.
+// reach: metres. Quads between two rows that are more than 2 * reach apart get NaN.
 std::vector<double> linear_values(const ImageRows& image, double reach, const QuadCentres& quads, int threads = 1);
 
 }  // namespace helibore

@@ -5,9 +5,9 @@
 //   | HLBJ | length | sequence | wall ns | monotonic ns | connection | source | kind | payload crc | header crc |
 //   payload ...
 //
-// All little-endian. Both checksums are CRC-32C; the header's is seeded with the segment's salt, a random number, so
-// that bytes from a sender cannot look like a record when the search resumes after damage. (Nor can they be two headers
-// of this salt, of which one in the place of the other leaves the payload's checksum as it is.)
+// All little-endian. Both checksums are CRC-32C. The header's checksum is seeded with the segment's salt, a random
+// number, so bytes from a sender cannot look like a record when the search resumes after damage. (For the same reason a
+// sender cannot make two valid headers that replace each other without changing the payload's checksum.)
 #pragma once
 
 #include <array>

@@ -10,7 +10,7 @@
 // The same samples, with their times, give the same bits as Python's hb.Live, however they are grouped. There is no
 // callback and no clock, and no thread unless the settings ask for more than one. Any thread may call; one call waits
 // for the other.
-// Not here: WITS and the meaning of its items, passes, the journal's files (see wits.hpp and journal.hpp).
+// This class reads no WITS, knows no passes and writes no journal files (see wits.hpp and journal.hpp).
 #pragma once
 
 #include <map>
@@ -63,7 +63,7 @@ class Live {
     Live(Live&&) noexcept;
     Live& operator=(Live&&) noexcept;
 
-    // As Wall::append. If it throws, it has taken no sample; the others likewise.
+    // Like Wall::append. If this function or one of the next two throws, it has changed nothing.
     Update append_samples(const SampleColumns& samples);
 
     // Stations in any order. A station replaces an earlier one at the same depth. A bad station is left out and
@@ -76,7 +76,8 @@ class Live {
     Update append_image(const std::string& name, std::span<const double> depth, std::span<const double> values,
                         const std::string& unit = {});
 
-    // Everything that changed since the last poll. If memory was short, it may name more than changed, and lack events.
+    // Everything that changed since the last poll. If memory ran out, ranges may contain more than changed, and events
+    // may be missing.
     Update poll();
 
     const Wall& wall() const;

@@ -4,8 +4,8 @@
 //
 //            0
 //        .-'---`-.          c1: the largest diameter through the axis; c2: the one at right angles to it
-//      /  .-----.  `.       inscribed: a circle with no vertex inside that no small move of its centre makes larger
-//     |  (   x   )    |     enclosing: the smallest circle with none outside
+//      /  .-----.  `.       inscribed: a circle with no vertex inside; no small move of its centre enlarges it
+//     |  (   x   )    |     enclosing: the smallest circle with no vertex outside
 //      `. `-----' __.'
 //        `-----'
 //
@@ -27,14 +27,14 @@ struct Turns {
     double start_toolface = 0.0;     // degrees, of the first vertex
     int sectors = 64;                // K: vertices per turn, 3 or more
     std::span<const double> radius;  // metres; NaN: missing
-    Index window = 11;               // turns (not metres) that rugosity is measured over: odd, 3 or more
+    Index window = 11;               // turns (not metres) in the window of rugosity: odd, 3 or more
 
-    // Python's wall.logs() takes metres, 1 by default, and makes them 2 * round((metres / pitch - 1) / 2) + 1 turns,
-    // halves rounded to even, at least 3: 9 turns at a pitch of 0.1 m.
+    // Python's wall.logs() takes a length in metres, 1 by default, and converts it to 2 * round((metres / pitch - 1) /
+    // 2) + 1 turns, at least 3; halves are rounded to even. At a pitch of 0.1 m, 1 m is 9 turns.
 
-    // Of a stretch of a wall: the number of its first turn, and what rugosity takes off all radii, metres; NaN: the
-    // first radius. Turns from a multiple of 256 on, half a window inside the stretch, have the bits of the whole
-    // wall's.
+    // For a part of a wall: the number of its first turn, and the reference radius that rugosity subtracts from all
+    // radii, metres; NaN: the first radius. From a turn whose number is a multiple of 256 on, turns at least half a
+    // window inside the part have the bits of the whole wall's.
     Index first = 0;
     double reference = std::numeric_limits<double>::quiet_NaN();
 };
@@ -74,9 +74,9 @@ struct SamplePlaces {
     std::span<const double> depth, toolface;
 };
 
-// The angular gap of each vertex: degrees between the nearest samples on its two sides, of those within `reach` metres
-// of its depth. 0 at a sample's toolface; 360 where there is none, or one elsewhere. The result does not depend on
-// `threads`.
+// The angular gap of each vertex: degrees between the nearest samples on its two sides. Only samples within `reach`
+// metres of its depth count. The gap is 0 at a sample's toolface, and 360 if no sample counts, or only one at another
+// toolface. The result does not depend on `threads`.
 std::vector<double> angular_gaps(const HelixVertices& vertices, const SamplePlaces& samples, double reach,
                                  int threads = 1);
 

@@ -10,7 +10,7 @@
 //                        distance covered. Both its projections are circular arcs, and it passes through the
 //                        positions of the closed form; azimuth linear in depth would not.
 // A path never changes. A longer survey gives a new path with the same bits down to its previous last station.
-// Not done here: corrections of a survey (grid convergence, declination, sag), uncertainty.
+// This header does not correct a survey (grid convergence, declination, sag) and computes no uncertainty.
 #pragma once
 
 #include <array>
@@ -49,9 +49,8 @@ enum class Method { minimum_curvature, radius_of_curvature };
 // What toolface 0 points to.
 //   high side            up, at a right angle to the hole; undefined where the hole is vertical
 //   north                north, at a right angle to the hole; undefined where the hole runs level north or south
-//   parallel transport   north at the first station (the high side, if that station lies within 45 deg of level north
-//   or
-//                        south), and from there moved down the hole without twisting about it. Defined everywhere, so a
+//   parallel transport   north at the first station (the high side if that station lies within 45 deg of level north or
+//                        south), moved down the hole from there without twisting about it. Defined everywhere, so a
 //                        well from vertical to horizontal has one continuous angle.
 enum class Reference { high_side, north, parallel_transport };
 

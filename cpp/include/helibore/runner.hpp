@@ -9,8 +9,8 @@
 namespace helibore {
 
 // `run` calls job(context, worker) once for each worker in [0, workers), on any threads, and returns when all these
-// calls have returned. They may run at once or one after the other: the result is the same. It must not throw. Of what
-// it leaves out, the caller's thread does the work. A worker needs 64 KB of stack at most.
+// calls have returned. The calls may run at once or one after the other: the result is the same. `run` must not throw.
+// If it leaves out a call, the caller's thread does that work. A worker needs 64 KB of stack at most.
 struct Runner {
     using Job = void (*)(void* context, std::int32_t worker);
     using Run = void (*)(void* host, std::int32_t workers, Job job, void* context);
@@ -19,7 +19,8 @@ struct Runner {
     void* host = nullptr;
 };
 
-// Gives this thread a runner and, at its end, the one from before. Settings::threads still says how many workers.
+// Sets the runner of this thread; the destructor restores the previous one. Settings::threads still sets the number of
+// workers.
 class UseRunner {
   public:
     explicit UseRunner(const Runner& runner);

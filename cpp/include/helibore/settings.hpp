@@ -11,7 +11,8 @@ namespace helibore {
 // The instructions that a search uses. All give the same bits; tests and benchmarks choose one.
 enum class InstructionSet { automatic, plain, avx2, avx512 };
 
-// How a radius follows from its neighbours. Kriging takes those of the last estimate by inverse distance.
+// The method that computes a radius from its neighbours. Kriging uses the neighbours of the last estimate by inverse
+// distance.
 enum class Estimator { inverse_distance, kriging };
 
 inline constexpr double no_limit = std::numeric_limits<double>::infinity();
@@ -35,12 +36,12 @@ struct Settings {
     double nugget = 0.1;                // kriging: variance of the noise over that of the shape, at least 1e-6
     bool sigma = false;                 // the wall keeps Wall::sums for uncertainties; radii do not depend on it
     bool direct = false;                // a vertex that is not settled shows its latest sample, provisionally
-    Index most_vertices = 100'000'000;  // an append that would give the wall more is refused: a wrong depth
+    Index most_vertices = 100'000'000;  // an append that would exceed this is refused: a depth is wrong
     int threads = 1;                    // 1 or more; the result does not depend on it
     InstructionSet instruction_set = InstructionSet::automatic;
 
-    // The wall is a stretch of the helix: from one vertex, a multiple of `sectors`, up to but without the other, which
-    // stands in place of stop_depth. A stretch needs a start_depth.
+    // The wall is a part of the helix: from first_vertex, a multiple of `sectors`, up to but without stop_vertex, which
+    // replaces stop_depth. Such a part needs a start_depth.
     Index first_vertex = 0;
     std::optional<Index> stop_vertex = {};
 

@@ -6,7 +6,8 @@
 //                                      .pitch = settings.pitch, .sectors = settings.sectors, .radius = radius};
 //     const helibore::Surface surface = helibore::surface_of(radii, path);
 //
-// The helix of the radii must be the wall's: all four come from the wall, and the defaults fit a wall of defaults only.
+// The helix of the radii must be the wall's: take all four numbers from the wall; the defaults fit a wall of defaults
+// only.
 //
 // Quads of vertex k, seen from the formation; depth downwards, toolface to the right for a positive pitch:
 //

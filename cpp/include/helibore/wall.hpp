@@ -5,7 +5,7 @@
 //     const helibore::Change change = wall.append({depth, toolface, radius});
 //     const std::vector<double> radius = wall.radius();
 //
-// A batch is one append, live use is many. Several threads may use one Wall; it hands out copies only.
+// Batch use is one append, live use is many. Several threads may use one Wall, because it returns copies only.
 #pragma once
 
 #include <array>
@@ -71,7 +71,7 @@ class Wall {
     // ("toolface[17] = nan: must be finite") or std::bad_alloc, and then the wall is unchanged.
     Change append(const SampleColumns& samples);
 
-    // Numbers of vertices, here and in a Change, count from vertex 0 of the helix: those of a stretch from
+    // Vertex numbers, here and in a Change, count from vertex 0 of the helix; those of a part of a wall start at
     // first_vertex.
 
     Index size() const;          // vertices
@@ -79,13 +79,14 @@ class Wall {
     Index settled() const;
     double start_depth() const;  // depth of the first vertex; NaN while there is none
 
-    // Copies of a range of vertices, or of all, between two appends. Throws InputError if the range reaches beyond the
-    // wall.
+    // Copies of a range of vertices, or of all; no append runs meanwhile. Throws InputError if the range reaches beyond
+    // the wall.
     VertexColumns vertices(Range range) const;
     VertexColumns vertices() const;
 
     // The depths between which samples decide the values of a range of vertices. A wall of all samples between them has
-    // the same bits there, whatever samples lie beyond. Infinite where a vertex found too few samples, or no limit.
+    // the same bits there, whatever samples lie beyond. A depth is infinite if a vertex found too few samples, or if
+    // max_distance sets no limit.
     Depths reach(Range range) const;
 
     // Writes the radii of all vertices into the host's own memory. Returns size(), and writes nothing if `into` has
@@ -101,8 +102,8 @@ class Wall {
     std::vector<std::int32_t> iterations() const;
     std::vector<std::uint8_t> provisional() const;
 
-    // What the uncertainties of all radii are computed from: W, S, A and C of SigmaRule; NaN where the radius
-    // is. Throws InputError without Settings::sigma.
+    // The sums W, S, A and C of SigmaRule, from which the uncertainties of all radii are computed; NaN where the radius
+    // is NaN. Throws InputError without Settings::sigma.
     std::array<std::vector<double>, 4> sums() const;
     // Writes the same values into columns of the caller. Returns false, and writes nothing, if their number or a
     // length is wrong.
@@ -116,8 +117,8 @@ class Wall {
 
     // The samples kept, in canonical order: depth, toolface, radius, and time if they have one.
     std::vector<std::vector<double>> samples() const;
-    // The same into columns of the caller, three or, with time, four; false, and nothing is written, if their number or
-    // lengths are others.
+    // Writes the same values into the caller's columns: three, or four with time. Returns false, and writes nothing, if
+    // their number or a length is wrong.
     [[nodiscard]] bool read_samples(std::span<const std::span<double>> into) const;
 
   private:

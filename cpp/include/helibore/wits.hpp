@@ -6,7 +6,7 @@
 //
 // The parser returns a frame when it has read its "!!", never before, so the frames do not depend on how the stream is
 // cut into chunks. Work is linear in the bytes fed. Between two calls the parser holds at most one frame and one line
-// (Limits). Not here: units, the meaning of items, level 1 and above (binary), sockets.
+// (Limits). The parser knows no units, no meaning of items, no level 1 and above (binary), and no sockets.
 #pragma once
 
 #include <cstdint>
@@ -108,8 +108,8 @@ class Parser {
 
     Counts counts() const;
 
-    // All that the parser holds between two calls, as bytes of this machine's byte order. A parser with the same nulls
-    // and limits that restores them goes on with the same frames. restore throws InputError for other bytes.
+    // The complete state of the parser between two calls, in the byte order of this machine. A parser with the same
+    // nulls and limits that restores it returns the same further frames. restore throws InputError for other bytes.
     std::string state() const;
     void restore(std::string_view state);
 

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t most_events = 100;
 
-// Closes the narrowest gaps between ranges, of equal gaps the deepest, so that most_ranges are left.
+// Closes the narrowest gaps between ranges until most_ranges are left; of equal gaps, the deepest first.
 std::vector<Range> widened(const std::vector<Range>& ranges) {
     std::vector<std::size_t> gaps(ranges.size() - 1);  // gap i lies before range i + 1
     std::iota(gaps.begin(), gaps.end(), std::size_t{0});
@@ -111,7 +111,7 @@ const Wall& Live::wall() const {
 
 Update Live::append_samples(const SampleColumns& samples) {
     const std::lock_guard guard(state_->lock);
-    std::vector<Range> all(1);  // if there is no memory to list the ranges of several appends
+    std::vector<Range> all(1);  // used if memory runs out while the ranges of several appends are listed
     Update update;
     update.change = state_->wall.append(samples);
     try {

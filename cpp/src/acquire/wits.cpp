@@ -106,7 +106,7 @@ void read_value(std::string_view text, std::span<const double> nulls, Item& item
 
 enum class Place { outside, inside, dropped };
 
-// All that the parser knows but bytes and items.
+// The state of the parser, except bytes and items.
 struct Position {
     Counts counts;
     Index held_base = 0;         // stream offset of held[0]
@@ -182,7 +182,8 @@ Batch Parser::finish() {
     return batch;
 }
 
-// If memory ends, the parser is where it was before the call. Until `release`, held only grows and open_items stays.
+// If memory runs out, the parser returns to its state before the call: until `release`, held only grows and open_items
+// does not change.
 template <class Read>
 Batch Parser::State::whole_or_nothing(const Read& read) {
     const Position before = at;
@@ -239,7 +240,7 @@ Counts Parser::counts() const {
 
 namespace {
 
-// Followed by the held text and the items of the open frame. Between two calls nothing else differs from a new parser.
+// The held text and the items of the open frame follow this. Between two calls, all else is as in a new parser.
 struct Saved {
     Counts counts;
     Index held_base, held, line_start, body_start, frame_line, frame_lines, items;
@@ -403,7 +404,7 @@ void Parser::State::take_unended_line(Batch& batch) {
 }
 
 // Moves the text before the open frame, or before the line being read, into the batch, and the items of the open frame
-// out of it: what may fail comes first.
+// out of the batch. The steps that can fail come first.
 void Parser::State::release(Batch& batch) {
     const std::size_t keep = at.place == Place::inside ? at.frame_start
                              : at.skipping_line        ? held.size()

@@ -16,7 +16,7 @@ class StandardArithmetic {
     StandardArithmetic(const StandardArithmetic&) = delete;
     StandardArithmetic& operator=(const StandardArithmetic&) = delete;
 
-#ifdef __SSE2__  // its register holds all that counts; fesetenv takes fourteen times as long, and MinGW's forgets it
+#ifdef __SSE2__  // MXCSR holds all that matters; fesetenv takes fourteen times as long, and MinGW's does not set MXCSR
     StandardArithmetic() : host_(_mm_getcsr()) { _mm_setcsr(0x1f80); }
     ~StandardArithmetic() { _mm_setcsr(host_); }
 

@@ -15,8 +15,8 @@ namespace helibore {
 #ifdef __linux__
 namespace {
 
-// Pages of walls that are gone, for the next wall: the system clears a page before it hands it out, and two threads
-// that need pages at the same time wait for each other. Without a lock, so a forked process may use them.
+// Pages of deleted walls, kept for the next wall: the system clears each page that it hands out, and two threads that
+// request pages at the same time wait for each other. There is no lock, so a forked process may use these pages.
 struct SparePages {
     std::array<std::atomic<std::byte*>, 32> pages{};
 

@@ -4,8 +4,8 @@
 //     thread 0   |-- part 0 --|-- part 1 --|-- part 2 --|-- part 5 --|
 //     thread 1   |-- part 3 --------|-- part 4 ---------|
 //
-// Each thread begins with a stretch of its own, because parts that follow each other share much, and then helps the
-// others.
+// Each thread first does consecutive parts, because neighbouring parts share data, and then takes parts from the other
+// threads.
 //
 // Starting a thread takes as long as searching some five hundred vertices, so small work stays on the caller's thread.
 // The caller of large work only waits: Linux often starts a thread on the core of a busy caller that has just woken up,

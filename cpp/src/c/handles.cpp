@@ -11,7 +11,7 @@ namespace helibore::c {
 
 namespace {
 
-thread_local char last_error[1024];  // no destructor: one would keep the library in memory until the thread ends
+thread_local char last_error[1024];  // no destructor: a destructor would keep the library loaded until the thread ends
 
 void set_error(const char* text, const char* more = "") noexcept {
     char* end = last_error;
@@ -38,7 +38,7 @@ struct CloseAtEnd {
 Handles& handles() {
     alignas(Handles) static unsigned char room[sizeof(Handles)];
     static Handles* const table = new (room) Handles;
-    static const CloseAtEnd close_at_end{*table};  // made after the library's other objects, so ends before them
+    static const CloseAtEnd close_at_end{*table};  // made after the library's other objects, so destroyed first
     return *table;
 }
 

@@ -1,8 +1,8 @@
-// What stands behind the C interface: numbers for objects, and a status and a text for exceptions.
+// Handles and errors of the C interface: numbers stand for objects, a status and a text for exceptions.
 //
-// The table of handles and each thread's text are the only state of the library that is not in a host's object. A
-// number is never used again, so that a closed handle is an error and no access to freed memory; a call in progress
-// keeps its object.
+// The table of handles and each thread's error text are the only state of the library outside the host's objects. A
+// number is never used again, so the use of a closed handle is an error, not an access to freed memory. A call in
+// progress keeps its object alive.
 #pragma once
 
 #include <cstdint>

@@ -120,7 +120,7 @@ void open(std::int64_t* handle, std::shared_ptr<T> object) {
     *handle = handles().open(std::move(object));
 }
 
-// The radii of some vertices and the helix that they are of, with one state of the wall behind them.
+// The radii of some vertices and their helix, both read from one state of the wall.
 struct WallRadii {
     Settings settings;
     std::vector<double> radius;

@@ -1,4 +1,5 @@
-// The exchange of points on which both circles rest, and a climb for sections where the exchange gets stuck.
+// Both circles are found by exchanging the points that they touch. If that fails for the inscribed circle, a climb
+// finds it.
 #include "measure/circles.hpp"
 
 #include <algorithm>
@@ -24,7 +25,7 @@ struct Trial {
     double square;  // of the radius
 };
 
-// The circle through three points, if its centre lies between them: only such a circle is held by all three.
+// The circle through three points if its centre lies in their triangle: only such a circle is fixed by all three.
 std::optional<Trial> through(Point a, Point b, Point c) {
     const double bx = b.x - a.x, by = b.y - a.y, cx = c.x - a.x, cy = c.y - a.y;
     const double twice = 2.0 * (bx * cy - by * cx);
@@ -39,7 +40,8 @@ Trial across(Point a, Point b) {
     return {centre, square_distance(a, centre)};
 }
 
-// How far the centre can go along a direction, the points in `rests` staying equally far, until another is as near.
+// How far the centre can move along a direction, equally far from all points in `rests`, until another point is as
+// near.
 struct Stop {
     std::size_t index;
     double along;
@@ -59,8 +61,9 @@ std::optional<Stop> first_met(const Points& points, Point centre, Point directio
     return stop;
 }
 
-// Uphill from a centre: away from the nearest point until a second is as near, then between two of them until a third
-// is, leaving behind the one in front, until the centre lies between the three it rests on.
+// Moves a centre so that its circle grows: away from the nearest point until a second is as near, then between these
+// two until a third is as near, then between the two of these three that are farthest apart, and so on until the centre
+// lies in the triangle of the three points it touches.
 Circle climb(const Points& points, Point centre) {
     const auto reached = [&] { return Circle{centre, std::sqrt(points.nearest(centre).square)}; };
     const auto go = [&](Point direction, double along) {
@@ -91,7 +94,7 @@ Circle climb(const Points& points, Point centre) {
             a = third->index;
         } else if (ab + bc < ac) {
             b = third->index;
-        }  // else the third is in front and stays behind: the climb goes on between the same two
+        }  // else the third point lies between the other two: the climb goes on with these
         if (a == b) break;
     }
     return reached();
@@ -99,7 +102,7 @@ Circle climb(const Points& points, Point centre) {
 
 using Triple = std::array<std::size_t, 3>;
 
-// The three of four points, `joined` among them, that hold the largest circle without the fourth inside.
+// Of four points, the three, `joined` among them, that touch the largest circle without the fourth point inside.
 std::optional<std::pair<Triple, Trial>> exchange(const Points& points, const Triple& held, std::size_t joined) {
     std::optional<std::pair<Triple, Trial>> best;
     for (std::size_t leaves = 0; leaves < 3; ++leaves) {
@@ -137,7 +140,8 @@ Circle enclosing_circle(const Points& points, Point start) {
     for (int i = 0; i < most_exchanges; ++i) {
         const kernel::Found outside = points.farthest(circle.centre);
         if (outside.square <= circle.square * (1.0 + slack)) break;
-        // The new circle rests on the offender and one or two of the held: the smallest that holds them all.
+        // The new circle touches the violating point and one or two of the held points: the smallest that encloses all
+        // of them.
         const Point offender = points[outside.index];
         const auto holds = [&](const Trial& trial) {
             return std::all_of(held.begin(), held.begin() + count, [&](std::size_t at) {

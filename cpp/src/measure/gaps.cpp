@@ -1,6 +1,6 @@
-// Angular gaps: samples are put into the sectors of the helix, by depth in each; every vertex then looks outwards,
-// sector by sector, until one holds a sample within reach. Where a tool sees all around that is the first or second
-// sector.
+// Angular gaps. Samples are put into the sectors of the helix, by depth in each sector. For every vertex, the sectors
+// on its two sides are searched outwards until one holds a sample within reach. If the tool sees all around, that is
+// the first or second sector.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -55,11 +55,11 @@ Sectors sorted(const SamplePlaces& samples, double start_toolface, Index sectors
     return out;
 }
 
-// The vertices of one toolface, from the top of the hole down, and what is known of one side of them.
+// The vertices of one toolface, from the top of the hole down, and the state of the search on one side of them.
 struct Line {
     std::vector<double> depth, side;
     std::vector<std::size_t> open;    // vertices without a sample so far
-    std::vector<std::size_t> window;  // samples of the window, each farther round than those before it
+    std::vector<std::size_t> window;  // samples of the window, in the order of their angle from the line
 };
 
 // Looks for samples of sector `s`, which lie `off(toolface)` degrees from the vertices of the line.

@@ -167,7 +167,7 @@ double ChunkToolfaces::least_turn(double toolface) const {
     const std::size_t at = part(toolface);
     const double next = next_[at] >= toolface ? next_[at] : next_[at + 1];
     const double previous = previous_[at + 1] <= toolface ? previous_[at + 1] : previous_[at];
-    if (next_[at] < toolface && toolface < previous_[at + 1]) return 0.0;  // some of its part lie on either side
+    if (next_[at] < toolface && toolface < previous_[at + 1]) return 0.0;  // toolfaces of its part lie on both sides
     return std::max(0.0, std::min(next - toolface, toolface - previous));
 }
 

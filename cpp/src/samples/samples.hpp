@@ -41,7 +41,7 @@ struct Level {
     std::size_t part(double of) const {
         return static_cast<std::size_t>(of * (static_cast<double>(starts.size() - 2) / 360.0));
     }
-    // Is there perhaps a toolface from low to high? Most often one read of memory decides.
+    // Whether a toolface from low to high may exist. Usually one read of memory decides.
     bool any_between(double low, double high) const {
         return low < 0.0 || high >= 360.0 || starts[part(low)] < starts[part(high) + 1];
     }
@@ -53,12 +53,12 @@ struct Level {
 };
 using Levels = std::vector<Level>;
 
-// The toolfaces of a chunk, for the turn from any other to the nearest of them: more than 0 only where an arm that does
-// not turn leaves most of the circle empty.
+// The toolfaces of a chunk. They bound the angle from any toolface to the nearest of them from below; the bound is
+// above 0 only if an arm that does not turn leaves most of the circle empty.
 class ChunkToolfaces {
   public:
     ChunkToolfaces(const double* toolface, Index n);
-    // Is at most the turn from `toolface` to the nearest.
+    // A lower bound of the angle from `toolface` to the nearest toolface of the chunk.
     double least_turn(double toolface) const;
 
   private:
@@ -69,7 +69,7 @@ class ChunkToolfaces {
     double next_[parts + 2], previous_[parts + 2];
 };
 
-// What is found of a chunk when it is first asked for, by several threads at once perhaps.
+// What is computed of a chunk at its first use; several threads may ask for it at once.
 template <class T>
 class FoundOnce {
   public:
@@ -129,10 +129,10 @@ class Chunk {
         return std::make_shared<Chunk>(free_room(), stride_,
                                        std::shared_ptr<double[]>(columns_, columns_.get() + count));
     }
-    // Does this chunk begin where the free room of the other one does?
+    // Whether this chunk begins where the free room of the other one does.
     bool lies_behind(const Chunk& other) const { return depth() == other.depth() + other.count; }
 
-    // Are there Level::least samples at one depth among rows [start, stop)? Perhaps, if there are half as many.
+    // Whether there are Level::least samples at one depth among rows [start, stop); may be true from half as many on.
     bool has_level(Index start, Index stop) const {
         constexpr Index step = Level::least / 2;
         for (; start + step < stop; start += step)
@@ -174,7 +174,7 @@ struct SortedBatch {
     Chunks chunks;  // all full except the last
     Index count = 0;
     Index redundant = 0;
-    Index before = 0;  // so many samples of the hole come before all of the batch, if that is known
+    Index before = 0;  // number of samples of the hole before the whole batch, if that is known
     bool timed = false;
 
     double first_depth() const { return chunks.front()->first_depth(); }

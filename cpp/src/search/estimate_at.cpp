@@ -19,7 +19,7 @@ namespace helibore {
 namespace {
 
 constexpr std::size_t lanes = kernel::lanes;
-constexpr std::size_t at_once = 8;  // samples above, then below: which side is nearer, the processor cannot guess
+constexpr std::size_t at_once = 8;  // samples above, then below: the processor cannot predict which side is nearer
 constexpr Index groups_a_part = 4, groups_a_thread = 16;
 
 struct Neighbour {
@@ -69,7 +69,7 @@ void PointEstimator::find(std::size_t point, double trial, std::vector<Neighbour
         const double along = std::abs(depth - samples_.depth[sample]), away = turn(sample, point);
         const double across = scale * away;
         const Neighbour next{across * across + along * along, sample};
-        if (found.size() == wanted && !nearer(next, found.front())) return;  // most
+        if (found.size() == wanted && !nearer(next, found.front())) return;  // true for most samples
         if (along <= points_.box_depth[point] && away <= points_.box_turn[point]) return;
         if (degree * away * degree * away + along * along > limit) return;
         if (found.size() == wanted) {

@@ -3,7 +3,7 @@
 //     value(vertex) = sum(w v) / sum(w)   over the neighbours that have a value, w = distance^-power at the last trial
 //     radius; the mean of two such values where the radius is the mean of two estimates
 //
-// By kriging, where the radius is: each channel from those neighbours of a vertex that have a value.
+// If the radius is kriged, so are the values: each channel from the neighbours of a vertex that have a value.
 //
 // Not part of the kernel: it runs on demand, once for all channels, not in every append.
 #include <algorithm>

@@ -238,7 +238,7 @@ void Search::search_box(const Samples& samples, const Span& span, kernel::Group&
     if (!(mean < kernel::missing_square)) return;
     scratch.mean_square = scratch.mean_square == 0.0 ? mean : 0.75 * scratch.mean_square + 0.25 * mean;
     scratch.half_height = std::sqrt(2.4 * scratch.mean_square);
-    // Much more in the box than its neighbours take, and far away: the samples lie on few toolfaces.
+    // The box holds many more candidates than an even spread would: the samples may lie on few toolfaces.
     const double even = rules_.neighbors * area / (std::numbers::pi * mean);
     if (by_turns)
         scratch.mean_height = mean_height < 0.5 * mean ? 0.5 * (scratch.mean_height + mean_height) : 0.0;
@@ -264,7 +264,7 @@ double Search::mean_across(const kernel::Group& g, const kernel::CandidateList& 
     return mean;
 }
 
-// The least turn from each vertex to a sample between two depths, or less, as far as whole chunks tell.
+// A lower bound of the angle from each vertex to the samples between two depths, computed from whole chunks.
 void Search::find_turns(const Samples& samples, double low, double high, kernel::Group& g) const {
     std::fill_n(g.least_turn, lanes, 180.0);
     for (std::size_t i = samples.step_to(low, {}, stride).chunk; i < samples.chunks().size(); ++i) {
@@ -326,9 +326,9 @@ void Search::gather(const Chunk& chunk, Index start, Index stop, Index rank, con
     }
 }
 
-// Of samples at one depth a vertex needs no others than the V nearest in toolface, whatever its radius: a comparison of
-// distances is one of turns. Turns so close that distances may tie are listed as well, if their chunk has both; a
-// sample of a later chunk loses ties.
+// Of the samples at one depth, a vertex needs only the V nearest in toolface, whatever its radius: comparing distances
+// means comparing angles. Samples at angles so close that distances may tie are listed as well if they lie in one
+// chunk; in a tie, the sample of the later chunk loses.
 void Search::gather_level(const Chunk& chunk, const Level& level, Index rank, const kernel::Box& box, kernel::Group& g,
                           Scratch& scratch) const {
     const auto wanted = static_cast<std::size_t>(rules_.neighbors);
@@ -350,7 +350,7 @@ void Search::gather_level(const Chunk& chunk, const Level& level, Index rank, co
         const double before = farthest, toolface = g.toolface[lane], limit = limit_of(lane);
         const double along = (level.depth - g.depth[lane]) / (scratch.least_trial * rules_.scale);
         const double tied = 0x1p-38 * along * along;
-        // Lists an entry that lies on the given side; false if those behind it are of no use.
+        // Lists an entry that lies on the given side; false if the entries behind it are not needed.
         const auto list = [&](std::ptrdiff_t i, bool growing) {
             const double difference = level.toolface[static_cast<std::size_t>(i)] - toolface;
             if ((difference < 0.0 ? difference <= -180.0 : difference < 180.0) != growing) return false;

@@ -26,7 +26,8 @@ struct GroupResult {
     std::uint8_t iterations[kernel::lanes];
     // A new sample shallower than `shallow` or deeper than `deep` changes nothing in this group.
     double shallow, deep;
-    // Nor does one whose squared distance from each vertex is above its `reach_square`, at the radius `least_trial`.
+    // Neither does a sample whose squared distance from each vertex, at the radius `least_trial`, is above the vertex's
+    // `reach_square`.
     double reach_square[kernel::lanes], least_trial;
     kernel::Sums sums;  // with Settings::sigma only
 };
@@ -65,11 +66,11 @@ class Search {
         Windows windows;
         std::vector<double> turns;  // from each vertex to its V nearest samples at level_depth so far, in order
         double level_depth = 0.0;
-        double least_trial = 0.0;  // that the levels in the list are good for
+        double least_trial = 0.0;  // the least radius for which the levels in the list are valid
         double half_height = 0.0;  // of the first box of the next group; 0: not known yet
         double mean_square = 0.0;  // of the reach of previous groups
-        double mean_height = 0.0;  // squared, of the heights that they needed; 0: turns are not looked at
-        Index even = 0;            // groups to come in which turns are not asked for: the samples lay on many
+        double mean_height = 0.0;  // mean squared height that previous groups needed; 0: turns are not looked at
+        Index even = 0;            // groups to come that do not look at turns: the samples lay on many toolfaces
     };
 
     // Vertices [8 group, 8 group + 8) of the helix, those from vertex_count on left out.

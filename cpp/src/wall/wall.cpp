@@ -145,8 +145,8 @@ bool Wall::State::advances(const SortedBatch& batch) const {
     return batch.count == 0 || (settings.pitch > 0.0 ? batch.first_depth() >= far_end : batch.last_depth() <= far_end);
 }
 
-// Is there a sample in the batch that is near enough to a vertex of the group to change it? Where the tool turns at one
-// depth, samples that others equal are not.
+// Is there a sample in the batch that is near enough to a vertex of the group to change it? If the tool turns at one
+// depth, a sample at a toolface that enough earlier samples have changes no vertex.
 bool Wall::State::reaches(const SortedBatch& batch, Index group) const {
     const Vertices::Block& block = vertices.block(group / Vertices::groups_per_block);
     const auto g = static_cast<std::size_t>(group % Vertices::groups_per_block);

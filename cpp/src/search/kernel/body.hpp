@@ -13,8 +13,8 @@
 namespace helibore::kernel {
 namespace {
 
-// Adds the samples that pass to the list, block by block: first finds where they are, then copies their rows. Each step
-// is a loop of its own, which does one thing to many. Returns how many samples were tested.
+// Adds the samples that pass to the list, block by block: finds where they are, then copies their rows, each in a loop
+// of its own. Returns how many samples were tested.
 template <class P, bool wraps>
 std::int64_t gather_from(CandidateList& list, const Group& g, const double* depth, const double* toolface,
                          const double* radius, std::int64_t n, std::int64_t rank, double half_width) {
@@ -58,7 +58,7 @@ std::int64_t gather(CandidateList& list, const Group& g, const double* depth, co
 
 template <class P>
 bool all_within(const double* values, std::int64_t n, double low, double high) {
-    constexpr std::int64_t ahead = 256;  // 2 kB: processors look no further than their 4 kB page, and slowly
+    constexpr std::int64_t ahead = 256;  // 2 kB: hardware prefetch stops at the end of a 4 kB page, and is slow
     std::int64_t i = 0;
     for (; i + 4 * lanes <= n; i += 4 * lanes) {  // one branch for every four vectors
         auto good = P::less_equal(P(low), P::load(values + i));

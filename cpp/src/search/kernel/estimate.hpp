@@ -13,7 +13,7 @@ namespace {
 
 constexpr unsigned every_lane = (1u << lanes) - 1;
 
-// A bound must hold although squares, ratios and truncated keys are rounded: they err by less than these.
+// Bounds must hold although squares, ratios and truncated keys are rounded; their rounding errors are below these.
 constexpr double slack = 1.0 + 1e-9;
 
 // The neighbours of one pack of vertices, in canonical order, as the estimate needs them.
@@ -31,7 +31,7 @@ inline Neighbours<P>& neighbours_of(const CandidateList& list) {
     return *static_cast<Neighbours<P>*>(static_cast<void*>(list.room->neighbours));
 }
 
-// What the list says of the selected candidates, whose positions are at[0], at[lanes], ... for each vertex.
+// Reads from the list the selected candidates, whose positions are at[0], at[lanes], ... for each vertex.
 template <class P>
 inline void read_neighbours(const Group& g, const CandidateList& list, int neighbors, const std::int32_t* at,
                             Neighbours<P>& found) {
@@ -85,10 +85,10 @@ struct Estimate {
     P radius, support, least, farthest;  // least and farthest: squared distances, used and selected
 };
 
-// sum(w r) / sum(w) over the neighbours at most max_distance away; the mean of those at distance 0 if there are any.
-// A neighbour too far away adds 0 and so leaves the bits of the sums alone: which ones were selected beyond the limit,
-// where no box has been certified, cannot show. The result is held within the least and greatest radius used, which
-// rounding could leave by an ulp.
+// sum(w r) / sum(w) over the neighbours at most max_distance away; the mean of those at distance 0 if there are any. A
+// neighbour farther away adds 0, which does not change the bits of the sums. So it does not matter which neighbours
+// were selected beyond the limit, where no box has been certified. The result is clamped to the least and greatest
+// radius used, because rounding could exceed them by an ulp.
 template <class P, int fixed>  // the number of neighbours where the compiler knows it, else 0: the weights stay in `n`
 inline Estimate<P> inverse_distance(Neighbours<P>& n, P scale, const Rules& rules) {
     const int neighbors = fixed > 0 ? fixed : rules.neighbors;
@@ -136,8 +136,9 @@ inline Estimate<P> inverse_distance(Neighbours<P>& n, P scale, const Rules& rule
     return {P::max(P::min(weighted / weights, high), low), support, least, farthest};
 }
 
-// What follows once the neighbours are known and read, for the vertices of a mask: the radius by kriging, in place of
-// that of the iteration, and the sums. Of a vertex without a sample in reach the results mean nothing.
+// The last step, once the neighbours are known and read, for the vertices of a mask: computes the sums and, with
+// kriging, the radius that replaces that of the iteration. The results of a vertex without a sample in reach mean
+// nothing.
 template <class P, class Mask>
 __attribute__((noinline)) void complete(Group& g, const CandidateList& list, const Rules& rules, const std::int32_t* at,
                                         P trial, Mask done) {
@@ -221,7 +222,7 @@ Verdict estimate(Group& g, const CandidateList& list, const Rules& rules, const 
     fill_narrow_columns<P>(list, g);
 
     const auto any = [](auto mask) { return P::bits(mask) != 0; };
-    // A squared distance found at one radius is at another at least this.
+    // The least that a squared distance found at one radius can be at another.
     const auto at_least = [&](P square, P found_at) {
         const P ratio = current / found_at;
         return square * P::min(P(1.0), ratio * ratio);
@@ -242,7 +243,7 @@ Verdict estimate(Group& g, const CandidateList& list, const Rules& rules, const 
         return verdict;
     };
 
-    auto wanted = active;  // whose neighbours are to be found
+    auto wanted = active;  // vertices whose neighbours are to be found
     for (;;) {
         if (any(wanted)) {
             if (narrow) {
@@ -291,7 +292,8 @@ Verdict estimate(Group& g, const CandidateList& list, const Rules& rules, const 
         const auto found = P::less(P(0.0), next.support);
         const P estimate = P::blend(found, next.radius, P(__builtin_nan("")));
         const P tolerance(rules.tolerance);
-        // One that returns to the one before last, but not to the last, would swing for ever: the mean of the two.
+        // An estimate that equals the one before last, but not the last, would alternate for ever: take the mean of the
+        // two.
         const auto moves = P::less(tolerance, P::abs(estimate - current));
         const auto apart = P::less(tolerance, P::abs(estimate - before));
         const P mean = P::blend(apart, estimate, P(0.5) * (estimate + current));

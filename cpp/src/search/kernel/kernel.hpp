@@ -96,17 +96,18 @@ struct Rules {
     double power;
     double range, nugget;  // of kriging; range 0: inverse distance
     bool sums;             // are Group::sums wanted?
-    // max_distance squared, on the wall; the greatest squared distance of a sample that near; a squared distance that
-    // none beyond the limit is within. The three differ by angular_scale.
+    // max_square: max_distance squared, on the wall. reach_square: the greatest squared distance in the search's metric
+    // of a sample within max_distance. sure_square: no sample beyond max_distance has a smaller one. They differ by
+    // angular_scale.
     double max_square, reach_square, sure_square;
     double scale;    // metres a degree at one metre of radius: angular_scale pi / 180
     double unscale;  // 1 / angular_scale^2
     bool windowed;
 };
 
-// What the uncertainty of a radius is computed from, for each vertex: the sum of the squared weights, and means over
-// the neighbours of squares: of their radius less the estimate, and of their distances along the hole and around it, on
-// the wall. NaN without neighbours.
+// The uncertainty of a radius is computed from these, for each vertex: the sum of the squared weights, and mean squares
+// over the neighbours: of their radius minus the estimate, of their distance along the hole, and of their distance
+// around it, on the wall. NaN without neighbours.
 inline constexpr int sum_count = 4;
 struct Sums {
     double square_weights[lanes], scatter[lanes], along[lanes], across[lanes];

@@ -103,7 +103,7 @@ inline Kriged<P> solve_system(KrigingSystem<P>& system, int n, double nugget, P 
     return {radius, squares};
 }
 
-// `at`: the neighbours at the trial radius. Of a vertex without a sample in reach the result means nothing.
+// `at`: the neighbours at the trial radius. The result of a vertex without a sample in reach means nothing.
 template <class P>
 __attribute__((noinline)) Kriged<P> krige(const Group& g, const CandidateList& list, const Rules& rules,
                                           const std::int32_t* at, P trial, bool with_squares = false) {

@@ -59,7 +59,8 @@ inline P turn_from(P center, P toolface) {
     return P::blend(P::less(turn, P(-180.0)), turn + P(360.0), back);
 }
 
-// Fills the narrow columns of a padded list, up to the next multiple of sixteen: so many are looked at in one go.
+// Fills the narrow columns of a padded list, up to the next multiple of sixteen, because the search reads sixteen at a
+// time.
 template <class P>
 void fill_narrow_columns(const CandidateList& list, const Group& g) {
     for (std::int64_t i = 0; i < (list.count + 15) / 16 * 16; i += lanes) {
@@ -78,8 +79,8 @@ struct Numbers {
 };
 inline constexpr Numbers numbers;
 
-// What the vertices see of a list: their squared distances in floats, tagged with the position, to one or two
-// candidates at a time. `wraps`: the list may span more than half a turn.
+// The squared distances of the vertices to one or two candidates of a list at a time, as floats tagged with the
+// position. `wraps`: the list may span more than half a turn.
 template <class P, bool windowed, bool wraps>
 struct NarrowEye {
     using Pack = typename P::Narrow;
@@ -152,8 +153,9 @@ inline Number halfway(Number low, Number high) {
     return low;
 }
 
-// A threshold that at least `least` and, unless keys are equal, at most `most` keys pass. `passing` counts those up to
-// a threshold: first where even spacing would have it, then by halves. All `all` keys lie between `low` and `high`.
+// A threshold that at least `least` and, unless keys are equal, at most `most` keys pass. `passing` counts the keys up
+// to a threshold. The first try assumes evenly spaced keys, the next ones halve the interval. All `all` keys lie
+// between `low` and `high`.
 template <class Bits, class Number, class Count>
 inline Number threshold(Number guess, Number low, Number high, int all, int least, int most, const Count& passing) {
     const Number start = low;
@@ -187,7 +189,7 @@ inline P on_wall(P across, P along_square, const Rules& rules) {
     return across * across * P(rules.unscale) + along_square;
 }
 
-// The candidates of a list as one vertex sees them.
+// The candidates of a list, with their distances from one vertex.
 template <class P>
 class Nearest {
   public:
