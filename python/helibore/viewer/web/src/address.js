@@ -28,7 +28,7 @@ export function looked({ view: { top, bottom, cursor, pinned } }) {
   };
 }
 
-// Take what is valid: view and notes have it at once; returns the colours, for the wall's quantities.
+// Apply the valid parts of an address: view and notes change at once; the colours are returned for the wall's quantities.
 /** @param {Pick<App, 'view' | 'notes'>} app @param {string} hash @returns {Colours | null} */
 export function fromAddress({ view, notes }, hash) {
   const parts = new URLSearchParams(hash.replace(/^#/, ''));

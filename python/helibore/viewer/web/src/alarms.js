@@ -7,7 +7,7 @@ import { MEASURES } from './zones.js';
 
 const KEPT = 'helibore.alarms';
 const LINES = 2; // in rig mode
-// Rule and source of an alarm of the feed, which its cause follows.
+// Rule and source of an alarm of the feed, without the cause that follows them.
 /** @param {string} alarm */
 export const shortOf = (alarm) => alarm.split(': ')[0];
 // At most `LINES` texts; the last one says how many more there are.
@@ -42,7 +42,7 @@ export class Alarms {
     Object.assign(this, { zones: [], silenced: [], ...(kept?.session === session ? kept : {}), session });
   }
 
-  // Zones of a state that follows another one of the same wall; of a wall that is finished none is new.
+  // Note the zones of the next state of the same wall. In a finished wall no zone is new.
   /** @param {Zone[] | null} before @param {Zone[]} now @param {boolean} live @param {string[]} feed */
   take(before, now, live, feed) {
     const fresh = live && before ? newZones(before, now) : [];
@@ -57,7 +57,7 @@ export class Alarms {
     this.app.redraw();
   }
 
-  // Nothing is silenced that was not on the page in full.
+  // Silence only alarms whose full text was on the page.
   silence() {
     if (this.app.view.rig && !this.whole) return this.read(true);
     this.whole = false;

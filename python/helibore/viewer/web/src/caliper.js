@@ -1,6 +1,6 @@
 // The caliper track: smallest and largest diameter of every turn (green, blue), filled between, bit size dashed. Orange
-// beyond the bit, in a zone that zone's colour; red where the hole is tighter than the bit; hatched where a turn has no diameter, sparsely where it is interpolated
-// between arms.
+// marks hole beyond the bit, or the zone's colour inside a zone; red marks hole tighter than the bit. Turns without a
+// diameter are hatched; turns interpolated between arms are hatched sparsely.
 
 import { BOLD, HEAD, label, PALETTES, SMALL } from './layout.js';
 import { niceStep } from './lod.js';
@@ -37,7 +37,8 @@ export function profile({ store, view, imagePieces, rects }) {
   return { min, max, seen, between };
 }
 
-// Ends of the scale: round numbers, `per` a metre, about the tightest and the widest turn in view, and a tenth of bit size at least.
+// Ends of the scale: round numbers of a unit of which `per` make a metre. They enclose the tightest and the widest turn in
+// view, and at least a tenth of bit size.
 /** @param {number} bit @param {{ min: Float32Array, max: Float32Array }} of @param {number} [per] */
 export function scaleFor(bit, { min, max }, per = 1000) {
   const widest = max.reduce((most, value) => (value > most ? value : most), bit * 1.06);

@@ -34,13 +34,13 @@ export class Camera {
     this.axes = [right, up, back];
   }
 
-  // A direction as seen: right, up, towards the eye.
+  // A direction in the axes of the camera: right, up, towards the eye.
   /** @param {Vector} direction */
   facing(direction) {
     return this.axes.map((axis) => dot(axis, direction));
   }
 
-  // Of a body with these axes at this place.
+  // The model-view matrix of a body with these axes at this place.
   modelView(place = [0, 0, 0], axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]) {
     return [...axes.flatMap((axis) => [...this.facing(axis), 0]), ...this.facing(minus(place, this.position)), 1];
   }

@@ -18,7 +18,7 @@ export const MAPS = Object.fromEntries(
   Object.entries(definition.maps).map(([name, { label, stops }]) => [name, { label, anchors: hex(stops) }]),
 );
 
-// In dark mode a map that shows nothing as the page's own colour has another one.
+// In dark mode, a map whose neutral colour is the colour of the page is replaced by its dark version.
 /** @param {string} map @param {boolean} dark */
 export const themed = (map, dark) => (dark && MAPS[`${map}-dark`] ? `${map}-dark` : map);
 
@@ -38,8 +38,8 @@ export function lookup(name, count = 256) {
 
 export const [Q_RADIUS, Q_OVER, Q_NEAREST, Q_SUPPORT, Q_CHANGE, Q_ATTRIBUTE] = [0, 1, 2, 3, 4, 5];
 
-// The quantities of a wall, attributes last. Lengths are in metres; `length` says so, for the units on screen. Nothing of a
-// gauge hole is measured but its attributes.
+// The quantities of a wall, attributes last. Lengths are in metres; `length` marks them, for the units on screen. In a gauge
+// hole only the attributes are measured.
 /** @param {Pick<Store, 'attributes' | 'basis'>} store @returns {Quantity[]} */
 export function quantities(store) {
   const [low, high] = [NaN, NaN];

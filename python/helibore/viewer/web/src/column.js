@@ -1,5 +1,5 @@
-// Ink on the hole straightened: the bit's ghost, gaps, zones with their measures, picked planes. What is drawn here is where the
-// column's shader draws it: the left edge of the image at the left, its last quarter in front, the right half cut away.
+// Ink on the straightened hole: the bit's ghost, gaps, zones with their measures, picked planes. It matches the column's
+// shader: the left edge of the image at the left, its last quarter in front, the right half cut away.
 
 import { planeDepth } from './dips.js';
 import { columnScale } from './gpu.js';

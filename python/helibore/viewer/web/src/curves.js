@@ -64,7 +64,7 @@ export class Curves {
     this.list();
   }
 
-  // Curves of the server that are new or have other ends: name, unit, low, high, log. `version` is that of all values.
+  // Take the server's curves that are new or have other ends: name, unit, low, high, log. `version` is that of all values.
   /** @param {NonNullable<State['curves']>} rows @param {number} version */
   offer(rows, version) {
     const known = new Map(this.offered.map((one) => [one.name, one]));
@@ -89,7 +89,7 @@ export class Curves {
     options('curve', [['', 'Curves'], ...offered, [SAVE, 'template …']]);
   }
 
-  // Show a curve, or no longer.
+  // Show or hide a curve.
   /** @param {string} name */
   choose(name) {
     const { view } = this.app;

@@ -1,5 +1,5 @@
-// Whether this machine draws with its processor instead of a graphics card. Then every sample of a pixel and every
-// canvas that the browser sends through GL is dear: edges are not smoothed, and 2-D canvases are kept off GL.
+// Whether this machine draws with its processor instead of a graphics card. Then every sample of a pixel is expensive, and
+// so is every canvas that the browser sends through GL: edges are not smoothed, and 2-D canvases are kept off GL.
 
 export const SOFTWARE = typeof document !== 'undefined' && drawnInSoftware();
 

@@ -1,6 +1,6 @@
 // Picks on the picture. A plane is a curve on the image, a disc through the hole in 3-D, and a tadpole: its head, a symbol
 // of its class, at the dip (0 to 90 degrees across the track), its tail towards where the plane dips, north up. Without a
-// survey the dip is that to the hole and its tail counts from the tool's zero. A breakout is two boxes on the image.
+// survey the dip is relative to the hole, and the tail counts from the tool's zero. A breakout is two boxes on the image.
 
 import { columnCurve } from './column.js';
 import { planeDepth, wallPoint } from './dips.js';
@@ -26,7 +26,7 @@ export function drawDips(ink, look, planes, gpu) {
   if (look.rects.dips) tadpoles(ink, look, look.rects.dips, planes, palette);
 }
 
-// The symbol, colour and name of each class of pick in view, below the tracks; those that have room.
+// The legend below the tracks: symbol, colour and name of each class of pick in view, as many as there is room for.
 /** @param {Ink} ink @param {Look} look @param {Planes} planes */
 export function drawLegend(ink, { view, rects: { axis, pane } }, { kept, boxes }) {
   if (view.rig) return;

@@ -4,7 +4,7 @@
 //   apparent dip = atan sqrt(a^2 + b^2)      on a round hole of diameter D a sinusoid of height H:  tan = H / D
 //   normal       = along - a high - b right, turned upwards;  true dip = its angle from up,  azimuth = where it leans
 //
-// Three points or more, not all on one side of the hole; what is left over says how well they lie in a plane.
+// Three points or more, not all on one side of the hole. The misfit shows how well they lie in a plane.
 
 import { wrap360 } from './helix.js';
 import { dot, minus } from './vectors.js';
@@ -19,8 +19,8 @@ export function wallPoint(path, { depth, toolface, radius }) {
   return centre.map((x, i) => x + radius * (c * high[i] + s * right[i]));
 }
 
-// Plane through points {depth, toolface, radius}: null where they do not say one. Angles in degrees, lengths in metres;
-// dip and azimuth NaN without a survey.
+// Plane through points {depth, toolface, radius}: null where the points do not define one. Angles in degrees, lengths in
+// metres; dip and azimuth NaN without a survey.
 /** @param {Path} path @param {WallPoint[]} points @param {PlaneKind} [kind] @returns {Plane | null} */
 export function fitPlane(path, points, kind = 'bed') {
   if (points.length < 3) return null;

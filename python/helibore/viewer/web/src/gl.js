@@ -105,7 +105,7 @@ class Program {
   }
 }
 
-// What belongs to one context: when it is lost, so is all of this.
+// The objects of one context: they are lost with it.
 export class Context {
   /** @type {WebGLFramebuffer | null} */
   spot = null; // framebuffer of one pixel

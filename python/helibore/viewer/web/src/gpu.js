@@ -39,7 +39,7 @@ export class Gpu {
     canvas.addEventListener('webglcontextrestored', () => this.restore());
     this.outside = new Camera(FIELD_OF_VIEW);
     this.inside = new Camera(WIDE);
-    this.head = { left: 0, raised: 0 }; // where the eye inside looks, radians from along the hole
+    this.head = { left: 0, raised: 0 }; // viewing direction of the camera inside, radians from along the hole
     this.camera = this.outside;
     this.width = this.height = this.ratio = 0;
     /** @type {Piece[]} */
@@ -130,7 +130,7 @@ export class Gpu {
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   }
 
-  // Call back when what was asked for is drawn; in software that is long after draw() has returned.
+  // Call back when the requested picture is drawn; in software that is long after draw() has returned.
   /** @param {() => void} done */
   whenDrawn(done) {
     const { gl } = this;
@@ -352,7 +352,7 @@ export class Gpu {
   }
 }
 
-const BIT_SHARE = 0.2; // of the column's width is the bit's radius
+const BIT_SHARE = 0.2; // the bit's radius, as a share of the column's width
 const COLUMN_SHAPE = 3; // the shape's exaggeration in the column, where the user chose none
 
 // Pixels a metre across the column, how many times more than along it, the shape's exaggeration about the bit.

@@ -1,4 +1,4 @@
-// Where a vertex lies, and which quad covers a point. The one picture of the whole page:
+// Where a vertex lies, and which quad covers a point. The whole page uses these rules:
 //
 //   vertex k:  row = floor(k / K), col = k mod K          toolface grows with col, depth with k
 //   depth      = startDepth + (row + col / K) pitch       K = sectors of a turn, pitch is signed

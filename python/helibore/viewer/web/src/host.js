@@ -1,5 +1,5 @@
-// In a notebook the page is a frame without a server. The notebook gives it a port, through which the kernel's messages
-// come as from a websocket, and its answers as to `fetch`; what the reader looks at goes back (notebook.js).
+// In a notebook the page is a frame without a server. The notebook gives it a port, which takes the place of websocket and
+// `fetch`: the kernel's messages and answers come through it, and the page sends back what the user looks at (notebook.js).
 
 export class Host {
   /** @type {Socket | null} */

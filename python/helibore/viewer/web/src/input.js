@@ -10,7 +10,8 @@ import { byId, tabs } from './panel.js';
 import { CLASSES } from './picking.js';
 
 const EDGE = 5; // pixels at the right edge of a head
-// Pixels: from a curve that still hit it; along a sine from its crest that still change its dip; that a click may move.
+// Pixels: largest distance from a curve that hits it; largest distance along a sine from its crest that changes its dip;
+// largest move of a click.
 const MOUSE = { curve: 6, crest: 0, click: 4 };
 const FINGER = { curve: 20, crest: 26, click: 10 };
 /** @param {PointerEvent} event */

@@ -38,7 +38,7 @@ export function layout(width, height, { dips = false, measured = true, rig = fal
   return rects;
 }
 
-// Tadpoles take the place of the caliper, whose sizes at the cursor stand above the log.
+// On a narrow screen tadpoles replace the caliper track; the diameters at the cursor then stand above the log.
 /** @param {number} width @param {boolean} measured @param {boolean} dips @returns {Record<string, number>} */
 function phone(width, measured, dips) {
   const caliper = measured && !dips ? Math.round(width * 0.19) : 0;
@@ -54,8 +54,8 @@ function desk(width, { dips, measured, beside, curves }) {
   return { map: 52, axis: 72, image, ...besides, caliper, ...(curves ? { curves: curves > 2 ? 176 : 112 } : {}), ...(dips ? { dips: DIPS } : {}) };
 }
 
-// Names and widths of the tracks as the user arranged them; all narrower where the hole would not have `pane` pixels, and
-// all as wide as the screen where it has none.
+// Names and widths of the tracks as the user arranged them. All become narrower if the hole would get fewer than `pane`
+// pixels. If the hole has no pane, all together are as wide as the screen.
 /** @param {Record<string, number>} widths @param {Record<string, number>} chosen @param {string[]} order @param {number} width @param {number} pane @returns {[string, number][]} */
 function arranged(widths, chosen, order, width, pane) {
   /** @param {string} name */
@@ -72,7 +72,7 @@ function arranged(widths, chosen, order, width, pane) {
 /** @param {Rects} rects */
 export const movable = (rects) => Object.keys(rects).filter((name) => !['map', 'axis', 'pane', 'wall'].includes(name) && rects[name].width);
 
-// Where the last track ends; the straightened hole is one.
+// The right end of the last track; the straightened hole counts as a track.
 /** @param {Rects} rects */
 export const tracksEnd = (rects) => (rects.wall?.top && rects.wall.width ? rects.wall.left + rects.wall.width : Math.max(...['axis', ...movable(rects)].map((name) => rects[name].left + rects[name].width)));
 /** @param {Rects} rects */
@@ -141,7 +141,7 @@ export function label(ink, text, x, y, { colour, halo, align = 'left', baseline 
   ink.fillText(text, x, y);
 }
 
-// The first text that is no wider, else as much of the last one as there is room for.
+// The first text that fits the width, else as much of the last one as fits.
 /** @param {Ink} ink @param {string[]} texts @param {number} width */
 export function fitting(ink, texts, width) {
   /** @param {string} text */

@@ -41,7 +41,7 @@ export function gridIndices(sectors, rows, colStride, rowStride) {
   return indices;
 }
 
-// Of a grid's indices, [first, count] of those whose rows lie in the section and in the piece of the tile that is shown.
+// [first, count] of the grid's indices whose rows lie in the section and in the shown part of the tile.
 /** @param {Piece} piece @param {View} view @param {Level} level @param {{ cols: number, rows: number }} strides */
 export function rowsShown({ tile, top, bottom }, view, { sectors, rows, pitch }, strides) {
   const places = [Math.max(top, view.top), Math.min(bottom, view.bottom)].map((depth) => (depth - tile.startDepth) / pitch);

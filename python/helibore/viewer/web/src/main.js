@@ -74,11 +74,11 @@ export class App {
   /** @type {Zone[]} */
   zones = [];
   /** @type {Zone[] | null} */
-  zonesBefore = null; // those of the state before, of the same wall
+  zonesBefore = null; // the zones of the previous state of the same wall
   /** @type {Summary | null} */
   summary = null;
   summarized = '';
-  summaryOf = false; // of the last metres, as in rig mode
+  summaryOf = false; // whether the figures are of the last metres, as in rig mode
   summaryPending = false;
   status = 'connecting';
   words = '';
@@ -105,7 +105,7 @@ export class App {
   gpu = null; // where there is WebGL 2
   /** @type {import('./camera.js').Orbit | null} */
   controls = null;
-  toSay = false; // once the values at the cursor are here
+  toSay = false; // say the values at the cursor when they have arrived
   // Timers.
   /** @type {Record<'noticed' | 'unseen' | 'sharpening' | 'glowing' | 'addressing' | 'speaking', number | undefined>} */
   timers = { noticed: undefined, unseen: undefined, sharpening: undefined, glowing: undefined, addressing: undefined, speaking: undefined };
@@ -348,7 +348,7 @@ export class App {
     return [beside, curves];
   }
 
-  // Keep the first image beside the others, or no longer.
+  // Keep the first image beside the others, or drop it.
   keepBeside() {
     const { view, quantity } = this;
     if (view.beside.includes(quantity.id)) return view.showImages(quantity.id, view.beside.filter((id) => id !== quantity.id));
@@ -621,9 +621,9 @@ export class App {
     writeRig(this);
   }
 
-  // Ask the server for the figures of the section, or in rig mode of the last metres, once it rests; while the wall grows,
-  // every now and then. Those of the section do not stand for the last metres, nor the other way round. An exported file holds
-  // those of its own section.
+  // Ask the server for the figures of the section, or in rig mode of the last metres, once the section rests, and repeatedly
+  // while the wall grows. The figures of one mode are not shown in the other. An exported file holds those of its own
+  // section.
   summarize() {
     const { view, store, contents } = this;
     if (contents) this.summary = contents.summary;

@@ -1,6 +1,6 @@
 // The map: the whole well from the overview, in the colours of the current quantity, with zones and enlargement beside it,
-// the section as a window to drag, the cursor and the bit. Grey at its left edge: a vertex there is not measured; dots of
-// grey: interpolated between arms.
+// the section as a window to drag, the cursor and the bit. Grey at the left edge: a vertex there is not measured; grey dots:
+// the turn is interpolated between arms.
 
 import { lookup, scaling, themed } from './colour.js';
 import { pen } from './device.js';

@@ -8,7 +8,7 @@ import { showDepth } from './units.js';
 
 const MOST = 50;
 const LONGEST = 80; // characters
-const NEAR = 8; // pixels within which a note is the one that is there
+const NEAR = 8; // pixels: a note within this distance of the cursor is opened
 
 export class Notes {
   /** @type {Note[]} */

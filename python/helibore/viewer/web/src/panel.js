@@ -39,8 +39,8 @@ function sections({ unit, scale }) {
   options('sectionLength', [['', 'custom'], ...SCALES.map((one) => choice(`1:${one}`)), ...SECTIONS.map((length) => choice(length / scale, `${length} ${unit}`)), ['all', 'whole well']]);
 }
 
-// Name the cuts that the reference of the wall allows: a survey knows up and north; without one, toolface 0 is one of them, or
-// the wall is cut by the tool's own angles. Returns the cut, or another one where that is not among them.
+// Name the cuts that the reference of the wall allows: up and north with a survey; without one, the reference of toolface 0
+// if it is known, else the tool's own angles. Returns the chosen cut, or another one if the chosen one is not allowed.
 /** @param {Path} path @param {Cut} chosen @returns {Cut} */
 export function nameCuts({ surveyed, reference, assumed }, chosen) {
   const named = surveyed ? ['up', 'north'] : reference === 'north' ? ['north'] : ['up'];

@@ -8,12 +8,12 @@
 import { cross, normalised } from './vectors.js';
 
 const DEG = 180 / Math.PI;
-const FAINT = Math.sin(1 / DEG); // a direction seen under less than a degree is no reference
+const FAINT = Math.sin(1 / DEG); // a direction less than a degree from that of the hole is no reference
 
 export class Path {
   /** @param {number} startDepth @param {number} step @param {string | null} [reference] @param {boolean} [assumed] */
   constructor(startDepth, step, reference = null, assumed = false) {
-    this.surveyed = false; // then the hole is drawn straight and vertical, and true depth is not known
+    this.surveyed = false; // if false, the hole is drawn straight and vertical, and true depth is not known
     this.reference = reference; // what toolface 0 is, if it is not surveyed
     this.assumed = assumed; // nothing states what toolfaces count from
     /** @type {Vector | null} */

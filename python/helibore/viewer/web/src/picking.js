@@ -62,7 +62,7 @@ export class Picking {
   /** @type {PickChange[][]} */
   changes = []; // made here, for undo
   /** @type {PickChange[][]} */
-  undone = []; // taken back, for redo; a new change ends it
+  undone = []; // taken back, for redo; a new change empties it
   /** @type {string | null} */
   selected = null; // key of one
   /** @type {WallPick | null} */
@@ -251,7 +251,7 @@ export class Picking {
     return this.replace(this.dragged);
   }
 
-  // The sine that turns where the drag began and passes through where it is now.
+  // The sine whose crest or trough is where the drag began, through the point where the drag is now.
   /** @param {Aim} from @param {Aim} to */
   drawSine(from, to) {
     const turn = apart(to.toolface, from.toolface);
@@ -285,7 +285,7 @@ export class Picking {
     if (!before) this.selected = null;
   }
 
-  // Show a pick, in place of the one with its key; `gone`: no longer.
+  // Show a pick, in place of the one with its key; `gone`: remove it.
   /** @param {WallPick} pick @param {boolean} [gone] */
   replace(pick, gone = false) {
     const known = this.kept.some(({ key }) => key === pick.key);
@@ -352,7 +352,7 @@ export class Picking {
     this.restore(this.undone, this.changes);
   }
 
-  // Put picks back to where the last step of one list has them; the other list gets the way back.
+  // Apply the last step of one list (undo or redo); the other list gets the reverse step.
   /** @param {PickChange[][]} from @param {PickChange[][]} to */
   restore(from, to) {
     const step = from.pop();

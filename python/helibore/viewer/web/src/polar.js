@@ -1,6 +1,7 @@
 // The cross-section at the cursor: one turn of the wall, looking down the hole, high side (or north) up.
-// Bit circle dashed, smallest and largest diameter with their directions, filled beyond the bit; dotted where it is interpolated between
-// arms; a band of 95 % where the wall came with its uncertainty; kept sections behind. The shape's exaggeration is the view's, and written.
+// Bit circle dashed, smallest and largest diameter with their directions, filled beyond the bit; dotted where it is
+// interpolated between arms; a band of 95 % if the wall has its uncertainty; kept sections behind. The view sets the shape's
+// exaggeration, and the picture states it.
 
 import { pen, pixelRatio } from './device.js';
 import { BOLD, FONT, label, PALETTES, SMALL } from './layout.js';

@@ -1,4 +1,4 @@
-// The bytes between server and page; messages.py draws the same picture from the other side.
+// The bytes between server and page; messages.py draws the same format for the server's side.
 //
 //   u8 type | u8 level | u16 mask | u32 tile, first, count, total, sequence | f64 time | payload       little endian
 //
@@ -8,7 +8,7 @@ export const HEAD = 32;
 export const WRITE = 1;
 export const FRAMES = 3;
 export const LIVE = 0x80;
-export const NO_FIRST = 0x80; // in `level`: the radii of the first pass are left out, they are the radii
+export const NO_FIRST = 0x80; // in `level`: the radii of the first pass are left out, because they equal the radii
 export const SURVEYED = 1; // in `mask` of FRAMES
 export const TEXEL = 4;
 export const [RADIUS, FIRST, NEAREST, STATE] = [0, 1, 2, 3];

@@ -34,7 +34,8 @@ const PIXEL = 1 / LENGTHS.in.scale / 96; // metres of paper
 /** @param {{ height: number }} of @param {number} scale */
 export const scaleLength = ({ height }, scale) => height * PIXEL * scale; // metres of hole in a track at 1:scale
 
-// Measured depth over true depth at every tick, letters of the zones; all give way to the cursor's tag, which is there first.
+// Measured depth over true depth at every tick, letters of the zones. Texts that would touch the cursor's tag, which is
+// drawn first, are left out.
 /** @param {Ink} ink @param {Look} look */
 export function drawAxisLabels(ink, { view, path, rects, zones }) {
   const palette = PALETTES[view.theme];

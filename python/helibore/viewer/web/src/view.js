@@ -106,7 +106,7 @@ export class View extends Settings {
     this.#change({ camera: all[(all.indexOf(this.camera) + 1) % all.length] });
   }
 
-  // Put the cursor somewhere, or nowhere; `pinned`: it stays there when the pointer moves.
+  // Put the cursor somewhere, or remove it; `pinned`: it stays there when the pointer moves.
   /** @param {Cursor | null} cursor @param {boolean} [pinned] */
   point(cursor, pinned = this.pinned) {
     this.#change({ cursor, pinned });
@@ -116,7 +116,7 @@ export class View extends Settings {
     this.#change({ pinned: false });
   }
 
-  // Keep the section at a depth beside the cross-section, or no longer; the last three stay.
+  // Keep the section at a depth beside the cross-section, or remove it; the last three stay.
   /** @param {number} depth */
   keepSection(depth) {
     const others = this.pins.filter((pin) => Math.abs(pin - depth) > 1e-3);
@@ -141,7 +141,7 @@ export class View extends Settings {
     this.sized = true;
   }
 
-  // Show a curve, or no longer.
+  // Show or hide a curve.
   /** @param {string} name */
   toggleCurve(name) {
     this.#change({ curvesChosen: true, curves: this.curves.includes(name) ? this.curves.filter((one) => one !== name) : [...this.curves, name].slice(-MOST_CURVES) });
@@ -163,14 +163,14 @@ export class View extends Settings {
     this.#change(tracks);
   }
 
-  // Large digits, following the bit along the last `length` metres; back, the section is the one of before.
+  // Rig mode: large digits, following the bit along the last `length` metres. When it ends, the earlier section returns.
   /** @param {number} length @param {boolean} [on] */
   toggleRig(length, on = !this.rig) {
     const { top, length: before, follow } = this;
     this.#change(on ? { rig: true, follow: true, desk: { top, length: before, follow }, length, cursor: null, pinned: false } : { rig: false, ...this.desk });
   }
 
-  // Show `length` metres from `top`, kept near the wall; by the user's hand it stops following.
+  // Show `length` metres from `top`, kept near the wall. A move by the user stops following the bit.
   /** @param {number} top @param {number} length @param {Store} store @param {boolean} [byHand] */
   show(top, length, store, byHand = true) {
     if (this.rig && byHand) return;
@@ -230,7 +230,7 @@ export class View extends Settings {
     return `#${new URLSearchParams(parts)}`;
   }
 
-  // Take what is valid of an address; anything else is left as it was. True when it names a depth.
+  // Apply the valid parts of an address; the rest stays as it was. Returns whether the address names a depth.
   /** @param {string} hash */
   fromAddress(hash) {
     const parts = new URLSearchParams(hash.replace(/^#/, ''));
@@ -281,7 +281,7 @@ export class View extends Settings {
 }
 
 // Depths of the ticks between two depths so that labels are at least `apart` pixels from each other.
-// `scale`: round numbers of a unit of which a metre has so many.
+// `scale`: labels are round numbers of a unit of which `scale` make a metre.
 /** @param {number} top @param {number} bottom @param {number} pixels @param {number} apart @param {number} [scale] */
 export function ticks(top, bottom, pixels, apart, scale = 1) {
   const step = niceStep(((bottom - top) / pixels) * apart * scale);
