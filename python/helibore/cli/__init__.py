@@ -55,7 +55,7 @@ def _one_line_errors() -> Iterator[None]:
 
 
 class Verbs(click.Group):
-    """The verbs, loaded late."""
+    """The verbs; each is loaded when it is called."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
         return list(VERBS)

@@ -27,7 +27,7 @@ from helibore.cli.without_caliper import without_caliper
 from helibore.files.raw_set import Channel
 
 WIDE = 120
-"""Columns a terminal needs for the reasons to stand in the table; else they follow it, one a line."""
+"""Least width of a terminal for a table with the reasons; on a narrower one they follow the table, one a line."""
 
 
 @click.command(short_help="Show what a file holds and which role each channel gets.")

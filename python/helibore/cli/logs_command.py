@@ -153,7 +153,7 @@ def _in_unit(table: LogTable, unit: str) -> LogTable:
 
 
 class _Measured(NamedTuple):
-    """Zones of the whole wall, if it has a shape; between two depths its turns, the rows to write, more columns."""
+    """Zones of a wall, if it has a shape; turns between two depths, rows to write, additional columns."""
 
     zones: Classification | None
     turns: Logs

@@ -23,7 +23,7 @@ SIGMA = opt("--sigma", "Standard uncertainty of the radius, as the attribute 'si
 QUIET = opt("-q --quiet", "Print nothing but errors.", is_flag=True)
 
 NOT_RECORDED = ("source", "output", "centres", "zones", "breakouts", "quiet", "help")
-"""Own options that do not change the bytes of the output."""
+"""Options of a command itself that do not change the bytes of the output."""
 
 
 def OUTPUT(help: str) -> tuple[str, dict[str, Any]]:  # noqa: A002, N802

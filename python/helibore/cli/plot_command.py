@@ -147,7 +147,7 @@ def report(**options: Any) -> None:
 
 
 def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Run, dict[str, Any], dict[str, Any]]:
-    """Make the wall; return the run, the options (those of a repeated run among them) and those of a `Drawing`."""
+    """Make the wall; return the run, all options (also those of a repeated run) and the options of a `Drawing`."""
     _scale(options["scale"]), _looks(options)  # refuses wrong ones before the work
     run = open_run(options, terminal, (options["output"],))
     options = own_options(run, verb, options)
@@ -191,7 +191,7 @@ def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Ru
 
 
 def _with_look(curve: ScalarCurve, looks: dict[str, Look]) -> ScalarCurve:
-    """The curve with the limits of --limits and the logarithm of --log."""
+    """Return the curve with the limits of --limits and the logarithm of --log."""
     look = looks.pop(curve.name, None)
     return curve if look is None else replace(curve, limits=look.limits, log=bool(look.log))
 

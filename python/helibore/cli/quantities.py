@@ -17,7 +17,7 @@ else:
     Read = TypeVar("Read")
 
     class Parameter(click.ParamType, Generic[Read]):
-        """What an option's text is read to; click says so itself only from 8.4 on."""
+        """The type to which the text of an option is converted; click has such types only from 8.4 on."""
 
 
 class Quantity(Parameter[float | None]):

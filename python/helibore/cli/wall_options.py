@@ -329,7 +329,7 @@ def _check_outputs(outputs: Sequence[Path], inputs: Sequence[Path], settings_fil
 
 
 def _check_source(options: dict[str, Any]) -> None:
-    """Refuse no source, several kinds of it, and options that would have no effect."""
+    """Refuse a missing source, several kinds of source, and options that would have no effect."""
     source, settings = options["source"], options["from_settings"]
     endings = {file.suffix.lower() for file in source}
     for file in source:
@@ -453,7 +453,7 @@ def _opened(options: dict[str, Any]) -> tuple[RunSettings, OpenFiles]:
 
 
 def _check_caliper(files: OpenFiles, one: Input, options: dict[str, Any]) -> None:
-    """Refuse a source without a caliper around the hole whose images another command shows; the error has it."""
+    """Refuse a source with images but without a caliper around the hole; the error has the command that shows them."""
     from helibore.cli.without_caliper import without_caliper
 
     verb = click.get_current_context().info_name or ""

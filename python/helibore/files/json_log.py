@@ -26,7 +26,7 @@ SIZE_LIMIT = 1 << 28
 """Largest JSON text (bytes) that is read: the parser holds all of it, some ten times over."""
 
 EMPTY_FREE, EMPTY_RATIO = 1 << 20, 200
-"""Cells of an array curve that null rows may always stand for; beyond them, how many to each cell that is there."""
+"""Cells of an array curve that null rows may always fill; beyond them, the most such cells for each other cell."""
 
 WELL_UNITS = {"MD": "depth_unit", "TVD": "depth_unit", "N": "surface_unit", "E": "surface_unit"}
 """The key of a standard well's header that states the unit of a column."""

@@ -31,7 +31,7 @@ FORMAT = re.compile(r"\{\s*(?P<format>[^{}]*)\}")
 DATED = re.compile(r"(?:[DMY]{1,4}[/.-]){2}[DMY]{2,4}(?P<date>\d\S*)", re.IGNORECASE)
 """The form of a date and the date without a blank between them: ``DATE.DD/MM/YYYY21/05/2007``."""
 INDEX = ("STRT", "STOP", "STEP", "NULL")
-"""Numbers of the index and the rows; other numbers of a header keep their unit."""
+"""Header items of the index and the rows: plain numbers. The other numbers of a header keep their unit."""
 
 # One angle of an array member: {AF10.4;0deg} or {AF10.4; 2.5 deg}.
 SPACING = re.compile(r"^\s*(?P<value>[+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(?P<unit>\S*)\s*$")

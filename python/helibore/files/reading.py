@@ -18,7 +18,7 @@ READERS = {
 
 
 LIBRARIES = {".las": "lasio", ".dlis": "dlisio", ".lis": "dlisio", ".xlsx": "python_calamine", ".parquet": "pyarrow"}
-"""What reads a format that NumPy and Python do not read alone, by the usual ending of its files."""
+"""The library that reads a format for which NumPy and Python do not suffice, by the usual ending of its files."""
 
 
 def ending_of(address: str) -> str:

@@ -30,7 +30,7 @@ from helibore.live.pass_rules import DRILL, REAM, RESCAN, TRIP, UNKNOWN, PassRul
 Times = npt.NDArray[np.int64]
 Values = npt.NDArray[np.float64]
 DEEP_ENOUGH = 100.0
-"""Metres: at a smaller depth, a sensor high above the bit could have the same ratio, so the unit is not checked."""
+"""Metres: at smaller depths a sensor high above the bit could have the ratio of feet, so the unit is not checked."""
 
 
 class QuantityHistory:

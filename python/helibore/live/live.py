@@ -66,7 +66,7 @@ WINDOW_RECORDS = 8192
 LOG_AGAIN = 60.0
 """Seconds until the log has the same rule of the same source again."""
 LOGGED_EACH = "alarm_", "address"
-"""Beginnings of the rules of which the log has each event of a source, at most one a second."""
+"""Beginnings of the names of rules whose events the log does not join; it has at most one a second of a source."""
 
 
 class Stored(NamedTuple):

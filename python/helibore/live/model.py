@@ -60,7 +60,7 @@ MOST_SET_ASIDE = 10_000
 LARGEST_RADIUS = 10.0
 """Metres: a larger radius from a host is wrong."""
 USABLE, OUTSIDE = "usable", "outside"
-"""Outcomes of samples besides the names of flags: no rule refuses it; it lies before the start of the wall."""
+"""Outcomes of samples besides the names of flags: refused by no rule; before the start of the wall."""
 
 
 class Model:

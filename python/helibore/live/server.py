@@ -41,7 +41,7 @@ CHECKPOINT_AGAIN = 60.0
 """Seconds until the next try after a checkpoint could not be written."""
 TABLES_OF_START = "journal", "snapshot", "alarms"
 SETTINGS_OF_START = "allow", "mode", "every", "replace_after"
-"""What a running server does not change, of the file and of a source that is no store."""
+"""Tables of the file, and settings of a source that is no store, that a running server does not change."""
 
 
 def back_off(failures: int, longest: float, draw: Callable[[], float] = random.random) -> float:
@@ -50,7 +50,7 @@ def back_off(failures: int, longest: float, draw: Callable[[], float] = random.r
 
 
 def _is_elsewhere(source: Source, used: Source) -> bool:
-    """Whether a source must be connected again; a store is asked with all its settings, and no link breaks there."""
+    """Whether a source must be connected again; any changed setting of a store counts: it has no link to break."""
     return source.address != used.address or (isinstance(source, StoreSource) and source != used)
 
 

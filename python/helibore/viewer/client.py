@@ -1,4 +1,4 @@
-"""One page's side of the server: what it holds, what it has not received yet, and what it has not acknowledged.
+"""The server's side of one page: what the page holds, what it has not received yet, what it has not acknowledged.
 
     producer --mark--> pending ranges per tile --next_message--> page --acknowledge--> room for the next message
 
@@ -23,9 +23,9 @@ from helibore.viewer.messages import FRAMES_LEVEL
 from helibore.viewer.scene import Scene
 
 MOST_UNACKNOWLEDGED = 1 << 20  # bytes
-MOST_PENDING = 4  # pending ranges of a tile; a slow page costs no more, and gets the gaps between them again
+MOST_PENDING = 4  # most pending ranges of a tile; more are joined, and the gaps between them are sent again
 MOST_RANGES = 64  # ranges of tiles in one subscription
-OVERVIEW_PRIORITY = 4.5  # the overview comes after the tiles this near to the focus and before all others
+OVERVIEW_PRIORITY = 4.5  # the tiles this near to the focus come before the overview, all others after it
 FRAMES_A_MESSAGE = 4096
 
 Key = tuple[int, int]  # level, tile

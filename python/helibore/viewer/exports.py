@@ -17,7 +17,7 @@ MOST_ROWS = 2_000_000
 FARTHEST = 1e6  # metres: beyond any wall, but vertex numbers stay finite
 ROWS_A_CHUNK = 256
 SCALES = 10, 10_000
-"""Of paper: a finer one is a roll of paper, a coarser one shows nothing."""
+"""Scales of paper: a finer one would need a roll of paper, a coarser one would show nothing."""
 
 
 def vertex(scene: Scene, k: int) -> dict[str, Any]:

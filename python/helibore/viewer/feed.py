@@ -38,10 +38,10 @@ from helibore.viewer.messages import FRAME_STEP, Vertices
 from helibore.viewer.scene import Attribute, PathFrames, Scene, WallShape
 
 CHUNK = 1 << 17  # vertices written at a time: pages may send in between
-READ_SECONDS = 0.1  # between two reads at least: nobody sees more than ten pictures a second of a hole that deepens
-ZONES_SECONDS = 2.0  # the zones are found again at most this often, and in a fiftieth of the time
-FEW_TURNS = 50  # a shorter wall says little about the hole to come
-USUAL_LIMIT = 0.02  # metres over and under the bit that the colours of such a wall show at least
+READ_SECONDS = 0.1  # least seconds between two reads: a page shows at most ten pictures a second of a growing hole
+ZONES_SECONDS = 2.0  # least seconds between two searches for zones, which take at most a fiftieth of the time
+FEW_TURNS = 50  # turns; a shorter wall says little about the hole to come
+USUAL_LIMIT = 0.02  # metres below and above the bit that the colours of such a wall show at least
 
 
 class ViewedWall(Protocol):
