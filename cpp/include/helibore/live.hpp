@@ -37,8 +37,8 @@ struct Update {
     std::optional<double> path_from;      // metres; stations and path changed below this depth
     std::vector<std::string> events;      // stations that were left out, and why; at most a hundred a poll
 
-    // At most so many ranges: beyond that the narrowest gaps between them are closed, so that a host that never polls
-    // uses little memory.
+    // The most ranges of an update: if there are more, the narrowest gaps between them are closed, so that a host that
+    // never polls uses little memory.
     static constexpr std::size_t most_ranges = 1024;
 
     // The quads with a new or changed vertex. Quad k has the vertices k, k + 1, k + 1 + K and k + K, K = `sectors`. The

@@ -111,7 +111,7 @@ struct Position {
     Counts counts;
     Index held_base = 0;         // stream offset of held[0]
     std::size_t line_start = 0;  // in held
-    std::size_t searched = 0;    // held before here has no line end past line_start
+    std::size_t searched = 0;    // in held; no line end lies between line_start and here
     bool skipping_line = false;  // the start of the line being read was dropped
     bool in_stray_run = false;   // this run of stray text was reported
     Place place = Place::outside;

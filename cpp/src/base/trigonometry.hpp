@@ -20,7 +20,7 @@ struct SineCosine {
     double sine, cosine;
 };
 
-// Of x + rest, radians in [-pi/4, pi/4]; `rest` is what x lacks.
+// The sine and cosine of x + rest, radians in [-pi/4, pi/4]; `rest` holds the digits that x has no room for.
 inline SineCosine sine_cosine_within(double x, double rest = 0.0) {
     const double z = x * x, w = z * z, v = z * x;
     const double s =
@@ -35,7 +35,7 @@ inline SineCosine sine_cosine_within(double x, double rest = 0.0) {
     return {sine, most + (((1.0 - most) - half) + (z * c - x * rest))};
 }
 
-// The sine and cosine of an angle, turned by so many quarters.
+// The sine and cosine of an angle that is turned by a number of quarter turns.
 inline SineCosine turned(const SineCosine& of, int quarters) {
     switch (quarters & 3) {
         case 1:

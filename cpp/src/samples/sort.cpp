@@ -103,7 +103,7 @@ struct Buckets {
     Index of(double depth) const {
         return std::clamp(static_cast<Index>((depth - least) * scale), Index{0}, count - 1);
     }
-    // n finer buckets for the depths of one of these.
+    // Divides one bucket into n finer buckets.
     Buckets bins(Index bucket, Index n) const {
         if (scale == 0.0) return {least, least, n};
         return {least + static_cast<double>(bucket) / scale, least + static_cast<double>(bucket + 1) / scale, n};

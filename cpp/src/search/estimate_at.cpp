@@ -86,7 +86,7 @@ void PointEstimator::find(std::size_t point, double trial, std::vector<Neighbour
     const std::size_t count = samples_.depth.size();
     std::size_t below = static_cast<std::size_t>(std::lower_bound(samples_.depth.begin(), samples_.depth.end(), depth) -
                                                  samples_.depth.begin());
-    std::size_t above = below;  // the next to look at: above - 1, and below
+    std::size_t above = below;  // the next samples to look at are above - 1 and below
     for (bool some = true; some;) {
         some = false;
         if (above > 0 && near(depth - samples_.depth[above - 1])) {

@@ -108,7 +108,7 @@ void Search::choose(const kernel::Group& g, Index lane, double trial, const kern
               [](const Neighbour& a, const Neighbour& b) { return a.rank < b.rank; });
 }
 
-// Those of them with a weight, relative to the nearest.
+// The neighbours of one vertex with their weights, relative to the nearest.
 void Search::weigh(const kernel::Group& g, Index lane, double trial, const kernel::CandidateList& list,
                    std::vector<Neighbour>& neighbours) const {
     choose(g, lane, trial, list, neighbours);

@@ -1,4 +1,4 @@
-"""What the commands print of a wall, its logs, zones and images: labels and sentences."""
+"""Labels and sentences that the commands print about a wall, its logs, zones and images."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What ``helibore live --check`` prints: each quantity of each source, its items and how their numbers are understood.
+"""The text of ``helibore live --check``: each quantity of each source, its items, and how their numbers are read.
 
     rig: tcp://127.0.0.1:9872
       bit_depth         0108                ft   the start of the wall comes as 6561.68; no unit stated: taken as ft

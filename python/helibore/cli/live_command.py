@@ -61,7 +61,7 @@ def live(
     docs/driller.md ("While drilling") has the smallest CONFIGURATION, docs/live.md every setting. SIGHUP (kill -HUP)
     reads it again: what it changes applies to the bytes from then on.
     """
-    importlib.import_module("helibore.live.checks")  # before all else of live: it names the extra that is missing
+    importlib.import_module("helibore.live.checks")  # imported first: its error names the extra that is missing
     from helibore.cli.live_check import described
     from helibore.cli.live_log import logged
     from helibore.cli.live_metrics import Access, MetricsServer

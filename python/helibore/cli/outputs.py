@@ -1,4 +1,4 @@
-"""What all commands that write share: their output, their own options in the settings, lines on what was written."""
+"""Code of all commands that write: their output, their options in the settings, lines on what was written."""
 
 from __future__ import annotations
 

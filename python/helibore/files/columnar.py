@@ -90,7 +90,7 @@ def parquet_values(column: Any) -> Array:
 
 
 DAMAGED_NPZ = (ValueError, OSError, EOFError, KeyError, zipfile.BadZipFile, NotImplementedError, zlib.error)
-"""What `numpy.load` raises for an NPZ archive that is cut or has other bits than were written."""
+"""The errors of `numpy.load` for an NPZ archive that is cut or damaged."""
 
 
 def read_npz(source: InputFile) -> RawFile:

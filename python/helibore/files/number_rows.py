@@ -25,7 +25,7 @@ from helibore.files.raw_set import EXACT, Array
 NULL_TEXTS = (
     "", "-", "--", "null", "NULL", "Null", "(null)", "(NULL)", "n/a", "N/A", "#N/A", "na", "NA", "None", "none",
 )  # fmt: skip
-"""What people write into an empty cell."""
+"""Texts that people write into an empty cell."""
 _NULLS = frozenset(NULL_TEXTS)
 
 WINDOWS_NAN = re.compile(r"-?1\.#\w+")

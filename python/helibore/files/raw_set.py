@@ -1,4 +1,4 @@
-"""What the readers of files return: channels with one index (a RawSet), and the sets of one file (a RawFile).
+"""The results of the readers of files: channels with one index (a RawSet), and the sets of one file (a RawFile).
 
     RawFile  --sets-->  RawSet  --channels-->  Channel: name, unit as written, shape (n,) or (n, K), values
 

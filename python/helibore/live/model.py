@@ -98,7 +98,7 @@ class Model:
         self, configuration: Configuration, *, follows: bool = True, numbers: Mapping[str, int] | None = None
     ) -> None:
         self.configuration = configuration
-        self.follows = follows  # the session headers; False: this configuration reads all records
+        self.follows = follows  # whether session headers apply; False: this configuration reads all records
         self._meaning = configuration.meaning()
         self.stretches: list[dict[str, str]] = []
         self.events = EventBook()

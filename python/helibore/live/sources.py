@@ -163,7 +163,7 @@ class RigTable(Table):
 
 
 class StoreRig(RigTable):
-    """The same by mnemonic."""
+    """The rig quantities of a store, and the pass number, by mnemonic."""
 
     bit_depth: Annotated[LengthCurve, OneQuantity] | None = None
     hole_depth: Annotated[LengthCurve, OneQuantity] | None = None

@@ -225,7 +225,7 @@ def of_other(wall: ViewedWall, name: str, other: Wall) -> tuple[Attribute, npt.A
     """Return the radius of another wall over its bit size at the quads of a wall, metres, and its C1 and C2."""
     own = wall.vertices(0, len(wall))
     over = own.radius - 0.5 * wall.settings.bit_diameter
-    limit = symmetric_limit(over, MILLIMETRE)  # one colour is one size in all of them
+    limit = symmetric_limit(over, MILLIMETRE)  # one colour means one size in all walls
     attribute = Attribute(f"Over bit {name}", "m", -limit, limit, color_map="over-bit")
     values = other.at(own.depth, own.toolface).radius - 0.5 * other.settings.bit_diameter
     curves = [replace(one, name=f"{one.name} {name}") for one in curves_of(other.logs()) if one.name in ("C1", "C2")]
@@ -241,7 +241,7 @@ def _side_by_side(names: list[str]) -> Template:
 def _in_notebook() -> bool:
     """Whether this runs in a Jupyter kernel that has anywidget."""
     shell = sys.modules.get("IPython")
-    kernel = getattr(shell.get_ipython(), "kernel", None) if shell else None  # None in a terminal, too
+    kernel = getattr(shell.get_ipython(), "kernel", None) if shell else None  # also None in a terminal
     return kernel is not None and importlib.util.find_spec("anywidget") is not None
 
 
@@ -265,7 +265,7 @@ def even_rows(image: SectorImage, pitch: float) -> tuple[float, float] | None:
     """Return the upper edge of the first row and the height of all, if they are even and at least a turn high."""
     step = float(np.median(np.diff(image.depth))) if image.depth.size > 1 else 0.0
     if step < pitch * (1 - 1e-6):
-        return None  # the wall has lost rows of it
+        return None  # the wall does not have all rows of the image
     count = round((image.depth[-1] - image.depth[0]) / step)
     step = float(image.depth[-1] - image.depth[0]) / count
     place = (image.depth - image.depth[0]) / step

@@ -183,7 +183,7 @@ def handshake(scene: Scene) -> dict[str, Any]:
         "template": None if scene.template is None else asdict(scene.template),
         "attributes": [asdict(attribute) for attribute in shape.attributes],
         "picks_file": None if scene.picks_file is None else Path(scene.picks_file).name,
-        "curves": [row["name"] for row in scene.state.curves if row["version"] == 0],  # given; the logs' have another
+        "curves": [row["name"] for row in scene.state.curves if row["version"] == 0],  # given; logs have other ones
     }
 
 

@@ -4,8 +4,8 @@
 
 The producer only notes ranges, so ten appends between two reads cost one read and a fast producer never waits. A read
 copies what changed, `CHUNK` vertices at a time; then the thread sleeps for `READ_SECONDS`, or as long as the read took,
-which leaves half a core to the producer. Another thread finds the zones of the wall, and what is interpolated between
-arms, again when it has changed: of a long wall that takes a second, and new vertices must not wait for it.
+which leaves half a core to the producer. After a change, another thread finds the zones of the wall, and the parts
+interpolated between arms. For a long wall that takes a second, and new vertices must not wait for it.
 """
 
 from __future__ import annotations
@@ -88,10 +88,10 @@ class Feed:
         self._closed = threading.Event()
         self._threads: list[threading.Thread] = []
         self._zones: Classification | None = None
-        self._grown = threading.Event()  # the wall has changed since they were found, or they were never found
+        self._grown = threading.Event()  # the wall has changed since its zones were found, or they were never found
         self._grown.set()
         self._finding = threading.Lock()
-        self._chosen: set[str] = set()  # quantities whose colours are chosen for good
+        self._chosen: set[str] = set()  # quantities whose colour ranges are final
         self._logged = 0  # how often the logs were measured
         self._young = False  # the wall was short when it was first shown
         self.scene.begin(self._shape)
@@ -102,7 +102,7 @@ class Feed:
 
     def start(self) -> None:
         """Start the thread that reads what `update` notes, and the one that finds the zones. They end before Python."""
-        atexit.register(self.close)  # a thread that Python stops in the core would abort the process
+        atexit.register(self.close)  # a thread that Python stops inside the core would abort the process
         for name, run in (("helibore-view-feed", self._run), ("helibore-view-zones", self._run_zones)):
             self._threads.append(threading.Thread(target=run, name=name, daemon=True))
             self._threads[-1].start()
@@ -213,7 +213,7 @@ class Feed:
         """Find the zones of the wall as it is now."""
         if self._shape.basis == "gauge" or len(self._wall) < self._shape.sectors:
             return
-        wall = getattr(self._wall, "_state", lambda: self._wall)()  # samples are copied, and gaps found, once
+        wall = getattr(self._wall, "_state", lambda: self._wall)()  # copies samples and finds gaps only once
         with self._finding:
             self._zones = found = classify(wall)
         gap = getattr(wall, "angular_gap", None) if self._shape.basis == "azimuthal" else None

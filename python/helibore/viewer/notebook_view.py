@@ -2,7 +2,7 @@
 
     page in a frame  <--port-->  web/notebook.js  <--comm-->  NotebookView  <-->  WebApp.serve
 
-A cell that runs holds up the kernel, so the frame first shows the section that is enclosed in its file. A saved
+A running cell blocks the kernel, so the frame first shows the section that is enclosed in its file. A saved
 notebook shows the card of the wall, which the frame hides. Importing this module needs the extra ``notebook``.
 """
 
@@ -65,7 +65,7 @@ class NotebookView(anywidget.AnyWidget):
         self._requests = Starlette(routes=self._app.routes())
         self._frames: dict[str, _Frame] = {}
         self._tasks: set[asyncio.Task[None]] = set()
-        # A loop of its own: a kernel calls from its main thread, or from one that it keeps for widgets.
+        # This needs its own loop: a kernel calls from its main thread, or from its thread for widgets.
         self._loop = asyncio.new_event_loop()
         self._app.begin(self._loop)
         self._thread = threading.Thread(target=self._run, name="helibore-view-notebook", daemon=True)
@@ -83,7 +83,7 @@ class NotebookView(anywidget.AnyWidget):
         return bundle and (bundle[0] | {"text/plain": ""}, bundle[1])
 
     def _receive(self, content: dict[str, Any]) -> None:
-        """Take what a frame sends: its opening, a message of the protocol, a question, its end."""
+        """Handle what a frame sends: its opening, a message of the protocol, a request, or its end."""
         view = str(content.get("view"))
         if content.get("open"):
             self._leave(view)
@@ -109,7 +109,7 @@ class NotebookView(anywidget.AnyWidget):
 
     def _start(self, work: Any) -> None:
         task = self._loop.create_task(work)
-        self._tasks.add(task)  # a loop holds tasks weakly
+        self._tasks.add(task)  # a loop holds only weak references to tasks
         task.add_done_callback(self._tasks.discard)
 
     async def _answer(self, view: str, question: dict[str, Any]) -> None:

@@ -45,7 +45,7 @@ class PageServer:
             ssl_keyfile=key,
             ws_max_size=2 * MOST_TEXT,
             ws_per_message_deflate=False,
-            h11_max_incomplete_event_size=2 * MOST_ADDRESS,  # in a query three characters become up to five
+            h11_max_incomplete_event_size=2 * MOST_ADDRESS,  # escapes in a query turn three characters into up to five
             log_level="critical",
             access_log=False,
             lifespan="on",

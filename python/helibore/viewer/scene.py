@@ -30,7 +30,7 @@ from helibore.viewer import messages
 from helibore.viewer.levels import Level, overview_of, refresh_overview
 from helibore.viewer.messages import Texels, Vertices
 
-MOST_POINTS = 4096  # of a history
+MOST_POINTS = 4096  # most points of a history
 MAX_SECTORS = 2048  # the texture width that every WebGL 2 device offers
 MAX_ATTRIBUTES = 16  # the bits of the attribute mask in a message's head
 TILE_VERTICES = 16384  # a grid of (sectors + 1)(rows + 1) vertices then fits 16-bit indices
@@ -73,7 +73,7 @@ class WallShape:
     attributes: tuple[Attribute, ...] = ()
     basis: Basis = "azimuthal"
     basis_text: str = BASIS_TEXT["azimuthal"]
-    reference: Reference | None = None  # what toolface 0 is, if no path says it
+    reference: Reference | None = None  # the direction of toolface 0, if there is no path that defines it
     assumed: bool = False  # nothing states that toolfaces count from the reference of the wall
 
     def __post_init__(self) -> None:
@@ -130,7 +130,7 @@ class RunState:
     # Ends of the colours by quantity, metres or the attribute's unit; chosen once, from the whole wall.
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     zones: tuple[Mapping[str, Any], ...] = ()  # JSON objects, in order of depth
-    prints: bool = False  # `Scene.draw_pages` can be asked
+    prints: bool = False  # whether `Scene.draw_pages` is set
     # What the live feed warns of, "rule source: cause"; a page shows each until its user silences it.
     alarms: tuple[str, ...] = ()
     lost: tuple[str, ...] = ()  # names of the sources that are not connected

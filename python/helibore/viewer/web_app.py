@@ -56,7 +56,7 @@ Endpoint = Callable[[Request], Awaitable[Response]]
 
 
 class Socket(Protocol):
-    """What a page is served through: Starlette's WebSocket, or the frame of a notebook."""
+    """The connection to a page: Starlette's WebSocket, or the frame of a notebook."""
 
     async def accept(self) -> None: ...
     async def close(self, code: int, reason: str) -> None: ...
@@ -302,7 +302,7 @@ class _Connection:
         self.sent_state: dict[str, Any] = {}
         self.sent_picks: list[tuple[str, Pick]] | None = None
         self.sent_curves: Any = ()
-        self.sent_at = -math.inf  # on the loop's clock
+        self.sent_at = -math.inf  # time on the clock of the loop
 
     def mark(self, level: int, start: int, stop: int) -> None:
         if self.client is not None and self.client.session == self.scene.session:
@@ -369,7 +369,7 @@ class _Connection:
             if not isinstance(content, dict) or self.client is None:
                 raise BadMessageError("must be an object, after the handshake")
             if content.get("session") != self.client.session:
-                return  # about the wall before this one
+                return  # the message is about the previous wall
             if "ack" in content:
                 self.client.acknowledge(content["ack"] if type(content["ack"]) is int else -1)
             elif "subscribe" in content:
