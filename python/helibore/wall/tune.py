@@ -104,7 +104,7 @@ class Tuning:
 
     @property
     def gain(self) -> float:
-        """Fraction, 0 to 1, by which the best candidate reduces the error of the boxes."""
+        """Share, 0 to 1, by which the best candidate reduces the error of the boxes."""
         before = self.candidates[0].box
         return 1.0 - self.best.box / before if before > 0 else 0.0
 
