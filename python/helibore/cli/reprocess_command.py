@@ -46,8 +46,8 @@ def reprocess(
 
     MANIFEST is TOML, or a Parquet table with one row a well. A well whose outputs are there, from the same files and
     settings, is not made again; status says which wells are not made or out of date, and starts none. Ctrl-C stops;
-    what is done stays, and a second run goes on. Exit code 1: an error before any work; 2: wrong options; 3: some wells
-    failed, and the others are done; 130: stopped by Ctrl-C.
+    what is done stays, and a second run goes on. Exit code 2: an error before any work; 3: some wells failed, and the
+    others are done; 130: stopped by Ctrl-C.
     """
     from helibore.runs.manifest import read_jobs
     from helibore.runs.reprocess import reprocess as run
