@@ -201,7 +201,7 @@ void stations() {
         CHECK(std::ranges::equal(taken.depth(), depth) && std::ranges::equal(taken.inclination(), inclination));
         CHECK(std::ranges::equal(taken.azimuth(), azimuth));
     }
-    // -0 and 0 are one station, whichever came first: equal bits, not only equal numbers (std::signbit tells them).
+    // -0 and 0 are one station, whichever came first: equal bits, not only equal numbers (compared by std::signbit).
     const double depths[] = {0.0, 10.0}, zero[] = {0.0, 0.0}, minus[] = {-0.0, -0.0};
     const std::vector<Vector3> tangent = Path(Survey(depths, minus, minus)).tangent(depths);
     CHECK(!std::signbit(tangent[0][0]) && !std::signbit(tangent[0][1]));

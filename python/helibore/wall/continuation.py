@@ -12,7 +12,7 @@ because no sample lies between the arms. The likelihood of the samples can:
 
 The best long covariance is chosen if its likelihood exceeds that of the best short one by more than `LEAST_GAIN` nats a
 block. On holes of known shape, right choices gained 36 or more and wrong choices lost (bench/accuracy/known_holes.py).
-A shape that turns with the tool cannot be told from a shape that does not turn.
+A shape that turns with the tool cannot be distinguished from a shape that does not turn.
 """
 
 from __future__ import annotations

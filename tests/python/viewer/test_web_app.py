@@ -378,7 +378,7 @@ def test_picks_of_a_page_are_saved_and_shown_on_every_page(client: TestClient, f
                 if message["type"] == "picks":
                     return [(one["key"], one["kind"], one["depth"]) for one in message["picks"]]
 
-        assert shown() == [], "a page is told that there are none, too: it may hold some of a server before"
+        assert shown() == [], "a page also gets an empty list: it may still hold picks of an earlier server"
         assert client.put("/api/pick", json=pick).status_code == 200
         assert shown() == [("one", "bed", 1010.0)]
         assert client.put("/api/pick", json=pick | {"kind": "fault"}).status_code == 200
