@@ -224,7 +224,7 @@ void Search::search_box(const Samples& samples, const Span& span, kernel::Group&
         }
         fetch_box(samples, low, high, filter, box, g, scratch);
         const Index fewest = place_windows(windows, scratch.list, g);
-        box.narrow = rules_.neighbors <= std::min<Index>(fewest, 8) && scratch.list.count <= kernel::narrow_capacity &&
+        box.narrow = rules_.neighbors <= std::min<Index>(fewest, kernel::most_narrow) && scratch.list.count <= kernel::narrow_capacity &&
                      !by_turns;
         area = 4.0 * box.along * std::min(across, 180.0) * degree;
         const kernel::Verdict verdict = functions_->estimate(g, scratch.list, rules_, box);

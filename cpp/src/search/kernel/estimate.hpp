@@ -47,37 +47,43 @@ inline void read_neighbours(const Group& g, const CandidateList& list, int neigh
     }
 }
 
-// The 8 nearest, or fewer, of each vertex by floats. The bound it returns on the squared distances of the others is
+// The 8 or 16 nearest, or fewer, of each vertex by floats. The bound it returns on the squared distances of the others is
 // below the true one by what their rounding may have done, u = 2^-24: each coordinate errs by u of the list's extent,
 // their difference by as much again and, once scaled, by 2 u more; a float square k, cut to 15 bits of fraction, stands
 // for at least
 //
 //     (sqrt(k (1 - 2^-14)) - e)^2  >=  k (1 - 2^-13) - 2^14 e^2      as  2 e sqrt(k) <= 2^-14 k + 2^14 e^2
-template <class P, bool windowed, bool wraps>
-inline P find_eight(const Group& g, P scale, const CandidateList& list, const Box& box, int neighbors,
+template <class P, int kept, bool windowed, bool wraps>
+inline P find_narrow(const Group& g, P scale, const CandidateList& list, const Box& box, int neighbors,
                     std::int32_t* at) {
     using Narrow = typename P::Narrow;
     using Single = typename Narrow::Single;
-    Narrow found_best[8];
-    const Narrow found_rejected = select_eight(NarrowEye<P, windowed, wraps>(g, scale, list), found_best);
-    Single best[8], rejected = found_rejected.candidate(0);
-    for (int j = 0; j < 8; ++j) best[j] = found_best[j].candidate(0);
+    Narrow found_best[std::size_t{kept}];
+    const Narrow found_rejected = select<kept>(NarrowEye<P, windowed, wraps>(g, scale, list), found_best);
+    Single best[std::size_t{kept}], rejected = found_rejected.candidate(0);
+    for (int j = 0; j < kept; ++j) best[j] = found_best[j].candidate(0);
     if constexpr (Narrow::candidates == 2) {
-        Single second[8];
-        for (int j = 0; j < 8; ++j) second[j] = found_best[j].candidate(1);
-        rejected = Single::min(Single::min(rejected, found_rejected.candidate(1)), merge_eight(best, second));
-        if (neighbors < 8) sort_bitonic(best);
+        Single second[std::size_t{kept}];
+        for (int j = 0; j < kept; ++j) second[j] = found_best[j].candidate(1);
+        rejected = Single::min(Single::min(rejected, found_rejected.candidate(1)), merge<kept, kept>(best, second));
+        if (neighbors < kept) sort_bitonic<kept>(best);
     }
     constexpr int last = (1 << narrow_position_bits) - 1;
     const Single none = Single::tag(Single(narrow_none_square), Single(list.narrow_position[last]));
-    rejected = keep_first(best, neighbors, rejected, none);
+    rejected = keep_first<kept>(best, neighbors, rejected, none);
     const P least(rejected);
     for (Single& key : best) key = Single::position_key(key);
-    sort_eight(best);
+    sort<kept>(best);
     for (int i = 0; i < neighbors; ++i) best[i].store_positions(at + i * lanes);
     constexpr double u = 1.0 / (1 << 24);
     const P error = scale * P((wraps ? 24.0 : 8.0) * u * box.across) + P(4.0 * u * box.along);
     return least * P(1.0 - 1.0 / (1 << 13)) - error * error * P(1 << 14);
+}
+
+template <class P, int kept>
+auto narrow_search(bool windowed, bool wraps) {
+    return windowed ? (wraps ? &find_narrow<P, kept, true, true> : &find_narrow<P, kept, true, false>)
+                    : (wraps ? &find_narrow<P, kept, false, true> : &find_narrow<P, kept, false, false>);
 }
 
 template <class P>
@@ -247,9 +253,8 @@ Verdict estimate(Group& g, const CandidateList& list, const Rules& rules, const 
     for (;;) {
         if (any(wanted)) {
             if (narrow) {
-                const auto find = rules.windowed
-                                      ? (box.wraps ? &find_eight<P, true, true> : &find_eight<P, true, false>)
-                                      : (box.wraps ? &find_eight<P, false, true> : &find_eight<P, false, false>);
+                const auto find = rules.neighbors <= 8 ? narrow_search<P, 8>(rules.windowed, box.wraps)
+                                                       : narrow_search<P, 16>(rules.windowed, box.wraps);
                 rejected = find(g, current * scale, list, box, rules.neighbors, at);
                 selected_at = current;
             } else {

@@ -30,8 +30,9 @@ inline constexpr std::int64_t list_capacity = (std::int64_t{1} << position_bits)
 inline constexpr int max_neighbors = 256;
 inline constexpr int max_kriged = 64;  // neighbours of an estimate by kriging
 
-// Short lists are searched with floats first, at half the cost, with the position in the low 8 bits. Doubles decide
-// what floats cannot tell apart, so the result does not depend on which of the two found the neighbours.
+// Few neighbours in short lists are found with floats first, at half the cost, with the position in the low 8 bits.
+// Doubles decide what floats cannot tell apart, so the result does not depend on which of the two found the neighbours.
+inline constexpr int most_narrow = 16;  // neighbours
 inline constexpr int narrow_position_bits = 8;
 inline constexpr std::int64_t narrow_capacity = (std::int64_t{1} << narrow_position_bits) - 16;
 

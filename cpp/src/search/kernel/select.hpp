@@ -1,11 +1,13 @@
 // Which candidates are a vertex's nearest, found in one of two ways.
 //
-// Short lists, up to 8 neighbours: lanes are vertices, keys are floats. Candidates come in batches of 8; a batch is
-// sorted by a network of 19 comparators, its lower half with the best so far is one step of a bitonic merge, which
-// leaves the 8 smallest:
+// Short lists, up to 16 neighbours: lanes are vertices, keys are floats, and the best 8 or 16 so far are kept sorted.
+// Candidates come in batches of 8; a batch is sorted by a network of 19 comparators, and one step of a bitonic merge
+// leaves the smallest:
 //
 //     best    b0 <= b1 <= ... <= b7          min(b0,a7) min(b1,a6) ... min(b7,a0)   the 8 smallest of the 16, bitonic
 //     batch   a0 <= a1 <= ... <= a7    ->    max(...)                               the others: only their least counts
+//
+// Of a best 16, the batch meets the last 8; they and the first 8 are bitonic again.
 //
 // All else: lanes are the candidates of one vertex. Float keys and a threshold that a few more than V of them pass,
 // found by counting; then the exact keys of those that pass, and a threshold that V of them pass.
@@ -33,22 +35,37 @@ inline void sort_eight(P* v) {
     for (const auto& pair : pairs) compare_exchange(v[pair[0]], v[pair[1]]);
 }
 
-// Leaves in best the 8 smallest of two sorted eights, bitonic, and returns the smallest of the others.
-template <class P>
-inline P merge_eight(P* best, const P* batch) {
-    P least = P::max(best[0], batch[7]);
-    for (int j = 1; j < 8; ++j) least = P::min(least, P::max(best[j], batch[7 - j]));
-    for (int j = 0; j < 8; ++j) best[j] = P::min(best[j], batch[7 - j]);
+// Leaves in best the smallest of two sorted arrays, bitonic, and returns the smallest of the others.
+template <int kept, int count, class P>
+inline P merge(P* best, const P* batch) {
+    P* const last = best + kept - count;
+    P least = P::max(last[0], batch[count - 1]);
+    for (int j = 1; j < count; ++j) least = P::min(least, P::max(last[j], batch[count - 1 - j]));
+    for (int j = 0; j < count; ++j) last[j] = P::min(last[j], batch[count - 1 - j]);
     return least;
 }
 
-template <class P>
+template <int count, class P>
 inline void sort_bitonic(P* v) {
-#pragma GCC unroll 3
-    for (int half = 4; half > 0; half /= 2)
-#pragma GCC unroll 8
-        for (int j = 0; j < 8; ++j)
+#pragma GCC unroll 4
+    for (int half = count / 2; half > 0; half /= 2)
+#pragma GCC unroll 16
+        for (int j = 0; j < count; ++j)
             if ((j & half) == 0) compare_exchange(v[j], v[j + half]);
+}
+
+template <int count, class P>
+inline void sort(P* v) {
+    sort_eight(v);
+    if constexpr (count == 16) {
+        sort_eight(v + 8);
+        for (int j = 0; j < 4; ++j) {
+            const P one = v[8 + j];
+            v[8 + j] = v[15 - j];
+            v[15 - j] = one;
+        }
+        sort_bitonic<16>(v);
+    }
 }
 
 // Toolface less center, in [-180, 180].
@@ -117,25 +134,25 @@ struct NarrowEye {
     Pack boundless() const { return none(); }
 };
 
-// Writes the 8 smallest keys of the list to `best`, sorted; returns the smallest of the others.
-template <class Eye, class P = typename Eye::Pack>
-inline P select_eight(const Eye& eye, P* best) {
-    for (int i = 0; i < 8; ++i) best[i] = eye.none();
+// Writes the smallest keys of the list to `best`, sorted; returns the smallest of the others.
+template <int kept, class Eye, class P = typename Eye::Pack>
+inline P select(const Eye& eye, P* best) {
+    for (int i = 0; i < kept; ++i) best[i] = eye.none();
     P rejected = eye.boundless();
     for (std::int64_t i = 0; i < eye.list.count; i += 8 * Eye::candidates) {
         P batch[8];
         for (int j = 0; j < 8; ++j) batch[j] = eye.key(i + j * Eye::candidates);
         sort_eight(batch);
-        rejected = P::min(rejected, merge_eight(best, batch));
-        sort_bitonic(best);
+        rejected = P::min(rejected, merge<kept, 8>(best, batch));
+        sort_bitonic<kept>(best);
     }
     return rejected;
 }
 
 // The V smallest keys, sorted, and "none" behind them.
-template <class P>
+template <int kept, class P>
 inline P keep_first(P* best, int neighbors, P rejected, P none) {
-    for (int j = neighbors; j < 8; ++j) {
+    for (int j = neighbors; j < kept; ++j) {
         rejected = P::min(rejected, best[j]);
         best[j] = none;
     }
@@ -243,7 +260,7 @@ class Nearest {
         for (;;) {
             double farthest;
             const double rejected = choose(g, lane, scale, first, n, limit, farthest, at);
-            // Floats err by less than `error` metres and 8 u; as find_neighbours_narrow, but across 180 degrees, too.
+            // Floats err by less than `error` metres and 8 u; as find_narrow says, but across 180 degrees, too.
             constexpr double u = 1.0 / (1 << 24);
             const double error = scale * 12.0 * u * box_.across + 4.0 * u * box_.along;
             const double needed = __builtin_sqrt(farthest) + error;
