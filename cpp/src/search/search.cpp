@@ -85,14 +85,15 @@ kernel::Group Search::start(const Helix& helix, Index group, Index vertex_count)
         g.depth[i] = helix.depth(k);
         g.toolface[i] = toolface_[static_cast<std::size_t>(sector)];
         if (++sector == helix.sectors) sector = 0;
-        g.trial[i] = settings_.bit_diameter / 2.0;
-        g.before[i] = g.least_trial[i] = kernel::boundless_square;
         g.active[i] = k < vertex_count ? 1.0 : 0.0;
-        g.iterations[i] = g.reach_square[i] = g.height_square[i] = g.least_turn[i] = 0.0;
-        g.window_first[i] = g.window_last[i] = 0.0;
-        g.sums.square_weights[i] = g.sums.scatter[i] = g.sums.along[i] = g.sums.across[i] =
-            std::numeric_limits<double>::quiet_NaN();
     }
+    std::ranges::fill(g.trial, settings_.bit_diameter / 2.0);
+    for (double* column : {g.before, g.least_trial}) std::fill_n(column, lanes, kernel::boundless_square);
+    for (double* column : {g.iterations, g.reach_square, g.height_square, g.least_turn, g.window_first, g.window_last})
+        std::fill_n(column, lanes, 0.0);
+    if (rules_.sums)
+        for (double* column : {g.sums.square_weights, g.sums.scatter, g.sums.along, g.sums.across})
+            std::fill_n(column, lanes, std::numeric_limits<double>::quiet_NaN());
     return g;
 }
 
@@ -232,18 +233,24 @@ void Search::search_box(const Samples& samples, const Span& span, kernel::Group&
         if (verdict == kernel::Verdict::widen) growth *= 1.5;
     }
     // The first box of the next group: if samples are spread evenly, few vertices need 2.4 times the mean area.
-    double mean = 0.0, mean_height = 0.0;
-    for (const double square : g.reach_square) mean += std::min(square, rules_.max_square) / lanes;
-    for (const double square : g.height_square) mean_height += std::min(square, rules_.max_square) / lanes;
+    const auto mean_of = [&](const double(&squares)[lanes]) {
+        double sum = 0.0;
+        for (const double square : squares) sum += std::min(square, rules_.max_square);
+        return sum / lanes;
+    };
+    const double mean = mean_of(g.reach_square);
     if (!(mean < kernel::missing_square)) return;
     scratch.mean_square = scratch.mean_square == 0.0 ? mean : 0.75 * scratch.mean_square + 0.25 * mean;
     scratch.half_height = std::sqrt(2.4 * scratch.mean_square);
     // The box holds many more candidates than an even spread would: the samples may lie on few toolfaces.
-    const double even = rules_.neighbors * area / (std::numbers::pi * mean);
-    if (by_turns)
+    const auto crowded = [&] {
+        const double even = rules_.neighbors * area / (std::numbers::pi * mean);
+        return static_cast<double>(scratch.list.count) > 3.0 * even;
+    };
+    if (by_turns) {
+        const double mean_height = mean_of(g.height_square);
         scratch.mean_height = mean_height < 0.5 * mean ? 0.5 * (scratch.mean_height + mean_height) : 0.0;
-    else if (--scratch.even < 0 && !rules_.windowed && scratch.level_depth == no_limit &&
-             static_cast<double>(scratch.list.count) > 3.0 * even) {
+    } else if (--scratch.even < 0 && !rules_.windowed && scratch.level_depth == no_limit && crowded()) {
         scratch.mean_height = mean_across(g, scratch.list) > 0.5 * mean ? mean : 0.0;
         scratch.even = 15;
     }
