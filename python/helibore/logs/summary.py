@@ -222,11 +222,16 @@ def summarize(
         arms=len(turns.arm_diameter),
         coverage=float((share * turns.coverage).sum() / share.sum()) if share.any() else math.nan,
         shape_kept=logs.shape_kept,
-        warnings=tuple(logs.warnings()) if len(logs) else (),
+        warnings=tuple(logs.warnings()) if len(logs) else () if len(turns) else (_no_turns(ends, height),),
         without_radius=without / vertices if vertices else math.nan,
         nearest_half=half,
         nearest_most=most,
     )
+
+
+def _no_turns(ends: tuple[float, float], height: float) -> str:
+    length = 0.0 if math.isnan(ends[0]) else ends[1] - ends[0]
+    return f"no full turn of the wall: it is {length:g} m long, a turn {height:g} m"
 
 
 def _sample_count(wall: WallLike, start: float, stop: float) -> int:
