@@ -14,7 +14,7 @@ import numpy as np
 
 import helibore as hb
 from helibore import _core
-from helibore.base.threads import thread_count
+from helibore.base.thread_count import thread_count
 
 A_ROUND = 0.1  # seconds
 PEERS = ("pykdtree", "scipy")

@@ -70,7 +70,7 @@ def __dir__() -> list[str]:
 
 
 def _save_table(table: LogTable, filename: str | os.PathLike[str]) -> None:
-    from helibore.files.log_files import save_table
+    from helibore.files.log_writing import save_table
 
     save_table(table, filename)
 

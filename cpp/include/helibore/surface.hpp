@@ -76,8 +76,10 @@ SurfaceLayout surface_layout(const HelixRadii& radii);
 // depth 12.5: must lie beyond radius[17] = 0.11").
 VolumeLayout volume_layout(const HelixRadii& radii, std::span<const std::span<const double>> shells);
 
-// Fill memory of exactly the counted size; the result does not depend on `threads`. place throws InputError if the path
-// does not reach a vertex, or its reference is undefined there ("vertex 7 at depth 12: ...").
+// place fills `vertices`; join fills `quads` or `hexahedra`. The caller provides the memory, with as many rows as the
+// layout counts (vertex_count, quad_count, hexahedron_count). The result does not depend on `threads`. Both throw
+// InputError if a run lies outside the radii or the memory; place does so, too, if the path does not reach a vertex, or
+// its reference is undefined there ("vertex 7 at depth 12: ...").
 void place(const HelixRadii& radii, const Path& path, std::span<const VertexRun> runs, std::span<Vector3> vertices,
            int threads = 1);
 void join(const HelixRadii& radii, const SurfaceLayout& layout, std::span<Quad> quads, int threads = 1);

@@ -109,9 +109,9 @@ class Wall {
     // length is wrong.
     [[nodiscard]] bool read_sums(std::span<const std::span<double>> into) const;
 
-    // Values measured with the samples, interpolated at the vertices by the neighbours and weights of the radius. Each
-    // channel has one value for each sample, in the order of samples(), NaN for none, and gets one value for each
-    // vertex, NaN where no neighbour has a value. Throws InputError if a channel has another length.
+    // Interpolates channels, values measured with the samples, at the vertices, with the neighbours and weights of the
+    // radius. Each channel holds one value for each sample, in the order of samples(), NaN for none. The result holds
+    // one value for each vertex, NaN where no neighbour has a value. Throws InputError if a channel has another length.
     std::vector<std::vector<double>> interpolate_samples(std::span<const std::span<const double>> channels,
                                                          int threads = 1) const;
 

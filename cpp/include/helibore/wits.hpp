@@ -21,6 +21,7 @@ namespace helibore::wits {
 
 // Bytes of a line without its end, bytes of a frame after its "&&" line, and lines of a frame. A longer line or frame
 // is dropped, counted and reported as an Event; reading continues at the next line, or for a frame at the next "&&".
+// `helibore live` has the same limits as settings of a source, with their bounds: python/helibore/live/sources.py.
 struct Limits {
     Index line = 1024;
     Index frame = 65536;

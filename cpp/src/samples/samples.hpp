@@ -4,8 +4,9 @@
 //     | chunk 0: depth.. toolface.. radius.. time.. | chunk 1 ... | last chunk: room to grow |
 //
 // A small batch is written into the free room of the last chunk, which is not read before the batch is inserted; a
-// large one into chunks of its own. A batch below all samples then stays where it was written. A batch in the middle (a
-// re-scan, late data) rewrites the chunks that it falls into. An insertion can be undone.
+// large batch is written into new chunks. If the batch lies deeper than all samples, it stays there when it is
+// inserted. A batch in the middle (a re-scan, late data) rewrites the chunks that it falls into. An insertion can be
+// undone.
 #pragma once
 
 #include <algorithm>

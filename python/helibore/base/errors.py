@@ -75,7 +75,7 @@ def port_error(error: OSError, host: str, port: int, option: str) -> OSError:
 
 
 class MissingExtraError(ImportError):
-    """Error for a library that an extra installs and that is missing.
+    """Error for a missing library that belongs to an extra.
 
     Attributes
     ----------

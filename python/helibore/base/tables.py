@@ -135,7 +135,7 @@ class LogTable(Tabular):
         return self
 
     def save(self, filename: str | os.PathLike[str]) -> None:
-        """Write the table to .las, .csv, .parquet or .dlis: `helibore.files.log_files.save_table`."""
+        """Write the table to .las, .csv, .parquet or .dlis: `helibore.files.log_writing.save_table`."""
         type(self).writer(self, filename)
 
     @property

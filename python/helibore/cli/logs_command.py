@@ -76,7 +76,7 @@ def logs(**options: Any) -> None:
     Every file states bit size, windows, definitions and criteria. Beside well.las stands well.las.toml, which repeats
     the run.
     """
-    from helibore.files.log_files import check_format, save_table
+    from helibore.files.log_writing import check_format, save_table
     from helibore.logs.image_means import image_means
     from helibore.logs.summary import summarize
 

@@ -1,6 +1,7 @@
 """``helibore plot`` and ``helibore report``: a wall as a log on paper, or as one HTML page.
 
-Options become a `Drawing` here; ``helibore.plot`` draws it.
+Options become a `Drawing` here; ``helibore.plot`` draws it. Options that other commands have, too, are in
+``wall_options`` and ``outputs``.
 """
 
 from __future__ import annotations

@@ -33,7 +33,7 @@ WELL_UNITS = {"MD": "depth_unit", "TVD": "depth_unit", "N": "surface_unit", "E":
 
 
 def read(source: InputFile) -> RawFile:
-    """Open a JSON well log or a file of standard wells."""
+    """Open a file in JSON Well Log Format, or a JSON file of the ISCWSA standard wells."""
     collecting = gc.isenabled()
     gc.disable()  # repeated scans of the tree of lists take a third of the time of a large log
     try:

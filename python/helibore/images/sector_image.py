@@ -24,7 +24,7 @@ from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Integers, column
 from helibore.base.errors import InputError
 from helibore.base.notebook import card, usual_picture
-from helibore.base.threads import thread_count
+from helibore.base.thread_count import thread_count
 from helibore.images.image_breakouts import ImageBreakouts, ImageCriteria, find_breakouts
 from helibore.samples.helix import WallLike
 from helibore.trajectory.references import REFERENCES, Reference, defined, onto_path

@@ -263,7 +263,7 @@ class Model:
 
     @contextmanager
     def _set_aside(self, record: np.void, what: str, source: str = "") -> Iterator[None]:
-        """Report an error in the block and leave its record out: no record may stop the drawing."""
+        """Report an exception of the ``with`` block and leave out its record, so that no record stops the live wall."""
         try:
             yield
         except Exception as error:

@@ -123,7 +123,7 @@ def _curve(kind: str) -> PlainValidator:
 
 
 def _check_quantity(items: list[Item] | Item, info: Any) -> list[Item] | Item:
-    """Refuse a curve that is mapped to another quantity too."""
+    """Refuse a curve that is already mapped to another quantity."""
     for item in items if isinstance(items, list) else [items]:
         *before, curve = info.context.curves[: item.code - INDEX]
         if any(other.mnemonic == curve.mnemonic for other in before):

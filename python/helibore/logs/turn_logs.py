@@ -10,7 +10,7 @@ The mean over evenly spaced toolfaces is the periodic trapezoid rule: for a smoo
 power of the number of sectors, while the area of the polygon is 2.5 % too small at 16 sectors. A turn with a missing
 radius has no area, since the missing part may differ from the measured one; `coverage` is the part that is measured.
 The last turn counts only if it is full. Other files have casing and cement (``annulus``), the kinds of hole (``zones``)
-and the formats of files (``log_files``).
+and the formats of files (``log_writing``).
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from helibore.base.arrays import Floats, Mask, column
 from helibore.base.errors import InputError
 from helibore.base.notebook import card, curve_picture
 from helibore.base.tables import LogColumn, LogTable, Tabular
-from helibore.base.threads import thread_count
+from helibore.base.thread_count import thread_count
 from helibore.logs.annulus import Annulus, annulus
 from helibore.logs.arms import arm_diameters
 from helibore.logs.depth_steps import by_step

@@ -46,7 +46,7 @@ def save_surface(
     mesh: Mesh, path: Path, color_by: str | None, limits: tuple[float, float] | None,
     origin: tuple[float, float, float], color_map: str, log: bool,
 ) -> None:  # fmt: skip
-    """Write quads to ``path``: `Surface.save`."""
+    """Write quads to ``path``; `Surface.save` describes the arguments."""
     ending = _checked_ending(mesh, path, SURFACE_ENDINGS, "")
     if ending == ".glb":
         check_size(path, len(mesh.cells), len(mesh.attributes))

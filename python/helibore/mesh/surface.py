@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from helibore import _core
 from helibore.base.arrays import Floats, Integers, column
-from helibore.base.threads import thread_count
+from helibore.base.thread_count import thread_count
 from helibore.mesh.attributes import Attributes
 from helibore.mesh.mesh import Mesh, metadata_of, quad_radius, triangles
 from helibore.mesh.mesh_files import save_surface

@@ -26,7 +26,7 @@ import numpy.typing as npt
 from helibore import _core
 from helibore.base.arrays import Floats, Integers, column
 from helibore.base.errors import InputError
-from helibore.base.threads import thread_count
+from helibore.base.thread_count import thread_count
 from helibore.mesh.attributes import Attributes
 from helibore.mesh.mesh import Mesh, metadata_of
 from helibore.mesh.mesh_files import save_volume

@@ -4,11 +4,11 @@
     hb.plot.save(figure, "f12.png")
     hb.plot.save(hb.plot.pages(wall, title="F-12"), "f12.pdf")
 
-    content.py    what is shown             tracks.py          depth, caliper, images    paper.py      sheets and files
-    log.py        where it stands           cross_sections.py  cross sections            raster.py     cells to pixels
-    header.py     facts about the hole      solid.py           shaded bodies             diameters.py  caliper curves
-    html_report.py  the report              shading.py         their light               scales.py     numbers on axes
-    zone_list.py  zones, worst first        picked.py          picks
+    content.py      what is shown           tracks.py          depth, caliper, images  paper.py         sheets, files
+    log.py          where it stands         cross_sections.py  cross sections          raster.py        cells to pixels
+    header.py       facts about the hole    solid.py           shaded bodies           diameters.py     caliper curves
+    html_report.py  the report              shading.py         their light             depth_scales.py  scales, axes
+    zone_list.py    zones, worst first      picked.py          picks
 
 matplotlib comes with the extra ``plot`` and is imported when something is drawn.
 """

@@ -29,10 +29,10 @@ from helibore.logs.summary import WallSummary, summarize
 from helibore.logs.template import UNITS, Template
 from helibore.logs.turn_logs import Logs
 from helibore.plot.cross_sections import CrossSection, sections_at, telling_depths
+from helibore.plot.depth_scales import FEET, METRES, DepthUnit, Lines, usual_depth_scale
 from helibore.plot.diameters import diameters
 from helibore.plot.picked import DipTrack, draw_picks
 from helibore.plot.raster import at_points
-from helibore.plot.scales import FEET, METRES, DepthUnit, Lines, usual_depth_scale
 from helibore.plot.solid import Stretched, most_relief, turns_between
 from helibore.plot.tracks import (
     CURVES,

@@ -16,9 +16,9 @@ import numpy as np
 
 from helibore.base.arrays import Floats, Mask
 from helibore.base.errors import InputError
+from helibore.plot.depth_scales import DepthUnit, length_text
 from helibore.plot.diameters import Diameters
 from helibore.plot.paper import INK, RULE, SMALL, USUAL, Sheet
-from helibore.plot.scales import DepthUnit, length_text
 from helibore.plot.tracks import GREY, HATCH_COLOR, LENGTHS, OVER, SIDES, UNDER
 
 if TYPE_CHECKING:

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 from helibore._core import __version__
 from helibore.base.colors import PICK_COLORS
 from helibore.base.units import INCH
+from helibore.plot.depth_scales import length_text
 from helibore.plot.paper import FAINT, INK, LARGE, RULE, SMALL, USUAL, Sheet
 from helibore.plot.picked import DASHES
-from helibore.plot.scales import length_text
 from helibore.plot.tracks import GREY, HATCH_COLOR, LETTERS
 from helibore.plot.zone_list import zone_sign
 from helibore.trajectory.references import reference_assumed

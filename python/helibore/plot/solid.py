@@ -15,8 +15,8 @@ import numpy as np
 
 from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
+from helibore.plot.depth_scales import METRES, DepthUnit, Lines
 from helibore.plot.paper import FAINT, FONT, INK, SMALL, USUAL, Sheet
-from helibore.plot.scales import METRES, DepthUnit, Lines
 from helibore.plot.shading import View, shade
 from helibore.plot.tracks import GREY, HATCH
 

@@ -25,10 +25,10 @@ from helibore.base.units import INCH, MILLIMETRE
 from helibore.images.sector_image import SectorImage
 from helibore.logs.curves import ScalarCurve
 from helibore.logs.zones import KINDS, Zone
+from helibore.plot.depth_scales import METRES, DepthUnit, Lines, length_text
 from helibore.plot.diameters import Diameters, thinned
 from helibore.plot.paper import FAINT, FONT, INK, RULE, SMALL, USUAL, Sheet
 from helibore.plot.raster import Grid, unroll_image, unroll_wall
-from helibore.plot.scales import METRES, DepthUnit, Lines, length_text
 from helibore.plot.shading import HATCH_BYTES
 from helibore.samples.caliper import Basis
 from helibore.trajectory.true_depth import TrueDepth

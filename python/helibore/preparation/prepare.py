@@ -4,7 +4,8 @@
              --reference--> the wall's toolface --recentre--> the hole's axis --bias--> --latest--> Caliper
 
 ``Preparation()`` only drops flat tops and closed arms, and brings the sensors into one frame. The steps themselves are
-in ``conditioning``, ``observe``, ``passes``, ``references`` and ``eccentering``; this file calls them in their order.
+in ``conditioning``, ``observe``, ``passes``, ``shifts``, ``eccentering`` and ``biases`` beside this file, and in
+``trajectory.references``; this file calls them in their order.
 """
 
 from __future__ import annotations
@@ -664,7 +665,7 @@ class _Pipeline:
             self.samples = self._of_passes(everything, settings.earlier)
             earlier = self._caliper()
             if not chosen:
-                rule = "no other pass is used: none is left to compare with them"
+                rule = "all passes in use are earlier ones: no pass is left to make the wall from"
                 raise InputError(f"{self.names}: earlier {_named(settings.earlier)}", rule)
             self.samples = self._of_passes(everything, chosen)
             self.report.append(("compared", f"{_named(chosen)} beside earlier {_named(settings.earlier)}"))

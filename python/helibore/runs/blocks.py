@@ -82,7 +82,8 @@ def prepared_batches(run: Run, samples: tuple[str, Caliper | Prepared] | None, m
     vertices = _helix(_settings(run), (float(caliper.depth.min()), float(caliper.depth.max())))["vertices"]
     if vertices <= VERTICES * most_samples:
         return None
-    why = f"needs the whole well, and one of {vertices:,} vertices is made in blocks; raise block_samples or the pitch"
+    blocks = f"a well of {vertices:,} vertices is made in blocks; raise block_samples or the pitch"
+    why = f"needs the whole well, but {blocks}"
     _check_settings(run, why)
     if caliper.basis != "azimuthal":
         raise InputError(name, f"a wall that no azimuthal caliper measured {why}")

@@ -84,7 +84,7 @@ def reconstruct(
         caliper, prepared = samples.caliper, samples
     for name, given in (("preparation", preparation), ("track", track)):
         if given is not None:
-            raise InputError(name, f"is for readings; a {type(samples).__name__} is prepared")
+            raise InputError(name, f"applies only to readings; a {type(samples).__name__} is already prepared")
     wall = wall_of(caliper, bit_diameter=bit_diameter, path=path, threads=threads, **settings)
     if prepared is None:
         return wall

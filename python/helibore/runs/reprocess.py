@@ -21,8 +21,8 @@ from urllib.parse import unquote
 
 from helibore.base.atomic_file import write_whole
 from helibore.base.errors import InputError, MissingExtraError, needs
-from helibore.base.threads import thread_count
-from helibore.files.log_files import write_parquet
+from helibore.base.thread_count import thread_count
+from helibore.files.log_writing import write_parquet
 from helibore.files.reading import check_library, ending_of
 from helibore.runs.main_guard import check_main_guard
 from helibore.runs.manifest import Job, check_files, read_jobs
@@ -201,7 +201,7 @@ def _started(start: Callable[[], Any]) -> Any:
 
 
 def status(jobs: Sequence[Job]) -> Progress:
-    """Return the progress of the wells; ``skipped`` need no work. All inputs are read, to compute their checksums.
+    """Return the progress of the wells: those in ``skipped`` need no work. This reads all inputs for their checksums.
 
     A well that is not in ``skipped``, ``failed`` or ``outdated`` has not been made.
     """

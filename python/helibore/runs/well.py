@@ -26,7 +26,7 @@ import numpy as np
 
 from helibore._core import __version__
 from helibore.base.errors import InputError
-from helibore.files.log_files import save_table
+from helibore.files.log_writing import save_table
 from helibore.logs.summary import WallSummary, summarize
 from helibore.logs.turn_logs import Logs
 from helibore.logs.zones import Classification, classify
@@ -128,7 +128,7 @@ def _made(job: Job, store: Store) -> Json:
 
 
 def _check_path(job: Job, run: Run, *ends: float) -> None:
-    """Refuse a path that ends before the wall, for an archive or a mesh, as ``helibore mesh`` does."""
+    """Refuse a path that does not reach both ends of the wall, if an archive or a mesh is among the outputs."""
     if {"archive", "mesh"} & set(job.outputs):
         check_path(run, *ends)
 

@@ -31,7 +31,7 @@ from helibore.base.errors import InputError
 from helibore.base.frames import frame_rows
 from helibore.base.notebook import card, usual_picture
 from helibore.base.tables import LogColumn, LogTable, Tabular
-from helibore.base.threads import thread_count
+from helibore.base.thread_count import thread_count
 from helibore.base.units import ANGLE, LENGTH, TIME
 from helibore.samples.bit_sizes import FEW, looks_like_diameter
 

@@ -25,7 +25,7 @@ import numpy as np
 from helibore import _core
 from helibore.base.arrays import Floats
 from helibore.base.settings import Settings
-from helibore.base.threads import thread_count
+from helibore.base.thread_count import thread_count
 from helibore.samples.helix import Helix
 from helibore.wall.estimates import MOST_UNMEASURED, Columns
 

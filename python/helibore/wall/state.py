@@ -10,7 +10,7 @@ from typing import Any
 from helibore import _core
 from helibore.base.arrays import Floats, Integers32
 from helibore.base.settings import Settings
-from helibore.base.threads import thread_count
+from helibore.base.thread_count import thread_count
 from helibore.images.sector_image import SectorImage
 from helibore.mesh.attributes import WallAttributes
 from helibore.samples.caliper import Basis, Caliper

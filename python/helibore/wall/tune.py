@@ -25,7 +25,7 @@ from helibore.base.errors import InputError
 from helibore.base.notebook import card
 from helibore.base.settings import Settings
 from helibore.base.tables import refuse_table
-from helibore.base.threads import thread_count
+from helibore.base.thread_count import thread_count
 from helibore.samples.caliper import Caliper
 from helibore.wall.continuation import LEAST_GAIN, find_continuation
 from helibore.wall.estimates import (

@@ -24,7 +24,7 @@ from helibore.base.colors import over_bit
 from helibore.base.errors import InputError, needs
 from helibore.base.notebook import card, map_picture
 from helibore.base.settings import Settings
-from helibore.base.threads import thread_count
+from helibore.base.thread_count import thread_count
 from helibore.images.sector_image import SectorImage, SectorImages
 from helibore.logs.picks import ENDING as PICKS
 from helibore.logs.picks import Picks

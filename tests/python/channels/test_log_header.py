@@ -11,7 +11,7 @@ import pytest
 import helibore as hb
 from helibore.base.tables import LogColumn, LogTable
 from helibore.channels.log_header import NAMES, log_header
-from helibore.files.log_files import save_table
+from helibore.files.log_writing import save_table
 
 LAS2 = """~Version
 VERS. 2.0 :

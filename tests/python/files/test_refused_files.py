@@ -17,7 +17,7 @@ import helibore as hb
 from helibore.files import json_log
 from helibore.files.dlis import _frame
 from helibore.files.input_file import InputFile
-from helibore.files.log_files import check_format
+from helibore.files.log_writing import check_format
 
 LAS2 = "~Version\nVERS. 2.0 :\nWRAP. NO :\n~Well\nSTRT.M 1 :\nSTOP.M 2 :\nSTEP.M 1 :\nNULL. -999.25 :\n"
 LAS3 = LAS2.replace("2.0", "3.0").replace("WRAP. NO :\n", "WRAP. NO :\nDLM. COMMA :\n")

@@ -13,7 +13,7 @@ from locations import SHARED
 
 import helibore as hb
 from bench.accuracy import televiewer
-from helibore.files.log_files import save_table
+from helibore.files.log_writing import save_table
 from helibore.images.image_breakouts import ImageCriteria
 from helibore.logs.zone_criteria import Criteria
 

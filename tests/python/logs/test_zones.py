@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import helibore as hb
 from helibore.base.axial import axial_mean
-from helibore.files.log_files import save_table
+from helibore.files.log_writing import save_table
 from helibore.logs.turn_logs import turn_logs
 from helibore.logs.zone_criteria import Criteria
 from helibore.logs.zones import KINDS, Classification, classify

@@ -20,12 +20,12 @@ from helibore.logs.curves import ScalarCurve, nice_limits
 from helibore.logs.zones import KINDS
 from helibore.plot.content import REFERENCES, content_of
 from helibore.plot.cross_sections import sections_at
+from helibore.plot.depth_scales import FEET, Lines, usual_depth_scale
 from helibore.plot.diameters import Diameters, diameters, thinned
 from helibore.plot.header import SIDES_TEXT, header_height
 from helibore.plot.html_report import page
 from helibore.plot.log import MARGIN, _divided
 from helibore.plot.paper import MM
-from helibore.plot.scales import FEET, Lines, usual_depth_scale
 from helibore.plot.solid import exaggeration, most_relief, turns_between
 from helibore.plot.tracks import HATCH, HATCH_BYTES, HEAD, ImageTrack
 from helibore.simulation.tool import Hole, Tool, simulate

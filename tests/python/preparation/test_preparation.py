@@ -259,7 +259,7 @@ def test_passes_shift_bias_choice_and_comparison() -> None:
     last = prepare(one.readings(), Preparation(earlier=(1,), passes=(1, 3, 2), latest=True)).pass_number
     assert last is not None
     assert 1 not in last
-    none_left = "no other pass is used: none is left to compare with them"
+    none_left = "all passes in use are earlier ones: no pass is left to make the wall from"
     for bad, rule in (
         (Preparation(passes=(9,)), "f.csv: pass 9: is not among the passes of the samples: 1, 2, 3"),
         (Preparation(shifts=((9, 1.0),)), "f.csv: shift 9=1 m: is not among the passes of the samples"),

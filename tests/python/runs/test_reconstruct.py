@@ -82,7 +82,7 @@ def test_the_wall_has_the_lines_on_its_readings_and_on_what_one_pass_sees(file: 
 def test_what_is_prepared_is_not_prepared_again(file: Path) -> None:
     prepared = hb.prepare(hb.open(file).readings(), hb.Preparation(greatest_radius=0.12))
     for samples, name in ((prepared, "Prepared"), (prepared.caliper, "Caliper")):
-        with pytest.raises(ValueError, match=f"^preparation: is for readings; a {name} is prepared$"):
+        with pytest.raises(ValueError, match=f"^preparation: applies only to readings; a {name} is already prepared$"):
             hb.reconstruct(samples, preparation=STEPS, **SETTINGS)
 
 

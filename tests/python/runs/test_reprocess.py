@@ -27,7 +27,7 @@ from pyarrow import parquet
 
 import helibore as hb
 from helibore.cli import cli
-from helibore.files.log_files import save_table
+from helibore.files.log_writing import save_table
 from helibore.runs.blocks import AS_STREAM, PartColumn, _beyond_gap
 from helibore.runs.manifest import OUTPUTS, Job, check_files, read_jobs
 from helibore.runs.output_store import Store
@@ -401,7 +401,7 @@ def test_a_tool_of_few_arms_with_too_many_vertices_for_one_piece_is_refused(tmp_
     tree = {"caliper": [{"file": str(tmp_path / "a.csv")}], "wall": {"bit_diameter": 0.2159, "pitch": 0.01}}
     with pytest.raises(hb.InputError) as caught:
         reprocess_well(Job("A", tree, str(tmp_path / "out"), block_samples=1000))
-    assert "a tool of two to seven arms needs the whole well, and one of" in str(caught.value)
+    assert "a tool of two to seven arms needs the whole well, but a well of" in str(caught.value)
     assert "raise block_samples or the pitch" in str(caught.value)
 
 

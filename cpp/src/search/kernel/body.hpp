@@ -1,11 +1,11 @@
 // The innermost loops, written once over a Pack of doubles (pack_*.hpp) and compiled for each instruction set.
 //
 // Lanes are vertices: every instruction works on the eight vertices of a group at once, one candidate after the other,
-// so that no lane waits for another and nothing branches on data. Only add, multiply, divide, square root, minimum and
-// maximum in a fixed order: all instruction sets give the same bits.
+// so that no lane waits for another and nothing branches on data. The code uses only add, multiply, divide, square
+// root, minimum and maximum, in a fixed order, so that all instruction sets give the same bits.
 //
-// select.hpp finds the neighbours, estimate.hpp weighs them; here are the loops over samples, and those
-// of a section's circles, whose lanes are its points.
+// select.hpp finds the neighbours, estimate.hpp weighs them. This file holds the loops over samples, and the loops for
+// the circles of a section; there a lane is a point of the section.
 #pragma once
 
 #include "search/kernel/estimate.hpp"

@@ -9,8 +9,8 @@ import { tileTurns } from './turns.js';
 import { LENGTHS } from './units.js';
 import { zoneAt } from './zones.js';
 
-// Smallest Cmin and largest Cmax of the turns under each pixel row: {min, max, seen, between}; seen 0 beyond the
-// wall, between 1 where a turn is mostly interpolated between arms.
+// Returns the smallest Cmin and the largest Cmax of the turns under each pixel row, as {min, max, seen, between}. `seen`
+// is 0 beyond the wall; `between` is 1 where a turn is mostly interpolated between arms.
 /** @param {Look} look */
 export function profile({ store, view, imagePieces, rects }) {
   const { height } = rects.image;

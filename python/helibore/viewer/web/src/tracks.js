@@ -129,7 +129,8 @@ export function drawAhead(ink, { view, rects, store, bitDepth }) {
   if (to - from > 24) label(ink, 'not measured yet', rects.image.left + rects.image.width / 2, (from + to) / 2, { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL });
 }
 
-// The same depth through every track: the cursor's line with its depth, and the bit.
+// Draws what marks one depth in all tracks: the bit, the pinned depths, the cursor's line with its depth, and its
+// toolface on the images.
 /** @param {Ink} ink @param {Look} look */
 export function drawCursor(ink, look) {
   const { view, rects, bitDepth } = look;

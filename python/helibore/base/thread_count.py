@@ -1,4 +1,7 @@
-"""Count the processors that this process may use (its affinity mask), not those of the machine."""
+"""Count the processors that this process may use (its affinity mask), not those of the machine.
+
+How work is shared among threads is C++: ``cpp/src/base/threads.hpp``.
+"""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ import pytest
 import helibore as hb
 from helibore.base import atomic_file
 from helibore.base.tables import LogColumn, LogTable
-from helibore.files.log_files import save_table
+from helibore.files.log_writing import save_table
 from helibore.logs.turn_logs import Logs
 
 TOLERANCE = {"m": 5.1e-7, "m3": 5.1e-8, "deg": 5.1e-3, "s": 5.1e-3, "": 5.1e-6}  # half of the last decimal written
