@@ -105,3 +105,21 @@ def test_no_two_files_and_no_two_classes_of_the_package_have_one_name() -> None:
     names = [path.name for path in PYTHON if path.name != "__init__.py"]
     names += [name for path in PYTHON for name in re.findall(r"^class (\w+)", path.read_text(), re.MULTILINE)]
     assert [name for name, count in Counter(names).items() if count > 1] == []
+
+
+def test_a_file_that_a_text_names_exists() -> None:
+    """Comments, docstrings and the pages for developers point to files by name; a renamed one takes them along."""
+    web = [path for folder in ("web", "web/src") for path in ROOT.glob(f"python/helibore/viewer/{folder}/*.js")]
+    pages = [ROOT / name for name in ("ARCHITECTURE.md", "CONTRIBUTING.md", "cpp/DESIGN.md")]
+    tests = [*ROOT.glob("tests/**/*.?pp"), *ROOT.glob("tests/**/*.py"), *ROOT.glob("bench/**/*.py")]
+    there = {path.name for path in [*CORE, *BINDINGS, *PYTHON, *web, *tests]}
+    other = {"app.js", "Node.js", "geometric.hpp", "vec3.hpp"}  # of the built page, no file, of GLM
+    named = re.compile(r"(?<![\w./{}*-])((?:\w+/)*)(\w+\.(?:py|hpp|cpp|js|mjs))\b")
+    lost = [
+        f"{path.relative_to(ROOT)}: {found[0]}"
+        for path in [*CORE, *BINDINGS, *PYTHON, *web, *pages]
+        for found in named.finditer(path.read_text())
+        if found[2] not in there | other
+        or (found[1].startswith(("cpp/", "python/")) and not (ROOT / found[0]).exists())
+    ]
+    assert not lost

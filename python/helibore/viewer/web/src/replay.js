@@ -1,5 +1,5 @@
 // Replay: the wall as it was at a moment of the run. The server keeps how many vertices the wall had at which time
-// (history.py). The page shows that many, with the radii of the first pass, and the bit where it was then; radii between
+// (scene.py). The page shows that many, with the radii of the first pass, and the bit where it was then; radii between
 // two passes are not kept.
 
 import { byId } from './panel.js';
