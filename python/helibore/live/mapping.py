@@ -417,7 +417,7 @@ class SourceReader:
 
         self._events.report_rows(outside.nonzero()[0], describe)
         self._judge_unit(toolface, reading, frame)
-        toolface = wrapped(toolface + caliper.toolface_offset)
+        toolface = wrapped(toolface + np.broadcast_to(caliper.toolface_offset, len(caliper.toolface))[group])
         reading.triple_frame, reading.triple_flags = frame, triple_flags
         reading.triples = np.column_stack([depth, toolface, radius])
 

@@ -122,6 +122,13 @@ def _curve(kind: str) -> PlainValidator:
     return PlainValidator(number)
 
 
+def _offsets(value: Any) -> float | list[float]:
+    numbers = value if isinstance(value, list) else [value]
+    if not all(type(one) in (int, float) and -360 <= one <= 360 for one in numbers):
+        raise ValueError("must be a number from -360 to 360, or a list of such numbers")
+    return [float(one) for one in numbers] if isinstance(value, list) else float(value)
+
+
 def _check_quantity(items: list[Item] | Item, info: Any) -> list[Item] | Item:
     """Refuse a curve that is already mapped to another quantity."""
     for item in items if isinstance(items, list) else [items]:
@@ -175,13 +182,14 @@ class StoreRig(RigTable):
 class CaliperTable(Table):
     """The settings that the calipers of both kinds of source have; triple n is item n of each list.
 
-    Without ``depth``, the depth of a triple follows from the bit depth.
+    A single item of ``toolface`` or ``depth`` serves all radii, and a list ``toolface_offset`` says where the sensor of
+    each radius is. Without ``depth``, the depth of a triple follows from the bit depth.
     """
 
     measures: Literal["radius", "diameter"] = "radius"
     offset: float = 0.0
     latency: Latency = 0.0
-    toolface_offset: Annotated[float, within(-360, 360)] = 0.0
+    toolface_offset: Annotated[float | list[float], PlainValidator(_offsets)] = 0.0
     radius_range: list[float] = []
     toolface: list[Code] = []
     radius: list[Code] = []
@@ -189,9 +197,19 @@ class CaliperTable(Table):
 
     def _set_items(self, columns: dict[str, list[Item]], what: str, bit_diameter: float) -> None:
         """Check and set the items and the range of radii; measured diameters are halved."""
+        for name in {"toolface", "depth"} & columns.keys():
+            columns[name] *= len(columns["radius"]) if len(columns[name]) == 1 else 1
         lengths = {name: len(items) for name, items in columns.items()}
         if len(set(lengths.values())) != 1 or not lengths["toolface"]:
             raise InputError("", f"toolface, radius and depth must have equally many {what}, not {lengths}")
+        offsets = self.toolface_offset
+        if isinstance(offsets, list) and len(offsets) != lengths["toolface"]:
+            raise InputError("toolface_offset", f"must be a number, or a list of {lengths['toolface']}", repr(offsets))
+        codes = [[item.code for item in columns[name]] for name in ("toolface", "depth") if name in columns]
+        turned = offsets if isinstance(offsets, list) else [offsets] * lengths["toolface"]
+        if len(set(zip(*codes, turned, strict=True))) < len(turned):
+            rule = "several radii have one toolface: must be a list with the angle of each sensor, [0, 90, 180, 270]"
+            raise InputError("toolface_offset", rule, repr(offsets))
         limits = self.radius_range or [bit_diameter / 8, bit_diameter * 2]
         if len(limits) != 2 or not 0 < limits[0] < limits[1]:
             raise InputError("radius_range", "must be [least, most] in metres, 0 < least < most", repr(limits))

@@ -9,6 +9,7 @@ from live_wires import (
     FRAMES,
     SECOND,
     SENT,
+    WALL,
     Clock,
     batch_wall,
     same_bits,
@@ -18,6 +19,7 @@ from live_wires import (
 import helibore as hb
 from helibore import Live
 from helibore.live import live as live_module
+from helibore.live import wits
 from helibore.live.configuration import parse
 
 
@@ -136,3 +138,20 @@ def test_a_silence_is_reported_once_however_seldom_it_is_looked_for():
         assert counts() == silences
         live.receive(name, b"&&\r\n!!\r\n")
         assert counts() == silences
+
+
+def test_one_toolface_serves_several_sensors_each_at_its_angle():
+    one = 'toolface = ["5010"], radius = ["5011", "5012", "5013", "5014"], depth = ["5015"]'
+    one += ", toolface_offset = [0, 90, 180, 270]"
+    four = 'first = "5010", groups = 4, order = ["toolface", "depth", "radius"]'
+    walls = []
+    for caliper in (one, four):
+        live = Live(parse(f'{WALL}[source.mwd]\naddress = "host"\nunits = "metric"\ncaliper = {{ {caliper} }}\n'))
+        for k in range(200):
+            depth, toolface, radii = f"{100 + 0.05 * k:.2f}", 33 * k % 360, [str(108 + i) for i in range(4)]
+            rows = [(f"{(toolface + 90 * i) % 360}", depth, radius) for i, radius in enumerate(radii)]
+            flat = [str(toolface), *radii, depth] if caliper == one else [cell for row in rows for cell in row]
+            live.receive("mwd", wits.frame([(5010 + i, cell) for i, cell in enumerate(flat)]))
+        walls.append(live.wall)
+    assert walls[0].sample_count == 800
+    assert same_bits(*walls)

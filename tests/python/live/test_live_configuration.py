@@ -106,9 +106,25 @@ def test_what_is_only_transport_does_not_change_the_meaning():
         ),
         (WALL + SOURCE + CALIPER, "source.rig.caliper.toolface: must be set: a list of items, one for each triple"),
         (
-            WALL + SOURCE + CALIPER + 'toolface = ["5010"]\nradius = ["5011", "5012"]\n',
+            WALL + SOURCE + CALIPER + 'toolface = ["5010", "5013"]\nradius = ["5011", "5012", "5014"]\n',
             "source.rig.caliper: toolface, radius and depth must have equally many items, "
-            "not {'toolface': 1, 'radius': 2}",
+            "not {'toolface': 2, 'radius': 3}",
+        ),
+        (
+            WALL + SOURCE + CALIPER + 'toolface = ["5010"]\nradius = ["5011", "5012"]\n',
+            "source.rig.caliper.toolface_offset = 0.0: several radii have one toolface: must be a list with the angle "
+            "of each sensor, [0, 90, 180, 270]",
+        ),
+        (
+            WALL
+            + SOURCE
+            + CALIPER
+            + 'toolface = ["5010"]\nradius = ["5011", "5012"]\ntoolface_offset = [0, 90, 180]\n',
+            "source.rig.caliper.toolface_offset = [0.0, 90.0, 180.0]: must be a number, or a list of 2",
+        ),
+        (
+            WALL + SOURCE + CALIPER + 'toolface = ["5010"]\nradius = ["5011"]\ntoolface_offset = ["x"]\n',
+            "source.rig.caliper.toolface_offset = ['x']: must be a number from -360 to 360, or a list of such numbers",
         ),
         (
             WALL + SOURCE + CALIPER + 'toolface = ["5010"]\nradius = ["50x1"]\n',
