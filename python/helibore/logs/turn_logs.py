@@ -36,7 +36,7 @@ from helibore.logs.depth_steps import by_step
 from helibore.logs.log_columns import COLUMNS
 from helibore.samples.caliper import Basis, Caliper
 from helibore.samples.helix import WallLike, basis_of, basis_text_of, whole_helix
-from helibore.trajectory.references import reference_assumed
+from helibore.trajectory.references import reference_assumed, reference_of
 from helibore.trajectory.survey import Path
 from helibore.trajectory.true_depth import true_depth
 
@@ -132,8 +132,8 @@ class Logs(Tabular):
         Source of `c1`, `c1_toolface`, `c2`, `least_diameter`, ovality, `out_of_roundness` and zones: ``"wall"``, or
         ``"arms"`` for a tool with few arms, which measures less than 0.9 of the turns.
     reference
-        What toolface 0 is, by the path of the wall: ``"high-side"``, ``"north"`` or ``"parallel-transport"``; "": the
-        wall has no path.
+        What toolface 0 is, by the path or the first image of the wall: ``"high-side"``, ``"north"`` or
+        ``"parallel-transport"``; "": the wall has neither.
     reference_assumed
         Whether toolfaces are only assumed to count from ``reference``, because no file states it.
     with_sigma
@@ -354,7 +354,7 @@ TOOLFACE_0 = {
     "high-side": "high side of the hole",
     "north": "north",
     "parallel-transport": "north at the top of the path, carried down it without twist",
-    "": "that of the samples; the wall has no path that says what it is",
+    "": "that of the samples; neither a path nor an image of the wall says what it is",
 }
 """What toolfaces count from, for files."""
 
@@ -435,7 +435,7 @@ def turn_logs(
         rugosity_window=window * abs(pitch),
         basis=basis_of(wall),
         basis_text=basis_text_of(wall),
-        reference=path.reference if path is not None else "",
+        reference=reference_of(wall) or "",
         reference_assumed=reference_assumed(wall),
         with_sigma=sigma is not None,
         path=path,

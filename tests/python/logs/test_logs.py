@@ -324,7 +324,13 @@ def test_every_column_has_a_name_in_files() -> None:
 @pytest.mark.parametrize("reference", ["high-side", "north", "parallel-transport"])
 def test_logs_say_what_toolface_0_is(reference: Any) -> None:
     wall = hb.reconstruct(hb.Caliper.gauge(1000.0, 1005.0, 0.2), bit_diameter=0.2, sectors=8)
-    assert wall.logs().facts()["toolface 0"].endswith("the wall has no path that says what it is")
+    assert wall.logs().facts()["toolface 0"].endswith("neither a path nor an image of the wall says what it is")
+    if reference != "parallel-transport":
+        wall.images["GR"] = hb.SectorImage(
+            [1000.0, 1005.0], np.ones((2, 4)), "GR", "gAPI", origin="edge", reference=reference
+        )
+        assert wall.logs().facts()["toolface 0"] == {"north": "north", "high-side": "high side of the hole"}[reference]
+        wall.images.clear()
     wall.path = hb.Survey([1000.0, 1005.0], [48.0, 48.0], [248.0, 248.0]).path(reference=reference)
     said = wall.logs().by_step(1.0).table().facts["toolface 0"]
     assert said.startswith(
