@@ -158,7 +158,8 @@ def _angles(log_set: RawSet, arm: Role, width: int, turning: bool) -> list[float
         rule = "no toolface: name the toolface channel, or the angle of this one, by an option or in a map"
         raise log_set.input_error(rule, column=arm.channel)
     if arm.angle is not None and not turning and not arm.confirmed and arm.turns:
-        rule = "an arm pair that turns with the tool needs a toolface: name the channel, or confirm the angle, in a map"
+        rule = "an arm pair that turns with the tool needs a toolface: name its channel in a map"
+        rule += f"; of a tool that does not turn, state the angle of each pair: --diameter {arm.channel}@0"
         raise log_set.input_error(rule, column=arm.channel)
     angle = arm.angle or 0.0
     return [angle, angle + 180.0] if arm.role == "diameter" else [angle]

@@ -95,7 +95,8 @@ def sigma_lines(rows: Logs) -> Lines:
     if not rows.with_sigma:
         return []
     missing = int(np.isnan(rows.diameter_sigma).sum())
-    return [("missing", f"{missing:,} of {len(rows):,} rows have no sigma")]
+    why = ": the hole between the arms is not sampled" if rows.shape == "arms" else ""
+    return [("missing", f"{missing:,} of {len(rows):,} rows have no sigma{why}")]
 
 
 def annulus_lines(annuli: Iterable[Annulus]) -> Lines:

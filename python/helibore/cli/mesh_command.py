@@ -14,7 +14,17 @@ import numpy as np
 
 from helibore.base.errors import InputError, require_library
 from helibore.cli.lines import Lines, summary_lines
-from helibore.cli.outputs import OUTPUT, QUIET, SIGMA, add_sigma, check_file, own_options, save_lines
+from helibore.cli.outputs import (
+    NEAREST,
+    OUTPUT,
+    QUIET,
+    SIGMA,
+    add_nearest,
+    add_sigma,
+    check_file,
+    own_options,
+    save_lines,
+)
 from helibore.cli.quantities import FILE, LENGTH
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_options import Sectioned, open_run, opt, opts, section, takes_a_wall
@@ -40,8 +50,9 @@ takes_a_mesh = section(
     opts("--shell shells", f"Write a volume of hexahedra this thick around the wall ({', '.join(VOLUME_ENDINGS)}).",
          type=LENGTH),
     SIGMA,
-    opt("--color-by", "An image, difference, sigma or radius, for GLB, PLY and VTK.  [the first image, else radius]",
-        metavar="NAME"),
+    NEAREST,
+    opt("--color-by", "An image, difference, sigma, nearest or radius, for GLB, PLY and VTK.  [the first image, or else"
+        " radius]", metavar="NAME"),
     opt("--centres", "With --recentre: table of centre, deviation and inliers of each turn: .csv, .csv.gz or .npz.",
         type=FILE),
     QUIET,
@@ -105,7 +116,9 @@ def _write(verb: str, options: dict[str, Any]) -> None:
     make_wall(run, options["threads"], terminal.stage)
     wall, shells = run.wall, list(options["shells"])
     if options["sigma"]:
-        add_sigma(wall, terminal)
+        run.messages += add_sigma(wall, terminal)
+    if options["nearest"]:
+        add_nearest(wall)
     made: Surface | Volume
     with terminal.stage("place", f"Placing {len(wall):,} vertices"), placing(run):
         made = wall.volume("own", shells, *ends) if shells else wall.surface("own", *ends)

@@ -31,13 +31,29 @@ def OUTPUT(help: str) -> tuple[str, dict[str, Any]]:  # noqa: A002, N802
     return opt("-o --output", help, type=FILE, required=True)
 
 
-def add_sigma(wall: Wall, terminal: Terminal) -> None:
-    """Give a wall its uncertainty as an attribute, for meshes and the viewer."""
+NEAREST = opt("--nearest", "Distance to the nearest sample, as the attribute 'nearest'.", is_flag=True)
+
+
+def add_sigma(wall: Wall, terminal: Terminal) -> Lines:
+    """Give a wall its uncertainty as an attribute, for meshes, pictures and the viewer; say how much is missing."""
+    import numpy as np
+
     from helibore.wall.interpolation import on_quads
 
     with terminal.stage("sigma", "Leaving samples out"):
-        wall.attributes["sigma"] = on_quads(wall.sigma, wall.settings.sectors)
-        wall.attributes.units["sigma"] = "m"
+        sigma = on_quads(wall.sigma, wall.settings.sectors)
+    wall.attributes["sigma"], wall.attributes.units["sigma"] = sigma, "m"
+    missing = float(np.isnan(sigma).mean()) if sigma.size else 0.0
+    why = "between fixed arms, and far from samples, the hole is not sampled"
+    return [("missing", f"{100 * missing:.1f} % of the wall has no sigma: {why}")] if missing else []
+
+
+def add_nearest(wall: Wall) -> None:
+    """Give a wall the distance to the nearest sample as an attribute, for meshes: what is interpolated, and how far."""
+    from helibore.wall.interpolation import on_quads
+
+    wall.attributes["nearest"] = on_quads(wall.nearest, wall.settings.sectors)
+    wall.attributes.units["nearest"] = "m"
 
 
 def check_file(file: Path, endings: Sequence[str], why: str = "") -> None:

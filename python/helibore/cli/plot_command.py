@@ -157,7 +157,7 @@ def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Ru
 
     make_wall(run, options["threads"], terminal.stage)
     if options["sigma"]:
-        add_sigma(run.wall, terminal)
+        run.messages += add_sigma(run.wall, terminal)
     load_picks(run)
     run.messages += trust_lines(run.wall.summary(options["start_depth"], options["stop_depth"]))
     header = header_of(run, options)

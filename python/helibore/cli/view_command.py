@@ -77,7 +77,7 @@ def view(**options: Any) -> None:
 
     wall = make_wall(run, options["threads"], terminal.stage).wall
     if options["sigma"]:
-        add_sigma(wall, terminal)
+        run.messages += add_sigma(wall, terminal)
     picks = load_picks(run)
     run.messages.append(("picks", f"saved in {picks}" if picks else "not saved: no file but a survey"))
     header = header_of(run, options)

@@ -152,7 +152,7 @@ def draw_footer(sheet: Sheet, content: Content, x: float, bottom: float, page: s
     sheet.line((x, sheet.width - x), (y - 3.0, y - 3.0))
     sheet.box(x, y - 1.2, 4.0, 2.4, facecolor=GREY, edgecolor=RULE, linewidth=0.4)
     left = x + 5.2
-    left += sheet.text_width(sheet.text(left, y, "missing: no value, or no sample in reach.", SMALL)) + 4.0
+    left += sheet.text_width(sheet.text(left, y, "missing: no value, or not sampled there.", SMALL)) + 4.0
     if content.hatching:
         sheet.box(left, y - 1.2, 4.0, 2.4, facecolor="white", edgecolor=HATCH_COLOR, linewidth=0.4, hatch="//////")
         left += 5.2

@@ -41,7 +41,7 @@ class Shifts:
     passes: Integers  # sorted
     shift: Floats  # to be added to the depths of the pass; 0 where nothing was found
     correlation: Floats  # with the others at the shift; NaN where they do not overlap
-    before: Floats  # the same at no shift
+    before: Floats  # the same at no shift, with the others in their places
     found: Mask  # whether one clear peak of the least correlation asked for lies inside the limits
     sigma: Floats  # standard deviation of the shift, from the peak's curvature; 0 of a held pass, NaN without a peak
     second: Floats  # shift of the second-best peak; NaN where there is none
@@ -62,8 +62,8 @@ class Shifts:
             rival = "" if np.isnan(second) else f"{self.second[row]:+.3f} m with correlation {second:.2f}"
             if self.found[row]:
                 text = (
-                    f"{self.shift[row]:+.3f} +- {self.sigma[row]:.3f} m found, correlation {before:.2f} before, "
-                    f"{after:.2f} after{'; second best ' if rival else ''}{rival}"
+                    f"{self.shift[row]:+.3f} +- {self.sigma[row]:.3f} m found, correlation with the others "
+                    f"{before:.2f} before, {after:.2f} after{'; second best ' if rival else ''}{rival}"
                 )
             elif rival and second > _RIVAL * after:
                 text += f", the hole repeats itself: correlation {after:.2f}, and {rival}"
@@ -112,8 +112,7 @@ def find_shifts(
         for i in np.flatnonzero(~fixed):
             others = placed[fixed] if first else np.delete(placed, i, axis=0)
             curve, overlap = _correlations(profiles[i], _mean(others), 2 * most, enough)
-            if turn == 0:
-                before[i] = curve[2 * most]
+            before[i] = curve[2 * most]
             peak = _peak(curve, most, overlap)
             shift[i], sigma[i], second[i] = peak.shift * _STEP, peak.sigma * _STEP, peak.second * _STEP
             best[i], second_best[i], found[i] = peak.correlation, peak.second_correlation, peak.found

@@ -66,8 +66,8 @@ def made(columns: dict[str, Any]) -> LogSet:
         ({"radius__m": None, "TT__us": np.full(N, 90.0)}, {},
          "f.las, column TT: a travel time needs the velocity in the mud and the tool's radius"),
         ({"TF__deg": None, "radius__m": None, "cal_x__in": np.full(N, 8.5), "cal_y__in": np.full(N, 8.6)}, {},
-         "f.las, column cal_x: an arm pair that turns with the tool needs a toolface: name the channel, or confirm the "
-         "angle, in a map"),
+         "f.las, column cal_x: an arm pair that turns with the tool needs a toolface: name its channel in a map; of "
+         "a tool that does not turn, state the angle of each pair: --diameter cal_x@0"),
         ({"TF__deg": None}, {},
          "f.las, column radius: no toolface: name the toolface channel, or the angle of this one, by an option or in a "
          "map"),

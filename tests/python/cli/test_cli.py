@@ -429,8 +429,22 @@ def test_sigma_is_an_attribute_of_archives_and_meshes(folder: Path, tmp_path: Pa
     assert wall.attributes["sigma"][0] == pytest.approx(corners.mean(), rel=1e-12)
     colored = run("mesh", archive, "-o", tmp_path / "w.glb", "--color-by", "sigma")
     assert colored.exit_code == 0, colored.output
+    assert "of the wall has no sigma" not in made.output
     few = tmp_path / "few.csv"
     few.write_text("\n".join((folder / "caliper.csv").read_text().splitlines()[:40]))
     result = run("reconstruct", few, "-o", archive, "--bit-diameter", "216mm", "--sigma")
     assert result.exit_code == 2
     assert "too few samples for an uncertainty: must be at least 100" in " ".join(result.output.split())
+
+
+def test_nearest_is_an_attribute_of_meshes(folder: Path, tmp_path: Path) -> None:
+    mesh = tmp_path / "w.vtu"
+    made = run("reconstruct", folder / "caliper.csv", "-o", mesh, "--bit-diameter", "216mm", "--nearest")
+    assert made.exit_code == 0, made.output
+    archive = run("reconstruct", "--from-settings", f"{mesh}.toml", "-o", tmp_path / "w.wall", "-q")
+    assert archive.exit_code == 0, archive.output
+    wall = helibore.load(tmp_path / "w.wall")
+    assert wall.attributes["nearest"][0] == pytest.approx(wall.nearest[[0, 1, 65, 64]].mean(), rel=1e-12)
+    assert wall.attributes.units["nearest"] == "m"
+    colored = run("mesh", tmp_path / "w.wall", "-o", tmp_path / "w.glb", "--color-by", "nearest")
+    assert colored.exit_code == 0, colored.output

@@ -134,7 +134,10 @@ def test_sigma_that_no_turn_has_is_written_as_missing(two_arms: Path, tmp_path: 
     sigma = column(output, "DEQ_SIGMA")
     assert np.isnan(sigma).all()
     assert np.isnan(column(output, "VOL_SIGMA")).all()
-    assert f"missing {sigma.size} of {sigma.size} rows have no sigma" in " ".join(done.output.split())
+    assert (
+        f"missing {sigma.size} of {sigma.size} rows have no sigma: the hole between the arms is not sampled"
+        in " ".join(done.output.split())
+    )
 
 
 def test_a_casing_that_does_not_pass_one_place(two_arms: Path, tmp_path: Path) -> None:

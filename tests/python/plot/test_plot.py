@@ -77,7 +77,7 @@ def test_a_log_says_all_that_a_reader_must_know(wall: hb.Wall) -> None:
         "Diameter [in]", "bit size 8.504 in", "by area", "least to greatest", "C1", "C2", "over bit", "washout",
         "under bit",
         "Radius − bit/2 [in]", "GR [gAPI]", "RES [ohm.m]", "logarithmic", "16 sectors, static", "Depth", "MD [m]",
-        "missing: no value, or no sample in reach", "Cross sections, looking downhole", "tube × ", "shape × ",
+        "missing: no value, or not sampled there", "Cross sections, looking downhole", "tube × ", "shape × ",
         "coloured by radius", "rings each",
     ):  # fmt: skip
         assert needed in words, needed
@@ -100,7 +100,7 @@ def test_what_lies_between_arms_is_hatched_and_named() -> None:
     assert_readable(figure)
     for dpi in (50, 70, 150):  # letters stand wider where dots are few; the key's boxes take 5.2 mm
         foot = {text.get_text(): text for text in plot.log(wall, dpi=dpi, polar=(), body=()).texts}
-        ends = foot["missing: no value, or no sample in reach."].get_window_extent().x1
+        ends = foot["missing: no value, or not sampled there."].get_window_extent().x1
         assert foot["interpolated between arms"].get_window_extent().x0 - ends > 5.2 / 25.4 * dpi
     for reference in REFERENCES:
         second = plot.pages(wall, (210.0, 120.0), scale=40, polar=(), body=(), reference=reference)[1]
