@@ -156,21 +156,25 @@ class Picks(list[Pick]):
             raise InputError(f"{len(self)} picks", f"must be at most {MOST}")
         self.append(pick)
 
-    def add_new(self, others: Iterable[Pick]) -> list[Pick]:
-        """Add and return the picks that the list does not hold yet, compared to the digits of a table."""
-        known, keys = {_place(pick) for pick in self}, {pick.key for pick in self}
-        added = []
+    def merge(self, others: Iterable[Pick]) -> tuple[list[Pick], list[Pick]]:
+        """Add the picks of another table; return those that were added, and those that replaced the one with their key.
+
+        A pick that differs in no digit of a table from the one with its key stays as it is, and so does one whose key
+        is new at the place and in the class of another.
+        """
+        places, index = {_cells(pick, PLACE) for pick in self}, {pick.key: at for at, pick in enumerate(self)}
+        added, replaced = [], []
         for pick in others:
-            if _place(pick) in known:
-                continue
-            one = replace(pick, key=secrets.token_hex(6)) if pick.key in keys else pick
-            if len(self) >= MOST:
-                raise InputError(f"{len(self)} picks", f"must be at most {MOST}")
-            self.append(one)
-            added.append(one)
-            known.add(_place(one))
-            keys.add(one.key)
-        return added
+            at, place = index.get(pick.key), _cells(pick, PLACE)
+            if at is None and place not in places:
+                index[pick.key] = len(self)
+                self.put(pick)
+                added.append(pick)
+            elif at is not None and _cells(pick) != _cells(self[at]):
+                self[at] = pick
+                replaced.append(pick)
+            places.add(place)
+        return added, replaced
 
     def remove_key(self, key: str) -> None:
         """Remove the pick with this key, if it is there."""
@@ -182,9 +186,8 @@ class Picks(list[Pick]):
         writer = csv.writer(text)
         writer.writerow([*COLUMNS, *DIP])
         for pick in sorted(self, key=lambda one: one.depth):
-            own = [getattr(pick, name) for name in COLUMNS.values()]
-            dips = ("" if math.isnan(angle) else angle for angle in pick.dip(path))
-            writer.writerow([_cell(value) for value in (*own, *dips)])
+            dips = ("" if math.isnan(angle) else _cell(angle) for angle in pick.dip(path))
+            writer.writerow([*_cells(pick), *dips])
         return text.getvalue()
 
     def save(self, filename: str | os.PathLike[str], path: Path | None = None) -> None:
@@ -253,8 +256,8 @@ def _parsed(row: Mapping[str, Any], path: Path | None, apparent: bool, line: str
         raise InputError(line, "class, depth and toolface must not be empty") from error
 
 
-def _place(pick: Pick) -> tuple[str, ...]:
-    return tuple(_cell(getattr(pick, name)) for name in PLACE)
+def _cells(pick: Pick, names: Iterable[str] = COLUMNS.values()) -> tuple[str, ...]:
+    return tuple(_cell(getattr(pick, name)) for name in names)
 
 
 def _cell(value: Any) -> str:

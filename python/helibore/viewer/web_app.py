@@ -230,7 +230,7 @@ class WebApp:
         return await self._change_picks(lambda picks: picks.put(pick))
 
     async def picks_table(self, request: Request) -> Response:
-        """Return the picks as a table, or add those of a table that are new, and say their keys as JSON."""
+        """Return the picks as a table, or add those of a table; JSON says the keys of those added and replaced."""
         if request.method == "GET":
             with self.scene.lock:
                 text = self.scene.picks.table(self.scene.path)
@@ -242,11 +242,13 @@ class WebApp:
         except ValueError as error:
             return PlainTextResponse(f"{error}\n", 400)
 
-        added: list[Pick] = []
-        answer = await self._change_picks(lambda picks: added.extend(picks.add_new(read)))
+        merged: list[list[Pick]] = []
+        answer = await self._change_picks(lambda picks: merged.extend(picks.merge(read)))
         if answer.status_code != 200:
             return answer
-        return JSONResponse({"added": [pick.key for pick in added], "present": len(read) - len(added)})
+        added, replaced = ([pick.key for pick in picks] for picks in merged)
+        unchanged = len(read) - len(added) - len(replaced)
+        return JSONResponse({"added": added, "replaced": replaced, "unchanged": unchanged})
 
     async def _change_picks(self, change: Callable[[Picks], object]) -> Response:
         try:

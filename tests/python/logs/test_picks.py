@@ -119,12 +119,17 @@ def test_a_table_without_keys_gives_the_same_ones_at_every_reading_and_no_key_tw
     assert len({one.key for one in first}) == 4
 
 
-def test_only_picks_that_are_new_to_the_digits_of_a_table_are_added() -> None:
-    picks = Picks([Pick(kind="bed", depth=1.0 / 3.0, toolface=2.0, apparent_dip=30.0, note="x")])
-    table = Picks.parse(picks.table())
-    assert picks.add_new([*table, replace(table[0], kind="fault")]) == [replace(table[0], kind="fault")]
-    assert [one.kind for one in picks] == ["bed", "fault"]
-    assert picks[0].key != picks[1].key
+def test_a_table_adds_replaces_and_leaves_picks_by_their_key() -> None:
+    thirds = (Pick(kind="bed", depth=at / 3.0, toolface=2.0, apparent_dip=30.0, note="x") for at in (1, 2, 4))
+    picks = Picks(thirds)
+    older = Picks.parse(picks.table())
+    assert picks.merge(older) == ([], []), "equal to the digits of a table"
+    picks[1] = replace(picks[1], kind="fault", depth=0.7)
+    picks.remove_key(picks[2].key)
+    elsewhere = replace(older[0], key="other")
+    assert picks.merge([*older, elsewhere]) == ([older[2]], [older[1]])
+    assert [vars(one) for one in picks[1:]] == [vars(one) for one in older[1:]]
+    assert len(picks) == 3
 
 
 def test_true_dips_of_others_become_picks_on_a_path() -> None:

@@ -386,14 +386,15 @@ def test_picks_of_a_page_are_saved_and_shown_on_every_page(client: TestClient, f
         table = client.get("/api/picks.csv").text
         assert file.read_bytes().decode() == table
         assert table.splitlines()[1].startswith("fault,1010,20,30,")
-        assert client.post("/api/picks.csv", content=table).json() == {"added": [], "present": 1}
+        assert client.post("/api/picks.csv", content=table).json() == {"added": [], "replaced": [], "unchanged": 1}
         other = table.replace("fault,1010,", "fault,1011,")
-        (added,) = client.post("/api/picks.csv", content=other).json()["added"]
-        assert added != "one", "another place is another pick, whatever its key"
-        assert shown() == [("one", "fault", 1010.0), (added, "fault", 1011.0)]
+        row = other.splitlines()[1].replace(",one,", ",two,").replace("fault,1011,", "fault,1012,")
+        answer = client.post("/api/picks.csv", content=f"{other}{row}\n").json()
+        assert answer == {"added": ["two"], "replaced": ["one"], "unchanged": 0}
+        assert shown() == [("one", "fault", 1011.0), ("two", "fault", 1012.0)]
         assert client.delete("/api/pick?key=one").status_code == 200
-        assert shown() == [(added, "fault", 1011.0)]
-        assert [pick.key for pick in Picks.load(file)] == [added]
+        assert shown() == [("two", "fault", 1012.0)]
+        assert [pick.key for pick in Picks.load(file)] == ["two"]
 
 
 def test_a_pick_that_breaks_a_rule_or_cannot_be_saved_changes_nothing(client: TestClient, feed: Any) -> None:

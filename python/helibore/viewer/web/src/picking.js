@@ -458,21 +458,22 @@ export class Picking {
     this.app.redraw();
   }
 
-  // Add the picks of a table: one step for undo.
+  // Add the picks of a table, in place of those with their keys: one step for undo.
   /** @param {HTMLInputElement} input */
   async load(input) {
     const [file] = input.files ?? [];
     const body = await file?.text();
     input.value = '';
     if (!body) return;
+    const before = this.saved;
     const answer = await this.ask('picks.csv', { method: 'POST', body });
     if (answer.status !== 200) return this.app.notice(`Not added: ${(await answer.text()).trim().slice(0, 300)}`, 10);
-    const { added, present } = JSON.parse(await answer.text());
-    if (added.length) {
-      this.changes.push(added.map((/** @type {string} */ key) => ({ key, pick: null })));
+    const { added, replaced, unchanged } = JSON.parse(await answer.text());
+    if (added.length + replaced.length) {
+      this.changes.push([...added, ...replaced].map((/** @type {string} */ key) => ({ key, pick: before.get(key) ?? null })));
       this.undone = [];
     }
-    return this.app.notice(`${counted(added.length)} added${present ? `, ${present} already there` : ''}`, 10);
+    return this.app.notice(`${counted(added.length)} added, ${replaced.length} replaced, ${unchanged} unchanged`, 10);
   }
 
   // Planes and boxes to draw: the kept ones, and the plane being picked, `open` while the cursor is one of its points.

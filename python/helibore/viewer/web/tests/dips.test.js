@@ -309,18 +309,21 @@ test('what breaks a rule is said in the words of its field, and the pick is as i
   assert.deepEqual(sent, ['Not saved: to hole ° = 95: must be 0 to 89.9']);
 });
 
-test('a table is added as one step for undo, and says what was there already', async () => {
-  const { made, sent, asked } = served([200], JSON.stringify({ added: ['x', 'y'], present: 3 }));
-  await made.load({ files: [{ text: async () => 'class,depth_m' }], value: 'a.csv' });
-  made.receive([BED, { ...BED, key: 'x', depth: 1011 }, { ...BED, key: 'y', depth: 1012 }]);
-  assert.deepEqual([asked, sent], [['POST api/picks.csv?'], ['2 picks added, 3 already there']]);
+test('a table is added as one step for undo, and says what it added, replaced and left', async () => {
+  const { made, sent, asked } = served([200], JSON.stringify({ added: ['x', 'y'], replaced: ['a'], unchanged: 3 }));
+  made.receive([BED]);
+  const loading = made.load({ files: [{ text: async () => 'class,depth_m' }], value: 'a.csv' });
+  await idle();
+  made.receive([{ ...BED, depth: 1009 }, { ...BED, key: 'x', depth: 1011 }, { ...BED, key: 'y', depth: 1012 }]);
+  await loading;
+  assert.deepEqual([asked, sent], [['POST api/picks.csv?'], ['2 picks added, 1 replaced, 3 unchanged']]);
   made.undo();
   assert.deepEqual(made.kept, [BED]);
   made.redo();
-  assert.equal(made.kept.length, 3);
+  assert.deepEqual(made.kept.map(({ depth }) => depth), [1009, 1011, 1012]);
   made.undo();
   await idle();
-  assert.deepEqual(asked.slice(1).sort(), ['DELETE api/pick?key=x', 'DELETE api/pick?key=y']);
+  assert.deepEqual(asked.slice(1).sort(), ['DELETE api/pick?key=x', 'DELETE api/pick?key=y', 'PUT api/pick?']);
 });
 
 test('a pick stays in the wall, whether it is dragged, drawn or typed', () => {
