@@ -44,6 +44,12 @@ ZONE_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINI
 PICK_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINITION["picks"].items()}
 """The same of the classes of picks."""
 
+DIP_TITLES: dict[str, str] = {kind: _DEFINITION["dips"][kind] for kind in ("true", "apparent")}
+"""Titles of dips, on page and paper: true ones, and those relative to the hole."""
+
+DIP_LINES: tuple[int, ...] = tuple(_DEFINITION["dips"]["lines"])
+"""Degrees of the lines of a track of dips, from its first to its last."""
+
 PERCENTILES = (2.0, 98.0)
 NEARLY_ALL = 99.8
 """Percentile of the distance from bit size that the colours of a wall reach."""

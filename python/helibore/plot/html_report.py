@@ -22,6 +22,7 @@ import numpy as np
 from helibore._core import __version__
 from helibore.base.arrays import runs_of
 from helibore.base.atomic_file import write_whole
+from helibore.base.colors import DIP_TITLES
 from helibore.base.units import size_text
 from helibore.logs.picks import BREAKOUT
 from helibore.logs.summary import WallSummary
@@ -279,9 +280,9 @@ def _picks(content: Content) -> str:
     head = (
         "Class",
         f"MD [{content.drawing.depth_unit.name}]",
-        "Dip [°]",
+        DIP_TITLES["true"],
         "Azimuth [°]",
-        "Dip to hole [°]",
+        DIP_TITLES["apparent"],
         "Toolface [°]",
         "Opening [°]",
         "Note",

@@ -1,8 +1,8 @@
 """Draw the picks of a wall on paper: curves and boxes on the images, tadpoles on a separate track.
 
 A tadpole has the colour of its class. Its head stands at the true dip, 0 to 90 degrees across the track; its tail
-points in the direction of dip, north up. Without a survey, dips are relative to the hole, and the tail counts from
-toolface 0; the head of the track states which.
+points in the direction of dip, north up. Without a survey, dips are apparent (relative to the hole), and the tail
+counts from toolface 0; the head of the track states which.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from helibore.base.colors import PICK_COLORS
+from helibore.base.colors import DIP_LINES, DIP_TITLES, PICK_COLORS
 from helibore.logs.picks import BREAKOUT, PLANES, Pick
 from helibore.plot.paper import INK, LEAST, SMALL, Sheet
 from helibore.plot.tracks import HEAD, SIDES, Stretch, bare_axes, depth_lines
@@ -53,23 +53,23 @@ class DipTrack:
 
     def head(self, sheet: Sheet, x: float, y: float) -> None:
         """Write the meaning of the numbers, and the symbols of the classes."""
-        title = "Dip [°]" if self.known else "Dip to hole [°]"
+        title = DIP_TITLES["true" if self.known else "apparent"]
         sheet.text(x + 0.5 * self.width, y + 2.5, title, ha="center", weight="bold", within=self.width - 1)
         for row, kind in enumerate(kind for kind in PLANES if any(pick.kind == kind for pick, *_ in self.planes)):
             at = y + 5.9 + 2.7 * row
             sheet.line((x + 2.0, x + 2.0), (at, at), markeredgewidth=0.7, **tadpole(kind, 3.2))
             sheet.text(x + 4.2, at, kind, 5.2, within=self.width - 4.6)
         sheet.text(x + 0.5 * self.width, y + 19.6, f"tail: {self.tail}", LEAST, within=self.width - 0.6, ha="center")
-        for degrees in (0, 30, 60, 90):
-            at = x + TAIL + degrees / 90 * (self.width - 2 * TAIL)
+        for degrees in DIP_LINES:
+            at = x + TAIL + degrees / DIP_LINES[-1] * (self.width - 2 * TAIL)
             sheet.text(at, y + HEAD - 2.0, f"{degrees}", SMALL, ha="center")
 
     def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
         """Draw one tadpole per plane."""
         axes = bare_axes(sheet, x, self.width, stretch)
-        across = 90.0 / (self.width - 2 * TAIL)  # degrees a millimetre of paper
-        axes.set_xlim(-TAIL * across, 90 + TAIL * across)
-        for degrees in (0, 30, 60, 90):
+        across = DIP_LINES[-1] / (self.width - 2 * TAIL)  # degrees a millimetre of paper
+        axes.set_xlim(-TAIL * across, DIP_LINES[-1] + TAIL * across)
+        for degrees in DIP_LINES:
             axes.axvline(degrees, color=INK, linewidth=0.2, alpha=0.22)
         depth_lines(axes, stretch)
         along = (stretch.bottom - stretch.top) / stretch.height

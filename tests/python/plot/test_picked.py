@@ -44,7 +44,7 @@ def test_a_plane_is_a_sinusoid_on_images_and_a_tadpole(wall: hb.Wall) -> None:
     edges = sorted({float(min(line.get_xdata())) for line in boxes})
     assert edges == [-30.0, 150.0, 330.0, 510.0, 690.0], "both sides, and what crosses the edge of the image"
     texts = [text.get_text() for text in figure.texts]
-    assert {"Dip [°]", "tail: dip azimuth, N up", "Picks:"} <= set(texts)
+    assert {"True dip [°]", "tail: dip azimuth, N up", "Picks:"} <= set(texts)
     assert texts.count("bed") == 2, "its symbol and its colour"
     assert "fault" not in texts, "none of it lies in the interval"
 

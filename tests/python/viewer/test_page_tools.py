@@ -74,7 +74,7 @@ def test_picked_points_give_the_bed_that_was_made(browser: Any, viewer: Any) -> 
     screen.settle()
     assert screen.inner_text("#dipText").startswith("1 plane, 0 breakouts.")
     labels = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
-    assert "Dip [°]" in labels
+    assert {"True dip [°]", "0", "30", "60", "90"} <= set(labels)
     assert "bed" in labels, "the legend of the classes in view"
     assert "fault" not in labels
     assert screen.inner_text("#netText") == "1 pole, lower hemisphere; rose: dip azimuths"

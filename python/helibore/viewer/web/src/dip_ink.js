@@ -1,13 +1,15 @@
 // Picks on the picture. A plane is a curve on the image, a disc through the hole in 3-D, and a tadpole: its head, a symbol
-// of its class, at the dip (0 to 90 degrees across the track), its tail towards where the plane dips, north up. Without a
-// survey the dip is relative to the hole, and the tail counts from the tool's zero. A breakout is two boxes on the image.
+// of its class, at the true dip, its tail towards where the plane dips, north up. Without a survey the dip is apparent
+// (relative to the hole), and the tail counts from the tool's zero. A breakout is two boxes on the image.
 
+import definition from '../../../base/color_maps.json' with { type: 'json' };
 import { columnCurve } from './column.js';
 import { planeDepth, wallPoint } from './dips.js';
-import { BOLD, HEAD, imageRects, label, PALETTES, SMALL, within, yOf } from './layout.js';
+import { BOLD, fitting, HEAD, imageRects, label, PALETTES, SMALL, within, yOf } from './layout.js';
 import { leftEdge } from './path.js';
 import { line } from './strokes.js';
 
+const TAIL = 12; // pixels from the middle of a tadpole's head: the first and the last line of the track are so far inside it
 /** @type {Record<PlaneKind, number[]>} */
 const DASHES = { bed: [], fracture: [8, 4], 'healed fracture': [2, 4], 'induced fracture': [12, 3, 2, 3], fault: [] };
 
@@ -156,16 +158,18 @@ function disc(ink, { view, path, rects, store }, plane, colour, gpu) {
 /** @param {Ink} ink @param {Look} look @param {Rect} rect @param {Planes} planes @param {Palette} palette */
 function tadpoles(ink, { view, path }, rect, { kept, current, selected }, palette) {
   const { left, top, width, height } = rect;
+  const { dips } = definition;
   /** @param {number} degrees */
-  const x = (degrees) => left + 6 + (degrees / 90) * (width - 12);
+  const x = (degrees) => left + TAIL + (degrees / dips.lines[dips.lines.length - 1]) * (width - 2 * TAIL);
   ink.fillStyle = palette.panel;
   ink.fillRect(left, top, width, height);
-  for (const degrees of [0, 30, 60, 90]) line(ink, x(degrees), top, x(degrees), top + height, palette.grid);
+  for (const degrees of dips.lines) line(ink, x(degrees), top, x(degrees), top + height, palette.grid);
   ink.strokeStyle = palette.line;
   ink.strokeRect(left + 0.5, top + 0.5, width - 1, height - 1);
-  label(ink, path.surveyed ? 'Dip [°]' : 'To hole [°]', left + 2, 11, { colour: palette.ink, font: path.surveyed ? BOLD : SMALL });
-  label(ink, '0', x(0), HEAD - 9, { colour: palette.soft, align: 'center', font: SMALL });
-  label(ink, '90', x(90), HEAD - 9, { colour: palette.soft, align: 'center', font: SMALL });
+  const title = path.surveyed ? dips.true : dips.apparent;
+  ink.font = path.surveyed ? BOLD : SMALL;
+  label(ink, fitting(ink, [title, title.replace(' dip', '')], width - 2), left + 2, 11, { colour: palette.ink });
+  for (const degrees of dips.lines) label(ink, String(degrees), x(degrees), HEAD - 9, { colour: palette.soft, align: 'center', font: SMALL, yields: true });
   within(ink, rect, () => {
     for (const plane of current ? [...kept, current] : kept) {
       const [angle, towards] = path.surveyed ? [plane.dip, plane.azimuth] : [plane.apparent, plane.deepest];
@@ -183,7 +187,7 @@ function tadpole(ink, x, y, towards, kind, colour, palette) {
     const [dx, dy] = [Math.sin((towards * Math.PI) / 180), -Math.cos((towards * Math.PI) / 180)];
     ink.beginPath();
     ink.moveTo(x, y);
-    ink.lineTo(x + 14 * dx, y + 14 * dy);
+    ink.lineTo(x + TAIL * dx, y + TAIL * dy);
     ink.stroke();
   }
   symbol(ink, x, y, kind, colour, palette.panel);

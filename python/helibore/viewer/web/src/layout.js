@@ -10,7 +10,7 @@ import definition from '../../../base/color_maps.json' with { type: 'json' };
 export const HEAD = 80;
 const FOOT = 20;
 
-const DIPS = 70;
+const DIPS = { desk: 84, phone: 70 }; // wide enough for the title; on a phone no wider than the caliper
 const NARROWEST = 64; // pixels of a track
 const PANE = { straight: 212, path: 330 }; // that the hole has at least, with its controls above it in two lines
 const COLUMN = 1100; // pixels that the straightened hole is wide at most
@@ -42,8 +42,8 @@ export function layout(width, height, { dips = false, measured = true, rig = fal
 /** @param {number} width @param {boolean} measured @param {boolean} dips @returns {Record<string, number>} */
 function phone(width, measured, dips) {
   const caliper = measured && !dips ? Math.round(width * 0.19) : 0;
-  const last = dips ? DIPS : caliper;
-  return { map: 38, axis: 62, image: width - 118 - (last ? last + 6 : 0), caliper, ...(dips ? { dips: DIPS } : {}) };
+  const last = dips ? DIPS.phone : caliper;
+  return { map: 38, axis: 62, image: width - 118 - (last ? last + 6 : 0), caliper, ...(dips ? { dips: DIPS.phone } : {}) };
 }
 
 /** @param {number} width @param {{ dips: boolean, measured: boolean, beside: number, curves: number }} of @returns {Record<string, number>} */
@@ -51,7 +51,7 @@ function desk(width, { dips, measured, beside, curves }) {
   const image = beside ? bounded((0.375 * width) / (beside + 1), 130, 480) : bounded(width * (measured ? 0.25 : 0.4), 190, measured ? 480 : 760);
   const besides = Object.fromEntries(Array.from({ length: beside }, (_, i) => [`beside${i}`, image]));
   const caliper = measured ? bounded(width * (beside ? 0.11 : 0.15) - (dips ? 10 : 0), 110, 280) : 0;
-  return { map: 52, axis: 72, image, ...besides, caliper, ...(curves ? { curves: curves > 2 ? 176 : 112 } : {}), ...(dips ? { dips: DIPS } : {}) };
+  return { map: 52, axis: 72, image, ...besides, caliper, ...(curves ? { curves: curves > 2 ? 176 : 112 } : {}), ...(dips ? { dips: DIPS.desk } : {}) };
 }
 
 // Names and widths of the tracks as the user arranged them. All become narrower if the hole would get fewer than `pane`

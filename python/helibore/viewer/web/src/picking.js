@@ -21,7 +21,7 @@ const AROUND = Array.from({ length: 12 }, (_, i) => 30 * i);
 const BY_HAND = { misfit: 0, points: 0 }; // of a plane that is fitted to no points
 /** @type {Record<'plane' | 'breakout', [string, string, number][]>} */
 const FIELDS = {
-  plane: [['depth', 'MD', 2], ['apparent_dip', 'to hole °', 1], ['toolface', 'deepest °', 0]],
+  plane: [['depth', 'MD', 2], ['apparent_dip', 'apparent dip °', 1], ['toolface', 'deepest °', 0]],
   breakout: [['depth', 'MD', 2], ['height', 'high', 2], ['toolface', 'toolface °', 0], ['opening', 'wide °', 0], ['tilt', 'tilt °', 0]],
 };
 // The image of a pick, as the server takes it: at most 80 characters.
@@ -560,4 +560,4 @@ function writeFields(pick, units) {
 const newKey = () => Array.from(crypto.getRandomValues(new Uint8Array(6)), (byte) => byte.toString(16).padStart(2, '0')).join('');
 /** @param {Plane} plane */
 const inWords = ({ dip, azimuth, apparent, deepest }) =>
-  Number.isNaN(dip) ? `${showAngle(apparent)} to the hole, deepest at ${showAngle(deepest, 0)}` : `dip ${showAngle(dip)} to ${showAngle(azimuth, 0)}   (${showAngle(apparent)} to the hole)`;
+  Number.isNaN(dip) ? `apparent dip ${showAngle(apparent)}, deepest at ${showAngle(deepest, 0)}` : `true dip ${showAngle(dip)} to ${showAngle(azimuth, 0)}   (apparent ${showAngle(apparent)})`;

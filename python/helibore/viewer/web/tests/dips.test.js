@@ -1,6 +1,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { setImmediate } from 'node:timers';
+import { drawDips } from '../src/dip_ink.js';
 import { fitPlane, planeDepth, planeOf, wallPoint } from '../src/dips.js';
 import { bindKeys } from '../src/input.js';
 import { pole, rose } from '../src/net.js';
@@ -107,6 +108,25 @@ test('a kept pick is the plane that was fitted', () => {
   near(plane.azimuth, 310, 0.02);
   for (const toolface of [0, 77, 200]) near(planeDepth(made, plane, toolface), planeDepth(made, fitted, toolface), 1e-4);
   near(planeOf(made, { ...pick, radius: null }, 0.2).radius, 0.2, 0, 'bit size where none was measured,');
+});
+
+test('a tadpole of any dip and azimuth is whole in its track, whose title says which dip it is', () => {
+  const rect = { left: 100, top: 80, width: 84, height: 400 };
+  const [xs, texts] = [[], []];
+  const ink = new Proxy({ canvas: { labels: [] }, measureText: (text) => ({ width: 5 * text.length }) }, {
+    get: (of, name) => of[name] ?? { lineTo: (x) => xs.push(x), moveTo: (x) => xs.push(x), fillText: (text) => texts.push(text) }[name] ?? (() => {}),
+    set: () => true,
+  });
+  const draw = (surveyed) => {
+    const made = path(0, 0, { surveyed });
+    const kept = [0, 89.9].flatMap((dip) => [0, 90, 180, 270].map((toolface) => planeOf(made, { kind: 'bed', depth: 1010, apparent_dip: dip, toolface }, 0.1)));
+    drawDips(ink, { view: { theme: 'light', top: 1000, bottom: 1020, middle: 1010, length: 20 }, path: made, images: [], rects: { dips: rect } }, { kept, boxes: [], current: null, selected: null, open: false }, null);
+  };
+  draw(false);
+  assert.ok(Math.min(...xs) >= 100 && Math.max(...xs) <= 184, `${Math.min(...xs)} to ${Math.max(...xs)}`);
+  assert.deepEqual(texts, ['Apparent dip [°]', '0', '30', '60', '90']);
+  draw(true);
+  assert.equal(texts[5], 'True dip [°]');
 });
 
 function picking(more = {}) {
@@ -306,7 +326,7 @@ test('what breaks a rule is said in the words of its field, and the pick is as i
   assert.equal(made.pick.apparent_dip, 95);
   await idle();
   assert.deepEqual([made.kept, made.selected, made.waits, made.changes], [[BED], 'a', false, []]);
-  assert.deepEqual(sent, ['Not saved: to hole ° = 95: must be 0 to 89.9']);
+  assert.deepEqual(sent, ['Not saved: apparent dip ° = 95: must be 0 to 89.9']);
 });
 
 test('a table is added as one step for undo, and says what it added, replaced and left', async () => {
