@@ -21,7 +21,7 @@ export function lamp(app) {
   if (byId('lampText').textContent !== text) byId('lampText').textContent = text;
 }
 
-// Seconds since the newest sample, or since the last new value; NaN for a saved wall.
+// Seconds since the newest sample, or since the last new value; NaN for a wall that nothing was added to.
 /** @param {Pick<App, 'newest' | 'lastWrite'>} of */
 export const ageOf = ({ newest, lastWrite }) => (newest !== null ? Date.now() / 1000 - newest : lastWrite === null ? NaN : (performance.now() - lastWrite) / 1000);
 
@@ -42,7 +42,7 @@ export function lampWords({ status, words, store, alarms, lost, bitDepth, newest
   const seconds = ageOf({ newest, lastWrite });
   const parts = [];
   if (Number.isFinite(seconds)) parts.push(...(ended ? ['run ended'] : []), `${showAge(seconds)} old`);
-  else parts.push('saved wall');
+  else parts.push(ended ? 'not live' : 'no new data yet');
   if (bitDepth !== null) parts.push(behind(store, bitDepth, view.units));
   const trouble = ended ? '' : troubleOf({ alarms, lost });
   const late = !ended && seconds > LATE;
