@@ -74,7 +74,7 @@ def test_a_finger_draws_a_sine_classes_deletes_and_restores_it(browser: Any, siz
         screen.click("#dipOpen")
         screen.settle()
         said = [screen.inner_text("#dipText")]
-        buttons = ["#pickClass", "#dipUndo", "#dipRemove", "#dipClose"]
+        buttons = ["#pickClass", "#dipUndo", "#dipLoad", "#dipClose"]
         boxes = [screen.locator(button).bounding_box() for button in buttons]
         assert all(box["x"] >= 0 and box["x"] + box["width"] <= size[0] and box["height"] >= 44 for box in boxes)
         image = screen.evaluate(
@@ -91,6 +91,11 @@ def test_a_finger_draws_a_sine_classes_deletes_and_restores_it(browser: Any, siz
         assert made["depth"] == pytest.approx(1019 + 1.9 / (1 - np.cos(np.radians(170))), abs=0.02)
         said.append(screen.inner_text("#dipText"))
         assert "drawn, no misfit" in said[1]
+        if size[0] < 600:
+            numbers = [field.bounding_box() for field in screen.locator("#pickFields input").all()]
+            fold = screen.locator("#tabs").bounding_box()["y"]
+            assert len(numbers) == 4
+            assert all(box["height"] >= 44 and box["y"] + box["height"] <= fold for box in numbers), "in view"
         moved = [("pointerdown", 210.0, made["depth"]), ("pointermove", 210.0, made["depth"] + 1)]
         screen.evaluate(FINGER, [*moved, ["pointerup", 210.0, made["depth"] + 1]])
         screen.page.select_option("#pickClass", "fracture")

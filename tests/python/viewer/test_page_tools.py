@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import time
 import urllib.error
 import urllib.request
@@ -72,9 +73,9 @@ def test_picked_points_give_the_bed_that_was_made(browser: Any, viewer: Any) -> 
     screen.keyboard.press("Enter")
     screen.until("window.__wall.app.picking.kept.length")
     screen.settle()
-    assert screen.inner_text("#dipText").startswith("1 plane, 0 breakouts.")
+    assert screen.inner_text("#dipText").endswith("1 plane, 0 breakouts.")
     labels = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
-    assert {"True dip [°]", "0", "30", "60", "90"} <= set(labels)
+    assert {"True", "dip [°]", "0", "30", "60", "90"} <= set(labels)
     assert "bed" in labels, "the legend of the classes in view"
     assert "fault" not in labels
     assert screen.inner_text("#netText") == "1 pole, lower hemisphere; rose: dip azimuths"
@@ -395,7 +396,9 @@ def test_the_page_prints_what_is_in_view_with_its_picks(browser: Any) -> None:
         assert Path(saved.value.path()).read_bytes().startswith(b"%PDF")
         screen.page.select_option("#sectionLength", "1:50")
         screen.settle()
-        assert screen.get_attribute("#dipPrint", "title") == "This section on paper at 1:50, with its picks (PDF)"
+        assert screen.inner_text("#dipPrint") == "Print section"
+        on_paper = r"^\d+\.\d–\d+\.\d ft, in view, on paper at 1:50, with its picks \(PDF\)\. Print well, below the log, prints"
+        assert re.match(on_paper, screen.get_attribute("#dipPrint", "title"))
         with screen.expect_download():
             screen.click("#dipPrint")
         assert scales == [100, 50], "12 m on 468 pixels are 1:97"

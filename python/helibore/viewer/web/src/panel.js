@@ -243,7 +243,7 @@ export function links({ view, store, contents, prints, rects }, address) {
   const scale = printScale(view, rects.image);
   const look = `units=${view.units}&scale=${scale}`;
   byId('print').href = `api/print.pdf?${query}&${look}`;
-  byId('print').title = byId('dipPrint').title = `This section on paper at 1:${scale}, with its picks (PDF)`;
+  byId('print').title = byId('dipPrint').title = `${showSpan(view.top, view.bottom, view.units)}, in view, on paper at 1:${scale}, with its picks (PDF). Print well, below the log, prints it all.`;
   const whole = new URLSearchParams(location.search);
   whole.set('start', String(store.span[0]));
   whole.set('stop', String(store.span[1]));

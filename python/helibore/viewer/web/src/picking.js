@@ -499,14 +499,14 @@ export class Picking {
     this.writeSaved();
     byId('pickClass').value = this.kind;
     byId('dipKeep').disabled = open || !current;
-    byId('dipRemove').disabled = !pick;
+    byId('dipRemove').hidden = !pick;
     byId('dipUndo').disabled = !this.points.length && !this.changes.length;
     byId('dipRedo').disabled = !this.undone.length;
-    byId('dipKeep').hidden = !this.points.length; // it and Open take turns, so that all have room in one row
+    byId('dipKeep').hidden = !this.points.length; // it, Delete and Open take turns, so that all have room in one row
     byId('dipSave').hidden = Boolean(this.app.contents);
-    byId('dipLoad').hidden = this.points.length > 0 || Boolean(this.app.contents);
+    byId('dipLoad').hidden = Boolean(pick) || this.points.length > 0 || Boolean(this.app.contents);
     const plane = pick && pick.kind !== BREAKOUT ? this.plane(pick) : current;
-    const lines = [`${counted(kept.length, 'plane')}, ${counted(boxes.length, 'breakout')}.`];
+    const lines = [];
     if (pick) lines.push(`Selected ${pick.kind}: drag it${plane ? ' or its crest' : ''}; its class is in the list above.`);
     else if (this.kind === BREAKOUT) lines.push('Drag a box over a breakout. Press on a pick to select it.');
     else if (!current) lines.push(['Drag from a crest or trough along the bed, or mark three points around the hole.', 'Two more points.', 'One more, round the hole.'][this.points.length] ?? 'These lie on one side: add a point round the hole.');
@@ -514,8 +514,9 @@ export class Picking {
       const assumed = pick ? pick.radius === null : this.points.some(({ measured }) => !measured);
       const count = pick ? /** @type {PlanePick} */ (pick).points ?? 0 : this.points.length + Number(open);
       const fit = count > 3 ? `misfit ${showLength(plane.misfit, units, units === 'mm' ? 0 : 1)} of ${count} points` : count === 3 ? '3 points, no misfit' : 'drawn, no misfit';
-      lines.push(`${showDepth(plane.depth, units)}   ${inWords(plane)}`, `${fit}${assumed ? '; at bit size' : ''}`);
+      lines.unshift(`${showDepth(plane.depth, units)}   ${inWords(plane)}`, `${fit}${assumed ? '; at bit size' : ''}`);
     }
+    lines.push(`${counted(kept.length, 'plane')}, ${counted(boxes.length, 'breakout')}.`);
     const text = lines.join('\n');
     if (byId('dipText').textContent !== text) byId('dipText').textContent = text;
     writeFields(pick, units);
