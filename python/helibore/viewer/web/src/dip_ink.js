@@ -5,7 +5,7 @@
 import definition from '../../../base/color_maps.json' with { type: 'json' };
 import { columnCurve } from './column.js';
 import { planeDepth, wallPoint } from './dips.js';
-import { BOLD, fitting, HEAD, imageRects, label, PALETTES, SMALL, within, yOf } from './layout.js';
+import { BOLD, HEAD, imageRects, label, PALETTES, SMALL, within, yOf } from './layout.js';
 import { leftEdge } from './path.js';
 import { line } from './strokes.js';
 
@@ -166,10 +166,9 @@ function tadpoles(ink, { view, path }, rect, { kept, current, selected }, palett
   for (const degrees of dips.lines) line(ink, x(degrees), top, x(degrees), top + height, palette.grid);
   ink.strokeStyle = palette.line;
   ink.strokeRect(left + 0.5, top + 0.5, width - 1, height - 1);
-  const title = path.surveyed ? dips.true : dips.apparent;
-  ink.font = path.surveyed ? BOLD : SMALL;
-  label(ink, fitting(ink, [title, title.replace(' dip', '')], width - 2), left + 2, 11, { colour: palette.ink });
-  for (const degrees of dips.lines) label(ink, String(degrees), x(degrees), HEAD - 9, { colour: palette.soft, align: 'center', font: SMALL, yields: true });
+  const title = (path.surveyed ? dips.true : dips.apparent).split(/ (?=dip)/); // in two lines: the track is narrow
+  title.forEach((words, i) => label(ink, words, left + 2, 11 + 16 * i, { colour: palette.ink, font: BOLD }));
+  for (const degrees of dips.lines) label(ink, String(degrees), x(degrees), HEAD - 9, { colour: palette.soft, align: 'center', font: SMALL, yields: true, margin: 2 });
   within(ink, rect, () => {
     for (const plane of current ? [...kept, current] : kept) {
       const [angle, towards] = path.surveyed ? [plane.dip, plane.azimuth] : [plane.apparent, plane.deepest];

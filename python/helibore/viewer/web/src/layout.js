@@ -10,7 +10,7 @@ import definition from '../../../base/color_maps.json' with { type: 'json' };
 export const HEAD = 80;
 const FOOT = 20;
 
-const DIPS = { desk: 84, phone: 70 }; // wide enough for the title; on a phone no wider than the caliper
+const DIPS = { desk: 84, phone: 70 }; // on a phone no wider than the caliper
 const NARROWEST = 64; // pixels of a track
 const PANE = { straight: 212, path: 330 }; // that the hole has at least, with its controls above it in two lines
 const COLUMN = 1100; // pixels that the straightened hole is wide at most
