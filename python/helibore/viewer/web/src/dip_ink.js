@@ -28,17 +28,20 @@ export function drawDips(ink, look, planes, gpu) {
   if (look.rects.dips) tadpoles(ink, look, look.rects.dips, planes, palette);
 }
 
-// The legend below the tracks: symbol, colour and name of each class of pick in view, as many as there is room for.
-/** @param {Ink} ink @param {Look} look @param {Planes} planes */
-export function drawLegend(ink, { view, rects: { axis, pane } }, { kept, boxes }) {
+// The legend below the tracks: symbol, colour and name of each class of pick in view, as many as there is room for. Before the
+// first pick: how to make it, the first of the texts that has room.
+/** @param {Ink} ink @param {Look} look @param {Planes} planes @param {string[]} start */
+export function drawLegend(ink, { view, rects: { axis, pane } }, { kept, boxes }, start) {
   if (view.rig) return;
   const palette = PALETTES[view.theme];
   const shown = new Set([...kept, ...boxes].filter(({ depth }) => depth >= view.top && depth <= view.bottom).map(({ kind }) => kind));
   const y = axis.top + axis.height + 10;
   let x = axis.left + 8;
+  ink.font = SMALL;
+  const first = kept.length + boxes.length ? undefined : start.find((text) => x + ink.measureText(text).width < pane.left);
+  if (first) label(ink, first, x, y, { colour: palette.soft });
   for (const kind of /** @type {(keyof Palette['picks'])[]} */ (Object.keys(palette.picks))) {
     if (!shown.has(kind)) continue;
-    ink.font = SMALL;
     const end = x + 9 + ink.measureText(kind).width;
     if (end > pane.left) return;
     if (kind === 'breakout') {

@@ -50,6 +50,7 @@ const MOVING = 200; // milliseconds, besides the time to draw, between two pictu
 const USUAL_SCALE = 200; // of paper, at first
 const ROOM_FOR_CURVES = 800; // pixels of a stage whose other tracks need not be narrower for a track of curves
 const SUMMARY_WAIT = 250; // milliseconds that the section rests before its figures are requested
+const START = ['Pick dips (D), then drag along a bed on the image. Help (?) has the steps.', 'Pick dips (D); Help (?) has the steps'];
 const seconds = () => performance.now() / 1000;
 
 export class App {
@@ -485,7 +486,7 @@ export class App {
     this.map.draw(ink, look);
     const planes = this.picking.planes();
     drawDips(ink, look, planes, this.gpu);
-    drawLegend(ink, look, planes);
+    drawLegend(ink, look, planes, this.picking.on ? [] : NARROW.matches ? ['☰ has Pick dips and Help'] : START);
     if (this.rects.image.width) drawNotes(ink, look);
     if (this.picking.on) for (const one of look.images) drawPoints(ink, one, this.picking.points);
     this.picking.write(planes);

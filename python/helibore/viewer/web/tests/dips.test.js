@@ -1,7 +1,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { setImmediate } from 'node:timers';
-import { drawDips } from '../src/dip_ink.js';
+import { drawDips, drawLegend } from '../src/dip_ink.js';
 import { fitPlane, planeDepth, planeOf, wallPoint } from '../src/dips.js';
 import { bindKeys } from '../src/input.js';
 import { pole, rose } from '../src/net.js';
@@ -127,6 +127,16 @@ test('a tadpole of any dip and azimuth is whole in its track, whose title says w
   assert.deepEqual(texts, ['Apparent', 'dip [°]', '0', '30', '60', '90']);
   draw(true);
   assert.equal(texts[6], 'True');
+});
+
+test('below the tracks stands how to begin, as far as there is room, until something is picked', () => {
+  const said = (width, kept = []) => {
+    const texts = [];
+    const ink = new Proxy({ canvas: { labels: [] }, measureText: (text) => ({ width: 7 * text.length }), fillText: (text) => texts.push(text) }, { get: (of, name) => of[name] ?? (() => {}), set: () => true });
+    drawLegend(ink, { view: { theme: 'light', top: 0, bottom: 1 }, rects: { axis: { left: 60, top: 80, height: 400 }, pane: { left: 60 + width } } }, { kept, boxes: [] }, ['a long text', 'short']);
+    return texts;
+  };
+  assert.deepEqual([said(100), said(60), said(30), said(100, [{ depth: 5, kind: 'bed' }])], [['a long text'], ['short'], [], []]);
 });
 
 function picking(more = {}) {
