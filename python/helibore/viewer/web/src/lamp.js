@@ -42,7 +42,7 @@ export function lampWords({ status, words, store, alarms, lost, bitDepth, newest
   const seconds = ageOf({ newest, lastWrite });
   const parts = [];
   if (Number.isFinite(seconds)) parts.push(...(ended ? ['run ended'] : []), `${showAge(seconds)} old`);
-  else parts.push(ended ? 'not live' : 'no new data yet');
+  else parts.push('not live');
   if (bitDepth !== null) parts.push(behind(store, bitDepth, view.units));
   const trouble = ended ? '' : troubleOf({ alarms, lost });
   const late = !ended && seconds > LATE;
