@@ -34,7 +34,7 @@ from helibore.live import wits
 from helibore.live.configuration import parse
 from helibore.live.server import Server
 from helibore.live.update import Update
-from helibore.viewer.messages import WRITE
+from helibore.viewer.protocol import WRITE
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "python"))
 
@@ -91,7 +91,7 @@ def watch(url: str, stop: Event, seen: multiprocessing.Queue[dict[str, Any]]) ->
 
 def read(url: str, stop: Event, seen: multiprocessing.Queue[dict[str, Any]]) -> None:
     """A page that takes all and draws nothing, until ``stop``."""
-    from page_messages import unpack
+    from page_protocol import unpack
     from websockets.asyncio.client import connect
 
     taken: list[tuple[float, int]] = []

@@ -25,7 +25,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "python"))
 
 from made_wall import BIT, MadeWall, curved_path, gamma_and_resistivity
-from page_messages import unpack
+from page_protocol import unpack
 from screen import FLAGS
 
 import helibore as hb

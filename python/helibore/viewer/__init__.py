@@ -3,7 +3,7 @@
     feed.py      reads a wall that grows        client.py       what a page has not received
     scene.py     what is shown                  web_app.py      addresses and websocket
     levels.py    the wall and its overview      page_server.py  the server's thread
-    messages.py  the bytes                      notebook_view.py  a notebook's widget
+    protocol.py  the bytes                      notebook_view.py  a notebook's widget
                                                 web/            the page
 
 The page needs no other machine and gets every new quad once, in about 12 bytes. Serving needs the extra ``view``, a

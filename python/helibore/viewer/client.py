@@ -17,9 +17,9 @@ from typing import Any
 import numpy as np
 
 from helibore.base.ranges import Range, union
-from helibore.viewer import messages
+from helibore.viewer import protocol
 from helibore.viewer.levels import TURNS
-from helibore.viewer.messages import FRAMES_LEVEL
+from helibore.viewer.protocol import FRAMES_LEVEL
 from helibore.viewer.scene import Scene
 
 MOST_UNACKNOWLEDGED = 1 << 20  # bytes
@@ -106,7 +106,7 @@ class Client:
             self.requested.discard(key)
         self.sequence = (self.sequence + 1) & 0xFFFFFFFF
         self.unacknowledged[self.sequence] = len(message)
-        return messages.number(message, self.sequence)
+        return protocol.number(message, self.sequence)
 
     def _holds(self, tile: int) -> bool:
         return any(start <= tile < stop for start, stop in self.subscription.ranges)
@@ -136,11 +136,11 @@ class Client:
         level, tile = key
         store, mask = self.scene.levels[level], self.subscription.mask
         part = slice(tile * store.tile_size + first, tile * store.tile_size + stop)
-        kind = messages.WRITE | (0 if key in self.requested else messages.LIVE)
+        kind = protocol.WRITE | (0 if key in self.requested else protocol.LIVE)
         texels = store.texels[part].astype("<u2", copy=False)
-        if first_pass := bool((texels[:, messages.FIRST] == texels[:, messages.RADIUS]).all()):
-            level, texels = level | messages.NO_FIRST, np.delete(texels, messages.FIRST, axis=1)
-        message = messages.head(kind, level, mask, tile, first, stop - first, store.size, time.time())
+        if first_pass := bool((texels[:, protocol.FIRST] == texels[:, protocol.RADIUS]).all()):
+            level, texels = level | protocol.NO_FIRST, np.delete(texels, protocol.FIRST, axis=1)
+        message = protocol.head(kind, level, mask, tile, first, stop - first, store.size, time.time())
         message += texels.tobytes() + bytes(2 * (first_pass and (stop - first) % 2))
         for bit, column in enumerate(store.columns):
             if mask >> bit & 1:
@@ -149,8 +149,8 @@ class Client:
 
     def _frames(self, first: int, stop: int) -> bytearray:
         frames = self.scene.frames
-        mask, total = messages.SURVEYED if frames.surveyed else 0, len(frames.centre)
-        message = messages.head(messages.FRAMES, FRAMES_LEVEL, mask, 0, first, stop - first, total, time.time())
+        mask, total = protocol.SURVEYED if frames.surveyed else 0, len(frames.centre)
+        message = protocol.head(protocol.FRAMES, FRAMES_LEVEL, mask, 0, first, stop - first, total, time.time())
         message += frames.centre[first:stop].astype("<f8", copy=False).tobytes()
         message += np.hstack([frames.high[first:stop], frames.right[first:stop]]).astype("<f4").tobytes()
         return message
@@ -174,12 +174,12 @@ def handshake(scene: Scene) -> dict[str, Any]:
         "start_toolface": shape.start_toolface,
         "vertices": wall.size,
         "radius_unit": shape.radius_unit,
-        "nearest_unit": messages.NEAREST_UNIT,
+        "nearest_unit": protocol.NEAREST_UNIT,
         "levels": [
             {"sectors": wall.sectors, "rows": wall.rows, "pitch": shape.pitch, "rings": False},
             {"sectors": over.sectors, "rows": over.rows, "pitch": shape.pitch * TURNS, "rings": True},
         ],
-        "frame_step": math.copysign(messages.FRAME_STEP, shape.pitch),
+        "frame_step": math.copysign(protocol.FRAME_STEP, shape.pitch),
         "template": None if scene.template is None else asdict(scene.template),
         "attributes": [asdict(attribute) for attribute in shape.attributes],
         "picks_file": None if scene.picks_file is None else Path(scene.picks_file).name,

@@ -10,7 +10,7 @@ import numpy as np
 
 from helibore.base.errors import InputError
 from helibore.logs.curves import ScalarCurve
-from helibore.viewer import messages
+from helibore.viewer import protocol
 from helibore.viewer.scene import Scene
 
 MOST_ROWS = 2_000_000
@@ -27,8 +27,8 @@ def vertex(scene: Scene, k: int) -> dict[str, Any]:
     """
     shape, level = scene.shape, scene.levels[0]
     texel = level.texels[k]
-    radius, first = (float(messages.radius_of(texel, shape.radius_unit, i)) for i in (messages.RADIUS, messages.FIRST))
-    state = int(texel[messages.STATE])
+    radius, first = (float(protocol.radius_of(texel, shape.radius_unit, i)) for i in (protocol.RADIUS, protocol.FIRST))
+    state = int(texel[protocol.STATE])
     if shape.basis == "gauge":
         radius = first = math.nan
     return {
@@ -37,11 +37,11 @@ def vertex(scene: Scene, k: int) -> dict[str, Any]:
         "toolface": (shape.start_toolface + k % shape.sectors * 360 / shape.sectors) % 360,
         "radius": _or_none(radius),
         "first_radius": _or_none(first),
-        "nearest": int(texel[messages.NEAREST]) * messages.NEAREST_UNIT if math.isfinite(radius) else None,
-        "support": None if shape.basis == "gauge" else state & messages.SUPPORT_MASK,
-        "rescanned": bool(state & messages.RESCANNED),
-        "provisional": bool(state & messages.PROVISIONAL),
-        "interpolated": bool(state & messages.INTERPOLATED),
+        "nearest": int(texel[protocol.NEAREST]) * protocol.NEAREST_UNIT if math.isfinite(radius) else None,
+        "support": None if shape.basis == "gauge" else state & protocol.SUPPORT_MASK,
+        "rescanned": bool(state & protocol.RESCANNED),
+        "provisional": bool(state & protocol.PROVISIONAL),
+        "interpolated": bool(state & protocol.INTERPOLATED),
         "attributes": {
             attribute.name: _or_none(float(column[k]))
             for attribute, column in zip(shape.attributes, level.columns, strict=True)

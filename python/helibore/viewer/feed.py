@@ -34,7 +34,7 @@ from helibore.trajectory.references import Reference, reference_assumed, referen
 from helibore.trajectory.survey import Path
 from helibore.trajectory.true_depth import true_depth
 from helibore.viewer.client import MOST_PENDING
-from helibore.viewer.messages import FRAME_STEP, Vertices
+from helibore.viewer.protocol import FRAME_STEP, Vertices
 from helibore.viewer.scene import Attribute, PathFrames, Scene, WallShape
 
 CHUNK = 1 << 17  # vertices written at a time: pages may send in between

@@ -20,8 +20,8 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base.arrays import Floats
-from helibore.viewer import messages
-from helibore.viewer.messages import Texels
+from helibore.viewer import protocol
+from helibore.viewer.protocol import Texels
 
 TURNS = 16  # turns of the wall in one ring of the overview
 OVERVIEW_ROWS = 1024  # rings in a tile of the overview
@@ -32,7 +32,7 @@ class Level:
 
     def __init__(self, sectors: int, rows: int, columns: int) -> None:
         self.sectors, self.rows, self.size = sectors, rows, 0
-        self.texels: Texels = np.zeros((0, messages.TEXEL), np.uint16)
+        self.texels: Texels = np.zeros((0, protocol.TEXEL), np.uint16)
         self.columns = [np.full(0, np.nan, np.float32) for _ in range(columns)]
 
     @property
@@ -53,7 +53,7 @@ class Level:
         copy = Level(self.sectors, self.rows, 0)
         first = max(0, min(start, self.size))
         copy.size, part = self.size, slice(first, max(first, min(stop, self.size)))
-        copy.texels = np.zeros((self.size, messages.TEXEL), np.uint16)
+        copy.texels = np.zeros((self.size, protocol.TEXEL), np.uint16)
         copy.texels[part] = self.texels[part]
         for column in self.columns:
             copy.columns.append(np.zeros(self.size, np.float32))
@@ -65,7 +65,7 @@ class Level:
         capacity = len(self.texels)
         if size > capacity:
             more = max(size, 2 * capacity, self.tile_size) - capacity
-            self.texels = np.concatenate([self.texels, np.zeros((more, messages.TEXEL), np.uint16)])
+            self.texels = np.concatenate([self.texels, np.zeros((more, protocol.TEXEL), np.uint16)])
             empty = np.full(more, np.nan, np.float32)
             self.columns = [np.concatenate([column, empty]) for column in self.columns]
         self.size = max(self.size, size)
@@ -97,16 +97,16 @@ def refresh_overview(over: Level, wall: Level, start: int, stop: int) -> tuple[i
         return np.where(count > 0, total / np.maximum(count, 1), missing)
 
     texels = wall.texels[part]
-    there = texels[:, messages.RADIUS] > 0
-    support = texels[:, messages.STATE] & messages.SUPPORT_MASK
+    there = texels[:, protocol.RADIUS] > 0
+    support = texels[:, protocol.STATE] & protocol.SUPPORT_MASK
     target = slice(low * over.sectors, high * over.sectors)
-    for column in (messages.RADIUS, messages.FIRST):
+    for column in (protocol.RADIUS, protocol.FIRST):
         over.texels[target, column] = mean(texels[:, column], there, 0.0)
-    over.texels[target, messages.NEAREST] = cells(np.maximum, texels[:, messages.NEAREST], 0)
-    over.texels[target, messages.STATE] = cells(np.minimum, support, messages.SUPPORT_MASK)
-    between = (texels[:, messages.STATE] & messages.INTERPOLATED) > 0
+    over.texels[target, protocol.NEAREST] = cells(np.maximum, texels[:, protocol.NEAREST], 0)
+    over.texels[target, protocol.STATE] = cells(np.minimum, support, protocol.SUPPORT_MASK)
+    between = (texels[:, protocol.STATE] & protocol.INTERPOLATED) > 0
     most = cells(np.add, np.where(between, 2.0, 0.0), 0.0) > cells(np.add, np.ones(len(between)), 0.0)
-    over.texels[target, messages.STATE][most] |= messages.INTERPOLATED
+    over.texels[target, protocol.STATE][most] |= protocol.INTERPOLATED
     for over_column, wall_column in zip(over.columns, wall.columns, strict=True):
         values = wall_column[part]
         over_column[target] = mean(values, np.isfinite(values), np.nan)

@@ -1,7 +1,7 @@
 """The addresses of the page's server.
 
     /  /app.js  /app.css                    the page, from the package, compressed
-    /ws                                     handshake and state as text, values as binary (messages.py)
+    /ws                                     handshake and state as text, values as binary (protocol.py)
     /api/vertex/K  /api/section.csv         exact values of one vertex, of a section
     /api/summary                            volume, washout and gaps of a section
     /api/history                            how long the wall was at which time

@@ -19,13 +19,13 @@ pytest.importorskip("httpx2", reason="starlette's test client needs httpx2")
 
 from live_servers import until  # noqa: E402
 from made_wall import MadeWall, curved_path, gamma  # noqa: E402
-from page_messages import Message, unpack  # noqa: E402
+from page_protocol import Message, unpack  # noqa: E402
 from starlette.testclient import TestClient  # noqa: E402
 from starlette.websockets import WebSocketDisconnect  # noqa: E402
 
 import helibore as hb  # noqa: E402
 from helibore.logs.picks import Picks  # noqa: E402
-from helibore.viewer import Attribute, messages  # noqa: E402
+from helibore.viewer import Attribute, protocol  # noqa: E402
 from helibore.viewer.access import NO_TOKEN  # noqa: E402
 from helibore.viewer.feed import Feed  # noqa: E402
 from helibore.viewer.scene import Scene  # noqa: E402
@@ -92,9 +92,9 @@ def test_a_page_is_greeted_and_gets_what_it_asks_for(client: TestClient, feed: A
         assert talk.hello["levels"][1] == {"sectors": 8, "rows": 1024, "pitch": 1.6, "rings": True}
         assert talk.hello["attributes"][0]["name"] == "GR"
         talk.say(subscribe={"tiles": [[1, 2]], "focus": 1, "mask": 1})
-        write = talk.until(lambda m: m.kind == messages.WRITE and m.level == 0)
+        write = talk.until(lambda m: m.kind == protocol.WRITE and m.level == 0)
         assert (write.tile, write.first, write.count, write.live) == (1, 0, 16384 + 65, False)
-        radius = messages.radius_of(write.texels, talk.hello["radius_unit"])
+        radius = protocol.radius_of(write.texels, talk.hello["radius_unit"])
         part = slice(16384, 16384 + write.count)
         np.testing.assert_allclose(radius, feed.wall.radius[part], atol=5.1e-6)
         np.testing.assert_array_equal(
@@ -123,13 +123,13 @@ def test_a_page_before_the_wall_is_told_what_the_sources_do_and_greeted_when_it_
             assert (hello["type"], hello["well"]) == ("handshake", "A-2")
             assert json.loads(socket.receive_text())["begun"]
             frames = unpack(next_bytes(socket))
-            assert (frames.kind, frames.mask) == (messages.FRAMES, 0)
+            assert (frames.kind, frames.mask) == (protocol.FRAMES, 0)
             socket.send_text(json.dumps({"session": hello["session"], "ack": frames.sequence}))
             feed.start()
             feed.set_path(curved_path())
-            while (frames := unpack(next_bytes(socket))).kind != messages.FRAMES:
+            while (frames := unpack(next_bytes(socket))).kind != protocol.FRAMES:
                 pass  # the overview may come between
-            assert frames.mask == messages.SURVEYED
+            assert frames.mask == protocol.SURVEYED
             feed.close()
 
 
@@ -231,7 +231,7 @@ def test_a_corrected_path_sends_frames_only(client: TestClient, feed: Any) -> No
             seen += 1
         feed.feed.set_path(hb.Survey([970, 12000], [20, 20], [90, 90]).path())
         message = talk.message()
-        assert message.kind == messages.FRAMES
+        assert message.kind == protocol.FRAMES
         np.testing.assert_allclose(message.centre, feed.scene.frames.centre[: message.count])
 
 
@@ -258,7 +258,7 @@ def test_view_serves_a_wall_on_a_real_port() -> None:
 def follows(scene: Scene, wall: hb.Wall) -> bool:
     """Whether the scene shows the wall to its last radius."""
     texels = scene.levels[0].texels[: scene.levels[0].size]
-    shown = messages.radius_of(texels, scene.shape.radius_unit)
+    shown = protocol.radius_of(texels, scene.shape.radius_unit)
     return len(shown) == len(wall) and np.allclose(shown, wall.radius, rtol=0, atol=5.1e-6, equal_nan=True)
 
 
@@ -275,7 +275,7 @@ def test_a_live_wall_is_followed_append_by_append() -> None:
         until(lambda: viewer.scene.settled == wall.settled and follows(viewer.scene, wall))
         viewer.update(wall.append([1010.0, 1010.01], [40.0, 41.0], [0.15, 0.15]))
         until(lambda: follows(viewer.scene, wall))
-        again = viewer.scene.levels[0].texels[:, messages.STATE] & messages.RESCANNED
+        again = viewer.scene.levels[0].texels[:, protocol.STATE] & protocol.RESCANNED
         touched = wall.depth[np.flatnonzero(again)]
         assert len(touched)
         assert abs(touched - 1010).max() < 1.0, "only what the late samples reach is a re-scan"
@@ -295,7 +295,7 @@ def test_values_of_new_quads_come_with_the_change_and_provisional_vertices_settl
         level, want = viewer.scene.levels[0], np.full(len(wall), np.nan, np.float32)
         want[: len(quads())] = quads()
         with viewer.scene.lock:
-            marked = (level.texels[: level.size, messages.STATE] & messages.PROVISIONAL) > 0
+            marked = (level.texels[: level.size, protocol.STATE] & protocol.PROVISIONAL) > 0
             values = level.columns[0][: level.size].copy()
             there = follows(viewer.scene, wall)
         return there and np.array_equal(values, want, equal_nan=True) and np.array_equal(marked, wall.provisional)

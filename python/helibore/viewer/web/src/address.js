@@ -1,7 +1,7 @@
 // The address after # holds all that a colleague needs to see the same picture: the view (view.js), the colours of the
 // current quantity and the notes.
 
-import { MAPS } from './colour.js';
+import { MAPS } from './color.js';
 import { numbers } from './view.js';
 
 /** @param {number} value */

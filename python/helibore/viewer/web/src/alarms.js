@@ -22,7 +22,7 @@ export class Alarms {
   /** @type {Zone[]} */
   zones = [];
   /** @type {string[]} */
-  feed = [];
+  feed = []; // the newest first
   session = '';
   /** @type {string[]} */
   silenced = [];
@@ -47,7 +47,7 @@ export class Alarms {
   take(before, now, live, feed) {
     const fresh = live && before ? newZones(before, now) : [];
     this.zones = [...this.zones.map((zone) => now.find((other) => overlap(zone, other)) ?? zone).filter((zone) => now.includes(zone)), ...fresh];
-    this.feed = feed;
+    this.feed = [...feed].reverse();
     this.keep();
   }
 
@@ -77,14 +77,14 @@ export class Alarms {
     return this.zones.some((other) => overlap(other, zone));
   }
 
-  // The worst new zone and how many others, then what the feed warns of; short, or in full.
+  // What the feed warns of, the newest first, then the worst new zone and how many others; short, or in full.
   /** @param {Units} units @param {boolean} short @returns {string[]} */
   texts(units, short) {
     const [worst, ...others] = [...this.zones].sort((a, b) => b.severity - a.severity);
     const more = others.length ? ` and ${others.length} more` : '';
     const place = worst && showSpan(worst.start, worst.stop, units);
     const zone = !worst ? [] : short ? [`new ${worst.kind}${more}, ${place}`] : [`New ${worst.kind}${more}: ${MEASURES[worst.kind]} ${showSigned(worst.measure, units, units === 'mm' ? 0 : 1)} at ${place}`];
-    return [...zone, ...this.feed.filter((one) => !this.silenced.includes(one)).map((one) => (short ? shortOf(one) : one))];
+    return [...this.feed.filter((one) => !this.silenced.includes(one)).map((one) => (short ? shortOf(one) : one)), ...zone];
   }
 
   /** @param {View} view */

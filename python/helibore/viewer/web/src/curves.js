@@ -2,7 +2,7 @@
 // wall's logs measure. The server offers them with the ends of their scales; the page asks for the values of those it
 // shows, and again when their version changes.
 
-import { scaling } from './colour.js';
+import { scaling } from './color.js';
 import { BOLD, fitting, label, PALETTES, SMALL, within, yOf } from './layout.js';
 import { byId, options } from './panel.js';
 import { save } from './saving.js';

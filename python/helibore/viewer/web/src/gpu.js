@@ -4,7 +4,7 @@
 // middle of the section, both subtracted in float64 here. The camera circles that middle.
 
 import { Camera } from './camera.js';
-import { Q_ATTRIBUTE, themed } from './colour.js';
+import { Q_ATTRIBUTE, themed } from './color.js';
 import { pixelRatio, SOFTWARE } from './device.js';
 import { Context } from './gl.js';
 import { placeInside, WIDE } from './inside.js';

@@ -2,7 +2,7 @@
 // moves and, with Ctrl, zooms; a drag on the 3-D view turns it. Moving by hand stops following the bit; F resumes.
 
 import { Orbit } from './camera.js';
-import { fitRange } from './colour.js';
+import { fitRange } from './color.js';
 import { depthAt, HEAD, imageRects, inside, movable, tracksEnd } from './layout.js';
 import { leftEdge } from './path.js';
 import { turnHead } from './inside.js';

@@ -7,7 +7,7 @@
 import { Alarms } from './alarms.js';
 import { fromAddress, looked, toAddress } from './address.js';
 import { Connection, LOST, STOPPED } from './connection.js';
-import { fitRange, Q_ATTRIBUTE, quantities, quantityOf, takeRanges, valuesInView } from './colour.js';
+import { fitRange, Q_ATTRIBUTE, quantities, quantityOf, takeRanges, valuesInView } from './color.js';
 import { drawCaliper } from './caliper.js';
 import { Curves } from './curves.js';
 import { drawColumn } from './column.js';

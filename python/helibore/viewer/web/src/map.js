@@ -2,7 +2,7 @@
 // the section as a window to drag, the cursor and the bit. Grey at the left edge: a vertex there is not measured; grey dots:
 // the turn is interpolated between arms.
 
-import { lookup, scaling, themed } from './colour.js';
+import { lookup, scaling, themed } from './color.js';
 import { pen } from './device.js';
 import { label, PALETTES, SMALL } from './layout.js';
 import { rowOf } from './map_rows.js';

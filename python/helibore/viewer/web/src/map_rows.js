@@ -1,6 +1,6 @@
 // What a line of the map shows: all rings of the overview that lie in it.
 
-import { Q_ATTRIBUTE, valueAt } from './colour.js';
+import { Q_ATTRIBUTE, valueAt } from './color.js';
 import { INTERPOLATED, RADIUS, STATE, SUPPORT_MASK, TEXEL } from './protocol.js';
 
 // The rings between two places (in rings) as one row: the mean of each sector, NaN if one of its cells has no value, so that

@@ -1,6 +1,6 @@
 // The controls and read-outs around the stage: what the HTML shows and what the user sets in it.
 
-import { MAPS, fitRange, histogram, scaling, valuesInView } from './colour.js';
+import { MAPS, fitRange, histogram, scaling, valuesInView } from './color.js';
 import { PALETTES } from './layout.js';
 import { CUTS } from './path.js';
 import { sized } from './polar.js';

@@ -1,6 +1,6 @@
 // The image track without WebGL 2: the same quads, colours and hatching, pixel by pixel on a 2-D canvas.
 
-import { dynamicRange, lookup, Q_ATTRIBUTE, scaling, themed, valueAt } from './colour.js';
+import { dynamicRange, lookup, Q_ATTRIBUTE, scaling, themed, valueAt } from './color.js';
 import { pen } from './device.js';
 import { depthAt } from './layout.js';
 import { CUTS } from './path.js';

@@ -1,4 +1,4 @@
-// The bytes between server and page; messages.py draws the same format for the server's side.
+// The bytes between server and page; protocol.py draws the same format for the server's side.
 //
 //   u8 type | u8 level | u16 mask | u32 tile, first, count, total, sequence | f64 time | payload       little endian
 //

@@ -1,5 +1,5 @@
 // A tile's textures are drawn in three ways: wound around the hole (3-D), around a straight axis (the column) and cut open
-// (the image track). All find the quad under a pixel as helix.js does and colour it with the same function. `texels` holds radius, first-pass radius, nearest distance, state (messages.py);
+// (the image track). All find the quad under a pixel as helix.js does and colour it with the same function. `texels` holds radius, first-pass radius, nearest distance, state (protocol.py);
 // `frames` has one column a frame: centre and toolface of up, high and toolface of north, right.
 
 const COMMON = /* glsl */ `
@@ -41,7 +41,7 @@ bool missing(int k) {
 `;
 
 const COLOUR = /* glsl */ `
-uniform int mode;             // colour.js: Q_RADIUS ..
+uniform int mode;             // color.js: Q_RADIUS ..
 uniform float low, high;
 uniform bool logarithmic, isDynamic, dark;
 uniform int glowCount;

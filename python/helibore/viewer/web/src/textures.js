@@ -1,7 +1,7 @@
 // A tile's arrays as textures. Each is made once and uploaded again when what it shows has another version. A tile is
 // uploaded whole: 132 kB take a tenth of a millisecond, a hundredth of drawing the frame.
 
-import { dynamicRange, lookup } from './colour.js';
+import { dynamicRange, lookup } from './color.js';
 import { Texture } from './gl.js';
 import { eastNorthUp } from './vectors.js';
 

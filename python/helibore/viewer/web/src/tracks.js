@@ -1,7 +1,7 @@
 // The ink over the picture: depth axis, heads with scales and letters, the cursor's line through every track. (caliper.js,
 // map.js, column.js and wall_ink.js draw their own.) Everything here is drawn anew for each frame.
 
-import { MAPS, Q_ATTRIBUTE, themed } from './colour.js';
+import { MAPS, Q_ATTRIBUTE, themed } from './color.js';
 import { BOLD, fitting, FONT, HEAD, imageRects, label, PALETTES, SMALL, tracksEnd, yOf } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
 import { DENSE, hatched, line, SPARSE } from './strokes.js';

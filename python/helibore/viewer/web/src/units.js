@@ -38,7 +38,7 @@ export const showValue = (value, unit = '') => {
   return unit ? `${text} ${unit}` : text;
 };
 
-// A quantity of colour.js, in its own unit or as a length.
+// A quantity of color.js, in its own unit or as a length.
 /** @param {Pick<Quantity, 'unit' | 'length'>} quantity @param {number} value @param {Units} units */
 export const showQuantity = (quantity, value, units) =>
   quantity.length ? showLength(value, units) : showValue(value, quantity.unit);

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { rowOf } from '../src/map_rows.js';
-import { quantities } from '../src/colour.js';
+import { quantities } from '../src/color.js';
 import { RADIUS, STATE, TEXEL } from '../src/protocol.js';
 import { Store } from '../src/tiles.js';
 

@@ -2,7 +2,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { Helix } from '../src/helix.js';
 import { coverage, Store } from '../src/tiles.js';
-import { quantities, takeRanges, valueAt, fitRange, percentile, dynamicRange, histogram, lookup, MAPS } from '../src/colour.js';
+import { quantities, takeRanges, valueAt, fitRange, percentile, dynamicRange, histogram, lookup, MAPS } from '../src/color.js';
 import { attributeOf, measure, tileTurns } from '../src/turns.js';
 
 const K = 8;

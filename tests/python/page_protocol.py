@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from helibore.viewer.messages import FIRST, FRAMES, HEAD, LIVE, NO_FIRST, RADIUS, TEXEL, WRITE
+from helibore.viewer.protocol import FIRST, FRAMES, HEAD, LIVE, NO_FIRST, RADIUS, TEXEL, WRITE
 
 
 @dataclass(frozen=True)
