@@ -1,4 +1,4 @@
-// Surfaces and volumes for Python: counted by the layout, then written into the memory of NumPy arrays.
+// Surfaces and volumes for Python: the layout counts their rows, which are then written into NumPy arrays.
 #include "helibore/surface.hpp"
 
 #include "arrays.hpp"

@@ -101,7 +101,7 @@ py::array_t<double> radius_of(const Wall& wall) {
     return array_of(read_of(wall, &Wall::radius));
 }
 
-// Columns read into arrays of NumPy's, which lie in large pages; empty if the wall has grown in the meantime.
+// Reads columns into NumPy arrays, which lie in large pages; returns () if the wall has grown in the meantime.
 py::tuple read_into_arrays(const Wall& wall, Index count, std::size_t kinds,
                            bool (Wall::*read)(std::span<const std::span<double>>) const) {
     py::list arrays;

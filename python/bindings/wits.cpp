@@ -63,7 +63,7 @@ void register_wits(py::module_& m) {
     PYBIND11_NUMPY_DTYPE(Event, offset, line, length, rule, unused);
     constexpr wits::Limits limits;
     m.attr("WITS_LIMITS") = py::make_tuple(limits.line, limits.frame, limits.items);
-    py::class_<wits::Parser>(m, "WitsParser", "WITS level 0 text into rows of numbers; one stream each.")
+    py::class_<wits::Parser>(m, "WitsParser", "Turns WITS level 0 text into rows of numbers; one for each stream.")
         .def(py::init([](std::vector<double> nulls, Index line_limit, Index frame_limit, Index item_limit) {
                  return std::make_unique<wits::Parser>(std::move(nulls),
                                                        wits::Limits{line_limit, frame_limit, item_limit});

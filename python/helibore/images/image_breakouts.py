@@ -1,4 +1,4 @@
-"""Find breakouts in an image: dark sectors on opposite sides of the hole. The radius may show less of them, or nothing.
+"""Find breakouts in an image: dark sectors on opposite sides of the hole. The radius may show them less, or not at all.
 
     relative = value / median of its row         dark: relative < ``dark``
 
@@ -48,7 +48,8 @@ class ImageCriteria:
             raise InputError("dark", "must be in (0, 1)", str(self.dark))
         if not self.least_opening < self.most_opening <= 180:
             place = f"least_opening = {self.least_opening}, most_opening"
-            raise InputError(place, "the first must be less than the second, that at most 180", str(self.most_opening))
+            rule = "the first must be less than the second, and the second at most 180"
+            raise InputError(place, rule, str(self.most_opening))
         if self.opposite > 90:
             raise InputError("opposite", "must be at most 90", str(self.opposite))
         if not (isinstance(self.least_rows, int) and self.least_rows >= 1):
@@ -153,7 +154,7 @@ class ImageBreakouts:
 def find_breakouts(image: SearchedImage, criteria: ImageCriteria | None = None) -> ImageBreakouts:
     """Find where an image is dark on opposite sides of the hole; see `SectorImage.breakouts`."""
     if customary_map(image.name, image.unit) == "gamma":
-        raise InputError(f"image {image.name!r}", "gamma is dark in beds, not in breakouts: take an image of the wall")
+        raise InputError(f"image {image.name!r}", "gamma is dark in beds, not in breakouts; use an image of the wall")
     criteria = ImageCriteria() if criteria is None else criteria
     relative, toolface = _relative(image)
     dark = relative < criteria.dark
@@ -179,7 +180,7 @@ def find_breakouts(image: SearchedImage, criteria: ImageCriteria | None = None) 
 
 
 def _relative(image: SearchedImage) -> tuple[Floats, Floats]:
-    """Return values over their row's median, sectors clockwise, and the sectors' toolfaces; NaN where missing."""
+    """Return the values divided by their row's median (NaN where missing), and the toolfaces, both clockwise."""
     values, toolface = image.values, image.toolface
     wrong = np.argwhere(values < 0)
     if wrong.size:
@@ -196,10 +197,10 @@ def _relative(image: SearchedImage) -> tuple[Floats, Floats]:
 
 
 def _arcs(dark: Mask) -> tuple[Integers, Integers, Integers]:
-    """Return runs of dark sectors around the hole: row, first sector, number of sectors; none in a row all dark."""
+    """Return runs of dark sectors as row, first sector and number of sectors; a row that is all dark has no run."""
     row, first = np.nonzero(dark & ~np.roll(dark, 1, axis=1))
     end_row, last = np.nonzero(dark & ~np.roll(dark, -1, axis=1))
-    # In a row whose last run goes on at sector 0, that run's end comes first: move it behind the others.
+    # In a row whose last run continues at sector 0, the end of this run comes first; it is moved behind the other ends.
     over = np.flatnonzero(np.diff(end_row, prepend=-1))
     wraps = last[over] < first[over]
     ends = np.append(over, last.size)

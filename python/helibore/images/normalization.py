@@ -33,11 +33,11 @@ def image_scale(
 
 
 def sliding_window(depth: npt.ArrayLike, values: npt.ArrayLike, window: float = WINDOW, log: bool = False) -> Floats:
-    """Normalise rows of values, (n, S) or (n,), by the window around each of them: dynamic normalisation.
+    """Normalise rows of values, (n, S) or (n,), each by the window around the row (dynamic normalisation).
 
     ``depth`` is (n,) metres, rising; half of ``window`` (metres) lies above and half below each row, ends included.
-    ``log`` normalises logarithms. The result has the shape of ``values``: 0 to 1, 0.5 at the window's mean, 0 and 1 two
-    standard deviations from it; 0.5 where a window is constant; NaN where the value is missing.
+    ``log`` normalises logarithms. The result has the shape of ``values`` and is 0 to 1. It is 0.5 at the window's mean,
+    0 and 1 two standard deviations from the mean, 0.5 where a window is constant, and NaN where the value is missing.
     """
     depths = column("depth", depth)
     shape = np.shape(values)
@@ -66,7 +66,7 @@ def sliding_window(depth: npt.ArrayLike, values: npt.ArrayLike, window: float = 
 
 
 def _moments(rows: Floats, first: Integers, stop: Integers) -> tuple[Floats, Floats]:
-    """Return mean and standard deviation of each row's window [first, stop); NaN and 0 where it holds no value.
+    """Return mean and standard deviation of each row's window [first, stop); NaN and 0 where a window has no value.
 
     Squares are summed about the overall mean, because rounding would spoil a small spread in sums about zero.
     """

@@ -7,7 +7,7 @@
     image = hb.SectorImage(depth, values, name="GR", unit="gAPI", origin="edge", reference="high-side")
     surface.attributes["GR"] = image.on(wall)
 
-A row covers half the distance to its neighbours, but at most ``reach``; beyond it, the image has a gap, which is NaN.
+A row covers half the distance to its neighbours, but at most ``reach``; beyond that the image has a gap, which is NaN.
 Sectors must be evenly spaced. Scattered values are not supported, and colours are made elsewhere.
 """
 
@@ -35,10 +35,10 @@ Direction = Literal["clockwise", "counterclockwise"]
 Method = Literal["cell", "linear"]
 
 FINE = 360
-"""Least sectors of an image that was turned into another reference: no border moves by more than half a degree."""
+"""Least number of sectors of an image that was turned, so that no border moves by more than half a degree."""
 
 REACH = 0.75
-"""Default reach of a row in median spacings: uneven rows meet, one absent row leaves a gap."""
+"""Default reach of a row in median spacings; uneven rows then meet, and one absent row leaves a gap."""
 
 
 class SectorImage:
@@ -49,22 +49,22 @@ class SectorImage:
     depth
         (n,) metres, in any order, no two alike. Copied.
     values
-        (n, S) one row a depth, one column a sector, S at least 2; NaN where missing. Copied.
+        (n, S) one row a depth, one column a sector, S at least 1; NaN where missing. Copied.
     name, unit
         Name and unit of the values.
     origin
         The part of sector 1 that lies at ``offset``: its ``"centre"``, or the ``"edge"`` where it starts. Tools differ,
         and a wrong choice turns the image by half a sector, so there is no default.
     reference
-        What toolface 0 is: ``"high-side"``, ``"north"``, or ``"parallel-transport"`` as by a path of that reference. On
-        a wall with a path of another reference the image is turned (`onto`); a wall without a path does not know, so
-        there it must be what the wall's toolfaces count from.
+        What toolface 0 is: ``"high-side"``, ``"north"``, or ``"parallel-transport"``, as a path defines it. If the path
+        of a wall has another reference, the image is turned (`onto`). For a wall without a path, give the reference
+        from which the wall's toolfaces count.
     direction
         The way sectors count, looking downhole.
     offset
         Toolface of sector 1's origin, degrees.
     reach
-        The distance above and below its depth that a row covers at most, metres; None: 0.75 of the median spacing.
+        The greatest distance above and below its depth that a row covers, metres; None: 0.75 of the median spacing.
 
     Attributes
     ----------
@@ -76,8 +76,8 @@ class SectorImage:
     Raises
     ------
     InputError
-        ``depth[4] = 1000: already the depth of row 3``; on shapes that do not fit, infinite or only missing values, an
-        unknown word, and one row without a reach.
+        On two rows of one depth (``depth[4] = 1000: already the depth of row 3``), shapes that do not fit, infinite or
+        only missing values, an unknown word, and one row without a reach.
     """
 
     def __init__(
@@ -138,9 +138,9 @@ class SectorImage:
         return wrapped(self.offset + way * number * (360 / self.sectors))
 
     def breakouts(self, criteria: ImageCriteria | None = None) -> ImageBreakouts:
-        """Find where the image is dark on opposite sides of the hole: `helibore.images.image_breakouts`.
+        """Find where the image is dark on opposite sides of the hole, as `helibore.images.image_breakouts` describes.
 
-        ``criteria``: how dark, how long and how opposite; None: the usual ones.
+        ``criteria`` say how dark, how long and how opposite; None: the usual criteria.
 
         Raises
         ------
@@ -159,8 +159,9 @@ class SectorImage:
     def onto(self, path: Path, method: Method = "cell") -> SectorImage:
         """Turn the image into the reference of a path, which is what the toolfaces of its wall count from.
 
-        Every row is turned by the angle between the two references at its depth, and cut into at least `FINE` sectors,
-        each with the value of the cell that holds its centre (``method="cell"``), or linear between centres of cells.
+        Every row is turned by the angle between the two references at its depth, and cut into at least `FINE` sectors.
+        A sector gets the value of the cell that holds its centre (``method="cell"``), or a value that is linear between
+        the centres of cells.
 
         Returns
         -------
@@ -170,17 +171,17 @@ class SectorImage:
         Raises
         ------
         InputError
-            If no row is left, or a path that is not known transports the image's toolface 0.
+            If no row has a value, or if the image's reference is that of another path, which is not known.
         """
         _one_of("method", method, get_args(Method))
         if self.reference == "parallel-transport":
-            rule = "its own path, which is not known, transports its toolface 0: it cannot be turned onto another path"
+            rule = "its toolface 0 follows another path, which is not known, so the image cannot be turned"
             raise InputError(f"image {self.name!r}", rule)
         high_side = self.reference == "high-side"
         there = np.flatnonzero((self.depth >= path.start_depth) & (self.depth <= path.stop_depth))
         there = there[defined(path, self.depth[there], high_side)]
         if not there.size:
-            rule = f"from {self.reference} to {path.reference}: no row lies where the path has both"
+            rule = f"from {self.reference} to {path.reference}: no row lies where the path has both references"
             raise InputError(f"image {self.name!r}", rule)
         turn = onto_path(np.zeros(there.size), self.depth[there], path, high_side)
         sectors = self.sectors * math.ceil(FINE / self.sectors)
@@ -199,12 +200,13 @@ class SectorImage:
         Parameters
         ----------
         wall
-            Whose helix the quads lie on; its radii play no part. Where it has a path that counts toolfaces from
-            something else, this is ``image.onto(wall.path)`` on it.
+            The wall on whose helix the quads lie; its radii play no part. If the wall's path has another reference, the
+            values are those of ``image.onto(wall.path)``.
         method
-            ``"cell"``: the cell that holds the quad's centre; a centre on a border takes the cell beyond it, deeper or
-            next in number. ``"linear"``: linear in depth between rows and, periodically, in toolface between sector
-            centres; NaN where a cell with a say is missing, above the first row and below the last.
+            ``"cell"``: the value of the cell that holds the quad's centre; a centre on a border takes the next cell,
+            which is deeper or has the next number. ``"linear"``: linear in depth between rows and, periodically, in
+            toolface between sector centres; NaN if one of these cells is missing, above the first row and below the
+            last.
 
         Returns
         -------
@@ -252,7 +254,7 @@ class SectorImage:
             raise InputError(f"image '{self.name}' reaches from {top:g} to {bottom:g} m", rule)
 
     def cover(self) -> tuple[Floats, Floats]:
-        """Return the depths [low, high) of each row: half the distance to its neighbours, at most its reach."""
+        """Return the depths [low, high) of each row, which covers half the way to its neighbours, at most `reach`."""
         low, high = self.depth - self.reach, self.depth + self.reach
         near = np.diff(self.depth) <= 2 * self.reach
         middle = self.depth[:-1] + np.diff(self.depth) / 2
@@ -266,7 +268,7 @@ class SectorImage:
 
 
 def _around(rows: Floats, place: Floats, method: Method) -> Floats:
-    """Return the value of each row at positions around it, in sectors from the centre of the first."""
+    """Return the value of each row at positions around the hole, in sectors from the centre of the first sector."""
     low = np.floor(place + 0.5 if method == "cell" else place)
     first = low.astype(np.int64) % rows.shape[1]
     values: Floats = np.take_along_axis(rows, first, axis=1)

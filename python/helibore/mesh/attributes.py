@@ -48,7 +48,7 @@ class _NamedValues(MutableMapping[str, Floats]):
 
 
 class Attributes(_NamedValues):
-    """Named values, one a cell (quad or hexahedron): each (cells,) float64, copied and read-only.
+    """Named values, one for each cell (quad or hexahedron); (cells,) float64, copied and read-only.
 
     It also accepts one value for every cell that the whole wall has room for, and drops the values of missing cells.
 
@@ -57,7 +57,7 @@ class Attributes(_NamedValues):
     units
         Unit by name, if it is known; files state it.
     index
-        The cell of the whole wall that each cell is.
+        For each cell, its number among the cells of the whole wall.
     """
 
     def __init__(self, cell: str, index: Integers | range, whole: int) -> None:
@@ -74,7 +74,7 @@ class Attributes(_NamedValues):
 
 
 class WallAttributes(_NamedValues):
-    """Named values of a wall, one for each quad it has room for, by vertex k: each float64, copied and read-only.
+    """Named values of a wall, one for each quad that it has room for, by vertex k; float64, copied and read-only.
 
     A wall that grows keeps the values; later quads have NaN. Values belong to the helix on which they were set: if a
     shallower sample moves the start of the helix, set them again.
@@ -82,7 +82,7 @@ class WallAttributes(_NamedValues):
     Attributes
     ----------
     units
-        Name to unit, where one is known.
+        Unit by name, if it is known.
     """
 
     def __init__(self, helix: Callable[[], tuple[float, int]]) -> None:
@@ -113,7 +113,7 @@ class WallAttributes(_NamedValues):
         Raises
         ------
         InputError
-            If the helix has moved since they were set, or the wall has fewer quads than values.
+            If the helix has moved since the values were set, or the wall has fewer quads than values.
         """
         start, values = self._starts[name], self._values[name]
         if start != start_depth and not (math.isnan(start) and math.isnan(start_depth)):

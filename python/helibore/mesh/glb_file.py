@@ -1,7 +1,7 @@
 """Write a surface as binary glTF 2.0, directly from arrays.
 
     12 bytes  "glTF", version 2, length of the file
-    chunk     "JSON": the scene: one node, one mesh, where each array lies in the next chunk
+    chunk     "JSON": the scene (one node, one mesh, and where each array lies in the next chunk)
     chunk     "BIN": positions (4 q, 3) float32 | colours (4 q, 4) uint8 | attributes | corners (6 q) uint32
 
 No library is used: trimesh takes three times as long for the same mesh, since it hashes each array (bench/speed).
@@ -26,10 +26,10 @@ from helibore.base.errors import InputError
 MISSING = -999.25  # the usual null value of well logs, exact in float32
 
 BLOCK = 1 << 16
-"""Quads written at a time: their corners stay in the processor's cache, and take little memory."""
+"""Number of quads written at a time; their corners stay in the processor's cache, and take little memory."""
 
 LARGEST = (1 << 32) - 1
-"""Bytes of a GLB: its header counts them in 32 bits (4.4.2)."""
+"""Largest size of a GLB in bytes, which its header states in 32 bits (4.4.2)."""
 
 _FLOAT, _UNSIGNED_BYTE, _UNSIGNED_INT = 5126, 5121, 5125  # 3.6.2.2
 _ARRAY_BUFFER, _ELEMENT_ARRAY_BUFFER = 34962, 34963  # 3.6.2.1
@@ -40,7 +40,7 @@ def check_size(file: Path, quads: int, attributes: int) -> None:
     size = quads * (4 * (12 + 4 + 4 * attributes) + 24) + (1 << 20)
     if size > LARGEST:
         limit = f"{quads:,} quads take {size / 1e9:.1f} GB, and a GLB holds at most {LARGEST / 1e9:.1f}"
-        raise InputError(str(file), f"{limit}: save .vtkhdf, or fewer sectors, a larger pitch, a shorter interval")
+        raise InputError(str(file), f"{limit}; save .vtkhdf, or fewer sectors, a larger pitch or a shorter interval")
 
 
 def write_glb(
@@ -54,14 +54,14 @@ def write_glb(
     """Write quads, (q, 4) int64 rows of ``positions``, each in one colour, (q, 4) uint8 sRGB with alpha; q > 0.
 
     Positions, (n, 3) north, east, down in metres, are written as (east, up, -north): glTF is Y up and right-handed
-    (3.4). Quads share no vertices: glTF has colours at vertices only, and a shared one would smear neighbours into each
-    other. Without normals, viewers shade each quad flat (3.7.2.1). The middle of the mesh goes into the node's
-    translation, which is JSON and so float64; float32 vertices around it are good to half a millimetre as far as 8 km
-    away. There is no material: with one, trimesh takes the colours for part of a texture.
+    (3.4). Quads share no vertices, because glTF has colours at vertices only, and a shared vertex would mix the colours
+    of its quads. Without normals, viewers shade each quad flat (3.7.2.1). The middle of the mesh goes into the node's
+    translation, which is JSON and so float64; float32 vertices are then exact to half a millimetre within 8 km of the
+    middle. There is no material, because with a material trimesh takes the colours for part of a texture.
 
-    Attributes, (q,) float64 each, become float32 vertex attributes of the application, ``_GR`` for ``GR`` (3.7.2.1),
-    with -999.25 for missing values, which the mesh's extras state: glTF forbids NaN (3.6.2.2). ``extras`` are further
-    JSON values of these extras.
+    Attributes, (q,) float64 each, become float32 vertex attributes of the application, ``_GR`` for ``GR`` (3.7.2.1).
+    Missing values are -999.25, because glTF forbids NaN (3.6.2.2); the mesh's extras state this number. ``extras`` are
+    further JSON values of the mesh's extras.
     """
     middle, local = np.empty(3), np.empty((len(positions), 3), dtype="<f4")
     for axis, (of, sign) in enumerate(((1, 1.0), (2, -1.0), (0, -1.0))):

@@ -1,4 +1,4 @@
-"""What surfaces and volumes share, and all that the writers of files know of them.
+"""What surfaces and volumes share, which is all that the writers of files know of a mesh.
 
 The metadata of a mesh are texts by name, the same in every format that holds texts:
 {"made by": "helibore 0.1.0", "basis": "radius measured ...", "helix": "64 sectors, pitch 0.1 m, ...", ...}
@@ -23,16 +23,16 @@ UNITS = "metres and degrees; depth along the hole, positive down; toolface clock
 
 
 class Mesh:
-    """A mesh of one shell, the wall, or of several: `Surface` and `Volume` describe what they have in common."""
+    """A mesh of one shell (the wall) or of several shells; `Surface` and `Volume` describe the attributes."""
 
     layer: Integers | None = None
-    """(m,) of hexahedra; None for quads."""
+    """(m,) layer of each hexahedron; None for quads."""
 
     def __init__(
         self, vertices: Floats, cells: Integers, shells: Sequence[Floats], ranges: Sequence[Integers], helix: Helix,
         basis: Basis, attributes: Attributes,
     ) -> None:  # fmt: skip
-        """``shells`` holds the radii of each whole shell; ``ranges`` the vertices of it that the mesh has."""
+        """``shells`` holds the radii of each whole shell; ``ranges`` says which vertices of each shell the mesh has."""
         self.vertices, self.helix, self.basis, self.attributes = vertices, helix, basis, attributes
         self.cells = cells  # (m, 4) quads or (m, 8) hexahedra: rows of ``vertices``
         self.metadata: dict[str, str] = {}

@@ -1,7 +1,7 @@
 """Write surfaces and volumes to files in the format of the ending. trimesh writes OBJ and STL, h5py writes VTKHDF.
 
-GLB, PLY and VTK's XML need no library: trimesh takes three times as long for GLB, and its PLY holds neither quads nor
-float64 (``vtk_xml`` gives the reason for VTK).
+GLB, PLY and VTK's XML are written without a library, because trimesh takes three times as long for GLB, and its PLY
+holds neither quads nor float64 (``vtk_xml`` gives the reason for VTK).
 
 Files have their own axes. From (north, east, down):
 
@@ -35,9 +35,9 @@ Paint = Callable[[Floats], Colors]
 Writer = Callable[[BinaryIO], object]
 
 SURFACE_ENDINGS = (".glb", ".ply", ".obj", ".stl", ".vtu", ".vtp", ".vtkhdf")
-"""Of the files that `Surface.save` writes."""
+"""Endings of the files that `Surface.save` writes."""
 VOLUME_ENDINGS = (".vtu", ".vtkhdf")
-"""Of the files that `Volume.save` writes."""
+"""Endings of the files that `Volume.save` writes."""
 _PLY_CORNERS = ("corner_count", "vertex_indices")
 _STL_TOLERANCE = 1e-3  # metres a vertex may move
 
@@ -72,7 +72,7 @@ def save_surface(
 
 
 def save_volume(mesh: Mesh, path: Path, origin: tuple[float, float, float]) -> None:
-    """Write hexahedra to ``path``: `Volume.save`."""
+    """Write hexahedra to ``path``; `Volume.save` describes the arguments."""
     _checked_ending(mesh, path, VOLUME_ENDINGS, "; the others hold no hexahedra")
     check_origin(origin)
     _write_vtk(mesh, path, origin, None)
@@ -102,7 +102,7 @@ def _quad_values(mesh: Mesh, color_by: str | None) -> Floats:
 
 
 def _at_vertices(mesh: Mesh, values: Floats) -> Floats:
-    """Return the mean, at each vertex, of the values of the quads around it; NaN where none has one."""
+    """Return the mean, at each vertex, of the values of the quads around it; NaN if none of these quads has a value."""
     there = np.isfinite(values)
     corners = mesh.cells[there].reshape(-1)
     total = np.bincount(corners, np.repeat(values[there], 4), len(mesh.vertices))
@@ -126,8 +126,8 @@ def _lines(mesh: Mesh) -> list[str]:
 def _ply(mesh: Mesh, positions: Floats, color_by: str | None, paint: Paint) -> Writer:
     """Write a binary PLY: float64 vertices with colours, and faces of four corners with radius and attributes.
 
-    Colours sit at vertices, the mean of the quads around: several readers know no others, and trimesh fails at faces of
-    four corners that have colours of their own.
+    A vertex has the colour of the mean value of the quads around it. Several readers know only colours at vertices, and
+    trimesh fails if faces of four corners have colours.
     """
     values = {"radius": quad_radius(mesh), **mesh.attributes}
     for name in values:

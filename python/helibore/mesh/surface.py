@@ -4,7 +4,7 @@
     surface.attributes["GR"] = image.on(wall)      # one value a quad
     surface.save("well.glb", color_by="GR")
 
-Vertices are (north, east, down). Where the wall has no radius there is no vertex, and no quad touches the gap: a
+Vertices are (north, east, down). Where the wall has no radius there is no vertex, and no quad touches the gap, so a
 mesh never holds NaN. ``vertex_index`` and ``quad_index`` tell which vertex of the wall each row belongs to.
 """
 
@@ -36,7 +36,7 @@ Point = tuple[float, float, float]
 
 
 class Surface(Mesh):
-    """Quads of the wall; made by `Wall.surface`. A frozen copy: a wall that grows does not change it.
+    """Quads of the wall, made by `Wall.surface`. A surface is a frozen copy; a wall that grows does not change it.
 
     Attributes
     ----------
@@ -44,16 +44,16 @@ class Surface(Mesh):
         (n, 3) float64, north, east and down in metres; owned.
     quads
         (q, 4) int64 rows of ``vertices``, counter-clockwise seen from the formation: normals point away from the axis.
-        (k, k+1, k+1+K, k+K) for vertex k of a helix with K sectors that grows downwards; (k, k+K, k+1+K, k+1) for one
-        that grows upwards.
+        (k, k+1, k+1+K, k+K) for vertex k of a helix with K sectors that grows downwards; (k, k+K, k+1+K, k+1) for a
+        helix that grows upwards.
     attributes
         `Attributes`, one value a quad.
     basis
-        What the wall is made from, as in `Caliper`; files say it.
+        What the wall is made from, as in `Caliper`; files state it.
     helix
         Where vertices lie along and around the hole.
     metadata
-        Texts by name that files carry: what the wall is made from, how it was placed. Add to them.
+        Texts by name that files carry: what the wall is made from, how it was placed. You can add texts.
     vertex_index, radius
         The vertex of the wall that each row of ``vertices`` is, (n,) int64; and its radius, metres, (n,) float64.
     """
@@ -75,7 +75,7 @@ class Surface(Mesh):
 
     @cached_property
     def quad_index(self) -> Integers:
-        """The vertex k of the wall that each quad belongs to, its corner nearest to k = 0, (q,) int64."""
+        """The vertex k of the wall that each quad belongs to, which is its corner with the least k, (q,) int64."""
         return expand_ranges(self._quad_ranges)
 
     def quad_radius(self) -> Floats:
@@ -85,7 +85,7 @@ class Surface(Mesh):
     def triangles(self) -> Integers:
         """Return two triangles a quad, (2 q, 3) int64, both cut from the quad's first corner to its third.
 
-        Quad i gives 2 i and 2 i + 1, facing outwards.
+        Quad i gives the triangles 2 i and 2 i + 1, which face outwards.
         """
         return triangles(self)
 
@@ -129,39 +129,39 @@ class Surface(Mesh):
         .vtkhdf  as .vtu                       the same in HDF5; `append_to` adds parts. Needs the extra ``vtkhdf``
         =======  ===============  ===========  =========================================================================
 
-        Each says what the wall is made from and the units, where it holds texts: `metadata` are in the mesh's extras
-        (.glb), in comments (.ply, .obj) and in the field data (VTK); .stl has room for the basis alone.
+        Each format that holds texts states the units and what the wall is made from. `metadata` are in the mesh's
+        extras (.glb), in comments (.ply, .obj) and in the field data (VTK); .stl has room for the basis only.
 
         Parameters
         ----------
         filename
-            Ends in one of these; replaced if it is there.
+            Ends in one of these; an existing file is replaced.
         color_by
             The attribute that colours .glb and .ply, and that VTK's formats show first; by default the radius. Missing
             values are grey.
         limits
-            Values at the two ends of the colours; by default the least and the greatest.
+            Values at the two ends of the colours; by default the least and the greatest value.
         origin
             North, east and down of the point that becomes (0, 0, 0) in the file, metres.
         color_map, log
-            The colours and whether they follow the logarithm: `helibore.base.colors.ColorScale`.
+            The colours, and whether they follow the logarithm, as in `helibore.base.colors.ColorScale`.
 
         Raises
         ------
         InputError
             On an ending, attribute or map that is not known, a surface without quads, and for .stl as above.
         OSError
-            If the file cannot be written; the old one is then as it was.
+            If the file cannot be written; an existing file then does not change.
         MissingExtraError
-            Naming the extra that .vtkhdf needs.
+            If the extra that .vtkhdf needs is not installed.
         """
         save_surface(self, FilePath(filename), color_by, limits, origin, color_map, log)
 
     def append_to(self, filename: str | os.PathLike[str], origin: Point = (0.0, 0.0, 0.0)) -> None:
         """Add this surface as a further part to a .vtkhdf file, or begin one.
 
-        Surfaces of neighbouring intervals meet without overlap or gap: a file that got each as the hole grew holds the
-        whole wall. The part is added to a copy, which then takes the file's place; a reader never meets half a part.
+        Surfaces of neighbouring intervals meet without overlap or gap, so a file with all of these surfaces holds the
+        whole wall. The part is added to a copy, which then replaces the file; a reader never sees half a part.
 
         Parameters
         ----------
@@ -173,7 +173,7 @@ class Surface(Mesh):
         Raises
         ------
         InputError
-            On another ending or attributes than the parts before, and on files that are not VTKHDF.
+            On another ending, on other attributes than those of the earlier parts, and on files that are not VTKHDF.
         OSError, MissingExtraError
             As `save`.
         """
@@ -187,7 +187,7 @@ def surface_of(
     stop: float | None = None,
     threads: int | None = None,
 ) -> Surface:
-    """Place the radii of a helix along ``path`` and join them into quads: `Wall.surface` describes the arguments."""
+    """Place the radii of a helix along ``path`` and join them into quads; `Wall.surface` describes the arguments."""
     radius, helix = wall.radius, helix_of(wall)
     first, last = vertex_range(helix, radius.size, start, stop)
     stretch = column("radius", radius[first : last + helix.sectors + 1])

@@ -8,7 +8,7 @@
          0 ----- r --------- r + 0.05 ----- r + 0.20
 
 Where a shell has no radius there is no vertex, and no hexahedron touches the gap. Every hexahedron has positive volume;
-shells that would make it otherwise are refused.
+shells that would give a zero or negative volume are refused.
 """
 
 from __future__ import annotations
@@ -37,15 +37,16 @@ from helibore.trajectory.survey import Path, core_path
 
 
 class Volume(Mesh):
-    """Hexahedra around the wall; made by `Wall.volume`. A frozen copy.
+    """Hexahedra around the wall, made by `Wall.volume`. A volume is a frozen copy.
 
     Attributes
     ----------
     vertices
-        (n, 3) float64, north, east and down in metres: the wall's, then those of each shell outwards; owned.
+        (n, 3) float64, north, east and down in metres; first those of the wall, then those of each shell outwards;
+        owned.
     hexes
-        (h, 8) int64 rows of ``vertices``: inner quad, then the outer quad over it (VTK's order, positive volume); the
-        layer next to the wall first.
+        (h, 8) int64 rows of ``vertices``: the inner quad, then the outer quad over it (VTK's order, positive volume).
+        The layer next to the wall comes first.
     attributes
         `Attributes`, one value a hexahedron.
     helix
@@ -53,7 +54,7 @@ class Volume(Mesh):
     basis
         What the wall is made from, as in `Caliper`.
     metadata
-        Texts by name that files carry: what the wall is made from, how it was placed. Add to them.
+        Texts by name that files carry: what the wall is made from, how it was placed. You can add texts.
     vertex_index, radius
         The vertex of the wall that each row of ``vertices`` lies on or over, (n,) int64; and the radius there, metres.
     """
@@ -96,20 +97,20 @@ class Volume(Mesh):
         return numbered(self._layer_ranges)
 
     def hang(self, name: str, layers: Sequence[npt.ArrayLike | float], unit: str = "") -> None:
-        """Give every layer values of its own: shallow, medium and deep resistivity, say, as one attribute.
+        """Give every layer its own values of one attribute, for example shallow, medium and deep resistivity.
 
         Parameters
         ----------
         name, unit
-            Of the attribute.
+            Name and unit of the attribute.
         layers
-            From the wall outwards, one a layer: values for every quad that the whole wall has room for, as
+            One item for each layer, from the wall outwards: values for every quad that the whole wall has room for, as
             `SectorImage.on` gives them, or one number for the layer.
 
         Raises
         ------
         InputError
-            ``GR has values for 2 layers: must be 3``; if a layer's values are not that many.
+            On another number of layers (``GR has values for 2 layers: must be 3``) or of values in a layer.
         """
         if len(layers) != self.layers:
             raise InputError(f"{name} has values for {len(layers)} layers", f"must be {self.layers}")
@@ -125,8 +126,8 @@ class Volume(Mesh):
     def hex_volume(self, threads: int | None = None) -> Floats:
         """Return the volume of each hexahedron, cubic metres, (h,) float64, from ``threads`` threads (None: all cores).
 
-        Exact for faces that are the bilinear patches between their corners, which neighbours share: the volumes of a
-        layer add up to what lies between its shells.
+        The volumes are exact if each face is the bilinear patch between its corners. Neighbours share these faces, so
+        the volumes of a layer add up to the volume between its shells.
         """
         return _core.hexahedron_volumes(self.vertices, self.hexes, thread_count(threads))
 
@@ -144,7 +145,7 @@ class Volume(Mesh):
         Parameters
         ----------
         filename
-            Ends in .vtu or .vtkhdf; replaced if it is there.
+            Ends in .vtu or .vtkhdf; an existing file is replaced.
         origin
             North, east and down of the point that becomes (0, 0, 0) in the file, metres.
 
@@ -153,12 +154,15 @@ class Volume(Mesh):
         InputError
             On another ending, a volume without hexahedra, an origin that is not finite.
         OSError
-            If the file cannot be written; the old one is then as it was.
+            If the file cannot be written; an existing file then does not change.
         """
         save_volume(self, FilePath(filename), origin)
 
     def append_to(self, filename: str | os.PathLike[str], origin: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
-        """Add this volume as a part to ``filename``, a .vtkhdf file, or begin one. ``origin``: `Surface.append_to`."""
+        """Add this volume as a part to ``filename``, a .vtkhdf file, or begin the file.
+
+        ``filename`` and ``origin`` are as for `Surface.append_to`.
+        """
         append_mesh(self, FilePath(filename), origin)
 
 
@@ -170,7 +174,7 @@ def volume_of(
     stop: float | None = None,
     threads: int | None = None,
 ) -> Volume:
-    """Thicken the wall outwards, shell by shell, into hexahedra: `Wall.volume` describes the arguments."""
+    """Thicken the wall outwards, shell by shell, into hexahedra; `Wall.volume` describes the arguments."""
     radius, helix = wall.radius, helix_of(wall)
     first, last = vertex_range(helix, radius.size, start, stop)
     stretch = slice(first, last + helix.sectors + 1)

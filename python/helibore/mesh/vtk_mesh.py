@@ -52,7 +52,7 @@ def z_up(vertices: Floats, origin: tuple[float, float, float] = (0.0, 0.0, 0.0))
 
 
 def vtk_mesh(mesh: Mesh, origin: tuple[float, float, float], active: str | None = None) -> VtkMesh:
-    """Return a mesh with all its attributes as VTK has it."""
+    """Return a mesh with all its attributes in VTK's layout."""
     own: dict[str, Array]
     own = {"radius": quad_radius(mesh)} if mesh.layer is None else {"layer": mesh.layer.astype(np.int32)}
     metadata = {**mesh.described(), "axes": AXES}

@@ -4,8 +4,8 @@
       ... <DataArray type="Float64" Name="GR" format="appended" offset="1234"/> ...
       <AppendedData encoding="raw">_| bytes of array 0 (uint64) | array 0 | bytes of array 1 | array 1 | ...
 
-No library is used: meshio and pyvista take 4 to 30 times as long, and VTK reports a full disk on stderr only. The
-layout follows "VTK File Formats" (Kitware); the tests read every file with PyVista.
+No library is used, because meshio and pyvista take 4 to 30 times as long, and VTK reports a full disk on stderr only.
+The layout follows "VTK File Formats" (Kitware); the tests read every file with PyVista.
 """
 
 from __future__ import annotations

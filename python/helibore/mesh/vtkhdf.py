@@ -7,7 +7,7 @@
 
 Connectivity and Offsets count from 0 in each part. Surfaces of neighbouring intervals meet without overlap or gap, so a
 file with all of them holds the whole wall. HDF5 writes to memory, and the result then replaces the file: a reader sees
-the old parts or the new ones. HDF5, which has been seen to end the program on a full disk, never writes to the disk.
+the old parts or the new ones. HDF5 never writes to the disk, because it can end the program if the disk is full.
 Layout: "VTKHDF file format" (Kitware), 2.2.
 """
 
@@ -43,7 +43,7 @@ def save_vtkhdf(path: Path, mesh: VtkMesh) -> None:
 
 
 def append_mesh(mesh: Mesh, path: Path, origin: tuple[float, float, float]) -> None:
-    """Add a part to a file, or begin one: `Surface.append_to`."""
+    """Add a part to a file, or begin the file, as `Surface.append_to` describes."""
     if path.suffix.lower() != ENDING:
         raise InputError(str(path), f"only {ENDING} files take further parts")
     check_origin(origin)
@@ -74,7 +74,7 @@ def _h5py() -> Any:
 
 
 def _columns(mesh: VtkMesh) -> dict[str, Array]:
-    """Return the arrays of a part; those of all parts lie one behind the other."""
+    """Return the arrays of a part; in a file, the arrays of the parts lie one behind the other."""
     count, corners = mesh.corners.shape
     return {
         "NumberOfPoints": np.array([len(mesh.points)]),
@@ -111,7 +111,7 @@ def _require_alike(path: Path, group: h5py.Group, part: VtkMesh) -> None:
     own = {name for name in _columns(part) if "/" in name}
     if there != own:
         differ = ", ".join(sorted(name.partition("/")[2] for name in there ^ own))
-        raise InputError(str(path), f"every part must have the same attributes; these are not in both: {differ}")
+        raise InputError(str(path), f"every part must have the same attributes; these are not in every part: {differ}")
     for name, text in part.metadata.items():
         before = group["FieldData"].get(name)
         if before is not None and name in _FRAME and before[0].decode() != text:

@@ -1,6 +1,6 @@
 """The usual bit sizes, by which a diameter in the place of a radius is recognised.
 
-median radius 0.216 m    that of an 8.5 in bit: looks like a diameter
+For example, a median radius of 0.216 m is the diameter of an 8.5 in bit, so it looks like a diameter.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ FEW = 5
 
 
 def looks_like_diameter(median: float, bit_diameter: float | None = None) -> bool:
-    """Whether a median radius, metres, is near the size of the bit; None: of a usual one."""
+    """Return whether a median radius, metres, is near the diameter of the bit; None: of a usual bit."""
     if bit_diameter is not None:
         return median > 1.5 * bit_diameter / 2.0 and abs(median / bit_diameter - 1.0) < 0.25
     inches = median / INCH

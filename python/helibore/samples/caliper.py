@@ -2,8 +2,8 @@
 
 A sample is (toolface, depth, radius), with a time if the tool recorded one. Units are metres and degrees, toolface is
 clockwise looking downhole, and radius is measured from the axis of the hole. For a well without an azimuthal caliper,
-samples can be made from an average caliper or from the bit size. `Caliper.basis` states which; every wall, mesh and
-log made from the samples states it too.
+samples can be made from an average caliper or from the bit size. `Caliper.basis` states which, and so does every wall,
+mesh and log made from the samples.
 """
 
 from __future__ import annotations
@@ -43,11 +43,11 @@ BASIS_TEXT: dict[Basis, str] = {
     "average": "average caliper: size measured, shape assumed round",
     "gauge": "gauge hole at bit size: not measured",
 }
-"""The same in words."""
+"""Each basis in words."""
 
 LARGEST_RADIUS = 2.0
 ROUND = 16
-"""Samples around the hole that stand for a diameter without a direction."""
+"""Number of samples around the hole that replace a diameter without a direction."""
 
 
 def basis_text(basis: Basis, arms: bool = False) -> str:
@@ -62,7 +62,7 @@ def check_basis(basis: str) -> None:
 
 
 COLUMNS = {"depth": LENGTH, "toolface": ANGLE, "radius": LENGTH, "time": TIME, "arm": None}
-"""The columns of samples, and what the units of each measure."""
+"""The columns of samples, and the quantity that the unit of each measures."""
 
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)
@@ -76,7 +76,7 @@ class Caliper(Tabular):
     toolface
         (n,) degrees clockwise looking downhole, finite; 370 and -350 mean 10.
     radius
-        (n,) metres from the axis of the hole, above 0 and at most 2: never a diameter, never inches.
+        (n,) metres from the axis of the hole, above 0 and at most 2; not a diameter and not in inches.
     time
         (n,) seconds or any other clock, finite; or None. If there are times, the order in which samples arrive does not
         matter, and rows that are equal in all four columns count once.
@@ -91,7 +91,7 @@ class Caliper(Tabular):
     Raises
     ------
     InputError
-        Naming column, row, value and rule: ``toolface[17] = nan: must be finite``.
+        The error names column, row, value and rule: ``toolface[17] = nan: must be finite``.
 
     Notes
     -----
@@ -149,21 +149,21 @@ class Caliper(Tabular):
         Parameters
         ----------
         table
-            ``table[name]`` is a column of numbers; a time may be of dates, which become seconds since 1970; without a
-            time zone they are UTC. A row with a missing value (NaN, null, or a number that logs write for none, as in
-            files: -999.25, -9999, -9999.25) is left out; ``left_out`` of the caliper is how many. Rows that are equal
-            count once if there is a ``time``; without one each counts, which moves radii: `repeated` is how many there
-            are, and ``frame.drop_duplicates()`` of pandas drops them.
+            ``table[name]`` is a column of numbers. A time column may hold dates, which become seconds since 1970; dates
+            without a time zone are UTC. A row with a missing value (NaN, null, or -999.25, -9999 or -9999.25, which
+            mean a missing value in log files) is left out; ``left_out`` of the caliper counts such rows. Equal rows
+            count once if there is a ``time``. Without a time each of them counts, which changes radii; `repeated`
+            counts the repeated rows, and ``frame.drop_duplicates()`` of pandas drops them.
         depth, toolface, radius, time, arm
             Names of the columns; radius, not diameter.
         diameters
-            In place of ``radius``, of a tool with few arms (X-Y, four arms): the column of each diameter, and the angle
-            of its arms from the toolface, degrees: ``{"CAL1": 0, "CAL2": 90}``, as ``--diameter CAL1@0`` and so on.
-            Half of it is the radius on both sides. Where one diameter is missing, the others of its row stay, and
-            ``left_out`` counts the row once.
+            For a tool with few arms (X-Y, four arms), in place of ``radius``: the column of each diameter, and the
+            angle of its arms from the toolface, degrees. ``{"CAL1": 0, "CAL2": 90}`` means the same as ``--diameter
+            CAL1@0 --diameter CAL2@90``. Half of a diameter is the radius on both sides. If one diameter is missing, the
+            other diameters of its row stay, and ``left_out`` counts the row once.
         units
-            Unit of a quantity where it is not metres, degrees and seconds: ``{"depth": "ft", "radius": "in"}``, or
-            ``{"diameter": "in"}`` of all diameters.
+            Units that are not metres, degrees and seconds: ``{"depth": "ft", "radius": "in"}``, or
+            ``{"diameter": "in"}`` for all diameters.
 
         Raises
         ------
@@ -191,7 +191,7 @@ class Caliper(Tabular):
         """
         if diameters is not None:
             if arm is not None or radius != "RADIUS":
-                raise InputError("diameters", "state the arms, and take the place of radius and arm")
+                raise InputError("diameters", "must not be given together with radius or arm")
             return cls._of_diameters(table, depth, toolface, diameters, time, units)
         names = {"depth": depth, "toolface": toolface, "radius": radius, "time": time, "arm": arm}
         rows = frame_rows(table, {role: (names[role], COLUMNS[role]) for role in COLUMNS}, units)
@@ -201,7 +201,7 @@ class Caliper(Tabular):
             rule = f'must be at most {LARGEST_RADIUS:g} m: units={{"radius": "in"}} states another unit'
             raise InputError(f"column {radius!r}: median", rule, f"{median:.3g} m")
         if sizes.size >= FEW and looks_like_diameter(median):
-            rule = "looks like a diameter, where a radius is expected: halve it; hb.Caliper takes radii as they are"
+            rule = "looks like a diameter, but must be a radius; halve it, or use hb.Caliper, which does not check this"
             raise InputError(f"column {radius!r}: median", rule, f"{median:.3g} m")
         with rows.named():
             made = cls(**rows.columns)  # type: ignore[arg-type]
@@ -245,20 +245,21 @@ class Caliper(Tabular):
 
     @classmethod
     def from_average(cls, depth: npt.ArrayLike, diameter: npt.ArrayLike) -> Caliper:
-        """Return samples of a round hole from its mean diameter, whose shape is not known: 16 at each depth.
+        """Return 16 samples at each depth from the mean diameter of a hole, whose shape is assumed round.
 
         Parameters
         ----------
         depth
             (n,) measured depth, metres, finite, in any order.
         diameter
-            (n,) mean diameter, metres, above 0 and at most 4; NaN where missing: such rows are left out, so a gap
+            (n,) mean diameter, metres, above 0 and at most 4; NaN where missing. Rows with NaN are left out, so a gap
             longer than the wall's ``max_distance`` stays a gap.
 
         Raises
         ------
         InputError
-            ``diameter[3] = 8.5: must be above 0 and at most 4 metres``; if all rows are missing.
+            On a value that breaks its rule (``diameter[3] = 8.5: must be above 0 and at most 4 metres``), or if all
+            rows are missing.
 
         Examples
         --------
@@ -285,12 +286,12 @@ class Caliper(Tabular):
         bit_diameter
             Metres.
         step
-            Metres between depths, at most.
+            The largest distance between two depths, metres.
 
         Raises
         ------
         InputError
-            ``stop = 10: must be deeper than start = 20``; on sizes that are not above 0.
+            On a value that breaks its rule: ``stop = 10: must be deeper than start = 20``.
 
         Examples
         --------
@@ -317,7 +318,7 @@ class Caliper(Tabular):
 
     @cached_property
     def repeated(self) -> int:
-        """Number of samples that equal an earlier one in every column: they count again, unless there are times."""
+        """Number of samples that equal an earlier sample in every column; they count again, unless there are times."""
         columns = [of for of in (self.depth, self.toolface, self.radius, self.time) if of is not None]
         order = np.lexsort(columns)
         same = np.logical_and.reduce([of[order[1:]] == of[order[:-1]] for of in columns])

@@ -66,7 +66,7 @@ class Helix(NamedTuple):
         return min(self.start_depth, last), max(self.start_depth, last)
 
     def between(self, start: float, stop: float, vertices: int) -> slice:
-        """Return those of so many vertices whose depth lies in [start, stop], metres."""
+        """Return the slice of the first ``vertices`` vertices whose depth lies in [start, stop], metres."""
         sign = math.copysign(1.0, self.pitch)
         low, high = (start, stop) if sign > 0 else (-stop, -start)
 
@@ -98,7 +98,7 @@ def helix_of(wall: WallLike) -> Helix:
 
 
 def whole_helix(wall: WallLike) -> Helix:
-    """Return the helix of which a wall is a part: the depths of its vertices have the bits of the whole wall."""
+    """Return the helix of which a wall is a part; its vertices have the same depths, bit for bit, as the whole wall."""
     settings: Any = wall.settings
     helix, first = helix_of(wall), getattr(settings, "first_vertex", 0)
     return helix._replace(start_depth=settings.start_depth, first=first) if first else helix
@@ -119,7 +119,7 @@ def basis_text_of(wall: WallLike) -> str:
 def vertex_range(helix: Helix, count: int, start: float | None, stop: float | None) -> tuple[int, int]:
     """Return the half-open range of vertices whose depth lies in [start, stop), whichever way the helix grows.
 
-    InputError if an end is not finite, the ends are not in order, or no vertex lies in the interval.
+    Raises InputError if an end is not finite, the ends are not in order, or no vertex lies in the interval.
     """
     for name, bound in (("start", start), ("stop", stop)):
         if bound is not None and not math.isfinite(bound):
@@ -148,6 +148,6 @@ def expand_ranges(ranges: Integers) -> Integers:
 
 
 def numbered(ranges: Sequence[Integers]) -> Integers:
-    """Return the place in ``ranges`` that each of their numbers comes from."""
+    """Return, for each number in all ``ranges``, the index of the ranges from which the number comes."""
     counts = [int((of[:, 1] - of[:, 0]).sum()) for of in ranges]
     return np.repeat(np.arange(len(counts)), counts)

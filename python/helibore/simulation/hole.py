@@ -20,12 +20,12 @@ from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 
 BLOCK = 1 << 15
-"""Number of points evaluated together: small enough that all temporary arrays stay in the cache."""
+"""Number of points evaluated together, so few that all temporary arrays stay in the cache."""
 
 
 @dataclass(frozen=True)
 class Washout:
-    """An interval [start, stop) (m) with a radius up to ``enlargement`` m larger, and ``roughness`` times rougher."""
+    """An interval [start, stop) (m), up to ``enlargement`` m larger in radius and up to ``roughness`` times rougher."""
 
     start: float
     stop: float
@@ -37,7 +37,7 @@ class Washout:
 class Breakout:
     """Two opposite lobes over [start, stop) (m), at ``toolface`` and ``toolface + 180``, each ``opening`` wide (deg).
 
-    In the middle of a lobe the radius is ``enlargement`` metres larger and the wall ``roughness`` times rougher.
+    In the middle of a lobe the radius is ``enlargement`` metres larger and the wall is ``roughness`` times rougher.
     """
 
     start: float
@@ -53,7 +53,7 @@ class Bed:
     """A bed of ``gamma`` (gAPI) that begins where its top crosses the axis at ``depth`` (m).
 
     The top is a plane; on the image it is the sinusoid ``depth + R tan(dip) cos(toolface - direction)``.
-    ``dip`` is the angle to the plane across the hole, ``direction`` the toolface where the bed is deepest, both in deg.
+    ``dip`` is the angle to the plane across the hole, and ``direction`` is the toolface where the bed is deepest (deg).
     """
 
     depth: float
@@ -168,7 +168,7 @@ class Hole:
         return gamma
 
     def stations(self, interval: float = 30.0, margin: float = 30.0) -> tuple[Floats, Floats, Floats]:
-        """Return the survey from ``margin`` m above to ``margin`` m below: depth (m), inclination and azimuth (deg)."""
+        """Return depth (m), inclination and azimuth (deg) from ``margin`` m above the hole to ``margin`` m below it."""
         depth = np.arange(self.start - margin, self.stop + margin + interval, interval)
         along = np.maximum(depth - self.start, 0.0)
         inclination = np.full(depth.size, self.inclination)

@@ -85,7 +85,7 @@ class Rig:
     start, stop
         Depth drilled, metres.
     lift
-        Metres by which the tool is lifted at half the depth, to scan them again (0: no lift); or a list of lifts.
+        Metres by which the tool is lifted half way, to scan these metres again (0: no lift); or a tuple of lifts.
     faults, seed
         The faults of the telemetry, and the seed of all random numbers.
     rate
@@ -124,7 +124,7 @@ class Rig:
         return configuration(address, self._telemetry, self._start)
 
     def _in_order(self, faults: Faults) -> tuple[Floats, list[tuple[float, bytes | int]]]:
-        """Return the triples that are sent, and (drilling time, frame) of all frames; a caliper frame as its number."""
+        """Return the triples that are sent, and (drilling time, frame or number of a caliper frame) of all frames."""
         rows = self._rows
         sent: list[tuple[float, bytes | int]] = [*self._surface(), *self._stations_and_gamma()]
         kept = np.ones(len(rows), bool)
@@ -210,7 +210,7 @@ def socket_address(text: str) -> Address:
 def connect(address: str, seconds: float = 30.0) -> socket.socket:
     """Return a socket: ``tcp://HOST:PORT`` connects, ``listen://HOST:PORT`` waits for one connection.
 
-    An OSError says that no connection was made within ``seconds``.
+    Raises OSError if there is no connection within ``seconds``.
     """
     found = socket_address(address)
     where = (found.host, found.port)

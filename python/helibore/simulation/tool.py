@@ -75,7 +75,7 @@ class Simulation:
         The survey, metres and degrees.
     gamma_depth, gamma
         The gamma image: rows (r,) in metres, values (r, sectors) in gAPI. Sector j spans the toolfaces
-        [j, j + 1) 360 / sectors: the first one starts at the high side.
+        [j, j + 1) 360 / sectors, so the first sector starts at the high side.
     hole, tool
         The truth (``hole.radius(depth, toolface)``) and the tool.
     """
@@ -98,10 +98,10 @@ def simulate(
 ) -> Simulation:
     """Measure a hole (None: ``Hole.example(seed=seed)``) with an imaging-while-drilling tool (None: ``Tool()``).
 
-    ``samples`` is the number of samples of the whole run, at least 2, before the share ``tool.missing`` is removed; it
-    sets the sample rate. None: the number that ``tool.sample_rate`` gives. ``seed`` is that of phases, noise and
-    missing samples. The first sample lies at ``hole.start``, the last at ``hole.stop``. An InputError says that a lift
-    leaves the hole, or that the lifts are not in order of depth.
+    ``samples`` is the number of samples of the whole run, at least 2, before the share ``tool.missing`` is removed. It
+    sets the sample rate; None: the number that ``tool.sample_rate`` gives. ``seed`` is the seed of phases, noise and
+    missing samples. The first sample lies at ``hole.start``, the last at ``hole.stop``. Raises InputError if a lift
+    leaves the hole, or if the lifts are not in order of depth.
     """
     hole = Hole.example(seed=seed) if hole is None else hole
     tool = Tool() if tool is None else tool

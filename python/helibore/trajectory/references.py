@@ -1,18 +1,18 @@
 """Turn toolfaces measured from north or from the high side into the reference of the wall's path.
 
 Looking downhole, with t the tangent, every reference is a direction z square to t, and a toolface is the angle from z,
-clockwise. From one reference to another, at one depth, is therefore one angle::
+clockwise. So at one depth, one angle turns one reference into another::
 
     z_from = cos(a) z_to + sin(a) (t x z_to)            toolface_to = toolface_from + a
 
     north to high side:  a = atan2(-sin A, cos I cos A);   the usual "subtract the azimuth" is exact only at I = 0
 
-A wall has one reference from top to bottom. The high side has no meaning where the hole is vertical and swings about
-close to it; north has none where the hole runs level north or south. So a well from vertical to horizontal wants the
-**parallel-transport** reference: it starts as north, and down the hole it turns with the tangent but never about it
-(the rotation-minimising frame; Bishop, Am. Math. Monthly 82 (1975) 246). A straight line drawn along the wall keeps its
-angle, whatever the tool called it, and in a well that builds at one azimuth A the high side lies at toolface A all the
-way down. The angle depends on the path above it and on nothing below.
+A wall has one reference from top to bottom. The high side has no meaning where the hole is vertical, and it swings
+about where the hole is nearly vertical; north has no meaning where the hole runs level north or south. So a well from
+vertical to horizontal needs the **parallel-transport** reference. It starts as north, and down the hole it turns with
+the tangent but never about it (the rotation-minimising frame; Bishop, Am. Math. Monthly 82 (1975) 246). A straight line
+drawn along the wall keeps its angle, whatever the tool called that angle. In a well that builds at one azimuth A the
+high side lies at toolface A all the way down. The angle at a depth depends only on the path above that depth.
 
 Not supported: magnetic declination and grid convergence (north is the north of the survey), and toolfaces measured
 from the dipping magnetic field itself.
@@ -52,7 +52,7 @@ class FramedPath(Protocol):
 
 
 def reference_of(wall: Any) -> Reference | None:
-    """Return what toolface 0 of a wall is: what its path says, or else its first image; None where neither does."""
+    """Return what toolface 0 of a wall is, as its path or else its first image states; None if neither states it."""
     stated = [getattr(wall, "path", None), *getattr(wall, "images", {}).values()]
     return next((one.reference for one in stated if one is not None), None)
 
@@ -65,8 +65,8 @@ def reference_assumed(wall: Any) -> bool:
 def from_high_side(inclination: npt.ArrayLike, low: float = 4.0, high: float = 6.0) -> Mask:
     """Return which samples count from the high side, (n,) bool for `onto_path`, if the tool switches by inclination.
 
-    A tool counts from north until the inclination reaches ``high``, and from the high side until it is down to ``low``
-    (degrees): between the two it keeps its reference. A series that starts between them starts with the nearer one.
+    A tool counts from north until the inclination rises to ``high``, and then from the high side until the inclination
+    falls to ``low`` (degrees). A series that starts between the two starts with the reference of the nearer limit.
     ``inclination``, (n,) degrees, finite, is that of each sample in order of time.
     """
     inclined = finite_column("inclination", inclination)
@@ -82,7 +82,7 @@ def from_high_side(inclination: npt.ArrayLike, low: float = 4.0, high: float = 6
 
 
 def defined(path: FramedPath, depth: npt.ArrayLike, high_side: bool) -> Mask:
-    """Return where both references are defined, (n,) bool: that of the path, and the high side or else north."""
+    """Return where the path's reference and the high side (or north, by ``high_side``) are both defined, (n,) bool."""
     north, east, down = path.tangent(finite_column("depth", depth)).T
     sine = {"high-side": np.hypot(north, east), "north": np.hypot(east, down)}
     own = sine["high-side" if high_side else "north"]
@@ -91,11 +91,11 @@ def defined(path: FramedPath, depth: npt.ArrayLike, high_side: bool) -> Mask:
 
 
 def onto_path(toolface: npt.ArrayLike, depth: npt.ArrayLike, path: FramedPath, high_side: Mask | bool) -> Floats:
-    """Turn toolfaces measured from north or from the high side into the reference of the path, [0, 360), (n,) new.
+    """Turn toolfaces measured from north or from the high side into the reference of the path; new, (n,) in [0, 360).
 
     Toolfaces in degrees and depths in metres are (n,) and finite. ``high_side`` is True where a sample counts from the
-    high side, False where from north: (n,) bool, or one for all. An InputError says that lengths differ, a value is not
-    finite, the path does not reach a depth, or a reference is undefined there.
+    high side, and False where it counts from north; (n,) bool, or one bool for all samples. Raises InputError if
+    lengths differ, a value is not finite, the path does not reach a depth, or a reference is undefined there.
     """
     angle = finite_column("toolface", toolface)
     where = finite_column("depth", depth, angle.size, "toolface")
@@ -103,8 +103,8 @@ def onto_path(toolface: npt.ArrayLike, depth: npt.ArrayLike, path: FramedPath, h
         raise InputError(f"high_side has shape {np.shape(high_side)}, toolface has {angle.shape}", "must be equal")
     frame = path.frame(where)
     tangent = frame[:, 2]
-    # The tag's own direction, up = (0, 0, -1) or north = (1, 0, 0), less its part along the hole. Its length, the sine
-    # of the angle between them, drops out of atan2.
+    # The direction of the tag, up = (0, 0, -1) or north = (1, 0, 0), less its part along the hole. The length of the
+    # difference, which is the sine of the angle between tag and hole, cancels in atan2.
     pole = np.where(np.reshape(high_side, (-1, 1)), np.array([0.0, 0.0, -1.0]), np.array([1.0, 0.0, 0.0]))
     square = pole - (pole * tangent).sum(axis=1, keepdims=True) * tangent
     undefined = np.linalg.norm(square, axis=1) < _LEAST_ANGLE

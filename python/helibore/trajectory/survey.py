@@ -31,7 +31,7 @@ CorePath = _core.Path
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Survey:
-    """Survey stations, shallowest first. Frozen: the attributes, named as the parameters, are read-only float64 copies.
+    """Survey stations, shallowest first. The attributes have the parameters' names and are read-only float64 copies.
 
     Parameters
     ----------
@@ -46,7 +46,7 @@ class Survey:
     Raises
     ------
     InputError
-        Naming the first value that breaks a rule: ``depth[3] = 120: must be greater than depth[2] = 130``.
+        The error names the first value that breaks a rule: ``depth[3] = 120: must be greater than depth[2] = 130``.
     """
 
     depth: Floats
@@ -102,12 +102,12 @@ class Survey:
         Parameters
         ----------
         table
-            ``table[name]`` is a column of numbers. A row with a missing value (NaN, null, or a number that logs write
-            for none, as in files: -999.25, -9999, -9999.25) is left out; ``left_out`` of the survey is how many.
+            ``table[name]`` is a column of numbers. A row with a missing value (NaN, null, or -999.25, -9999 or
+            -9999.25, which mean a missing value in log files) is left out; ``left_out`` of the survey counts such rows.
         depth, inclination, azimuth
             Names of the columns.
         units
-            Unit of a quantity where it is not metres and degrees: ``{"depth": "ft"}``.
+            Units that are not metres and degrees: ``{"depth": "ft"}``.
 
         Raises
         ------
@@ -152,13 +152,14 @@ class Survey:
             cylinders, inclination linear in depth and azimuth linear in the horizontal distance covered.
         reference
             What toolface 0 points to: ``"high-side"`` (undefined where the hole is vertical), ``"north"`` (undefined
-            where it runs level north or south) or ``"parallel-transport"``: north at the first station (its high side,
-            where that lies within 45 degrees of level north or south), and down the hole turned with the tangent but
-            never about it. It is defined everywhere; `helibore.trajectory.references` turns samples into it.
+            where the hole runs level north or south) or ``"parallel-transport"``. That starts as north at the first
+            station (as the high side, if the station lies within 45 degrees of level north or south), and down the hole
+            it turns with the tangent but never about it. It is defined everywhere. `helibore.trajectory.references`
+            turns toolfaces into it.
         head
             North, east and down of the first station, metres. A map position (UTM) goes here.
         extend
-            Metres the path goes straight on below the last station. Provisional: the next station replaces it.
+            Metres by which the path continues straight below the last station; provisional until the next station.
 
         Raises
         ------
@@ -226,7 +227,7 @@ class Path:
         Raises
         ------
         InputError
-            Naming the first depth the path does not reach, and where it ends.
+            The error names the first depth that the path does not reach, and where the path ends.
         """
         return _shaped(self._core.position(_depths(depth)), depth)
 
@@ -247,12 +248,12 @@ class Path:
         ------
         InputError
             As `position`, and where the reference is undefined: the high side within 0.00006 degrees of vertical, north
-            within the same of level north or south.
+            within the same angle of level north or south.
         """
         return _shaped(self._core.frame(_depths(depth)), depth)
 
     def north_to_high_side(self, depth: npt.ArrayLike) -> Floats:
-        """Degrees to add to a toolface from north to get it from the high side at ``depth`` (m, (n,)), in [0, 360).
+        """Degrees to add to a toolface from north to count it from the high side at ``depth`` (m, (n,)), in [0, 360).
 
         ``atan2(-sin A, cos I cos A)``, exact; the usual "subtract the azimuth" is 6.9 degrees off at I = 48, A = 248.
 

@@ -1,4 +1,4 @@
-"""True vertical depth of a measured depth, if the survey gives it; below mean sea level, if the datum is known.
+"""True vertical depth of a measured depth, if the survey gives it; depth below sea level, if the datum is known.
 
     zero of depths  ---- 0 ----+            TVD    down from the zero of depths (rotary table, kelly bushing)
            elevation           |
@@ -21,7 +21,7 @@ from helibore.base.errors import InputError
 from helibore.trajectory.survey import Path
 
 SURFACE = 0.001
-"""Metres: a survey that begins this near to depth 0 begins there."""
+"""Metres; a survey that begins this near to depth 0 counts as beginning at depth 0."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class TrueDepth:
 
 
 def true_depth(path: Path | None, elevation: float | None) -> TrueDepth | None:
-    """Return the true depths of a path; None if they are not known. InputError if there is an ``elevation`` then."""
+    """Return the true depths of a path, or None if they are not known; with an ``elevation``, raise InputError then."""
     surface = path is not None and abs(path.start_depth) <= SURFACE
     known = path is not None and (surface or path.head[2] != 0)
     if path is None or not known:

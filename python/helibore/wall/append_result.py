@@ -27,9 +27,10 @@ class Change:
     ranges
         (m, 2) int64, sorted half-open (start, stop) ranges of vertices that are new or have other values than before.
     settled
-        Vertices below this no longer change while the hole only gets deeper.
+        Vertices before this number no longer change while the hole only gets deeper.
     accepted, redundant
-        Number of samples taken, and number dropped because the wall has one of equal depth, time, toolface and radius.
+        Number of samples taken, and number of samples dropped because the wall already has a sample of equal depth,
+        time, toolface and radius.
     """
 
     ranges: Integers

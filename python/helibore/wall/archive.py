@@ -1,6 +1,6 @@
 """The archive of a wall, to reopen it: `Wall.save` and `hb.load`.
 
-A zip file of uncompressed NumPy arrays, so ``np.load`` and any zip program open it without helibore:
+The archive is a zip file of uncompressed NumPy arrays, which ``np.load`` and any zip program open without helibore:
 
     helibore.json               format, version, settings, basis, start_depth, path, images, made_from
     samples/depth.npy ...       toolface, radius, and time where samples carry one: canonical order
@@ -8,12 +8,12 @@ A zip file of uncompressed NumPy arrays, so ``np.load`` and any zip program open
     vertices/radius.npy ...     nearest, support, iterations
     survey/depth.npy ...        inclination, azimuth               where the wall has a path
     images/0/depth.npy          images/0/values.npy ...            where it has images
-    attributes/0.npy ...        one value a quad of the whole wall
+    attributes/0.npy ...        one value for each quad of the whole wall
 
 A zip file needs no extra library, NumPy and the standard library write it at the speed of memory, every member has a
 CRC-32, and a truncated file lacks the directory at its end. ``helibore.wall.load`` appends the samples to an empty wall
-and compares the result with the stored vertices: reading takes 50 ms, appending 44 ms (2.4 M samples, 256 k vertices,
-two cores). This file reads and writes a `WallState`, and does not import `Wall`.
+and compares the result with the stored vertices. Reading takes 50 ms and appending takes 44 ms (2.4 M samples, 256 k
+vertices, two cores). This file reads and writes a `WallState`, and does not import `Wall`.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ Arrays = dict[str, Array]
 
 
 def save(wall: WallState, filename: str | os.PathLike[str]) -> None:
-    """Write ``wall`` to ``filename``: `Wall.save`."""
+    """Write ``wall`` to ``filename``, as `Wall.save` describes."""
     path = Path(filename)
     if path.suffix.lower() != ENDING:
         raise InputError(str(path), f"the archive of a wall ends in {ENDING}; wall.surface().save() writes meshes")

@@ -21,10 +21,10 @@ from helibore.samples.caliper import Caliper
 
 FEWEST_SAMPLES = 100
 MOST_UNMEASURED = 0.5
-"""Share of the turns: a tool that leaves more unmeasured has few arms, or sends few samples."""
+"""Share of the turns; a tool that leaves a larger share unmeasured has few arms, or sends few samples."""
 _MOST_BOX_DEPTH = 1.0
 FEW_BOXES = 200
-"""Enough for an uncertainty; with as many as targets, chance hardly decides which settings `tune` chooses."""
+"""This many boxes are enough for an uncertainty. `tune` makes a box for each target, so that chance hardly decides."""
 
 Columns = tuple[Floats, Floats, Floats]
 Boxes = tuple[Floats, Floats]
@@ -82,8 +82,8 @@ def empty_boxes(
 
     Half the height is the distance in depth to the nearest sample within half a sector of angle, at most 1 m. (With a
     limit of 0.5 m, samples of the same arm, with the same bias, would be too close.) Half the width is the angle to the
-    nearest sample within half a pitch of depth. At most ``different`` boxes are computed; they are repeated to
-    ``count``.
+    nearest sample within half a pitch of depth. At most ``different`` boxes are computed; they are repeated until
+    there are ``count`` boxes.
     """
     depth, toolface, _ = samples
     some = min(count, different)
@@ -127,11 +127,11 @@ def estimate_left_out(
         Settings of the wall.
     box
         (m,) metres and (m,) degrees: samples within this distance above or below the row and within this angle beside
-        it are left out, too. None: only those at the position of the row.
+        the row are also left out. None: only samples at the position of the row are left out.
     trial
         (m,) metres: initial radii; one estimate is made from them, without iteration. None: the method iterates.
     nuggets
-        Of kriging, for `Estimates.by_nugget`.
+        The nuggets of kriging for which `Estimates.by_nugget` has radii.
     """
     depth, toolface, _ = samples
     nothing = np.zeros(rows.size)

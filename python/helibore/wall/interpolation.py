@@ -2,8 +2,8 @@
 
     gamma on the wall:   sum(w v) / sum(w)   over the neighbours of each vertex that have a value
 
-Neighbours and weights are those of the radius (Energies 2021, 14, 291). Images of sectors are not interpolated here:
-see `SectorImage`.
+Neighbours and weights are those of the radius (Energies 2021, 14, 291). Sector images are not interpolated here, but by
+`SectorImage`.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from helibore.samples.caliper import Caliper
 
 
 def canonical_order(caliper: Caliper) -> Integers:
-    """Return the rows of ``caliper``, (m,), in the order of `Wall.samples`; of equal timed rows the first."""
+    """Return the rows of ``caliper``, (m,), in the order of `Wall.samples`; with times, equal rows count once."""
     if caliper.time is None:
         return np.argsort(caliper.depth, kind="stable")
     columns = (caliper.depth, caliper.time, wrapped(caliper.toolface), caliper.radius)
@@ -31,7 +31,7 @@ def canonical_order(caliper: Caliper) -> Integers:
 
 
 def in_canonical_order(samples: Caliper, values: npt.ArrayLike, caliper: Caliper | None) -> Floats:
-    """Reorder ``values``, one per row of ``caliper`` (None: of ``samples``), to one per row of a wall's ``samples``."""
+    """Reorder ``values`` from the rows of ``caliper`` (None: of ``samples``) to the rows of a wall's ``samples``."""
     if caliper is None:
         return column("values", values, len(samples), "the wall")
     array = column("values", values, len(caliper), "caliper")

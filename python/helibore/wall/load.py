@@ -1,8 +1,8 @@
 """`hb.load`: reopen an archive, by appending its samples in canonical order to an empty wall.
 
-How samples are split into appends does not change a wall. So the reopened wall and all further appends have the same
-bits as if it had never been saved. The stored vertices show whether this version of helibore still computes the same
-values.
+How samples are split into appends does not change a wall. So the reopened wall has the same bits, now and after further
+appends, as if the wall had never been saved. The stored vertices show whether this version of helibore still computes
+the same values.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from helibore.wall.wall import Wall
 
 
 def load(filename: str | os.PathLike[str], threads: int | None = None, recompute: bool = False) -> Wall:
-    """Reopen a wall that `Wall.save` wrote: the same bits, ready for further appends.
+    """Reopen a wall that `Wall.save` wrote. It has the same bits and takes further appends.
 
     Parameters
     ----------
@@ -44,9 +44,9 @@ def load(filename: str | os.PathLike[str], threads: int | None = None, recompute
     Returns
     -------
     Wall
-        With the settings, basis, samples, vertices, ``path``, ``images``, ``attributes`` and ``made_from`` of the saved
-        one, and the ``picks`` of FILENAME.picks.csv, if it is there. Further appends give the same bits as on the saved
-        wall.
+        The wall with the settings, basis, samples, vertices, ``path``, ``images``, ``attributes`` and ``made_from`` of
+        the saved wall, and with the ``picks`` of FILENAME.picks.csv if that file exists. Further appends give the same
+        bits as on the saved wall.
 
     Raises
     ------

@@ -12,10 +12,10 @@ from helibore.samples.helix import WallLike, helix_of
 
 
 class PointValues(NamedTuple):
-    """Values at points, (m,) each: radius in metres as from `evaluate`, NaN if no vertex around the point has one.
+    """Values at points, (m,) each; `evaluate` gives ``radius``, metres.
 
-    ``nearest`` (metres), ``support`` (number of samples) and the angular gap (degrees) are those of the nearest vertex,
-    as in `Wall`; beyond the wall they are NaN, 0 and 360.
+    ``nearest`` (metres), ``support`` (number of samples) and ``gap`` (the angular gap, degrees) are those of the
+    nearest vertex, as in `Wall`; beyond the wall they are NaN, 0 and 360.
     """
 
     radius: Floats
@@ -25,7 +25,7 @@ class PointValues(NamedTuple):
 
 
 def values_at(wall: Any, depth: npt.ArrayLike, toolface: npt.ArrayLike) -> PointValues:
-    """Return the values of a wall at points: `Wall.at`."""
+    """Return the values of a wall at points, as `Wall.at` describes."""
     where, angle = (column(name, np.ravel(of)) for name, of in (("depth", depth), ("toolface", toolface)))
     radius = evaluate(wall, where, angle)
     helix, count = helix_of(wall), wall.radius.size
@@ -42,7 +42,7 @@ def values_at(wall: Any, depth: npt.ArrayLike, toolface: npt.ArrayLike) -> Point
 
 
 def evaluate(wall: WallLike, depth: npt.ArrayLike, toolface: npt.ArrayLike) -> Floats:
-    """Return the radius of a wall at points, (n,) metres, bilinear in the cell of the helix that holds the point.
+    """Return the radius of a wall at points, (n,) metres, interpolated bilinearly in the cell of the helix.
 
     With s = toolface in sectors, s in [0, K), the vertices of one toolface lie at depths start + (s + m K) pitch / K,
     so the turn of a point is m = (depth - start) / pitch - s / K. Vertices without support, or beyond the ends of the

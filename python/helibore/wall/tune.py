@@ -2,14 +2,16 @@
 
 Each candidate estimates some samples from the others, twice:
 
-    alone   the sample itself is left out: what noise does, where samples are dense
-    box     all samples in a box around it are left out, as large as the empty box around a random vertex of the wall
-            (angle to the nearest sample within half a pitch; depth to the nearest within half a sector): what gaps do
+    alone   only the sample itself is left out; this shows what noise does where samples are dense
+    box     all samples in a box around it are left out; this shows what gaps do. The box is as large as the empty box
+            around a random vertex of the wall (angle to the nearest sample within half a pitch; depth to the nearest
+            sample within half a sector)
 
-If a tool leaves most of each turn unmeasured, no sample lies between its arms that could be left out. In this case the
+If a tool leaves most of each turn unmeasured, there are no samples between its arms to leave out. In this case the
 likelihood of the samples first decides whether the shape of the hole continues along it (`helibore.wall.continuation`).
 
-Leaving out single samples only would give wrong choices where samples are clustered, because vertices lie elsewhere.
+If only single samples were left out, choices would be wrong where samples are clustered, because most vertices lie
+between the clusters.
 """
 
 from __future__ import annotations
@@ -48,7 +50,7 @@ NUGGETS = (0.003, 0.02, 0.1, 0.4)
 _CLIP = 12.0
 """Errors are clipped to this many robust deviations, so that one wrong sample does not decide."""
 _MEDIAN_SQUARE = 0.455
-"""Of a normal deviate with variance 1."""
+"""Median of the square of a normal deviate with variance 1."""
 _STANDARD_ERRORS = 2.0
 _ROUNDING = 1e-9  # metres
 
@@ -60,7 +62,7 @@ class Candidate:
     settings: Settings  # settings of the wall
     alone: float  # root mean square error of the samples left out alone, metres; their noise is included
     box: float  # root mean square error of the samples left out with their boxes, metres
-    gain_alone: float = 0.0  # how much less than the mean square error of the first candidate, in standard errors
+    gain_alone: float = 0.0  # mean square error of the first candidate less that of this candidate, in standard errors
     gain_box: float = 0.0
 
     @property
@@ -79,7 +81,7 @@ class Tuning:
     Attributes
     ----------
     settings
-        The best settings: ``hb.reconstruct(caliper, **vars(tuning.settings))``.
+        The best settings, for ``hb.reconstruct(caliper, **vars(tuning.settings))``.
     best
         The candidate with these settings.
     candidates
@@ -87,9 +89,8 @@ class Tuning:
     targets
         Number of samples that were left out.
     continuation
-        For a tool that leaves most of each turn unmeasured: the logarithm of how much likelier it is that the shape of
-        the hole continues along it than that it does not, nats a block (`helibore.wall.continuation`). NaN for other
-        tools.
+        For a tool that leaves most of each turn unmeasured: the log-likelihood of a shape that continues along the hole
+        less that of a shape that does not, nats a block (`helibore.wall.continuation`). NaN if they were not compared.
     """
 
     best: Candidate
@@ -132,7 +133,7 @@ class Tuning:
         return f"Tuning({self.best.name}; {len(self.candidates)} candidates, {self.targets} samples left out)"
 
     def svg(self) -> str:
-        """Return a picture of all candidates: both errors, the chosen candidate in bold."""
+        """Return a picture of both errors of all candidates; the name of the chosen candidate is bold."""
         most = max(max(each.alone, each.box) for each in self.candidates) or 1.0
         marks = []
         for y, each in enumerate(self.candidates, 2):
@@ -179,7 +180,7 @@ def tune(
     caliper
         The samples of the hole.
     bit_diameter, **fixed
-        As in `Settings`: settings that all candidates share. `tune` tries values of ``estimator``, ``angular_scale``
+        Settings that all candidates share, as in `Settings`. `tune` tries values of ``estimator``, ``angular_scale``
         and ``nugget`` if they are not given.
     targets
         Number of samples to leave out.
@@ -192,8 +193,8 @@ def tune(
     -------
     Tuning
         The chosen candidate has the least error in gaps, among those that are better than the settings without tuning
-        by more than two standard errors, both alone and in gaps. If there is none, the settings without tuning are
-        chosen.
+        by more than two standard errors, both alone and in gaps. If there is no such candidate, the settings without
+        tuning are chosen. If the shape of the hole continues along it, the settings for that are chosen instead.
 
     Raises
     ------
@@ -248,7 +249,7 @@ def _tuning(
 
 
 def _grid(first: Settings, fixed: dict[str, Any]) -> Iterator[tuple[Settings, tuple[float, ...]]]:
-    """Yield the candidates: settings, and the nuggets to try with them; no nuggets for inverse distance."""
+    """Yield the settings of candidates, each with the nuggets to try; inverse distance has no nuggets."""
     kriging = fixed.get("estimator", "kriging") == "kriging"
     chosen: dict[str, Any] = {"estimator": "kriging"} if kriging else {}
     if kriging and "neighbors" not in fixed:
@@ -261,8 +262,8 @@ def _grid(first: Settings, fixed: dict[str, Any]) -> Iterator[tuple[Settings, tu
 def _compared(tried: list[Settings], errors: list[list[Floats]], depth: Floats) -> tuple[Candidate, ...]:
     """Compare each candidate with the first, sample by sample.
 
-    Neighbouring errors are correlated. So the standard error counts those of one metre of hole as one (in a short hole,
-    those of a fortieth of its length).
+    Neighbouring errors are correlated. So the standard error counts all errors in one metre of hole as one error (in a
+    short hole, all errors in a fortieth of its length).
     """
     measures = []
     for of_kind in errors:
@@ -270,7 +271,7 @@ def _compared(tried: list[Settings], errors: list[list[Floats]], depth: Floats) 
         squares[squares < _ROUNDING**2] = 0.0
         known = np.isfinite(squares).all(axis=0)
         if not known.any():
-            raise InputError("samples", "too few samples to tune: none has another within max_distance")
+            raise InputError("samples", "too few samples to tune: no sample has another within max_distance")
         block = max(min(1.0, np.ptp(depth) / 40), 1e-6)
         squares, metre = squares[:, known], np.unique(np.floor(depth[known] / block), return_inverse=True)[1]
         squares = np.minimum(squares, _CLIP**2 * np.median(squares[0]) / _MEDIAN_SQUARE)

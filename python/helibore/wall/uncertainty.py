@@ -2,16 +2,16 @@
 
     sigma^2 = (q / 1.96)^2 (tau^2 W + c S^a D^b)
 
-    W   sum of the squared weights: the part of the noise tau^2 that is left
-    S   mean square of the radii used about the estimate: how much the wall changes there
-    D   mean square of the distances to these samples, with distances around the hole multiplied by the stretch
+    W   sum of the squared weights, which is the share of the noise tau^2 that remains
+    S   mean square of the differences between the radii used and the estimate; it shows how much the wall changes
+    D   mean square of the distances to the samples used; distances around the hole are multiplied by the stretch
 
 Samples are left out with boxes as empty as those around vertices (`choose_left_out`). tau, c, a, b and the stretch
 maximise the likelihood of the errors, by Student's t with 5 degrees of freedom. The variance of an error is that of the
 estimate plus the noise tau^2 of the sample itself. q is the 95 % quantile of the errors divided by their standard
-deviations. So the true radius lies within 1.96 sigma of the wall with 95 % probability, at places that are like those
-left out. Elsewhere sigma is NaN: farther from the samples used than 98 % of the left-out ones, and in gaps of the turn
-(`Wall.angular_gap` above `Settings.largest_gap`).
+deviations. So the true radius lies within 1.96 sigma of the wall with 95 % probability, at places like those of the
+left-out samples. Sigma is NaN at places that are farther from the samples used than 98 % of the left-out samples are,
+and in gaps of the turn (`Wall.angular_gap` above `Settings.largest_gap`).
 
 If a tool leaves more than half of the turns unmeasured (few arms, telemetry), samples are too far apart to separate
 noise from shape. Then tau^2 (1 + W) replaces tau^2 W.
@@ -36,12 +36,12 @@ TARGETS = 2000
 NORMAL_95 = 1.959964
 _FREEDOM = 5.0
 _MEDIAN_SQUARE = 0.455
-"""Of a normal deviate with variance 1."""
+"""Median of the square of a normal deviate with variance 1."""
 _ENOUGH = 0.1  # a smaller difference of the log-likelihood does not count
 _SMALLEST = 1e-18  # square metres; smaller ones are rounding
 _STRETCHES = (1.0, 16.0, 256.0)
 _POWERS = ((0.5, 1.0), (1.0, 1.0))
-"""The least and the greatest powers of S and D: with others, a wall of little shape takes its noise for shape."""
+"""The least and the greatest powers of S and D. With others, noise would count as shape in an almost round hole."""
 
 
 @dataclass(frozen=True)
@@ -71,12 +71,12 @@ class Calibration:
 
 
 def calibrate(samples: Columns, settings: Settings, threads: int = 1) -> Calibration:
-    """Calibrate the uncertainty of the walls that these settings make of these samples, at least 100."""
+    """Calibrate the uncertainty of a wall with these settings and samples. At least 100 samples are needed."""
     rows, boxes = choose_left_out(samples, settings, TARGETS, 0, "for an uncertainty")
     found = estimate_left_out(samples, rows, settings, boxes, threads, trial=samples[2][rows])
     known = np.isfinite(found.radius)
     if not known.any():
-        raise InputError("samples", "too few samples for an uncertainty: none has another within max_distance")
+        raise InputError("samples", "too few samples for an uncertainty: no sample has another within max_distance")
     squares = np.maximum((found.radius - samples[2][rows])[known] ** 2, _SMALLEST)
     weights, scatter, along, across = (of[known] for of in found[3:7])
     scatter, distances = (
@@ -104,7 +104,7 @@ class _Fit(NamedTuple):
 
 
 def _fit(squares: Floats, weights: Floats, changes: Floats, near: _Fit | None = None) -> _Fit:
-    """Find the likeliest tau^2, c and powers for squared errors by Student's t: damped Fisher scoring of logarithms.
+    """Find the likeliest tau^2, c and powers for squared errors with Student's t, by damped Fisher scoring.
 
     ``changes``: (2, n) logarithms of S and D. The search starts from the fit ``near``, or from three shares of tau^2.
     """
@@ -147,7 +147,7 @@ def _fit(squares: Floats, weights: Floats, changes: Floats, near: _Fit | None = 
 
 
 def wall_sigma(wall: WallState, threads: int) -> Floats:
-    """Return the standard uncertainty at each vertex: `Wall.sigma`. ``wall`` must have its ``sums``."""
+    """Return the standard uncertainty at each vertex, for `Wall.sigma`. ``wall`` must have its ``sums``."""
     depth, toolface, radius = wall.sample_columns[:3]
     calibration = calibrate((depth, toolface, radius), wall.settings, threads)
     sigma, unmeasured = calibration.sigma(wall.sums), _unmeasured(wall)
@@ -160,9 +160,9 @@ def wall_sigma(wall: WallState, threads: int) -> Floats:
 def _unmeasured(wall: WallState) -> np.ndarray:
     """Return whether each vertex lies in a gap of the turn above `Settings.largest_gap`.
 
-    In most walls none does, and some of the samples are enough to show this. Divide the depths into intervals no longer
-    than `Settings.gap_reach`, and the turn into parts of a third of the largest gap. If each part of each interval has
-    a sample, no gap is longer than two parts.
+    In most walls no vertex does, and a part of the samples is enough to show this. The depths are divided into
+    intervals no longer than `Settings.gap_reach`, and the turn into parts of a third of the largest gap. If each part
+    of each interval has a sample, no gap is longer than two parts.
     """
     depth, toolface = wall.sample_columns[:2]
     ends = whole_helix(wall).depth(np.array([0, wall.radius.size - 1]))

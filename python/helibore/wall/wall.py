@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 
 
 class Wall:
-    """The wall of a hole, growing with its samples; empty at first.
+    """The wall of a hole. It is empty at first and grows with its samples.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ class Wall:
     instruction_set
         'automatic', or one of 'plain', 'avx2' and 'avx512' to force it (for tests: all give the same bits).
     basis
-        What its samples are, as in `Caliper`; surfaces, files and pictures of the wall state it.
+        What the samples are, as in `Caliper`; surfaces, files and pictures of the wall state it.
 
     Attributes
     ----------
@@ -72,7 +72,7 @@ class Wall:
     images
         `SectorImage` by name. Every surface has them as attributes, turned into the reference of the wall's path.
     attributes
-        `WallAttributes`: other values, one for each quad of the wall. Every surface has them, too.
+        `WallAttributes`: other values, one for each quad of the wall. Every surface also has them.
     made_from
         Further facts on the origin of the wall (files, runs, shifts), as JSON values: texts, numbers, lists, dicts.
         Archives and meshes carry them. Reports and logs of an archive read only ``"preparation"``: the messages on
@@ -112,7 +112,7 @@ class Wall:
         self._arms: list[Caliper] = []
         self._path: Path | None = None
         self.images: dict[str, SectorImage] = SectorImages()
-        # A method of the core, not of self: a reference cycle would keep the memory until the garbage collector runs.
+        # The function holds the core, not self: a reference cycle would keep the memory until garbage is collected.
         core, sectors = self._core, self._settings.sectors
         self.attributes = WallAttributes(lambda: (core.start_depth, quad_room(len(core), sectors)))
         self.made_from: dict[str, Any] = {}
@@ -177,7 +177,7 @@ class Wall:
 
     @property
     def settled(self) -> int:
-        """Vertices below this no longer change while the hole only gets deeper."""
+        """Vertices before this number no longer change while the hole only gets deeper."""
         return self._core.settled
 
     @property
@@ -227,7 +227,7 @@ class Wall:
 
     @property
     def sigma(self) -> Floats:
-        """(n,) float64 standard uncertainty of each radius, metres, computed at each access: `wall_sigma`.
+        """(n,) float64 standard uncertainty of each radius, metres; `wall_sigma` computes it at each access.
 
         With 95 % probability the true radius is within 1.96 sigma. NaN if the vertex is farther from samples than the
         calibration covers, or in a gap of the turn larger than `Settings.largest_gap`. Raises InputError if there are
@@ -248,10 +248,10 @@ class Wall:
     def angular_gap(self) -> Floats:
         """(n,) float64 degrees around the hole between the nearest samples on the two sides of each vertex.
 
-        Samples within `Settings.gap_reach` metres of its depth count. The gap is 0 at a sample's toolface; it is 360 if
-        there is no sample, or only one at another toolface. A small gap means that the tool measured this part of the
-        turn. Between the arms of a tool with few arms the gap is large: the wall there is interpolated, even if samples
-        of the arms are near.
+        Samples within `Settings.gap_reach` metres of the vertex's depth count. The gap is 0 at a sample's toolface; it
+        is 360 if there is no sample, or only one at another toolface. A small gap means that the tool measured this
+        part of the turn. Between the arms of a tool with few arms the gap is large, and the wall is interpolated, even
+        if samples of the arms are near.
         """
         return self._state().angular_gap
 
@@ -270,7 +270,7 @@ class Wall:
             self._arms.append(arms)
 
     def at(self, depth: npt.ArrayLike, toolface: npt.ArrayLike) -> PointValues:
-        """Return radius, nearest, support and angular gap at points: `helibore.wall.points.values_at`.
+        """Return radius, nearest, support and angular gap at points, as `helibore.wall.points.PointValues`.
 
         Parameters
         ----------
@@ -309,11 +309,11 @@ class Wall:
         return VertexColumns(*self._core.vertices(*ends))
 
     def reach(self, start: int, stop: int) -> tuple[float, float]:
-        """Return the depths, metres, between which samples decide the values of the vertices [start, stop).
+        """Return the two depths, metres, between which samples affect the values of the vertices [start, stop).
 
-        A wall of all samples between these depths has the same bits at these vertices; samples beyond do not matter. A
+        A wall of all samples between these depths has the same bits at these vertices; other samples do not matter. A
         depth is infinite if a vertex has too few samples and `Settings.max_distance` is None. Raises InputError as
-        `vertices`.
+        `vertices` does.
 
         Examples
         --------
@@ -338,14 +338,16 @@ class Wall:
         values
             (m,) one per sample; NaN where missing.
         caliper
-            The samples in the order of ``values``, as they were appended; None: values in the order of `samples`.
+            The samples in the order of ``values``, as they were appended. None: the values are in the order of
+            `samples`.
         on
             'quads': the mean of each quad's four corners, as `attributes` takes them; 'vertices': one per vertex.
 
         Returns
         -------
         array
-            (q,) or (n,) float64; NaN if no neighbour has a value (of a quad: if any of its corners is NaN).
+            (q,) or (n,) float64. A vertex is NaN if none of its neighbours has a value, and a quad is NaN if any of
+            its corners is NaN.
 
         Raises
         ------
@@ -371,8 +373,8 @@ class Wall:
         Parameters
         ----------
         path
-            Path of the hole; ``"own"``: the wall's own `path`. None, or a wall without a path: straight down from (0,
-            0, 0), with toolface 0 to the north.
+            Path of the hole; ``"own"`` means the wall's own `path`. Without a path the surface goes straight down from
+            (0, 0, 0), with toolface 0 to the north.
         start, stop
             Depths, metres; None: the ends of the wall. The surface holds the quads of the vertices with depths in
             [start, stop), so that surfaces of neighbouring intervals meet without overlap or gap. These quads reach one
@@ -381,8 +383,8 @@ class Wall:
         Raises
         ------
         InputError
-            If the path does not reach a vertex, its reference is undefined there (``vertex 7 at depth 12: ...``), or no
-            vertex lies between ``start`` and ``stop``; and as `SectorImage.on` and `WallAttributes`.
+            If the path does not reach a vertex, if the path's reference is undefined there (``vertex 7 at depth 12:
+            ...``), or if no vertex lies between ``start`` and ``stop``; and as `SectorImage.on` and `WallAttributes`.
         """
         state = self._state(samples=False)
         surface = surface_of(state, self._resolve_path(path), start, stop, self._threads)
@@ -415,8 +417,8 @@ class Wall:
         Raises
         ------
         InputError
-            As `surface`. If a shell does not lie beyond the previous one, or the path bends so sharply that a shell
-            folds over itself: the error names shell, vertex and depth. If a second wall has another helix.
+            As `surface`; if a second wall has another helix; if a shell does not lie beyond the previous one, or the
+            path bends so sharply that a shell folds over itself. The error names shell, vertex and depth.
         """
         state = self._state(samples=False)
         return volume_of(state, self._resolve_path(path), shells, start, stop, self._threads)
@@ -460,9 +462,9 @@ class Wall:
     def save(self, filename: str | os.PathLike[str]) -> None:
         """Write the wall to an archive, whole or not at all; `helibore.load` reopens it.
 
-        It holds settings, samples, vertices, `path`, `images`, `attributes` and `made_from`. The reopened wall has the
-        same bits, now and after further appends. `helibore.wall.archive` describes the file. `picks`, if there are any,
-        are written to FILENAME.picks.csv, which `helibore.load` reads, too.
+        The archive holds settings, samples, vertices, `path`, `images`, `attributes` and `made_from`. The reopened wall
+        has the same bits, now and after further appends. `helibore.wall.archive` describes the file. `picks`, if there
+        are any, are written to FILENAME.picks.csv, which `helibore.load` also reads.
 
         Parameters
         ----------
@@ -481,7 +483,7 @@ class Wall:
             self.picks.save(f"{os.fspath(filename)}{PICKS}", self.path)
 
     def _state(self, samples: bool = True) -> WallState:
-        """Return a frozen copy of the wall; ``samples``: with the samples."""
+        """Return a frozen copy of the wall; it has the samples only if ``samples`` is True."""
         core = self._core
         with self._growing:
             vertices = (core.radius(), core.nearest(), core.support(), core.iterations())
@@ -494,11 +496,11 @@ class Wall:
         )
 
     def logs(self, rugosity_window: float = 1.0, threads: int | None = None, *, sigma: bool = False) -> Logs:
-        """Measure every full turn: `helibore.logs.turn_logs.turn_logs` with this wall and its bit diameter.
+        """Measure every full turn with `helibore.logs.turn_logs.turn_logs`, for this wall and its bit diameter.
 
-        ``rugosity_window``: metres of hole over which rugosity is computed, rounded to an odd number of turns: 1 m at a
-        pitch of 0.1 m is 9 turns. ``threads``: None: as many as the wall uses. ``sigma``: whether to add the
-        uncertainty of diameters and volumes.
+        ``rugosity_window`` is the metres of hole over which rugosity is computed; it is rounded to an odd number of
+        turns, for example to 9 turns for 1 m at a pitch of 0.1 m. If ``threads`` is None, there are as many as the wall
+        uses. ``sigma`` adds the uncertainty of diameters and volumes.
         """
         from helibore.logs.turn_logs import turn_logs
 
@@ -509,7 +511,7 @@ class Wall:
         return turn_logs(state, None, rugosity_window, threads, known)
 
     def zones(self, criteria: Criteria | None = None) -> Classification:
-        """Find washouts, breakouts, key seats and undergauge hole: `helibore.logs.zones.classify` with this wall.
+        """Find washouts, breakouts, key seats and undergauge hole with `helibore.logs.zones.classify`.
 
         ``criteria`` holds the limits in metres; None: the usual limits of the industry.
         """
@@ -520,22 +522,24 @@ class Wall:
     def summary(
         self, start: float | None = None, stop: float | None = None, criteria: Criteria | None = None
     ) -> WallSummary:
-        """Summarize the wall or an interval of it: `helibore.logs.summary.summarize` with this wall.
+        """Summarize the wall, or an interval of the wall, with `helibore.logs.summary.summarize`.
 
-        ``start`` and ``stop``: measured depths, metres, finite; None: the ends of the wall. ``criteria`` as in `zones`.
+        ``start`` and ``stop`` are measured depths, metres, finite; None: the ends of the wall. ``criteria`` is that of
+        `zones`.
         """
         from helibore.logs.summary import summarize
 
         return summarize(self._state(), start, stop, criteria)
 
     def to_xarray(self) -> Dataset:
-        """Return the vertices as an ``xarray.Dataset`` by turn and sector, metres and degrees, missing ones NaN.
+        """Return the vertices as an ``xarray.Dataset`` by turn and sector, in metres and degrees.
 
         Returns
         -------
         Dataset
             ``radius``, ``nearest``, ``support``, ``angular_gap`` and the coordinate ``depth``, each (turn, sector), and
-            the coordinate ``toolface`` (sector). An incomplete last turn is filled with NaN, ``support`` with 0.
+            the coordinate ``toolface`` (sector). Missing values are NaN, also in an incomplete last turn, where
+            ``support`` is 0.
 
         Raises
         ------
@@ -587,7 +591,7 @@ class Wall:
 def wall_of(
     caliper: Caliper, *, bit_diameter: float, path: Path | None = None, threads: int | None = None, **settings: Any
 ) -> Wall:
-    """Return the wall of these samples, an empty wall and one append; parameters as in `helibore.reconstruct`."""
+    """Append these samples to an empty wall and return it; the parameters are those of `helibore.reconstruct`."""
     if settings.get("estimator") == "kriging" and settings.get("kriging_range") is None:
         checked = Settings(bit_diameter=bit_diameter, **settings)
         Wall(**vars(checked) | {"kriging_range": 1.0})  # the core checks the other settings

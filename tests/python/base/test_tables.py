@@ -196,7 +196,7 @@ def test_diameters_in_the_place_of_radii_are_refused():
     frame = {"DEPTH": np.arange(9.0), "TOOLFACE": np.arange(9.0), "RADIUS": np.full(9, 8.52)}
     with pytest.raises(hb.InputError) as error:
         hb.Caliper.from_table(frame, units={"radius": "in"})
-    rule = "looks like a diameter, where a radius is expected: halve it; hb.Caliper takes radii as they are"
+    rule = "looks like a diameter, but must be a radius; halve it, or use hb.Caliper, which does not check this"
     assert str(error.value) == f"column 'RADIUS': median = 0.216 m: {rule}"
     frame["RADIUS"] = np.full(9, 8.75)
     assert len(hb.Caliper.from_table(frame, units={"radius": "in"})) == 9
@@ -240,7 +240,7 @@ def test_diameters_of_few_arms_are_those_of_a_file(tmp_path: Path) -> None:
         ({"diameters": {}}, "diameters = {}: must be the angle of the arms by column, degrees: {"),
         ({"diameters": ["cal_x_in"]}, "diameters = ['cal_x_in']: must be the angle of the arms by column"),
         ({"diameters": {"cal_x_in": "0"}}, "diameters['cal_x_in'] = '0': must be finite degrees"),
-        ({"diameters": diameters, "radius": "R"}, "diameters: state the arms, and take the place of radius and arm"),
+        ({"diameters": diameters, "radius": "R"}, "diameters: must not be given together with radius or arm"),
         ({"diameters": {"z": 0}}, "column 'z': is not in the table (diameter)"),
     ):  # fmt: skip
         with pytest.raises(hb.InputError) as caught:

@@ -48,9 +48,9 @@ INFINITE[1, 2] = np.inf
     ("call", "text"),
     [
         (lambda: image(reference="parallel-transport").onto(path()),
-         "image 'AMP': its own path, which is not known, transports its toolface 0: it cannot be turned onto another "
-         "path"),
-        (lambda: image().onto(path()), "image 'AMP': from north to high-side: no row lies where the path has both"),
+         "image 'AMP': its toolface 0 follows another path, which is not known, so the image cannot be turned"),
+        (lambda: image().onto(path()),
+         "image 'AMP': from north to high-side: no row lies where the path has both references"),
         (lambda: image(depth=DEPTH + 900).on(wall()),
          "image 'AMP' reaches from 1899.93 to 1900.57 m: no quad of the wall, 1000.06 to 1001.89 m, has its centre "
          "there"),
@@ -59,11 +59,12 @@ INFINITE[1, 2] = np.inf
         (lambda: image(INFINITE), "values[1, 2] = inf: must be finite, or NaN where missing"),
         (lambda: image(np.full((6, 8), np.nan)), "values: all 48 are missing"),
         (lambda: image(name="GR", unit="gAPI").breakouts(),
-         "image 'GR': gamma is dark in beds, not in breakouts: take an image of the wall"),
+         "image 'GR': gamma is dark in beds, not in breakouts; use an image of the wall"),
         (lambda: image(NEGATIVE).breakouts(),
          "image 'AMP', values[3, 4] = -1: must not be negative where dark is a share of the row's median"),
         (lambda: ImageCriteria(least_opening=120.0, most_opening=100.0),
-         "least_opening = 120.0, most_opening = 100.0: the first must be less than the second, that at most 180"),
+         "least_opening = 120.0, most_opening = 100.0: the first must be less than the second, and the second at most "
+         "180"),
         (lambda: ImageCriteria(dark=1.0), "dark = 1.0: must be in (0, 1)"),
         (lambda: ImageCriteria(opposite=91.0), "opposite = 91.0: must be at most 90"),
         (lambda: ImageCriteria(least_rows=0), "least_rows = 0: must be an integer of at least 1"),

@@ -228,13 +228,14 @@ def test_a_turned_image_is_linear_between_the_centres_of_its_own_cells() -> None
 def test_an_image_that_cannot_be_turned_says_so() -> None:
     image = SectorImage([1, 2], [[1, 2], [3, 4]], "GR", origin="edge", reference="north")
     with pytest.raises(
-        ValueError, match=r"^image 'GR': from north to parallel-transport: no row lies where the path has both$"
+        ValueError,
+        match=r"^image 'GR': from north to parallel-transport: no row lies where the path has both references$",
     ):
         image.onto(BUILD.path(reference="parallel-transport"))
     carried = SectorImage([1000, 1001], [[1, 2], [3, 4]], "GR", origin="edge", reference="parallel-transport")
     with pytest.raises(
         ValueError,
-        match=r"^image 'GR': its own path, which is not known, transports its toolface 0: it cannot be turned onto",
+        match=r"^image 'GR': its toolface 0 follows another path, which is not known, so the image cannot be turned$",
     ):
         carried.onto(BUILD.path())
 

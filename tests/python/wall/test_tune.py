@@ -155,7 +155,7 @@ def test_boxes_are_empty() -> None:
 
 BAD: list[tuple[int, dict[str, Any], str]] = [
     (37, {}, f"samples = 37: too few samples to tune: must be at least {FEWEST_SAMPLES}"),
-    (150, {"max_distance": 1e-9}, "samples: too few samples to tune: none has another within max_distance"),
+    (150, {"max_distance": 1e-9}, "samples: too few samples to tune: no sample has another within max_distance"),
     (150, {"window": 30}, "window = 30: must be None to tune: samples are left out of the exact search"),
     (150, {"pitch": 0.0}, "pitch = 0: must be finite and not 0"),
 ]
@@ -175,5 +175,5 @@ def test_equal_positions_and_a_constant_wall() -> None:
     assert constant.best is constant.candidates[0]
     assert constant.gain == 0.0
     together = hb.Caliper(np.ones(200), np.zeros(200), np.full(200, 0.11))
-    with pytest.raises(hb.InputError, match=r"^samples: too few samples to tune: none has another"):
+    with pytest.raises(hb.InputError, match=r"^samples: too few samples to tune: no sample has another"):
         hb.tune(together, bit_diameter=BIT)

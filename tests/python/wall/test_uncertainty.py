@@ -116,7 +116,7 @@ def test_too_few_samples() -> None:
     ):
         _ = wall.sigma
     together = hb.reconstruct(hb.Caliper(np.ones(200), np.zeros(200), np.full(200, 0.11)), bit_diameter=BIT)
-    with pytest.raises(hb.InputError, match=r"^samples: too few samples for an uncertainty: none has another"):
+    with pytest.raises(hb.InputError, match=r"^samples: too few samples for an uncertainty: no sample has another"):
         _ = together.sigma
 
 
