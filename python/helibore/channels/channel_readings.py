@@ -1,8 +1,8 @@
 """Turn channels with roles into readings: what each sensor measured in each row, in metres, degrees and seconds.
 
-    radius        one sensor at its angle            radius-image  one a sector, at first + i * step
-    diameter      two, half of it each, at its       travel-time   as a radius or an image, through the mud by an Echo
-                  angle and opposite
+    radius        one sensor, at its angle            radius-image  one sensor a sector, at first + i * step
+    diameter      two sensors of half the diameter,   travel-time   a radius or an image, which an Echo converts
+                  at its angle and opposite
 
 Readings keep the flaws of the log; ``helibore.preparation.prepare`` finds and corrects them. A likely mistake is an
 error, and never corrected silently: a diameter in the place of a radius, radians as degrees, a wrong unit
@@ -30,10 +30,10 @@ Integers = npt.NDArray[np.int64]
 Mask = npt.NDArray[np.bool_]
 
 UNSTATED = {
-    units.ANGLE: "deg, as one beyond 2 pi must be (no unit stated)",
+    units.ANGLE: "deg, since a value is beyond 2 pi (no unit stated)",
     units.TIME: "s, as no unit is stated",
 }
-"""The unit that a channel without one is read in, by what it measures."""
+"""The unit of a channel whose unit is not stated, by what it measures."""
 
 WITH_TIME = re.compile(r"(\S+[T ]\d[\d:.]*) ?(Z|UTC|[+-]\d\d(?::?\d\d)?)?")
 """A date with a time of day, and perhaps its zone."""
@@ -54,13 +54,13 @@ def readings(
     Parameters
     ----------
     roles
-        What each channel means; guessed where None.
+        What each channel means; None: guessed.
     bit_diameter
         Metres; None: from a ``bit-diameter`` channel if there is one. It shows whether a radius is a diameter.
     echo
         How travel times become radii.
     tracked
-        Whether depths and toolfaces come from another source by time: the set then needs only a time.
+        Whether depths and toolfaces come from another source by time; the set then needs only a time.
 
     Raises
     ------
@@ -151,7 +151,7 @@ def _angles(log_set: RawSet, arm: Role, width: int, turning: bool) -> list[float
             names = log_set[arm.channel].member_names if width < IMAGE_ROW else ()
             if names and arm.role == "radius-image":
                 each = " ".join(f"--radius {name}@{360 * at / width:g}" for at, name in enumerate(names))
-                rule += f", or name the arms of a tool that has so few: {each}"
+                rule += f", or name the arms of a tool with few arms: {each}"
             raise log_set.input_error(rule, column=arm.channel)
         return [arm.first + arm.step * sector for sector in range(width)]
     if arm.angle is None and not turning:
@@ -166,7 +166,7 @@ def _angles(log_set: RawSet, arm: Role, width: int, turning: bool) -> list[float
 
 
 def _arm_names(log_set: RawSet, role: Role, width: int) -> list[str]:
-    """Return the arm of each value in a row: fewer sectors than an image has are arms, each with its own name."""
+    """Return the arm of each value in a row; sectors too few for an image are arms, each with its own name."""
     if not 1 < width < IMAGE_ROW:
         return [role.channel] * width
     members = log_set[role.channel].member_names
@@ -181,7 +181,7 @@ def bit_of_channel(log_set: RawSet, roles: RoleMap) -> float | None:
 
 
 def _time(log_set: RawSet, roles: RoleMap) -> Floats | None:
-    """Return times in seconds: as stated, or since 1970 if the file holds dates; without a time zone they are UTC."""
+    """Return times in seconds: as stated, or since 1970 if the file holds dates; dates without a time zone are UTC."""
     role = roles.one("time")
     if role is None:
         return None
@@ -261,14 +261,14 @@ def _count_missing(
 
 
 def _notes(roles: RoleMap, arms: list[Role]) -> tuple[str, ...]:
-    """Return the roles in use as sentences, and remarks on channels that measure in one direction: biases differ."""
+    """Return the roles in use as sentences, and remarks on channels in one direction, whose biases may differ."""
     used = [*roles.all("depth", "toolface", "toolface-reference", "time", "pass", "bit-diameter"), *arms]
     by_direction: dict[tuple[str, float, float], list[str]] = {}
     for role in arms:
         if role.angle is not None:
             by_direction.setdefault((role.role, role.angle, role.offset), []).append(role.channel)
     together = [
-        f"{' and '.join(names)} are {kind} in one direction: merged; name those to use by an option or in a map"
+        f"{' and '.join(names)} are {kind} in one direction and are merged; an option or a map can name those to use"
         for (kind, _, _), names in by_direction.items()
         if len(names) > 1
     ]

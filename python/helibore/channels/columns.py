@@ -33,7 +33,7 @@ class RawSectorImage:
     name, unit
         As in the file.
     depth, values
-        (n,) float64, metres, strictly growing or strictly falling; and (n, K), NaN where missing.
+        (n,) float64 metres, strictly growing or strictly falling, and (n, K) values, NaN where missing.
     first, step
         Angle of the first sector, and angle from one sector to the next, degrees; None if neither the file nor a map
         states them.
@@ -69,14 +69,15 @@ class RawSectorImage:
         """Return an image for a wall: ``wall.images["GR"] = file.image("GRAS").sector_image(...)``.
 
         The arguments are those of `SectorImage`. Log files do not state whether sector 1 is centred on its angle or
-        starts there (``origin``), nor what the angles count from (``reference``). ``direction`` None is that of the
-        sign of ``step``, clockwise if it is not stated; ``offset`` None is ``first``, or 0 degrees if it is not stated;
-        ``name`` None is the name of the channel.
+        starts there (``origin``), nor what the angles count from (``reference``). If ``direction`` is None, the sign of
+        ``step`` decides, or it is clockwise without a step. If ``offset`` is None, it is ``first``, or 0 degrees
+        without a first angle. If ``name`` is None, it is the name of the channel.
 
         Raises
         ------
         InputError
-            ``GRAS: 8 sectors, 22.5 deg apart: must be 45``; as `SectorImage`, with the channel's name.
+            If the sectors do not fit around the hole (``GRAS: 8 sectors, 22.5 deg apart: must be 45``), and as
+            `SectorImage`, with the channel's name.
         """
         even, step = 360.0 / self.values.shape[1], self.step
         if step is not None and not abs(abs(step) - even) <= 0.005 * even:  # NaN: not evenly spaced
@@ -98,7 +99,7 @@ class RawSectorImage:
 def column(log_set: RawSet, role: Role, option: str = "its option") -> Floats:
     """Return a channel in metres, degrees or seconds, read-only. A unit that is missing or does not fit is an error.
 
-    ``option`` is the one of the command line that the error names.
+    ``option`` is the option of the command line that the error names.
 
     Angles without a unit are degrees if one of them is beyond 2 pi; times without a unit are seconds.
     """
@@ -144,7 +145,7 @@ def about_names(log_set: RawSet) -> str:
 
 
 def north_of(log_set: RawSet, roles: RoleMap) -> str:
-    """Return which north azimuths of a survey count from, true, grid or magnetic, if their channel says it; else ""."""
+    """Return the north of a survey's azimuths (true, grid or magnetic) if their channel states it, or else ""."""
     role = roles.one("azimuth")
     channel = None if role is None else log_set[role.channel]
     text = "" if channel is None else re.sub("[\\W_]+", " ", f"{channel.name} {channel.description}".lower())
@@ -171,7 +172,7 @@ def survey(log_set: RawSet, roles: RoleMap | None = None) -> Survey:
         if known is not None:
             rule = (
                 f"a survey needs the azimuth beside the inclination {known.channel}: the path and true dips follow "
-                "from both. Name the azimuth by --azimuth or in a map; without a survey, dips are those to the hole, "
+                "from both. Name the azimuth by --azimuth or in a map; without a survey, dips count from the hole, "
                 "and toolfaces count from the high side"
             )
             raise InputError(error.place, rule) from error

@@ -26,7 +26,7 @@ NAMES = {
 
 
 def log_header(headers: Iterable[Mapping[str, str]]) -> dict[str, str]:
-    """Return every entry of a log header that a file states; if several files state one, the first of them counts."""
+    """Return every entry of a log header that a file states; if several files state an entry, the first file counts."""
     found: dict[str, str] = {}
     for header in headers:
         upper = {name.upper(): " ".join(str(text).split()) for name, text in header.items()}

@@ -31,7 +31,7 @@ class LogSet(RawSet):
     def caliper(self, roles: RoleMap | None = None, bit_diameter: float | None = None) -> Caliper:
         """Return the wall samples as a `helibore.Caliper`. The error for an impossible radius names its line.
 
-        ``helibore.prepare(file.readings(), ...)`` conditions, corrects and merges them first.
+        ``helibore.prepare(file.readings(), ...)`` conditions, corrects and merges the readings first.
         """
         return prepare(self.readings(roles, bit_diameter)).caliper
 
@@ -82,21 +82,21 @@ class LogFile:
         return self.set().channels
 
     def caliper(self, roles: RoleMap | None = None, bit_diameter: float | None = None) -> Caliper:
-        """Return `LogSet.caliper` of the only set, or of the one that the map names."""
+        """Return `LogSet.caliper` of the only set, or of the set that the map names."""
         return self._set_of(roles).caliper(roles, bit_diameter)
 
     def readings(
         self, roles: RoleMap | None = None, bit_diameter: float | None = None, echo: Echo | None = None
     ) -> Readings:
-        """Return `LogSet.readings` of the only set, or of the one that the map names."""
+        """Return `LogSet.readings` of the only set, or of the set that the map names."""
         return self._set_of(roles).readings(roles, bit_diameter, echo)
 
     def survey(self, roles: RoleMap | None = None) -> Survey:
-        """Return `LogSet.survey` of the only set, or of the one that the map names."""
+        """Return `LogSet.survey` of the only set, or of the set that the map names."""
         return self._set_of(roles).survey(roles)
 
     def image(self, name: str, roles: RoleMap | None = None) -> RawSectorImage:
-        """Return `LogSet.image` of the only set, or of the one that the map names."""
+        """Return `LogSet.image` of the only set, or of the set that the map names."""
         return self._set_of(roles).image(name, roles)
 
     def close(self) -> None:

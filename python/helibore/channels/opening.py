@@ -23,9 +23,9 @@ def open(  # noqa: A001
         CSV, TSV, XLSX, Parquet, LAS 2.0 or 3.0, DLIS, LIS, JSON Well Log Format, WITSML 1.4.1.1 log or trajectory, or
         NPZ. The text formats may be gzipped.
     nulls
-        Numbers that mean "no measurement", beside the one the file declares.
+        Numbers that mean "no measurement", beside the number that the file declares.
     header_line
-        For CSV, TSV and XLSX: the line of the column names, counted from 1. None: it is found.
+        For CSV, TSV and XLSX: the line of the column names, counted from 1. None: the line is found.
 
     Returns
     -------
@@ -36,9 +36,10 @@ def open(  # noqa: A001
     Raises
     ------
     InputError
-        If the content is none of the formats, or breaks its rules; names file, line or column, and rule.
+        If the content has none of the formats, or breaks the rules of its format. The error names file, line or column,
+        and rule.
     MissingExtraError
-        If the format needs a library that is not installed; names the extra that brings it.
+        If the format needs a library that is not installed. The error names the extra that installs the library.
     OSError
         If the file cannot be read.
 

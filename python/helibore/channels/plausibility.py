@@ -24,7 +24,7 @@ RADIUS_RANGE = (0.02, 1.0)
 """Metres: no borehole has a median radius outside this range, so the unit is wrong."""
 
 LIKELY_NULLS = (-999.0, -9999.0, -99999.0, -999999.0, -32768.0, -32767.0, 9999.0, 99999.0, 999999.0, 999.25, 9999.25)
-"""Numbers that files without a declaration mean no value by."""
+"""Numbers that mean no value in files that do not declare a null value."""
 
 MANY = 1 << 16
 """If there are more values than this, the median is taken of evenly chosen values."""
@@ -71,7 +71,7 @@ def lengths(log_set: RawSet, role: Role, values: Floats, bit_diameter: float | N
 def depths(log_set: RawSet, role: Role, values: Floats) -> None:
     """Refuse measured depths, in metres, if all are negative, which would make a mirror image of the hole.
 
-    A number that many files mean no value by, far from all other depths, is refused, too.
+    A depth of `LIKELY_NULLS` is also refused if it is far from all other depths.
     """
     found = present(values)
     raw = log_set.numbers(role.channel)
@@ -96,7 +96,7 @@ def depths(log_set: RawSet, role: Role, values: Floats) -> None:
 
 
 def angles(log_set: RawSet, role: Role, values: Floats) -> None:
-    """Check a toolface, in degrees: within two turns, and not radians read as degrees."""
+    """Check that a toolface, in degrees, is within two turns and is not radians read as degrees."""
     found = present(values)
     if not found.size:
         raise log_set.input_error("every value is missing", column=role.channel)
@@ -115,7 +115,7 @@ def angles(log_set: RawSet, role: Role, values: Floats) -> None:
 
 
 def survey_angles(log_set: RawSet, inclined: Role, turned: Role, inclination: Floats, azimuth: Floats) -> None:
-    """Check inclination and azimuth, in degrees: their ranges, and radians read as degrees."""
+    """Check that inclination and azimuth, in degrees, are in range and are not radians read as degrees."""
     for role, values, low, high in ((inclined, inclination, 0.0, 180.0), (turned, azimuth, -360.0, 360.0)):
         wrong = np.flatnonzero(np.isfinite(values) & ((values < low - 1e-6) | (values > high + 1e-6)))
         if wrong.size:

@@ -5,10 +5,10 @@
     role = "diameter"                  # one of helibore.channels.roles.ROLES
     unit = "in"
     angle = 0.0                        # degrees from the toolface (radius, diameter)
-    offset = 1.2                       # metres from where the depth is counted up the string to this sensor
+    offset = 1.2                       # metres up the string, from where the depth is counted to this sensor
     latency = 0.5                      # seconds from its measurement to its time stamp
-    first = 11.25                      # images: angle of the first sector's centre, and from one to the next
-    step = 22.5
+    first = 11.25                      # images: angle of the first sector's centre
+    step = 22.5                        # images: angle from one sector to the next
     reference = "north"                # toolface: counts from north, high-side or automatic (by inclination)
 
 A channel that the map does not name keeps its guessed role. A role that the map states is confirmed: the checks for
@@ -41,7 +41,7 @@ SPELLING = re.compile(r"(?P<name>.+?)(?:@(?P<angle>[-+]?\d+\.?\d*))?(?::(?P<unit
 
 
 def write_map(roles: RoleMap, with_set: bool = True, warning: str = "") -> str:
-    """Return roles as a TOML map, reasons as comments, and the channels without a role as comments to be edited.
+    """Return roles as a TOML map, with reasons as comments, and channels without a role as comments to edit.
 
     ``warning`` becomes the first comment; it says why the file is refused with these roles.
     """
@@ -65,7 +65,7 @@ def write_map(roles: RoleMap, with_set: bool = True, warning: str = "") -> str:
 
 
 def _without_role(roles: RoleMap) -> list[str]:
-    """Return channels without a role: as entries to fill in if the set cannot be used without them, else as names."""
+    """Return channels without a role, as entries to fill in if the set cannot be used as it is, or else as names."""
     rest = [role for role in roles if role.role == "none"]
     if not rest:
         return []
@@ -87,10 +87,10 @@ def quoted(text: str) -> str:
 
 
 def read_map(path: str | Path, file: LogFile) -> RoleMap:
-    """Read a TOML map, and replace the guessed roles of the set it names by those of the map.
+    """Read a TOML map, and replace the guessed roles of the set that it names by the roles of the map.
 
-    An InputError names map, channel and rule: not TOML, an unknown key, role, channel or unit, a unit of the wrong
-    kind, one role given twice.
+    Raises InputError, which names map, channel and rule, if the map is not TOML, has an unknown key, role, channel or
+    unit, has a unit of the wrong kind, or gives one role twice.
     """
     path = Path(path)
     tree = read_toml(path, path.name)
@@ -103,7 +103,7 @@ def read_map(path: str | Path, file: LogFile) -> RoleMap:
 
 
 def overlay(roles: RoleMap, log_set: RawSet, entries: dict[str, Any], place: str, why: str = "the map") -> RoleMap:
-    """Return the roles, those with an entry replaced; ``place`` names the map in errors, ``why`` in roles."""
+    """Return the roles, replaced where they have an entry; ``place`` names the map in errors, ``why`` in reasons."""
     changed = dict(roles.roles)
     for name, entry in entries.items():
         if name not in log_set:
@@ -156,9 +156,10 @@ def parse_options(
 ) -> RoleMap:
     """Replace roles by columns written ``NAME[@ANGLE][:UNIT]``, as in options of the command line.
 
-    ``columns`` holds a column by role, for roles that one channel has; None leaves the role as it is. ``arms`` holds
-    columns by role, for wall channels; if any is given, all other channels lose such a role. An InputError says that a
-    column is not in the set, has an angle that its role does not take, or a unit that is unknown or of a wrong kind.
+    ``columns`` holds a column by role, for roles that only one channel has; None leaves the role as it is. ``arms``
+    holds columns by role, for wall channels; if any is given, all other channels lose their wall roles. Raises
+    InputError if a column is not in the set, has an angle that its role does not take, or a unit that is unknown or of
+    a wrong kind.
     """
     wanted = [(role, spelling) for role, spelling in columns.items() if spelling is not None]
     wall = [(role, spelling) for role, spellings in arms.items() for spelling in spellings]
@@ -196,7 +197,7 @@ def _own_angle(roles: RoleMap, name: str, role: str, turning: bool) -> float | N
 
 
 def _split_option(log_set: RawSet, spelling: str) -> tuple[str, float | None, str | None]:
-    """Return name, angle and unit of ``NAME[@ANGLE][:UNIT]``, or only a name if a channel has this whole text."""
+    """Return name, angle and unit of ``NAME[@ANGLE][:UNIT]``, or only the name if the whole text names a channel."""
     if spelling in log_set:
         return spelling, None, None
     match = SPELLING.fullmatch(spelling)

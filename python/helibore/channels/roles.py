@@ -44,13 +44,13 @@ SINGLE = (
     "depth", "time", "toolface", "inclination", "azimuth", "tvd", "north", "east", "bit-diameter", "pass",
     "toolface-reference",
 )  # fmt: skip
-"""Roles that one channel of a set can have; the first pattern below that fits wins."""
+"""Roles that only one channel of a set can have: the channel that fits the earliest of the patterns below."""
 
 WALL = ("radius", "diameter", "radius-image", "travel-time")
 """Roles whose values are wall points."""
 
 REFERENCES = ("north", "high-side", "automatic")
-"""What a toolface channel may count from; automatic: north in a steep hole, else the high side, by inclination."""
+"""What a toolface channel may count from; automatic means north in a steep hole, or else the high side."""
 
 # Role, pattern of the whole name (unit suffix taken off, lower case), pattern anywhere in the description.
 # Within a role the earlier pattern wins, so "md" is taken before "tdep".
@@ -162,7 +162,7 @@ def guess(log_set: RawSet) -> RoleMap:
 
 
 def _text_roles(log_set: RawSet, roles: dict[str, Role], has_toolface: bool) -> None:
-    """Give a missing role to a text column whose name fits: the error of reading it then names the bad cell."""
+    """Give a missing role to a text column whose name fits, so that the error of reading it names the bad cell."""
     taken = {each.role for each in roles.values()}
     for channel in log_set:
         if not channel.is_text or roles[channel.name].role != "none" or len(channel.shape) != 1:
@@ -245,7 +245,7 @@ def _match(channel: Channel, name: str, described: str) -> str:
 
 
 def _image_role(channel: Channel) -> Role:
-    """Return the role of an image: a unit of length makes it a caliper image, a travel time an echo image."""
+    """Return the role of an image: a caliper image has a unit of length, and an echo image has travel times."""
     sectors = channel.shape[1]
     if channel.members:
         ends = f"{channel.member_names[0]} to {channel.member_names[-1]}"

@@ -20,7 +20,7 @@ from helibore.files.delimited import FEWEST_SECTORS
 from helibore.files.raw_set import Array, Channel, SectorAxis
 
 NAMELESS = "column"
-"""Name of columns without a name (``column 1``, ``column 2`` ...): their numbers do not count sectors."""
+"""Name of columns without a name (``column 1``, ``column 2`` ...), whose numbers do not count sectors."""
 
 SURE = 8
 """The number of numbered columns that make an image even without stated angles."""

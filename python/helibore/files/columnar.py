@@ -3,7 +3,7 @@
 Parquet: a number column -> (n,); a list column of constant length K -> (n, K); unit from the field's metadata
          ("unit" or "uom"), else from the name
 NPZ:     arrays with the most common first length n (of the images, if there are any) are channels (n,) or (n, K);
-         an array of length K beside an (n, K) one is that image's sector axis
+         an array of length K beside an (n, K) image is the sector axis of that image
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ def _parquet_loader(source: InputFile, file: Any, name: str) -> Callable[[], Arr
             return parquet_values(column)
         lengths = set(column.value_lengths().to_pylist()) if not pa.types.is_fixed_size_list(column.type) else {None}
         if len(lengths) != 1 or column.null_count:
-            raise source.error(f"lists of {len(lengths)} different lengths: must be one", column=name)
+            raise source.error(f"lists have {len(lengths)} different lengths: must have one", column=name)
         return column.flatten().to_numpy(zero_copy_only=False).reshape(len(column), -1)  # type: ignore[no-any-return]
 
     return load

@@ -153,7 +153,7 @@ def _delimiter(source: InputFile, rows: list[str], line: int) -> str:
     if widths[likely][0] > 1:
         return likely  # rows of different widths: the careful reader names the bad row
     if len(sample) > 1 and len(rows[0].split()) > 1:
-        raise source.error("columns are separated by blanks: read are comma, tab, semicolon and |", line)
+        raise source.error("columns are separated by blanks: must be comma, tab, semicolon or |", line)
     if len(sample) > 1 and max(max(width) for width in widths.values()) > 1:
         raise source.error("the header has one column, the rows have more: another delimiter?", line)
     if len(sample) > 1 and all(is_number(row) for row in sample[1:]):
@@ -164,7 +164,7 @@ def _delimiter(source: InputFile, rows: list[str], line: int) -> str:
 def _by_pyarrow(source: InputFile, layout: TableLayout, head: str, encoding: str) -> list[Array] | None:
     """Read the columns with pyarrow; return None if pyarrow is not installed or refuses the table.
 
-    The first 2 MiB decide the types of the columns, so that they do not depend on how pyarrow cuts the table.
+    The first 2 MiB decide the types of the columns, so that the types do not depend on how pyarrow cuts the table.
     """
     try:
         import pyarrow as pa
@@ -194,7 +194,7 @@ def _by_pyarrow(source: InputFile, layout: TableLayout, head: str, encoding: str
 
 
 def _rows(csv: Any, content: Any, layout: TableLayout, skip: int, types: dict[str, Any] | None = None) -> Any:
-    """Read the rows below the first ``skip`` lines. Columns get numbers, since pyarrow refuses repeated names."""
+    """Read the rows below the first ``skip`` lines. Columns are called "0", "1" ...: pyarrow refuses repeated names."""
     numbered = [str(position) for position in range(len(layout.names))]
     return csv.read_csv(
         content,
@@ -219,7 +219,7 @@ def _copied(pa: ModuleType, text: bytes) -> Any:
 def _unpacked(
     pa: ModuleType, csv: Any, source: InputFile, layout: TableLayout, encoding: str, types: dict[str, Any]
 ) -> Any:
-    """Read a table that must be unpacked or decoded: this thread prepares a piece while another parses the last one."""
+    """Read a table that must be unpacked or decoded; one thread prepares a piece while another parses the last."""
     parts: list[Future[Any]] = []
     with ThreadPoolExecutor(1) as beside:
         for piece in source.pieces():
@@ -245,7 +245,7 @@ def _column_type(pa: ModuleType, column: Any) -> Any:
 
 
 def _line_finder(source: InputFile, layout: TableLayout) -> Callable[[int], int]:
-    """Return a function that gives the line of a row. It reads the file to count lines: only errors call it."""
+    """Return a function that gives the line of a row. It reads the file to count lines, so only errors call it."""
 
     def line_of(row: int) -> int:
         rows = (line for line, raw in enumerate(source.lines(), 1) if line > layout.skip and raw.strip())

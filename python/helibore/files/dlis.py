@@ -2,9 +2,9 @@
 
     frame row = [FRAMENO, index, channel (scalar), channel (K sectors), ...]      DIMENSION, AXIS, UNITS per channel
 
-All rows of a frame are read once, when a caller first asks for a value: reading one channel at a time reads the file
-again and again (18 minutes instead of 0.6, dlisio issue 436). dlisio already reverses DIMENSION and AXIS into C order.
-A channel with more than one axis becomes (n, all elements), with a remark.
+All rows of a frame are read once, when a caller first asks for a value. Reading one channel at a time would read the
+file again and again (18 minutes instead of 0.6, dlisio issue 436). dlisio already reverses DIMENSION and AXIS into C
+order. A channel with more than one axis becomes (n, all elements), with a remark.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def damage_named(source: InputFile, what: str = "") -> Iterator[None]:
 
 @contextmanager
 def dlisio_warnings() -> Iterator[set[str]]:
-    """Collect dlisio's warnings, such as text that is not UTF-8, which it returns as bytes."""
+    """Collect dlisio's warnings, for example about text that is not UTF-8, which dlisio returns as bytes."""
     remarks: set[str] = set()
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -74,7 +74,7 @@ def text_of(value: Any) -> str:
 
 
 def _parameters(logical: Any) -> dict[str, str]:
-    """Return the parameters of a logical file by name, a number with its unit; one that is damaged is left out."""
+    """Return the parameters of a logical file by name; numbers have their unit, and damaged parameters are left out."""
     found = {}
     for parameter in logical.parameters:
         with suppress(Exception):  # a damaged parameter does not keep the frames from being read
@@ -85,7 +85,7 @@ def _parameters(logical: Any) -> dict[str, str]:
 
 
 def _frame(source: InputFile, name: str, frame: Any, parameters: dict[str, str]) -> RawSet:
-    """Return the set of one frame: its channels are read now, its rows at their first use."""
+    """Return the set of one frame. Its channels are read now, and its rows are read at their first use."""
     with damage_named(source, f"frame {name}"):
         dtype = frame.dtype()
         labels = [label for label in dtype.names if label != "FRAMENO"]

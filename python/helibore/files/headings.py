@@ -26,7 +26,7 @@ NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
 
 def describe(name: str) -> str:
-    """Return the unit at the end of a column name as it is written, ``""`` if the name has none."""
+    """Return the unit at the end of a column name as it is written, or ``""`` if the name has no unit."""
     bracketed = BRACKETED.search(name)
     if bracketed and not bracketed[1].isdigit():
         return bracketed[1]

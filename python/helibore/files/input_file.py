@@ -1,7 +1,8 @@
 """Read the bytes of a plain or gzipped file; only the bytes that a caller asks for are in memory.
 
     path -> first bytes -> format name          (the name of the file plays no part)
-    path -> stream()    -> bytes, gunzipped, a gzip bomb refused, a line longer than 1 MiB refused
+    path -> stream()    -> bytes, gunzipped; a gzip bomb is refused
+    path -> lines(), pieces(), text()           (a line longer than 1 MiB is refused)
 
 This file does not know about channels.
 """
@@ -21,22 +22,22 @@ from typing import Any, BinaryIO, cast
 from helibore.base.errors import InputError
 
 LINE_LIMIT = 1 << 20
-"""Longest line (bytes) any text format may have; also the step in which text is read."""
+"""Longest line (bytes) that a text format may have, and the step in which text is read."""
 
 HEAD = 1 << 16
-"""Bytes that decide the format."""
+"""Number of the first bytes, which decide the format."""
 
 PIECE = 1 << 21
-"""Step (bytes) in which a table is unpacked. All lines above the rows lie within the first."""
+"""Step (bytes) in which a table is unpacked. All lines above the rows lie within the first step."""
 
 TEXT_LIMIT = 1 << 30
 """Largest text (bytes) of a format that is read whole (LAS)."""
 
 GZIP_FREE = 1 << 26
-"""Bytes a gzip stream may always unpack to; beyond them the ratio below holds."""
+"""Bytes to which a gzip stream may always unpack; the ratio below limits longer streams."""
 
 GZIP_RATIO = 200
-"""Unpacked bytes per packed byte. Logs that are mostly -999.25 reach 100; the worst gzip can do is 1,032."""
+"""Most unpacked bytes per packed byte. Logs that are mostly -999.25 reach 100; gzip can reach 1,032."""
 
 UTF8_BOM = codecs.BOM_UTF8
 
@@ -120,7 +121,7 @@ class InputFile:
         return self.path.open("rb")
 
     def lines(self) -> Iterator[bytes]:
-        """Yield every line with its ending; a line longer than ``LINE_LIMIT`` is an error that names it."""
+        """Yield every line with its ending; a line longer than ``LINE_LIMIT`` is an error that names the line."""
         with self.stream() as stream:
             number = 1
             while line := stream.readline(LINE_LIMIT + 1):
@@ -157,8 +158,8 @@ class InputFile:
     def text(self) -> tuple[str, str]:
         """Return the whole text and a remark on its encoding ('' for UTF-8).
 
-        Valid UTF-8 is read as UTF-8. Other text is read as Windows-1252, with a remark, unless a line of it is UTF-8
-        beyond ASCII: mixed encodings are refused, because neither fits the whole text.
+        Valid UTF-8 is read as UTF-8. Other text is read as Windows-1252, with a remark. If a line of other text is
+        UTF-8 beyond ASCII, the encodings are mixed; the text is refused, because neither encoding fits all of it.
         """
         pieces: list[bytes] = []
         with self.stream() as stream:
@@ -167,12 +168,12 @@ class InputFile:
                     raise self.line_too_long(sum(earlier.count(b"\n") for earlier in pieces) + 1)
                 pieces.append(piece)
                 if len(pieces) * LINE_LIMIT > TEXT_LIMIT:
-                    raise self.error(f"more than {TEXT_LIMIT >> 20} MiB of text: it is read whole; split it")
+                    raise self.error(f"more than {TEXT_LIMIT >> 20} MiB of text, which is read whole; split the file")
         return decode(self.path, b"".join(pieces))
 
 
 def decode(path: Path, content: bytes) -> tuple[str, str]:
-    """Return ``content`` as text, newlines made ``\\n``, with a remark on the encoding ('' for UTF-8)."""
+    """Return ``content`` as text, with ``\\n`` for every newline, and a remark on the encoding ('' for UTF-8)."""
     content = content.removeprefix(UTF8_BOM)
     at = content.find(b"\0")
     if at >= 0:
@@ -197,7 +198,7 @@ def decode(path: Path, content: bytes) -> tuple[str, str]:
 
 
 def _utf8_line(content: bytes) -> int | None:
-    """Return the number of the first line with a multi-byte character in valid UTF-8, None if there is none."""
+    """Return the number of the first line with a multi-byte character in valid UTF-8, or None without such a line."""
     for number, line in enumerate(content.split(b"\n"), 1):
         if not line.isascii():
             with suppress(UnicodeDecodeError):
@@ -273,7 +274,7 @@ def _binary_format(source: InputFile) -> str:
     if "xl/workbook.xml" in names:
         return "xlsx"
     if "helibore.json" in names:
-        raise source.error("a saved wall: helibore plot, report, logs, mesh and view take it, in Python hb.load")
+        raise source.error("a saved wall: helibore plot, report, logs, mesh and view read it, and hb.load in Python")
     raise source.error("a zip archive: unpack it first")
 
 

@@ -2,7 +2,7 @@
 
 One RawSet for each log. A curve with ``dimensions`` K > 1 holds arrays of K values and becomes an (n, K) channel.
 
-The ISCWSA standard wells have another form, which is read too, one set for each well: {"wells": {name: {"MD": [...],
+The ISCWSA standard wells have another form, which gives one set for each well: {"wells": {name: {"MD": [...],
 "IncDeg": [...], "header": {"depth_unit": ...}}}}. A JSON file is read into memory as a whole, so its size is limited.
 """
 
@@ -23,10 +23,10 @@ from helibore.files.input_file import InputFile, decode, read_exactly
 from helibore.files.raw_set import Array, Channel, RawFile, RawSet, readable_sets, unique
 
 SIZE_LIMIT = 1 << 28
-"""Largest JSON text (bytes) that is read: the parser holds all of it, some ten times over."""
+"""Largest JSON text (bytes) that is read; the parser needs about ten times as much memory."""
 
 EMPTY_FREE, EMPTY_RATIO = 1 << 20, 200
-"""Cells of an array curve that null rows may always fill; beyond them, the most such cells for each other cell."""
+"""Cells of an array curve that null rows may always fill; if there are more, the most of them for each value."""
 
 WELL_UNITS = {"MD": "depth_unit", "TVD": "depth_unit", "N": "surface_unit", "E": "surface_unit"}
 """The key of a standard well's header that states the unit of a column."""
@@ -62,7 +62,7 @@ def _parse(source: InputFile) -> Any:
         with source.stream() as stream:
             content = read_exactly(stream, SIZE_LIMIT + 1)
     if len(content) > SIZE_LIMIT or not content:
-        raise source.error(f"JSON of more than {SIZE_LIMIT >> 20} MiB: it is read whole; split it")
+        raise source.error(f"more than {SIZE_LIMIT >> 20} MiB of JSON, which is read whole; split the file")
     text, _ = decode(source.path, content)
     try:
         return json.loads(text)
@@ -128,7 +128,7 @@ def _column(source: InputFile, name: str, curve: dict[str, Any], cells: Sequence
 def _array_column(source: InputFile, name: str, size: int, cells: Sequence[Any]) -> Array:
     stated = sum(len(cell) for cell in cells if isinstance(cell, list))
     if size * len(cells) > EMPTY_FREE + EMPTY_RATIO * stated:
-        rule = f"{len(cells)} rows hold {stated} values: more than {EMPTY_RATIO} empty ones to each"
+        rule = f"{len(cells)} rows hold {stated} values, with more than {EMPTY_RATIO} empty cells for each"
         raise source.error(rule, column=f"{name}: dimensions", value=str(size))
     empty = [None] * size
     rows = [empty if cell is None else cell for cell in cells]

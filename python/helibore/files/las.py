@@ -31,7 +31,7 @@ FORMAT = re.compile(r"\{\s*(?P<format>[^{}]*)\}")
 DATED = re.compile(r"(?:[DMY]{1,4}[/.-]){2}[DMY]{2,4}(?P<date>\d\S*)", re.IGNORECASE)
 """The form of a date and the date without a blank between them: ``DATE.DD/MM/YYYY21/05/2007``."""
 INDEX = ("STRT", "STOP", "STEP", "NULL")
-"""Header items of the index and the rows: plain numbers. The other numbers of a header keep their unit."""
+"""Header items of the index and the rows, which are plain numbers. The other numbers of a header keep their unit."""
 
 # One angle of an array member: {AF10.4;0deg} or {AF10.4; 2.5 deg}.
 SPACING = re.compile(r"^\s*(?P<value>[+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(?P<unit>\S*)\s*$")
@@ -114,7 +114,7 @@ def _items(section: LasSection, units: bool = False) -> dict[str, str]:
 
 
 def _las2(source: InputFile, sections: list[LasSection], version: dict[str, str], remarks: list[str]) -> list[RawSet]:
-    """Return the one set of a LAS 2 file: lasio reads the header, ``number_rows`` the rows."""
+    """Return the one set of a LAS 2 file; lasio reads the header, and ``number_rows`` reads the rows."""
     data = _section(source, sections, "A")
     if data is not sections[-1]:
         last = sections[-1]
@@ -134,7 +134,7 @@ def _las2(source: InputFile, sections: list[LasSection], version: dict[str, str]
 
 
 def _name_curves(curves: list[LasCurve], remarks: list[str]) -> None:
-    """Name the curves that have no name, and number those of one name."""
+    """Name the curves that have no name, and number the curves that share a name."""
     for number, curve in enumerate(curves, 1):
         if not curve.name:
             curve.name = f"column {number}"
@@ -208,7 +208,7 @@ def _las3(source: InputFile, sections: list[LasSection], version: dict[str, str]
 
 
 def _definition(source: InputFile, sections: list[LasSection], data: LasSection) -> LasSection:
-    """Return the section that defines the columns of ``data``: named after its ``|``, else of the same stem."""
+    """Return the section that defines the columns of ``data``: that named after ``|``, or else that of equal stem."""
     named = data.title.partition("|")[2].strip().upper()
     stem = data.kind.replace("_DATA", "_DEFINITION")
     wanted = [named] if named else [*([stem] if stem != data.kind else []), "CURVE", "LOG_DEFINITION"]

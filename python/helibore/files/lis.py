@@ -1,6 +1,6 @@
 """Read LIS79 tapes through dlisio: one RawSet for each data format specification (a pass) of each logical file.
 
-Only the channels with the fewest samples per row are read; a remark names the channels with more.
+Only the channels with the fewest samples per row are read; a remark names the channels with more samples.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def read(source: InputFile) -> RawFile:
 
 
 def _header(logical: Any) -> dict[str, str]:
-    """Return what the well site and job records of a logical file state, as ``CN``, ``WN`` and ``FN``.
+    """Return what the well site and job records of a logical file state, for example ``CN``, ``WN`` and ``FN``.
 
     A record is a table of rows with the columns MNEM and VALU, or a list of values by mnemonic.
     """

@@ -52,7 +52,7 @@ def save_table(
     table
         The logs; their order is kept.
     filename
-        Ends in .las, .csv, .parquet or .dlis; replaced if it is there.
+        Ends in .las, .csv, .parquet or .dlis; an existing file is replaced.
     well
         Name of the well, for the formats that have a place for it.
     header
@@ -65,7 +65,7 @@ def save_table(
     MissingExtraError
         ``.parquet`` needs pyarrow and ``.dlis`` dliswriter.
     OSError
-        If the folder cannot be written to; the old file stays.
+        If the file cannot be written; an existing file then does not change.
     """
     writer = {".las": _las, ".csv": _csv, ".parquet": _parquet, ".dlis": _dlis}[check_format(filename)]
     known = {name: _one_line(text) for name, text in (header or {}).items()} | (
@@ -75,7 +75,7 @@ def save_table(
 
 
 def check_format(filename: str | os.PathLike[str]) -> str:
-    """Return the ending; refuse one that `save_table` does not know, or that needs a library that is not installed."""
+    """Return the ending; refuse an ending that `save_table` does not know, or whose library is not installed."""
     ending = check_ending(filename, ENDINGS)
     if library := {".parquet": "pyarrow", ".dlis": "dliswriter"}.get(ending):
         require_library(library, ending[1:])
@@ -124,7 +124,7 @@ def _las_line(mnemonic: str, unit: str, value: str, description: str) -> str:
 
 
 def _unit_and_value(text: str) -> tuple[str, str]:
-    """Return a fact as LAS writes it: the unit of a length or volume, and its value."""
+    """Return the unit and the value of a fact as LAS writes them; a fact that is no quantity has the unit ""."""
     quantity = re.fullmatch(r"([-+.\deE]+) (m|mm|in|ft|m3|deg|s)", text)
     return (quantity[2].upper(), quantity[1]) if quantity else ("", _one_line(text))
 
@@ -169,7 +169,7 @@ def _parquet(table: LogTable, header: Mapping[str, str]) -> Callable[[BinaryIO],
 
 
 def write_parquet(table: Any, file: BinaryIO) -> None:
-    """Write a ``pyarrow.Table`` with a checksum a page: without, a flipped bit gives wrong values in silence."""
+    """Write a ``pyarrow.Table`` with a checksum for each page, so that a flipped bit is an error, not a wrong value."""
     from pyarrow import parquet
 
     parquet.write_table(table, file, write_page_checksum=True)
@@ -192,7 +192,7 @@ def _dlis(table: LogTable, header: Mapping[str, str]) -> Callable[[BinaryIO], ob
 def _silent() -> Iterator[None]:
     """Silence dliswriter's progress bar and its warning about the unit m3 (allowed by RP66 V1, appendix B).
 
-    It also warns that a frame of one row has no spacing; a table without rows is written as one row of nulls.
+    dliswriter also warns that a frame of one row has no spacing; a table without rows is written as one row of nulls.
     """
     module: Any = importlib.import_module("dliswriter.file.writer")
     bar = module.progressbar

@@ -58,11 +58,11 @@ def read_rows(
 ) -> Rows:
     """Read the rows of a table with these column names; the first of its lines is line ``first_line`` of the file.
 
-    Blank lines are no rows; with ``comments``, lines that start with # are none either. ``delimiter`` None: any number
-    of blanks separates cells. ``wrapped``: a row may run over several lines (LAS 2 with WRAP YES).
+    Blank lines are not rows; with ``comments``, lines that start with # are not rows. If ``delimiter`` is None, any
+    number of blanks separates cells. If ``wrapped``, a row may run over several lines (LAS 2 with WRAP YES).
 
-    A column is float64, masked where cells are empty; or int64 where whole numbers are too large for float64; or text,
-    where a cell is no number. No rows, or a row of another width, is an InputError with file and line.
+    A column is float64, masked where cells are empty. It is int64 if whole numbers are too large for float64, and text
+    if a cell is not a number. Raises InputError with file and line if there is no row, or a row has another width.
     """
 
     def is_row(line: str) -> bool:
@@ -98,7 +98,7 @@ def _block(lines: list[str], delimiter: str | None) -> Array | None:
 
 
 def _fast(kept: list[str], delimiter: str | None, width: int) -> list[Array] | None:
-    """Read all columns by NumPy, empty cells as NaN; return None if it cannot read the rows."""
+    """Read all columns by NumPy, masked where cells are empty; return None if NumPy cannot read the rows."""
     block, filled = _block(kept, delimiter), False
     if block is None and delimiter is not None:
         text = "\n".join(kept)

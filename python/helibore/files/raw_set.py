@@ -51,7 +51,7 @@ class Channel:
     name
         As in the file; ``:1``, ``:2`` ... is added to a repeated name.
     unit
-        As written, ``""`` where the file states none.
+        As written, ``""`` if the file states no unit.
     description
         As written.
     shape
@@ -67,7 +67,7 @@ class Channel:
     -----
     ``stored`` is the array, or a function that loads it and needs ``shape`` and ``is_text``; a mask marks empty cells.
     ``nulls`` are numbers that mean no value. ``nan_is_missing`` is False for a format that has its own mark for empty
-    cells: a NaN is then a computed value (see ``odd_row``).
+    cells; in such a format a NaN is a computed value (see ``odd_row``).
     """
 
     name: str
@@ -120,9 +120,9 @@ class Channel:
 
 
 def clean(values: Array, nulls: tuple[float, ...], nan_is_missing: bool = True) -> tuple[Array, int, int | None]:
-    """Return numbers with nulls and infinities as NaN, how many cells are missing, and the first odd row (see Channel).
+    """Return numbers with nulls and infinities as NaN, the number of missing cells, and the `Channel.odd_row`.
 
-    The numbers are copied only if one is replaced or converted.
+    The numbers are copied only if a number is replaced or converted.
     """
     kind = values.dtype.kind
     if kind in "OSUMm":
@@ -150,7 +150,7 @@ def clean(values: Array, nulls: tuple[float, ...], nan_is_missing: bool = True) 
 
 
 def unique(names: list[str]) -> list[str]:
-    """Return ``names`` with every repeated one numbered ``NAME:1``, ``NAME:2`` ... in file order."""
+    """Return ``names``, with every repeated name numbered ``NAME:1``, ``NAME:2`` ... in file order."""
     repeated = {name for name, count in Counter(names).items() if count > 1}
     taken = set(names) - repeated
     seen = dict.fromkeys(repeated, 0)
@@ -178,7 +178,7 @@ class RawSet:
     channels
         In file order.
     index
-        Name of the index channel, None where the format states none.
+        Name of the index channel; None if the format states no index.
     rows
         The number of rows.
     header
@@ -266,7 +266,7 @@ class RawSet:
 
 @dataclass
 class RawFile:
-    """An opened file: the name of its format, its sets, and what closes it."""
+    """An opened file: the name of its format, its sets, and the function that closes the file."""
 
     format: str
     sets: list[RawSet]

@@ -18,16 +18,16 @@ READERS = {
 
 
 LIBRARIES = {".las": "lasio", ".dlis": "dlisio", ".lis": "dlisio", ".xlsx": "python_calamine", ".parquet": "pyarrow"}
-"""The library that reads a format for which NumPy and Python do not suffice, by the usual ending of its files."""
+"""For each format that NumPy and Python cannot read, by the usual ending of its files: the library that reads it."""
 
 
 def ending_of(address: str) -> str:
-    """Return the ending of a file in lower case, without that of gzip."""
+    """Return the ending of a file in lower case, without .gz."""
     return Path(address.lower().removesuffix(".gz")).suffix
 
 
 def check_library(ending: str) -> None:
-    """Refuse an ending, as of `ending_of`, whose files need a library that is not installed."""
+    """Refuse an ending (from `ending_of`) if the library that its files need is not installed."""
     if ending in LIBRARIES:
         require_library(LIBRARIES[ending], "dlis" if ending == ".lis" else ending[1:])
 

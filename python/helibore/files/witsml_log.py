@@ -5,7 +5,7 @@
     <trajectorys><trajectory> <trajectoryStation><md uom="m"/><incl uom="rad"/><azi/> ...   one RawSet a trajectory
 
 Units are read from ``uom`` and kept as written (radians stay radians). Any document type or entity declaration is
-refused before the parser gets it. The length of a text, the nesting and the elements of a station are limited.
+refused before the parser gets it. There are limits to the length of a text, the nesting and the elements of a station.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ NESTING = 32
 """Greatest depth of nested elements; WITSML needs 6."""
 
 KEPT = ("trajectoryStation", "logCurveInfo")
-"""Elements whose children are kept until the element ends; children of all others are freed one by one."""
+"""Elements whose children are kept until the element ends; children of other elements are freed one by one."""
 
 CHILDREN = 10_000
 """Greatest number of elements within one of ``KEPT``; WITSML has about 60."""

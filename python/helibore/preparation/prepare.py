@@ -691,7 +691,7 @@ class _Pipeline:
             one = self.readings[int(samples.file[at])]
             channel = one.channels[int(one.arm[int(samples.sensor[at])])]
             place = f"{one.name}, {one.place(int(samples.row[at]))}, column {channel}"
-            rule = f"must be above 0 and at most {LARGEST_RADIUS:g} m; --radius-range drops such (Python: "
+            rule = f"must be above 0 and at most {LARGEST_RADIUS:g} m; --radius-range drops such radii (Python: "
             rule += f"least_radius); if the number of the file means no value, {say_so()}"
             raise InputError(f"{place}: radius {samples.radius[at]:g} m", rule)
 

@@ -201,7 +201,7 @@ class Caliper(Tabular):
             rule = f'must be at most {LARGEST_RADIUS:g} m: units={{"radius": "in"}} states another unit'
             raise InputError(f"column {radius!r}: median", rule, f"{median:.3g} m")
         if sizes.size >= FEW and looks_like_diameter(median):
-            rule = "looks like a diameter, but must be a radius; halve it, or use hb.Caliper, which does not check this"
+            rule = "looks like a diameter, where a radius is expected; halve it, or use hb.Caliper, which takes any"
             raise InputError(f"column {radius!r}: median", rule, f"{median:.3g} m")
         with rows.named():
             made = cls(**rows.columns)  # type: ignore[arg-type]

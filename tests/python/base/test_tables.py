@@ -196,7 +196,7 @@ def test_diameters_in_the_place_of_radii_are_refused():
     frame = {"DEPTH": np.arange(9.0), "TOOLFACE": np.arange(9.0), "RADIUS": np.full(9, 8.52)}
     with pytest.raises(hb.InputError) as error:
         hb.Caliper.from_table(frame, units={"radius": "in"})
-    rule = "looks like a diameter, but must be a radius; halve it, or use hb.Caliper, which does not check this"
+    rule = "looks like a diameter, where a radius is expected; halve it, or use hb.Caliper, which takes any"
     assert str(error.value) == f"column 'RADIUS': median = 0.216 m: {rule}"
     frame["RADIUS"] = np.full(9, 8.75)
     assert len(hb.Caliper.from_table(frame, units={"radius": "in"})) == 9

@@ -290,7 +290,9 @@ def test_suspicions_yield_to_a_map_and_to_the_bit() -> None:
 def test_what_an_unstated_unit_is_taken_for_is_reported() -> None:
     found = log_set(DEPTH, channel("TF", "", np.arange(40.0)), radius(0.1), channel("TIME", "", np.arange(40.0)))
     notes = found.readings().notes
-    assert any(note.startswith("TF is toolface in deg, as one beyond 2 pi must be (no unit stated):") for note in notes)
+    assert any(
+        note.startswith("TF is toolface in deg, since a value is beyond 2 pi (no unit stated):") for note in notes
+    )
     assert any(note.startswith("TIME is time in s, as no unit is stated:") for note in notes)
 
 

@@ -144,7 +144,7 @@ def test_what_it_cannot_do_is_one_line_and_exit_code_two(
         (
             ("--gauge", "--image", "memory.las:GRAS:edge", *BIT, "--survey", "memory.las"),
             "memory.las: a survey needs the azimuth beside the inclination INNM: the path and true dips follow from "
-            "both. Name the azimuth by --azimuth or in a map; without a survey, dips are those to the hole, and "
+            "both. Name the azimuth by --azimuth or in a map; without a survey, dips count from the hole, and "
             "toolfaces count from the high side",
         ),
         (

@@ -117,4 +117,4 @@ def test_text_read_whole_is_bounded(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr("helibore.files.input_file.TEXT_LIMIT", 2 * MIB)
     path = tmp_path / "x.las"
     path.write_bytes(HEADS["las"] + b"1\n" * (2 * MIB))
-    peak_of_refusal(path, "more than 2 MiB of text: it is read whole; split it")
+    peak_of_refusal(path, "more than 2 MiB of text, which is read whole; split the file")

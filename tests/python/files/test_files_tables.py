@@ -100,7 +100,8 @@ def test_walls_and_meshes_are_sent_to_where_they_are_read(tmp_path: Path) -> Non
     wall.save(tmp_path / "well.wall")
     wall.surface().save(tmp_path / "well.glb")
     refused(
-        tmp_path / "well.wall", "a saved wall: helibore plot, report, logs, mesh and view take it, in Python hb.load"
+        tmp_path / "well.wall",
+        "a saved wall: helibore plot, report, logs, mesh and view read it, and hb.load in Python",
     )
     refused(tmp_path / "well.glb", "a mesh (GLB) holds no samples: take the settings beside it")
 
@@ -318,7 +319,7 @@ def test_bad_parquet(tmp_path: Path) -> None:
     refused(tmp_path / "none.parquet", "Parquet without rows")
     ragged = pa.table({"a": pa.array([[1.0], [1.0, 2.0]])})
     parquet.write_table(ragged, tmp_path / "ragged.parquet")
-    refused(tmp_path / "ragged.parquet", "column a: lists of 2 different lengths: must be one")
+    refused(tmp_path / "ragged.parquet", "column a: lists have 2 different lengths: must have one")
 
 
 def test_dates_of_an_archive_of_arrays_are_times(tmp_path: Path) -> None:

@@ -57,7 +57,7 @@ NUMBERS = np.random.default_rng(0).random(5000)
 # "(...)" stands for the words of a library.
 CASES: list[tuple[str, str | bytes, str]] = [
     ("t.csv", "md_m tf_deg\n1 2\n3 4\n",
-     ", line 1: columns are separated by blanks: read are comma, tab, semicolon and |"),
+     ", line 1: columns are separated by blanks: must be comma, tab, semicolon or |"),
     ("t.csv", "md_m\n1,2\n3,4\n", ", line 1: the header has one column, the rows have more: another delimiter?"),
     ("t.csv", "a" * (3 << 20), ", line 1: a line is longer than 1,048,576 bytes"),
     ("t.csv", b"a,b\n" + b"1,2\n" * 20_000 + b"1,\0\n", ", line 20002: a zero byte: not text, or damaged"),
@@ -74,7 +74,7 @@ CASES: list[tuple[str, str | bytes, str]] = [
     ("t.json", CURVES % (', "dimensions": 0.5', "[1]"),
      ", column A: dimensions = 0.5: must be a whole number of at least 1"),
     ("t.json", CURVES % (', "dimensions": 2000000', "null"),
-     ", column A: dimensions = 2000000: 1 rows hold 0 values: more than 200 empty ones to each"),
+     ", column A: dimensions = 2000000: 1 rows hold 0 values, with more than 200 empty cells for each"),
     ("t.json", CURVES % ("", "1" + "0" * 400 + "], [null"), ", column A: holds a whole number too large for a float"),
     ("t.json", '[{"header": {},\n "curves" [}]', ", line 2: Expecting ':' delimiter (character 11)"),
     ("t.json", '{"wells": {"W": 1}}', ": well 'W': must be an object of columns"),
@@ -179,7 +179,7 @@ def test_json_that_is_too_large_and_a_folder(tmp_path: Path, monkeypatch: pytest
     (tmp_path / "t.json").write_text("[" + " " * (1 << 20) + "]")
     with pytest.raises(hb.InputError) as caught:
         hb.open(tmp_path / "t.json")
-    assert str(caught.value) == "t.json: JSON of more than 1 MiB: it is read whole; split it"
+    assert str(caught.value) == "t.json: more than 1 MiB of JSON, which is read whole; split the file"
     with pytest.raises(IsADirectoryError) as folder:
         hb.open(tmp_path)
     assert str(folder.value) == f"{tmp_path}: is a directory"
