@@ -5,10 +5,10 @@
     rows and radii of all blocks --> logs, zones, overview, record                                      the merge
 
 Samples keep their order of arrival in a bin, so that ties are resolved as in one piece. A block reads more bins until
-`Wall.reach` shows that no other sample can matter. Samples that fit in memory are prepared like those of any well. If
-there are more, they are read from Parquet as a stream, and steps that need all samples (finding shifts, biases, flat
-tops, closed arms) are refused by name. In both cases a kriging range to be found, images, and tools of two to seven
-arms are refused.
+`Wall.reach` shows that no other sample can matter. Samples that fit in memory are prepared like those of any well.
+Otherwise the samples are read from Parquet as a stream, and steps that need all samples (finding shifts, biases, flat
+tops, closed arms) are refused by name. In both cases a kriging range that must be found, images, and tools of two to
+seven arms are refused.
 """
 
 from __future__ import annotations
@@ -44,25 +44,25 @@ from helibore.trajectory.survey import Path as WellPath
 from helibore.wall.wall import Wall
 
 UNIT = 256
-"""Turns: blocks of logs begin at multiples of it, in the core too."""
+"""Turns; blocks of logs begin at multiples of this number, also in the core."""
 BIN_TURNS = 64
-"""Turns in the height of a bin."""
+"""Height of a bin, turns."""
 CROWDED = 4
-"""Times `block_samples` that the smallest block, of `UNIT` turns, may have: a worker takes 100 bytes for each."""
+"""A block of `UNIT` turns may have `block_samples` times this many samples; a worker takes 100 bytes for a sample."""
 VERTICES = 2
-"""Times `block_samples` that the vertices of a well in one piece may be: a worker takes 160 bytes for each."""
+"""A well in one piece may have `block_samples` times this many vertices; a worker takes 160 bytes for a vertex."""
 TURNS = 2_000_000
-"""Most turns of a well in blocks: the merge holds their logs, 300 bytes each."""
+"""Most turns of a well in blocks; the merge holds the logs of all turns, 300 bytes a turn."""
 BATCH = 1 << 18
 """Rows read at a time."""
 AS_STREAM: dict[str, Any] = {"pre_buffer": False, "buffer_size": 1 << 20, "page_checksum_verification": True}
-"""How a Parquet file is read in little memory, whatever its row groups; a pre-buffer keeps all that it read."""
+"""Options to read a Parquet file in little memory, whatever its row groups; a pre-buffer would keep all rows read."""
 BY_ROW = ("shallowest", "deepest", "least_radius", "greatest_radius", "sensor_offset", "saturated", "drop_closed")
-"""Settings of a preparation that a block may have; the last two only as false."""
+"""Settings of a preparation that a block may have; the last two must be false."""
 
 
 Batches = Iterable[tuple[Floats, ...]]
-"""Depth, toolface, radius and any time of samples, part by part, in their order."""
+"""Depth, toolface, radius and any time of samples, part by part, in the order of the samples."""
 
 
 def needs_stream(run: Run, most_samples: int) -> bool:
@@ -71,9 +71,9 @@ def needs_stream(run: Run, most_samples: int) -> bool:
 
 
 def prepared_batches(run: Run, samples: tuple[str, Caliper | Prepared] | None, most_samples: int) -> Batches | None:
-    """Return the prepared samples of a well with too many vertices for one piece; None if it fits in one piece.
+    """Return the prepared samples of a well with too many vertices for one piece; None if the well fits in one piece.
 
-    An InputError names what needs the whole well.
+    Raises an InputError that names what needs the whole well.
     """
     if samples is None:
         return None
@@ -106,9 +106,9 @@ def _check_settings(run: Run, why: str) -> None:
 def stream(run: Run, most_samples: int) -> Batches:
     """Return the samples of a well with more rows than fit in memory, as batches that are read when needed.
 
-    An InputError names what needs the whole well.
+    Raises an InputError that names what needs the whole well.
     """
-    why = f"needs the whole well, and one of more than {most_samples:,} samples is made in blocks"
+    why = f"needs the whole well, but a well of more than {most_samples:,} samples is made in blocks"
     settings, preparation = run.settings, run.settings.preparation
     only, *others = settings.caliper
     if others or run.files.log(only.file).format != "parquet":
@@ -215,13 +215,13 @@ def sample_batches(run: Run, only: Input) -> Iterator[tuple[Floats, ...]]:
                 continue
             odd = keep & ~((samples.radius > 0) & (samples.radius <= LARGEST_RADIUS))
             if odd.any():
-                rule = f"must be above 0 and at most {LARGEST_RADIUS:g} m; a radius range drops such"
+                rule = f"must be above 0 and at most {LARGEST_RADIUS:g} m; a radius range drops such radii"
                 raise InputError(f"{only.file.name}: radius", rule, f"{samples.radius[odd][0]:g}")
             yield tuple(column[keep] for column in columns)
 
 
 def _undamaged(name: str, batches: Iterator[Any]) -> Iterator[Any]:
-    """Return the batches of a Parquet file; an InputError names the file where it is damaged."""
+    """Yield the batches of a Parquet file; if it is damaged, raise an InputError that names the file."""
     from pyarrow import ArrowException
 
     try:
@@ -259,7 +259,7 @@ def _count(settings: Settings, plan: Json) -> int:
 
 
 def _blocks(wall: Settings, plan: Json, most_samples: int) -> list[list[int]]:
-    """Return the turns [start, stop) of the blocks: whole units with about ``most_samples`` samples at most."""
+    """Return the turns [start, stop) of the blocks, which are whole units of at most about ``most_samples`` samples."""
     turns = -(-plan["vertices"] // wall.sectors)
     found: list[list[int]] = []
     for first in range(0, turns, UNIT):
@@ -270,15 +270,13 @@ def _blocks(wall: Settings, plan: Json, most_samples: int) -> list[list[int]]:
             found.append([first, stop])
             counted = _samples(wall, plan, first, stop)
             if counted > CROWDED * most_samples:
-                rule = f"{UNIT} turns from {plan['start_depth'] + first * wall.pitch:.6g} m on have {counted:,}"
-                raise InputError(
-                    "block_samples", f"{rule}; a block must have at most {CROWDED} times it", f"{most_samples}"
-                )
+                rule = f"{UNIT} turns from {plan['start_depth'] + first * wall.pitch:.6g} m on have {counted:,} samples or vertices"
+                raise InputError("block_samples", f"{rule}; must be at least 1/{CROWDED} of that", f"{most_samples}")
     return found
 
 
 def _samples(wall: Settings, plan: Json, first: int, stop: int) -> int:
-    """Return the number of samples in the bins of some turns, or of vertices if larger: both take memory."""
+    """Return the number of samples in the bins of some turns, or the number of vertices if that is larger."""
     ends = sorted(plan["start_depth"] + turn * wall.pitch for turn in (first, stop))
     low, high = (math.floor(end / plan["height"]) for end in ends)
     counted: int = sum(plan["counts"].get(str(at), 0) for at in range(low, high + 1))
@@ -302,7 +300,7 @@ def _load(store: Store, plan: Json, low: float, high: float) -> list[Floats]:
 
 
 def stretch(store: Store, plan: Json, settings: Settings, first: int, stop: int) -> Wall:
-    """Return the vertices [first, stop), equal to those of one wall of the whole well; none if no sample is near."""
+    """Return a wall of the vertices [first, stop), equal to those of the whole well; empty if no sample is near."""
     own = {"start_depth": plan["start_depth"], "stop_depth": None, "first_vertex": first, "stop_vertex": stop}
     step = settings.pitch / settings.sectors
     shallow, deep = sorted((plan["start_depth"] + first * step, plan["start_depth"] + stop * step))
@@ -339,7 +337,7 @@ def radii(wall: Wall, count: int) -> tuple[Floats, Floats]:
 
 
 def _first_radius(store: Store, plan: Json, settings: Settings) -> float:
-    """Return the first radius of the well that is not missing, the reference of its rugosity."""
+    """Return the first radius of the well that is not missing, which is the reference of the rugosity."""
     for first, last in plan["blocks"]:
         for turn in range(first, last, UNIT):
             ends = turn * settings.sectors, min((turn + UNIT) * settings.sectors, plan["vertices"])
@@ -351,7 +349,7 @@ def _first_radius(store: Store, plan: Json, settings: Settings) -> float:
 
 
 def make_block(run: Run, store: Store, folder: str, number: int, archive: str | None) -> None:
-    """Make a block: its archive, if ``archive`` names one; then the rows of its logs and its radii, for the merge."""
+    """Write the archive of a block, if ``archive`` names one, and then, for the merge, the rows of logs and radii."""
     plan, part = read_plan(store, folder), _part(folder, number)
     if part in store.sizes(folder) and (archive is None or store.has(archive)):
         return
@@ -384,7 +382,7 @@ def make_block(run: Run, store: Store, folder: str, number: int, archive: str | 
 
 
 def _turn_depth(settings: Settings, plan: Json, turn: int) -> float:
-    """Return the depth of the first vertex of a turn, counted along the helix: negative on one that grows upwards."""
+    """Return the depth of the first vertex of a turn, or minus the depth if the helix grows upwards."""
     return float(plan["start_depth"] + turn * settings.pitch) * math.copysign(1.0, settings.pitch)
 
 
@@ -410,7 +408,7 @@ class PartColumn:
 
 
 class Merged(NamedTuple):
-    """A well whose blocks are all made, without its samples: all that logs, zones, summary and overview need."""
+    """A well whose blocks are all made, without its samples; logs, zones, summary and overview need no more."""
 
     settings: Settings
     start_depth: float
@@ -463,5 +461,5 @@ OVERVIEW_SECTORS = 16
 
 
 def overview_settings(settings: Settings) -> Settings:
-    """Return the settings of the overview of a wall: 1/64 of the usual vertices, from the same samples."""
+    """Return the settings of the overview of a wall, which has 1/64 of the usual vertices, from the same samples."""
     return replace(settings, pitch=COARSER * settings.pitch, sectors=OVERVIEW_SECTORS)

@@ -1,4 +1,4 @@
-"""Let local workers ignore Ctrl-C, which a terminal sends to all processes: the main process ends them."""
+"""Let local workers ignore Ctrl-C, which a terminal sends to all processes; the main process ends the workers."""
 
 import signal
 

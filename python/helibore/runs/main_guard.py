@@ -1,4 +1,4 @@
-"""Refuse to start processes from a script that would start processes again in each of them.
+"""Refuse to start processes from a script that would start processes again in each new process.
 
 A new process runs the user's script from its top, except the part below ``if __name__ == "__main__":``. Without that
 line, each new process makes the same call again, and ends with a traceback.
@@ -31,7 +31,7 @@ def check_main_guard(caller: str) -> None:
     line = frame.f_lineno
     if not any(isinstance(node, ast.If) and node.lineno <= line <= (node.end_lineno or line) for node in tree.body):
         rule = (
-            f'stands outside of if __name__ == "__main__": write that line above it, and indent it; {caller} starts '
-            "processes, and each runs this file again from its top"
+            f'must stand, indented, below the line if __name__ == "__main__": because {caller} starts processes, and '
+            "each process runs this file again from its top"
         )
         raise InputError(f"{Path(file).name}, line {line}", rule)

@@ -1,11 +1,11 @@
 """The wells to reprocess, their files and settings: a TOML manifest, or a Parquet catalogue with one row per well.
 
     output = "s3://field/walls"             # folder of all results, any fsspec address
-    outputs = ["archive", "logs"]           # of: archive, mesh, logs, zones; all of them if left out
-    block_samples = 2000000                 # a well with more is made in blocks of about so many
-    catalogue = "wells.parquet"             # more wells: a column a key, such as name, caliper, survey, wall.sectors
+    outputs = ["archive", "logs"]           # some of archive, mesh, logs, zones; all of them if left out
+    block_samples = 2000000                 # a well with more samples is made in blocks of about this many
+    catalogue = "wells.parquet"             # more wells; columns are keys, such as name, caliper, survey, wall.sectors
 
-    [defaults.wall]                         # what every well takes that does not state its own
+    [defaults.wall]                         # settings of every well that does not state its own
     bit_diameter = 0.2159
 
     [[well]]
@@ -16,7 +16,7 @@
     find_shifts = true
 
 The tables of a well are those of a run's settings (``settings``). A role map is named by ``map`` beside ``file``;
-without one the roles are guessed. Files are named relative to the manifest.
+without a map the roles are guessed. Files are named relative to the manifest.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ OUTPUTS = ("archive", "mesh", "logs", "zones")
 """Outputs of a well."""
 
 BLOCK_SAMPLES = 2_000_000
-"""Samples of a well up to which it is made in one piece; a worker then takes less than 1 GB."""
+"""A well with at most this many samples is made in one piece; a worker then takes less than 1 GB."""
 
 KEYS = ("output", "outputs", "block_samples", "catalogue", "defaults", "well")
 """Keys of a manifest."""
@@ -71,7 +71,7 @@ class Job:
     tree: Json  # the settings as a settings file has them, and ``map`` beside a file; every file an address
     output: str
     outputs: tuple[str, ...] = OUTPUTS
-    block_samples: int = BLOCK_SAMPLES  # a well with more is made in blocks of about so many
+    block_samples: int = BLOCK_SAMPLES  # a well with more samples is made in blocks of about this many
 
     @property
     def key(self) -> str:
@@ -99,7 +99,7 @@ class Job:
         return tree
 
     def addresses(self, keys: tuple[str, ...] = FILES) -> list[str]:
-        """Return the addresses of the files of these keys that the well is made from."""
+        """Return the addresses of the files that the well is made from, for these keys."""
         found: dict[str, str] = {}
         self.mapped(lambda address: found.setdefault(address, address), keys)
         return list(found)
@@ -121,7 +121,7 @@ def read_jobs(manifest: str | Path, output: str | None = None) -> list[Job]:
             wells = [*wells, *_rows(path)]
     target = output or (_absolute(tree["output"], folder) if "output" in tree else None)
     if target is None:
-        raise InputError(f"{name}: output", "is missing: the folder of all results")
+        raise InputError(f"{name}: output", "is missing; it is the folder of all results")
     outputs = tuple(tree.get("outputs", OUTPUTS))
     if not set(outputs) <= set(OUTPUTS):
         raise InputError(f"{name}: outputs", f"must contain only {', '.join(OUTPUTS)}", repr(list(outputs)))
@@ -136,12 +136,12 @@ def read_jobs(manifest: str | Path, output: str | None = None) -> list[Job]:
         names.add(job.well)
         jobs.append(job)
     if not jobs:
-        raise InputError(f"{name}: well", "is missing: there must be one table [[well]], or row, a well")
+        raise InputError(f"{name}: well", "is missing; each well needs a table [[well]], or a row of a catalogue")
     return jobs
 
 
 MOST_NAMED = 10
-"""Missing files that an error names, at most."""
+"""Greatest number of missing files that an error names."""
 
 
 def check_files(jobs: list[Job]) -> None:
@@ -211,7 +211,7 @@ def _files(key: str, given: Any, place: str, folder: str) -> Any:
 
 
 def _absolute(address: str, folder: str) -> str:
-    """Return an address that may be relative to a folder."""
+    """Return an address; if it is relative, it is relative to ``folder``."""
     return address if "://" in address or address.startswith("/") or not folder else f"{folder}/{address}"
 
 

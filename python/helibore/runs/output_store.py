@@ -130,7 +130,7 @@ class Store:
             raise InputError(name, f"was damaged and is deleted: start again ({error})") from error
 
     def write_json(self, name: str, value: Any) -> None:
-        """Write a value as JSON: the same value gives the same bytes."""
+        """Write a value as JSON; the same value gives the same bytes."""
         content = json.dumps(value, indent=1, allow_nan=False).encode()
         with self.writing(name) as path:
             write_whole(path, lambda file: file.write(content))

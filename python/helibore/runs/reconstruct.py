@@ -36,7 +36,7 @@ def reconstruct(
     threads: int | None = None,
     **settings: Any,
 ) -> Wall:
-    """Rebuild the wall of a hole from its samples: an empty `Wall` and one append.
+    """Rebuild the wall of a hole from its samples, by one append to an empty `Wall`.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def reconstruct(
     preparation, track
         As in `helibore.prepare`, for readings.
     path
-        The path of the wall, `Wall.path`; toolfaces of readings are turned into its reference.
+        The path of the wall, `Wall.path`; toolfaces of readings are turned into the path's reference.
     bit_diameter, threads, **settings
         As in `Wall` and `Settings`.
 
@@ -103,7 +103,7 @@ def _odd_passes(wall: Wall, prepared: Prepared) -> list[str]:
 
 
 def compare(wall: Wall, earlier: Wall) -> None:
-    """Set the attribute of a wall that states how much larger it is than an earlier one, metres."""
+    """Set the attribute of a wall that states how much larger it is than an earlier wall, metres."""
     from helibore.preparation.passes import difference
 
     wall.attributes[DIFFERENCE] = on_quads(difference(earlier, wall), wall.settings.sectors)

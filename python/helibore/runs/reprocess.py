@@ -2,9 +2,9 @@
 
     manifest --read_jobs--> jobs --one task a well--> records --> one catalogue
 
-The scheduler holds names and records only: no wall and no samples are sent to it. If a well fails, it is reported with
-the reason, and the others finish. A job that is started again makes only the missing outputs. Without a scheduler the
-wells run on this machine, with one worker per processor and one core thread in each.
+The scheduler holds names and records only; no wall and no samples are sent to it. If a well fails, it is reported with
+the reason, and the other wells finish. A job that is started again makes only the missing outputs. Without a scheduler
+the wells run on this machine, with one worker per processor and one core thread in each worker.
 """
 
 from __future__ import annotations
@@ -49,11 +49,11 @@ QUIET = {
     "distributed.admin.tick.interval": "500ms",
     "distributed.admin.system-monitor.interval": "2s",
 }
-"""Dask settings for local workers: its default self-monitoring takes a large part of the time of a small well."""
+"""Dask settings for local workers; Dask's default self-monitoring takes a large part of the time of a small well."""
 IGNORE_CTRL_C = ["helibore.runs.ignore_ctrl_c"]
 """Modules that each worker of this machine loads."""
 TRIES = 3
-"""Times that a task is tried where a store does not answer or a worker is killed, and that a cluster is started."""
+"""Number of attempts at a task, if a store does not answer or a worker is killed, and at starting a cluster."""
 
 
 @dataclass
@@ -106,9 +106,9 @@ def reprocess(
     Parameters
     ----------
     jobs
-        A manifest (TOML) or a catalogue (Parquet), or the jobs that `read_jobs` made of one.
+        A manifest (TOML) or a catalogue (Parquet), or the jobs that `read_jobs` made of it.
     client
-        A Dask client, or the address of a scheduler; None: a cluster on this machine, one worker a processor.
+        A Dask client, or the address of a scheduler; None: a cluster on this machine, with one worker a processor.
     output
         Folder of the results at any fsspec address, in place of the manifest's.
     workers
@@ -193,7 +193,7 @@ def connected(client: Client | str | None, workers: int | None = None) -> Iterat
 
 
 def _started(start: Callable[[], Any]) -> Any:
-    """Start a cluster; if a worker dies before it answers, Dask ends the cluster, and it is started again."""
+    """Start a cluster; if a worker dies before it answers, Dask ends the cluster, and the cluster is started again."""
     for _ in range(TRIES - 1):
         with contextlib.suppress(RuntimeError):
             return start()
@@ -201,7 +201,7 @@ def _started(start: Callable[[], Any]) -> Any:
 
 
 def status(jobs: Sequence[Job]) -> Progress:
-    """Return the progress of the wells: those in ``skipped`` need no work. This reads all inputs for their checksums.
+    """Return the progress of the wells; wells in ``skipped`` need no work. All inputs are read for their checksums.
 
     A well that is not in ``skipped``, ``failed`` or ``outdated`` has not been made.
     """
@@ -227,7 +227,7 @@ def _orphans(store: Store, jobs: Sequence[Job]) -> list[str]:
 
 
 def _check_workers(client: Any, jobs: Sequence[Job]) -> None:
-    """Refuse workers with other versions, or without a library that a file needs; the error names them.
+    """Refuse workers with other versions, or without a library that a file needs; the error names one such worker.
 
     A worker that joins later refuses its first task.
     """
@@ -241,7 +241,7 @@ def _check_workers(client: Any, jobs: Sequence[Job]) -> None:
 
 
 def _refusal(expected: dict[str, str], files: dict[str, str]) -> str:
-    """Return why this worker cannot do the job; "" if it can. Not raised, since Dask would print a traceback."""
+    """Return why this worker cannot do the job, or "". The error is not raised, since Dask would print a traceback."""
     try:
         check_versions(expected)
     except InputError as error:
@@ -255,7 +255,7 @@ def _refusal(expected: dict[str, str], files: dict[str, str]) -> str:
 
 
 def _run(client: Any, jobs: Sequence[Job], records: dict[str, Json], tell: Callable[[Progress], object]) -> Progress:
-    """Run one task a well, or one a block and a merge; put the records in ``records``."""
+    """Run one task for each well, or one for each block and then a merge; put the records in ``records``."""
     from distributed import CancelledError, as_completed
 
     begin, so_far = time.perf_counter(), Progress(len(jobs), dashboard=client.dashboard_link)

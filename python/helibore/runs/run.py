@@ -177,7 +177,7 @@ def reopen(settings: RunSettings) -> Run:
     for each in settings.inputs:
         now = files.checksum(each.file).result()
         if now != each.blake2b:
-            rule = f"its BLAKE2b is {now}, the settings have {each.blake2b}; only the same file repeats it"
+            rule = f"its BLAKE2b is {now}, the settings have {each.blake2b}; only the same file repeats the run"
             raise InputError(str(each.file), f"has changed since the run: {rule}")
     for one in settings.inputs:
         if isinstance(one, Input):
@@ -196,7 +196,7 @@ def read_run(
 ) -> tuple[list[SectorImage], tuple[str, Caliper | Prepared] | None]:
     """Read the files of a run; return its images, and name and prepared samples of its wall (None for an archive).
 
-    The path of the run is known then.
+    This also sets the path of the run.
     """
     settings, wall = run.settings, run.settings.wall
     for each in settings.inputs:
@@ -305,7 +305,7 @@ def _tune(run: Run, wall: Settings, caliper: Caliper, threads: int | None) -> Se
 
 
 def add_images(wall: Wall, images: list[SectorImage]) -> list[tuple[str, str]]:
-    """Give images to a wall; one whose name is taken gets a number, and a message says so."""
+    """Give images to a wall; an image whose name is taken gets a number, and a message says so."""
     messages = []
     for image in images:
         own, number = image.name, 1
@@ -332,13 +332,13 @@ def _read_image(run: Run, one: ImageInput) -> SectorImage:
     stated = one.reference or run.stated
     reference: Any = stated or run.reference or "high-side"
     if reference not in ("north", "high-side"):
-        rule = f"the wall counts toolfaces from {reference}, but no image does: end it with :north or :high-side"
+        rule = f"the wall counts toolfaces from {reference}, but no image does; end its name with :north or :high-side"
         raise InputError(f"image {one.name}", rule)
     log, origin = run.files.log(one.file).set(), cast(Any, one.origin)
     log.channel(one.name)
     image = log.image(one.name).sector_image(origin, reference)
     size = f"{image.depth.size:,} rows x {image.sectors} sectors, {image.missing:,} values missing"
-    assumed = "" if stated else ", as nothing says otherwise (:north or --reference north would)"
+    assumed = "" if stated else ", since no reference is stated (:north or --reference north states one)"
     run.messages.append(("image", f"{one.file.name}:{one.name}: {size}, from {reference}{assumed}"))
     return image
 
@@ -452,7 +452,7 @@ def save_settings(run: Run, output: Path, verb: str, options: dict[str, Any]) ->
 
 
 def _read_lines(run: Run) -> Iterator[tuple[str, str]]:
-    """Describe what was read from the caliper files, and the role of each channel; equal roles of several sets once."""
+    """Describe what was read from the caliper files, and the roles of channels; equal roles only once."""
     before: tuple[str, ...] = ()
     for each, found in zip(run.settings.caliper, run.readings, strict=True):
         yield "caliper", run.files.description(each)
@@ -492,5 +492,5 @@ def _first_station(log: LogSet, roles: RoleMap, survey: Survey, head: tuple[floa
     place = "--head says where it lies"
     if known:
         north, east, down = (f"{value:.10g}" for value in stated)
-        place = f"the file has it at north {north}, east {east}, down {down} m; --head {north} {east} {down} takes that"
-    yield "", f"positions count from the first station, at {top:g} m, as from (0, 0, 0); {place}"
+        place = f"the file states north {north}, east {east}, down {down} m; --head {north} {east} {down} uses that"
+    yield "", f"positions count from the first station, at {top:g} m, as if it were (0, 0, 0); {place}"

@@ -10,7 +10,7 @@
     [preparation] [echo] [path] [wall]                settings by their names in Python
     [options]                                         the verb's own options
 
-Files are named relative to the settings file. Defaults are written too, so that a later version with other defaults
+Files are named relative to the settings file. Defaults are also written, so that a later version with other defaults
 repeats the run. ``run`` has the run itself.
 """
 
@@ -55,7 +55,7 @@ class Input:
 
 @dataclass(frozen=True)
 class ImageInput:
-    """A sector image that was read; ``reference`` None: what toolface 0 of the wall is."""
+    """A sector image that was read; if ``reference`` is None, it is that of the wall."""
 
     file: Path
     name: str
@@ -155,7 +155,7 @@ def write_settings(path: str | os.PathLike[str], settings: RunSettings) -> None:
 
 
 COMPLETE = (Settings, Preparation, PathSettings, Echo)
-"""Groups that are written with their defaults; in the others a default is left out."""
+"""Groups that are written with their defaults; defaults of other groups are left out."""
 
 
 def _tree(value: Any, folder: Path) -> Any:
@@ -181,7 +181,7 @@ def _tree(value: Any, folder: Path) -> Any:
 
 
 def read_settings(path: str | os.PathLike[str]) -> RunSettings:
-    """Read the settings of a run. File names become paths that can be opened from here; none is opened.
+    """Read the settings of a run. File names become paths from the working folder; no file is opened.
 
     An InputError names the file, the table, the key and the rule.
     """

@@ -142,7 +142,7 @@ def reprocess_block(job: Job, number: int, expected: dict[str, str] | None = Non
 
 
 def merge_well(job: Job, expected: dict[str, str] | None = None) -> Json:
-    """Make outputs and record of a large well whose blocks are all made; return the record as `reprocess_well`."""
+    """Make outputs and record of a large well whose blocks are made; return the record, as `reprocess_well` does."""
     check_versions(expected)
     store = Store(job.output)
     with _opened(job, ("survey",)) as (run, _):
@@ -185,7 +185,7 @@ def _made_from(job: Job, files: OpenFiles, local: dict[str, Path]) -> Json:
 
 
 def _changes(record: Json, now: Json, store: Store) -> str:
-    """Return what has changed since a well was made; "" if it need not be made again."""
+    """Return what has changed since a well was made, or "" if the well need not be made again."""
     before = record["made_from"]
     found = ["its settings"] if before["settings"] != now["settings"] else []
     known = {(of["name"], of["blake2b"]) for of in before["inputs"]}
@@ -197,7 +197,7 @@ def _changes(record: Json, now: Json, store: Store) -> str:
 
 
 def changes(job: Job) -> str | None:
-    """Return what has changed since a well was made, as "its settings, A-1.csv"; "": nothing; None: it is not made.
+    """Return what has changed since a well was made, such as "its settings, A-1.csv", or ""; None if it is not made.
 
     All its inputs are read, to compute their checksums.
     """
@@ -233,7 +233,7 @@ def _opened(job: Job, keys: tuple[str, ...] = FILES) -> Iterator[tuple[Run, dict
             files.checksum(file)
 
         def known(one: Input, table: Json) -> Input:
-            """Return an input with its roles, which need not be stated."""
+            """Return an input with its roles, which are guessed if they are not stated."""
             if one.channel:
                 return one
             return files.input(one.file, one.set, Path(table["map"]) if "map" in table else None)
@@ -314,8 +314,8 @@ NUMBERS = {
     "washed_out": ("m", "Length of washouts"),
     "coverage": ("", "Mean share of the turns that is measured, not interpolated"),
     "without_radius": ("", "Share of the vertices that no sample reaches"),
-    "nearest_half": ("m", "Distance to the nearest sample, at most so far for half of the vertices"),
-    "nearest_most": ("m", "Distance to the nearest sample, at most so far for 99 % of the vertices"),
+    "nearest_half": ("m", "50 % quantile of the distance from a vertex to the nearest sample"),
+    "nearest_most": ("m", "99 % quantile of the distance from a vertex to the nearest sample"),
 }
 """Numbers of `WallSummary` in the catalogue: unit and description."""
 

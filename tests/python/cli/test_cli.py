@@ -157,8 +157,8 @@ def test_upwards(folder: Path, tmp_path: Path) -> None:
          "c.csv, line 3, column md_m: NaN or infinite: a depth must be finite, or empty"),
         ("md_m,rb_deg,r\n1,2,0.1\n1,2,0\n1,2,0.1\n", ["--radius", "r:m"],
          "c.csv, line 3, column r: radius 0 m: must be above 0 and at most 2 m; --radius-range drops such "
-         "radii (Python: least_radius); if the number of the file means no value, --absent NUMBER says so (Python: nulls of "
-         "hb.open)"),
+         "radii (Python: least_radius); if the number of the file means no value, --absent NUMBER says so (Python: "
+         "nulls of hb.open)"),
         ("md_m,rb_deg,r\n1,2,8.5\n", ["--radius", "r:m"],
          "c.csv, column r: median 8.5 m after reading m: no radius of a borehole (would fit cm or in)"),
         ("md_m,rb_deg,r\n", ["--radius", "r:m"], "c.csv, line 1: no rows below the header"),

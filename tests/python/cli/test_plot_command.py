@@ -296,7 +296,7 @@ def test_a_print_names_its_survey_and_the_north_that_the_file_states(tmp_path: P
     assert f"<!-- survey.csv: {said} -->" in (tmp_path / "log.svg").read_text()
 
 
-ASSUMED = "from high-side, as nothing says otherwise (:north or --reference north would)"
+ASSUMED = "from high-side, since no reference is stated (:north or --reference north states one)"
 
 
 @pytest.mark.parametrize(

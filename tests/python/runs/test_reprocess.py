@@ -131,7 +131,7 @@ def test_a_parquet_catalogue_gives_the_same_jobs(field: Path) -> None:
     ("before", "after", "text"),
     [
         ("[defaults.wall]", "[default.wall]", "m.toml: default: must be one of output, outputs, "),
-        ('output = "out"', "", "m.toml: output: is missing: the folder of all results"),
+        ('output = "out"', "", "m.toml: output: is missing; it is the folder of all results"),
         ('output = "out"', 'output = "out"\noutputs = ["wall"]',
          "m.toml: outputs = ['wall']: must contain only archive, mesh, logs, zones"),
         ('name = "B"', "", "m.toml: well 2.name: must be the name of the well"),
@@ -452,7 +452,7 @@ def test_a_stretch_of_hole_with_too_many_samples_for_a_block_is_refused(field: P
     tree = {"caliper": [{"file": f"{field}/0.parquet"}], "wall": settings, "preparation": BY_ROW}
     with pytest.raises(hb.InputError) as caught:
         reprocess_well(Job("A", tree, str(tmp_path), block_samples=999))
-    rule = "256 turns from 1000 m on have 4,000; a block must have at most 4 times it"
+    rule = "256 turns from 1000 m on have 4,000 samples or vertices; must be at least 1/4 of that"
     assert str(caught.value) == f"block_samples = 999: {rule}"
 
 
@@ -577,9 +577,7 @@ def test_a_script_that_would_start_itself_again_is_refused(field: Path, tmp_path
     for text, line in ((call, 2), (f"def main():\n    {call}\nmain()", 4)):
         done = run(text)
         assert done.stderr.count("Traceback") == 1
-        assert (
-            f'InputError: all.py, line {line}: stands outside of if __name__ == "__main__": write that' in done.stderr
-        )
+        assert f"InputError: all.py, line {line}: must stand, indented, below the line if __name__ ==" in done.stderr
         assert not (tmp_path / "out").exists()
     done = run(f'MAIN = __name__ == "__main__"\nif MAIN:\n    print({call}.sentence())')
     assert done.stdout.startswith("2 made, 0 there already, 0 failed"), done.stderr

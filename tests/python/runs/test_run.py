@@ -115,7 +115,7 @@ def test_a_changed_input_is_refused(folder: Path, tmp_path: Path) -> None:
     assert (again.exit_code, again.stdout) == (2, "")
     assert again.stderr == (
         f"helibore: {tmp_path}/c.csv: has changed since the run: its BLAKE2b is {checksum(tmp_path / 'c.csv')}, the "
-        f"settings have {before}; only the same file repeats it\n"
+        f"settings have {before}; only the same file repeats the run\n"
     )
     assert not (tmp_path / "again.stl").exists()
     (tmp_path / "c.csv").unlink()
@@ -406,20 +406,20 @@ def test_depths_that_fall_or_repeat_are_reported(tmp_path: Path) -> None:
     [
         (
             "md_m,inc_deg,azi_deg", "990,3,20", (),
-            "at 990 m, as from (0, 0, 0); --head says where it lies",
+            "at 990 m, as if it were (0, 0, 0); --head says where it lies",
         ),
         ("md_m,inc_deg,azi_deg", "990,3,20", ("--head", "0m", "0m", "900m"), ""),
         ("md_m,inc_deg,azi_deg", "0,3,20", (), ""),
         ("md_m,inc_deg,azi_deg,n_m,e_m,tvd_m", "0,3,20,0,0,0", (), ""),
         (
             "md_m,inc_deg,azi_deg,n_m,e_m,tvd_m", "0,3,20,29.293,2.087,0", (),
-            "at 0 m, as from (0, 0, 0); the file has it at north 29.293, east 2.087, down 0 m; "
-            "--head 29.293 2.087 0 takes that",
+            "at 0 m, as if it were (0, 0, 0); the file states north 29.293, east 2.087, down 0 m; "
+            "--head 29.293 2.087 0 uses that",
         ),
         (
             "md_ft,inc_deg,azi_deg,n_ft,e_ft,tvd_ft", "100,3,20,10,20,99", (),
-            "at 30.48 m, as from (0, 0, 0); the file has it at north 3.048, east 6.096, down 30.1752 m; "
-            "--head 3.048 6.096 30.1752 takes that",
+            "at 30.48 m, as if it were (0, 0, 0); the file states north 3.048, east 6.096, down 30.1752 m; "
+            "--head 3.048 6.096 30.1752 uses that",
         ),
     ],
 )  # fmt: skip

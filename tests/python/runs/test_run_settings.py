@@ -105,7 +105,7 @@ def test_a_changed_file_is_refused(folder: Path) -> None:
     assert (again.exit_code, again.stdout) == (2, "")
     assert again.stderr == (
         f"helibore: g.csv: has changed since the run: its BLAKE2b is {checksum('g.csv')}, the settings have {before}; "
-        "only the same file repeats it\n"
+        "only the same file repeats the run\n"
     )
     assert not (folder / "again.glb").exists()
 
