@@ -1,4 +1,4 @@
-"""Find the bias of each arm in each pass: the amount by which it reads too large a radius.
+"""Find the bias of each arm in each pass: the amount by which its radii are too large.
 
     radius = level(depth) + shape(sector) + wall(cell) + by_pass[pass] + by_arm[arm] + by_both[pass, arm] + noise
 
@@ -8,13 +8,13 @@ far cells depart from level and shape is estimated together with the biases. If 
 be separated from the shape of the hole; if it keeps one toolface, they cannot.
 
 ``by_both`` is the bias of an arm in one pass only: if an arm drifts from pass to pass while another does not, the shape
-of the hole cannot be the cause. Where the samples do not determine biases, they are pulled to 0 (shrinkage). Their
-covariance is the posterior one plus that of the scores of intervals of 10 m (the sandwich estimate for clustered
+of the hole cannot be the cause. Biases that the samples do not determine are pulled to 0 (shrinkage). The covariance of
+biases is the posterior covariance plus that of the scores of intervals of 10 m (the sandwich estimate for clustered
 samples), since walls are correlated along the hole.
 
-Only differences can be found. Zero is the mean of all arms; if some arms drift while others are steady, it is the mean
-of the steady ones. A bias whose deviation exceeds 0.127 mm is NaN and is not corrected. Gain errors, and biases that
-change within a pass, are not supported.
+Only differences can be found. Zero is the mean of all arms; if some arms drift while others are steady, zero is the
+mean of the steady arms. A bias whose deviation exceeds 0.127 mm is NaN and is not corrected. Gain errors, and biases
+that change within a pass, are not supported.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class Bias:
     noise: float  # metres: robust deviation of a sample from its cell after correction
 
     def at(self, pass_number: npt.ArrayLike, arm: npt.ArrayLike | None = None) -> Floats:
-        """Return the bias of each sample, (n,) metres, new: subtract it from the radius. 0 if it is not known.
+        """Return the bias of each sample, (n,) metres, new, to subtract from the radius; 0 if the bias is not known.
 
         Raises
         ------
@@ -119,8 +119,8 @@ class Bias:
         unknown = [names[arm] for arm in np.flatnonzero(np.isnan(self.by_arm)).tolist()]
         if unknown:
             lines.append(
-                f"the bias of {_few(unknown)} cannot be separated from the hole's shape: the arms see other parts of "
-                "the wall throughout, or the shape turns with the tool"
+                f"the bias of {_few(unknown)} cannot be separated from the hole's shape: the arms never see the same "
+                "part of the wall, or the shape turns with the tool"
             )
         left = [
             f"{names[arm]} of pass {self.passes[row]}"
@@ -132,7 +132,7 @@ class Bias:
 
 
 def _few(names: list[str]) -> str:
-    """Return the names as text; of many, only the first."""
+    """Return the names as text; if there are many, only the first names."""
     few = names if len(names) <= 6 else [*names[:5], f"{len(names) - 5} more"]
     return " and ".join([", ".join(few[:-1]), few[-1]] if len(few) > 1 else few)
 
@@ -163,13 +163,13 @@ def find_bias(
     arm
         Whole numbers; None: one arm. Or the classes of :func:`arm_sides`.
     sides
-        Classes of each arm: ``arm`` is arm * sides + side. An arm may read differently in each pass, and differently
-        on each side.
+        Number of classes of each arm; ``arm`` is arm * sides + side. An arm may read differently in each pass, and
+        differently on each side.
     cell, sectors
         Height of a cell in m and cells around the hole.
     floor
-        Least deviation, metres. Most quantised radii agree exactly, so that their median deviation is 0; then give
-        about half a step.
+        Least deviation, metres. Most quantised radii agree exactly, so that their median deviation is 0; for quantised
+        radii, give about half a step.
     expected
         Expected deviation of biases, metres: a weak pull to 0, which matters only where the samples do not determine a
         bias.
@@ -220,13 +220,13 @@ def find_bias(
 
 
 def _indicators(of: Integers) -> Floats:
-    """Return a column for each number, 1 in the rows that have it."""
+    """Return a column for each number, with 1 in the rows that have this number."""
     columns: Floats = (of[:, None] == np.unique(of)).astype(np.float64)
     return columns
 
 
 def _parts(joined: Mask) -> Integers:
-    """Return the number of each group's part: groups that are joined, directly or through others, are one part."""
+    """Return the number of each group's part; groups that are joined, directly or through others, are one part."""
     size = len(joined)
     part = np.arange(size)
     for _ in range(size):
@@ -294,7 +294,7 @@ def _referred(
 def arm_sides(arm: npt.ArrayLike, toolface: npt.ArrayLike, sides: int = 8) -> Integers:
     """Return arm * sides + side, (n,), for :func:`find_bias`: the class of an arm on one side of the hole.
 
-    The weight of the tool bends and closes its arms, depending on their direction: the two ends of a diameter read
+    The weight of the tool bends and closes its arms, depending on their direction, so the two ends of a diameter read
     differently when they change places. Passes in which the tool lay rotated separate this from the shape of the hole.
     ``arm`` are whole numbers, ``toolface`` degrees of the tool's reference from the high side, (n,); the first side is
     centred on 0.
@@ -307,11 +307,11 @@ def arm_sides(arm: npt.ArrayLike, toolface: npt.ArrayLike, sides: int = 8) -> In
 
 
 class _Walls:
-    """The walls: a level for each row of cells, and level + slope * aside for each cell, aside from -1 to 1 across it.
+    """The walls: a level for each row of cells, and level + slope * aside for each cell; aside is -1 to 1 across it.
 
-    Weighted least squares eliminates them from the equations of the groups (passes and arms) and sectors. The expected
-    roughness pulls the level of a cell to 0, the expected steepness its slope: without the latter, the slope would be
-    taken for bias if passes measure at different edges of a cell.
+    Weighted least squares eliminates levels and slopes from the equations of the groups (passes and arms) and sectors.
+    The expected roughness pulls the level of a cell to 0, and the expected steepness pulls its slope to 0. Otherwise
+    the slope would be taken for bias if passes measure at different edges of a cell.
     """
 
     def __init__(
@@ -352,7 +352,7 @@ class _Walls:
 
         A cell contributes diag(a) - (a b) S^-1 (a b)' to the equations of its groups. Here a and b are the sums of w
         and w t of each group in the cell, and S is the 2 x 2 matrix of the sums over the cell. Level and sector of the
-        cell get the sums of this over the groups. Then the level of each row of cells is eliminated, too.
+        cell get the sums of this over the groups. Then the level of each row of cells is also eliminated.
         """
         groups, sectors, cell, group, rows = (
             self.groups,

@@ -1,4 +1,4 @@
-"""Decide which samples to leave out: each step judges the samples, changes nothing, and returns a :class:`Step`.
+"""Decide which samples to leave out; each step judges the samples, changes nothing, and returns a :class:`Step`.
 
     step = spikes(toolface, radius, turn)
     radius[step.kept], step.counts         # counts: {"spike": 3}
@@ -64,17 +64,17 @@ def spikes(
     """Drop samples that disagree with the neighbouring turns at the same toolface, in time and in depth.
 
     A breakout, a key seat or a ledge continues from turn to turn or around the hole; a spike does not. In each of the
-    three turns before and after, take the two samples next to the toolface, one on either side. The six of these
-    nearest in toolface are compared with the sample. It is a spike if all of these hold::
+    three turns before and after, take the two samples next to the toolface, one on either side. Of these samples, the
+    six nearest in toolface are compared with the sample. It is a spike if all of these hold::
 
         1  it lies beyond the second largest or smallest of them by the tolerance and a tenth of their spread
-        2  none of the two next to it in its own turn, or next to its toolface in the turn before and after, is within
-           half the tolerance of it
-        3  the sample of another time that lies next to it in depth (within 5 cm, in its 10 degrees) is not within the
-           tolerance of it either; there may be none
+        2  no sample next to it in its own turn, or next to its toolface in the turn before or after, is within half
+           the tolerance of it
+        3  the sample of another time that is nearest in depth (within 5 cm, in its 10 degrees), if there is one, is
+           not within the tolerance of it
 
-    The tolerance is ``threshold`` times a deviation: 1.4826 times the median distance of the samples of a turn from the
-    medians of their neighbours, in the median of a hundred turns.
+    The tolerance is ``threshold`` times a deviation. The deviation of a turn is 1.4826 times the median distance of its
+    samples from the medians of their neighbours; the median of a hundred turns counts.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ def spikes(
     threshold
         In deviations.
     floor
-        Least deviation, metres, which noise alone may cause. Quantised radii need about one step, for their median
+        Least deviation, metres, which noise alone may cause. Quantised radii need about one step, because their median
         distance is often 0.
 
     Returns
@@ -163,7 +163,7 @@ class _Rings:
         return number.astype(np.float64), middle, values[row, np.minimum(1, last)], values[row, np.maximum(last - 1, 0)]
 
     def deviation(self, middle: Floats) -> Floats:
-        """Return the robust deviation from the neighbours' medians, metres: that of the median turn of each hundred.
+        """Return the robust deviation from the neighbours' medians, metres: that of the median turn of a hundred turns.
 
         A turn through a breakout has a larger median distance, which is due to shape and not to noise.
         """
@@ -205,7 +205,7 @@ class _Rings:
 
 
 def _runs_of(values: Integers) -> tuple[Integers, Integers, Integers, Integers]:
-    """Return the distinct values of a sorted column, where each begins, how often it occurs, and each row's value."""
+    """Return the distinct values of a sorted column, where each begins, its count, and the index of each row."""
     different, first, count = np.unique(values, return_index=True, return_counts=True)
     return different, first, count, np.repeat(np.arange(different.size), count)
 
@@ -295,7 +295,7 @@ def closed(arms: Sequence[npt.ArrayLike], radius: float, *, tolerance: float = 0
     Returns
     -------
     Step
-        ``dropped`` is (n,), of rows.
+        ``dropped`` is (n,), one value a row.
     """
     if not radius > 0 or not tolerance >= 0:
         rule = "radius must be above 0, tolerance not negative"
@@ -343,8 +343,8 @@ def closed_stretches(readings: Readings) -> tuple[float, list[tuple[int, int, in
     """Find the runs of rows in which all arms stay closed, and the ramps on which they close before and open after.
 
     The closed radius is the least, over all rows, of what the largest arm reads, if half of all rows read at least
-    10 mm more. A stretch has 20 rows or more within 2 mm of it. A ramp is where the largest arm reads more from row to
-    row, away from the closed stretch.
+    10 mm more. A stretch has 20 rows or more within 2 mm of the closed radius. A ramp is where the largest arm reads
+    more from row to row, away from the closed stretch.
 
     Returns
     -------
@@ -386,7 +386,7 @@ def disagreements(readings: Readings, apart: float = 0.0025, rows: int = 10) -> 
             known = off[np.isfinite(off)]
             if known.size and np.median(known) > apart:
                 apart_by = f"{1e3 * np.median(known):.1f} mm of radius in half of the rows"
-                rule = f"look in one direction and differ by {apart_by}: name the one to use"
+                rule = f"look in one direction and differ by {apart_by}: name the caliper to use"
                 raise InputError(f"{readings.name}: {names}", rule)
             found = _stretches(off > apart, rows)
             if found:
@@ -394,7 +394,7 @@ def disagreements(readings: Readings, apart: float = 0.0025, rows: int = 10) -> 
                 lines[names] = (
                     f"{readings.name}: {names} look in one direction and differ by more than {1e3 * apart:.1f} mm of "
                     f"radius in {sum(last - first for first, last in found):,} rows, the longest stretch from "
-                    f"{readings.depth[first]:.2f} to {readings.depth[last - 1]:.2f} m: name the one to use"
+                    f"{readings.depth[first]:.2f} to {readings.depth[last - 1]:.2f} m: name the caliper to use"
                 )
     return list(lines.values())
 

@@ -13,31 +13,32 @@ rho(phi). This is exact for any shape, without a small-offset expansion; for a c
 - e^2 sin^2 psi).
 
 Offset is the odd first harmonic; ovality and opposite breakouts are even. So even harmonics may be large (``even``),
-odd ones are small (``odd``), and all are marginalised with these as Gaussian priors: with part of the circle missing
-they become hard to tell from an offset and the stated covariance grows by itself. It has three parts:
+odd harmonics are small (``odd``), and all are marginalised with these as Gaussian priors. If a part of the circle is
+missing, harmonics become hard to tell from an offset, and the stated covariance grows. It has three parts:
 
 - the posterior covariance at the noise found in the turn (Tukey's biweight keeps spikes out);
 - the jackknife of the turn's own residuals ("HC3", MacKinnon and White 1985), for edges that no H harmonics follow;
-- the one-sided wall: a washout on one side has a first harmonic, which no fit can separate from an offset, but also
-higher ones. A box of width b has |a_1 / a_n| = n |sin(b/2) / sin(n b/2)|. Odd harmonics beyond their prior therefore
-  count, fourfold, into the deviation of the centre.
+- the one-sided wall: a washout on one side has a first harmonic, which no fit can separate from an offset, but it also
+  has higher harmonics. A box of width b has |a_1 / a_n| = n |sin(b/2) / sin(n b/2)|. Odd harmonics beyond their prior
+  therefore count, fourfold, into the deviation of the centre.
 
 A second fit allows odd harmonics as large as those of a washout. If the samples show such harmonics, or cannot exclude
-them because much of the circle is missing, the two models are mixed: the wall may then have a first harmonic of its
-own, which reduces the offset; the covariance includes both models and the difference between them; and less of the
+them because much of the circle is missing, the two models are mixed. Then the wall may have a first harmonic of its
+own, which reduces the offset, the covariance includes both models and the difference between them, and less of the
 offset is corrected (``Centres.one_sided``, ``Centres.share``).
 
-Harmonics do not fit a wall with steps: 32 samples a turn in breakouts with upright edges leave an error of 0.6 mm. So a
-rough turn is fitted twice more: as an oval with two opposite steps, and with one. All edges are tried, and the models
-are mixed by their evidence (``turn_fits``).
+Harmonics do not fit a wall with steps; 32 samples a turn in breakouts with upright edges leave an error of 0.6 mm. So a
+rough turn is fitted twice more: as an oval with two opposite steps, and as an oval with one step. All edges are tried,
+and the models are mixed by their evidence (``turn_fits``).
 
-One case cannot be detected: a smooth washout on one side, 120 deg wide or more, has hardly a third harmonic, and its
-first and second are those of a tool off centre in an oval hole. The axis found is then that of the washed-out wall. If
-the bit size is known, the covariance includes this error: a wall that lies nowhere inside the bit has a first harmonic
-of at most twice the excess of its mean radius. A tool that whirls moves during a turn. If the position of every sample
-along the turns is given, the centre is interpolated between turns, and the fit is repeated in the moving frame.
+One case cannot be detected. A smooth washout on one side, 120 deg wide or more, has hardly a third harmonic, and its
+first and second harmonics are those of a tool off centre in an oval hole. The axis found is then that of the washed-out
+wall. If the bit size is known, the covariance includes this error, because a wall that lies nowhere inside the bit has
+a first harmonic of at most twice the excess of its mean radius. A tool that whirls moves during a turn. If the position
+of every sample along the turns is given, the centre is interpolated between turns, and the fit is repeated in the
+moving frame.
 
-The caller decides which samples form a turn if the tool does not rotate: any integers will do.
+The caller decides which samples form a turn if the tool does not rotate; any integers will do.
 """
 
 from __future__ import annotations
@@ -110,9 +111,9 @@ class Centres:
         """Return the share of each centre to correct: (1 - one_sided) max(0, 1 - (significance / c' within^-1 c)^2).
 
         c' within^-1 c of a centred tool follows chi-squared with two degrees of freedom at most (the covariance is
-        rather too large): 22 % of turns pass 3, and few by much, so noise is hardly taken for eccentering. At ten
-        standard deviations the share is 0.999; ``significance=0`` corrects all that is not one-sided. Turns without a
-        centre get 0.
+        rather too large). So 22 % of turns exceed 3, few of them by much, and noise is rarely taken for eccentering. At
+        ten standard deviations the share is 0.999; ``significance=0`` corrects all that is not one-sided. Turns without
+        a centre get 0.
         """
         centre = np.stack([self.x, self.y], axis=1)
         found = np.isfinite(self.x)
@@ -156,19 +157,19 @@ def find_centres(
     turn
         Whole numbers, (n,): samples of one number share one centre.
     shape
-        What to expect; ``Shape()`` when not given.
+        What to expect; None: ``Shape()``.
     bit_diameter
         Metres. The wall lies nowhere inside the bit, so its first harmonic is at most twice the excess of its mean
-        radius over the bit's: that bound becomes three standard deviations of the centre. Without a bit size a smooth
+        radius over the bit's; that bound becomes three standard deviations of the centre. Without a bit size a smooth
         washout on one side, in which the tool is centred, goes unnoticed.
     position
-        Of each sample along the turns, (n,): turn + 0.5 is the middle of a turn (:func:`turn_positions`). The centre
-        then moves from turn to turn while the samples are taken, and what is found is the centre in the middle of the
-        turn. None: the centre rests during a turn. A centre that goes around the axis by more than 100 degrees a turn
-        cannot be followed: it is NaN. So is one that the samples within the turns contradict, as where the hole changes
-        much from turn to turn. A whirl nearly as fast as the tool turns, up to 340 degrees a turn, makes the hole seem
-        to grow and shrink along the turns: a hole that does widens sigma as much. (What turns with the tool, 360
-        degrees a turn, shows the same radius all the time.)
+        Position of each sample along the turns, (n,); turn + 0.5 is the middle of a turn (:func:`turn_positions`). The
+        centre then moves from turn to turn while the samples are taken, and the result is the centre in the middle of
+        the turn. None: the centre rests during a turn. A centre is NaN if it goes around the axis by more than 100
+        degrees a turn, because it cannot be followed, or if the samples within the turns contradict it, for example
+        where the hole changes much from turn to turn. A whirl nearly as fast as the tool turns, up to 340 degrees a
+        turn, makes the hole seem to grow and shrink along the turns; a hole that really does so increases sigma as
+        much. (A centre that turns with the tool, 360 degrees a turn, shows the same radius all the time.)
 
     Returns
     -------
@@ -219,7 +220,7 @@ def find_centres(
 def _fit(result: Centres, reach: Complexes, shape: Shape) -> Floats:
     """Fit all turns, some thousands at once; ``reach`` are their samples, turn by turn.
 
-    Returns the mean radius of each without its steps, (t,) m.
+    Returns the mean radius of each turn without its steps, (t,) m.
     """
     smooth_radius = np.full(result.turn.size, np.nan)
     filled = np.flatnonzero(result.samples)
@@ -244,10 +245,10 @@ def _widen(covariance: Floats, deviation: Floats) -> None:
 
 
 def _moving(turns: Integers, centre: Complexes, place: Floats, row: Integers) -> Complexes:
-    """Return the tool's centre at places along the turns: the cubic through the middles of the four turns around each.
+    """Return the tool's centre at places along the turns, on the cubic through the middles of the four turns around.
 
-    Beside a gap, use the line through two turns; if one of these is missing, the centre of the sample's own turn,
-    ``row``.
+    Beside a gap, it lies on the line through two turns; if one of these is missing, it is the centre of the sample's
+    own turn, ``row``.
     """
     line, bend = _line_and_bend(turns, centre, place)
     curve = np.where(np.isfinite(bend), line + bend, line)
@@ -258,7 +259,7 @@ def _moving(turns: Integers, centre: Complexes, place: Floats, row: Integers) ->
 def _motion_deviation(turns: Integers, centre: Complexes) -> Floats:
     """Return the deviation of the centre due to its motion during the turn, (t,) metres.
 
-    It is half the distance of the cubic from the line, halfway to the next turn; the largest value of the turns around.
+    It is half the distance of the cubic from the line, halfway to the next turn: the largest of the turns around.
     """
     bend = np.abs(_line_and_bend(turns, centre, turns + 1.0)[1])
     around = np.pad(np.nan_to_num(0.5 * bend), 2)
@@ -267,10 +268,10 @@ def _motion_deviation(turns: Integers, centre: Complexes) -> Floats:
 
 
 def _too_fast(turns: Integers, centre: Complexes, deviation: Floats) -> Mask:
-    """Return where the centre moves too far from turn to turn to be followed, (t,): judged by the 21 turns around.
+    """Return where the centre moves too far from turn to turn to be followed, (t,), judged by the 21 turns around.
 
     A whirl of a degrees a turn bends the line through three turns by 2 sin(a/2) of their distance. From 100 degrees on
-    the cubic does not follow it. A centre that rests has such a ratio, too, but moves by its noise only.
+    the cubic does not follow the whirl. A centre at rest also has such a ratio, but it moves only by its noise.
     """
     step = np.where(np.diff(turns) == 1, np.diff(centre), np.nan)
     bend = np.abs(np.diff(step, prepend=np.nan, append=np.nan)) ** 2
@@ -289,11 +290,11 @@ def _sum_around(values: Floats) -> Floats:
 def _size_deviation(mean_radius: Floats, deviation: Floats) -> Floats:
     """Return the deviation of the centre if the tool whirls nearly as fast as it turns, (t,) metres.
 
-    A whirl of 360 - n degrees a turn shows nearly the same side of the offset all the time: the mean radius rises and
-    falls by the whole offset in 360 / n turns, as in a hole that grows and shrinks along the turns. The samples cannot
-    separate the two. So the result is the deviation of the mean radius from a straight line over the 21 turns around,
-    less its noise. (A steady growth counts as growth of the hole: a whirl whose radius rises for longer than 21 turns
-    is not included.)
+    A whirl of 360 - n degrees a turn shows nearly the same side of the offset all the time. So the mean radius rises
+    and falls by the whole offset in 360 / n turns, as in a hole that grows and shrinks along the turns. The samples
+    cannot separate the two. So the result is the deviation of the mean radius from a straight line over the 21 turns
+    around, less its noise. (A steady growth counts as growth of the hole, so a whirl whose radius rises for longer than
+    21 turns is not included.)
     """
     known = np.flatnonzero(np.isfinite(mean_radius))
     if known.size < 3:
@@ -312,11 +313,12 @@ def _size_deviation(mean_radius: Floats, deviation: Floats) -> Floats:
 
 
 def _contradicted(centres: Centres, reach: Complexes, place: Floats, row: Integers) -> Mask:
-    """Return where the samples within the turns contradict the centres found, (t,): judged by 21 turns together.
+    """Return where the samples within the turns contradict the centres found, (t,), judged by 21 turns together.
 
-    From turn to turn a whirl of 270 degrees a turn looks like one of -90. But a centre c changes the radius at toolface
-    a by -Re(c exp(-i a)) while the tool turns: a wave of its own. The radii less one shape of the hole are regressed on
-    the wave of the centres found: 1 where it is there, about 0 where it is another one.
+    From turn to turn a whirl of 270 degrees a turn looks like a whirl of -90. But a centre c changes the radius at
+    toolface a by -Re(c exp(-i a)) while the tool turns, which is a wave of its own. The radii less one shape of the
+    hole are regressed on the wave of the centres found. The coefficient is 1 if the samples show this wave, and about 0
+    if they show another wave.
     """
     unit = reach / np.abs(reach)
     wave = -(_moving(centres.turn, centres.x + 1j * centres.y, place, row) * unit.conj()).real
@@ -363,8 +365,8 @@ def recentre(
 ) -> tuple[Floats, Floats]:
     """Return toolface and radius of every sample as seen from the hole's axis, (n,), new.
 
-    ``centres`` are those of these turns, the columns as given to :func:`find_centres`, ``significance`` as in
-    :meth:`Centres.share`. Where a turn has no significant centre, the sample stays as it was; NaN radii stay NaN and
+    ``centres`` are those of these turns, the columns are as given to :func:`find_centres`, and ``significance`` is as
+    in :meth:`Centres.share`. If a turn has no significant centre, its samples stay as they were; NaN radii stay NaN and
     keep their toolface. A turn that ``centres`` does not hold is an error.
     """
     angle, distance, number = _samples(toolface, radius, turn)

@@ -3,7 +3,7 @@
     Readings (rows x sensors, one or more files) --observe--> Samples: depth, toolface, radius, time | file, row, sensor
 
 A sensor that measures before or after its stamp, and a track with depth and toolface by time, need the time of every
-row. A file may hold several clocks, as one that restarts with each pass; each is read by itself.
+row. A file may hold several clocks, for example if the clock restarts with each pass; each clock is read by itself.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ Number = TypeVar("Number", bound=np.generic)
 Report = list[tuple[str, str]]
 
 FAST_TURN = 90.0
-"""Degrees between two readings of a toolface, in half of them, from which what lies between is doubtful."""
+"""Median degrees from one reading of a toolface to the next, above which the turn between them is doubtful."""
 
 FASTEST = 20.0
-"""Metres a second: no tool goes faster."""
+"""Metres a second; no tool goes faster."""
 
 REASONS = ("no depth", "no toolface", "no radius", "no time")
 
@@ -43,7 +43,7 @@ class Track:
 
 @contextmanager
 def placed(place: str) -> Iterator[None]:
-    """Prefix the place of an input error with an outer one."""
+    """Prefix the place of an input error with an outer place."""
     try:
         yield
     except InputError as error:
@@ -64,14 +64,14 @@ def observe(
     Parameters
     ----------
     readings, track
-        Of one file or more; depth and toolface by time, None: each file has its own.
+        Readings of one file or more; depth and toolface by time, or None if each file has its own.
     report
         List that receives a (step, sentence) for each kind of sample left out; ``counts`` of the samples has the
         numbers.
     offset, latency
-        Added to those of every sensor: metres, seconds.
+        Metres and seconds to add to the offset and latency of every sensor.
     dropped
-        Earlier steps and the values that they dropped, for the error.
+        Earlier steps and the number of values that each of them dropped, for the error.
     """
     report = [] if report is None else report
     found = []
@@ -145,7 +145,7 @@ def _clocks(one: Readings, time: Floats, report: Report) -> list[Integers]:
     clocks = [rows] if number is None else [rows[number[rows] == each] for each in np.unique(number[rows])]
     apart = [part for clock in clocks for part in _runs(clock, time, one.depth)]
     if len(apart) > len(clocks):
-        report.append(("time", f"{one.name}: goes back, as where a clock restarts: read as {len(apart)} clocks"))
+        report.append(("time", f"{one.name}: goes back, as if a clock restarts, and is read as {len(apart)} clocks"))
     return apart
 
 

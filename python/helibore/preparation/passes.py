@@ -4,7 +4,7 @@ A tool that passes an interval more than once measures one wall, with three erro
 
     radius = wall(depth + shift[pass], toolface) + by_pass[pass] + by_arm[arm] + noise
 
-``shifts`` finds the first, ``biases`` the other two. Stretching of depths within a pass is not supported.
+``shifts`` finds the first error, and ``biases`` the other two. Stretching of depths within a pass is not supported.
 """
 
 from __future__ import annotations
@@ -24,15 +24,15 @@ from helibore.wall.wall import Wall
 __all__ = ["choose", "difference", "evaluate", "number_passes", "odd_passes"]
 
 ODD_ROWS = 3
-"""Rows in succession that a spike does not have."""
+"""Least number of odd rows in succession; a spike has fewer."""
 ODD_RADIUS = 0.005
 """Metres, 10 mm of a diameter. The passes of a real X-Y caliper differ from their merged wall by 1.3 mm over 3 rows."""
 ODD_DEVIATIONS = 6.0
-"""Robust deviations from the merged wall: a pass that differs everywhere (by a depth shift) is not odd at one place."""
+"""Least robust deviations from the merged wall. So a pass that differs everywhere (by a depth shift) is not odd."""
 
 
 def number_passes(depth: npt.ArrayLike, reversal: float = 5.0) -> Integers:
-    """Number the passes: a new one begins where the tool turned and then went back by more than ``reversal``.
+    """Number the passes; a new pass begins where the tool turned and then went back by more than ``reversal``.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ def number_passes(depth: npt.ArrayLike, reversal: float = 5.0) -> Integers:
     Returns
     -------
     ndarray
-        (n,) int64 from 0; the sample at a turning point, the last of equals, ends its pass.
+        (n,) int64 from 0; the sample at a turning point (the last, if several are equal) ends its pass.
     """
     track = finite_column("depth", depth)
     if not reversal > 0:
@@ -62,7 +62,7 @@ def _turn(track: Floats, start: int, sign: int, reversal: float) -> tuple[int, i
     """Return where a pass that goes down (``sign`` 1) or up (-1) at ``start`` ends, and where that is noticed.
 
     The end is the last row of the greatest depth so far; it is noticed at the first row that lies more than
-    ``reversal`` back from it. If none does: the last row, and the number of rows.
+    ``reversal`` back from it. If no row does, return the last row, and the number of rows.
     """
     peak, end, rows = -np.inf, start, 1024
     while start < track.size:
@@ -93,7 +93,7 @@ def choose(
     pass_number, depth
         Whole numbers and metres, (n,).
     passes
-        Which to use, earliest first; None: all, by number. An unknown pass and one that is given twice are an error.
+        The passes to use, earliest first; None: all, by number. An unknown pass or a pass given twice is an error.
     latest
         In each ``cell`` metres of depth keep only the last of ``passes`` that has a sample there, reason ``replaced``.
     """
@@ -124,7 +124,7 @@ def choose(
 
 
 def difference(before: Wall, after: Wall) -> Floats:
-    """Return how much larger a wall is than an earlier one, metres: an attribute of the later wall.
+    """Return how much larger a wall is than an earlier wall, metres, as an attribute of the later wall.
 
     Parameters
     ----------
@@ -143,8 +143,8 @@ def difference(before: Wall, after: Wall) -> Floats:
 def odd_passes(wall: Wall, caliper: Caliper, pass_number: npt.ArrayLike, arm_names: Sequence[str] = ()) -> list[str]:
     """Return sentences on the places where a pass lies farthest below, and farthest above, the wall of all passes.
 
-    The differences of an arm in a pass are taken from their median, row by row. It differs where they are larger than
-    5 mm, and 6 robust deviations, on one side over 3 rows in succession: the merged wall does not show such a place.
+    The differences of an arm in a pass from the wall are counted from their median, row by row. A place is one where
+    they exceed 5 mm and 6 robust deviations to one side in 3 rows in succession; the merged wall does not show it.
 
     Parameters
     ----------
@@ -153,12 +153,12 @@ def odd_passes(wall: Wall, caliper: Caliper, pass_number: npt.ArrayLike, arm_nam
     caliper, pass_number
         These samples, and the pass of each, (n,).
     arm_names
-        Of the numbers in ``caliper.arm``.
+        The names of the numbers in ``caliper.arm``.
 
     Returns
     -------
     list
-        A sentence for each of the two, less before more, if there is such a place.
+        A sentence on the place farthest below, and a sentence on the place farthest above, if there are such places.
     """
     number = whole_column("pass_number", pass_number, len(caliper), "caliper")
     passes = np.unique(number)

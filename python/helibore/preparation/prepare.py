@@ -41,20 +41,20 @@ __all__ = ["Preparation", "Prepared", "Track", "prepare"]
 Number = TypeVar("Number", bound=np.generic)
 
 SIDES = 8
-"""Sides of the hole that an arm may read differently on."""
+"""Number of sides of the hole on which an arm may read differently."""
 
 JUDGED = 20_000
-"""Samples by which passes and arms are compared where no bias is asked for."""
+"""Number of samples by which passes and arms are compared if no bias is asked for."""
 
 LONG_TURN = 1.0
 """Metres from one turn to the next, beyond which neighbouring turns do not see the same wall."""
 
 INSIDE_BIT = 0.01
-"""Metres: arms that all read so much less than the bit's radius are closed."""
+"""Metres; if all arms read less than the bit's radius by this much, they are closed."""
 STUCK_ROWS = 100
 """Rows of one and the same value after which an arm is reported as stuck, if the other arms move."""
 MOST_PASSES = 50
-"""Rows that turn back more often are in no order: they have no runs to compare."""
+"""Rows that turn back more often than this are in no order, so they have no runs to compare."""
 
 REFERENCES = ("north", "high-side", "automatic")
 BIASES = ("none", "arm", "side")
@@ -71,31 +71,32 @@ class Preparation:
     saturated
         Drop flat tops: 5 readings and 0.5 m or more at the largest value of an arm that cannot open farther.
     drop_closed
-        Drop the rows in which all arms stay closed at a radius 10 mm or more below the bit, and those on which they
-        close and open. Needs the bit size; without it such rows are reported.
+        Drop the rows in which all arms stay closed at a radius 10 mm or more below the bit, and the rows in which they
+        close and open. This needs the bit size; without a bit size such rows are only reported.
     closed
         Radius that the arms read when the caliper is closed; rows where no arm reads 2 mm more are dropped.
     stuck
-        Readings of an arm that stays at one value over so many rows, while others move, are dropped.
+        Readings of an arm are dropped if it stays at one value over this many rows while other arms move.
     least_radius, greatest_radius
         Radii beyond these limits are dropped. Without limits, an impossible radius is an error.
     repeated
-        Drop samples equal to an earlier one in depth, toolface, radius and time.
+        Drop samples equal to an earlier sample in depth, toolface, radius and time.
     spikes
         Drop samples that differ from the neighbouring turns by this many robust deviations; 6 is usual.
     turn_height
         Height of a turn, for tools that do not rotate. None: a turn is a rotation, or a row of an image (`is_image`).
     sensor_offset, latency
-        Added to those of every sensor.
+        Offset and latency to add to those of every sensor.
     toolface_from
         Reference of the toolfaces: "north", "high-side" or "automatic"; None: as the file's map states.
     steep, level
-        Automatic: north until the inclination reaches ``level``, the high side until it is down to ``steep``.
+        For "automatic": toolfaces count from north until the inclination rises to ``level``, and then from the high
+        side until it falls to ``steep``.
     recentre
         Correct each turn for the tool's offset from the hole's axis.
     reversal
-        Number the passes again: a pass begins where the tool moved back by more than this. None: as the file numbers
-        them.
+        Number the passes again; a pass begins where the tool moved back by more than this. None: the passes are
+        numbered as in the file.
     passes
         Numbers of the passes to use; None: all. The wall is made from those that are not ``earlier``.
     latest
@@ -103,11 +104,11 @@ class Preparation:
     shifts
         (pass, metres) pairs: the shift to add to the depths of a pass.
     find_shifts
-        Find the shift of every pass from the overlap. Passes in ``shifts`` keep the shift given there; without any, the
-        mean of the shifts is 0.
+        Find the shift of every pass from the overlap. Passes in ``shifts`` keep the shift given there; without given
+        shifts, the mean of the shifts is 0.
     bias
-        Find biases from the overlap and subtract them: "none"; of each pass and "arm"; or of each pass and arm by the
-        "side" of the hole on which it lies.
+        Which biases to find from the overlap and subtract: "none"; "arm", of each pass and arm; or "side", of each
+        pass, arm and side of the hole on which the arm lies.
     earlier
         Passes used only for the earlier wall, with which the wall is compared.
     """
@@ -197,11 +198,11 @@ def prepare(
     Parameters
     ----------
     readings
-        Of one file or of several over one hole, earliest first; each file is a pass of its own unless it numbers them.
+        Of one file, or of several files of one hole, earliest first. A file is one pass unless it numbers its passes.
     settings
         The steps to take; None: ``Preparation()``.
     path
-        The wall's path: needed where toolfaces count from another reference than the wall's.
+        The wall's path, which is needed if toolfaces count from another reference than the wall's.
     track
         Depth and toolface by time, for readings that have only a time.
     bit_diameter
@@ -214,7 +215,7 @@ def prepare(
     Raises
     ------
     InputError
-        Naming file, line and rule: no sample is left, an impossible radius, a step that lacks its input.
+        If no sample is left, a radius is impossible, or a step lacks its input. The error names file, line and rule.
     """
     refuse_table(readings, "readings")
     every = list(readings) if isinstance(readings, Sequence) else [readings]
@@ -279,7 +280,7 @@ class _Pipeline:
         self.report.append((step.name, f"dropped {share}{f' ({reasons})' if reasons else ''}{unjudged}"))
 
     def _conditioned(self, one: Readings) -> Readings:
-        """Return the readings without saturated, closed and stuck ones; report calipers that disagree.
+        """Return the readings without those of saturated, closed and stuck arms; report calipers that disagree.
 
         Raises
         ------
@@ -324,8 +325,8 @@ class _Pipeline:
             ramps += f", open until {one.depth[end - 1]:.1f} m" if end > last else ""
             done = f"{end - begin:,} rows dropped"
             if self.bit_diameter is None or not self.settings.drop_closed:
-                done = "as closed arms do: kept" + (
-                    "" if self.bit_diameter else ", no bit size says that it is no casing"
+                done = "kept, although closed arms read so" + (
+                    "" if self.bit_diameter else "; without a bit size, it may be casing"
                 )
             else:
                 dropped[begin:end] = True
@@ -407,9 +408,8 @@ class _Pipeline:
     def _turns(self, rows: bool = False) -> tuple[Integers, Floats | None]:
         """Return the turn of each sample and its position along the turns (None if a tool does not rotate).
 
-        The samples of one turn were taken around the hole from one place.
-
-        ``rows``: each row of a tool that takes more than a metre to rotate is a turn.
+        The samples of one turn were taken around the hole from one place. If ``rows``, each row of a tool that takes
+        more than a metre of depth to rotate is a turn.
         """
         turn = np.empty(self.samples.depth.size, dtype=np.int64)
         position = np.empty(turn.size)
@@ -439,7 +439,7 @@ class _Pipeline:
         return float(np.median(np.abs(np.diff(depth)))) if depth.size > 1 else 0.0
 
     def _turns_of(self, one: Readings, mine: Integers) -> tuple[Integers | Floats, str]:
-        """Return the positions of one file's samples along its turns, and in words what makes a turn."""
+        """Return the positions of one file's samples along its turns, and what makes a turn, in words."""
         samples, height = self.samples, self.settings.turn_height
         if height is not None:
             depth = samples.depth[mine]
@@ -460,7 +460,7 @@ class _Pipeline:
         return self._at(columns, self.samples.row)
 
     def _at(self, columns: Sequence[npt.NDArray[Number]], place: Integers) -> npt.NDArray[Number]:
-        """Return a column of each file at every sample's place in it."""
+        """Return the values, at every sample's place in its file, of a column of each file."""
         starts = np.cumsum([0, *(column.size for column in columns[:-1])])
         return np.concatenate(columns)[starts[self.samples.file] + place]
 
@@ -468,16 +468,16 @@ class _Pipeline:
         return sorted({name for one in self.readings for name in one.channels})
 
     def _arm(self) -> Integers:
-        """Return the wall channel of each sample: channels with one name have one number in all files."""
+        """Return the wall channel of each sample; channels with one name have one number in all files."""
         names = self._arm_names()
         columns = [np.array([names.index(name) for name in one.channels])[one.arm] for one in self.readings]
         return self._at(columns, self.samples.sensor).astype(np.int64)
 
     def _number_passes(self) -> None:
-        """Number the passes: as the files do, else one per file; or again, where the tool went back by ``reversal``."""
+        """Number the passes as the files do, or else one per file, or anew where the tool went back by ``reversal``."""
         columns = self._pass_columns()
         if _repeat_a_pass(columns):
-            rule = "numbers a pass as another file does: number the passes anew"
+            rule = "has a pass number of another file; number the passes anew"
             raise InputError(self.readings[-1].name, rule)
         number = self._of_row(columns)
         self.samples = replace(self.samples, pass_number=number)
@@ -536,7 +536,7 @@ class _Pipeline:
         target = path.reference if path is not None else ""
         if target == "parallel-transport" and not all(t or s for t, s in zip(tagged, stated, strict=True)):
             rule = (
-                "the wall's toolfaces count from a parallel-transport reference, a tool's never do: say whether the "
+                "the wall's toolfaces count from a parallel-transport reference, a tool's never do; say whether the "
                 "samples count from north, the high side or automatically"
             )
             raise InputError(self.readings[0].name, rule)

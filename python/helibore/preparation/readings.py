@@ -3,7 +3,7 @@
     row   depth    toolface   radius of sensor 1   radius of sensor 2
     0     1000.0       12.5               0.1081               0.1079
 
-The preparation takes them; ``helibore.channels.channel_readings`` makes them from the channels of a file.
+``helibore.channels.channel_readings`` makes readings from the channels of a file, and the preparation uses them.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from helibore.base.arrays import Floats, Integers
 from helibore.preparation.sensors import Sensor
 
 IMAGE_ROW = 8
-"""Directions from which on one row of readings shows the hole all around."""
+"""Least number of directions with which one row of readings shows the hole all around."""
 
 
 def _row_place(row: int) -> str:

@@ -8,7 +8,7 @@ A reading stamped t was taken at t - latency. Bit depth and toolface are time se
 at that time: linearly between their readings, toolfaces along the shorter arc. So sensors that fire at one time measure
 at different depths and toolfaces. All samples are returned together, in order of time.
 
-Depth-indexed files need no times: :func:`observe_by_depth`.
+Depth-indexed files need no times; :func:`observe_by_depth` converts them.
 """
 
 from __future__ import annotations
@@ -48,15 +48,16 @@ class TimeSeries:
     Parameters
     ----------
     time
-        Seconds, (n,), not falling. Of several readings of one time the last one counts.
+        Seconds, (n,), not falling. If several readings have one time, the last reading counts.
     values
         (n,); NaN readings are left out.
     angle
-        The values are degrees: from one reading to the next the short way round, results in [0, 360). A tool that turns
+        The values are degrees, which are interpolated the short way round; results lie in [0, 360). A tool that turns
         by 180 degrees or more between two readings cannot be followed.
     gap, beyond
-        Longest time between two readings that is interpolated (NaN in a longer one); and how far before the first and
-        after the last reading values are extrapolated, along the line through the two readings there. Seconds.
+        Seconds. ``gap`` is the longest time between two readings in which values are interpolated; in a longer gap they
+        are NaN. ``beyond`` is how long before the first and after the last reading values are extrapolated, along the
+        line through the two readings there.
     """
 
     def __init__(
@@ -129,7 +130,7 @@ class Samples:
     counts: dict[str, int] = field(default_factory=dict)  # readings taken, and dropped for each reason: all of them
 
     def select(self, kept: Mask | Integers) -> Samples:
-        """Return the samples where ``kept`` is True, or those of these indices, in their order."""
+        """Return the samples where ``kept`` is True, or the samples at these indices, in the order of the indices."""
         columns = {name: getattr(self, name) for name in _COLUMNS}
         return replace(self, **{
             name: values[kept] if values is not None and values.size else values for name, values in columns.items()
@@ -154,8 +155,8 @@ def observe_by_time(
         One of each for every sensor: time stamps (seconds) and radii (metres), (n,); lengths may differ among sensors.
         NaN radii are dropped and counted as ``no radius``.
     bit_depth, toolface
-        Depth of the bit in m, and toolface of the tool's reference in degrees (``angle=True``). Readings at times they
-        do not answer are dropped and counted as ``no depth`` and ``no toolface``.
+        Depth of the bit in m, and toolface of the tool's reference in degrees (``angle=True``). Readings at times
+        without a depth or a toolface are dropped and counted as ``no depth`` and ``no toolface``.
     """
     _check_counts(sensors, times=times, radii=radii)
     parts: list[tuple[Floats, ...]] = []
@@ -188,7 +189,7 @@ def observe_by_depth(
         One column of radii (metres, (n,)) for each sensor; latencies are not used. An X-Y caliper of diameters x and
         y is four sensors mounted at 0, 180, 90 and 270 degrees that read x/2, x/2, y/2 and y/2.
     depth, toolface, time
-        Of each row: metres, degrees of the tool's reference, seconds; (n,). NaN rows are dropped and counted.
+        Of each row: metres, degrees of the tool's reference, seconds; (n,). Rows with NaN are dropped and counted.
     """
     _check_counts(sensors, radii=radii)
     rows = column("depth", depth)

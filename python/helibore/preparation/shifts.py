@@ -3,9 +3,10 @@ r"""Find the depth shift of each pass by correlating its median radius along the
     radius       _/\__/\_____     pass, moved by the trial shift       correlation(shift) has its peak
     less trend     _/\__/\____    the others                           at the shift to be added to its depths
 
-All arms of a pass count alike, so a pass that lies rotated in the hole still matches. Only differences can be found:
-unless passes are held, the mean of the shifts is 0. A hole whose shape repeats along it (a spiral, regular ledges)
-matches at several shifts: where another peak is nearly as high, no shift is found. Not here: stretching within a pass.
+All arms of a pass count alike, so a pass that lies rotated in the hole still matches. Only differences can be found, so
+the mean of the shifts is 0 unless passes are held. A hole whose shape repeats along it (a spiral, regular ledges)
+matches at several shifts; if another peak is nearly as high, no shift is found. Stretching within a pass is not
+supported.
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ class Shifts:
     second_correlation: Floats  # the correlation there
 
     def at(self, pass_number: npt.ArrayLike) -> Floats:
-        """Return the shift of each sample, (n,) m, new: add it to the depth. Raises InputError at an unknown pass."""
+        """Return the shift of each sample, (n,) m, new, to add to the depth. Raises InputError at an unknown pass."""
         return self.shift[rows_of("pass_number", whole_column("pass_number", pass_number), self.passes)]
 
     def lines(self) -> list[str]:
@@ -66,7 +67,7 @@ class Shifts:
                     f"{before:.2f} before, {after:.2f} after{'; second best ' if rival else ''}{rival}"
                 )
             elif rival and second > _RIVAL * after:
-                text += f", the hole repeats itself: correlation {after:.2f}, and {rival}"
+                text += f", since the hole repeats itself (correlation {after:.2f}, and {rival})"
             lines.append(f"pass {number}: {text}")
         return lines
 
@@ -85,8 +86,8 @@ def find_shifts(
     depth, radius, pass_number
         Metres, metres, whole numbers, (n,), finite, in any order.
     held
-        Passes that are not shifted. The others are first shifted to match these; then each, as if none were held, to
-        match the mean of all others, repeated until the shifts no longer change.
+        Passes that are not shifted. The other passes are first shifted to match these. Then each of them is shifted to
+        match the mean of all other passes, held or not, and this is repeated until the shifts no longer change.
     """
     where = finite_column("depth", depth)
     distance = finite_column("radius", radius, where.size, "depth")
@@ -123,14 +124,14 @@ def find_shifts(
             break
     found[fixed], best[fixed], before[fixed] = True, 1.0, 1.0
     sigma[fixed] = 0.0
-    # Only now: while the others are not yet in place, each of them makes a peak of its own.
+    # This comes last, because passes that are not yet in place each make a peak of their own.
     found &= ~(second_best > _RIVAL * best)
     shift[~found] = 0.0
     return result
 
 
 def _profile(place: Floats, radius: Floats, grid: Integers) -> Floats:
-    """Median radius of each grid step less the running mean; NaN beyond the samples and in gaps. ``place`` in steps."""
+    """Return the median radius of each grid step less the running mean; NaN where there are none. ``place``: steps."""
     row = np.round(place)
     order = np.lexsort((radius, row))
     cells, first, count = np.unique(row[order], return_index=True, return_counts=True)
@@ -163,9 +164,9 @@ def _mean(profiles: Floats) -> Floats:
 
 
 def _correlations(profile: Floats, others: Floats, most: int, enough: int) -> tuple[Floats, Integers]:
-    """Pearson's correlation at shifts of -most ... most grid steps, and steps of overlap, (2 most + 1,) each.
+    """Return Pearson's correlation at shifts of -most ... most grid steps, and steps of overlap, (2 most + 1,) each.
 
-    NaN where too little overlaps.
+    The correlation is NaN where too few steps overlap.
     """
     curve = np.full(2 * most + 1, np.nan)
     overlap = np.zeros(2 * most + 1, dtype=np.int64)
@@ -193,9 +194,9 @@ class _Peak(NamedTuple):
 
 
 def _peak(curve: Floats, most: int, overlap: Integers) -> _Peak:
-    """The top of the parabola through the best three within ``most``, and the best other peak within twice that.
+    """Return the top of the parabola through the best three steps within ``most``, and the best peak beside it.
 
-    The shift's variance is (1 - c^2) / (n c |c''|) for n independent steps of overlap; every fourth one counts as such.
+    The shift's variance is (1 - c^2) / (n c |c''|) for n independent steps of overlap; one step in four is independent.
     """
     middle = curve.size // 2
     inside = curve[middle - most : middle + most + 1]

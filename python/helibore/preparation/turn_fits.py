@@ -6,14 +6,15 @@
     pair        an oval with two opposite steps that have upright edges
     single      an oval with one such step: a washout on one side, a key seat
 
-Each model is fitted by robust Gauss-Newton, then fitted again with a wall that may be enlarged on one side, and mixed
-with that as far as the samples leave it open. Then the three are mixed by their evidence: of models with weights w, the
-mean is that of their centres, and the covariance the mean of theirs plus that of the centres about it.
+Each model is fitted by robust Gauss-Newton, then fitted again with a wall that may be enlarged on one side; the two
+fits are mixed as far as the samples leave this open. Then the three models are mixed by their evidence. The centre is
+the weighted mean of their centres; the covariance is the weighted mean of their covariances, plus the covariance of
+their centres.
 
 Samples lie turn by turn; ``starts`` holds the first sample of each turn and ``turn`` the row of each sample. A series
 of order H has P = 2 H + 1 terms, x = (1, cos a, sin a, ..., cos H a, sin H a). With z = exp(i a) every product of two
 terms is a sum of powers of z, so the P x P normal matrix sum(w x x') of a turn holds only the 2 H + 1 moments
-sum(w z^m): 25 sums a sample where the matrix itself would take 625. Private: ``eccentering`` is the public module.
+sum(w z^m). They take 25 sums a sample; the matrix itself would take 625. ``eccentering`` is the public module.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ class Shape:
     """Prior expectations of a hole and a tool: standard deviations in metres.
 
     Two opposite boxes of depth D and width 60 deg hold a second harmonic of 0.55 D; a box of width 120 to 150 deg on
-    one side holds a third of 0 to 0.15 D.
+    one side holds a third harmonic of 0 to 0.15 D.
     """
 
     even: float = 0.008  # of the second harmonic (ovality, breakouts); harmonic n has even * 2 / n
@@ -79,7 +80,7 @@ class Shape:
         return np.where(n == 2, self.even, self.odd * np.square(3.0 / n))
 
     def plain(self) -> Shape:
-        """Return the expectations for a wall outside its steps: oval, otherwise smooth."""
+        """Return the expectations for a wall outside its steps, which is oval and otherwise smooth."""
         return replace(self, lobed=False, harmonics=min(self.harmonics, _SMOOTH))
 
     def widened(self) -> Shape:
@@ -140,8 +141,8 @@ def evaluate(terms: Floats, table: Complexes, turn: Integers) -> Floats:
 def leverage(matrix: Floats, table: Complexes, turn: Integers) -> Floats:
     """Return x' B x at every sample, (n,), for one symmetric matrix B per turn, (t, P, P).
 
-    With v = (z^-H ... z^H) and x = U v it is v' (U' B U) v: a Fourier series of order 2 H, whose terms of one power of
-    z lie on one antidiagonal.
+    With v = (z^-H ... z^H) and x = U v it is v' (U' B U) v, a Fourier series of order 2 H. Its terms of one power of z
+    lie on one antidiagonal of U' B U.
     """
     order = (matrix.shape[1] - 1) // 2
     change = np.zeros((2 * order + 1, 2 * order + 1), dtype=np.complex128)
@@ -162,7 +163,7 @@ def leverage(matrix: Floats, table: Complexes, turn: Integers) -> Floats:
 
 
 class TurnFits:
-    """One model, fitted to all turns of a chunk: Gauss-Newton on the centre.
+    """One model, fitted to all turns of a chunk by Gauss-Newton on the centre.
 
     Each round is one linear fit of rho(phi) in the hole's frame. rho(c + dc) = rho(c) + u(phi) dc, so the first
     harmonic of the fit is -dc; at the solution it is zero. ``steps`` are further columns, one value a sample.
@@ -214,7 +215,7 @@ class TurnFits:
     def plain(self, steps: Floats | None = None) -> TurnFits:
         """Fit the same turns from their present centres with an oval wall, perhaps with steps.
 
-        No sample is rejected in the first rounds: samples in a step would have weight 0 before the step is fitted.
+        No sample is rejected in the first rounds, because samples in a step would have weight 0 before it is fitted.
         """
         oval = TurnFits(self.reach, self.count, self.shape.plain(), steps)
         oval.centre, oval.terms[:, 0] = self.centre.copy(), self.terms[:, 0]
@@ -291,9 +292,9 @@ class TurnFits:
         return hat
 
     def _weigh(self) -> None:
-        """Set biweights and noise: noise^2 = sum(w e^2) / (sum(w) - terms used), the expected noise worth four samples.
+        """Set biweights and noise: noise^2 = sum(w e^2) / (sum(w) - terms used); the expected noise adds four samples.
 
-        1.25 makes sum(w e^2) / sum(w) of Gaussian noise, cut by a biweight of 6 deviations, come back as its variance.
+        The factor 1.25 turns sum(w e^2) / sum(w) of Gaussian noise with a biweight of 6 deviations into its variance.
         """
         for _ in range(2):
             ratio = np.square(self.residual / (_REJECT * self.noise[self.turn]))
@@ -320,10 +321,10 @@ class TurnFits:
         return covariance
 
     def left_open(self) -> Floats:
-        """Return the posterior root mean square of the third harmonic, divided by its prior one, (t,).
+        """Return the posterior root mean square of the third harmonic, divided by its prior root mean square, (t,).
 
-        It includes the estimate and its uncertainty: it is large if the harmonic is large, and if samples that would
-        show it are missing. Every washout on one side has a third harmonic.
+        It includes the estimate and its uncertainty, so it is large if the harmonic is large, or if samples that would
+        show the harmonic are missing. Every washout on one side has a third harmonic.
         """
         variance = np.einsum("tpp->tp", self.inverse)[:, 5:7] * (self.noise**2)[:, None]
         found = (np.square(self.terms[:, 5:7]) + variance).sum(axis=1)
@@ -331,9 +332,9 @@ class TurnFits:
         return share
 
     def one_sided(self) -> tuple[Complexes, Floats]:
-        """Return centre and covariance where the wall has a first harmonic, too: the tool measured only their sum.
+        """Return centre and covariance if the wall also has a first harmonic; the tool measured only the sum of both.
 
-        With deviations s of the wall's and r of the centre's, the centre is r^2 / (r^2 + s^2) of the sum.
+        With deviations s of the wall's harmonic and r of the centre, the centre is r^2 / (r^2 + s^2) of the sum.
         """
         own, reach = 3.0 * self.shape.odd, self.shape.reach
         part = reach**2 / (reach**2 + own**2)
@@ -375,10 +376,10 @@ class TurnFits:
 
 
 def fit_steps(smooth: TurnFits, opposite: bool) -> tuple[TurnFits, Floats]:
-    """Fit the turns with the best sector of each as a step, and if ``opposite`` with the one across the hole too.
+    """Fit the turns with the best sector of each as a step; if ``opposite``, the opposite sector is also a step.
 
-    No series of a few harmonics follows an upright edge, and what it misses moves the centre. A wall that is smooth but
-    for one sector that stands out, or two opposite ones, is linear in everything but the two edges, so all are tried::
+    No series of a few harmonics follows an upright edge, and what it misses moves the centre. A wall that is smooth
+    except for one sector, or two opposite sectors, is linear in everything but the two edges, so all edges are tried::
 
           D .-----.                   .-----.          e       residuals of the smooth fit
             |     |                   |     |          b       1 in the sector, 0 outside; weights W
@@ -386,9 +387,9 @@ def fit_steps(smooth: TurnFits, opposite: bool) -> tuple[TurnFits, Floats]:
           from    to                from+180
 
     The gain of a sector is what the weighted squares of the residuals lose when D is fitted with all else. With sums
-    over cells of three degrees, added up around the hole, it takes as many passes as the fit has terms. The cells are
-    laid by the second harmonic of the turn, so that turned samples give turned sectors. Opposite steps have one depth,
-    but for a little that is found as well.
+    over cells of 1.5 degrees, added up around the hole, the gains take as many passes as the fit has terms. The cells
+    are laid by the second harmonic of the turn, so that turned samples give turned sectors. Opposite steps have one
+    depth, except for a small difference, which is also fitted.
 
     Returns
     -------
@@ -441,7 +442,7 @@ def cell_sums(fits: TurnFits, where: Floats, cell: Integers, cells: int) -> Floa
 
 
 def best_sectors(sums: Floats, widths: range, least: float) -> tuple[Integers, Integers, Integers]:
-    """Return first cell and width of the narrowest sector with the greatest gain, and the width of the widest, (t,)."""
+    """Return first cell and width of the narrowest sector of the greatest gain, and the width of the widest, (t,)."""
     turns, cells, _ = sums.shape
     around = np.concatenate([np.zeros((turns, 1, sums.shape[2])), sums, sums[:, : widths.stop]], axis=1)
     running = np.cumsum(around, axis=1)

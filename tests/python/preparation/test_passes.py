@@ -230,8 +230,8 @@ def test_an_arm_that_drifts_at_one_bearing_is_named_and_not_corrected():
     drifts, shape, left = bias.warnings(["X", "Y"])
     assert drifts.startswith("X drifts by 3.8")
     assert shape == (
-        "the bias of X and Y cannot be separated from the hole's shape: the arms see other parts of the wall "
-        "throughout, or the shape turns with the tool"
+        "the bias of X and Y cannot be separated from the hole's shape: the arms never see the same part of the wall, "
+        "or the shape turns with the tool"
     )
     assert left == (
         "the bias of X of pass 11, X of pass 12, X of pass 13, X of pass 14, X of pass 15 and 3 more is not known to "
@@ -319,7 +319,7 @@ def test_a_periodic_hole_is_not_shifted(period):
     assert not found.found.any()
     np.testing.assert_array_equal(found.shift, 0.0)
     assert found.correlation.min() > 0.9
-    assert "left where it is: no clear match, the hole repeats itself: correlation 0.9" in found.lines()[0]
+    assert "left where it is: no clear match, since the hole repeats itself (correlation 0.9" in found.lines()[0]
 
 
 def test_arm_sides():

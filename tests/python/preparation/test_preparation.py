@@ -294,7 +294,7 @@ def test_several_files_are_passes() -> None:
     report = dict(prepare([first, timed]).report)
     assert report == {"time": "left out: not every file has one"}
     numbered = rotating(4, "d.csv", **{"pass": np.ones(N)}).readings()
-    with pytest.raises(ValueError, match=r"^d.csv: numbers a pass as another file does: number the passes anew$"):
+    with pytest.raises(ValueError, match=r"^d.csv: has a pass number of another file; number the passes anew$"):
         prepare([numbered, numbered], Preparation(latest=True))
     again = prepare([numbered, numbered], Preparation(latest=True, reversal=0.5))
     assert set((again.pass_number if again.pass_number is not None else np.empty(0)).tolist()) == {2}
@@ -339,11 +339,11 @@ def test_closed_arms_and_their_opening_are_dropped_without_being_asked() -> None
     (line,) = [line for label, line in prepare(arms(**down).readings(), bit_diameter=bit).report if label == "closed"]
     assert line == f"{stretch}, close from 116.9 m: 62 rows dropped"
     for settings, size, done in (
-        (Preparation(), None, "kept, no bit size says that it is no casing"),
-        (Preparation(drop_closed=False), bit, "kept"),
+        (Preparation(), None, "kept, although closed arms read so; without a bit size, it may be casing"),
+        (Preparation(drop_closed=False), bit, "kept, although closed arms read so"),
     ):
         kept = prepare(arms(**columns).readings(), settings, bit_diameter=size)
-        assert ("closed", f"{stretch}, open until 116.9 m: as closed arms do: {done}") in kept.report
+        assert ("closed", f"{stretch}, open until 116.9 m: {done}") in kept.report
         assert len(kept.caliper) == 4 * N
     casing = prepare(arms(**columns).readings(), bit_diameter=4.0 * 0.0254)
     for other in (casing, prepare(arms().readings(), bit_diameter=bit)):
@@ -363,7 +363,7 @@ def test_two_calipers_that_disagree_are_not_merged() -> None:
         prepare(twice.readings(roles))
     assert str(caught.value) == (
         "f.csv: cal_x and cal_z: look in one direction and differ by 4.4 mm of radius in half of the rows: "
-        "name the one to use"
+        "name the caliper to use"
     )
     near = log(md__m=one["md"].values, rb__deg=one["rb"].values, cal_x__in=x, cal_z__in=y + 0.1)
     roles = overlay(guess(near), near, diameters, "map")
@@ -375,7 +375,7 @@ def test_two_calipers_that_disagree_are_not_merged() -> None:
     assert prepare(part.readings(overlay(guess(part), part, diameters, "map"))).report[0] == (
         "arms",
         "f.csv: cal_x and cal_z look in one direction and differ by more than 2.5 mm of radius in 40 rows, the longest "
-        f"stretch from {depth[0]:.2f} to {depth[39]:.2f} m: name the one to use",
+        f"stretch from {depth[0]:.2f} to {depth[39]:.2f} m: name the caliper to use",
     )
 
 
@@ -439,7 +439,7 @@ def test_toolface_references() -> None:
     with pytest.raises(ValueError, match="toolfaces that count from automatic need a survey"):
         prepare(one.readings(mapped), Preparation(toolface_from="automatic"))
     with pytest.raises(
-        ValueError, match="the wall's toolfaces count from a parallel-transport reference, a tool's never do"
+        ValueError, match="the wall's toolfaces count from a parallel-transport reference, a tool's never do; say"
     ):
         prepare(one.readings(), None, transported)
     with pytest.raises(ValueError, match=r"row 1, column tf_type: 'up': must be one of n, north"):
@@ -455,7 +455,7 @@ SHALLOW = hb.Survey([0.0, 50.0], [0.0, 0.0], [0.0, 0.0])
     [
         ([], None, None, "readings: must have at least one"),
         (rotating(), None, SHALLOW.path(reference="parallel-transport"),
-         "f.csv: the wall's toolfaces count from a parallel-transport reference, a tool's never do: say whether the "
+         "f.csv: the wall's toolfaces count from a parallel-transport reference, a tool's never do; say whether the "
          "samples count from north, the high side or automatically"),
         (rotating(), Preparation(toolface_from="automatic"), None,
          "f.csv: toolfaces that count from automatic need a survey to be turned into the wall's"),
@@ -529,7 +529,7 @@ def two_passes(backwards: bool, **columns: Any) -> tuple[LogSet, Any]:
 
 
 def test_a_clock_that_starts_anew_with_each_pass() -> None:
-    anew = ["f.csv: goes back, as where a clock restarts: read as 2 clocks"]
+    anew = ["f.csv: goes back, as if a clock restarts, and is read as 2 clocks"]
     for columns, backwards, lines in (
         ({"pass": np.repeat([3.0, 7.0], 100)}, False, []), ({}, False, anew), ({}, True, anew),
     ):  # fmt: skip
