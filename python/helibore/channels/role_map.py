@@ -1,6 +1,6 @@
 """The role map: a TOML file that overrides guessed roles, printed by ``helibore inspect`` ready to edit.
 
-    set = "MAIN"                       # which set of the file; left out when there is one
+    set = "MAIN"                       # which set of the file; left out if the file has one set
     [channels."pfc1_x_in"]
     role = "diameter"                  # one of helibore.channels.roles.ROLES
     unit = "in"

@@ -3,7 +3,7 @@
     fast      every cell a number or empty, every row of one width     one call of numpy.loadtxt
     careful   everything else                                          cell by cell; an error names its line and column
 
-The careful reader runs only where the fast one fails. Both give the same bits.
+The careful reader runs only where the fast reader fails. Both give the same bits.
 """
 
 from __future__ import annotations

@@ -166,7 +166,7 @@ class SectorImage:
         Returns
         -------
         SectorImage
-            New. Rows beyond the path, and where one of the references is undefined, are missing.
+            A new image. Rows beyond the path, and rows where one of the references is undefined, are missing.
 
         Raises
         ------

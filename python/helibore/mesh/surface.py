@@ -158,7 +158,7 @@ class Surface(Mesh):
         save_surface(self, FilePath(filename), color_by, limits, origin, color_map, log)
 
     def append_to(self, filename: str | os.PathLike[str], origin: Point = (0.0, 0.0, 0.0)) -> None:
-        """Add this surface as a further part to a .vtkhdf file, or begin one.
+        """Add this surface as a further part to a .vtkhdf file, or begin the file.
 
         Surfaces of neighbouring intervals meet without overlap or gap, so a file with all of these surfaces holds the
         whole wall. The part is added to a copy, which then replaces the file; a reader never sees half a part.

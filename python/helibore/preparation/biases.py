@@ -53,7 +53,7 @@ class Bias:
     estimate: Floats  # best estimate of their sums, (p, a)
     sigma: Floats  # its standard deviation, (p, a)
     # What is subtracted, (p, a): the estimate; NaN where its deviation exceeds 0.127 mm, for an arm that drifts and
-    # cannot be compared with a steady one, and where less than half of an arm's samples can be compared.
+    # cannot be compared with a steady arm, and where less than half of an arm's samples can be compared.
     table: Floats
     samples: Integers  # of each pass and arm, (p, a)
     part: Integers  # passes and arms of one number can be compared, and share one zero, (p, a)

@@ -269,7 +269,7 @@ def repeated_rows(*columns: npt.ArrayLike) -> Step:
 
 
 def share_of_repeats(depth: Floats, toolface: Floats, radius: Floats, *, most: int = 1 << 15) -> float:
-    """Return the share of rows that equal an earlier one, from about ``most`` rows, chosen by their hashes."""
+    """Return the share of rows that equal an earlier row, from about ``most`` rows, chosen by their hashes."""
     odd = np.uint64(0x9E3779B97F4A7C15)
     bits = [values.copy().view(np.uint64) for values in (depth, toolface, radius)]
     place = (bits[0] ^ (bits[1] << np.uint64(1))) * odd

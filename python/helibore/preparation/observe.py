@@ -1,4 +1,4 @@
-"""From the readings of files to samples in one frame: by depth, or by time where a clock is needed.
+"""From the readings of files to samples in one frame, by depth, or by time if a clock is needed.
 
     Readings (rows x sensors, one or more files) --observe--> Samples: depth, toolface, radius, time | file, row, sensor
 
@@ -35,7 +35,7 @@ REASONS = ("no depth", "no toolface", "no radius", "no time")
 
 @dataclass(frozen=True)
 class Track:
-    """Depth and, if the file has one, toolface of the tool by time, from a separate file."""
+    """Depth of the tool by time, and its toolface if the file has one, from a separate file."""
 
     depth: TimeSeries
     toolface: TimeSeries | None = None

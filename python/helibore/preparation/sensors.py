@@ -89,7 +89,7 @@ class TimeSeries:
 
     @property
     def step(self) -> float:
-        """Median change from one reading to the next, of angles along the shorter arc; 0 for one reading."""
+        """Median change from one reading to the next, for angles along the shorter arc; 0 for one reading."""
         return float(np.median(np.abs(np.diff(self._values)))) if self._values.size > 1 else 0.0
 
     def at(self, time: npt.ArrayLike) -> Floats:
@@ -117,7 +117,7 @@ class TimeSeries:
 
 @dataclass(frozen=True)
 class Samples:
-    """n samples of several sensors in one frame, in order of time (of row, where there is no time), then of sensor."""
+    """n samples of several sensors in one frame, in order of time (or of row, without times), then of sensor."""
 
     depth: Floats  # metres, finite, like the next two
     toolface: Floats  # degrees in [0, 360)

@@ -3,11 +3,11 @@
 The archive is a zip file of uncompressed NumPy arrays, which ``np.load`` and any zip program open without helibore:
 
     helibore.json               format, version, settings, basis, start_depth, path, images, made_from
-    samples/depth.npy ...       toolface, radius, and time where samples carry one: canonical order
+    samples/depth.npy ...       toolface, radius, and time if samples have times; in canonical order
     arms/depth.npy ...          toolface, radius, time, arm        samples of a tool with few arms, as appended
     vertices/radius.npy ...     nearest, support, iterations
-    survey/depth.npy ...        inclination, azimuth               where the wall has a path
-    images/0/depth.npy          images/0/values.npy ...            where it has images
+    survey/depth.npy ...        inclination, azimuth               if the wall has a path
+    images/0/depth.npy          images/0/values.npy ...            if the wall has images
     attributes/0.npy ...        one value for each quad of the whole wall
 
 A zip file needs no extra library, NumPy and the standard library write it at the speed of memory, every member has a

@@ -52,7 +52,7 @@ def load(filename: str | os.PathLike[str], threads: int | None = None, recompute
     ------
     InputError
         If the file is not an archive, is truncated, damaged or of a newer version, or if this version computes other
-        values than the saved ones. The error names the file and the reason.
+        values than the saved values. The error names the file and the reason.
     OSError
         If the file cannot be read.
     """

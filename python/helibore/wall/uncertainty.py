@@ -6,12 +6,12 @@
     S   mean square of the differences between the radii used and the estimate; it shows how much the wall changes
     D   mean square of the distances to the samples used; distances around the hole are multiplied by the stretch
 
-Samples are left out with boxes as empty as those around vertices (`choose_left_out`). tau, c, a, b and the stretch
-maximise the likelihood of the errors, by Student's t with 5 degrees of freedom. The variance of an error is that of the
-estimate plus the noise tau^2 of the sample itself. q is the 95 % quantile of the errors divided by their standard
-deviations. So the true radius lies within 1.96 sigma of the wall with 95 % probability, at places like those of the
-left-out samples. Sigma is NaN at places that are farther from the samples used than 98 % of the left-out samples are,
-and in gaps of the turn (`Wall.angular_gap` above `Settings.largest_gap`).
+Samples are left out with boxes as large as the empty boxes around vertices (`choose_left_out`). tau, c, a, b and the
+stretch maximise the likelihood of the errors, by Student's t with 5 degrees of freedom. The variance of an error is
+that of the estimate plus the noise tau^2 of the sample itself. q is the 95 % quantile of the errors divided by their
+standard deviations. So the true radius lies within 1.96 sigma of the wall with 95 % probability, at places like those
+of the left-out samples. Sigma is NaN at places that are farther from the samples used than 98 % of the left-out samples
+are, and in gaps of the turn (`Wall.angular_gap` above `Settings.largest_gap`).
 
 If a tool leaves more than half of the turns unmeasured (few arms, telemetry), samples are too far apart to separate
 noise from shape. Then tau^2 (1 + W) replaces tau^2 W.

@@ -87,8 +87,8 @@ class Wall:
 
     Notes
     -----
-    A wall has vertices as soon as it has a sample. It may be used from several threads: calls take effect one after
-    another. Every array it returns is a copy. A wall can be copied and pickled: the copy has the same bits, now and
+    A wall has vertices as soon as it has a sample. It may be used from several threads; calls take effect one after
+    another. Every array it returns is a copy. A wall can be copied and pickled; the copy has the same bits, now and
     after further appends.
     """
 
