@@ -128,7 +128,7 @@ def _column(source: InputFile, name: str, curve: dict[str, Any], cells: Sequence
 def _array_column(source: InputFile, name: str, size: int, cells: Sequence[Any]) -> Array:
     stated = sum(len(cell) for cell in cells if isinstance(cell, list))
     if size * len(cells) > EMPTY_FREE + EMPTY_RATIO * stated:
-        rule = f"{len(cells)} rows hold {stated} values, with more than {EMPTY_RATIO} empty cells for each"
+        rule = f"{len(cells)} rows hold {stated} values, with more than {EMPTY_RATIO} empty cells for each value"
         raise source.error(rule, column=f"{name}: dimensions", value=str(size))
     empty = [None] * size
     rows = [empty if cell is None else cell for cell in cells]

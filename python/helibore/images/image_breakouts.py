@@ -48,8 +48,9 @@ class ImageCriteria:
             raise InputError("dark", "must be in (0, 1)", str(self.dark))
         if not self.least_opening < self.most_opening <= 180:
             place = f"least_opening = {self.least_opening}, most_opening"
-            rule = "the first must be less than the second, and the second at most 180"
-            raise InputError(place, rule, str(self.most_opening))
+            raise InputError(
+                place, "the first must be less than the second, and the second at most 180", str(self.most_opening)
+            )
         if self.opposite > 90:
             raise InputError("opposite", "must be at most 90", str(self.opposite))
         if not (isinstance(self.least_rows, int) and self.least_rows >= 1):

@@ -205,7 +205,7 @@ class _Rings:
 
 
 def _runs_of(values: Integers) -> tuple[Integers, Integers, Integers, Integers]:
-    """Return the distinct values of a sorted column, where each begins, its count, and the index of each row."""
+    """Return the distinct values of a sorted column, where each begins, its count, and the index of a row's value."""
     different, first, count = np.unique(values, return_index=True, return_counts=True)
     return different, first, count, np.repeat(np.arange(different.size), count)
 

@@ -259,7 +259,7 @@ def _moving(turns: Integers, centre: Complexes, place: Floats, row: Integers) ->
 def _motion_deviation(turns: Integers, centre: Complexes) -> Floats:
     """Return the deviation of the centre due to its motion during the turn, (t,) metres.
 
-    It is half the distance of the cubic from the line, halfway to the next turn: the largest of the turns around.
+    It is half the distance of the cubic from the line, halfway to the next turn; the largest of the turns around.
     """
     bend = np.abs(_line_and_bend(turns, centre, turns + 1.0)[1])
     around = np.pad(np.nan_to_num(0.5 * bend), 2)

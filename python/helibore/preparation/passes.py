@@ -143,8 +143,9 @@ def difference(before: Wall, after: Wall) -> Floats:
 def odd_passes(wall: Wall, caliper: Caliper, pass_number: npt.ArrayLike, arm_names: Sequence[str] = ()) -> list[str]:
     """Return sentences on the places where a pass lies farthest below, and farthest above, the wall of all passes.
 
-    The differences of an arm in a pass from the wall are counted from their median, row by row. A place is one where
-    they exceed 5 mm and 6 robust deviations to one side in 3 rows in succession; the merged wall does not show it.
+    The differences of an arm in a pass from the wall are counted from their median, row by row. Such a place has
+    differences above 5 mm and 6 robust deviations to one side in 3 rows in succession, which the merged wall does not
+    show.
 
     Parameters
     ----------

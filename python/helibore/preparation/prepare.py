@@ -460,7 +460,7 @@ class _Pipeline:
         return self._at(columns, self.samples.row)
 
     def _at(self, columns: Sequence[npt.NDArray[Number]], place: Integers) -> npt.NDArray[Number]:
-        """Return the values, at every sample's place in its file, of a column of each file."""
+        """Return the value of each file's column at every sample's place in its file."""
         starts = np.cumsum([0, *(column.size for column in columns[:-1])])
         return np.concatenate(columns)[starts[self.samples.file] + place]
 

@@ -131,7 +131,10 @@ def find_shifts(
 
 
 def _profile(place: Floats, radius: Floats, grid: Integers) -> Floats:
-    """Return the median radius of each grid step less the running mean; NaN where there are none. ``place``: steps."""
+    """Return the median radius of each grid step less the running mean; NaN beyond the samples and in gaps.
+
+    ``place`` is in steps.
+    """
     row = np.round(place)
     order = np.lexsort((radius, row))
     cells, first, count = np.unique(row[order], return_index=True, return_counts=True)

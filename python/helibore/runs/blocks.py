@@ -270,9 +270,12 @@ def _blocks(wall: Settings, plan: Json, most_samples: int) -> list[list[int]]:
             found.append([first, stop])
             counted = _samples(wall, plan, first, stop)
             if counted > CROWDED * most_samples:
-                place = f"{UNIT} turns from {plan['start_depth'] + first * wall.pitch:.6g} m on"
-                rule = f"{place} have {counted:,} samples or vertices; must be at least 1/{CROWDED} of that"
-                raise InputError("block_samples", rule, f"{most_samples}")
+                rule = f"{UNIT} turns from {plan['start_depth'] + first * wall.pitch:.6g} m on have {counted:,}"
+                raise InputError(
+                    "block_samples",
+                    f"{rule} samples or vertices; must be at least 1/{CROWDED} of that",
+                    f"{most_samples}",
+                )
     return found
 
 

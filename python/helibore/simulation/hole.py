@@ -168,7 +168,7 @@ class Hole:
         return gamma
 
     def stations(self, interval: float = 30.0, margin: float = 30.0) -> tuple[Floats, Floats, Floats]:
-        """Return depth (m), inclination and azimuth (deg) from ``margin`` m above the hole to ``margin`` m below it."""
+        """Return the survey from ``margin`` m above the hole to as far below: depth (m), inclination, azimuth (deg)."""
         depth = np.arange(self.start - margin, self.stop + margin + interval, interval)
         along = np.maximum(depth - self.start, 0.0)
         inclination = np.full(depth.size, self.inclination)

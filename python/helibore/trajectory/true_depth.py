@@ -41,7 +41,7 @@ class TrueDepth:
 
 
 def true_depth(path: Path | None, elevation: float | None) -> TrueDepth | None:
-    """Return the true depths of a path, or None if they are not known; with an ``elevation``, raise InputError then."""
+    """Return the true depths of a path. If they are not known, return None; raise InputError for an ``elevation``."""
     surface = path is not None and abs(path.start_depth) <= SURFACE
     known = path is not None and (surface or path.head[2] != 0)
     if path is None or not known:

@@ -8,7 +8,7 @@ because no sample lies between the arms. The likelihood of the samples can:
 
     blocks of at most 48 samples over 10 m; in each the radius is a constant and a Gaussian process with the covariance
     of kriging: Wendland's C2 function of distance / range, and a nugget
-    restricted likelihood: the constants are integrated out; all blocks share the variance that maximizes it
+    restricted likelihood: the constants are integrated out; all blocks share the variance that maximises it
 
 The best long covariance is chosen if its likelihood exceeds that of the best short one by more than `LEAST_GAIN` nats a
 block. On holes of known shape, right choices gained 36 or more and wrong choices lost (bench/accuracy/known_holes.py).

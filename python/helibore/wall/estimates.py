@@ -24,7 +24,7 @@ MOST_UNMEASURED = 0.5
 """Share of the turns; a tool that leaves a larger share unmeasured has few arms, or sends few samples."""
 _MOST_BOX_DEPTH = 1.0
 FEW_BOXES = 200
-"""This many boxes are enough for an uncertainty. `tune` makes a box for each target, so that chance hardly decides."""
+"""This many boxes are enough for an uncertainty. `tune` makes one for each target, so that its choice hardly varies."""
 
 Columns = tuple[Floats, Floats, Floats]
 Boxes = tuple[Floats, Floats]

@@ -12,10 +12,11 @@ from helibore.samples.helix import WallLike, helix_of
 
 
 class PointValues(NamedTuple):
-    """Values at points, (m,) each; `evaluate` gives ``radius``, metres.
+    """Values at points, (m,) each.
 
-    ``nearest`` (metres), ``support`` (number of samples) and ``gap`` (the angular gap, degrees) are those of the
-    nearest vertex, as in `Wall`; beyond the wall they are NaN, 0 and 360.
+    ``radius`` (metres) is that of `evaluate`, NaN if no vertex around the point has a radius. ``nearest`` (metres),
+    ``support`` (number of samples) and ``gap`` (the angular gap, degrees) are those of the nearest vertex, as in
+    `Wall`; beyond the wall they are NaN, 0 and 360.
     """
 
     radius: Floats

@@ -74,7 +74,7 @@ CASES: list[tuple[str, str | bytes, str]] = [
     ("t.json", CURVES % (', "dimensions": 0.5', "[1]"),
      ", column A: dimensions = 0.5: must be a whole number of at least 1"),
     ("t.json", CURVES % (', "dimensions": 2000000', "null"),
-     ", column A: dimensions = 2000000: 1 rows hold 0 values, with more than 200 empty cells for each"),
+     ", column A: dimensions = 2000000: 1 rows hold 0 values, with more than 200 empty cells for each value"),
     ("t.json", CURVES % ("", "1" + "0" * 400 + "], [null"), ", column A: holds a whole number too large for a float"),
     ("t.json", '[{"header": {},\n "curves" [}]', ", line 2: Expecting ':' delimiter (character 11)"),
     ("t.json", '{"wells": {"W": 1}}', ": well 'W': must be an object of columns"),
