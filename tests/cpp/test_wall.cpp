@@ -61,6 +61,20 @@ void splits_and_moves() {
     CHECK(split.append({}).ranges.empty());
 }
 
+// -0 is the depth 0, also where it becomes the depth that the wall starts at.
+void starts_at_zero() {
+    for (const double pitch : {-0.03, 0.03})
+        for (const double first : {0.0, -0.0}) {
+            Wall wall({.bit_diameter = 1.0, .sectors = 11, .pitch = pitch});
+            for (const double depth : {first, -first}) {
+                const std::vector<double> at{depth}, toolface{100.0 + 50.0 * std::signbit(depth)}, radius{0.2};
+                wall.append({.depth = at, .toolface = toolface, .radius = radius});
+                CHECK(wall.size() == 1 && wall.depth()[0] == 0.0 && !std::signbit(wall.depth()[0]));
+                CHECK(!std::signbit(wall.start_depth()));
+            }
+        }
+}
+
 void refuses_settings() {
     CHECK_THROWS(InputError, "bit_diameter = 0: must be finite and above 0", Wall(Settings{}));
     CHECK_THROWS(InputError, "pitch = 0: must be finite and not 0", Wall({.bit_diameter = 0.2, .pitch = 0.0}));
@@ -156,6 +170,7 @@ void shares() {
 int main() {
     reconstructs();
     splits_and_moves();
+    starts_at_zero();
     in_every_host_state(refuses_settings);
     in_every_host_state(refuses_samples);
     in_every_host_state(refuses_too_many_vertices);

@@ -60,11 +60,11 @@ Change Wall::State::append(const SampleColumns& columns) {
     }
 }
 
-// The helix starts at start_depth, or at the first sample along it.
+// The helix starts at start_depth, or at the first sample along it; at 0 where that is -0.
 Helix Wall::State::helix_now() const {
     const bool down = settings.pitch > 0.0;
     const double start = settings.start_depth.value_or(down ? samples.first_depth() : samples.last_depth());
-    return {start, settings.start_toolface, settings.pitch, settings.sectors, settings.first_vertex};
+    return {start + 0.0, settings.start_toolface, settings.pitch, settings.sectors, settings.first_vertex};
 }
 
 Index Wall::State::count_now(const Helix& next) const {
