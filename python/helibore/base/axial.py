@@ -29,14 +29,16 @@ class Axes:
     """Statistics of axes."""
 
     mean: float  # [0, 180), degrees; NaN if there are no axes
-    deviation: float  # standard deviation, degrees; infinite without a preferred direction, NaN for fewer than two
+    deviation: float  # standard deviation, degrees; infinite without a preferred direction, NaN if not known
     concentration: float  # R, from 0 (anywhere) to 1 (all alike)
     count: int
     weight: float  # the sum of the weights (lengths)
 
     def spread(self, what: str, unit: str, decimals: int) -> str:
-        """Return the deviation as text, such as "s.d. 4.0 deg"; for a single axis "1 zone" (1 and ``what``)."""
-        return f"1 {what}" if self.count == 1 else f"s.d. {self.deviation:.{decimals}f}{unit}"
+        """Return the deviation as text, such as "s.d. 4.0 deg"; without one "1 zone" (the count and ``what``)."""
+        if math.isnan(self.deviation):
+            return f"{self.count} {what}{'s' * (self.count != 1)}"
+        return f"s.d. {self.deviation:.{decimals}f}{unit}"
 
 
 def axial_mean(axes: Floats, weights: Floats | None = None) -> Axes:

@@ -9,12 +9,18 @@ height(toolface) = distance of the wall from the centre of the area, less C2/2
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
+
 import numpy as np
 
 from helibore.base.arrays import Floats, Integers
-from helibore.base.axial import BreakoutLobe, axial_mean, lobe_of
+from helibore.base.axial import Axes, BreakoutLobe, axial_mean, lobe_of
 from helibore.base.ranges import PIECE, pieces
 from helibore.logs.turn_logs import Logs
+
+ONE_AXIS = 1e-3
+"""Degrees of deviation up to which arms have kept one axis."""
 
 
 def rows(radius: Floats, turns: Integers, sectors: int) -> Floats:
@@ -62,12 +68,17 @@ def lobes_of(
     return toolface, spread.deviation * 2 / fold, lobes
 
 
+def axes_of_arms(axes: Axes) -> Axes:
+    """Return the axes, without a deviation of 0: arms that do not turn have one axis, wherever the lobes are."""
+    return replace(axes, deviation=math.nan) if axes.deviation < ONE_AXIS else axes
+
+
 def lobes_of_arms(
     logs: Logs, turns: Integers, radius: Floats, start: float, both: bool
 ) -> tuple[float, float, tuple[BreakoutLobe, ...]]:
     """Return the result of `lobes_of` from the diameters of a tool with few arms; openings are NaN."""
     axes = logs.c1_toolface[turns]
-    spread = axial_mean(axes)
+    spread = axes_of_arms(axial_mean(axes))
     half, uneven = (logs.c1 - logs.c2)[turns] / 2, logs.uneven[turns] / 2
     if both:
         low, high = float(np.median(half - uneven)), float(np.median(half + uneven))

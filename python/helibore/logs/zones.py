@@ -22,7 +22,7 @@ from helibore.base.errors import InputError, check_choice
 from helibore.base.notebook import card, curve_picture
 from helibore.base.ranges import PIECE, pieces
 from helibore.base.tables import LogColumn, LogTable, Tabular, columns_of
-from helibore.logs.breakouts import lobes_of, lobes_of_arms
+from helibore.logs.breakouts import axes_of_arms, lobes_of, lobes_of_arms
 from helibore.logs.turn_logs import Logs, turn_logs
 from helibore.logs.zone_criteria import Criteria, washed_out
 from helibore.samples.helix import WallLike
@@ -144,7 +144,8 @@ class Classification(Tabular):
     def breakout_axis(self) -> Axes:
         """Return mean axis and spread of all breakouts, weighted by length; NaN if there are none."""
         found = self.of("breakout")
-        return axial_mean(np.array([zone.toolface for zone in found]), np.array([zone.length for zone in found]))
+        axes = axial_mean(np.array([zone.toolface for zone in found]), np.array([zone.length for zone in found]))
+        return axes_of_arms(axes) if self.logs.shape == "arms" else axes
 
     def column(self) -> LogColumn:
         """Return the kinds as the log ``CLASS``, to be given to `Logs.table` or `Logs.save` in ``more``."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import gzip
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -147,6 +148,20 @@ def test_an_x_y_log_knows_a_breakout_from_a_washout(kind: str, seed: int) -> Non
     if kind == "breakout":
         assert abs((found.zones[0].toolface - axis + 90) % 180 - 90) < 10
         assert np.isnan(found.zones[0].lobes[0].opening)
+
+
+@pytest.mark.parametrize("turn", [1e9, 1000.0])
+def test_arms_that_do_not_turn_know_no_spread_and_no_opening(turn: float) -> None:
+    """In an oval hole; 0 would say that the axis is exactly known, while it is that of the arms."""
+    shape = lambda depth, tf: 0.108 + 0.02 * np.cos(np.radians(tf)) ** 2 * (abs(depth % 10 - 5) < 1)  # noqa: E731
+    found = hb.reconstruct(four_arms(shape, length=20.0, turn=turn), bit_diameter=BIT).zones()
+    broken, axis = found.of("breakout"), found.breakout_axis()
+    assert len(broken) > 1
+    assert [math.isnan(zone.deviation) for zone in broken] == [turn == 1e9] * len(broken)
+    assert math.isnan(axis.deviation) == (turn == 1e9)
+    assert np.isnan(found.table()["OPEN1"].values).all()
+    assert np.isnan(found.table()["AXISDEV"].values).all() == (turn == 1e9)
+    assert turn != 1e9 or axis.spread("zone", " deg", 1) == f"{len(broken)} zones"
 
 
 def test_one_arm_that_reaches_out_is_a_key_seat_on_its_side() -> None:
