@@ -16,6 +16,6 @@ hole = Hole(
 measured = simulate(hole, Tool())
 wall = hb.reconstruct(hb.Caliper(measured.depth, measured.toolface, measured.radius), bit_diameter=0.216)
 found = wall.zones()
-for zone in sorted(found.zones, key=found.severity, reverse=True):
-    print(f"{zone.start:.1f} to {zone.stop:.1f} m  {zone.kind}  {1000 * found.measure(zone):.0f} mm")
+for zone in found.by_severity():
+    print(f"{zone.start:.1f} to {zone.stop:.1f} m  {zone.kind}  {1000 * zone.measure:.0f} mm")
 figure = hb.plot.log(wall, title="Washout and breakout", scale=100)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
@@ -121,11 +122,8 @@ def annulus_lines(annuli: Iterable[Annulus]) -> Lines:
 
 def zone_lines(zones: Classification, found: WallSummary, unit: str) -> Lines:
     """Describe the zones that reach into the interval of a summary, and the criteria, in the units of ``--unit``."""
-    lengths: dict[str, list[float]] = {}
-    for zone in zones.zones:
-        if zone.stop > found.start and zone.start < found.stop:
-            lengths.setdefault(zone.kind, []).append(zone.length)
-    kinds = [f"{len(each)} {kind}, {sum(each):,.1f} m" for kind, each in lengths.items()]
+    counts = Counter(zone.kind for zone in zones.zones if zone.stop > found.start and zone.start < found.stop)
+    kinds = [f"{count} {kind}, {found.kinds.get(kind, 0.0):,.1f} m" for kind, count in counts.items()]
     lines: Lines = [("zones", "; ".join(kinds) or "none by the criteria")]
     axis = found.breakout_axis
     if math.isfinite(axis.mean):

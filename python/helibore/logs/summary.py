@@ -4,8 +4,9 @@
     wall.summary(start=2000, stop=2100)         of an interval
 
 Diameters, volume and excess come from whole turns, in which every vertex has a radius, measured or interpolated. The
-mean diameter is that of the cylinder with the same volume. The length of a kind of hole is that of its zones
-(``zones``). If an end of the interval cuts a turn, only the part inside counts for length, volume and coverage.
+mean diameter is that of the cylinder with the same volume. The length of a kind of hole is that of the turns in its
+zones that meet the criterion (``zones``). If an end of the interval cuts a turn, only the part inside counts for
+length, volume and coverage.
 """
 
 from __future__ import annotations
@@ -71,7 +72,8 @@ class WallSummary:
     washed_out
         Metres of washout by `classify`; NaN for a gauge hole, which no tool measured.
     kinds
-        Metres of hole by kind, for the kinds that occur, without gauge hole.
+        Metres of hole by kind, for the kinds that occur, without gauge hole. They are metres of the turns in zones that
+        meet the criterion: gaps that a zone joins count for its length only.
     breakout_axis
         Mean axis of the whole wall's breakouts, weighted by length.
     shape, arms

@@ -26,6 +26,10 @@ from helibore.base.units import INCH
 
 CRITERIA_BIT = 8.5 * INCH
 """The hole that the criteria are in proportion to, where they are scaled: the trade states no size with its inches."""
+MEASURES = {
+    "washout": "C2 - bit", "breakout": "C1 - C2", "key seat": "height", "undergauge": "least diameter - bit",
+}  # fmt: skip
+"""The length of each kind that the criteria compare with its limit."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,6 +99,15 @@ class Criteria:
         share = bit_diameter / CRITERIA_BIT
         scaled = {name: getattr(cls, name) * share for name in ("elongation", "washout", "key_seat", "undergauge")}
         return cls(**{**scaled, **others})
+
+    def limits(self) -> dict[str, float]:
+        """Return the limits of the lengths in `MEASURES`, metres; that of undergauge hole is below 0."""
+        return {
+            "washout": self.washout,
+            "breakout": self.elongation,
+            "key seat": self.key_seat,
+            "undergauge": -self.undergauge,
+        }
 
     def facts(self) -> dict[str, str]:
         """Return the criteria as texts; every output states them."""

@@ -3,6 +3,9 @@
 `helibore.logs.zone_criteria` defines the kinds; every output states the criteria. A run of turns of one kind becomes a
 zone if it is long enough. A turn with a missing radius is of no kind.
 
+A zone states the extremes of its turns, so that its ENLARGE is what the logs have at its PEAK. Zones are sorted by
+severity: the extreme of the length that the criterion limits, divided by this limit.
+
 ``breakouts`` finds the azimuth and opening of lobes. Stress is not computed.
 """
 
@@ -24,7 +27,7 @@ from helibore.base.ranges import PIECE, pieces
 from helibore.base.tables import LogColumn, LogTable, Tabular, columns_of
 from helibore.logs.breakouts import axes_of_arms, lobes_of, lobes_of_arms
 from helibore.logs.turn_logs import Logs, turn_logs
-from helibore.logs.zone_criteria import Criteria, washed_out
+from helibore.logs.zone_criteria import MEASURES, Criteria, washed_out
 from helibore.samples.helix import WallLike
 
 KINDS = ("gauge", "washout", "breakout", "key seat", "undergauge")
@@ -42,7 +45,7 @@ NO_LOBE = BreakoutLobe(math.nan, math.nan, math.nan)
 
 @dataclass(frozen=True)
 class Zone:
-    """An interval of hole of one kind.
+    """An interval of hole of one kind. Its lengths are of the turns that meet the criterion, not of gaps between them.
 
     Attributes
     ----------
@@ -50,12 +53,19 @@ class Zone:
         One of `KINDS`, never ``"gauge"``.
     start, stop
         Measured depths, metres, start above stop.
+    measure
+        The length that the criteria compare with a limit, metres: the greatest C2 - bit of a washout, C1 - C2 of a
+        breakout or height of a key seat; if undergauge, the lowest least diameter - bit.
+    median
+        Median of this length, metres.
+    severity
+        Ratio of ``measure`` to the limit in the criteria; infinite if the limit is 0. It says which zone is worse.
     enlargement
-        Median of C1 - bit over the zone, metres; if undergauge, median of the least diameter - bit.
+        The greatest C1 - bit, metres; if undergauge, the lowest least diameter - bit. It is that at ``peak``.
     elongation
-        Median of C1 - C2, metres.
+        The greatest C1 - C2, metres.
     peak
-        Measured depth of the largest C1, metres; if undergauge, of the least diameter.
+        Measured depth of ``enlargement``, metres.
     coverage
         Mean share of its turns that is measured, not interpolated, 0 to 1.
     toolface
@@ -69,6 +79,9 @@ class Zone:
     kind: str
     start: float
     stop: float
+    measure: float
+    median: float
+    severity: float
     enlargement: float
     elongation: float
     peak: float
@@ -91,8 +104,8 @@ class Classification(Tabular):
     logs
         Logs of the turns.
     kind
-        (turns,) int8 index in `KINDS` of the zone in which a turn lies; 0 (gauge) outside zones, -1 if a radius is
-        missing.
+        (turns,) int8 index in `KINDS` of the zone whose criterion the turn meets; 0 (gauge) outside zones and in the
+        gaps that a zone joins, -1 if a radius is missing.
     zones
         In order of depth.
     criteria
@@ -113,33 +126,10 @@ class Classification(Tabular):
         check_choice("kind", kind, KINDS)
         return tuple(zone for zone in self.zones if zone.kind == kind)
 
-    def measure(self, zone: Zone) -> float:
-        """Return the length, metres, that the criteria of the zone's kind compare with a limit.
-
-        It is C2 - bit for a washout, C1 - C2 for a breakout, the height of a key seat, and least diameter - bit if
-        undergauge.
-        """
-        if zone.kind == "washout":
-            return zone.enlargement - zone.elongation
-        if zone.kind == "key seat":
-            return max((lobe.height for lobe in zone.lobes), default=self.criteria.key_seat)
-        return zone.elongation if zone.kind == "breakout" else zone.enlargement
-
-    def severity(self, zone: Zone) -> float:
-        """Return the ratio of the `measure` of a zone to its limit in the criteria."""
-        limits = self.criteria
-        limit = {
-            "washout": limits.washout,
-            "breakout": limits.elongation,
-            "key seat": limits.key_seat,
-            "undergauge": -limits.undergauge,
-        }[zone.kind]
-        return self.measure(zone) / limit if limit else math.inf
-
     def by_severity(self, start: float = -math.inf, stop: float = math.inf) -> list[Zone]:
         """Return the zones that overlap an interval, metres, the most severe first; equally severe ones by depth."""
         inside = (zone for zone in self.zones if zone.stop > start and zone.start < stop)
-        return sorted(inside, key=lambda zone: (-self.severity(zone), zone.start))
+        return sorted(inside, key=lambda zone: (-zone.severity, zone.start))
 
     def breakout_axis(self) -> Axes:
         """Return mean axis and spread of all breakouts, weighted by length; NaN if there are none."""
@@ -149,7 +139,8 @@ class Classification(Tabular):
 
     def column(self) -> LogColumn:
         """Return the kinds as the log ``CLASS``, to be given to `Logs.table` or `Logs.save` in ``more``."""
-        return LogColumn("CLASS", "", f"Class of hole, {CLASSES}", np.where(self.kind < 0, np.nan, self.kind), 0)
+        meaning = f"Zone whose criterion the turn meets, {CLASSES}"
+        return LogColumn("CLASS", "", meaning, np.where(self.kind < 0, np.nan, self.kind), 0)
 
     def facts(self) -> dict[str, str]:
         """Return the facts of the logs, the criteria, and the meaning of the numbers of ``CLASS``."""
@@ -159,19 +150,19 @@ class Classification(Tabular):
         """Return the zones, one per row, with the criteria among the facts; without zones the table has no row."""
         zones = self.zones
         codes = ", ".join(f"{code} {kind}" for code, kind in enumerate(KINDS) if code)
+        lengths = ", ".join(f"{measure} ({kind})" for kind, measure in MEASURES.items())
+        severity = [of.severity if math.isfinite(of.severity) else math.nan for of in zones]
         rows: list[Any] = [
             ("DEPT", "m", "Middle of the zone", [(of.start + of.stop) / 2 for of in zones]),
             ("TOP", "m", "Top of the zone", [of.start for of in zones]),
             ("BOTTOM", "m", "Bottom of the zone", [of.stop for of in zones]),
             ("CLASS", "", f"Class of hole, {codes}", [KINDS.index(of.kind) for of in zones], 0),
-            (
-                "ENLARGE",
-                "m",
-                "Largest diameter, or least if undergauge, less bit",
-                [of.enlargement for of in zones],
-            ),
-            ("ELONG", "m", "Largest diameter less the one across it, median", [of.elongation for of in zones]),
-            ("PEAK", "m", "Depth of the largest diameter, or of the least if undergauge", [of.peak for of in zones]),
+            ("MEASURE", "m", f"Extreme of {lengths}", [of.measure for of in zones]),
+            ("MEDIAN", "m", "Median of the length of MEASURE", [of.median for of in zones]),
+            ("SEVERITY", "", "MEASURE divided by its limit; the greatest is the worst", severity),
+            ("ENLARGE", "m", "Largest diameter, or least if undergauge, less bit", [of.enlargement for of in zones]),
+            ("ELONG", "m", "Largest diameter less the one across it, greatest", [of.elongation for of in zones]),
+            ("PEAK", "m", "Depth of ENLARGE", [of.peak for of in zones]),
             ("COVER", "", "Share of the zone that is measured, not interpolated", [of.coverage for of in zones]),
             ("AXIS", "deg", "Axis of a breakout, toolface of a key seat", [of.toolface for of in zones]),
             ("AXISDEV", "deg", "Axial standard deviation in the zone", [of.deviation for of in zones]),
@@ -186,10 +177,14 @@ class Classification(Tabular):
         return LogTable(columns_of(*rows), self.facts())
 
     def _repr_html_(self) -> str:
-        metres = {kind: [zone.length for zone in self.of(kind)] for kind in KINDS[1:]}
-        numbers = {kind: f"{len(of)} zone{'s' * (len(of) != 1)}, {sum(of):.1f} m" for kind, of in metres.items() if of}
+        counts = {kind: len(self.of(kind)) for kind in KINDS[1:]}
+        numbers = {
+            kind: f"{count} zone{'s' * (count != 1)}, {(self.kind == KINDS.index(kind)).sum() * self.logs.height:.1f} m"
+            for kind, count in counts.items()
+            if count
+        }
         for number, zone in enumerate(self.by_severity()[:WORST], 1):
-            size = f"{1000 * self.measure(zone):.1f} mm, {self.severity(zone):.1f} times its limit"
+            size = f"{MEASURES[zone.kind]} {1000 * zone.measure:.1f} mm, {zone.severity:.1f} times its limit"
             numbers[f"worst {number}"] = f"{zone.kind} {zone.start:.2f} to {zone.stop:.2f} m: {size}"
         axis = self.breakout_axis()
         if math.isfinite(axis.mean):
@@ -228,24 +223,28 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
     if logs.step is not None or len(logs) > radius.size // K or logs.sectors != K:
         raise InputError("logs", "must be those of the turns of the same wall")
     start = float(wall.settings.start_toolface)
-    fits = _kinds(logs, criteria, radius, start)
+    lower, higher = _ends(logs, radius, start)
+    fits = _kinds(logs, criteria, lower, higher)
+    under, elongation = logs.least_diameter - logs.bit_diameter, logs.c1 - logs.c2
+    measures = {WASHOUT: logs.c2 - logs.bit_diameter, BREAKOUT: elongation, KEY_SEAT: higher, UNDERGAUGE: under}
     kind = np.where(fits == NO_KIND, NO_KIND, GAUGE).astype(np.int8)
+    free = fits != NO_KIND
     zones = []
     for code in (WASHOUT, UNDERGAUGE, BREAKOUT, KEY_SEAT):  # a washout between two breakouts keeps them apart
-        for first, stop in _runs(fits == code, kind == GAUGE, criteria, abs(logs.pitch)):
-            kind[first:stop] = code
+        for first, stop in _runs(fits == code, free, criteria, abs(logs.pitch)):
+            free[first:stop] = False
             inside = first + np.flatnonzero(fits[first:stop] == code)
-            zones.append(_zone(code, first, stop, inside, logs, radius, start, criteria))
+            kind[inside] = code
+            zones.append(_zone(code, first, stop, inside, measures[code], logs, radius, start, criteria))
     return Classification(logs, kind, tuple(sorted(zones, key=lambda zone: zone.start)), criteria)
 
 
-def _kinds(logs: Logs, criteria: Criteria, radius: Floats, start: float) -> Kinds:
-    """Return the kind of each turn by itself."""
+def _kinds(logs: Logs, criteria: Criteria, lower: Floats, higher: Floats) -> Kinds:
+    """Return the kind of each turn by itself; ``lower`` and ``higher`` are those of `_ends`."""
     bit = logs.bit_diameter
     elongation = logs.c1 - logs.c2
     missing = np.isnan(logs.c1) if logs.shape == "arms" else np.isnan(logs.mean)
     under = ~missing & (logs.least_diameter < bit - criteria.undergauge)
-    lower, higher = _ends(logs, radius, start)
     total = lower + higher
     both = 2 * lower >= criteria.symmetry * total
     kind = np.full(len(logs), GAUGE, dtype=np.int8)
@@ -296,14 +295,17 @@ def _zone(
     first: int,
     stop: int,
     inside: Integers,
+    measures: Floats,
     logs: Logs,
     radius: Floats,
     start: float,
     criteria: Criteria,
 ) -> Zone:
     ends = sorted((float(logs.depth[first]), float(logs.depth[stop - 1])))
+    extreme = np.argmin if code == UNDERGAUGE else np.argmax
     size = (logs.least_diameter if code == UNDERGAUGE else logs.c1)[inside] - logs.bit_diameter
-    most = int(inside[np.argmin(size) if code == UNDERGAUGE else np.argmax(size)])
+    most, measured, limit = int(extreme(size)), measures[inside], criteria.limits()[KINDS[code]]
+    measure = float(measured[extreme(measured)])
     toolface = deviation = math.nan
     lobes: tuple[BreakoutLobe, ...] = ()
     if code in (BREAKOUT, KEY_SEAT) and logs.shape == "arms":
@@ -314,9 +316,12 @@ def _zone(
         kind=KINDS[code],
         start=ends[0] - logs.height / 2,
         stop=ends[1] + logs.height / 2,
-        enlargement=float(np.median(size)),
-        elongation=float(np.median((logs.c1 - logs.c2)[inside])),
-        peak=float(logs.depth[most]),
+        measure=measure,
+        median=float(np.median(measured)),
+        severity=measure / limit if limit else math.inf,
+        enlargement=float(size[most]),
+        elongation=float((logs.c1 - logs.c2)[inside].max()),
+        peak=float(logs.depth[inside[most]]),
         coverage=float(logs.coverage[first:stop].mean()),
         toolface=toolface,
         deviation=deviation,

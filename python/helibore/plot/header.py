@@ -14,7 +14,7 @@ from helibore.plot.depth_scales import length_text
 from helibore.plot.paper import FAINT, INK, LARGE, RULE, SMALL, USUAL, Sheet
 from helibore.plot.picked import DASHES
 from helibore.plot.tracks import GREY, HATCH_COLOR, LETTERS
-from helibore.plot.zone_list import zone_sign
+from helibore.plot.zone_list import criteria_text, zone_sign
 from helibore.trajectory.references import reference_assumed
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
         )
     if wall.basis == "azimuthal":
         metres = (f"{kind} {unit.text(length, 1)} {unit.name}" for kind, length in summary.kinds.items())
-        measured.append(("Zones", ", ".join(metres) or "none by the criteria", False))
+        measured.append(("Zones", ", ".join(metres) or "none by the criteria at the foot", False))
     return [
         *hole,
         ("Interval", f"{ends} ({unit.text(content.bottom - content.top, 1)} {unit.name})", False),
@@ -142,11 +142,11 @@ def _kinds(content: Content) -> tuple[list[str], list[str]]:
 
 def footer_height(content: Content) -> float:
     """Return the millimetres that the foot takes, from its upper line to the margin."""
-    return 10.0 + ROW * sum(bool(kinds) for kinds in _kinds(content))
+    return 10.0 + ROW * ((content.wall.basis == "azimuthal") + sum(bool(kinds) for kinds in _kinds(content)))
 
 
 def draw_footer(sheet: Sheet, content: Content, x: float, bottom: float, page: str = "", part: str = "") -> None:
-    """Explain letters and colours; below them, write the well, its depths (``part``) and scale."""
+    """Explain letters, colours and criteria; below them, write the well, its depths (``part``) and scale."""
     zones, picks = _kinds(content)
     y = bottom - footer_height(content) + 6.0
     sheet.line((x, sheet.width - x), (y - 3.0, y - 3.0))
@@ -171,6 +171,9 @@ def draw_footer(sheet: Sheet, content: Content, x: float, bottom: float, page: s
                 sheet.line((left - 1.0, left + 4.0), (y, y), linewidth=1.0, **look)
             left += 4.0 + 1.2
             left += sheet.text_width(sheet.text(left, y, kind, SMALL)) + 4.0
+    if content.wall.basis == "azimuthal":
+        y += ROW
+        sheet.text(x, y, f"Criteria of zones: {criteria_text(content)}", SMALL, within=sheet.width - 2 * x)
     y += ROW
     left = _draw_scale_bar(sheet, content, y) if part else sheet.width - MADE
     made = f"helibore {__version__}" + (f", {page}" if page else "")

@@ -27,11 +27,13 @@ from helibore.base.units import size_text
 from helibore.logs.picks import BREAKOUT
 from helibore.logs.summary import WallSummary
 from helibore.logs.turn_logs import TOOLFACE_0
+from helibore.logs.zone_criteria import MEASURES
 from helibore.plot.content import Drawing, content_of
 from helibore.plot.diameters import Diameters
 from helibore.plot.header import HEADER, facts, measured_text, toolface_text
 from helibore.plot.paper import MM
 from helibore.plot.tracks import LENGTHS
+from helibore.plot.zone_list import criteria_text
 from helibore.trajectory.references import reference_assumed
 
 if TYPE_CHECKING:
@@ -245,23 +247,30 @@ def _zones(zones: Classification | None, content: Content) -> str:
     if zones is None:
         return "<p>A shape was not measured: no zones.</p>"
     found = zones.by_severity(content.top, content.bottom)
+    criteria = f"Criteria: {html.escape(criteria_text(content))}."
     if not found:
-        return "<p>None by the criteria below: what was measured of the hole is gauge by them.</p>"
+        return f"<p>None. {criteria} Nothing that was measured of the hole meets one of them.</p>"
     unit, depths = content.drawing.size_unit, content.drawing.depth_unit.name
     ends = f"From [{depths}]", f"To [{depths}]"
-    head = ("Kind, times its limit", *ends, f"Enlarge{SOFT}ment [{unit}]", f"Elonga{SOFT}tion [{unit}]",
+    head = ("Kind, extreme, times its limit", *ends, f"Enlarge{SOFT}ment [{unit}]", f"Elonga{SOFT}tion [{unit}]",
             f"Tool{SOFT}face, s.d. [°]", f"Open{SOFT}ings [°]")  # fmt: skip
     rows = []
     for zone in found:
-        openings = " and ".join(number(lobe.opening, 0) for lobe in zone.lobes)
+        openings = " and ".join(number(lobe.opening, 0) for lobe in zone.lobes if math.isfinite(lobe.opening))
         sizes = (in_unit(zone.enlargement, content, 2), in_unit(zone.elongation, content, 2))
         spread = f" ± {number(zone.deviation, 1)}" if math.isfinite(zone.deviation) else ""
         angles = (f"{number(zone.toolface, 0) or '–'}{spread}", openings or "–")
         ends = (in_depth_unit(zone.start, content), in_depth_unit(zone.stop, content))
         most = "narrowest" if zone.kind == "undergauge" else "widest"
         peak = f"{most} at {in_depth_unit(zone.peak, content)} {depths}"
-        rows.append([f"{zone.kind}, {zones.severity(zone):.1f} ×, {peak}", *ends, *sizes, *angles])
-    return f"<p>Worst first. {_toolface(content)}</p>" + table(head, rows)
+        measure = f"{MEASURES[zone.kind].replace(' - ', ' − ')} {in_unit(zone.measure, content, 2)} {unit}"
+        rows.append([f"{zone.kind}, {measure}, {zone.severity:.1f} ×, {peak}", *ends, *sizes, *angles])
+    note = (
+        "Worst first: by the extreme of the length that the criterion limits, in multiples of this limit. "
+        "Enlargement: C1 − bit where the zone is widest, least diameter − bit where undergauge is narrowest. "
+        "Elongation: the greatest C1 − C2."
+    )
+    return f"<p>{note} {_toolface(content)} {criteria}</p>" + table(head, rows)
 
 
 def _toolface(content: Content) -> str:

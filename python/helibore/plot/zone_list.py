@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from helibore.base.colors import ZONE_COLORS
+from helibore.logs.zone_criteria import MEASURES
 from helibore.plot.paper import FAINT, SMALL, USUAL, Sheet
 from helibore.plot.tracks import LENGTHS, LETTERS
 
@@ -36,6 +37,18 @@ def zone_list_height(content: Content) -> float:
     return TITLE + ROW * min(-(-count // COLUMNS), MOST_ROWS) if count else 0.0
 
 
+def criteria_text(content: Content) -> str:
+    """Return as text what hole is of a kind, in the units of the picture."""
+    unit, criteria = content.drawing.size_unit, content.zones.criteria
+    rules = [
+        f"{kind} {MEASURES[kind]} {'below' if kind == 'undergauge' else 'at least'} {limit / LENGTHS[unit]:.3g} {unit}"
+        for kind, limit in criteria.limits().items()
+    ]
+    depths = content.drawing.depth_unit
+    shortest = f"over at least {criteria.least_length / depths.metres:.3g} {depths.name} of hole"
+    return f"{', '.join(rules)}; {shortest}".replace(" - ", " − ").replace(" -", " −")
+
+
 def draw_zones(sheet: Sheet, content: Content, x: float, y: float, width: float) -> None:
     """Draw the list; more zones than it has room for are counted."""
     zones, drawing = _zones(content), content.drawing
@@ -43,21 +56,15 @@ def draw_zones(sheet: Sheet, content: Content, x: float, y: float, width: float)
     shown = zones[: COLUMNS * MOST_ROWS]
     more = f"; {len(zones) - len(shown)} more are not listed" if len(zones) > len(shown) else ""
     title = sheet.text(x, y + 2.0, f"Zones, worst first{more}", USUAL, weight="bold")
-    limits = content.zones.criteria
-    rules = (
-        ("washout C2 − bit", limits.washout), ("breakout C1 − C2", limits.elongation),
-        ("key seat height", limits.key_seat), ("undergauge least − bit", -limits.undergauge),
-    )  # fmt: skip
-    sizes = ", ".join(f"{name} {limit / LENGTHS[unit]:.3g}" for name, limit in rules)
-    key = f"{depths.name} MD; {unit}; times its limit: {sizes}"
+    key = f"MD [{depths.name}]; extreme of the length that the criterion limits [{unit}]; times this limit"
     left = sheet.text_width(title) + 2.0
     sheet.text(x + left, y + 2.1, key, SMALL, within=width - left, color=FAINT)
     for index, zone in enumerate(shown):
         row, column = divmod(index, COLUMNS)
         left, at = x + column * (width + 4.0) / COLUMNS, y + TITLE - 1.0 + row * ROW
-        size = f"{content.zones.measure(zone) / LENGTHS[unit]:+.{2 if unit == 'in' else 1}f}"
+        size = f"{zone.measure / LENGTHS[unit]:+.{2 if unit == 'in' else 1}f}"
         zone_sign(sheet, left, at, zone.kind)
         sheet.text(left + 4.0, at, zone.kind, SMALL, within=14.0)
         sheet.text(left + 41.5, at, f"{depths.text(zone.start, 1)} – {depths.text(zone.stop, 1)}", SMALL, ha="right")
         sheet.text(left + 51.0, at, size, SMALL, ha="right", weight="bold")
-        sheet.text(left + 60.0, at, f"{content.zones.severity(zone):.1f} ×", SMALL, ha="right")
+        sheet.text(left + 60.0, at, f"{zone.severity:.1f} ×", SMALL, ha="right")

@@ -311,7 +311,7 @@ NUMBERS = {
     "excess": ("", "Volume over the volume at bit size, less 1"),
     "whole_turns": ("m", "Length of turns that have every radius, measured or interpolated"),
     "incomplete_turns": ("m", "Length of the other turns"),
-    "washed_out": ("m", "Length of washouts"),
+    "washed_out": ("m", "Length of the turns that are washed out"),
     "coverage": ("", "Mean share of the turns that is measured, not interpolated"),
     "without_radius": ("", "Share of the vertices that no sample reaches"),
     "nearest_half": ("m", "50 % quantile of the distance from a vertex to the nearest sample"),

@@ -222,7 +222,7 @@ class Feed:
         zones = []
         for zone in found.zones:
             place = {"kind": zone.kind, "start": round(zone.start, 3), "stop": round(zone.stop, 3)}
-            size = {"measure": round(found.measure(zone), 5), "severity": round(found.severity(zone), 3)}
+            size = {"measure": round(zone.measure, 5), "severity": round(zone.severity, 3)}
             zones.append(place | size)
         if tuple(zones) != self.scene.state.zones:
             self.scene.update_state(zones=tuple(zones))

@@ -65,7 +65,7 @@ def test_empty_things_have_a_card():
 
 def test_zones_say_how_many_and_which_is_worst():
     zones = everything()["zones"]
-    html, worst = zones._repr_html_(), max(zones.zones, key=zones.severity)
+    html, worst = zones._repr_html_(), max(zones.zones, key=lambda zone: zone.severity)
     assert f"{len(zones.of('washout'))} zone, {sum(zone.length for zone in zones.of('washout')):.1f} m" in html
     assert f"{worst.kind} {worst.start:.2f} to {worst.stop:.2f} m" in html
 

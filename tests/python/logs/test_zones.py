@@ -13,7 +13,9 @@ from hypothesis import strategies as st
 
 import helibore as hb
 from helibore.base.axial import axial_mean
+from helibore.cli.lines import zone_lines
 from helibore.files.log_writing import save_table
+from helibore.logs.summary import summarize
 from helibore.logs.turn_logs import turn_logs
 from helibore.logs.zone_criteria import Criteria
 from helibore.logs.zones import KINDS, Classification, classify
@@ -73,10 +75,51 @@ def test_a_zone_has_the_depth_of_its_worst_turn_and_its_measured_share(pitch: fl
     logs.coverage[13:19] = 0.5
     washout, tight = sorted(classify(wall, None, logs).zones, key=lambda zone: zone.kind, reverse=True)
     assert (washout.peak, tight.peak) == (logs.depth[13], logs.depth[33])
+    assert (washout.enlargement, tight.enlargement) == pytest.approx((0.042, -0.010))  # those of the logs at the peak
     assert (washout.coverage, tight.coverage) == (pytest.approx((3 + 6 * 0.5) / 9), 1.0)
     table = classify(wall, None, logs).table()
     assert set(table["PEAK"].values) == {washout.peak, tight.peak}
+    assert set(table["ENLARGE"].values) == {washout.enlargement, tight.enlargement}
     assert set(table["COVER"].values) == {washout.coverage, 1.0}
+
+
+def test_the_extreme_of_what_the_criterion_limits_orders_the_zones_and_the_median_stands_beside_it() -> None:
+    wide = WASHED + lobe(100, 0.03)  # the largest diameter of its zone, while C2 is that of the other turns
+    lobes, seat = lobe(100, 0.02) + lobe(280, 0.02), lobe(180, 0.02, 40)
+    wall = wall_of((9, GAUGE), (3, WASHED), (1, wide), (1, WASHED + 0.01), (9, GAUGE), (4, BROKEN),
+                   (1, BROKEN + lobes / 2), (9, GAUGE), (4, SEATED), (1, SEATED + seat / 2), (9, GAUGE), (4, TIGHT),
+                   (1, TIGHT - 0.004), (9, GAUGE))  # fmt: skip
+    found = classify(wall)
+    washout, breakout, seated, tight = found.zones
+    # The height of a key seat counts from the centre of the area, which lies a little towards it.
+    assert [zone.measure for zone in found.zones] == pytest.approx([0.06, 0.06, 0.0249, -0.016], abs=1e-4)
+    assert [zone.median for zone in found.zones] == pytest.approx([0.04, 0.04, 0.0167, -0.008], abs=1e-4)
+    assert washout.enlargement == pytest.approx(0.07, abs=1e-4)
+    assert washout.peak == found.logs.depth[12]
+    assert (breakout.elongation, tight.enlargement) == (breakout.measure, tight.measure)
+    limits = found.criteria.limits()
+    assert [zone.severity for zone in found.zones] == [zone.measure / limits[zone.kind] for zone in found.zones]
+    assert found.by_severity() == [washout, seated, tight, breakout]
+    table = found.table()
+    for name in ("MEASURE", "MEDIAN", "SEVERITY", "ENLARGE", "ELONG"):
+        attribute = {"ENLARGE": "enlargement", "ELONG": "elongation"}.get(name, name.lower())
+        assert table[name].values.tolist() == [getattr(zone, attribute) for zone in found.zones]
+    assert table["MEASURE"].description == (
+        "Extreme of C2 - bit (washout), C1 - C2 (breakout), height (key seat), least diameter - bit (undergauge)"
+    )
+
+
+def test_a_gap_belongs_to_the_zone_that_joins_it_and_not_to_its_turns_and_metres() -> None:
+    wall = wall_of((9, GAUGE), (5, WASHED), (4, GAUGE), (2, BROKEN), (6, WASHED), (9, GAUGE))
+    found = classify(wall)
+    (zone,) = found.zones
+    assert (zone.kind, round(zone.length, 1)) == ("washout", 1.7)
+    assert found.kind.tolist() == [0] * 9 + [1] * 5 + [0] * 6 + [1] * 6 + [0] * 9
+    summary = summarize(wall, zones=found)
+    assert (summary.washed_out, summary.kinds) == (pytest.approx(1.1), {"washout": summary.washed_out})
+    assert "1 zone, 1.1 m" in found._repr_html_()
+    assert zone_lines(found, summary, "m")[0] == ("zones", "1 washout, 1.1 m")
+    assert found.column().description.startswith("Zone whose criterion the turn meets, 0 gauge, 1 washout")
 
 
 @pytest.mark.parametrize("pitch", [0.1, -0.1])

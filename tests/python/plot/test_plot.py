@@ -532,11 +532,11 @@ def test_zones_are_listed_worst_first_and_every_page_says_whose_it_is(wall: hb.W
     figures = plot.pages(wall, title="A well", unit="mm", body=(), dpi=50)
     zones = wall.zones()
     worst = zones.by_severity()
-    assert [zones.severity(zone) for zone in worst] == sorted(map(zones.severity, zones.zones), reverse=True)
+    assert [zone.severity for zone in worst] == sorted((zone.severity for zone in zones.zones), reverse=True)
     assert zones.by_severity(stop=worst[0].start) == [one for one in worst if one.start < worst[0].start]
     (listed,) = [figure for figure in figures if "Zones, worst first" in [text.get_text() for text in figure.texts]]
     words = [text.get_text() for text in listed.texts]
-    rows = [(f"{zone.start:,.1f} – {zone.stop:,.1f}", f"{1000 * zones.measure(zone):+.1f}") for zone in worst]
+    rows = [(f"{zone.start:,.1f} – {zone.stop:,.1f}", f"{1000 * zone.measure:+.1f}") for zone in worst]
     assert [(a, b) for a, b in pairwise(words) if " – " in a and b[0] in "+-"] == rows
     for number, figure in enumerate(figures, 1):
         assert_readable(figure)

@@ -19,6 +19,7 @@ from screen import NEEDS_BROWSER
 
 import helibore as hb
 from helibore.cli import cli
+from helibore.plot import log
 from helibore.plot.content import Drawing, content_of
 from helibore.plot.html_report import intervals, largest_gaps, number, page, report
 from helibore.simulation.tool import Hole, Tool, simulate
@@ -98,11 +99,28 @@ def test_tables_have_the_unit_of_the_diameters(wall: hb.Wall) -> None:
     assert {f"{row.mean_diameter * 1e3:.1f}", f"{row.greatest_diameter.value * 1e3:.1f}"} <= set(metric)
 
 
-def test_a_zone_has_the_depth_of_its_largest_diameter(wall: hb.Wall) -> None:
+def test_a_zone_has_its_extreme_and_the_depth_of_its_largest_diameter(wall: hb.Wall) -> None:
     found = wall.zones()
     worst = found.by_severity()[0]
     shown = cells(page(wall, dpi=40, polar=(), body=()))
-    assert f"{worst.kind}, {found.severity(worst):.1f} ×, widest at {worst.peak:,.2f} m" in shown
+    size = {"washout": "C2 − bit", "breakout": "C1 − C2"}[worst.kind] + f" {worst.measure / 0.0254:.2f} in"
+    at = shown.index(f"{worst.kind}, {size}, {worst.severity:.1f} ×, widest at {worst.peak:,.2f} m")
+    assert shown[at + 3 : at + 5] == [f"{size / 0.0254:.2f}" for size in (worst.enlargement, worst.elongation)]
+
+
+def test_a_report_without_zones_states_the_criteria_that_nothing_meets() -> None:
+    """9.4 mm over bit all along: no washout by 0.5 in, and not of bit size either."""
+    wide = hb.Caliper(np.repeat(np.arange(0, 3, 0.02), 36), np.tile(np.arange(36) * 10.0, 150), np.full(5400, 0.1127))
+    wall = hb.reconstruct(wide, bit_diameter=BIT)
+    criteria = (
+        "washout C2 − bit at least 0.5 in, breakout C1 − C2 at least 1 in, key seat height at least 0.25 in, "
+        "undergauge least diameter − bit below −0.25 in; over at least 0.3 m of hole"
+    )
+    shown = cells(page(wall, dpi=40, polar=(), body=()))
+    assert f"None. Criteria: {criteria}. Nothing that was measured of the hole meets one of them." in shown
+    assert "none by the criteria at the foot" in shown
+    words = [text.get_text() for text in log(wall, polar=(), body=()).texts]
+    assert f"Criteria of zones: {criteria}" in words
 
 
 def test_settings_have_units_and_say_each_thing_once(wall: hb.Wall) -> None:
