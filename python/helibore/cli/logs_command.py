@@ -6,7 +6,7 @@ says what each log is.
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -18,11 +18,11 @@ from helibore.cli.outputs import OUTPUT, QUIET, check_folder, own_options, save_
 from helibore.cli.quantities import FILE, LENGTH, across_and_along, facts_in, split_pair
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_options import HEADER, Sectioned, header_of, open_run, opt, opts, section, takes_a_wall
+from helibore.cli.zone_options import CRITERIA, criteria_of
 
 if TYPE_CHECKING:
     from helibore.base.tables import LogColumn, LogTable
     from helibore.logs.turn_logs import Logs
-    from helibore.logs.zone_criteria import Criteria
     from helibore.logs.zones import Classification
     from helibore.wall.wall import Wall
 
@@ -50,7 +50,7 @@ DECIMALS = {"in": 4, "mm": 3, "ft": 5}
     opt(
         "--unit",
         "Unit of diameters, radii and other sizes across the hole, also of the criteria; depths stay in metres. "
-        "ft: inches, and feet for depths.",
+        "ft: inches, and feet for depths. Volumes stay in m3.",
         type=click.Choice(["m", "mm", "in", "ft"]),
         default="m",
     ),
@@ -58,9 +58,7 @@ DECIMALS = {"in": 4, "mm": 3, "ft": 5}
 @section(
     "Zones",
     opt("--zones", "Table of washouts, breakouts, key seats and undergauge hole; endings as of --output.", type=FILE),
-    opts("--criterion criteria", "Of zones, such as elongation=0.5in, washout, key-seat, undergauge, symmetry, "
-         "least-length.", metavar="NAME=VALUE"),
-    opt("--scaled", "Scale the criteria with the bit; the usual ones are for a bit of 8.5 in.", is_flag=True),
+    *CRITERIA,
     opts("--breakouts", "Table of the dark, opposite sectors of an image.", metavar="IMAGE=FILE"),
 )  # fmt: skip
 @takes_a_wall
@@ -165,9 +163,9 @@ def _measured(wall: Wall, options: dict[str, Any], reference: Any) -> _Measured:
     from helibore.logs.zones import classify
 
     shaped = wall.basis == "azimuthal"
-    if not shaped and (options["zones"] or options["criteria"] or options["scaled"]):
+    criteria = criteria_of(wall, options)
+    if not shaped and options["zones"]:
         raise InputError("zones", f"need a shape that was measured; this wall: {wall.basis_text}")
-    criteria = _criteria(wall, options)
     every = wall.logs(rugosity_window=options["rugosity_window"], sigma=options["sigma"])
     if reference not in (None, every.reference):
         if every.reference:
@@ -188,24 +186,3 @@ def _measured(wall: Wall, options: dict[str, Any], reference: Any) -> _Measured:
         rule = f"the turns, {ends}, must reach from one multiple of the step to the next"
         raise InputError("step", rule, f"{options['step']:g}")
     return _Measured(zones, turns, rows, [])
-
-
-def _criteria(wall: Wall, options: dict[str, Any]) -> Criteria:
-    """The usual criteria, or those in proportion to the bit, with what the options set."""
-    from helibore.base import units
-    from helibore.logs.zone_criteria import Criteria
-
-    shares = ("symmetry", "opening_level")
-    known = [field.name for field in fields(Criteria)]
-    found = {}
-    for text in options["criteria"]:
-        form = f"NAME=VALUE, NAME one of {', '.join(known).replace('_', '-')}"
-        name, value = split_pair("criterion", text, form)
-        name = name.replace("-", "_")
-        if name not in known:
-            raise click.UsageError(f"--criterion {text}: must be {form}")
-        try:
-            found[name] = float(value) if name in shares else units.quantity(value, units.LENGTH)
-        except ValueError as error:
-            raise click.UsageError(f"--criterion {text}: {error}") from None
-    return Criteria.scaled(wall.settings.bit_diameter, **found) if options["scaled"] else Criteria(**found)

@@ -24,6 +24,8 @@ QUIET = opt("-q --quiet", "Print nothing but errors.", is_flag=True)
 
 NOT_RECORDED = ("source", "output", "centres", "zones", "breakouts", "quiet", "help")
 """Options of a command itself that do not change the bytes of the output."""
+OF_ANY_COMMAND = ("criteria", "scaled")
+"""Options that a command takes from the settings of another one, too: they say what the wall's zones are."""
 
 
 def OUTPUT(help: str) -> tuple[str, dict[str, Any]]:  # noqa: A002, N802
@@ -83,13 +85,18 @@ def _own(context: click.Context) -> dict[str, click.Parameter]:
 
 
 def own_options(run: Run, verb: str, options: dict[str, Any]) -> dict[str, Any]:
-    """Return the options; those of a run of the same command are repeated where the command line does not give them."""
-    if run.settings.output is None or run.settings.verb != verb:
+    """Return the options; those of a run of the same command are repeated where the command line does not give them.
+
+    Of a run of another command, only `OF_ANY_COMMAND` are repeated.
+    """
+    if run.settings.output is None:
         return options
     context, place = click.get_current_context(), f"{run.settings.output.file.name}.toml: options"
-    own, found = _own(context), dict(options)
-    check_names(f"{place}.", run.settings.options, own)
-    for name, value in run.settings.options.items():
+    own, found, recorded = _own(context), dict(options), run.settings.options
+    if run.settings.verb != verb:
+        recorded = {name: recorded[name] for name in OF_ANY_COMMAND if name in recorded and name in own}
+    check_names(f"{place}.", recorded, own)
+    for name, value in recorded.items():
         try:
             wanted = _plain(own[name].type_cast_value(context, value))
         except (click.BadParameter, TypeError, ValueError) as error:

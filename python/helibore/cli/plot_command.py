@@ -35,6 +35,7 @@ from helibore.cli.wall_options import (
     takes_a_wall,
     walls_beside,
 )  # fmt: skip
+from helibore.cli.zone_options import CRITERIA, criteria_of
 
 if TYPE_CHECKING:
     from helibore.logs.curves import ScalarCurve
@@ -66,6 +67,7 @@ takes_a_drawing = section(
     opts("--dynamic", "Normalise an image in a sliding window.", metavar="NAME=LENGTH"),
     opts("--polar", "Depth of a cross section.  [up to four]", type=LENGTH),
     opt("--no-polar", "No cross sections.", is_flag=True),
+    *CRITERIA,
     opt("--body", "Interval of the 3-D view.  [the 12 m with most relief]", type=LENGTH, nargs=2),
     opt("--no-body", "No 3-D view.", is_flag=True),
     SIGMA,
@@ -181,6 +183,7 @@ def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Ru
         "dpi": options["dpi"],
         "elevation": options["elevation"],
         "beside": walls_beside(options),
+        "criteria": criteria_of(run.wall, options),
     }
     if options["template"] is not None:
         from helibore.logs.template import Template

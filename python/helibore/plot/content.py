@@ -51,6 +51,7 @@ from helibore.trajectory.true_depth import true_depth
 from helibore.wall.uncertainty import NORMAL_95
 
 if TYPE_CHECKING:
+    from helibore.logs.zone_criteria import Criteria
     from helibore.logs.zones import Classification
     from helibore.plot.diameters import Diameters
     from helibore.trajectory.references import Reference
@@ -142,6 +143,8 @@ class Drawing:
         Other walls by name (wells, or passes of the same well), drawn at the same depths to the right of the tracks:
         their calipers have the scale, their radii the colours of the first wall. If ``start`` and ``stop`` are None,
         the interval holds all walls.
+    criteria
+        Criteria of the zones, in the walls beside, too; None: the usual ones.
     """
 
     title: str = ""
@@ -163,6 +166,7 @@ class Drawing:
     elevation: float | None = None
     template: Template | None = None
     beside: Mapping[str, Wall] = field(default_factory=dict)
+    criteria: Criteria | None = None
 
     def __post_init__(self) -> None:
         if self.scale is not None and not (isinstance(self.scale, int) and self.scale >= 1):
@@ -255,7 +259,7 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
         raise InputError("a picture needs a full turn of the wall", f"it has {len(wall)} vertices")
     top, bottom = _interval(wall, drawing)
     scale = drawing.scale or usual_depth_scale(bottom - top)
-    zones = wall.zones()
+    zones = wall.zones(drawing.criteria)
     turns = diameters(wall, zones.logs, zones.kind.astype(np.float64))
     reference = _reference(wall, drawing)
     images = _images(wall, drawing, reference)
@@ -265,7 +269,7 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     tracks: list[PlacedTrack] = [
         DepthTrack(scale, true_depth(wall.path, drawing.elevation), zones.zones, drawing.depth_unit)
     ]
-    others = [_Other.of(name, one) for name, one in drawing.beside.items()]
+    others = [_Other.of(name, one, drawing.criteria) for name, one in drawing.beside.items()]
     limits = _diameter_limits([(wall, turns), *((one.wall, one.turns) for one in others)], top, bottom, drawing)
     if wall.basis != "gauge":
         tracks.append(_caliper(wall, turns, limits, drawing, reference))
@@ -353,10 +357,10 @@ class _Other:
     turns: Diameters
 
     @classmethod
-    def of(cls, name: str, wall: Wall) -> _Other:
+    def of(cls, name: str, wall: Wall, criteria: Criteria | None) -> _Other:
         if wall.basis == "gauge" or len(wall) < wall.settings.sectors:
             raise InputError(f"beside {name!r}", "must have a full turn that was measured")
-        zones = wall.zones()
+        zones = wall.zones(criteria)
         return cls(name, wall, diameters(wall, zones.logs, zones.kind.astype(np.float64)))
 
     def caliper(self, limits: tuple[float, float], drawing: Drawing) -> CaliperTrack:

@@ -97,6 +97,39 @@ def test_scalar_tracks_and_a_header_from_the_file_and_the_command_line(tmp_path:
     assert "NO : One line a depth" in (tmp_path / "out.las").read_text()
 
 
+def test_criteria_are_those_of_the_command_line_and_of_the_settings_of_another_command(
+    tmp_path: Path, archive: Path
+) -> None:
+    def run(verb: str, *words: object) -> str:
+        done = CliRunner().invoke(cli, [verb, *map(str, words)])
+        assert done.exit_code == 0, done.output
+        return " ".join(done.output.split())
+
+    page, look = tmp_path / "a.html", ("--no-body", "--no-polar", "--dpi", 40)
+    usual = "washout C2 − bit at least 0.5 in, breakout C1 − C2 at least 1 in"
+    run("report", archive, "-o", page, *look)
+    assert usual in page.read_text()
+    run("report", archive, "-o", page, *look, "--criterion", "washout=0.3in", "--criterion", "least-length=0.5")
+    assert "washout C2 − bit at least 0.3 in" in page.read_text()
+    assert "over at least 0.5 m of hole" in page.read_text()
+    las = tmp_path / "a.las"
+    run("logs", archive, "-o", las, "--criterion", "washout=0.2in", "--scaled", "--step", "1m")
+    run("report", f"{las}.toml", "-o", page, *look)
+    assert "washout C2 − bit at least 0.2 in, breakout C1 − C2 at least 1 in" in page.read_text()
+    options = tomllib.loads((tmp_path / "a.html.toml").read_text())["options"]
+    assert (options["criteria"], options["scaled"], "step" in options) == (["washout=0.2in"], True, False)
+    assert "to the last bit" in run("report", f"{page}.toml", "-o", tmp_path / "again.html")
+    run("report", f"{las}.toml", "-o", page, *look, "--criterion", "washout=0.4in")
+    assert "washout C2 − bit at least 0.4 in" in page.read_text()
+    assert "elongation 0.02" in run("logs", f"{page}.toml", "-o", las)
+    assert "washout 0.01016 m" in run("logs", f"{page}.toml", "-o", las)
+    svg = tmp_path / "a.svg"
+    run("plot", f"{las}.toml", "-o", svg, *look)
+    assert "washout C2 − bit at least 0.4 in" in svg.read_text()
+    refused = run_cli("--average", "x.las:CALI", "--bit-diameter", "8.5in", "--criterion", "depth=1", "-o", svg)
+    assert refused.exit_code == 2
+
+
 def test_an_archive_keeps_the_header_of_its_files(tmp_path: Path) -> None:
     las, archive, page = (tmp_path / name for name in ("mem.las", "well.wall", "well.html"))
     las.write_text(CURVES + "".join(f"{2000 + 0.2 * k:.1f} 60 1 8.5\n" for k in range(50)))

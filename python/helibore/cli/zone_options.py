@@ -1,0 +1,46 @@
+"""The options of the criteria of zones, the same in ``helibore logs``, ``plot`` and ``report``."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from helibore.base.errors import InputError
+from helibore.cli.quantities import split_pair
+from helibore.cli.wall_options import opt, opts
+
+if TYPE_CHECKING:
+    from helibore.logs.zone_criteria import Criteria
+    from helibore.wall.wall import Wall
+
+CRITERIA = (
+    opts("--criterion criteria", "Of zones, such as washout=0.3in (least C2 - bit), elongation (least C1 - C2 of a "
+         "breakout), key-seat (least height), undergauge (bit - least diameter), symmetry, least-length, join. C1 is "
+         "the largest diameter, C2 the one across it.", metavar="NAME=VALUE"),
+    opt("--scaled", "Scale the criteria with the bit; the usual ones are for a bit of 8.5 in.", is_flag=True),
+)  # fmt: skip
+
+
+def criteria_of(wall: Wall, options: dict[str, Any]) -> Criteria:
+    """Return the usual criteria, or those in proportion to the bit, with what the options set."""
+    from helibore.base import units
+    from helibore.logs.zone_criteria import Criteria
+
+    if wall.basis != "azimuthal" and (options["criteria"] or options["scaled"]):
+        raise InputError("zones", f"need a shape that was measured; this wall: {wall.basis_text}")
+    shares = ("symmetry", "opening_level")
+    known = [field.name for field in fields(Criteria)]
+    found = {}
+    for text in options["criteria"]:
+        form = f"NAME=VALUE, NAME one of {', '.join(known).replace('_', '-')}"
+        name, value = split_pair("criterion", text, form)
+        name = name.replace("-", "_")
+        if name not in known:
+            raise click.UsageError(f"--criterion {text}: must be {form}")
+        try:
+            found[name] = float(value) if name in shares else units.quantity(value, units.LENGTH)
+        except ValueError as error:
+            raise click.UsageError(f"--criterion {text}: {error}") from None
+    return Criteria.scaled(wall.settings.bit_diameter, **found) if options["scaled"] else Criteria(**found)
