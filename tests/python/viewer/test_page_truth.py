@@ -143,7 +143,8 @@ def test_an_average_caliper_has_a_size_and_no_shape(browser: Any) -> None:
 def test_a_measured_wall_has_no_banner_and_the_figures_of_its_summary(browser: Any) -> None:
     wall = with_gamma(hb.Caliper.gauge(2000.0, 2040.0, BIT))
     depth, toolface = wall.depth, wall.toolface
-    measured = with_gamma(hb.Caliper(depth, toolface, 0.5 * BIT + 0.02 * (np.abs(depth - 2020) < 3)))
+    larger = np.where(np.abs(depth - 2020) < 3, 0.02, 0.0) + np.where(np.abs(depth - 2021) < 0.3, 0.005, 0.0)
+    measured = with_gamma(hb.Caliper(depth, toolface, 0.5 * BIT + larger))
     with hb.view(measured) as viewer:
         screen = Screen(browser, viewer.url, "#md=2020&sec=20")
         screen.until("window.__wall.app.summary && window.__wall.app.zones.length")
@@ -161,8 +162,10 @@ def test_a_measured_wall_has_no_banner_and_the_figures_of_its_summary(browser: A
         (zone,) = measured.zones().zones
         shown = screen.evaluate("window.__wall.app.zones")
         assert [(one["kind"], one["start"]) for one in shown] == [(zone.kind, pytest.approx(zone.start, abs=1e-3))]
-        row = ["W", "washout", f"{zone.start:.1f}–{zone.stop:.1f}", "+40", f"{shown[0]['severity']:.1f}×"]
+        row = ["W", "washout", f"{zone.start:.1f}–{zone.stop:.1f}", "+50", f"{shown[0]['severity']:.1f}×"]
         assert screen.inner_text("#zones").split("\n") == row
+        assert screen.inner_text("#zonesTitle").lower() == "1 zone, worst first: extreme [mm], × limit"
+        assert screen.get_attribute("#zones button", "title").startswith("washout: the extreme of C2 − bit in the zone")
         screen.evaluate("window.__wall.app.view.show(2000, 5, window.__wall.app.store)")
         screen.keyboard.press("n")
         cursor = screen.evaluate("window.__wall.app.view.cursor.depth")

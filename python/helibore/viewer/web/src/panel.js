@@ -8,7 +8,7 @@ import { CLIPPED, INTERPOLATED, PROVISIONAL, RESCANNED, SUPPORT_MASK } from './p
 import { scaleLength } from './tracks.js';
 import { LENGTHS, scaleOf, showAngle, showDepth, showLength, showPercent, showQuantity, showSigned, showSpan, unitOf } from './units.js';
 import { CAMERAS } from './view.js';
-import { bySeverity, LETTERS, zoneAt, zoneText } from './zones.js';
+import { bySeverity, LETTERS, MEASURES, zoneAt, zoneText } from './zones.js';
 
 /** @template {string} Id @param {Id} id */
 export const byId = (id) => /** @type {ElementOf<Id>} */ (/** @type {unknown} */ (document.getElementById(id)));
@@ -188,7 +188,7 @@ export function writeBrief({ view, zones, path, store }, read, figures) {
 const MEANINGS = {
   measured: 'Share of the wall between two samples that are at most largest_gap (at first 60°) apart around the hole, among the samples within gap_reach (at first 0.5 m) of its depth; empty: without a radius',
   volume: 'Of the turns that have a radius all around; the others count nothing',
-  washed: 'Metres of washout of all metres of the section that lie in the wall, in whole turns and others',
+  washed: 'Metres of the turns that are washed out, without the gaps that a zone joins, of all metres of the section that lie in the wall, in whole turns and others',
 };
 
 // The figures of a section, as `Wall.summary` has them.
@@ -217,11 +217,11 @@ export function listZones(zones, { units, theme }, alarms, show) {
   card.dataset.key = key;
   byId('zonesCard').hidden = zones.length === 0;
   byId('zonesTab').textContent = `Zones ${zones.length || ''}`;
-  byId('zonesTitle').textContent = `${zones.length} zone${zones.length === 1 ? '' : 's'}, worst first: ${LENGTHS[units].unit} from bit, × limit`;
+  byId('zonesTitle').textContent = `${zones.length} zone${zones.length === 1 ? '' : 's'}, worst first: extreme [${LENGTHS[units].unit}], × limit`;
   card.replaceChildren(...bySeverity(zones).map((zone) => {
     const button = document.createElement('button');
     button.type = 'button';
-    button.title = `${zone.kind} (N, Shift N: next, previous)`;
+    button.title = `${zone.kind}: the extreme of ${MEASURES[zone.kind]} in the zone (N, Shift N: next, previous)`;
     button.classList.toggle('new', alarms.isNew(zone));
     const texts = [LETTERS[zone.kind], `${alarms.isNew(zone) ? 'new ' : ''}${zone.kind}`, showSpan(zone.start, zone.stop, units).replace(/ .*/, ''), showSigned(zone.measure, units, units === 'mm' ? 0 : 1).replace(/ .*/, ''), `${zone.severity.toFixed(1)}×`];
     button.append(...texts.map((text) => Object.assign(document.createElement('span'), { textContent: text })));

@@ -4,7 +4,7 @@ import { BOLD, label } from './layout.js';
 import { showSigned } from './units.js';
 
 export const LETTERS = { washout: 'W', breakout: 'B', 'key seat': 'K', undergauge: 'U' };
-// What `measure` is, in the words of the print.
+// What `measure` is the extreme of, in short.
 export const MEASURES = { washout: 'C2 − bit', breakout: 'C1 − C2', 'key seat': 'height', undergauge: 'least − bit' };
 const NEAR = 1e-6;
 
