@@ -139,7 +139,7 @@ class Classification(Tabular):
 
     def column(self) -> LogColumn:
         """Return the kinds as the log ``CLASS``, to be given to `Logs.table` or `Logs.save` in ``more``."""
-        meaning = f"Zone whose criterion the turn meets, {CLASSES}"
+        meaning = f"Kind of the zone whose criterion the turn meets, {CLASSES}"
         return LogColumn("CLASS", "", meaning, np.where(self.kind < 0, np.nan, self.kind), 0)
 
     def facts(self) -> dict[str, str]:
@@ -172,7 +172,7 @@ class Classification(Tabular):
             rows += [
                 (f"LOBE{number}", "deg", "Toolface of the lobe", [of.toolface for of in lobes]),
                 (f"OPEN{number}", "deg", "Opening of the lobe", [of.opening for of in lobes]),
-                (f"HIGH{number}", "m", "Height of the lobe over the circle of C2", [of.height for of in lobes]),
+                (f"HIGH{number}", "m", "Typical height of the lobe over the circle of C2", [of.height for of in lobes]),
             ]
         return LogTable(columns_of(*rows), self.facts())
 

@@ -119,7 +119,7 @@ def test_a_gap_belongs_to_the_zone_that_joins_it_and_not_to_its_turns_and_metres
     assert (summary.washed_out, summary.kinds) == (pytest.approx(1.1), {"washout": summary.washed_out})
     assert "1 zone, 1.1 m" in found._repr_html_()
     assert zone_lines(found, summary, "m")[0] == ("zones", "1 washout, 1.1 m")
-    assert found.column().description.startswith("Zone whose criterion the turn meets, 0 gauge, 1 washout")
+    assert found.column().description.startswith("Kind of the zone whose criterion the turn meets, 0 gauge, 1 washout")
 
 
 @pytest.mark.parametrize("pitch", [0.1, -0.1])
@@ -198,6 +198,9 @@ def test_every_criterion_can_be_set() -> None:
     assert classify(wall).zones == ()
     keen = Criteria(elongation=0.01, washout=0.006, key_seat=0.003, undergauge=0.003)
     assert [zone.kind for zone in classify(wall, keen).zones] == ["breakout", "washout", "key seat", "undergauge"]
+    free = classify(wall_of((9, WASHED)), Criteria(washout=0))
+    assert free.zones[0].severity == math.inf
+    assert np.isnan(free.table()["SEVERITY"].values).all(), "files have no infinite number"
     uneven = wall_of((9, GAUGE), (9, GAUGE + lobe(100, 0.03) + lobe(280, 0.01)), (9, GAUGE))
     assert [zone.kind for zone in classify(uneven).zones] == ["breakout"]
     assert [zone.kind for zone in classify(uneven, Criteria(symmetry=0.8)).zones] == ["key seat"]

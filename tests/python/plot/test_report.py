@@ -108,6 +108,15 @@ def test_a_zone_has_its_extreme_and_the_depth_of_its_largest_diameter(wall: hb.W
     assert shown[at + 3 : at + 5] == [f"{size / 0.0254:.2f}" for size in (worst.enlargement, worst.elongation)]
 
 
+def test_openings_that_a_tool_with_few_arms_does_not_know_are_a_dash() -> None:
+    depth = np.repeat(np.arange(0, 3, 0.05), 4)
+    toolface, arm = np.tile([0.0, 90.0, 180.0, 270.0], 60), np.tile([0, 1, 0, 1], 60)
+    oval = hb.Caliper(depth, toolface, np.where(arm == 0, 0.125, 0.108), arm=arm)
+    shown = cells(page(hb.reconstruct(oval, bit_diameter=BIT), dpi=40, polar=(), body=()))
+    at = next(number for number, text in enumerate(shown) if text.startswith("breakout, C1 − C2 1.34 in"))
+    assert shown[at + 5 : at + 7] == ["0", "–"], "nor is there a spread of arms that do not turn"
+
+
 def test_a_report_without_zones_states_the_criteria_that_nothing_meets() -> None:
     """9.4 mm over bit all along: no washout by 0.5 in, and not of bit size either."""
     wide = hb.Caliper(np.repeat(np.arange(0, 3, 0.02), 36), np.tile(np.arange(36) * 10.0, 150), np.full(5400, 0.1127))
