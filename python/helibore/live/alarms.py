@@ -1,10 +1,10 @@
-"""Alarms: what a driller must know at once, from its begin to its end.
+"""Alarms tell a driller at once that something is wrong, and when it has ended.
 
     watch thread: check() every TICK -> begins, ends -> event, metrics, log, page
                                              '-> queue -> one thread -> command, webhook       a line of JSON each
 
-Nothing waits for the command or the webhook: each has SECONDS, and lines that wait are bounded. ``check`` takes the
-time from the clock of `Live`, so a test decides when it is late.
+Nothing waits for the command or the webhook. Each has a time limit of SECONDS, and at most MOST_LINES lines wait for
+them. ``check`` takes the time from the clock of `Live`, so that a test can set it.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ def local(wall: int) -> datetime.datetime:
 
 
 class _NoRedirects(urllib.request.HTTPRedirectHandler):
-    """Makes a redirect an error: a redirected POST becomes a GET without the line."""
+    """Makes a redirect an error, because a redirected POST would become a GET without the line."""
 
     def redirect_request(self, *_: object) -> None:
         return None
@@ -93,7 +93,7 @@ class _Known(urllib.request.HTTPHandler, urllib.request.HTTPSHandler):
 
 
 class _LastLine:
-    """Reads what a command writes to stderr to its end, and keeps the last line: what it started may never close it."""
+    """Reads the stderr of a command in a thread and keeps the last line; its child processes may never close it."""
 
     def __init__(self, descriptor: int) -> None:
         self._stream = open(descriptor, "rb")  # noqa: SIM115 (the thread closes it)
@@ -107,14 +107,14 @@ class _LastLine:
                 self._line = line.strip() or self._line
 
     def text(self) -> str:
-        """Return ": " and the line; "" if the command, which has ended, wrote none."""
+        """Return ": " and the last line, or "" if the command wrote no line; call this after the command has ended."""
         self._thread.join(TICK)
         line = self._line.decode(errors="replace")
         return f": {''.join(c if c.isprintable() else '?' for c in line)}" if line else ""
 
 
 def is_connected(source: Source, state: str) -> bool:
-    """Whether a source in this state (`Server.states`) can send; one that has ended need not."""
+    """Whether a source in this state (`Server.states`) is connected; a source that has ended counts as connected."""
     return source.address.kind == "host" or state.startswith(("connected", "ended", WAITING))
 
 
@@ -136,7 +136,7 @@ class Alarm:
 
 
 def receiver(limits: AlarmLimits) -> str:
-    """Check what receives the alarms, and return the address of the webhook; "": none.
+    """Check the command and the webhook; return the address of the webhook, or "" if there is none.
 
     Raises
     ------
@@ -158,7 +158,7 @@ def receiver(limits: AlarmLimits) -> str:
 
 @dataclass
 class Refused:
-    """Samples of one source that were refused since the last usable one: their time, monotonic ns, and reasons."""
+    """Samples of one source that were refused since its last usable sample: their times, monotonic ns, and reasons."""
 
     before: Counter[str]
     first: int = 0
@@ -219,7 +219,7 @@ class Alarms:
         self._thread: threading.Thread | None = None
 
     def start(self, thread: Callable[[str, Callable[[], None]], threading.Thread]) -> None:
-        """Start the thread that delivers, if there is a command or a webhook; ``thread`` makes a thread."""
+        """Start the thread that delivers lines, if there is a command or a webhook; ``thread`` makes a thread."""
         if self._ways:
             self._thread = thread("alarms", self._deliver)
             self._thread.start()
@@ -231,13 +231,13 @@ class Alarms:
             return list(self._active.values())
 
     def changed(self, update: Update) -> None:
-        """Remember which vertices of the wall changed; for the drawing thread."""
+        """Remember which vertices of the wall changed; the drawing thread calls this."""
         change = update.changes.get("main")
         if change and (self._limits.tight is not None or self._limits.washout is not None):
             self._changed.extend((int(start), int(stop)) for start, stop in change.ranges)
 
     def check(self) -> None:
-        """Begin each alarm whose cause is there, and end each whose cause is gone."""
+        """Begin each alarm whose cause exists, and end each alarm whose cause is gone."""
         wall, now = self._live.clock()
         drift, self._drift = wall - now - self._drift, wall - now
         if abs(drift) > self._limits.clock * SECOND:
@@ -255,7 +255,7 @@ class Alarms:
         except OSError as error:
             found["descriptors", ""] = f"no file and no connection can be opened: {error.strerror}"
         if self._live.model.out_of_memory:
-            found["memory", ""] = "a record was set aside because the memory was full: a restart draws it"
+            found["memory", ""] = "a record was set aside because the memory was full; a restart draws it"
         for (rule, source), text in found.items():
             self.begin(rule, text, source)
         for alarm in self.active:
@@ -263,7 +263,7 @@ class Alarms:
                 self._end(alarm, wall, f"after {(now - alarm.monotonic) / SECOND:.1f} s: ")
 
     def _hang_up(self) -> None:
-        """End a request to the webhook that takes too long; the time limit of urllib is for each piece of an answer."""
+        """End a request to the webhook that takes too long; urllib limits only the time for each piece of an answer."""
         if (posting := self._posting) and time.monotonic() - posting[0] > SECONDS:
             for connection in posting[1]:
                 if (link := connection.sock) is not None:  # it may have no socket yet, or none any more
@@ -287,7 +287,7 @@ class Alarms:
         self._tell(said, wall, ended)
 
     def close(self) -> None:
-        """End all alarms but a failure, and stop; lines that wait are tried once more, for a few seconds at most."""
+        """End all alarms except a failure, and stop; waiting lines are sent once more, for a few seconds at most."""
         wall, now = self._live.clock()
         for alarm in self.active:
             if alarm.rule != "failure":
@@ -344,7 +344,7 @@ class Alarms:
         return found
 
     def _items_lacking(self, reader: SourceReader) -> str:
-        """Return that no frame came, or which items that a sample needs were in no frame, and which others were."""
+        """Return what is missing, frames or items of a sample, and which unmapped items came; "" if nothing is."""
         source, caliper = reader.source, reader.source.caliper
         if not isinstance(source, WitsSource) or not reader.total("bytes"):
             return ""
@@ -368,7 +368,7 @@ class Alarms:
         return {event.source: (event.count, event.newest.text) for event in events}
 
     def _of_depth(self, now: int) -> dict[tuple[str, str], str]:
-        """Compare the bit depth, or without it the wall's end, with its last value."""
+        """Compare the bit depth, or the number of vertices if there is no bit depth, with its last value."""
         model, limit = self._live.model, int(self._limits.standing * SECOND)
         bit = model.rig.tracks["bit_depth"].value[-1:].tolist()
         position = bit[0] if bit else float(len(self._live.wall))
@@ -386,7 +386,7 @@ class Alarms:
             return {}
         try:
             if self._lock_file.stat().st_ino != self._inode:
-                found["journal", ""] = "the lock file of the journal is another one"
+                found["journal", ""] = "the lock file of the journal was replaced"
             left = journal.bytes_left / 1e9
             if left < self._limits.disk_gb:
                 found["disk", ""] = f"{left:.2f} GB left for the journal, less than {self._limits.disk_gb:g} GB"
@@ -398,7 +398,7 @@ class Alarms:
         return found
 
     def _measure(self, now: int) -> None:
-        """Compare the median diameter of each turn that changed with the bit."""
+        """Compare the median diameter of each changed turn with the bit diameter."""
         wall, limits = self._live.wall, self._limits
         sectors, bit = wall.settings.sectors, self._live.model.configuration.wall["bit_diameter"]
         for start, stop in [self._changed.popleft() for _ in range(len(self._changed))]:

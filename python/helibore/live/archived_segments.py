@@ -1,9 +1,9 @@
 """Archive old segments of a journal: compress them into its folder ``archive``, or delete them.
 
 A segment is old if both checkpoints of the journal can be read whole and contain all its records. So a restart never
-needs an archived segment, not even if the newest checkpoint is damaged. Archived segments are read by a replay of the
-whole journal; after a deletion only the checkpoints know what was in them. ``helibore live`` archives by itself if
-``[journal] keep_days`` is set.
+needs an archived segment, not even if the newest checkpoint is damaged. A replay of the whole journal reads archived
+segments; after a deletion, only the checkpoints know their records. ``helibore live`` archives if ``[journal]
+keep_days`` is set.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def old_segments(folder: Path, before: int | None = None) -> list[Path]:
 def archive(
     folder: Path, *, remove: bool = False, before: int | None = None, report: Callable[[Path], None] = lambda _: None
 ) -> list[Path]:
-    """Archive or ``remove`` the `old_segments` and return their former paths; ``report`` gets each when it is done.
+    """Archive or ``remove`` the `old_segments`; return their former paths, and ``report`` each when it is done.
 
     Raises
     ------

@@ -6,7 +6,7 @@
 
 A file is written whole (temporary file, fsync, rename, fsync of the folder), after a sync of all records that it
 contains. The last two are kept. If one is damaged or of another version, the one before it is used, or the whole
-journal. Each class with a state lists the names of its attributes in ``STATE``; no code is stored, as pickle would.
+journal. Each class with a state lists the names of its attributes in ``STATE``; unlike with pickle, no code is stored.
 """
 
 from __future__ import annotations
@@ -93,9 +93,9 @@ def read(path: Path, salt: int, *, only_facts: bool = False) -> tuple[dict[str, 
 
 
 def usable(folder: Path, salt: int, stop: int) -> Iterator[tuple[Path, dict[str, Any], Arrays] | InputError]:
-    """Yield the checkpoints that do not go beyond record ``stop``, the newest first; an error for a damaged one.
+    """Yield the checkpoints that do not go beyond record ``stop``, the newest first; an error for each other one.
 
-    One that goes beyond is renamed: other records get the numbers of the lost ones that it contains.
+    A checkpoint that goes beyond ``stop`` is renamed: it contains lost records, and new records get their numbers.
     """
     for path in reversed(paths(folder)):
         if position(path) > stop:
@@ -109,7 +109,7 @@ def usable(folder: Path, salt: int, stop: int) -> Iterator[tuple[Path, dict[str,
 
 
 def packed(value: Any) -> tuple[Any, Arrays]:
-    """Return a value as JSON and arrays; an object is the attributes that its ``STATE`` names."""
+    """Return a value as JSON and arrays; of an object, the attributes that its ``STATE`` names."""
     arrays: Arrays = []
     return _packed(value, arrays), arrays
 

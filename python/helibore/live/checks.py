@@ -39,7 +39,7 @@ Derived = Annotated[Value, PlainValidator(_not_a_setting)]
 
 
 def with_values(value: Any, recorded: Any) -> Any:
-    """Return ``value`` with all values that are ``recorded`` as JSON; both have the same shape."""
+    """Return ``value`` with the values of ``recorded``, which come from JSON; both have the same shape."""
     if isinstance(value, Table):
         names = type(value).model_fields.keys() & recorded.keys()
         return value.model_copy(update={name: with_values(getattr(value, name), recorded[name]) for name in names})

@@ -2,7 +2,8 @@
 
     time = anchor + (monotonic - monotonic at the anchor)        one anchor a session
 
-A session begins when the journal is opened. Its anchor is the wall clock then, or the model's last time if later.
+A session begins when the journal is opened. Its anchor is the wall clock at that moment, or the model's last time if
+that is later.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ class ModelClock:
         self.began = 0
 
     def begin_session(self, wall: int, monotonic: int) -> int:
-        """Begin a session; return by how many ns the wall clock is behind the model's last time (0: it is not)."""
+        """Begin a session; return by how many ns the wall clock is behind the model's last time, or 0."""
         self._anchor = max(wall, self.now)
         self._start = monotonic
         self._drift = wall - self._anchor
@@ -52,7 +53,7 @@ class ModelClock:
         return times
 
     def jumps(self, wall: npt.NDArray[np.int64], times: npt.NDArray[np.int64]) -> list[tuple[int, int]]:
-        """Return (record, ns) for each time the wall clock was set: the first record after it, and by how much."""
+        """Return the first record after each change of the wall clock, and the size of the change, ns."""
         drift, found, start = wall - times, [], 0
         while len(late := (np.abs(drift[start:] - self._drift) >= JUMP).nonzero()[0]):
             start += int(late[0])

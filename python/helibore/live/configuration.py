@@ -40,7 +40,7 @@ from helibore.live.sources import Source, Text, read_source
 from helibore.wall.wall import Wall
 
 BEFORE_THEY_EXISTED = {"samples": {"most": 0}}
-"""The values that tables have in a journal that was begun before they existed, if they differ from the defaults."""
+"""Values of tables in journals that were begun before these tables existed, where they are not the defaults."""
 OF_WALL = {*(f.name for f in dataclasses.fields(Settings)), "threads", "instruction_set", "basis"}
 
 
@@ -75,9 +75,9 @@ class PathTable(Table):
 class SamplesTable(Table):
     """The table ``samples``: limits that bound the memory where a tool measures at one depth for days.
 
-    ``most``: samples of a source, or of the host, that a wall draws near each vertex; 0: all, and then the live wall
-    has the bits of the batch. ``image_step``: metres; an image keeps the latest row in each such step of depth; 0: the
-    latest row of each depth.
+    ``most``: the most samples of a source, or of the host, that a wall draws near each vertex; 0: all. With 0, the live
+    wall has the same bits as a wall made in one batch. ``image_step``: metres of depth; an image keeps the latest row
+    in each step; 0: the latest row of each depth.
     """
 
     most: Annotated[int, within(0, 100_000)] = 0
@@ -112,7 +112,7 @@ class NextTable(Table):
 
     def model_post_init(self, _: object) -> None:
         if (self.hole_depth is None) == (self.time is None):
-            raise InputError("", "hole_depth or time must be set, one of them")
+            raise InputError("", "either hole_depth or time must be set")
         if self.time and self.time.tzinfo is None:
             raise InputError("time", "must have a time zone, such as 2026-05-01T10:00:00Z", str(self.time))
 
@@ -144,10 +144,10 @@ def _webhook(address: str) -> str:
 class AlarmLimits(Table):
     """The table ``alarms``: when an alarm begins, and who receives it besides page, metrics and log.
 
-    An alarm begins after so many seconds without a connection (``lost``), with samples that all are refused
-    (``refused``), with samples but the same bit depth (``standing``), or without a successful sync (``sync``); when the
-    clock of the machine jumps by more seconds (``clock``); with fewer gigabytes left (``disk_gb``); and where the
-    median diameter of a turn is so many metres below the bit's (``tight``) or above it (``washout``).
+    Seconds until an alarm begins: without a connection (``lost``), while all samples are refused (``refused``), while
+    samples come and the bit depth does not change (``standing``), without a successful sync (``sync``). An alarm also
+    begins if the clock of the machine jumps by more than ``clock`` seconds, if less than ``disk_gb`` gigabytes are
+    left, or if the median diameter of a turn is ``tight`` metres below, or ``washout`` metres above, the bit diameter.
     """
 
     lost: Annotated[float, within(0.1)] = 30.0
@@ -182,7 +182,7 @@ class Configuration(Table):
     sources
         The sources by name. Each is checked by itself, because WITS and WITSML sources differ.
     text, file
-        The text of the file, and the file.
+        The text of the file, and its path.
     """
 
     wall: Annotated[dict[str, Any], PlainValidator(_wall)] = Field(default_factory=dict, validate_default=True)
@@ -216,7 +216,7 @@ class Configuration(Table):
                     raise InputError(f"layers.{name}", "no source maps pass_number", repr(kind))
 
     def meaning(self) -> str:
-        """Return as JSON the settings that affect the wall, so without those of the transport."""
+        """Return as JSON the settings that affect the wall, which excludes those of the transport."""
         meaning = self.model_dump(include={"wall", "layers", "passes", "path", "depth", "samples"})
         meaning["sources"] = {name: source.meaning() for name, source in self.sources.items()}
         return json.dumps(meaning, sort_keys=True, default=asdict)
@@ -248,7 +248,7 @@ class Configuration(Table):
         return found[1:]
 
     def _check_sources(self) -> None:
-        """Refuse a rig quantity or image that two sources map; each source has pass numbers of its own."""
+        """Refuse a rig quantity or image that two sources map, and a setting whose quantity no source maps."""
         if not self.sources:
             raise InputError("source", "must be set: at least one table [source.NAME]")
         seen: dict[str, str] = {}
@@ -256,7 +256,7 @@ class Configuration(Table):
             place = f"source.{name}"
             for key in [*(f"items.{key}" for key in source.rig), *(f"image.{key}" for key in source.image)]:
                 if key in seen:
-                    raise InputError(f"{place}.{key}", f"is mapped by source.{seen[key]} too; one source only")
+                    raise InputError(f"{place}.{key}", f"is mapped by source.{seen[key]} already")
                 seen[key] = name
             if source.items.pass_number and not source.caliper:
                 rule = "numbers the caliper's samples, and there is no caliper"

@@ -30,7 +30,7 @@ from helibore.live.pass_rules import DRILL, REAM, RESCAN, TRIP, UNKNOWN, PassRul
 Times = npt.NDArray[np.int64]
 Values = npt.NDArray[np.float64]
 DEEP_ENOUGH = 100.0
-"""Metres: at smaller depths a sensor high above the bit could have the ratio of feet, so the unit is not checked."""
+"""Metres. The unit of smaller depths is not checked: a sensor high above the bit could have the ratio by chance."""
 
 
 class QuantityHistory:
@@ -200,7 +200,7 @@ class RigHistory:
         return f"depth {depth:g} m: lies below the hole, which is {hole:g} m deep"
 
     def _from_bit(self, time: Times, at: Times, now: int) -> tuple[Values, npt.NDArray[np.bool_]]:
-        """Return the bit depth at ``time``, between entries ``at`` and ``at + 1`` (NaN: none), and if it is final."""
+        """Return the bit depth at ``time``, between entries ``at`` and ``at + 1`` (or NaN), and whether it is final."""
         bit = self.tracks["bit_depth"]
         gap = int(self._rules.max_depth_gap * SECOND)
         last = len(bit.value) - 1

@@ -51,7 +51,7 @@ class DepthLimits(Table):
 
 
 def _steps(last: float, depth: Values) -> Values:
-    """Return the length of the step to each depth from the one before it, which for the first is ``last``."""
+    """Return the length of the step to each depth from the depth before; ``last`` is before the first."""
     joined = np.concatenate([[last], depth])
     steps: Values = np.abs(joined[1:] - joined[:-1])
     return steps
@@ -70,9 +70,10 @@ def unit_rule(depth: float, known: float) -> str:
 
 
 class LastDepth:
-    """The last depth that was used, and the last one refused because it seems to have another unit (NaN: none).
+    """The last depth that was used, and the last depth that was refused for its unit (NaN: none).
 
-    The refused level is followed: drilling goes on, so the ratio to the last used depth does not stay the same.
+    A refused depth is also compared with the last refused depth: drilling goes on, so that the ratio to the last used
+    depth changes.
     """
 
     STATE: tuple[str, ...] = ("_last", "_other_unit")
@@ -82,7 +83,7 @@ class LastDepth:
         self._last = self._other_unit = np.nan
 
     def forget(self) -> None:
-        """Take the next depth as it comes: depths are read in another way from now on."""
+        """Use the next depth without a check, because depths are read in another way from now on."""
         self._last = self._other_unit = np.nan
 
     def _use(self, depth: float) -> None:
@@ -103,11 +104,11 @@ class LastDepth:
         return False
 
     def _refused(self, depth: float) -> str:
-        why = f"the last was {self._last:g} m: {unit_rule(depth, self._last)}: not used"
-        return f"{depth:g} m: {why}; correct the unit, or set depth.jump above this step if it is right, and reload"
+        why = f"not used; the last was {self._last:g} m, and {unit_rule(depth, self._last)}"
+        return f"{depth:g} m: {why}; correct the unit, or, if the step is right, set depth.jump above it, and reload"
 
     def _confirmed(self, depth: float) -> str:
-        return f"{depth:g} m: the last was {self._last:g} m, and the depth before confirms the jump: used"
+        return f"{depth:g} m: used; the last was {self._last:g} m, and the depth before this one confirms the jump"
 
 
 class Steps(LastDepth):
@@ -120,7 +121,7 @@ class Steps(LastDepth):
         self._rejected = np.nan
 
     def take(self, values: Values) -> tuple[npt.NDArray[np.int64], dict[int, str]]:
-        """Return the rows of the values that are wrong, and by row what to report of new levels of depth."""
+        """Return the rows of wrong values, and by row the texts to report about new levels of depth."""
         wrong = self.limits.outside(values)
         known = np.isfinite(values) & ~wrong
         levels: dict[int, str] = {}
@@ -153,14 +154,14 @@ class HeldSample(LastDepth):
         self._held: Rows | None = None
 
     def forget(self) -> None:
-        """Take the next depth as it comes; a sample that waits for its confirmation gets none."""
+        """Use the next depth without a check; the held sample is not confirmed any more."""
         super().forget()
         if self._held is not None:
             self._held = self._held.copy()
             self._held["flags"] |= int(Flag.RANGE)
 
     def take(self, rows: Rows) -> tuple[Rows, list[int], dict[int, str]]:
-        """Return the rows to place, in order of arrival, which of them jump unconfirmed, and what to report by row.
+        """Return the rows to place, in order of arrival; which of them jump unconfirmed; and texts to report by row.
 
         Rows whose jump was not confirmed, or whose depth seems to have another unit, get the flag RANGE. If the last
         row jumps, it is held for the next call.

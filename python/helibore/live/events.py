@@ -125,7 +125,7 @@ class EventBook:
     Attributes
     ----------
     recorded
-        As `latest`, by source and rule: only events that records caused, which a replay reports again.
+        As `latest`, by source and rule, but only events that records caused; a replay reports them again.
     """
 
     STATE = ("recorded",)
@@ -161,7 +161,7 @@ class EventBook:
             return list(self._joined.values())
 
     def report(self, event: Event, *, recorded: bool = True) -> None:
-        """Count ``event`` and join it to the earlier events of its source and rule; ``recorded``: by a record."""
+        """Count ``event`` and join it to earlier events of its source and rule; ``recorded``: a record caused it."""
         key = event.source, event.rule
         if self.log is not None:
             self.log(event)

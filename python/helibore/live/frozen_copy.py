@@ -29,7 +29,7 @@ Rows = tuple[tuple[Floats, Floats, float], str, Layout | None]
 
 
 class FrozenWall(Wall):
-    """A copy of a wall to which no samples can be appended; it is saved, measured and meshed like the original.
+    """A copy of a wall; it takes no more samples, and is saved, measured and meshed like the original.
 
     Parameters
     ----------

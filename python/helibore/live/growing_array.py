@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 
 class GrowingArray:
-    """The entries are ``values``, a view; an append that needs room moves them to twice as much.
+    """The entries are ``values``, a view. An append that needs room moves the entries to an array of twice the size.
 
     room  [ forgotten | values        | free     ]
     """

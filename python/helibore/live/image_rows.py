@@ -3,8 +3,8 @@
     buffer  | row 0 | row 1 | ... | row count-1 | free ...               |      doubled when it is full
 
 A row never changes after it arrives. So a reader holds the lock only to get buffers and count, and copies later. With a
-``step``, a later row in the same step of depth replaces an earlier one, which is deleted when the buffer is full: then
-the hole bounds the memory.
+``step``, a later row in the same step of depth replaces an earlier one, which is deleted when the buffer is full, so
+that the hole bounds the memory.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class ImageRows:
             return start, stop
 
     def set_step(self, step: float) -> None:
-        """Set the step from now on; the rows so far are kept by the earlier one."""
+        """Set the step from now on; first delete the rows that later ones replace by the earlier step."""
         with self._lock:
             if step != self.step:
                 self._make_room(0)
@@ -71,7 +71,7 @@ class ImageRows:
         self._columns = longer
 
     def restore(self, *columns: npt.NDArray[Any]) -> None:
-        """Set the rows to (numbers, depth, values); without numbers, all rows are there."""
+        """Set the rows to (numbers, depth, values), or to (depth, values) if no row was deleted."""
         number, depth, values = columns if len(columns) == 3 else (np.arange(len(columns[0])), *columns)
         self._columns, self._kept = (number, depth, values), len(number)
         self._count = int(number[-1]) + 1 if len(number) else 0

@@ -6,17 +6,17 @@ prefix of a segment is valid::
 
     000001.hbj  | header | zeros | header | record | record | ...
     000002.hbj  | header | zeros | header | record | ...            <- appended to, locked by its writer
-    archive/000001.hbj.gz                                           a segment that ``archive.py`` compressed
+    archive/000001.hbj.gz                                           a segment that ``archived_segments.py`` compressed
 
 Segments of format 1 have their second header at 32; they are read and continued, and new segments have format 2.
 
-Why not SQLite: here, writing a record is one ``pwritev`` at the end of a file. There is no index to corrupt and no
-checkpoint that delays the reader of a socket. Damage destroys only the records that it touches.
+The journal does not use SQLite. Here, writing a record is one ``pwritev`` at the end of a file; there is no index to
+corrupt and no checkpoint that delays the reader of a socket. Damage destroys only the records that it touches.
 
-What is at risk: after :meth:`Journal.append` returns, the operating system has the bytes, and they survive the end of
-the process (kill -9). A power cut or a system crash can destroy the records after the last :meth:`Journal.sync`: with
-``sync_interval`` = 0.1 s, those of the last 100 ms and of the duration of one fdatasync. With ``sync_interval`` = 0
-every append is synced before it returns.
+After :meth:`Journal.append` returns, the operating system has the bytes, and they survive the end of the process (kill
+-9). A power cut or a system crash can destroy the records after the last :meth:`Journal.sync`: with ``sync_interval`` =
+0.1 s, those of the last 100 ms and of the duration of one fdatasync. With ``sync_interval`` = 0 every append is synced
+before it returns.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ class Segment:
     records
         Structured (n,): sequence, wall, monotonic (ns), offset, length (of the payload), connection, source, kind.
     damage
-        Byte ranges [start, stop) that hold no intact record; an empty one at the end if bytes after it are lost.
+        Byte ranges [start, stop) that hold no intact record; an empty range at the end if the bytes after it are lost.
     text
         The whole file.
     error
@@ -251,7 +251,7 @@ def first_wall(path: Path) -> int:
 
 
 def segment_of(folder: Path, sequence: int) -> int:
-    """Return the number of a segment before which there is no record ``sequence`` or later."""
+    """Return the number of the segment that holds record ``sequence``, or of an earlier segment."""
     for path in reversed(all_paths(folder) if sequence else []):
         header = header_of(path)
         if header and header.sequence <= sequence:
@@ -372,7 +372,7 @@ class Journal:
         return path.stat().st_size < (header.records_start if header else RECORDS_START)
 
     def _first_sequence(self) -> int:
-        """Return a sequence number after all others; for a last segment without an intact record."""
+        """Return a sequence number after all others, for a journal whose last segment has no intact record."""
         last = [segment.records["sequence"] for segment in segments(self.folder)]
         return max((int(numbers[-1]) + 1 for numbers in last if len(numbers)), default=0) + (1 << 32)
 
@@ -448,7 +448,7 @@ class Journal:
             return self._sequence - 1, wall, monotonic
 
     def _take_back(self, payload: bytes) -> None:
-        """Remove the last record: the next sync may succeed without its pages, so it must be written again."""
+        """Remove the last record. The next sync may succeed without its pages, so the record must be written again."""
         with self._lock:
             self._stop -= RECORD_HEADER + len(payload)
             self._sequence -= 1

@@ -46,7 +46,7 @@ class Layout:
 class LayoutTable(Table):
     """The settings of an image's table that define the layout of its sectors."""
 
-    origin: Origin = Field(description='"centre" or "edge": what of sector 1 lies at toolface_offset; tools differ')
+    origin: Origin = Field(description='"centre" or "edge": the part of sector 1 at toolface_offset; tools differ')
     reference: PathReference = Field(description='"high-side" or "north": what toolface 0 is')
     direction: Direction = "clockwise"
     toolface_offset: Annotated[float, within(-360, 360)] = 0.0

@@ -8,10 +8,10 @@
 `Live` is for software with its own transport: it has no thread and no callback. ``helibore live`` adds sockets and a
 status page. The logger ``helibore.live`` logs all events.
 
-`Live` shares the C++ classes `Wall` and `Stations` with `helibore::Live`, and so its bits
-(``test_a_host_in_cpp_has_the_bits_of_python``). It does not bind `helibore::Live` itself: that class has one wall, not
-one for each layer, stores nothing, and copies image rows while it holds its lock. In a trial with 400,000 rows of 36
-sectors, an append waited up to 500 ms for an export there, and 0.2 ms here (``ImageRows``).
+`Live` shares the C++ classes `Wall` and `Stations` with `helibore::Live`, so both give the same bits
+(``test_a_host_in_cpp_has_the_bits_of_python``). It does not bind `helibore::Live` itself, because that class has one
+wall, not one for each layer, stores nothing, and copies image rows while it holds its lock. In a trial with 400,000
+rows of 36 sectors, an append waited for an export up to 500 ms in `helibore::Live`, and 0.2 ms here (``ImageRows``).
 """
 
 from __future__ import annotations
@@ -64,9 +64,9 @@ WINDOW_BYTES = 1 << 20
 OF_RECOVERY = "journal", "checkpoint"
 WINDOW_RECORDS = 8192
 LOG_AGAIN = 60.0
-"""Seconds until the log has the same rule of the same source again."""
+"""Seconds until the log repeats a rule of the same source."""
 LOGGED_EACH = "alarm_", "address"
-"""Beginnings of the names of rules whose events the log does not join; it has at most one a second of a source."""
+"""Beginnings of rule names. The log does not join their events; it has at most one a second of each source."""
 
 
 class Stored(NamedTuple):
@@ -96,8 +96,8 @@ class Live:
     Raises
     ------
     ValueError
-        On a wrong configuration, a journal that another process writes, or a journal that was begun with a
-        configuration of another meaning (units, items, walls; another address is fine).
+        On a wrong configuration, a journal that another process writes, or a configuration that changes what a journal
+        cannot change (settings of the walls, layers, path, images), or lacks one of its sources.
     """
 
     def __init__(
@@ -167,7 +167,7 @@ class Live:
         return self.draw([self.store_change(configuration)])
 
     def store_change(self, configuration: Configuration) -> Stored:
-        """As `reconfigure`, but store the change to ``configuration`` only; then call `draw`, as after `store`."""
+        """Store the change to ``configuration`` as `reconfigure` does, but pass the result to `draw` yourself."""
         now = changed_to(configuration, self.configuration, self.journal.folder if self.journal else None)
         stamped = self._stamp(0, 0, self._opening(now), journals.OPENED)
         self.configuration = now
@@ -216,8 +216,8 @@ class Live:
         Returns
         -------
         Path or None
-            The file in the journal's folder; None without a journal, or if the model is not that of all its records:
-            the reading of a record failed, or the memory was full.
+            The file in the journal's folder; None without a journal, or if the model lacks a record because reading it
+            failed or the memory was full.
 
         Raises
         ------
@@ -318,7 +318,7 @@ class Live:
         return self.model.stations.path
 
     def receive(self, source: str, payload: bytes, connection: int = 1) -> Update:
-        """Store and read ``payload``, bytes of one connection (a number of the caller) of a source.
+        """Store and read ``payload``, bytes from one ``connection`` (the caller's number) of ``source``.
 
         Returns
         -------
@@ -340,7 +340,7 @@ class Live:
         return update
 
     def connected(self, source: str, connection: int, peer: str) -> Update:
-        """Record the beginning of a connection, a number of the caller, of ``source`` with ``peer``, for events."""
+        """Record, for events, that ``source`` connected to ``peer``; ``connection`` is the caller's number."""
         return self._store(self._number(source), connection, peer.encode(), journals.CONNECTED)
 
     def closed(self, source: str, connection: int) -> Update:
@@ -350,9 +350,9 @@ class Live:
     def append_samples(
         self, depth: npt.ArrayLike, toolface: npt.ArrayLike, radius: npt.ArrayLike, time: npt.ArrayLike | None = None
     ) -> Update:
-        """Store and draw samples whose depth the host knows: `Wall.append` to the layers that take ``unknown``.
+        """Store and draw samples whose depth the host knows; before the first bit depth, their pass is ``unknown``.
 
-        ``depth`` (m), ``toolface`` (deg), ``radius`` (m) and ``time`` (s; None: without) are (n,) as of `Caliper`.
+        ``depth`` (m), ``toolface`` (deg), ``radius`` (m) and ``time`` (s; None: no times) are (n,) as in `Caliper`.
 
         Raises
         ------
@@ -380,9 +380,9 @@ class Live:
         return update
 
     def append_stations(self, depth: npt.ArrayLike, inclination: npt.ArrayLike, azimuth: npt.ArrayLike) -> Update:
-        """Store survey stations and add them to the survey; a wrong one is left out with an event.
+        """Store survey stations and add them to the survey; a wrong station is left out, with an event.
 
-        ``depth`` (m), ``inclination`` and ``azimuth`` (deg) are (n,) as of `Survey`.
+        ``depth`` (m), ``inclination`` and ``azimuth`` (deg) are (n,) as in `Survey`.
         """
         depths = column("depth", depth)
         table = [depths, column("inclination", inclination, depths.size, "depth"),
@@ -403,14 +403,14 @@ class Live:
         depth, values
             Depths (r,) in metres, and values (r, sectors).
         origin, reference, direction, toolface_offset
-            The layout of the sectors, as for the images of a source: both origin and reference, or neither. A given
+            The layout of the sectors, as for the images of a source. Give both origin and reference, or neither. The
             layout applies to all rows of the image, and :meth:`image` returns them as a `SectorImage`.
 
         Raises
         ------
         ValueError
-            On a number of sectors, a unit or a layout that differs from before, a wrong layout, fewer than two
-            sectors, infinite values, or a name that is not allowed in a file name. Then nothing is stored.
+            On a number of sectors, a unit or a layout that differs from before, a wrong layout, no sectors, infinite
+            values, or a name that is not allowed in a file name. Then nothing is stored.
         """
         depths = column("depth", depth)
         self._check_image(name, depths.size, values, unit)
@@ -457,7 +457,7 @@ class Live:
         return update
 
     def _log(self, event: Event) -> None:
-        """Log an event; what a source repeats, once a minute with the number of events since."""
+        """Log an event; if a source repeats its rule, log it once a minute with the number of events since then."""
         key, now = (event.source, event.rule), time.monotonic()
         last, count = self._logged.get(key, (-LOG_AGAIN, 0))
         once = not event.source or event.rule.startswith(LOGGED_EACH)
@@ -499,7 +499,7 @@ class Live:
                 self.report("silent", f"nothing has come for {source.silence:g} s", name)
 
     def report(self, rule: str, text: str, source: str = "") -> None:
-        """Report an event of the host or of a source's link by its rule (a name that joins events) and its text.
+        """Report an event of the host or of a source's link by its rule and its text; events of one rule are joined.
 
         No record caused it, so it is not in the journal.
         """

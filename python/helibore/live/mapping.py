@@ -3,7 +3,7 @@
     frames x mapped items  ->  one table of float64, one of states (absent, value, null, invalid)  ->  columns
 
 All steps work on many frames together; only bad input and gaps are checked one by one. A frame is a duplicate if its
-text equals one of the last 4096 frames with measurements and it contains a sequence number or the sensor's own depth.
+text equals that of one of the last 4096 frames with measurements, and contains a sequence number or the sensor's depth.
 Without these two, a repeated frame cannot be distinguished from a new measurement.
 """
 
@@ -36,7 +36,7 @@ FIRST_TOOLFACES = 100
 
 @dataclass(slots=True)
 class Chunk:
-    """Bytes of one connection and the receive time, order and wall clock of each record they came in."""
+    """Bytes of one connection, and the receive time, order and wall clock of each record that holds them."""
 
     connection: int
     payloads: list[bytes]
@@ -48,7 +48,7 @@ class Chunk:
 
 @dataclass(slots=True)
 class Reading:
-    """Columns of one chunk. Triples and image rows have the row of their frame in ``time`` and ``order``.
+    """Columns of one chunk. Triples and image rows name the row of their frame in ``time`` and ``order``.
 
     ``pass_number`` is the number in force at each frame; NO_NUMBER: none.
     """
@@ -143,7 +143,7 @@ class SourceReader:
         return readings
 
     def _finish(self, chunk: Chunk) -> Reading:
-        """Return the columns that the end of the connection completes; it ended at the first record of ``chunk``."""
+        """Return the columns that the end of the connection, at the first record of ``chunk``, completes."""
         reading = self._columns(self._parser.finish(), chunk, np.array([np.iinfo(np.int64).max]))
         self._add_counts()
         self._parser, self._ends, self._walls, self._held = self._new_parser(), [], [], bytearray()
@@ -152,7 +152,7 @@ class SourceReader:
     def go_on_from(self, before: SourceReader) -> None:
         """Take over counts, sequence numbers and connection of the reader that another configuration replaces.
 
-        A frame that has begun is read to its end, unless nulls or limits are others.
+        A frame that has begun is read to its end, unless nulls or limits differ.
         """
         if (self.source.nulls, self.source.limits) == (before.source.nulls, before.source.limits):
             self._parser, self._ends, self._walls, self._held = (
@@ -248,7 +248,7 @@ class SourceReader:
         if len(mapped) != np.count_nonzero(states):
             pairs = (row * len(self._codes) + column[mapped])[::-1]
             twice = np.delete(mapped[::-1], np.unique(pairs, return_index=True)[1])
-            words = "is there twice in a frame: the first counts"
+            words = "occurs twice in a frame; the first one counts"
             self._events.report_rows(twice, lambda item: self._item_event(item, batch, reading, "twice", words))
         return values, states
 
@@ -286,7 +286,7 @@ class SourceReader:
         return self._event(int(reading.wall[row]), "invalid", text, int(reading.line[row]))
 
     def _report_bad_text(self, batch: wits.Batch, wall: int) -> None:
-        """Report bad text, at the time its first byte came; if that is not known, at ``wall``."""
+        """Report bad text with the time at which its first byte came, or with ``wall`` if that is not known."""
         if not len(batch.events):
             return
         rules = batch.events["rule"]
@@ -373,7 +373,7 @@ class SourceReader:
         return scaled
 
     def _pass_numbers(self, values: Values, states: npt.NDArray[np.uint8], flags: Integers) -> Integers:
-        """Return the pass number of each frame: its own, or the last one before it; a null ends that one.
+        """Return the pass number of each frame: its own, or the last number before it, up to a null.
 
         The number of a late or repeated frame applies to that frame only.
         """
@@ -422,7 +422,7 @@ class SourceReader:
         reading.triples = np.column_stack([depth, toolface, radius])
 
     def _judge_unit(self, toolface: Values, reading: Reading, frame: Integers) -> None:
-        """Report first toolfaces that cover more than half a turn if they are radians, and no more than one turn."""
+        """Report the first toolfaces if, read as radians, they cover more than half a turn and at most one turn."""
         caliper = self.source.caliper
         if not isinstance(caliper, WitsCaliper) or caliper.toolface_unit or len(self._toolfaces) == FIRST_TOOLFACES:
             return

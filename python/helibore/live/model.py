@@ -60,7 +60,7 @@ MOST_SET_ASIDE = 10_000
 LARGEST_RADIUS = 10.0
 """Metres: a larger radius from a host is wrong."""
 USABLE, OUTSIDE = "usable", "outside"
-"""Outcomes of samples besides the names of flags: refused by no rule; before the start of the wall."""
+"""Outcomes besides the names of flags: no rule refuses the sample; it lies before the start of the wall."""
 
 
 class Model:
@@ -75,17 +75,17 @@ class Model:
     layouts
         The layout of each image whose layout is known.
     records, wall_time, next_sequence
-        Number of records taken, without session headers; receive time of the last one, ns since 1970; its number + 1.
+        Number of records taken, without session headers; receive time (ns since 1970) and number + 1 of the last one.
     passes
         The log that decides the pass of each sample and lists the passes so far.
     stretches
-        One for each change of the configuration: utc and record from which it applies, its text and its meaning.
+        One entry for each change of the configuration: utc and record of the change, the new text and its meaning.
     events, counts
         Events, and counters of samples: received, drawn, kept apart, and not drawn by each flag.
     outcomes
         Number of samples by source and outcome: `USABLE`, `OUTSIDE`, or each flag that refuses the sample.
     out_of_memory
-        Whether a record was set aside because the memory was full: a replay with more memory draws more.
+        Whether a record was set aside because the memory was full. A replay with more memory draws more.
     """
 
     STATE = (
@@ -159,7 +159,7 @@ class Model:
             self._image(name, sectors, unit).restore(*columns)
 
     def _image(self, name: str, sectors: int, unit: str) -> ImageRows:
-        """Return the rows of an image; the first call begins them."""
+        """Return the rows of an image; the first call makes them."""
         return self.images.setdefault(name, ImageRows(sectors, unit, self.configuration.samples.image_step))
 
     @property
@@ -184,7 +184,7 @@ class Model:
         return update
 
     def report(self, wall: int, rule: str, text: str, source: str = "", *, recorded: bool = False) -> None:
-        """Report an event that belongs to no record, at ``wall``, ns since 1970; ``recorded``: as `EventBook`."""
+        """Report an event that belongs to no record, at ``wall``, ns since 1970; ``recorded`` is as in `EventBook`."""
         self.events.report(Event(wall, source, 0, 0, -1, rule, text), recorded=recorded)
 
     def _open(self, record: np.void, payload: bytes) -> None:
@@ -205,16 +205,15 @@ class Model:
         behind = self.clock.begin_session(int(record["wall"]), int(record["monotonic"]))
         if behind:
             self._report(
-                record, "clock", f"the wall clock is {behind / SECOND:.3f} s behind the last session: not followed"
+                record,
+                "clock",
+                f"the wall clock is {behind / SECOND:.3f} s behind the last session; sample times do not follow",
             )
 
     def reconfigure(self, configuration: Configuration, since: str, sequence: int) -> None:
         """Read the records from here on with another configuration; walls, images and path go on.
 
-        Raises
-        ------
-        InputError
-            If the session header names a source or an image that cannot change so (``session_header.py`` checks it).
+        ``session_header.py`` has checked that the journal can change to this configuration.
         """
         before, self.configuration = self.configuration, configuration
         self.stretches.append({"utc": since, "record": str(sequence), "configuration": configuration.text,
@@ -277,7 +276,11 @@ class Model:
     def _take_session(self, records: Rows, payloads: list[bytes], update: Update) -> None:
         times = self.clock.times(records["monotonic"])
         for row, jumped in self.clock.jumps(records["wall"], times):
-            self._report(records[row], "clock", f"the wall clock was set by {jumped / SECOND:+.3f} s: not followed")
+            self._report(
+                records[row],
+                "clock",
+                f"the wall clock was set by {jumped / SECOND:+.3f} s; sample times do not follow",
+            )
         found: list[Rows] = []
         for number in sorted(set(records["source"].tolist())):
             rows = (records["source"] == number).nonzero()[0]
@@ -395,7 +398,7 @@ class Model:
         self, rows: npt.NDArray[np.int64], records: Rows, payloads: list[bytes], times: npt.NDArray[np.int64],
         update: Update,
     ) -> list[Rows]:  # fmt: skip
-        """Read what the host pushed, each with its depth: add stations and image rows, return samples."""
+        """Read what the host pushed with its depths: add stations and image rows, and return samples."""
         found: list[Rows] = []
         for row in rows.tolist():
             with self._set_aside(records[row], "what the host pushed"):
@@ -539,7 +542,7 @@ class Model:
                 self.outcomes[self.readers[number].source.name, outcome] += count
 
     def _count_refused(self, sources: npt.NDArray[np.int32], flags: npt.NDArray[np.int64]) -> None:
-        """Count refused samples by source and flag, except those of a string that does not turn: these are usual."""
+        """Count refused samples by source and flag, except samples of a string that does not turn, which are usual."""
         for flag in NEVER_DRAWN & ~Flag.NOT_ROTATING:
             self._count(sources[(flags & int(flag)) != 0], str(flag.name))
 
@@ -555,7 +558,7 @@ class Model:
     def _report_outside(
         self, rows: Rows, depth: npt.NDArray[np.float64], outside: list[tuple[str, npt.NDArray[np.int64]]]
     ) -> None:
-        """Report samples before the start of a layer, by layer, in order of arrival: so is the order at a replay."""
+        """Report samples before the start of a layer, by layer and in order of arrival, as at a replay."""
         if not outside:
             return
         names = [name for name, of in outside for _ in of]
@@ -567,7 +570,7 @@ class Model:
     def _leave_out_crowded(
         self, name: str, rows: Rows, depth: npt.NDArray[np.float64], chosen: npt.NDArray[np.bool_]
     ) -> None:
-        """Remove from ``chosen`` the samples beyond the limit of each source, or of the host, near a vertex."""
+        """Remove from ``chosen`` the samples that exceed the limit of a source, or of the host, near a vertex."""
         if not (most := self.configuration.samples.most):
             return
         crowded = []
@@ -579,13 +582,13 @@ class Model:
         if crowded:
             left_out = np.concatenate(crowded)
             self.counts["crowded"] += len(left_out)
-            text = f"layer {name}: a vertex has {most} samples of this source: not drawn"
+            text = f"layer {name}: a vertex already has {most} samples of this source: not drawn"
             self.passes.report(rows, left_out, "crowded", lambda _: text)
 
     def _depth_gaps(
         self, of: tuple[str, int], depth: npt.NDArray[np.float64], rows: npt.NDArray[np.int64]
     ) -> list[tuple[int, str]]:
-        """Return (row, text) for each of ``rows``, of a layer and source, after more than `gap_reach` without one."""
+        """Return (row, text) for each sample that follows a gap longer than `gap_reach`; ``of``: layer and source."""
         limit = self.layers[of[0]].settings.gap_reach
         deepest = np.maximum.accumulate(np.concatenate([[self._deepest.get(of, -np.inf)], depth]))
         jumps = np.flatnonzero(np.isfinite(deepest[:-1]) & (np.diff(deepest) > limit))

@@ -63,7 +63,7 @@ class PassLog:
     Parameters
     ----------
     meanings
-        Name and pass numbers of each source, by its number in the journal; a source without an entry sends none.
+        Name and pass numbers of each source, by its number in the journal; a source without an entry sends no numbers.
     """
 
     STATE = ("latest", "_over")
@@ -105,8 +105,8 @@ class PassLog:
             for own in np.unique(kind[rows]).tolist():
                 if UNKNOWN not in (own, means) and own != means:
                     differ = rows[kind[rows] == own]
-                    text = f"pass number {said} means {PASSES[means]}, the string's motion {PASSES[own]}"
-                    found.append((differ, f"{text}: the number counts"))
+                    text = f"pass number {said} means {PASSES[means]}, but the string's motion means {PASSES[own]}"
+                    found.append((differ, f"{text}; the number counts"))
         if found:
             which = np.repeat(np.arange(len(found)), [len(rows) for rows, _ in found])
             reported = np.concatenate([rows for rows, _ in found])

@@ -41,7 +41,7 @@ NUMBERED = re.compile(r"pass (0|[1-9]\d{0,4})")
 
 
 class PassRules(Table):
-    """When the bit is on bottom (m), when the string turns (rpm), and how far depth may be interpolated (s)."""
+    """The limits for on bottom (m) and rotating (rpm), for gaps of depth (s), and for the age of a value (s)."""
 
     on_bottom: Annotated[float, within(0)] = 0.3
     rotating: Annotated[float, within(0)] = 5.0
@@ -50,12 +50,12 @@ class PassRules(Table):
 
 
 class PassNumbers(Table):
-    """The table ``source.NAME.pass_numbers``: the numbers of each pass; empty: 1 is drill, larger are rescan.
+    """The table ``source.NAME.pass_numbers``: the numbers of each pass. If it is empty, 1 is drill, larger is rescan.
 
     Attributes
     ----------
     listed
-        Number to index into PASSES, sorted.
+        The index into PASSES of each number, sorted by number.
     """
 
     drill: list[int] = []
@@ -114,10 +114,10 @@ def read_layers(layers: dict[str, list[str]]) -> dict[str, list[str]]:
         if not can_be_file(name):
             raise InputError(name, f"its name {RULE}", repr(kinds))
         if name.casefold() in TABLES or name.casefold().startswith("image-"):
-            rule = f"the snapshot has a table of that name, as of {', '.join(TABLES)}, image-*"
+            rule = f"must differ from the tables of the snapshot: {', '.join(TABLES)}, image-*"
             raise InputError(name, rule, repr(kinds))
         for kind in kinds:
             if kind not in PASSES and not NUMBERED.fullmatch(kind):
-                rule = f'must be passes out of {", ".join(PASSES)}, or "pass N" by its number'
+                rule = f'must be one of {", ".join(PASSES)}, or "pass N" for the pass number N'
                 raise InputError(name, rule, repr(kind))
     return {"main": ["drill", "rescan", "unknown"], **layers}

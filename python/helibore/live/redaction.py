@@ -104,7 +104,7 @@ class Redactor:
             self._secrets.append((re.compile(whole), re.compile(begun + rb"\Z")))
 
     def clean(self, body: bytes, *, cut: bool = False) -> bytes:
-        """Return ``body`` with asterisks for credentials; if ``cut``, also for the first part of one at its end."""
+        """Return ``body`` with asterisks for credentials; if ``cut``, also for the beginning of one at the end."""
         for whole, _ in self._secrets:
             body = whole.sub(lambda match: b"*" * len(match[0]), body)
         if cut:

@@ -2,8 +2,8 @@
 
     link -> journal -> queue (bounded) -> model          a full queue or a full disk stops the reading: the sender waits
 
-Bytes are in the journal before they are in the queue. A broken link is opened again after 1, 2, 4, 5, 5 ... s, a
-store is asked again after 1, 2, 4 ... 60 s. Each wait is randomly shortened by up to half, so that the sources do not
+Bytes are in the journal before they are in the queue. A broken link is opened again after 1, 2, 4, 5, 5 ... s; a store
+is asked again after 1, 2, 4 ... 60 s. Each wait is randomly shortened by up to half, so that the sources do not
 reconnect at the same time.
 """
 
@@ -41,7 +41,7 @@ CHECKPOINT_AGAIN = 60.0
 """Seconds until the next try after a checkpoint could not be written."""
 TABLES_OF_START = "journal", "snapshot", "alarms"
 SETTINGS_OF_START = "allow", "mode", "every", "replace_after"
-"""Tables of the file, and settings of a source that is no store, that a running server does not change."""
+"""What a running server does not change: these tables of the file, and these settings of WITS sources."""
 
 
 def back_off(failures: int, longest: float, draw: Callable[[], float] = random.random) -> float:
@@ -50,7 +50,7 @@ def back_off(failures: int, longest: float, draw: Callable[[], float] = random.r
 
 
 def _is_elsewhere(source: Source, used: Source) -> bool:
-    """Whether a source must be connected again; any changed setting of a store counts: it has no link to break."""
+    """Whether a source must be connected again; a store has no link to break, so any changed setting counts."""
     return source.address != used.address or (isinstance(source, StoreSource) and source != used)
 
 
@@ -193,15 +193,15 @@ class Server:
         self.live.sync()
 
     def reconfigure(self, configuration: Configuration) -> None:
-        """Draw what comes from now on with another configuration; a source with another address is connected there.
+        """Read what comes from now on with another configuration; connect each moved source at its new address.
 
-        What takes effect only at a restart (the tables of alarms, journal and snapshot, who may connect, what is sent
-        to a source) is an event.
+        An event names what takes effect only at a restart (the tables of alarms, journal and snapshot, who may connect,
+        what is sent to a source).
 
         Raises
         ------
         InputError
-            As `Live.reconfigure`, or if a configuration that follows it breaks a rule.
+            As `Live.reconfigure`, or if a configuration that follows by ``next`` breaks a rule.
         JournalFullError
             If the change could not be stored; then nothing has changed.
         """
@@ -211,7 +211,7 @@ class Server:
             self._following = following
 
     def _change(self, configuration: Configuration) -> None:
-        """Store and queue a change; then connect the sources that have another address, and report what has to wait."""
+        """Store and queue a change; connect sources at their new addresses, and report what waits for a restart."""
         self._queue.change(configuration)
         for name, source in self.live.configuration.sources.items():
             if (used := self._used.get(name)) and _is_elsewhere(source, used):
@@ -227,7 +227,7 @@ class Server:
                         if getattr(source, name) != getattr(used, name)]  # fmt: skip
 
     def _move(self, source: Source) -> None:
-        """Connect a source at its new address; if that cannot be used, report why, and go on at the old one."""
+        """Connect a source at its new address; if that fails, report why and stay at the old address."""
         name, kind = source.name, source.address.kind
         try:
             one = None if kind == "host" else self._opener(name, source)
@@ -249,7 +249,7 @@ class Server:
         thread.start()
 
     def _checked(self, configuration: Configuration) -> list[Configuration]:
-        """Return the configurations that follow a configuration."""
+        """Check the configurations that follow a configuration, and return them."""
         following = configuration.following()
         for before, after in itertools.pairwise([configuration, *following]):
             changed_to(after, before)
@@ -277,7 +277,7 @@ class Server:
         return threading.Thread(target=guarded, name=name, daemon=True)
 
     def fail(self, thread: str, error: BaseException) -> None:
-        """Report and alarm the death of a thread, and stop."""
+        """Report that a thread died, begin an alarm, and stop."""
         died = error if isinstance(error, Exception) else RuntimeError(repr(error))  # a SystemExit would end with 0
         self.failure = self.failure or died  # first: the memory may be full
         self._stop.set()
@@ -288,7 +288,7 @@ class Server:
         LOGGER.critical("thread %s died", thread, exc_info=error)
 
     def wait(self, seconds: float | None = None) -> bool:
-        """Wait until every source has ended, as only files do, a thread has failed, or ``seconds`` have passed.
+        """Wait until every source has ended (only files end), a thread has failed, or ``seconds`` have passed.
 
         Return whether all sources have ended and their records are drawn.
         """
@@ -315,7 +315,7 @@ class Server:
         return StoreClient(source, lambda: getattr(readers[number], "last", None))  # the last index drawn
 
     def _is_used(self, source: Source) -> bool:
-        """Whether the server runs, and the source has had no other address since."""
+        """Whether the server runs, and the source has not moved to another address."""
         return not self._stop.is_set() and self._used[source.name] is source
 
     def _pause(self, source: Source, seconds: float) -> None:
@@ -326,7 +326,7 @@ class Server:
     def _follow(self, source: Source, one: Opener, before: threading.Thread | None) -> None:
         """Open and read a source again and again until the server stops, or the source has another address.
 
-        ``before``: the thread that read the source at its old address; what it stores comes first.
+        ``before`` is the thread that read the source at its old address; its records are stored first.
         """
         if before:
             before.join()
@@ -422,7 +422,7 @@ class Server:
             self._updated(update)
 
     def _sync(self) -> None:
-        """Sync every ``sync_ms``; a disk that refuses is reported once, tried again, and reported when it succeeds."""
+        """Sync every ``sync_ms``; report once when the disk refuses, try again, and report when it succeeds."""
         interval = self.live.configuration.journal.sync_interval
         if self.live.journal is None or interval == 0:
             return
@@ -440,7 +440,7 @@ class Server:
                 failing = True
 
     def _checkpoint(self) -> None:
-        """Write a checkpoint after each segment, then archive old segments; report an error, try again in a minute."""
+        """Write a checkpoint after each segment, then archive old segments; report an error, and retry in a minute."""
         rules = self.live.configuration.journal
         while not self._stop.wait(TICK):
             try:

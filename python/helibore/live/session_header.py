@@ -84,12 +84,12 @@ def recorded_configuration(folder: FilePath) -> Configuration:
 def sources_of(folder: FilePath, last: Configuration | None, name: str | None = None) -> dict[int, Source]:
     """Return the sources of all sessions by their number in the journal; only source ``name``, if it is given.
 
-    Each is as in ``last``, or else as in the last session that has it.
+    Each source is as in ``last``, or else as in the last session that has this source.
 
     Raises
     ------
     InputError
-        If the journal has no such source, or if neither it nor ``last`` says which sources there are.
+        If the journal has no such source, or if neither the journal nor ``last`` names the sources.
     """
     texts = _texts(folder, last)
     if not (last or any(texts.values())):
@@ -102,12 +102,12 @@ def sources_of(folder: FilePath, last: Configuration | None, name: str | None = 
 
 
 def numbers_of(folder: FilePath, last: Configuration) -> dict[str, int]:
-    """Return the number in the journal of each source of all sessions, and of those that only ``last`` has."""
+    """Return the number in the journal of each source, of all sessions and of ``last``."""
     return {name: number for number, name in enumerate(_texts(folder, last), 1)}
 
 
 def _texts(folder: FilePath, last: Configuration | None) -> dict[str, str]:
-    """Return the last configuration that has each source, in the order of the sources' numbers, as in the model."""
+    """Return for each source the last configuration that has it, in the order of the numbers in the model."""
     texts = dict[str, str]()
     for header in (*_of_checkpoint(folder), *(one for segment in segments(folder) for one in _headers(segment))):
         names = sorted(json.loads(header["meaning"])["sources"])
@@ -116,7 +116,7 @@ def _texts(folder: FilePath, last: Configuration | None) -> dict[str, str]:
 
 
 def _of_checkpoint(folder: FilePath) -> list[Header]:
-    """Return the session headers in the newest checkpoint that can be read: the first segments may be removed."""
+    """Return the session headers in the newest readable checkpoint; the first segments may have been removed."""
     for path in reversed(checkpoint.paths(folder)):
         with suppress(InputError, FileNotFoundError):
             facts, _ = checkpoint.read(path, journals.salt_of(all_paths(folder)), only_facts=True)
@@ -149,7 +149,7 @@ def continued_with(folder: FilePath, given: Configuration) -> tuple[Configuratio
 
 
 def changed_to(given: Configuration, last: Configuration, folder: FilePath | None = None) -> Configuration:
-    """Return ``given`` as a running journal that is read with ``last`` goes on with it.
+    """Return the configuration with which a running journal goes on if it changes from ``last`` to ``given``.
 
     Raises
     ------
@@ -173,8 +173,8 @@ def _check(folder: FilePath, begun: dict[str, Any], given: Configuration) -> Non
     after["sources"] = {name: of for name, of in after["sources"].items() if name in before["sources"]}
     after["images"] = {name: of for name, of in after["images"].items() if name in before["images"]}
     if before != after:
-        rule = "was begun with another configuration: give the old one, or begin another journal"
-        raise InputError(str(folder), f"{rule}: {_difference(before, after)}")
+        rule = "give the old configuration, or begin another journal"
+        raise InputError(str(folder), f"was begun with another configuration ({_difference(before, after)}); {rule}")
 
 
 def _lasting(meaning: dict[str, Any]) -> dict[str, Any]:

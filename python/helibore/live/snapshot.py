@@ -11,7 +11,7 @@
 
 Everything is copied at one moment (``frozen_copy.py``), written to the folder ``.new``, and then moved file by file.
 Meanwhile ``snapshot.json`` says ``"complete": false``. A program that reads it before and after the files has files of
-one moment if both say ``true`` and the same number. If a file cannot be written, all previous files stay.
+one moment if it says ``true`` and the same number both times. If a file cannot be written, all previous files stay.
 """
 
 from __future__ import annotations

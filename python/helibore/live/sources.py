@@ -7,7 +7,7 @@
     caliper = { first = "5010", groups = 30 }     caliper = { toolface = ["TF1"], radius = ["R1"] }
 
 While a table is read, each item becomes a number and a scale to core units. A curve of a store has a mnemonic and sends
-its unit; it gets a number here, as a WITS item has its code RRII.
+its unit; here it gets a number in place of a code RRII of WITS.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class Curve:
 
 @dataclass
 class Context:
-    """What the tables of a source need to know of it, of the wall and of the path, and the curves named so far."""
+    """What the tables of a source need to know of the source, the wall and the path; and the curves named so far."""
 
     name: str
     bit_diameter: float
@@ -134,7 +134,7 @@ def _check_quantity(items: list[Item] | Item, info: Any) -> list[Item] | Item:
     for item in items if isinstance(items, list) else [items]:
         *before, curve = info.context.curves[: item.code - INDEX]
         if any(other.mnemonic == curve.mnemonic for other in before):
-            raise InputError("", "is mapped to another quantity too", repr(curve.mnemonic))
+            raise InputError("", "is already mapped to another quantity", repr(curve.mnemonic))
     return items
 
 
@@ -265,7 +265,7 @@ class StoreCaliper(CaliperTable):
 
 
 class Image(LayoutTable):
-    """The settings that the images of both kinds of source have. Without ``depth``, it follows from the bit depth."""
+    """The settings that the images of both kinds of source have; without ``depth``, the bit depth decides."""
 
     unit: Text = Field(description="the unit of its values")
     offset: float = 0.0
@@ -323,7 +323,7 @@ class Source(Table):
     limits
         Bytes of a line, bytes of a frame, lines of a frame.
     message
-        The message that is sent to the source, and the seconds between two of them; None: nothing is sent.
+        The message that is sent to the source, and the seconds between two messages; None: nothing is sent.
     """
 
     address: Annotated[Address, PlainValidator(read_address)] = Field(
@@ -421,7 +421,7 @@ class StoreObject(Table):
 
 
 class Log(StoreObject):
-    """A log; a row more than ``jump`` (m or s) after the previous one counts only if the next one confirms it."""
+    """A log; a row more than ``jump`` (m or s) after the previous row counts only if the next row confirms it."""
 
     log: Text = Field(description="the uid")
     index: Literal["depth", "time"] = Field(description='"depth" or "time"')
@@ -445,7 +445,7 @@ class Trajectory(StoreObject):
 class StoreSource(Source):
     """A WITSML store that is polled; ``curves[n]`` of its log has the number n + 2.
 
-    The password is not here: it is read from the environment when it is needed.
+    The password is not here; it is read from the environment when it is needed.
     """
 
     every: Annotated[float, within(0.05, 3600)] = 10.0
@@ -469,7 +469,7 @@ class StoreSource(Source):
         jump = self.log.jump if self.log else None
         self._derive(curves=context.curves, index=context.index, jump=jump or JUMPS[context.index])
         if bool(self.user) != bool(self.password_env):
-            raise InputError("", "user and password_env must be set both, or neither")
+            raise InputError("", "user and password_env must both be set, or neither")
         if self.log is None and self.trajectory is None:
             raise InputError("", "log or trajectory must be set: what is polled")
         if self.curves and self.log is None:
@@ -494,7 +494,7 @@ def read_source(name: str, entries: dict[str, Any], bit_diameter: float, referen
 
 
 def _run(first: Item, name: str, given: int, members: int = 1) -> list[Item]:
-    """Return ``given`` times ``members`` consecutive items from ``first``; ``name``: the setting."""
+    """Return ``given`` times ``members`` consecutive items from ``first``; ``name`` is the setting."""
     if not given:
         raise InputError(name, "must be set: a whole number")
     count = given * members

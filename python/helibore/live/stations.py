@@ -1,4 +1,4 @@
-"""Survey stations as they arrive; the C++ `Stations` sorts them in and computes the path only where it changed."""
+"""Survey stations as they arrive; the C++ `Stations` sorts them and computes the path only where it changes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from helibore.trajectory.survey import Path, Survey
 
 
 class Stations:
-    """The stations of a growing survey; one at the depth of an earlier one replaces it."""
+    """The stations of a growing survey; a new station replaces an earlier one at the same depth."""
 
     STATE = ("columns",)
 
@@ -72,7 +72,7 @@ class Stations:
         return self._path
 
     def reaching(self, depth: float) -> Path | None:
-        """Return the path; if it ends above ``depth``, it is extended straight to there."""
+        """Return the path, extended straight to ``depth`` if it ends above that."""
         path = self.path
         if path is None or path.stop_depth >= depth:
             return path

@@ -35,7 +35,7 @@ SOON = 0.25
 
 
 class AccessDeniedError(OSError):
-    """The store refused user or password: another try would fail too, and could lock the account."""
+    """The store refused user or password; another try would also fail, and could lock the account."""
 
 
 Position = Callable[[], tuple[str, str] | None]
@@ -44,8 +44,8 @@ Position = Callable[[], tuple[str, str] | None]
 class StoreClient(Opener):
     """Opens polling links to a store.
 
-    ``refused`` has the checksum of the last refused answer of each kind, over all links, so that a repeated one takes
-    only a line of the journal.
+    ``refused`` has the checksum of the last refused answer of each kind, over all links, so that a repeated answer
+    takes only a line of the journal.
 
     Raises
     ------

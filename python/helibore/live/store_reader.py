@@ -2,8 +2,9 @@
 
     journal bytes -> answers -> rows behind the last index -> cells by unit -> triples, image rows, rig, stations
 
-A row whose index is not after the last one was read before: a store sends the row at ``startIndex`` again. A curve is
-INVALID, with an event, if its unit is missing, unknown, of another quantity, or not the unit of the image.
+A row is skipped if its index is not after the last index, because a store sends the row at ``startIndex`` again. A
+curve is INVALID, with an event, if its unit is missing or unknown, measures another quantity, or is not the unit of the
+image.
 """
 
 from __future__ import annotations
@@ -54,7 +55,7 @@ class StoreReader(SourceReader):
         self._reported_jump = self._reported_index = -np.inf
 
     def go_on_from(self, before: SourceReader) -> None:
-        """Take over what was read, too."""
+        """Take over the last index and the incomplete answer as well."""
         super().go_on_from(before)
         if isinstance(before, StoreReader):
             self.last, self._last_key, self._frames = before.last, before._last_key, before._frames
@@ -78,8 +79,8 @@ class StoreReader(SourceReader):
         if state == "cut":
             self._report(stamp[2], "cut_off", f"an answer about the {kind} ended after {len(body)} bytes: not read")
         if state == "refused":
-            kept = f"{len(body)} bytes of it are kept" if body else "it was empty, or as the one before"
-            self._report(stamp[2], "refused", f"an answer about the {kind} must not be read: {kept}")
+            kept = f"{len(body)} bytes of it are kept" if body else "it was empty, or equal to the previous one"
+            self._report(stamp[2], "refused", f"an answer about the {kind} was refused and not read; {kept}")
         if state != "whole":
             return None
         self.counts["frames"] += 1
@@ -123,8 +124,8 @@ class StoreReader(SourceReader):
     def _new_rows(self, log: witsml.LogRows, wall: int) -> list[int]:
         """Return the numbers, from 1, of the rows after the last index, and update the last index.
 
-        A row that was read before is skipped: a store sends the row at ``startIndex`` again. A row that jumps counts
-        only if the next row goes on from there, so that one wrong index does not hide later rows.
+        A row that was read before is skipped, because a store sends the row at ``startIndex`` again. A row that jumps
+        counts only if the next row continues from its index, so that one wrong index does not hide later rows.
         """
         store, scale = self._store, 1.0
         if store.index == "depth" and log.rows:
@@ -164,8 +165,8 @@ class StoreReader(SourceReader):
             return
         self._reported_jump = key
         unit = "m" if self._store.index == "depth" else "s"
-        far = f"{key - self._last_key:.6g} {unit} behind the last" if np.isfinite(self._last_key) else "the first"
-        rule = f"no row goes on from it within {self._store.jump:g} {unit}: not read"
+        far = f"{key - self._last_key:.6g} {unit} after the last index" if np.isfinite(self._last_key) else "the first"
+        rule = f"no row continues from it within {self._store.jump:g} {unit}: not read"
         self._report(wall, "jump", f"index {text[:60]}: {far}, and {rule}", line)
 
     def _fill(
@@ -187,7 +188,7 @@ class StoreReader(SourceReader):
                 values[block, column], states[block, column] = self._cells(mnemonic, scale, cells, numbers[block], wall)
 
     def _scale(self, curve: Curve, unit: str, wall: int) -> float | None:
-        """Return the scale of a curve; for a wrong unit None, and one event for each source."""
+        """Return the scale of a curve; None if its unit is wrong, which is reported once for each unit of a curve."""
         try:
             if curve.unit and unit.strip() and unit.strip().casefold() != curve.unit.casefold():
                 raise ValueError(f"unit '{unit}': the configuration says '{curve.unit}'")
@@ -248,7 +249,7 @@ class StoreReader(SourceReader):
 
 
 def reader_of(source: Source, events: EventBook, limits: DepthLimits) -> SourceReader:
-    """Return what reads the bytes of ``source``."""
+    """Return the reader for the bytes of ``source``."""
     if isinstance(source, StoreSource):
         return StoreReader(source, events, limits)
     return SourceReader(source, events, limits)
@@ -264,7 +265,7 @@ def _quantity(text: str, unit: str, kind: str) -> float:
 
 
 def _following(keys: list[float | None]) -> list[float | None]:
-    """Return for each row the index of the next row that has one, in one pass from the end."""
+    """Return for each row the index of the next row with a valid index, in one pass from the end."""
     after: list[float | None] = []
     following = None
     for key in reversed(keys):

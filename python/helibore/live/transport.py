@@ -35,7 +35,7 @@ class Link(ABC):
 
     @abstractmethod
     def read(self, seconds: float) -> bytes | None:
-        """Return bytes; b"" if none came within ``seconds``, None if the link has ended."""
+        """Return bytes; b"" if no bytes came within ``seconds``; None if the link has ended."""
 
     def write(self, payload: bytes) -> None:  # noqa: B027  # not every kind sends
         """Send a heartbeat or a poll, if this kind of link sends."""
@@ -55,15 +55,15 @@ class Opener:
     ends: bool = False
 
     def open(self, seconds: float) -> Link | None:
-        """Return a link; None if none came within ``seconds``. Raise OSError if the link cannot be opened."""
+        """Return a link, or None if no peer came within ``seconds``. Raise OSError if the link cannot be opened."""
         return self.connect(seconds)
 
     def close(self) -> None:
-        """Close what is held between two links."""
+        """Close what stays open between two links."""
 
 
 def _readable(sockets: list[socket.socket], seconds: float) -> list[Any]:
-    """Return the sockets that can be read; poll works with any descriptor number and needs no new descriptor."""
+    """Return the sockets that can be read. A poll works with any descriptor number and needs no new descriptor."""
     with selectors.PollSelector() as selector:
         for one in sockets:
             selector.register(one, selectors.EVENT_READ)

@@ -33,7 +33,7 @@ class Update:
     path_from
         Depth below which the path moved, metres; None if the path did not move.
     events
-        At most eight of one rule of one source; the last of them counts all that follow.
+        At most eight events of one rule of one source; the last one counts all that follow.
     """
 
     changes: dict[str, Change] = field(default_factory=dict)

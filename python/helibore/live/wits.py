@@ -20,7 +20,7 @@ Rows = npt.NDArray[np.void]
 LINE_LIMIT, FRAME_LIMIT, ITEM_LIMIT = _core.WITS_LIMITS
 """Bytes of a line, bytes and lines of a frame, by default: `Limits` in cpp/include/helibore/wits.hpp."""
 NULLS = (*nulls.NULLS, -8888.0, -999.0, -99999.0)
-"""Numbers that mean "no value" unless a source says otherwise; compared as numbers, so ``-9999.00`` counts too."""
+"""Numbers that mean "no value" unless a source says otherwise; compared as numbers, so ``-9999.00`` also counts."""
 
 NULL = 1
 """Item flag: the value is empty or one of the source's null numbers."""
@@ -152,4 +152,4 @@ def frame(items: Iterable[tuple[int, str]]) -> bytes:
 HEARTBEAT = frame([(111, "-9999")])
 """The keep-alive that a Pason EDR asks for: item 0111 null."""
 POLL = frame([])
-"""An empty request for one packet."""
+"""An empty frame, which asks for one packet."""

@@ -5,7 +5,7 @@
     journal:   "WITSML log whole 1234\\n" + 1234 bytes as they came   |   "WITSML trajectory same 0\\n"   |   ...
 
 An answer equal to the previous one is stored as "same" without its bytes. An answer that was cut off ("cut") or must
-not be read ("refused": not 200, compressed, too long) is stored as far as it came, and not read. Document types and
+not be read ("refused": not 200, compressed, too long) is stored as far as it came, but is not read. Document types and
 entities are refused before an XML parser gets them. This file limits the nesting; ``store.py`` limits the size.
 """
 
@@ -21,7 +21,7 @@ from xml.sax.saxutils import escape, quoteattr
 ACTION = "http://www.witsml.org/action/120/Store.WMLS_GetFromStore"
 SERIES = 'xmlns="http://www.witsml.org/schemas/1series" version="1.4.1.1"'
 PARTIAL = 2
-"""The Result of an answer that the store limited: query again for the rest."""
+"""The Result of an answer that the store limited; the rest needs another query."""
 NESTING = 32
 BLOCK = 1 << 16
 
@@ -52,7 +52,7 @@ class LogRows:
 
 
 def log_query(uids: tuple[str, str, str], start: tuple[str, str] | None) -> str:
-    """Return the query for a log from index ``start`` (value, unit; "" for a time) on; None: from its first row."""
+    """Return the query for a log from index ``start`` (value, unit; "" for a time), or from its first row if None."""
     within = ""
     if start is not None and start[1]:
         within = f"<startIndex uom={quoteattr(start[1])}>{escape(start[0])}</startIndex>"
@@ -62,7 +62,7 @@ def log_query(uids: tuple[str, str, str], start: tuple[str, str] | None) -> str:
 
 
 def trajectory_query(uids: tuple[str, str, str]) -> str:
-    """Return the query for a whole trajectory: it has few stations, and a store may correct them."""
+    """Return the query for a whole trajectory, which has few stations and may be corrected by the store."""
     return f"<trajectorys {SERIES}><trajectory {_uids(uids)}/></trajectorys>"
 
 
@@ -114,7 +114,8 @@ def _short(text: str) -> str:
 def _elements(text: str, whole: str = "") -> Iterator[tuple[list[str], ET.Element]]:
     """Yield (path of local names, element) at every end tag.
 
-    An element is deleted after that, unless it is inside one named ``whole``: a whole log would take 24 times its size.
+    After that the element is deleted, unless it is inside an element named ``whole``; kept elements would take 24 times
+    the size of a log.
     """
     if match := FORBIDDEN.search(text):
         raise ValueError(f"<!{match[1].upper()} ...>: document types and entities are refused")

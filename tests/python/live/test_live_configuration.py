@@ -145,7 +145,7 @@ def test_what_is_only_transport_does_not_change_the_meaning():
         ),
         (
             WALL + SOURCE + IMAGE,
-            'source.rig.image.GR.origin: must be set: "centre" or "edge": what of sector 1 lies at toolface_offset; '
+            'source.rig.image.GR.origin: must be set: "centre" or "edge": the part of sector 1 at toolface_offset; '
             "tools differ",
         ),
         (
@@ -175,18 +175,18 @@ def test_what_is_only_transport_does_not_change_the_meaning():
             + 'items = { bit_depth = "0108" }\n'
             + SOURCE.replace("rig", "b")
             + 'items = { bit_depth = "0108" }\n',
-            "source.b.items.bit_depth: is mapped by source.rig too; one source only",
+            "source.b.items.bit_depth: is mapped by source.rig already",
         ),
         (WALL + SOURCE + 'nulls = ["x"]\n', "source.rig.nulls[0] = 'x': must be a finite number"),
         (WALL + SOURCE + "line_limit = 3\n", "source.rig.line_limit = 3: must be a whole number from 16 to 16777216"),
         (WALL + SOURCE + "every = 0\n", "source.rig.every = 0: must be from 0.05 to 3600"),
         (
             WALL + SOURCE + '[layers]\nPasses = ["ream"]\n',
-            "layers.Passes = ['ream']: the snapshot has a table of that name, as of passes, events, survey, image-*",
+            "layers.Passes = ['ream']: must differ from the tables of the snapshot: passes, events, survey, image-*",
         ),
         (
             WALL + SOURCE + '[layers]\nimage-GR = ["ream"]\n',
-            "layers.image-GR = ['ream']: the snapshot has a table of that name, as of passes, events, survey, image-*",
+            "layers.image-GR = ['ream']: must differ from the tables of the snapshot: passes, events, survey, image-*",
         ),
         (
             WALL + SOURCE + '[layers]\n"a\\u0000" = ["ream"]\n',
@@ -198,7 +198,7 @@ def test_what_is_only_transport_does_not_change_the_meaning():
         ),
         (
             WALL + SOURCE + '[layers]\na = ["swim"]\n',
-            "layers.a = 'swim': must be passes out of drill, ream, rescan, trip, unknown, or \"pass N\" by its number",
+            "layers.a = 'swim': must be one of drill, ream, rescan, trip, unknown, or \"pass N\" for the pass number N",
         ),
         (
             WALL + SOURCE + "[path]\nhead = [1]\n",

@@ -66,8 +66,8 @@ def test_bad_values_are_flagged_told_and_cost_only_their_triple():
     assert [str(event) for event in live.poll().events] == [
         "2023-11-14T22:13:20.000Z mwd connection 1 line 1: stray_text: b'hello': text between frames is not read",
         "2023-11-14T22:13:20.000Z mwd connection 1 line 5: invalid: item 5012 = b'1.0.0': is not a number",
-        "2023-11-14T22:13:20.000Z mwd connection 1 line 12: twice: item 5018 = b'110': is there twice in a frame: "
-        "the first counts",
+        "2023-11-14T22:13:20.000Z mwd connection 1 line 12: twice: item 5018 = b'110': occurs twice in a frame; "
+        "the first one counts",
         "2023-11-14T22:13:20.000Z mwd connection 1 line 2: range: radius 0.0043 m: must be in radius_range "
         "[0.027, 0.432]",
     ]
@@ -132,7 +132,7 @@ def test_a_clock_set_back_an_hour_is_told_and_changes_nothing(tmp_path):
         walls.append(live.wall)
     assert same_bits(*walls)
     assert [str(e) for e in live.model.events.latest] == [
-        "2023-11-14T21:13:35.500Z helibore: clock: the wall clock was set by -3600.000 s: not followed"
+        "2023-11-14T21:13:35.500Z helibore: clock: the wall clock was set by -3600.000 s; sample times do not follow"
     ]
     clock = Clock()
     with Live(parse(SENT), tmp_path, clock=clock) as live:

@@ -62,7 +62,7 @@ def test_the_number_of_the_wire_decides_until_the_next_one_and_what_differs_is_t
         ("mwd", "drill", 0, 1),  # 0 is no pass
         ("mwd", "drill", 1, 1),
     ]
-    assert reported(live) == ["pass number 2 means rescan, the string's motion drill: the number counts"] * 2
+    assert reported(live) == ["pass number 2 means rescan, but the string's motion means drill; the number counts"] * 2
     assert live.model.events.counts["mwd", "pass"] == 2
     assert live.model.counts["pass rescan"] == 2
     start = live.model.clock.began

@@ -249,9 +249,9 @@ def test_an_index_that_jumps_alone_hides_nothing_and_is_told(store, tmp_path, pl
         until(lambda: '<startIndex uom="m">100.99</startIndex>' in store.questions[-1] + store.questions[-2])
         jumps = [event for event in polled.live.model.events.latest if event.rule == "jump"]
     assert [event.count for event in jumps] == [1]
-    far = "the first" if place == "first" else "99898.7 m behind the last" if place == "between" else "99898.4 m behind"
+    far = "the first" if place == "first" else "99898.7 m after the last" if place == "between" else "99898.4 m after"
     assert f"index 99999.00: {far}" in jumps[0].text
-    assert jumps[0].text.endswith(", and no row goes on from it within 30 m: not read")
+    assert jumps[0].text.endswith(", and no row continues from it within 30 m: not read")
     assert polled.live.wall.depth[-1] < 101
 
 
@@ -509,7 +509,7 @@ def test_a_time_log_places_its_rows_by_their_own_bit_depth(store, tmp_path):
         (("/x", "/x?password=pw"), "source.store.address = 'https://localhost:1/x?...': must not hold a query"),
         (("https://", "https://rig:pw@"), "must not hold a user or password: give user and password_env"),
         (("every", 'password = "pw"\nevery'), "source.store.password: must not be in the file"),
-        (("every", 'user = "rig"\nevery'), "source.store: user and password_env must be set both, or neither"),
+        (("every", 'user = "rig"\nevery'), "source.store: user and password_env must both be set, or neither"),
         (('index = "depth"', 'index = "date"'), 'source.store.log.index = \'date\': must be "depth" or "time"'),
         (('["RAD"]', "[]"), "toolface, radius and depth must have equally many curves"),
         (("every", 'units = "metric"\nevery'), "source.store.units: is not a setting"),

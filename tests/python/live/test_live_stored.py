@@ -107,8 +107,8 @@ def test_a_journal_is_not_continued_with_another_meaning(tmp_path, change, names
     Live(parse(SENT), tmp_path).close()
     with pytest.raises(ValueError, match="was begun") as error:
         Live(parse(SENT.replace(*change)), tmp_path)
-    rule = "was begun with another configuration: give the old one, or begin another journal"
-    assert str(error.value) == f"{tmp_path}: {rule}: {names}"
+    rule = "give the old configuration, or begin another journal"
+    assert str(error.value) == f"{tmp_path}: was begun with another configuration ({names}); {rule}"
     Live(parse(SENT.replace('"host"', '"tcp://127.0.0.1:9"')), tmp_path).close()
 
 
