@@ -27,7 +27,7 @@ from helibore.cli.without_caliper import without_caliper
 from helibore.files.raw_set import Channel
 
 WIDE = 120
-"""Least width of a terminal for a table with the reasons; on a narrower one they follow the table, one a line."""
+"""Least width of a terminal for a table with the reasons; on a narrower one, the reasons follow the table."""
 
 
 @click.command(short_help="Show what a file holds and which role each channel gets.")
@@ -127,7 +127,7 @@ def span(channel: Channel) -> str:
 
 
 def short(value: float) -> str:
-    """Return a number with five digits, and all before the point: 0.0386, 2.5554, 1590.1, 1023720."""
+    """Return a number with five digits, or with all before the point: 0.0386, 2.5554, 1590.1, 1023720."""
     return f"{value:.0f}" if 1e4 <= abs(value) < 1e9 else f"{value:.5g}"
 
 

@@ -207,7 +207,7 @@ def export(folder: Path, configuration: Path | None, output: Path, source: str |
 @JOURNAL
 @click.option("--remove", is_flag=True, help="Delete the segments. A replay of the whole journal is then impossible.")
 def archive(folder: Path, remove: bool) -> None:
-    """Compress the old segments of the journal in FOLDER into its folder archive; it may be in use meanwhile.
+    """Compress the old segments of the journal in FOLDER into its folder archive; the journal may be in use.
 
     A segment is old if both checkpoints contain all its records; the rest is never touched.
 
@@ -242,7 +242,7 @@ def _segments(folder: Path) -> Iterator[Segment]:
 
 @contextmanager
 def _progress(folder: Path) -> Iterator[Callable[[object], None]]:
-    """Show the segments that are done as a bar on stderr, on a terminal and after a second; yield its step."""
+    """Show on a terminal, after a second, how many segments are done; yield the function that counts one."""
     import sys
     import time
 

@@ -26,7 +26,7 @@ Lines = list[tuple[str, str]]
 
 
 def summary_lines(found: WallSummary, cells: str = "") -> Lines:
-    """Describe a wall or an interval of it; ``cells`` says what of it was written."""
+    """Describe a wall or an interval of it; ``cells`` counts the cells that were written."""
     helix = f"{found.sectors} sectors, pitch {found.pitch:g} m: {found.vertices:,} vertices"
     samples = f", from {found.samples:,} samples" if found.samples else ""
     lines = [("wall", f"{found.start:.2f} to {found.stop:.2f} m, {helix}{cells}{samples}")]
@@ -92,7 +92,7 @@ def row_line(rows: Logs) -> tuple[str, str]:
 
 
 def sigma_lines(rows: Logs) -> Lines:
-    """Say how many rows have no uncertainty, where it was asked for."""
+    """Say how many rows have no uncertainty, if it was asked for."""
     if not rows.with_sigma:
         return []
     missing = int(np.isnan(rows.diameter_sigma).sum())

@@ -4,7 +4,7 @@
       bit_depth         0108                ft   the start of the wall comes as 6561.68; no unit stated: taken as ft
       caliper radius    5012 ... 5099 (30)  in   a hole of bit size comes as 4.25; no unit stated: taken as in
 
-Nothing on the wire says a unit, so the numbers to compare with those of the rig are the only check before data come.
+Nothing on the wire states a unit. Comparing these numbers with those of the rig is the only check before data come.
 """
 
 from __future__ import annotations

@@ -47,7 +47,7 @@ LAST_SECONDS = 1.0
     opt("--token", "Secret that page and metrics ask for.  [HELIBORE_TOKEN]", envvar="HELIBORE_TOKEN"),
     opt("--certificate", "PEM file: serve page and metrics over HTTPS.", metavar="FILE"),
     opt("--key", "PEM file of its private key.  [the certificate's file]", metavar="FILE"),
-    opt("--log", "Write all events to this file, too; rotated at 10 MB.", metavar="FILE"),
+    opt("--log", "Also write all events to this file, which is rotated at 10 MB.", metavar="FILE"),
 )
 def live(
     configuration: Path, journal: Path | None, folder: Path | None, every: float | None, metrics_port: int | None,
@@ -58,8 +58,8 @@ def live(
     \b
     helibore live rig.toml --journal well-7.journal --snapshot now
 
-    docs/driller.md ("While drilling") has the smallest CONFIGURATION, docs/live.md every setting. SIGHUP (kill -HUP)
-    reads it again: what it changes applies to the bytes from then on.
+    docs/driller.md ("While drilling") has the smallest CONFIGURATION, docs/live.md has every setting. After SIGHUP
+    (kill -HUP), CONFIGURATION is read again, and its changes apply to later bytes.
     """
     importlib.import_module("helibore.live.checks")  # imported first: its error names the extra that is missing
     from helibore.cli.live_check import described
@@ -120,9 +120,9 @@ def _window(well: str, port: int, access: Access) -> Window:
 
 @contextmanager
 def _screen(server: Server, quiet: bool) -> Iterator[Callable[[], None]]:
-    """Show the status page on a terminal; return what draws it again.
+    """Show the status page on a terminal; yield a function that draws the page again.
 
-    A thread draws: a terminal that takes no text (Ctrl-S, a lost connection) delays nothing else.
+    A thread draws, so that a terminal that takes no text (Ctrl-S, a lost connection) delays nothing else.
     """
     from rich.console import Console
     from rich.live import Live as Screen

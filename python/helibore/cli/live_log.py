@@ -15,9 +15,9 @@ from contextlib import contextmanager, suppress
 from helibore.live.events import LOGGER
 
 MOST_WAITING = 1000
-"""Log lines that wait for a slow stderr or file; more are counted and left out."""
+"""The most log lines that wait for a slow stderr or file; further lines are counted and left out."""
 SECONDS = 2.0
-"""Seconds in which the lines that wait are written at the end."""
+"""Seconds in which waiting lines are written at the end."""
 STOP = logging.LogRecord("", 0, "", 0, "", None, None)
 
 
@@ -52,7 +52,7 @@ class LogWriter(logging.Handler):
         return self._thread.is_alive()
 
     def stop(self) -> None:
-        """Write the lines that wait, for a few seconds at most (`close` is called by uvicorn, too)."""
+        """Write the lines that wait, for a few seconds at most (uvicorn also calls `close`)."""
         with suppress(queue.Full):
             self._waiting.put_nowait(STOP)
         self._thread.join(SECONDS)

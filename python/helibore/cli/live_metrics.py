@@ -68,8 +68,8 @@ class Access:
 class MetricsServer(http.server.HTTPServer):
     """Serves /metrics to a few connections at a time, each for a few seconds at most.
 
-    Its threads start with it, and it keeps a descriptor in reserve: so it still answers when the process can have no
-    other thread and no other descriptor.
+    All its threads start with the server, and it keeps a descriptor in reserve, so it still answers when the process
+    can get no more threads or descriptors.
     """
 
     def __init__(self, server: Server, port: int, access: Access) -> None:

@@ -107,7 +107,7 @@ def bytes_left(journal: Journal) -> float:
 
 
 def _here(wall: int) -> str:
-    """Return the time of day in this machine's time zone, for a text that has it in UTC; "" where the two are one."""
+    """Return the time of day in this machine's time zone, for a text that has it in UTC; "" if this zone is UTC."""
     time = local(wall)
     return f"{time:%H:%M:%S} here, " if time.utcoffset() else ""
 

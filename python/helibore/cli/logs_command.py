@@ -1,4 +1,4 @@
-"""``helibore logs SOURCE -o well.las``: every turn, or step of depth, of a wall measured, as a file of logs.
+"""``helibore logs SOURCE -o well.las``: measure every turn, or step of depth, of a wall, and write a file of logs.
 
 Options become calls of `Wall.logs`, `Logs.annulus`, `Wall.zones` and `SectorImage.breakouts` here. ``helibore.logs``
 says what each log is.
@@ -43,7 +43,7 @@ DECIMALS = {"in": 4, "mm": 3, "ft": 5}
         type=LENGTH,
         default="1m",
     ),
-    opt("--sigma", "Uncertainty of diameters and volumes, too: DEQ_SIGMA, VOL_SIGMA.", is_flag=True),
+    opt("--sigma", "Also write the uncertainty of diameters and volumes: DEQ_SIGMA, VOL_SIGMA.", is_flag=True),
     opts("--casing casings", "Outer diameter of a casing: annulus and clearance.", type=LENGTH),
     opt("--well", "Name of the well, for the files.  [as the source states it, else its name]"),
     HEADER,
@@ -69,10 +69,9 @@ def logs(**options: Any) -> None:
     helibore logs well.wall -o well.las --step 0.5m --casing "7in" --zones zones.csv
     helibore logs xy.csv.gz --diameter x_in@0 --diameter y_in@90 --bit-diameter 6.2in -o xy.csv
 
-    With --from and --to, only the rows between them are written. One row a turn has the class of hole, too (CLASS). Of
-    each image of the wall there is a column with its mean around the hole.
-    Every file states bit size, windows, definitions and criteria. Beside well.las stands well.las.toml, which repeats
-    the run.
+    With --from and --to, only the rows between them are written. If a row is a turn, it also has the class of hole
+    (CLASS). Each image of the wall has a column with its mean around the hole. Every file states bit size, windows,
+    definitions and criteria. The file well.las.toml beside well.las repeats the run.
     """
     from helibore.files.log_writing import check_format, save_table
     from helibore.logs.image_means import image_means
@@ -97,7 +96,7 @@ def logs(**options: Any) -> None:
     unknown = [name for name in images if name not in wall.images]
     if unknown:
         there = ", ".join(wall.images) or "none"
-        raise InputError(f"image {unknown[0]!r}", f"the wall has none of this name; it has {there}")
+        raise InputError(f"image {unknown[0]!r}", f"the wall has no image of this name; it has {there}")
     with terminal.stage("measure", "Measuring"):
         measured = _measured(wall, options, run.reference)
         annuli = [measured.rows.annulus(size) for size in options["casings"]]
@@ -134,7 +133,7 @@ def logs(**options: Any) -> None:
 
 
 def _in_unit(table: LogTable, unit: str) -> LogTable:
-    """The table with sizes across the hole in another unit; ft: in inches, and lengths along it in feet."""
+    """Return the table with sizes across the hole in another unit; ft: inches, and feet for lengths along it."""
     from helibore.base import units
     from helibore.base.tables import LogTable
 
@@ -173,8 +172,8 @@ def _measured(wall: Wall, options: dict[str, Any], reference: Any) -> _Measured:
         every = replace(every, reference=reference)
     inside = every.rows_between(options["start_depth"], options["stop_depth"])
     if not inside.any():
-        reach = f"they reach from {every.depth.min():g} to {every.depth.max():g} m" if len(every) else "there are none"
-        raise InputError("--from and --to", f"no full turns of the wall between them: {reach}")
+        reach = f"turns reach from {every.depth.min():g} to {every.depth.max():g} m" if len(every) else "there are none"
+        raise InputError("--from and --to", f"no full turn of the wall lies between them; {reach}")
     turns = every.between(options["start_depth"], options["stop_depth"])
     zones = classify(wall, criteria, every) if shaped else None
     if options["step"] is None:

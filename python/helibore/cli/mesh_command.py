@@ -75,7 +75,7 @@ def reconstruct(**options: Any) -> None:
 
     SOURCE is CSV, Parquet, LAS, DLIS, JSON, WITSML or NPZ; several files are passes over one hole, earliest first. The
     meaning of each column is guessed from names and units, and printed; `helibore inspect` prints the map to change it.
-    Beside wall.glb stands wall.glb.toml, which repeats the run. A .wall keeps samples, settings, path and images, and
+    The file wall.glb.toml beside wall.glb repeats the run. A .wall keeps samples, settings, path and images, and
     reopens (hb.load).
     """
     _write("reconstruct", options)
@@ -94,7 +94,7 @@ def mesh(**options: Any) -> None:
     helibore mesh --from-settings volume.vtkhdf.toml -o again.vtkhdf
 
     SOURCE is an archive (.wall), caliper files, or the settings beside an output. Every shell has the values of the
-    images. Beside well.glb stands well.glb.toml, which repeats the run.
+    images. The file well.glb.toml beside well.glb repeats the run.
     """
     _write("mesh", options)
 
@@ -162,7 +162,7 @@ def _check(run: Run, options: dict[str, Any], ends: tuple[float | None, float | 
 
 
 def _save(wall: Wall, made: Surface | Volume, output: Path, color_by: str | None) -> None:
-    """Write a mesh or an archive; a mesh has the usual colours of what it is coloured by."""
+    """Write a mesh or an archive; a mesh has the usual colours of its chosen attribute."""
     if output.suffix.lower() == ARCHIVE:
         wall.save(output)
     elif isinstance(made, Volume):
@@ -204,7 +204,7 @@ def _write_centres(found: Centres, depth: Floats | None, file: Path) -> None:
 
 
 def _error_lines(run: Run, threads: int | None) -> Lines:
-    """The cross-validated error of the wall, and what tuning would gain."""
+    """Return the cross-validated error of the wall, and what tuning would gain."""
     from helibore.wall.estimates import FEWEST_SAMPLES
     from helibore.wall.tune import cross_validate
 
@@ -227,6 +227,6 @@ def _lines(run: Run, made: Surface | Volume, ends: tuple[float | None, float | N
             median, low, high = 1e3 * np.median(known), 1e3 * known.min(), 1e3 * known.max()
             spread = f"{median:+.2f} mm in the median, {low:+.2f} to {high:+.2f}"
             count = f"{known.size:,} of {values.size:,} quads"
-            label, text = name, f"wall less that of the earlier passes: {spread}; {count}"
+            label, text = name, f"this wall minus the wall of the earlier passes: {spread}; {count}"
         lines.append((label, text))
     return lines

@@ -1,4 +1,4 @@
-"""Code of all commands that write: their output, their options in the settings, lines on what was written."""
+"""What all writing commands share: checks of the output, options in its settings, lines on what was written."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ def own_options(run: Run, verb: str, options: dict[str, Any]) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value as TOML has it."""
+    """Return a value in a form that TOML can hold."""
     if isinstance(value, Path):
         return str(value.resolve())
     return [_plain(each) for each in value] if isinstance(value, tuple | list) else value

@@ -1,6 +1,6 @@
 """``helibore plot`` and ``helibore report``: a wall as a log on paper, or as one HTML page.
 
-Options become a `Drawing` here; ``helibore.plot`` draws it. Options that other commands have, too, are in
+Options become a `Drawing` here; ``helibore.plot`` draws it. Options that other commands also have are in
 ``wall_options`` and ``outputs``.
 """
 
@@ -52,9 +52,9 @@ takes_a_drawing = section(
     TEMPLATE,
     BESIDE,
     opt("--scale", "Depth scale, 200 or 1:200.  [the finest usual one that fits]", metavar="N"),
-    opt("--unit", "Of diameters and radii; ft: inches, and feet for depths.", type=click.Choice(["in", "mm", "ft"]),
-        default="in"),
-    opts("--curve curves", "Of the caliper track: largest, across it, across 0 and 90.  [C1, C2]",
+    opt("--unit", "Unit of diameters and radii; ft: inches, and feet for depths.",
+        type=click.Choice(["in", "mm", "ft"]), default="in"),
+    opts("--curve curves", "Curve of the caliper track: largest, across it, across 0 and 90.  [C1, C2]",
          type=click.Choice(["C1", "C2", "D0", "D90", "none"])),
     opt("--left", "Toolface at the left edge of images; 180 puts up in the middle.",
         type=click.Choice(["0", "90", "180", "270"]), default="0"),
@@ -79,7 +79,7 @@ takes_a_drawing = section(
 @section(
     "Options",
     OUTPUT("Picture to write: .png, .svg or .pdf."),
-    opt("--paper", "Of a PDF: pages, or a roll as long as the interval. PNG and SVG are rolls.",
+    opt("--paper", "Paper of a PDF: pages, or a roll as long as the interval. PNG and SVG are rolls.",
         type=click.Choice(["a4", "a3", "roll"]), default="a4"),
     QUIET,
 )  # fmt: skip
@@ -94,8 +94,8 @@ def plot(**options: Any) -> None:
     helibore plot --gauge --bit-diameter 8.5in --image mem.las:ABDC:centre -o images.pdf
     helibore plot wall.glb.toml -o wall.pdf
 
-    SOURCE is an archive (.wall), caliper files, or the settings beside an output, whose wall is then drawn. Beside
-    well.pdf stands well.pdf.toml, which repeats the run.
+    SOURCE is an archive (.wall), caliper files, or the settings beside an output, whose wall is then drawn. The file
+    well.pdf.toml beside well.pdf repeats the run.
     """
     import helibore.plot as drawn
     from helibore.plot.paper import ENDINGS, MM, require_matplotlib
@@ -115,7 +115,7 @@ def plot(**options: Any) -> None:
     pages = f"{len(figures)} pages of " if len(figures) > 1 else ""
     wide = not roll and width > drawn.PAPERS[options["paper"]][0] + 0.1
     note = (
-        f", wider than {options['paper'].upper()}, for all tracks: fitted to it, the scale is not true" if wide else ""
+        f", wider than {options['paper'].upper()}: if the page is fitted to it, the scale is not true" if wide else ""
     )
     paper = ("paper", f"{pages}{width:,.0f} x {height:,.0f} mm{note}")
     terminal.summary([*run.messages, paper, *saved, ("time", terminal.times())])
@@ -210,7 +210,7 @@ def _scale(text: str | None) -> int | None:
 
 
 def _looks(options: dict[str, Any]) -> dict[str, Look]:
-    """Colours by name of an image."""
+    """Return the colours of images by name."""
     from helibore.plot import Look
 
     looks: dict[str, dict[str, Any]] = defaultdict(dict)

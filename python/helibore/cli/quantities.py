@@ -35,7 +35,7 @@ class Quantity(Parameter[float | None]):
             self.fail(str(error), param, ctx)
         if number is not None and number > self.largest:  # inches without a unit are the usual mistake
             bare, unit = str(value).strip()[-1:].isdigit(), "mm" if number > 100 else "in"
-            meant = f"; a number without a unit is metres: {value}{unit}?" if bare else ""
+            meant = f"; a number without a unit is metres; did you mean {value}{unit}?" if bare else ""
             self.fail(f"'{value}': must be at most {self.largest:g} m{meant}", param, ctx)
         return number
 
@@ -50,7 +50,7 @@ def across_and_along(unit: str) -> tuple[str, str]:
 
 
 def facts_in(facts: Mapping[str, str], unit: str) -> dict[str, str]:
-    """Return facts of a table with the lengths among them in the units that ``--unit`` means."""
+    """Return the facts of a table, with lengths in the units that ``--unit`` means."""
     across, along = across_and_along(unit)
 
     def changed(name: str, text: str) -> str:

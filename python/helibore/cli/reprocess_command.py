@@ -1,4 +1,4 @@
-"""``helibore reprocess manifest.toml``: the walls of many wells, here or on a Dask cluster; ``status`` says how far."""
+"""``helibore reprocess manifest.toml``: the walls of many wells, here or on a Dask cluster; ``status`` counts them."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ STOPPED = 130
 """Exit code after Ctrl-C, as shells have it."""
 
 FAILED = 3
-"""Exit code where wells failed, or the catalogue could not be written."""
+"""Exit code if wells failed, or the catalogue could not be written."""
 
 
 @click.command("reprocess", cls=Sectioned, short_help="Rebuild the walls of many wells, on this machine or a cluster.")
@@ -91,7 +91,7 @@ def reprocess(
 
 
 def _show(progress: Progress) -> None:
-    """Show the progress in one line, which the next one replaces on a terminal; elsewhere every tenth of the wells."""
+    """Show the progress in a line: on a terminal it replaces the last line; elsewhere there are ten lines."""
     if not progress.finished:
         click.echo(f"Dask shows its work at {progress.dashboard}", err=True)
         return
@@ -109,4 +109,4 @@ def _show_warnings(warnings: Mapping[str, str]) -> None:
     for well in sorted(warnings)[:MOST_WARNINGS]:
         click.echo(f"{well}: {warnings[well]}", err=True)
     if (left := len(warnings) - MOST_WARNINGS) > 0:
-        click.echo(f"{left} more wells have warnings: column warnings of the catalogue", err=True)
+        click.echo(f"{left} more wells have warnings; see the column warnings of the catalogue", err=True)

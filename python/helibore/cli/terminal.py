@@ -45,7 +45,7 @@ class Terminal:
         return f"{', '.join(parts)}; {sum(self.seconds.values()):.2f} s in all"
 
     def summary(self, lines: list[tuple[str, str]]) -> None:
-        """Print labels and texts; an empty label goes on with the one above."""
+        """Print labels and texts; an empty label continues the label above."""
         if self.quiet:
             return
         from rich.console import Console

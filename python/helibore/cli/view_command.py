@@ -79,7 +79,7 @@ def view(**options: Any) -> None:
     if options["sigma"]:
         run.messages += add_sigma(wall, terminal)
     picks = load_picks(run)
-    run.messages.append(("picks", f"saved in {picks}" if picks else "not saved: no file but a survey"))
+    run.messages.append(("picks", f"saved in {picks}" if picks else "not saved: only a survey was given"))
     header = header_of(run, options)
     well = header.pop("well", run.name)
     terminal.summary([*run.messages, *trust_lines(wall.summary(options["start_depth"], options["stop_depth"]))])
@@ -106,7 +106,7 @@ def view(**options: Any) -> None:
 
 
 def section_printer(wall: Wall, drawing: dict[str, Any]) -> Callable[[float, float, str, int | None], bytes]:
-    """Return what draws a section of a wall on paper, cut to the wall, as it is with its picks, one at a time."""
+    """Return a function that prints a section of a wall, as far as the wall reaches, with its picks; one at a time."""
     lock = Lock()
 
     def draw(start: float, stop: float, unit: str, scale: int | None) -> bytes:
@@ -136,7 +136,7 @@ def reaching(run: Run) -> str:
 
 
 def check_page() -> None:
-    """Say how to get the extra or the page where one is missing, before any work."""
+    """Before any work, raise an error if the extra or the page is missing; it says how to get them."""
     from helibore.viewer.page_server import import_server
 
     import_server()

@@ -84,10 +84,11 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
     "Source": (
         opt("--bit-diameter", "Bit size, such as 8.5in, '8 1/2in' or 0.216m. Archives and settings have it.", type=BIT),
         opt("--average", "Average caliper in place of SOURCE; the shape is assumed round.", metavar="FILE:CHANNEL"),
-        opt("--gauge", "Gauge hole in place of SOURCE: not measured, carries images only.", is_flag=True),
-        opt("--from-settings", "Repeat the run that wrote this settings file. SOURCE may name it, too.", type=FILE),
+        opt("--gauge", "Gauge hole in place of SOURCE; it is not measured and only carries images.", is_flag=True),
+        opt("--from-settings", "Repeat the run that wrote this settings file, which may also be SOURCE.", type=FILE),
         opts("--image", "Image on the wall. ORIGIN is what lies at toolface 0 of the image: the centre or the edge "
-             "of sector 1. REFERENCE is what its toolface 0 is, if not the wall's: north or high-side.",
+             "of sector 1. REFERENCE is what its toolface 0 is, if it differs from the wall's: north or "
+             "high-side.",
              metavar="FILE:CHANNEL:ORIGIN[:REFERENCE]"),
         opt("--from start_depth", "Start depth.  [top of the wall]", type=LENGTH),
         opt("--to stop_depth", "Stop depth.  [bottom of the wall]", type=LENGTH),
@@ -116,7 +117,8 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--echo-window", "Time of the echo inside the tool.", type=TIME, default="0s"),
         opt("--toolface-from", "What the samples' toolface counts from; automatic: by inclination.  [the map's, "
             "else the wall's]", type=click.Choice(["north", "high-side", "automatic"])),
-        opt("--switch", "Automatic: north until the second inclination, high side until the first.", type=ANGLE,
+        opt("--switch", "Automatic: north until the inclination reaches the second angle, high side until it is "
+            "down to the first.", type=ANGLE,
             nargs=2, default=("4deg", "6deg")),
     ),
     "Conditioning": (
@@ -130,7 +132,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
             metavar="RADIUS"),
         opt("--drop-stuck stuck", "Drop an arm that does not move for so many rows while others do.", type=int,
             metavar="ROWS"),
-        opt("--radius-range", "Drop radii outside.", type=LENGTH, nargs=2, metavar="LEAST GREATEST"),
+        opt("--radius-range", "Drop radii outside this range.", type=LENGTH, nargs=2, metavar="LEAST GREATEST"),
         opt("--drop-repeated repeated", "Drop samples equal to an earlier one.", is_flag=True),
         opt("--drop-spikes spikes", "Drop samples that the turns around contradict by so many deviations; 6 is usual.",
             type=float, metavar="DEVIATIONS"),
@@ -141,13 +143,13 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
     "Passes": (
         opt("--split-passes reversal", "Start a new pass where the tool moves back by more than this.", type=LENGTH),
         opt("--passes", "Passes to use, such as 2,3.  [all]", type=NUMBERS),
-        opt("--latest", "In each 0.5 m, use the last pass that was there.  [merge them]", is_flag=True),
+        opt("--latest", "In each 0.5 m, use the last pass that measured there.  [merge them]", is_flag=True),
         opts("--shift shifts", "Add a length to a pass's depths, such as 3=-0.2m.", type=SHIFT),
-        opt("--find-shifts", "Find each pass's depth shift from the overlap; --shift holds a pass.", is_flag=True),
+        opt("--find-shifts", "Find each pass's depth shift from the overlap, unless --shift sets it.", is_flag=True),
         opt("--bias", "Take off what each pass and arm reads too much; side: by the side an arm lies on.",
             type=click.Choice(["none", "arm", "side"]), default="none"),
-        opt("--compare-with earlier", "Earlier passes: the wall is made from the others; the attribute "
-            "'difference' is how much larger it is than theirs.", type=NUMBERS, default=()),
+        opt("--compare-with earlier", "Earlier passes. The wall is made from the other passes; the attribute "
+            "'difference' says how much larger it is than the wall of the earlier ones.", type=NUMBERS, default=()),
     ),
     "Path and toolface": (
         opt("--survey", "Survey file.  [the hole is straight and vertical]", type=FILE),
@@ -156,7 +158,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--survey-depth", "NAME[:UNIT] of the stations' depth.", metavar="COLUMN"),
         opt("--inclination", "NAME[:UNIT] of the inclination.", metavar="COLUMN"),
         opt("--azimuth", "NAME[:UNIT] of the azimuth.", metavar="COLUMN"),
-        opt("--method", "Between stations.", type=click.Choice(["minimum-curvature", "radius-of-curvature"]),
+        opt("--method", "Curve between stations.", type=click.Choice(["minimum-curvature", "radius-of-curvature"]),
             default="minimum-curvature"),
         opt("--reference", "What toolface 0 of the wall is.  [high-side with a survey, else not known]",
             type=click.Choice(get_args(Reference))),
@@ -165,7 +167,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
     ),
     "Wall": (
         opt("--sectors", "Vertices a turn.", type=int, default=64),
-        opt("--pitch", "Of the helix; negative: logged upwards.", type=LENGTH, default="100mm"),
+        opt("--pitch", "Pitch of the helix; negative for a well logged upwards.", type=LENGTH, default="100mm"),
         opt("--start-toolface", "Toolface of the first vertex.", type=ANGLE, default="0deg"),
         opt("--neighbors", "Number of nearest samples that make a vertex.  [8; kriging: 16]", type=int),
         opt("--window", "Search only this many samples around a vertex, as published.  [all]", type=int),
@@ -200,7 +202,7 @@ def takes_a_wall(command: Command) -> Command:
 def open_run(options: dict[str, Any], terminal: Terminal, outputs: Sequence[Path] = ()) -> Run:
     """Take the options of `takes_a_wall`, open the files they name, and return the run, ready for `make_wall`.
 
-    A file that is read is never written over: ``outputs`` are refused if they are among the files, or the settings.
+    One of ``outputs`` is refused if it, or its settings, would be written over a file that is read.
     """
     _check_source(options)
     given = options["from_settings"] or next(iter(options["source"]), None)
@@ -224,7 +226,7 @@ def open_run(options: dict[str, Any], terminal: Terminal, outputs: Sequence[Path
 
 
 def load_picks(run: Run) -> Path | None:
-    """Give the wall of a run the picks saved beside the first file shown, never the survey; return their file."""
+    """Give the wall of a run the picks saved beside the first file shown, never the survey; return that file."""
     from helibore.logs.picks import ENDING, Picks
 
     first = next(iter(run.settings.shown), None)
@@ -245,7 +247,7 @@ BESIDE = opts(
 )
 SCALAR = opts(
     "--scalar scalars",
-    "Curve along the hole, a track of its own; the inclination comes from the survey.",
+    "Curve along the hole, in a track of its own; the inclination comes from the survey.",
     metavar=f"FILE:CHANNEL|{INCLINATION}",
 )
 
@@ -307,7 +309,7 @@ HEADER = opts(
 
 
 def header_of(run: Run, options: dict[str, Any]) -> dict[str, str]:
-    """The header of the log: as the files of the run state it, unless the options do."""
+    """Return the header of the log; what the options state replaces what the files of the run state."""
     from helibore.channels.log_header import NAMES
     from helibore.runs.run import stated_header
 
@@ -464,7 +466,7 @@ def _check_caliper(files: OpenFiles, one: Input, options: dict[str, Any]) -> Non
 
 
 def set_names(log: LogFile, texts: Sequence[str]) -> list[Any]:
-    """Return the names of the sets that ``--set`` chooses, in the order of the file; without it None, the only set."""
+    """Return the names of the sets that ``--set`` chooses, in the order of the file; [None] without it."""
     if not texts:
         return [None]
     chosen = set().union(*(_sets_of(log, text) for text in texts))
@@ -495,7 +497,7 @@ def _sets_of(log: LogFile, text: str) -> set[str]:
 
 
 def _average(files: OpenFiles, options: dict[str, Any]) -> Input:
-    """Open an average caliper, FILE:CHANNEL; its depth is guessed."""
+    """Open an average caliper, FILE:CHANNEL; the channel of its depth is guessed."""
     from helibore.channels.roles import Role, guess
     from helibore.runs.run_settings import Input
 
@@ -515,7 +517,7 @@ def _average(files: OpenFiles, options: dict[str, Any]) -> Input:
 
 
 def _header_lines(options: dict[str, Any], sources: Sequence[Path]) -> dict[Path, int]:
-    """Return the lines that ``--header-line`` states, by file; a line without a file is that of the sources."""
+    """Return the lines that ``--header-line`` states, by file; a line without a file applies to the sources."""
     read = [*sources, options["survey"], options["track"], *(one.file for one in _images(options) + _scalars(options))]
     lines: dict[Path, int] = {}
     for text in options["header_lines"]:

@@ -21,7 +21,7 @@ def without_caliper(
 ) -> tuple[str, str]:
     """Return what a file with images and no caliper around the hole lacks, and the command that shows the images.
 
-    Two empty texts if the file has a caliper, no images, or several sets, of which ``--image`` takes none.
+    Return two empty texts if the file has a caliper, has no images, or has several sets, which ``--image`` cannot read.
     """
     images = [role.channel for role in roles.all("image")]
     if len(log.sets) != 1 or not images or roles.all(*WALL):
@@ -37,14 +37,14 @@ def without_caliper(
     sectors = log.set()[images[0]].shape[1]
     lacks = (
         f"has images ({', '.join(images)}) and no known caliper around the hole (--radius or --diameter names one). "
-        f"This command puts the images on {hole}. edge: sector 1 starts at toolface 0; centre: it is centred there; no "
-        f"file says which, the tool's manual does, and the wrong one turns {images[0]} by {180 / sectors:g} deg"
+        f"This command puts the images on {hole}. With edge, sector 1 starts at toolface 0; with centre, it is centred "
+        f"there. Only the tool's manual says which, and the wrong one turns {images[0]} by {180 / sectors:g} deg"
     )
-    return lacks + ("" if stated else ". No bit size is stated: put yours for 8.5in"), shlex.join(words)
+    return lacks + ("" if stated else ". No bit size is stated: replace 8.5in with yours"), shlex.join(words)
 
 
 def _stated_bit(log: LogFile, roles: RoleMap) -> float | None:
-    """Return the bit size that a channel or the header states, metres; None if neither does, or no hole is so large."""
+    """Return the bit size that a channel or the header states, metres; None if neither does, or if it is too large."""
     only = log.set()
     try:
         header = log_header([only.header]).get("bit", "")

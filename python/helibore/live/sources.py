@@ -134,7 +134,7 @@ def _check_quantity(items: list[Item] | Item, info: Any) -> list[Item] | Item:
     for item in items if isinstance(items, list) else [items]:
         *before, curve = info.context.curves[: item.code - INDEX]
         if any(other.mnemonic == curve.mnemonic for other in before):
-            raise InputError("", "is already mapped to another quantity", repr(curve.mnemonic))
+            raise InputError("", "is mapped to another quantity already", repr(curve.mnemonic))
     return items
 
 

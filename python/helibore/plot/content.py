@@ -406,7 +406,7 @@ def _images(wall: Wall, drawing: Drawing, reference: str) -> list[SectorImage]:
     for name in [*names, *drawing.looks]:
         if name not in wall.images and name != RADIUS:
             there = ", ".join(wall.images) or "none"
-            raise InputError(f"image {name!r}", f"the wall has none of this name; it has {there}")
+            raise InputError(f"image {name!r}", f"the wall has no image of this name; it has {there}")
     found = [wall.images[name] for name in names if name != RADIUS]
     for image in found:
         if image.reference != reference and wall.path is None:

@@ -228,7 +228,7 @@ def test_a_wall_without_a_shape_has_logs_and_no_zones(tmp_path: Path) -> None:
         (["-o", "w.csv", "--from", "2003.2", "--to", "2003.9", "--step", "5"],
          "step = 5: the turns, 2003.25 to 2003.85 m, must reach from one multiple of the step to the next"),
         (["-o", "w.csv", "--from", "3000"],
-         "--from and --to: no full turns of the wall between them: they reach from 2000.05 to 2019.95 m"),
+         "--from and --to: no full turn of the wall lies between them; turns reach from 2000.05 to 2019.95 m"),
         (["-o", "w.csv", "--rugosity-window=-1"], "rugosity_window = -1.0: must be finite and above 0"),
         (["-o", "w.csv", "--casing", "0in"], "casing = 0: must be finite and above 0"),
         (["-o", "w.csv", "--criterion", "depth=1"],
@@ -236,7 +236,7 @@ def test_a_wall_without_a_shape_has_logs_and_no_zones(tmp_path: Path) -> None:
         (["-o", "w.csv", "--criterion", "washout=1kg"], "--criterion washout=1kg: unit 'kg'"),
         (["-o", "w.csv", "--criterion", "symmetry=2"], "symmetry = 2.0: must be in [0, 1]"),
         (["-o", "w.csv", "--breakouts", "AMP"], "--breakouts AMP: must be IMAGE=FILE"),
-        (["-o", "w.csv", "--breakouts", "GR=g.csv"], "image 'GR': the wall has none of this name; it has AMP"),
+        (["-o", "w.csv", "--breakouts", "GR=g.csv"], "image 'GR': the wall has no image of this name; it has AMP"),
     ],
 )  # fmt: skip
 def test_bad_options_are_one_line_and_write_nothing(

@@ -42,8 +42,8 @@ INNM.deg : Inclination
 ).encode()
 IMAGES_ONLY = (
     "has images (GRAS) and no known caliper around the hole (--radius or --diameter names one). This command puts the "
-    "images on a gauge hole. edge: sector 1 starts at toolface 0; centre: it is centred there; no file says which, the "
-    "tool's manual does, and the wrong one turns GRAS by 22.5 deg"
+    "images on a gauge hole. With edge, sector 1 starts at toolface 0; with centre, it is centred there. Only the "
+    "tool's manual says which, and the wrong one turns GRAS by 22.5 deg"
 )
 """A file with images, an inclination and no caliper, as a logging company writes it."""
 INTERRUPTIBLE = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"  # a background job ignores it
@@ -133,7 +133,7 @@ def test_what_it_cannot_do_is_one_line_and_exit_code_two(
         ),
         (
             ("memory.las",),
-            f"memory.las: {IMAGES_ONLY}. No bit size is stated: put yours for 8.5in. Run: helibore view --gauge "
+            f"memory.las: {IMAGES_ONLY}. No bit size is stated: replace 8.5in with yours. Run: helibore view --gauge "
             "--image memory.las:GRAS:edge --bit-diameter 8.5in",
         ),
         (
@@ -210,7 +210,7 @@ def test_picks_are_those_of_the_first_file_shown_and_the_print_has_its_header(
         assert "picks saved in memory.las.picks.csv" in " ".join(shown.stdout.split())
     shown = run("--gauge", *BIT, *survey, "--from", "500m", "--to", "501m")
     assert seen.pop() is None
-    assert "picks not saved: no file but a survey" in " ".join(shown.stdout.split())
+    assert "picks not saved: only a survey was given" in " ".join(shown.stdout.split())
     run("--gauge", *images, *BIT, "--header", "mud=OBM")
     Stopped.scene.draw_pages(490.0, 502.0, "in", 200)  # cut to the wall
     assert seen[1:3] == ["Gauge hole", {"company": "Deep Rock", "date": "21/05/2007", "mud": "OBM"}]

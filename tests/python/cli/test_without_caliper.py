@@ -40,7 +40,7 @@ def test_it_builds_the_wall_that_was_refused(
     assert refused.exit_code == 2
     command = refused.stderr.partition("Run: ")[2].strip()
     assert command == f"helibore reconstruct {source} --image 'a b.las:GRAS:edge' --bit-diameter {bit} --output w.wall"
-    assert ("No bit size is stated: put yours for 8.5in" in refused.stderr) == (bit == "8.5in")
+    assert ("No bit size is stated: replace 8.5in with yours" in refused.stderr) == (bit == "8.5in")
     done = CliRunner().invoke(cli, shlex.split(command)[1:])
     assert done.exit_code == 0, done.output
     assert load("w.wall").basis == basis

@@ -369,7 +369,7 @@ def hb_washout(start: float, stop: float) -> Any:
         ({"unit": "m"}, "unit = 'm': must be one of mm, in, ft"),
         ({"start": 2010, "stop": 2001}, "interval 2010 to 2001 m: the end must be deeper than the start"),
         ({"start": 3000, "stop": 3001}, "interval 3000 to 3001 m: the wall reaches from 2000 to"),
-        ({"images": ["X"]}, "image 'X': the wall has none of this name; it has GR, RES"),
+        ({"images": ["X"]}, "image 'X': the wall has no image of this name; it has GR, RES"),
         ({"reference": "north"}, "image 'GR' counts toolfaces from high-side, the picture from north"),
         ({"looks": {"GR": plot.Look(limits=(0, 9), log=True)}}, "image 'GR', 2000 to"),
         ({"body": (2001,)}, "body: 1 depths: must be two"),

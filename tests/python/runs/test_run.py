@@ -285,7 +285,7 @@ def test_a_map_overrules_and_several_files_are_passes(folder: Path, tmp_path: Pa
     assert without_origin(tmp_path / "w.ply") == without_origin(tmp_path / "one.ply")
     result = run("reconstruct", *files, "-o", tmp_path / "l.ply", "--compare-with", 1)
     assert result.exit_code == 0, result.output
-    assert "difference  wall less that of the earlier passes: " in result.output
+    assert "difference  this wall minus the wall of the earlier passes: " in result.output
     again = run("reconstruct", "--from-settings", tmp_path / "l.ply.toml", "-o", tmp_path / "l2.ply", "-q")
     assert again.exit_code == 0, again.output
     assert (tmp_path / "l2.ply").read_bytes() == (tmp_path / "l.ply").read_bytes()
