@@ -1,7 +1,7 @@
 """Convert the arrays of callers to those of helibore: no other file calls ``asarray``.
 
-Inputs may be lists, reversed, strided, Fortran-ordered, read-only, float32 or integer. Anything that is not already a
-one-dimensional, C-contiguous float64 array is copied here, and nowhere else.
+Inputs may be lists, or arrays that are reversed, strided, Fortran-ordered, read-only, float32 or integer. Anything that
+is not already a one-dimensional, C-contiguous float64 array is copied here, and nowhere else.
 """
 
 from __future__ import annotations
@@ -32,16 +32,16 @@ def numbers(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDA
 
 
 def are_dates(values: npt.ArrayLike) -> bool:
-    """Whether these are moments (datetime64, or objects with a time zone)."""
+    """Whether these are moments (datetime64, or datetime objects)."""
     array = np.asarray(values)
     kind = array.dtype.kind
     return kind == "M" or (kind == "O" and any(isinstance(of, datetime.datetime) for of in array.flat))
 
 
 def numbers_or_dates(values: npt.ArrayLike, *, dates: bool) -> Floats:
-    """Return ``values`` as float64; dates, if they are taken, as seconds since 1970, a missing one as NaN.
+    """Return ``values`` as float64; if ``dates``, moments become seconds since 1970, and missing moments NaN.
 
-    Dates without a time zone are UTC, if none has one; dates with and without are an InputError.
+    If no moment has a time zone, all are UTC. If only some have a time zone, this raises an InputError.
     """
     array = np.asarray(values)
     if dates and are_dates(array):
@@ -59,7 +59,7 @@ def _in_utc(moments: Array) -> Array:
         if of is not None and not isinstance(of, datetime.datetime):
             raise InputError(f"row {row}", "must be a date with a time of day, as others are", repr(of))
     if len({of.tzinfo is None for of in there if of is not None}) > 1:
-        raise InputError("dates", "some have a time zone and some have none: all must, or none")
+        raise InputError("dates", "some have a time zone and some have none: all must have one, or none")
     utc = datetime.UTC
     zoned = [of if of is None or of.tzinfo is None else of.astimezone(utc).replace(tzinfo=None) for of in there]
     return np.array(zoned, "M8[us]")
@@ -68,8 +68,8 @@ def _in_utc(moments: Array) -> Array:
 def column(name: str, values: npt.ArrayLike, length: int | None = None, like: str = "") -> Floats:
     """Return ``values`` as a one-dimensional, C-contiguous float64 array; ``name`` is the argument's name, for errors.
 
-    If ``length`` is given, the column must have it, and ``like`` is the column that sets it. Masked arrays are refused:
-    the mask would be lost without a message.
+    If ``length`` is given, the column must have this length, that of the column ``like``. Masked arrays are refused,
+    because the mask would be lost without a message.
     """
     if isinstance(values, np.ma.MaskedArray):
         raise InputError(name, "masked arrays are not taken; drop the masked rows or use compressed()")

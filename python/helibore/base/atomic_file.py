@@ -1,6 +1,6 @@
 """Write files whole or not at all: to a temporary file in the same folder, flushed to disk, then renamed.
 
-A reader sees the old file or the new one, never a part, even after a loss of power. Not for files that grow.
+A reader sees the old file or the new one, never a part, even after a loss of power. Files that grow are not written so.
 """
 
 from __future__ import annotations

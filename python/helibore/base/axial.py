@@ -74,7 +74,7 @@ def lobe_of(height: Floats, toolface: float, start: float, floor: float | None, 
 
 
 def _crossing(side: Floats, floor: float) -> float:
-    """Return the steps from the first value to where values fall to the floor, linear between; all steps if never."""
+    """Return the steps from the first value to where values fall to the floor, linear between; if never, all steps."""
     below = np.flatnonzero(side < floor)
     if not below.size:
         return float(side.size - 1)

@@ -39,10 +39,10 @@ MISSING: tuple[int, int, int] = _rgb(_DEFINITION["missing"])
 
 
 ZONE_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINITION["zones"].items()}
-"""Colours of the kinds of zones on a light ground; the page takes the second of each in dark mode."""
+"""Colours of the kinds of zones on a light ground; the page has others in dark mode."""
 
 PICK_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINITION["picks"].items()}
-"""The same of the classes of picks."""
+"""The same for the classes of picks."""
 
 DIP_TITLES: dict[str, str] = {kind: _DEFINITION["dips"][kind] for kind in ("true", "apparent")}
 """Titles of dips, on page and paper: true ones, and those relative to the hole."""
@@ -207,7 +207,8 @@ def percentile_limits(
     Raises
     ------
     InputError
-        ``values: all 96 are missing``; ``values: 98 % or more are 60: no range ...``; on a log scale as `ColorScale`.
+        ``values: all 96 are missing``; ``values: constant, 60 at both the 2 and the 98 percentile ...``; on a log scale
+        as `ColorScale`.
     """
     low, high = percentiles
     if not 0 <= low < high <= 100:
@@ -262,7 +263,7 @@ def over_bit(
     limits: tuple[float, float] | None = None,
     unit: float = MILLIMETRE,
 ) -> tuple[Floats, ColorScale]:
-    """Return radii over half the bit size, in a unit of so many metres, and their colours, of which the middle is 0."""
+    """Return radii less half the bit size, in a unit of ``unit`` metres, and their colours, centred on 0."""
     over = (radius - 0.5 * bit_diameter) / unit
     limit = symmetric_limit(over, MILLIMETRE / unit)
     return over, ColorScale(*(limits or (-limit, limit)), color_map or "over-bit")

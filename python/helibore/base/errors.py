@@ -69,7 +69,7 @@ def check_ending(path: str | PathLike[str], endings: Collection[str], why: str =
 
 
 def port_error(error: OSError, host: str, port: int, option: str) -> OSError:
-    """Return the error of an address that cannot be served on, which names it and what to change."""
+    """Return the error for an address that cannot be used; it names the address and the option to change."""
     reason = (error.strerror or str(error)).partition(" (while")[0]  # as socket.create_server repeats the address
     return OSError(error.errno, f"{host} port {port}: {reason}; give another {option}")
 
@@ -93,7 +93,7 @@ class MissingExtraError(ImportError):
 
 @contextmanager
 def needs(library: str, extra: str) -> Iterator[None]:
-    """Make an ImportError of what an extra installs a `MissingExtraError`; without a library, it names the module."""
+    """Turn an ImportError for a library of an extra into a `MissingExtraError`; without a name, it names the module."""
     try:
         yield
     except ImportError as error:

@@ -23,7 +23,7 @@ from helibore.base.units import TIME, factor
 OPTIONAL = ("time", "arm")
 """Roles that a table need not have."""
 WAYS = {"fetchall": "df()", "collect": "collect()", "read_all": "read_all()"}
-"""What makes a data frame of a DuckDB relation, a lazy frame and an Arrow reader, by a method that only they have."""
+"""How a DuckDB relation, a lazy frame or an Arrow reader becomes a data frame, by a method that only it has."""
 
 
 @dataclass(frozen=True)
@@ -31,12 +31,12 @@ class FrameRows:
     """The complete rows of some columns of a data frame."""
 
     columns: dict[str, Floats]  # by role, in metres, degrees and seconds
-    complete: Mask  # (rows of the table,) which of them these are
+    complete: Mask  # (rows of the table,) which rows are complete
     stated: dict[str, tuple[str, Floats, str]]  # by role: column, its values as in the table, " " and their unit
 
     @contextmanager
     def named(self) -> Iterator[None]:
-        """Make an InputError about an entry of a role one about the table: its column, row and value."""
+        """Turn an InputError about an entry of a role into one about the table: its column, row and value."""
         try:
             yield
         except InputError as error:
@@ -62,8 +62,8 @@ def frame_rows(
     table
         ``table[name]`` is a column. A row with a missing value (NaN, null, one of `NULLS`) is left out.
     wanted
-        For each role the name of its column, None for a time or an arm that is not wanted, and what its unit measures,
-        None for one without a unit. A time may be of dates.
+        For each role the name of its column (None for a time or an arm that is not wanted), and what its unit measures
+        (None for a role without a unit). A time may hold dates.
     units
         By role; None: metres, degrees and seconds.
 

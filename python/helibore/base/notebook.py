@@ -62,7 +62,7 @@ def map_picture(values: Floats, scale: ColorScale | None, label: str) -> str:
 
 
 def usual_picture(values: Floats, name: str, unit: str, label: str) -> str:
-    """Return a picture of a quantity in its usual colours; of one that is constant, in one colour."""
+    """Return a picture of a quantity in its usual colours; a constant quantity has one colour."""
     scale = None
     with contextlib.suppress(InputError):
         scale = usual_scale(values, name, unit)
@@ -72,7 +72,7 @@ def usual_picture(values: Floats, name: str, unit: str, label: str) -> str:
 def curve_picture(across: Floats, down: Floats, label: str, equal: bool = False) -> str:
     """Return a picture of a curve, ``down`` growing downwards; it breaks where a value is missing.
 
-    ``equal``: both axes have one scale, as of a path.
+    ``equal``: both axes have one scale, as for a path.
     """
     rows = np.linspace(0, max(across.size - 1, 0), min(across.size, 4 * _HEIGHT)).astype(int)
     points = np.column_stack([across[rows], down[rows]])

@@ -41,7 +41,7 @@ def percentiles(parts: Parts, shares: Sequence[float]) -> list[float]:
 
 
 def _of_ranks(parts: Parts, ranks: Integers, count: int, bits: int, begin: int) -> Floats:
-    """Return the numbers of some ranks among the ``count`` whose bits, without the last ``bits``, are ``begin``."""
+    """Return the numbers of some ranks of the ``count`` with bits that, without the last ``bits``, are ``begin``."""
 
     def those() -> Iterator[Keys]:
         for part in parts():

@@ -1,4 +1,4 @@
-"""Half-open ranges [start, stop) of integers, such as changed vertices: their union, and the pieces of one."""
+"""Half-open ranges [start, stop) of integers, such as changed vertices: their union, and how to cut one into pieces."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def pieces(span: slice, size: int = PIECE) -> Iterator[slice]:
 def union(ranges: Iterable[Iterable[int]], most: int | None = None) -> list[Range]:
     """Return the sorted ranges that cover all of ``ranges``. Ranges that touch are merged, empty ones removed.
 
-    ``most`` limits their number: the narrowest gaps are then covered, too; of equal gaps, the first.
+    ``most`` limits their number: the narrowest gaps are then also covered; of equal gaps, the first.
     """
     found: list[list[int]] = []
     for start, stop in sorted((int(start), int(stop)) for start, stop in ranges):

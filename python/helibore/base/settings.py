@@ -31,11 +31,12 @@ class Settings:
     start_toolface
         Toolface of vertex 0, degrees.
     first_vertex, stop_vertex
-        The wall is a stretch of the helix, from one vertex, a multiple of ``sectors``, up to but without the other,
-        which stands in place of ``stop_depth``; None: to the last sample. ``start_depth`` must be given. The stretch
-        has the bits of the whole wall if it has all samples within `Wall.reach`.
+        The wall is a stretch of the helix, from ``first_vertex``, a multiple of ``sectors``, up to but without
+        ``stop_vertex``, which replaces ``stop_depth``; None: to the last sample. ``start_depth`` must be given. The
+        stretch has the bits of the whole wall if it has all samples within `Wall.reach`.
     neighbors
-        V, the nearest samples a vertex is estimated from; 1 to 256, with kriging 1 to 64. None: 8, with kriging 16.
+        V, the number of nearest samples that a vertex is estimated from; 1 to 256, with kriging 1 to 64. None: 8, with
+        kriging 16.
     window
         U: search only this many consecutive samples around the vertex's depth, as published; None: search all, exactly.
     power
@@ -43,7 +44,8 @@ class Settings:
     max_distance
         Metres, 1e-9 or more; samples farther away are not used; None: no limit.
     max_iterations, tolerance
-        The estimate is repeated with the new radius until it moves by at most ``tolerance`` metres or this often.
+        The estimate is repeated with the new radius until the radius moves by at most ``tolerance`` metres, and at most
+        ``max_iterations`` times.
     angular_scale
         0.001 to 1000. 1: distances around the hole are true arc lengths; 2: twice that, as in the published Eq. 4.
         Above 1, more neighbours lie above and below than around: 4 halves the error of many holes, whose shape changes
@@ -54,14 +56,14 @@ class Settings:
         their distance, so it averages out noise and follows slopes. Its radius may lie outside the radii used, by at
         most half of their range.
     kriging_range
-        Metres, in the metric of ``angular_scale``: the distance at which two radii have nothing in common any more
-        (the covariance is Wendland's C2 function); at most half a turn counts. None: `helibore.reconstruct` takes four
-        times the median distance of the 16th nearest sample; a live wall must be given it.
+        Metres, in the metric of ``angular_scale``: the distance at which two radii have nothing in common any more (the
+        covariance is Wendland's C2 function); at most half a turn counts. None: `helibore.reconstruct` takes four times
+        the median distance of the 16th nearest sample; a live wall must be given a range.
     nugget
         Variance of the noise over the variance of the shape, for kriging; at least 1e-6.
     sigma
-        Keep with each vertex, while it is estimated, what `Wall.sigma` is computed from: it then need not estimate all
-        vertices again. Radii do not depend on it.
+        Keep with each vertex, while it is estimated, what `Wall.sigma` is computed from; `Wall.sigma` then need not
+        estimate all vertices again. Radii do not depend on it.
     gap_reach, largest_gap
         A part of the turn counts as measured where the angle between the nearest samples on its two sides, within
         ``gap_reach`` metres of depth, is at most ``largest_gap`` degrees. Radii do not depend on these.

@@ -40,7 +40,7 @@ class LogColumn:
     values
         (n,) numbers, one for each row of the table, as many as its depths; NaN where missing.
     decimals
-        In text files; None: by the unit.
+        Number of decimals in text files; None: by the unit.
 
     Raises
     ------
@@ -110,7 +110,7 @@ class Tabular(ABC):
 
 
 class LogTable(Tabular):
-    """Columns on one depth, which is the first: metres, strictly rising or falling. Mnemonics all differ.
+    """Columns on one depth, which is the first column: metres, strictly rising or falling. Mnemonics all differ.
 
     ``facts`` say how the columns were made: ``{"bit diameter": "0.2159 m"}``. Every file states them.
     """
@@ -171,7 +171,7 @@ def columns_of(*rows: Any) -> list[LogColumn]:
 
 
 def refuse_table(value: object, place: str) -> None:
-    """Raise an InputError that says what to do with a data frame, given for samples or what is made of them."""
+    """Raise an InputError that says what to do if ``value`` is a data frame in place of samples."""
     if isinstance(value, dict) or hasattr(value, "columns"):
         rule = "is a data frame: hb.Caliper.from_table(frame, depth=..., ...) makes a caliper of it"
         raise InputError(place, rule, type(value).__name__)

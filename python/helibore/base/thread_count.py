@@ -12,7 +12,7 @@ from helibore.base.errors import InputError
 
 
 def thread_count(threads: int | None) -> int:
-    """Return ``threads`` as an int, for None the processors this process may run on; InputError unless 1 to 1024."""
+    """Return ``threads`` as an int, or for None the number of usable processors; InputError unless 1 to 1024."""
     if threads is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     try:

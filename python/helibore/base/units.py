@@ -58,7 +58,7 @@ _SUFFIXES = (
 
 
 def canonical(unit: str) -> str:
-    """Return the name this table uses for ``unit``: ``canonical("INCHES") == "in"``; InputError if it is not in it."""
+    """Return the name this table uses for ``unit``: ``canonical("INCHES") == "in"``; InputError if it is not there."""
     found = _NAMES.get(unit.lower().replace(" ", ""))
     if found is None:
         raise InputError(f"unit '{unit}'", f"not known; known are {', '.join(_TABLE)}")

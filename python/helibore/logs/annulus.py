@@ -62,12 +62,12 @@ class Annulus:
 
     @property
     def unmeasured(self) -> float:
-        """Metres of hole without a measured area: `total` leaves them out."""
+        """Metres of hole without a measured area; `total` leaves them out."""
         return float(np.isnan(self.hole).sum() * self.height)
 
     @property
     def narrower(self) -> float:
-        """Metres of hole with less area than the casing, where it does not pass: `total` leaves them out, too."""
+        """Metres of hole with less area than the casing, which does not pass there; `total` also leaves them out."""
         return float((self.hole < self.casing).sum() * self.height)
 
     def cement(self, top: float | None = None, bottom: float | None = None, excess: float = 0.0) -> float:

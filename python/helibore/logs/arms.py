@@ -19,7 +19,7 @@ from helibore.base.arrays import Floats, Integers
 from helibore.samples.caliper import Caliper
 
 FEW_ARMS = 8
-"""Diameters: a tool with more sees all around."""
+"""A tool that measures more diameters sees all around."""
 _SAME_AXIS = 1e-3  # degrees
 
 

@@ -15,9 +15,9 @@ from helibore.base.errors import InputError
 from helibore.logs.turn_logs import Logs
 
 NEARLY_ALL = (0.2, 99.8)
-"""Percentiles between which an axis shows everything."""
+"""An axis shows all values between these percentiles."""
 MOST = (1.0, 99.0)
-"""The same of a logarithmic axis, which ends at whole decades beyond them."""
+"""The same for a logarithmic axis, which ends at the whole decades beyond."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +51,7 @@ class ScalarCurve:
 
 
 def nice_limits(values: Floats, always: float, least: float) -> tuple[float, float]:
-    """Return round ends of an axis that holds nearly all values, and ``always`` inside it; at least ``least`` long.
+    """Return round ends of an axis that holds nearly all values and ``always``, and is at least ``least`` long.
 
     At each end 0.2 % of the values may lie beyond the axis; NaN are ignored.
     """

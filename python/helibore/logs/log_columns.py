@@ -48,8 +48,8 @@ COLUMNS = tuple(
         ("centre_0", "CEN0", "m", "Centre of the area from the axis towards toolface 0", "mean"),
         ("centre_90", "CEN90", "m", "Centre of the area from the axis towards toolface 90", "mean"),
         ("inscribed_diameter", "DINSC", "m", "Largest inscribed circle, diameter", "least"),
-        ("inscribed_0", "INSC0", "m", "Its centre from the axis towards toolface 0", "mean"),
-        ("inscribed_90", "INSC90", "m", "Its centre from the axis towards toolface 90", "mean"),
+        ("inscribed_0", "INSC0", "m", "Centre of the circle of DINSC from the axis towards toolface 0", "mean"),
+        ("inscribed_90", "INSC90", "m", "Centre of the circle of DINSC from the axis towards toolface 90", "mean"),
         ("enclosing_diameter", "DENCL", "m", "Smallest enclosing circle, diameter", "greatest"),
         ("rugosity", "RUGO", "m", "Rugosity, detrended rms of the radius over the window", "mean"),
         ("volume", "VOL", "m3", "Volume of the hole in this row", "own"),
@@ -57,6 +57,6 @@ COLUMNS = tuple(
         ("coverage", "COVER", "", "Share of the turn that is measured, not interpolated", "mean"),
         ("nearest", "NEAREST", "m", "Largest distance to the nearest sample", "greatest there"),
         ("diameter_sigma", "DEQ_SIGMA", "m", "Standard uncertainty of DEQ, at most", "mean"),
-        ("age", "AGE", "s", "Newest sample here, before the newest of the wall", "least there"),
+        ("age", "AGE", "s", "Time from the newest sample here to the newest of the wall", "least there"),
     )
 )

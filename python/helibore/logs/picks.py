@@ -9,7 +9,7 @@ A plane crosses the axis of the hole at ``depth``. In the frame of the hole at t
     along = tan(apparent_dip) (cos(toolface) high side + sin(toolface) right)
 
 so on a hole of radius R it is a sinusoid of height 2 R tan(apparent_dip), deepest at ``toolface``. A breakout is a box
-``height`` metres high and ``opening`` degrees wide, and the same on the other side of the hole.
+``height`` metres high and ``opening`` degrees wide on each of two opposite sides of the hole.
 """
 
 from __future__ import annotations
@@ -130,7 +130,7 @@ class Pick:
 
 
 def plane(kind: str, depth: float, dip: float, azimuth: float, path: Path) -> Pick:
-    """Return the pick of a plane with a true dip and a dip azimuth, degrees, where it crosses the path at a depth."""
+    """Return the pick of a plane that crosses the path at a depth with a true dip and a dip azimuth, degrees."""
     steep, towards = math.radians(dip), math.radians(azimuth)
     normal = np.array([math.sin(steep) * math.cos(towards), math.sin(steep) * math.sin(towards), -math.cos(steep)])
     high, right, along = path.frame(np.array([depth]))[0] @ normal
@@ -200,8 +200,8 @@ class Picks(list[Pick]):
         """Read a table as `save` writes it; unknown columns are ignored.
 
         If a table has no ``apparent_dip_deg``, apparent dips are computed from its true dips and the path of the wall.
-        A row without a key gets one made from its text, the same at every reading. If two rows have one key, the second
-        gets another.
+        A row without a key gets a key made from its text, the same at every reading. If two rows have the same key, the
+        second row gets another.
         """
         try:
             return cls.parse(FilePath(filename).read_text("utf-8-sig"), path)

@@ -54,15 +54,15 @@ class WallSummary:
     basis, basis_text, bit_diameter, sectors, pitch
         As of the wall.
     vertices, samples
-        Their numbers in the interval; ``samples`` is that of the whole wall if depths of samples are not known. Samples
-        beyond the last vertex count if they lie within the distance to the next vertex.
+        Numbers of both in the interval; ``samples`` is that of the whole wall if the depths of samples are not known.
+        Samples beyond the last vertex count if they lie within the distance to the next vertex.
     mean_diameter
-        Of the cylinder with the same volume.
+        Diameter of the cylinder with the same volume.
     least_diameter, greatest_diameter
         Diameters through the axis of the hole; each is an `Extreme` with its depth.
     inscribed_diameter
-        The smallest of the turns' largest inscribed circles: what passes through the interval; an `Extreme` with its
-        depth.
+        Diameter of the largest circle that passes through the interval, the smallest of the turns' inscribed circles;
+        an `Extreme` with its depth.
     volume, excess
         Volume of the whole turns, cubic metres; and the ratio of this volume to that at bit size, less 1.
     whole_turns, incomplete_turns
@@ -233,7 +233,7 @@ def summarize(
 
 def _no_turns(ends: tuple[float, float], height: float) -> str:
     length = 0.0 if math.isnan(ends[0]) else ends[1] - ends[0]
-    return f"no full turn of the wall: it is {length:g} m long, a turn {height:g} m"
+    return f"the wall has no full turn: it is {length:g} m long, and a turn is {height:g} m"
 
 
 def _sample_count(wall: WallLike, start: float, stop: float) -> int:

@@ -15,8 +15,8 @@
     kind = "curves"
     names = ["GR", "RUGO"]     # curves of files, and mnemonics of `Wall.logs`
 
-The viewer's page writes it: *Curves*, *template …*. If a wall lacks a curve or an image that the template names, it is
-left out, so that one template serves many wells.
+The viewer's page writes a template with *Curves*, *template …*. A curve or an image that a wall lacks is left out, so
+that one template serves many wells.
 """
 
 from __future__ import annotations

@@ -96,8 +96,8 @@ class Logs(Tabular):
         Distances of the centre of the area from the axis, towards toolfaces 0 and 90.
     inscribed_diameter, inscribed_0, inscribed_90
         The largest circle with no vertex inside (what passes), and its centre: no small move makes the circle larger.
-        With ``shape = "arms"`` it is at most the least diameter of the arms: the wall between them is rounder than the
-        hole.
+        With ``shape = "arms"`` it is at most the least diameter of the arms, since the wall between arms is rounder
+        than the hole.
     enclosing_diameter
         Diameter of the smallest circle around all vertices; with ``shape = "arms"`` at least the largest diameter of
         the arms.
@@ -214,7 +214,7 @@ class Logs(Tabular):
             ``step = 0.01: must be at least the pitch, 0.1 m``; if these logs are already by steps.
         """
         if self.step is not None:
-            raise InputError("step", f"these logs are by steps of {self.step:g} m already: gather those of turns")
+            raise InputError("step", f"these logs are by steps of {self.step:g} m already; gather the logs of turns")
         columns = by_step(vars(self), self.pitch, self.bit_diameter, step)
         return replace(self, step=float(step), **columns)
 
@@ -302,7 +302,7 @@ class Logs(Tabular):
             "rugosity window": f"{self.rugosity_window:.6g} m",
             "shape": SHAPE_TEXT[self.shape],
             "ovality": "OVAL_API = (max - min)/(max + min); OVAL_DNV = twice that",
-            "missing": "a value is missing where a radius of its turn or step is",
+            "missing": "a value is missing if a radius of its turn or step is missing",
         }
 
     def table(self, more: Iterable[LogColumn] = (), facts: Mapping[str, str] | None = None) -> LogTable:
@@ -387,8 +387,8 @@ def turn_logs(
         (n,) standard uncertainty of each radius, metres: `Wall.sigma`; None: not known.
     reference
         Radius that `Logs.rugosity` subtracts from all radii, metres; NaN: the first radius. If a part of a wall starts
-        at a multiple of 256 turns and is given the reference of the whole wall, its rows have the bits of the whole
-        wall's, except within half a window of its ends.
+        at a multiple of 256 turns and is given the reference of the whole wall, its rows have the bits of the rows of
+        the whole wall, except within half a window of its ends.
     newest
         Time of the newest sample of the whole wall, if ``wall`` is a part of it; None: that of the samples of ``wall``.
 
@@ -479,7 +479,7 @@ def _coverage(wall: WallLike, radius: Floats, with_radius: Floats) -> Floats:
 
 
 def _from_arms(wall: Any, depth: Floats, of_wall: dict[str, Any]) -> dict[str, Any]:
-    """Return the columns that a tool with few arms measures itself, and the wall's circles limited by them."""
+    """Return the columns that a tool with few arms measures itself, and the wall's circles limited by the arms."""
     reach = wall.settings.max_distance
     arms = arm_diameters(wall.arms, depth, abs(wall.settings.pitch), math.inf if reach is None else reach)
     if arms is None:

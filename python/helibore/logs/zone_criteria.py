@@ -1,6 +1,7 @@
 """The criteria of washout, breakout, key seat and undergauge hole.
 
-C1 is the largest diameter, C2 the one at right angles to it. Each turn is of the first of these kinds that fits:
+C1 is the largest diameter, C2 is the diameter at right angles to it. Each turn is of the first of these kinds that
+fits:
 
     undergauge   least diameter  < bit - 0.25 in
     washout      C2 - bit       >= 0.5 in                                     enlarged all around
@@ -25,7 +26,7 @@ from helibore.base.errors import InputError, check_not_negative
 from helibore.base.units import INCH
 
 CRITERIA_BIT = 8.5 * INCH
-"""The hole that the criteria are in proportion to, where they are scaled: the trade states no size with its inches."""
+"""Bit size at which `Criteria.scaled` gives the defaults; the trade states no bit size with its criteria."""
 MEASURES = {
     "washout": "C2 - bit", "breakout": "C1 - C2", "key seat": "height", "undergauge": "least diameter - bit",
 }  # fmt: skip
@@ -34,7 +35,7 @@ MEASURES = {
 
 @dataclass(frozen=True, kw_only=True)
 class Criteria:
-    """The criteria by which turns and zones are of a kind. Lengths are metres.
+    """The criteria that decide the kind of a turn or a zone. Lengths are metres.
 
     Attributes
     ----------
@@ -52,7 +53,7 @@ class Criteria:
     opening_level
         Share of a lobe's height at which its opening is measured, in (0, 1).
     least_length
-        Metres of hole that make a zone.
+        Least length of a zone, metres of hole.
     join
         Two zones of a kind become one if they are at most this many metres apart and the hole between them is neither
         of another kind nor missing.

@@ -141,8 +141,8 @@ class Drawing:
         Tracks, their order and widths; the units and scale of the template are not used here. None: all tracks.
     beside
         Other walls by name (wells, or passes of the same well), drawn at the same depths to the right of the tracks:
-        their calipers have the scale, their radii the colours of the first wall. If ``start`` and ``stop`` are None,
-        the interval holds all walls.
+        their calipers have the scale of the first wall, and their radii have its colours. If ``start`` and ``stop`` are
+        None, the interval holds all walls.
     criteria
         Criteria of the zones, in the walls beside, too; None: the usual ones.
     """
@@ -367,7 +367,7 @@ class _Other:
         return _caliper(self.wall, self.turns, limits, drawing, _reference(self.wall, Drawing()), f"{self.name}: ")
 
     def image(self, scale: ColorScale, drawing: Drawing, width: float, top: float, bottom: float) -> list[PlacedTrack]:
-        """The radius in the colours of the first wall's, where it was measured around."""
+        """Return the radius in the colours of the first wall, if this wall was measured all around."""
         if self.wall.basis != "azimuthal":
             return []
         look = Look(limits=(scale.low, scale.high), color_map=scale.color_map)
@@ -461,7 +461,7 @@ def _beyond(values: Floats, low: float, high: float) -> tuple[int, int]:
 def _radius(wall: Wall, look: Look, top: float, bottom: float, unit: str) -> tuple[Shown, Floats]:
     """Return radius less half the bit size, in ``unit``, one per vertex, and the whole wall's colours around 0."""
     if look.log or look.window is not None:
-        raise InputError("Radius", "is drawn over bit size, on a plain scale: log and window are not for it")
+        raise InputError("Radius", "is drawn over bit size, on a plain scale; log and window do not apply")
     over, scale = over_bit(wall.radius, wall.settings.bit_diameter, look.color_map, look.limits, LENGTHS[unit])
     remark = f"wall, {wall.settings.sectors} sectors"
     inside = (wall.depth >= top) & (wall.depth <= bottom)

@@ -169,7 +169,7 @@ def _fill(axes: Axes, section: CrossSection, bit: float, outer: float) -> None:
 def _patch(
     axes: Axes, outline: list[Floats], color: str | tuple[float, ...], alpha: float = 1.0, hatch: str | None = None
 ) -> None:
-    """A filled or hatched outline; the limits of the axes are known, so it is not measured."""
+    """Draw a filled or hatched outline; it is not measured, because the limits of the axes are known."""
     from matplotlib.patches import Polygon
 
     look = {"hatch": hatch, "edgecolor": HATCH_COLOR, "linewidth": 0.0} if hatch else {"edgecolor": "none"}

@@ -37,13 +37,13 @@ HEADER = {
     "company": "Company", "field": "Field", "location": "Location", "service": "Service co.", "run": "Run",
     "date": "Date", "datum": "Depth datum", "kb": "Elevation KB", "gl": "Elevation GL", "mud": "Mud",
 }  # fmt: skip
-"""What the header of a log states of every well, if only that it was not given."""
+"""What the header of a log states of every well, or shows as not given."""
 BLOCK = 22.4
 """Millimetres of height that the well and `HEADER` take."""
 ROW = 3.6
 """Millimetres between the rows of the foot."""
 MADE = 62.0
-"""Millimetres at the right of the foot that are free for what drew it, and the number of the scale bar."""
+"""Millimetres at the right of the foot for the version of helibore and the number of the scale bar."""
 
 
 def facts(content: Content) -> list[tuple[str, str, bool]]:

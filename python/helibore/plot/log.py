@@ -237,7 +237,7 @@ def _draw_body(sheet: Sheet, box: tuple[float, float, float, float], content: Co
 
 
 def overview(wall: Wall, **options: Any) -> Figure:
-    """Draw the tracks of `log` for a screen: no cross sections, and the shaded body at their right.
+    """Draw the tracks of `log` for a screen, without cross sections, and the shaded body at their right.
 
     ``wall``, ``options``, result and errors are those of `log`; ``polar`` has no effect.
     """

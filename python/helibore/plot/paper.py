@@ -5,8 +5,9 @@
     y   | track  |
     v   +--------+
 
-Printed at 100 % a sheet has the size that it says, so a depth scale of 1:200 is true. Files are written whole or not
-at all; PDF holds all pages, PNG and SVG one. The same figure gives the same bytes: no date, seeded SVG names.
+Printed at 100 % a sheet has the size that it says, so a depth scale of 1:200 is true. Files are written whole or not at
+all; PDF holds all pages, PNG and SVG one. The same figure gives the same bytes: files hold no date, and SVG names are
+seeded.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ LEAST, SMALL, USUAL, LARGE = 5.0, 6.0, 7.0, 14.0
 LINE = 2.1
 """Millimetres between lines of the least size."""
 FONT = "DejaVu Sans"
-"""Comes with matplotlib: the same picture everywhere."""
+"""matplotlib brings this font, so that pictures are the same everywhere."""
 
 
 def require_matplotlib() -> None:
@@ -139,7 +140,7 @@ class Sheet:
 
 ENDINGS = (".png", ".svg", ".pdf")
 MOST_PIXELS = 65_000
-"""Along one side of a PNG: matplotlib draws no more."""
+"""The most pixels along a side of a PNG that matplotlib draws."""
 LONGEST_PDF = 5_080.0
 """Millimetres a side of a PDF page may have (200 inches)."""
 

@@ -41,7 +41,7 @@ class Grid:
 
 
 def unroll_wall(values: Floats, settings: HelixSettings, start_depth: float, grid: Grid) -> Floats:
-    """Return one value of a helix a pixel, (rows, columns), from (n,) one a vertex, which is the middle of its cell."""
+    """Return one value a pixel, (rows, columns), from (n,) values of a helix; a vertex is the middle of its cell."""
     K, pitch = settings.sectors, settings.pitch
     # Column j lies j/K of a turn farther along, so rows of equal depth differ from column to column.
     along = (grid.edges() - start_depth) / pitch
@@ -85,7 +85,7 @@ def unroll_image(image: SectorImage, values: Floats, grid: Grid) -> Floats:
 
 
 def _nearest_rows(depths: Floats, values: Floats, depth: Floats, reach: float) -> Floats:
-    """Return the row, of those at ``depths``, nearest to each depth; missing beyond its reach."""
+    """Return for each depth the nearest of the rows at ``depths``; NaN if it is farther away than ``reach``."""
     right = np.clip(np.searchsorted(depths, depth), 1, max(depths.size - 1, 1))
     left = right - 1
     right = np.minimum(right, depths.size - 1)

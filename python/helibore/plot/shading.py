@@ -5,7 +5,7 @@
     x = -R' sin(toolface - facing)    y = R' cos(toolface - facing)    screen = (x, z cos(tilt) + y sin(tilt))
 
 The wall is resampled so finely that no pixel stays empty, and shaded point by point; the nearest point of a pixel wins.
-Parallel projection, so that depth reads off a straight scale. Not here: axes and captions (``plot.solid``).
+The projection is parallel, so that a straight scale shows depth. ``plot.solid`` draws axes and captions.
 """
 
 from __future__ import annotations
@@ -121,8 +121,9 @@ def _rows(radius: Floats, sectors: int, turns: int, pitch: float, view: View, pe
 def _resample(values: Floats, sectors: int, turn: Floats, around: Floats) -> Single:
     """Smooth values (n, channels) of a helix to a grid: (channels, depths in turns, toolfaces in turns from the first).
 
-    A column of vertices lies a sector's share of a turn deeper than the one before it, so it is smoothed along depth
-    where it really lies; then neighbouring columns, without a seam. Cubic B-splines: the shading shows no facets.
+    A column of vertices lies a sector's share of a turn deeper than the column before. So each column is smoothed along
+    its own depths first; then neighbouring columns are smoothed, without a seam. The B-splines are cubic, so that the
+    shading shows no facets.
     """
     turns = values.shape[0] // sectors
     grid = values[: turns * sectors].reshape(turns, sectors, -1).astype(np.float32)

@@ -104,9 +104,9 @@ def draw_solid(
 ) -> Axes:  # fmt: skip
     """Draw a stretch of the wall as a body with its depth axis and its caption.
 
-    ``box`` is left, top, width and height in millimetres; the caption takes the uppermost 10. ``values``, of which
-    ``scale`` makes colours and ``name`` the caption, are one a vertex of the stretch; NaN where missing.
-    ``interpolated`` is 1 at vertices of the wall that lie between arms: they are hatched.
+    ``box`` is left, top, width and height in millimetres; the caption takes the uppermost 10. ``scale`` makes colours
+    of ``values``, one a vertex of the stretch, NaN where missing; the caption calls them ``name``. ``interpolated`` is
+    1 at vertices of the wall that lie between arms and are hatched.
     """
     x, y, width, height = box
     settings = wall.settings
@@ -139,7 +139,7 @@ def draw_solid(
 
 
 def _dress(axes: Axes, one: Stretched, unit: DepthUnit) -> None:
-    """Draw a depth axis beside the body, as long as it is."""
+    """Draw a depth axis beside the body, as long as the body."""
     top, bottom = one.depth
     lines = Lines.of(max(int((bottom - top) * 8), 1), unit)
     axes.set_xticks([])

@@ -44,7 +44,7 @@ SIDES = {
     "parallel-transport": ("0°", "90°", "180°", "270°"),
     "": ("0°", "90°", "180°", "270°"),
 }
-"""Names of toolfaces 0, 90, 180 and 270 by what toolface 0 is; "": nothing says so."""
+"""Names of toolfaces 0, 90, 180 and 270 by what toolface 0 is; "": not known."""
 GREY = tuple(part / 255.0 for part in MISSING)
 SCALAR = "#1d6b3a"
 """Colour of the line of a `ScalarCurve`."""
@@ -53,7 +53,7 @@ HATCH = 1.4
 HATCH_COLOR = tuple(part / 255.0 for part in HATCH_BYTES)
 OVER, UNDER, BAND, AREA = "#f2b366", "#6fae7c", "#cfd8e0", "#b3261e"
 LETTERS = {"washout": "W", "breakout": "B", "key seat": "K", "undergauge": "U"}
-"""Of the kinds of zones, beside their colours."""
+"""Letters of the kinds of zones, beside their colours."""
 STRIP = 0.2
 """Share of the depth track that the zones take."""
 CURVES: dict[str, dict[str, Any]] = {
@@ -62,7 +62,7 @@ CURVES: dict[str, dict[str, Any]] = {
     "D0": {"color": "#7a2a80"},
     "D90": {"color": "#7a2a80", "dashes": (2.0, 1.0)},
 }
-"""Pairs of diameters and their lines: a colour a pair, dots for the second of it."""
+"""Pairs of diameters and their lines: a pair has one colour, and its second line is dotted."""
 
 
 @dataclass(frozen=True)
@@ -370,7 +370,7 @@ class ImageTrack:
     width
         Millimetres.
     interpolated
-        Of a wall: (n,) 1 at vertices that lie between the arms, whose pixels are hatched, else 0; None: none are.
+        Of a wall: (n,), 1 at vertices that lie between the arms and are hatched, else 0; None: no vertex is hatched.
     ink
         Function that draws over the pixels; its argument is the axes, whose x is degrees from the left edge, 0 to 360.
     """
@@ -431,7 +431,7 @@ class ImageTrack:
 
 
 class PlacedTrack(Protocol):
-    """What `log` places: a head over a stretch of hole, both as wide as it says; ``least`` is what the head needs."""
+    """What `log` places: a head over a stretch of hole, both ``width`` wide; the head needs at least ``least``."""
 
     width: float
     least: float
@@ -441,7 +441,7 @@ class PlacedTrack(Protocol):
 
 
 def head_title(sheet: Sheet, x: float, y: float, width: float, title: str, most: int = 2) -> None:
-    """Write what a track ``width`` millimetres wide shows, in as few lines as it takes, ``most`` of them."""
+    """Write the title of a track ``width`` millimetres wide, in as few lines as it needs, at most ``most``."""
     sheet.lines_of_text(x + 0.5 * width, y, title, USUAL, width - 1.0, most, ha="center", weight="bold")
 
 

@@ -178,7 +178,7 @@ def test_samples_go_round_by_a_data_frame(wall):
         ({"T": np.arange(4).astype("M8[s]")}, {"time": "T", "units": {"time": "s"}},
          "units: column 'T' is of dates, which have no unit (time)"),
         ({"T": [*map(datetime.fromisoformat, ("2024-01-01", "2024-01-01T00:00Z"))] * 2}, {"time": "T"},
-         "column 'T': dates: some have a time zone and some have none: all must, or none"),
+         "column 'T': dates: some have a time zone and some have none: all must have one, or none"),
         ({"T": [datetime(2024, 1, 1), "2024-01-01"] * 2}, {"time": "T"},
          "column 'T': row 1 = '2024-01-01': must be a date with a time of day, as others are"),
         ({"T": [None, datetime(2024, 1, 1), 7.0, None]}, {"time": "T"},

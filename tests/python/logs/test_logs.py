@@ -298,7 +298,7 @@ def test_the_axis_of_a_step_is_the_mean_of_axes() -> None:
         (lambda logs: logs.by_step(math.nan), "step = nan: must be at least the pitch, 0.1 m"),
         (
             lambda logs: logs.by_step(0.5).by_step(1),
-            "step: these logs are by steps of 0.5 m already: gather those of turns",
+            "step: these logs are by steps of 0.5 m already; gather the logs of turns",
         ),
     ],
 )

@@ -45,7 +45,7 @@ def test_a_hole_twice_as_large_as_the_bit_is_reported() -> None:
 def test_a_wall_without_a_full_turn_is_reported() -> None:
     samples = hb.Caliper(np.full(5, 100.0), np.linspace(0.0, 300.0, 5), np.full(5, BIT / 2))
     warnings = hb.reconstruct(samples, bit_diameter=BIT, sectors=K, pitch=PITCH).summary().warnings
-    assert warnings == (f"no full turn of the wall: it is 0 m long, a turn {PITCH:g} m",)
+    assert warnings == (f"the wall has no full turn: it is 0 m long, and a turn is {PITCH:g} m",)
 
 
 def test_every_number_is_that_of_the_full_turns() -> None:
