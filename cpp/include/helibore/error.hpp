@@ -7,7 +7,7 @@
 
 namespace helibore {
 
-// Bad input: where it stands, which rule it breaks, and its value where a single value is at fault. The text is
+// Bad input: where it stands, which rule it breaks, and its value if a single value is at fault. The text is
 // "toolface[17] = nan: must be finite", or "path: must not be empty" without a value.
 class InputError : public std::invalid_argument {
   public:

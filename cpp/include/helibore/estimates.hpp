@@ -1,5 +1,5 @@
-// Estimates of the radius at points. Samples near a point can be left out of its estimate. Used for cross-validation,
-// and for the sums from which the uncertainty of a radius is computed.
+// Estimates of the radius at points. Samples near a point can be left out of its estimate. They are used for
+// cross-validation, and for the sums from which the uncertainty of a radius is computed.
 #pragma once
 
 #include <array>

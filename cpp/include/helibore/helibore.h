@@ -9,7 +9,7 @@
            puts(hb_last_error());
 
    Every function but hb_version, hb_instruction_set and hb_last_error returns a status. A call that fails changes no
-   object, and hb_last_error then has the text; what it has left in the host's arrays has no meaning.
+   object, and hb_last_error then has the text; what the call left in the host's arrays has no meaning.
 
    Handles are numbers above 0. A number is never used again, so a closed or wrong handle is an error; hb_close takes
    each kind of handle. Any thread may use any handle; calls on one wall wait for each other.
@@ -17,13 +17,14 @@
    Set the member `size` of a struct to its sizeof before a call. A library of another version, whose struct has other
    members, then refuses the struct.
 
-   Arrays belong to the host and are not kept. `n` values each; NULL where n is 0. Where a call fills arrays whose
-   length the host does not know, it takes the room in *count and leaves there what it needs. If there is not enough
-   room, it returns HB_BUFFER_TOO_SMALL and fills nothing: call with 0 and NULL first, or with the room that you have.
+   Arrays belong to the host and are not kept. They have `n` values each; they may be NULL if n is 0. If a call fills
+   arrays whose length the host does not know, *count is the room before the call and the length needed after it. If
+   there is not enough room, the call returns HB_BUFFER_TOO_SMALL and fills nothing: call with 0 and NULL first, or with
+   the room that you have.
 
-   Metres and degrees. NaN in an output: no value. Vertices, quads and toolfaces are those of wall.hpp and surface.hpp.
-   The host's floating-point state (traps, rounding) does not matter and stays as it is. Nothing is printed or left
-   running, and nothing is called back but the runner that a host has given. */
+   Quantities are metres and degrees. NaN in an output means no value. Vertices, quads and toolfaces are those of
+   wall.hpp and surface.hpp. The host's floating-point state (traps, rounding) does not matter and stays as it is.
+   Nothing is printed or left running, and nothing is called back but the runner that a host has given. */
 #ifndef HELIBORE_H
 #define HELIBORE_H
 
@@ -58,7 +59,7 @@ extern "C" {
 HB_API const char* HB_CALL hb_version(void);         /* "0.1.0" */
 HB_API const char* HB_CALL hb_instruction_set(void); /* used by searches: "plain", "avx2" or "avx512" */
 
-/* The error of this thread's last call that returned a status, "" if that succeeded: "toolface[17] = nan: must be
+/* The error of this thread's last call that returned a status, "" if that call succeeded: "toolface[17] = nan: must be
    finite". At most 1023 bytes of UTF-8, which the thread's next call overwrites. */
 HB_API const char* HB_CALL hb_last_error(void);
 
@@ -239,12 +240,12 @@ HB_API int32_t HB_CALL hb_live_path(int64_t live, int64_t* path);
 /* A parser of one stream of WITS frames; *parser is its handle. */
 HB_API int32_t HB_CALL hb_wits_create(int64_t* parser);
 
-/* Takes n bytes; n = 0 ends the stream. *items and *events: what the frames that they complete hold, and how many
-   rules of wits.hpp they break. */
+/* Takes n bytes; n = 0 ends the stream. *items: the number of items in the frames that these bytes complete. *events:
+   how often a rule of wits.hpp was broken. */
 HB_API int32_t HB_CALL hb_wits_feed(int64_t parser, int64_t n, const char* bytes, int64_t* items, int64_t* events);
 
-/* The items of the last hb_wits_feed: number of the frame from 0, record and item as RRII, value (NaN where the text is
-   none), offset and length of its text in the stream. Each array may be NULL. */
+/* The items of the last hb_wits_feed: number of the frame from 0, record and item as RRII, value (NaN if the text is
+   no number), offset and length of its text in the stream. Each array may be NULL. */
 HB_API int32_t HB_CALL hb_wits_items(int64_t parser, int64_t* count, int64_t* frame, int32_t* code, double* value,
                                      int64_t* offset, int32_t* length);
 

@@ -1,13 +1,13 @@
 // The records of a journal: how one is written, and how the intact ones are found again in bytes that may be damaged or
-// cut. Only bytes in memory; the caller reads and writes files.
+// cut. It works on bytes in memory only; the caller reads and writes files.
 //
 //   0     4       8         16       24         32          36      38    40           44          48
 //   | HLBJ | length | sequence | wall ns | monotonic ns | connection | source | kind | payload crc | header crc |
 //   payload ...
 //
-// All little-endian. Both checksums are CRC-32C. The header's checksum is seeded with the segment's salt, a random
-// number, so bytes from a sender cannot look like a record when the search resumes after damage. (For the same reason a
-// sender cannot make two valid headers that replace each other without changing the payload's checksum.)
+// All numbers are little-endian. Both checksums are CRC-32C. The header's checksum is seeded with the segment's salt, a
+// random number, so bytes from a sender cannot look like a record when the search resumes after damage. (For the same
+// reason a sender cannot make two valid headers that replace each other without changing the payload's checksum.)
 #pragma once
 
 #include <array>

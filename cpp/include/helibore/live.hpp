@@ -7,10 +7,10 @@
 //     const helibore::Update update = live.poll();                // everything since the last poll
 //     if (update.change) for (const helibore::Range k : update.change->ranges) ...
 //
-// The same samples, with their times, give the same bits as Python's hb.Live, however they are grouped. There is no
-// callback and no clock, and no thread unless the settings ask for more than one. Any thread may call; one call waits
-// for the other.
-// This class reads no WITS, knows no passes and writes no journal files (see wits.hpp and journal.hpp).
+// The same samples, with their times, give the same bits as Python's hb.Live, however the samples are grouped. There is
+// no callback and no clock, and no thread unless the settings ask for more than one. Any thread may call; one call
+// waits for the other. This class reads no WITS, knows no passes and writes no journal files (see wits.hpp and
+// journal.hpp).
 #pragma once
 
 #include <map>
@@ -84,7 +84,7 @@ class Live {
     std::optional<Survey> survey() const;  // none until there are two stations
     std::optional<Path> path() const;
     std::vector<std::string> images() const;  // the names
-    // All rows sorted by depth; of rows at one depth, the latest. Throws InputError for an unknown name.
+    // All rows sorted by depth; of several rows at one depth, only the latest. Throws InputError for an unknown name.
     ImageArrays image(const std::string& name) const;
 
     // Rows in order of arrival, such as those of Update::images. Throws InputError for rows that have not arrived.

@@ -33,8 +33,8 @@ struct Turns {
     // 2) + 1 turns, at least 3; halves are rounded to even. At a pitch of 0.1 m, 1 m is 9 turns.
 
     // For a part of a wall: the number of its first turn, and the reference radius that rugosity subtracts from all
-    // radii, metres; NaN: the first radius. From a turn whose number is a multiple of 256 on, turns at least half a
-    // window inside the part have the bits of the whole wall's.
+    // radii, metres; NaN: the first radius. From the first turn whose number is a multiple of 256 on, turns at least
+    // half a window inside the part have the same bits as in the whole wall.
     Index first = 0;
     double reference = std::numeric_limits<double>::quiet_NaN();
 };
@@ -75,8 +75,8 @@ struct SamplePlaces {
 };
 
 // The angular gap of each vertex: degrees between the nearest samples on its two sides. Only samples within `reach`
-// metres of its depth count. The gap is 0 at a sample's toolface, and 360 if no sample counts, or only one at another
-// toolface. The result does not depend on `threads`.
+// metres of its depth count. The gap is 0 at a sample's toolface, and 360 if no sample counts, or if the only one that
+// counts lies at another toolface. The result does not depend on `threads`.
 std::vector<double> angular_gaps(const HelixVertices& vertices, const SamplePlaces& samples, double reach,
                                  int threads = 1);
 

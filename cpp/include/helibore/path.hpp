@@ -4,7 +4,7 @@
 //     const helibore::Path path(survey, {.extend = 20});
 //     path.position(depths); path.frame(depths);
 //
-// Between stations the path follows the curve its method is named for, never a straight line:
+// Between stations the path follows the curve that its method is named for, never a straight line:
 //   minimum curvature    a circular arc from tangent to tangent
 //   radius of curvature  a curve on an upright cylinder: inclination linear in depth, azimuth linear in the horizontal
 //                        distance covered. Both its projections are circular arcs, and it passes through the
@@ -50,8 +50,8 @@ enum class Method { minimum_curvature, radius_of_curvature };
 //   high side            up, at a right angle to the hole; undefined where the hole is vertical
 //   north                north, at a right angle to the hole; undefined where the hole runs level north or south
 //   parallel transport   north at the first station (the high side if that station lies within 45 deg of level north or
-//                        south), moved down the hole from there without twisting about it. Defined everywhere, so a
-//                        well from vertical to horizontal has one continuous angle.
+//                        south), moved down the hole from there without twisting about it. It is defined everywhere,
+//                        so a well from vertical to horizontal has one continuous angle.
 enum class Reference { high_side, north, parallel_transport };
 
 // "minimum-curvature", "radius-of-curvature"; "high-side", "north", "parallel-transport". Throws InputError at any
@@ -81,8 +81,8 @@ class Path {
     // and on settings that are not finite, a head beyond 1e9 m, extend < 0 or > 1e7 m.
     explicit Path(const Survey& survey, const PathSettings& settings = {});
 
-    // At any depth from the first station to the last plus `extend`; throws InputError ("depth[3] = 12: ...")
-    // elsewhere, and where a frame's reference is undefined.
+    // Values at any depth from the first station to the last plus `extend`. Throws InputError ("depth[3] = 12: ...") at
+    // other depths, and where a frame's reference is undefined.
     std::vector<Vector3> position(std::span<const double> depth) const;
     std::vector<Vector3> tangent(std::span<const double> depth) const;
     std::vector<Frame> frame(std::span<const double> depth) const;
@@ -104,9 +104,9 @@ class Path {
     std::shared_ptr<const Segments> segments_;
 };
 
-// A survey that grows while the hole is drilled. Stations come in any order; one at the depth of an earlier one
-// replaces it. Taking a station costs the same however many there are. path() computes only what lies below the first
-// station that changed since its last call, and has the bits of Path(survey(), settings).
+// A survey that grows while the hole is drilled. Stations come in any order; a station at the depth of an earlier one
+// replaces it. Taking a station costs the same however many stations there are. path() computes only what lies below
+// the first station that changed since its last call, and has the bits of Path(survey(), settings).
 class Stations {
   public:
     // Throws InputError on bad settings.

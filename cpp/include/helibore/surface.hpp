@@ -6,8 +6,8 @@
 //                                      .pitch = settings.pitch, .sectors = settings.sectors, .radius = radius};
 //     const helibore::Surface surface = helibore::surface_of(radii, path);
 //
-// The helix of the radii must be the wall's: take all four numbers from the wall; the defaults fit a wall of defaults
-// only.
+// The helix of the radii must be that of the wall: take all four numbers from the wall, because the defaults fit only a
+// wall with default settings.
 //
 // Quads of vertex k, seen from the formation; depth downwards, toolface to the right for a positive pitch:
 //
@@ -17,7 +17,7 @@
 //
 // A vertex whose radius is NaN is left out, with every quad and hexahedron that touches it. The remaining vertices form
 // runs: consecutive vertices k that are also consecutive in the output. A layout holds the runs, so that a caller can
-// reserve exactly the memory needed and have it filled once, by several threads. Not here: attributes, files.
+// reserve exactly the memory needed and have it filled once, by several threads. Attributes and files are not here.
 #pragma once
 
 #include <array>
@@ -29,7 +29,7 @@
 
 namespace helibore {
 
-// Radii at consecutive vertices of one helix, that of their wall. Borrowed: the radii must outlive the call.
+// Radii at consecutive vertices of the helix of their wall. Borrowed: the radii must outlive the call.
 struct HelixRadii {
     double start_depth = 0.0;        // metres, of vertex 0
     double start_toolface = 0.0;     // degrees, of vertex 0
@@ -72,14 +72,14 @@ struct VolumeLayout {
 SurfaceLayout surface_layout(const HelixRadii& radii);
 
 // `shells`: two or more, each with the radii of the same vertices as radii.radius; the first is that span itself.
-// Throws InputError unless every shell lies beyond the one before, wherever both have a radius ("shells[0][17] = 0.1 at
-// depth 12.5: must lie beyond radius[17] = 0.11").
+// Throws InputError unless every shell lies beyond the shell before it, wherever both have a radius ("shells[0][17] =
+// 0.1 at depth 12.5: must lie beyond radius[17] = 0.11").
 VolumeLayout volume_layout(const HelixRadii& radii, std::span<const std::span<const double>> shells);
 
 // place fills `vertices`; join fills `quads` or `hexahedra`. The caller provides the memory, with as many rows as the
 // layout counts (vertex_count, quad_count, hexahedron_count). The result does not depend on `threads`. Both throw
-// InputError if a run lies outside the radii or the memory; place does so, too, if the path does not reach a vertex, or
-// its reference is undefined there ("vertex 7 at depth 12: ...").
+// InputError if a run lies outside the radii or the memory; place also does if the path does not reach a vertex, or its
+// reference is undefined there ("vertex 7 at depth 12: ...").
 void place(const HelixRadii& radii, const Path& path, std::span<const VertexRun> runs, std::span<Vector3> vertices,
            int threads = 1);
 void join(const HelixRadii& radii, const SurfaceLayout& layout, std::span<Quad> quads, int threads = 1);

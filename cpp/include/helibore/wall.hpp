@@ -1,11 +1,11 @@
-// The wall of a hole: settings and samples in; the radius at every vertex of the helix out, and what each append
+// The wall of a hole takes settings and samples; it gives the radius at every vertex of the helix, and what each append
 // changed.
 //
 //     helibore::Wall wall({.bit_diameter = 0.216});
 //     const helibore::Change change = wall.append({depth, toolface, radius});
 //     const std::vector<double> radius = wall.radius();
 //
-// Batch use is one append, live use is many. Several threads may use one Wall, because it returns copies only.
+// Batch use is one append, live use is many appends. Several threads may use one Wall, because it returns copies only.
 #pragma once
 
 #include <array>
@@ -79,8 +79,8 @@ class Wall {
     Index settled() const;
     double start_depth() const;  // depth of the first vertex; NaN while there is none
 
-    // Copies of a range of vertices, or of all; no append runs meanwhile. Throws InputError if the range reaches beyond
-    // the wall.
+    // Copies of a range of vertices, or of all vertices; no append runs while they are made. Throws InputError if the
+    // range reaches beyond the wall.
     VertexColumns vertices(Range range) const;
     VertexColumns vertices() const;
 
@@ -105,8 +105,8 @@ class Wall {
     // The sums W, S, A and C of SigmaRule, from which the uncertainties of all radii are computed; NaN where the radius
     // is NaN. Throws InputError without Settings::sigma.
     std::array<std::vector<double>, 4> sums() const;
-    // Writes the same values into columns of the caller. Returns false, and writes nothing, if their number or a
-    // length is wrong.
+    // Writes the same values into columns of the caller. Returns false, and writes nothing, if there are not four
+    // columns of size() values.
     [[nodiscard]] bool read_sums(std::span<const std::span<double>> into) const;
 
     // Interpolates channels, values measured with the samples, at the vertices, with the neighbours and weights of the
@@ -118,7 +118,7 @@ class Wall {
     // The samples kept, in canonical order: depth, toolface, radius, and time if they have one.
     std::vector<std::vector<double>> samples() const;
     // Writes the same values into the caller's columns: three, or four with time. Returns false, and writes nothing, if
-    // their number or a length is wrong.
+    // the number or a length of the columns is wrong.
     [[nodiscard]] bool read_samples(std::span<const std::span<double>> into) const;
 
   private:

@@ -1,12 +1,12 @@
-// WITS level 0 text into rows of numbers: which item, what value, where the text stood in the stream.
+// Turns WITS level 0 text into rows of numbers: which item, what value, where the text stood in the stream.
 //
 //   &&            a frame begins            only a line that is exactly "&&" or "!!" is a delimiter, because
 //   01083650.40   record 01, item 08        text items may hold both ("2210Watch out!! kick")
 //   !!            the frame ends
 //
-// The parser returns a frame when it has read its "!!", never before, so the frames do not depend on how the stream is
-// cut into chunks. Work is linear in the bytes fed. Between two calls the parser holds at most one frame and one line
-// (Limits). The parser knows no units, no meaning of items, no level 1 and above (binary), and no sockets.
+// The parser returns a frame when it has read the "!!" of the frame, never before, so the frames do not depend on how
+// the stream is cut into chunks. Work is linear in the bytes fed. Between two calls the parser holds at most one frame
+// and one line (Limits). The parser knows no units, no meaning of items, no level 1 and above (binary), and no sockets.
 #pragma once
 
 #include <cstdint>
@@ -100,7 +100,7 @@ class Parser {
     Parser(Parser&&) noexcept;
     Parser& operator=(Parser&&) noexcept;
 
-    // The frames that these bytes complete. If it throws std::bad_alloc, it has taken no byte.
+    // The frames that these bytes complete. If this throws std::bad_alloc, the parser has taken no byte.
     Batch feed(std::string_view bytes);
 
     // Ends the stream: a last "!!" without a line end still closes its frame. The parser is then ready for a new
@@ -110,7 +110,8 @@ class Parser {
     Counts counts() const;
 
     // The complete state of the parser between two calls, in the byte order of this machine. A parser with the same
-    // nulls and limits that restores it returns the same further frames. restore throws InputError for other bytes.
+    // nulls and limits that restores this state returns the same further frames. restore throws InputError for other
+    // bytes.
     std::string state() const;
     void restore(std::string_view state);
 

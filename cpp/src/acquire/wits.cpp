@@ -1,6 +1,6 @@
-// The states of the parser: outside -> "&&" -> inside -> "!!" -> outside; after a frame over a limit, `dropped` until
-// the next delimiter. A line is examined when its end is read, or as soon as it is too long. Both give the same result,
-// so frames and events do not depend on how the stream is cut into chunks.
+// The states of the parser: outside -> "&&" -> inside -> "!!" -> outside; after a frame over a limit, the state is
+// `dropped` until the next delimiter. A line is examined when its end is read, or as soon as it is too long. Both give
+// the same result, so frames and events do not depend on how the stream is cut into chunks.
 #include "helibore/wits.hpp"
 
 #include <algorithm>
@@ -44,7 +44,7 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double power_of_ten[] = {1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                    1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
 
-// Eight bytes, one digit each, the first in the lowest byte: pairs, then fours, then all. -1 where one is no digit.
+// Reads eight bytes, one digit each, the first in the lowest byte: pairs, then fours, then all. -1 if one is no digit.
 std::int64_t eight_digits(std::uint64_t word) {
     if (((word & 0xF0F0F0F0F0F0F0F0) | (((word + 0x0606060606060606) & 0xF0F0F0F0F0F0F0F0) >> 4)) != 0x3333333333333333)
         return -1;
@@ -53,8 +53,8 @@ std::int64_t eight_digits(std::uint64_t word) {
     return static_cast<std::int64_t>((word & 0x0000FFFF0000FFFF) * 42949672960001 >> 32);
 }
 
-// 1 to 8 digits with at most one point, all at once, in a word; NaN for any other text. The eight bytes before `last`
-// must be readable, as they are within a frame: "&&", a line end and an item code come before every value.
+// Reads 1 to 8 digits with at most one point, all at once, in a word; NaN for any other text. The eight bytes before
+// `last` must be readable, as they are within a frame: "&&", a line end and an item code come before every value.
 //
 //     |x|x|1|2|3|.|4|5|   ->   |0|0|0|1|2|3|4|5|   and two decimals
 double word_number(const char* first, const char* last) {
@@ -76,7 +76,7 @@ double word_number(const char* first, const char* last) {
     return static_cast<double>(numerator) / power_of_ten[7 - below / 8];
 }
 
-// Strict decimal number: from_chars without its "inf" and "nan", with an optional '+'. NaN when the text is not one.
+// Strict decimal number: from_chars without its "inf" and "nan", with an optional '+'. NaN for other texts.
 double strict_number(const char* first, const char* last) {
     const bool negative = *first == '-';
     const std::ptrdiff_t length = last - first - negative;
@@ -240,7 +240,8 @@ Counts Parser::counts() const {
 
 namespace {
 
-// The held text and the items of the open frame follow this. Between two calls, all else is as in a new parser.
+// In the bytes, the held text and the items of the open frame follow this. Between two calls, all else is as in a new
+// parser.
 struct Saved {
     Counts counts;
     Index held_base, held, line_start, body_start, frame_line, frame_lines, items;

@@ -89,7 +89,7 @@ inline void require_depths(std::span<const double> depth) {
             throw entry_error("depth", static_cast<Index>(i), depth[i], depth_rule);
 }
 
-// Throws InputError unless the values never fall; a NaN between two values is an error, too.
+// Throws InputError unless the values never fall; a NaN between two values is also an error.
 inline void require_order(const char* name, std::span<const double> values) {
     for (std::size_t i = 1; i < values.size(); ++i) {
         if (values[i] >= values[i - 1]) continue;

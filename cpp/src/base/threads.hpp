@@ -1,4 +1,4 @@
-// Work shared out to threads, which are joined before the call returns, or by the host's runner. No exception crosses a
+// Shares work out to threads, which are joined before the call returns, or to the host's runner. No exception crosses a
 // thread.
 //
 //     thread 0   |-- part 0 --|-- part 1 --|-- part 2 --|-- part 5 --|

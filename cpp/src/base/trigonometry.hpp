@@ -10,8 +10,8 @@
 
 namespace helibore {
 
-// The nearest whole number, even of two, of |x| < 2^51. MinGW's std::nearbyint rounds as the host has set the x87,
-// which StandardArithmetic leaves alone.
+// The whole number nearest to x, the even one of two, for |x| < 2^51. MinGW's std::nearbyint rounds as the host has set
+// the x87, which StandardArithmetic leaves alone.
 inline double nearest_whole(double x) {
     return (x + 0x1.8p52) - 0x1.8p52;
 }
@@ -49,7 +49,7 @@ inline SineCosine turned(const SineCosine& of, int quarters) {
     }
 }
 
-// Of radians in [-2 pi, 2 pi].
+// The sine and cosine of radians in [-2 pi, 2 pi].
 inline SineCosine sine_cosine_of_radians(double x) {
     const double quarters = nearest_whole(x * (2.0 / std::numbers::pi));
     const double first = x - quarters * 1.57079632673412561417e+00;  // pi/2 to 33 bits: the product is exact
@@ -58,7 +58,7 @@ inline SineCosine sine_cosine_of_radians(double x) {
     return turned(sine_cosine_within(within, (first - within) - rest), static_cast<int>(quarters));
 }
 
-// Radians in [0, pi/2], of x >= 0.
+// The arc tangent of x >= 0, radians in [0, pi/2].
 inline double arc_tangent(double x) {
     static constexpr double high[] = {0.0, 4.63647609000806093515e-01, 7.85398163397448278999e-01,
                                       9.82793723247329054082e-01, 1.57079632679489655800e+00};

@@ -30,7 +30,7 @@ struct Helix {
     double toolface(Index k) const {
         return wrap_toolface(start_toolface + static_cast<double>(k % sectors) * 360.0 / static_cast<double>(sectors));
     }
-    // floor(K (stop - start) / pitch) + 1 less `first`, or 0 if stop lies before. A double: it may exceed an Index.
+    // floor(K (stop - start) / pitch) + 1 less `first`, or 0 if stop lies before. A double, as it may exceed an Index.
     double count(double stop_depth) const {
         const double turns = static_cast<double>(sectors) * (stop_depth - start_depth) / pitch;
         return std::max(0.0, std::floor(turns) + 1.0 - static_cast<double>(first));

@@ -30,8 +30,8 @@ class Reader {
     bool timed_;
 };
 
-// Writes a number of rows into as few and as equal chunks as possible, none larger than its rows: one row too many for
-// a chunk gives two halves, not a full chunk and a nearly empty one.
+// Writes a number of rows into as few and as equal chunks as possible, without free room. One row too many for a chunk
+// gives two halves, not a full chunk and a nearly empty one.
 class Writer {
   public:
     Writer(Index rows, bool timed) : timed_(timed), left_(rows), chunks_left_((rows + Chunk::full - 1) / Chunk::full) {}
@@ -104,7 +104,7 @@ Chunks full_chunks(Index count, bool timed) {
     return chunks;
 }
 
-// Rows [first, last) at one depth by toolface: by part of the circle, then by comparison.
+// Sorts rows [first, last), which lie at one depth, by toolface: by part of the circle, then by comparison.
 Level level_of(const Chunk& chunk, Index first, Index last, int neighbors) {
     const auto n = static_cast<std::size_t>(last - first), parts = 2 * n;
     Level level{chunk.depth()[first], first, last, {}, {}, std::vector<std::uint16_t>(parts + 2)};

@@ -28,8 +28,8 @@ struct Row {
     friend auto operator<=>(const Row&, const Row&) = default;
 };
 
-// Many samples of a chunk at one depth, sorted by toolface and, where that is equal, canonically. Of equal toolfaces
-// only the first V are listed: they come before the others for every vertex.
+// Many samples of a chunk at one depth, sorted by toolface and, where that is equal, canonically. Of samples with equal
+// toolfaces only the first V are listed, because they come before the others for every vertex.
 struct Level {
     static constexpr Index least = 256;  // samples
 
@@ -54,8 +54,8 @@ struct Level {
 };
 using Levels = std::vector<Level>;
 
-// The toolfaces of a chunk. They bound the angle from any toolface to the nearest of them from below; the bound is
-// above 0 only if an arm that does not turn leaves most of the circle empty.
+// The toolfaces of a chunk give a lower bound of the angle from any toolface to the nearest of them. The bound is above
+// 0 only if an arm that does not turn leaves most of the circle empty.
 class ChunkToolfaces {
   public:
     ChunkToolfaces(const double* toolface, Index n);
@@ -66,7 +66,8 @@ class ChunkToolfaces {
     static constexpr std::size_t parts = 256;
     static std::size_t part(double toolface) { return static_cast<std::size_t>(toolface * (parts / 360.0)); }
 
-    // The least toolface in a part or behind it, the greatest before a part; 360 degrees on, across the end.
+    // For each part, the least toolface in it or behind it, and the greatest before it. Across the end of the circle,
+    // 360 degrees are added or subtracted.
     double next_[parts + 2], previous_[parts + 2];
 };
 
@@ -130,10 +131,10 @@ class Chunk {
         return std::make_shared<Chunk>(free_room(), stride_,
                                        std::shared_ptr<double[]>(columns_, columns_.get() + count));
     }
-    // Whether this chunk begins where the free room of the other one does.
+    // Whether this chunk begins where the free room of `other` begins.
     bool lies_behind(const Chunk& other) const { return depth() == other.depth() + other.count; }
 
-    // Whether there are Level::least samples at one depth among rows [start, stop); may be true from half as many on.
+    // Whether there are Level::least samples at one depth among rows [start, stop); for half as many it may be true.
     bool has_level(Index start, Index stop) const {
         constexpr Index step = Level::least / 2;
         for (; start + step < stop; start += step)
@@ -221,7 +222,7 @@ class Samples {
     // Chunks for the `count` rows of a batch, all full except the last.
     Chunks room_for(Index count, bool timed) const;
 
-    // Sorts the levels of the last chunk that is full, so that a search after many appends does not do it for all.
+    // Sorts the levels of the last full chunk, so that a search after many appends does not sort those of all chunks.
     void prepare_levels(int neighbors) const;
 
     // Inserts the batch. Timed rows equal to an earlier one are dropped and added to batch.redundant. If it throws
@@ -232,14 +233,15 @@ class Samples {
     // Rank of a place and place of a rank, in canonical order.
     Index rank(Place place) const { return first_rank_[place.chunk] + place.offset; }
     Place place(Index rank) const;
-    // Samples with depth <= the given one; `near`: the chunk where it lies, looked at first.
+    // Number of samples with depth <= the given depth. `near` is the chunk that is looked at first; it is set to the
+    // chunk where the depth lies.
     Index count_to(double depth, std::size_t& near) const;
     double depth(Index rank) const;
     // Are there `neighbors` samples at this depth and toolface among the first `before` of the hole? Then no vertex
-    // needs a further one. Looks into a few chunks only.
+    // needs a further sample there. Looks into a few chunks only.
     bool repeats(double depth, double toolface, int neighbors, Index before) const;
-    // A place at the first sample with depth >= low, or less than `stride` samples before it in its chunk. Found in
-    // steps from a hint that is near, by bisection otherwise.
+    // A place at the first sample with depth >= low, or less than `stride` samples before it in its chunk. It is found
+    // in steps from a hint that is near, or else by bisection.
     Place step_to(double low, Place hint, Index stride) const;
 
   private:

@@ -1,6 +1,6 @@
 // Checks a batch of samples (row_rules.hpp) and brings it into canonical order.
 //
-// Recorded data are mostly in order already: one pass finds that out and copies them. Otherwise
+// Recorded data are mostly in order already; one pass checks the order and copies them. Otherwise
 //
 //     rows -> buckets by depth, which follow each other in the chunks -> each bucket is sorted
 //
@@ -77,7 +77,7 @@ bool copy_if_in_order(const SampleColumns& c, SortedBatch& batch, int threads, c
     return in_order;
 }
 
-// Checks all rows; the least and the greatest depth.
+// Checks all rows; returns the least and the greatest depth.
 std::pair<double, double> depth_extent(const SampleColumns& c, int threads, const kernel::Functions& f) {
     const auto n = static_cast<Index>(c.depth.size());
     std::vector<Extremes> extremes(static_cast<std::size_t>(threads));
@@ -279,7 +279,8 @@ void distribute(const SampleColumns& c, SortedBatch& batch, const Buckets& bucke
     });
 }
 
-// Keeps timed rows that are equal in all four once and moves the rows after them up. Rare, so serial and simple.
+// Keeps one of the timed rows that are equal in all four columns, and moves the rows after it up. This is rare, so it
+// is serial and simple.
 void drop_redundant(SortedBatch& batch) {
     Index kept = 0;
     const auto kept_chunk = [&](Index i) -> Chunk& { return *batch.chunks[static_cast<std::size_t>(i / Chunk::full)]; };

@@ -1,5 +1,5 @@
 // Estimates at points from the nearest samples that are not left out, by the method of the wall. Each point looks at
-// the samples above and below it, some at once, until none can be nearer than those it has.
+// the samples above and below it, some at once, until no other sample can be nearer than those found.
 #include <algorithm>
 #include <cmath>
 #include <limits>

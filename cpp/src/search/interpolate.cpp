@@ -1,11 +1,11 @@
-// Values measured with the samples, at the vertices: the weighted mean over the neighbours that give the radius.
+// Interpolates values measured with the samples: the weighted mean over the neighbours that give the radius.
 //
 //     value(vertex) = sum(w v) / sum(w)   over the neighbours that have a value, w = distance^-power at the last trial
 //     radius; the mean of two such values where the radius is the mean of two estimates
 //
-// If the radius is kriged, so are the values: each channel from the neighbours of a vertex that have a value.
+// If the radius is kriged, so are the values, each channel from the neighbours of a vertex that have a value.
 //
-// Not part of the kernel: it runs on demand, once for all channels, not in every append.
+// This is not part of the kernel, because it runs on demand, once for all channels, and not in every append.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -54,7 +54,7 @@ void Search::interpolate(const Samples& samples, const Helix& helix, Index group
     }
 }
 
-// The values of a channel in place of the radii.
+// Kriges the values of a channel in place of the radii.
 void Search::krige(kernel::Group g, Index used, std::span<const double> channel, const kernel::CandidateList& list,
                    std::vector<Neighbour>& neighbours, double* out) const {
     const Index none = lanes * rules_.neighbors;

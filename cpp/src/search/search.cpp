@@ -320,7 +320,7 @@ void Search::fetch_box(const Samples& samples, double low, double high, const ke
     scratch.pad();
 }
 
-// Adds rows [start, stop) of a chunk to the list; `rank` is that of the first. When the list is full, all but the
+// Adds rows [start, stop) of a chunk to the list; `rank` is the rank of row `start`. When the list is full, all but the
 // nearest so far are removed.
 void Search::gather(const Chunk& chunk, Index start, Index stop, Index rank, const kernel::Filter& filter,
                     const kernel::Box& box, kernel::Group& g, Scratch& scratch) const {
@@ -333,9 +333,9 @@ void Search::gather(const Chunk& chunk, Index start, Index stop, Index rank, con
     }
 }
 
-// Of the samples at one depth, a vertex needs only the V nearest in toolface, whatever its radius: comparing distances
-// means comparing angles. Samples at angles so close that distances may tie are listed as well if they lie in one
-// chunk; in a tie, the sample of the later chunk loses.
+// Of the samples at one depth, a vertex needs only the V nearest in toolface, whatever its radius, because the order of
+// the distances is that of the angles. Samples at angles so close that distances may tie are also listed if they lie in
+// one chunk; in a tie, the sample of the later chunk loses.
 void Search::gather_level(const Chunk& chunk, const Level& level, Index rank, const kernel::Box& box, kernel::Group& g,
                           Scratch& scratch) const {
     const auto wanted = static_cast<std::size_t>(rules_.neighbors);

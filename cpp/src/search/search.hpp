@@ -45,8 +45,8 @@ class Search {
     };
 
     // Memory of one worker: the list of candidates and the place of the previous group. Every group writes to it, so it
-    // is aligned to the two cache lines that processors fetch together: shared lines cost each worker a tenth of its
-    // time.
+    // is aligned to the two cache lines that processors fetch together: shared lines would cost each worker a tenth of
+    // its time.
     class alignas(128) Scratch {
       public:
         Scratch();
@@ -73,13 +73,13 @@ class Search {
         Index even = 0;            // groups to come that do not look at turns: the samples lay on many toolfaces
     };
 
-    // Vertices [8 group, 8 group + 8) of the helix, those from vertex_count on left out.
+    // Searches vertices [8 group, 8 group + 8) of the helix; those from vertex_count on are left out.
     void run(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
              GroupResult& result) const;
 
-    // Values at the vertices of the group, from the neighbours of each by the weights of the radius. Each channel has
-    // one value for each sample in canonical order, NaN for none; results go to out[channel][vertex - 8 group], NaN if
-    // no neighbour has a value.
+    // Computes values at the vertices of the group from the neighbours of each, with the weights of the radius. Each
+    // channel has one value for each sample in canonical order, NaN for none; results go to out[channel][vertex - 8
+    // group], NaN if no neighbour has a value.
     void interpolate(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
                      std::span<const std::span<const double>> channels, std::span<double* const> out) const;
 

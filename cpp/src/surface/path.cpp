@@ -42,7 +42,7 @@ constexpr double least_from_opposite = 1e-8;
 constexpr double least_across = 1e-12;
 constexpr double least_course = 1e-6;  // metres between two stations; the curvature stays finite
 
-// The first of `values` is entry `first` of its column in the errors.
+// In errors, the first of `values` is entry `first` of its column.
 void require_between(const char* name, std::span<const double> values, double low, double high, Index first) {
     for (std::size_t i = 0; i < values.size(); ++i) {
         if (values[i] >= low && values[i] <= high) continue;
@@ -75,7 +75,7 @@ struct Station {
 };
 
 Station station(const StationColumns& columns, std::size_t index) {
-    // With 0.0 added, -0 is 0: equal stations give the same bits.
+    // Adding 0.0 turns -0 into 0, so that equal stations give the same bits.
     const double depth = columns.depth[index] + 0.0, inclination = columns.inclination[index] + 0.0;
     const double azimuth = columns.azimuth[index] + 0.0;
     const SineCosine i = sine_cosine(inclination), a = sine_cosine(azimuth);
@@ -222,7 +222,7 @@ void build_from(std::vector<Segment>& segments, const StationColumns& columns, s
         head = append_course(segments, above, below, head);
         above = below;
     }
-    // The last segment is straight. It starts at the last station, so that this station starts a segment, too, and
+    // The last segment is straight. It starts at the last station, so that this station also starts a segment, and
     // keeps its bits when the next course replaces the straight segment.
     segments.push_back(straight(above, head, Segment{}));
     transport_toolface(segments, from);

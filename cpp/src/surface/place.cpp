@@ -26,8 +26,8 @@ constexpr int chunk_size = 256;
 constexpr Index vertices_a_part = 4096;  // that a thread takes at a time
 constexpr Index none = std::numeric_limits<Index>::max();
 
-// Cosine and sine of the toolface of vertex k at k % K, continued for one chunk, so that a chunk reads them in
-// sequence.
+// Entry k % K has the cosine and sine of the toolface of vertex k. The table continues for one chunk, so that a chunk
+// reads it in sequence.
 struct Toolfaces {
     std::vector<double> cosine, sine;
     explicit Toolfaces(const Helix& helix) {
@@ -121,7 +121,8 @@ void require_reach(const Task& task, std::span<const VertexRun> runs) {
     }
 }
 
-// Throws for the first vertex from k on that has no frame; there is one. Parallel transport has a frame everywhere.
+// Throws for the first vertex from k on that has no frame. There is such a vertex; parallel transport has a frame
+// everywhere.
 [[noreturn]] void refuse(const Task& task, const Path& path, Index k) {
     for (;; ++k) {
         const double depth = task.helix.depth(k);

@@ -1,5 +1,5 @@
-// A path cut into segments so short that two series give every sine and cosine on them: no library call for a vertex,
-// plain arithmetic that compilers vectorise, and the same bits from path.cpp (one depth) and place.cpp (millions).
+// A path cut into segments so short that two series give every sine and cosine on them. A vertex needs no library call,
+// compilers vectorise the arithmetic, and path.cpp (one depth) and place.cpp (millions) give the same bits.
 //
 //     station i           station i+1
 //        |-segment-|-segment-|-segment-|...      each bends by at most max_bend from its start
@@ -60,7 +60,7 @@ struct Arc {
     }
 };
 
-// A curve on an upright cylinder: inclination grows with depth, azimuth with the horizontal distance covered.
+// A curve on an upright cylinder: inclination grows with depth, azimuth grows with the horizontal distance.
 struct CylinderCurve {
     double depth = 0.0;
     glm::dvec3 position{0.0};
@@ -102,8 +102,8 @@ inline constexpr double least_reference_angle = 1e-6;
 //   north:     north, made normal to t = (te^2 + td^2, -tn te, -tn td) / length,   right = (0, td, -te) / length
 //   parallel transport: the smallest rotation that takes s, the tangent where the segment starts, to t. z is toolface 0
 //              there:  zero = z - (t z) / (1 + s t) (s + t),  right = t x zero
-//              On arcs that is exactly the frame that never twists about t (Bishop 1975), on cylinder curves within
-//              0.01 deg of it over a well.
+//              On arcs this is exactly the frame that never twists about t (Bishop 1975); on cylinder curves it
+//              stays within 0.01 deg of that frame over a well.
 struct Axes {
     double zero_n, zero_e, zero_d;
     double right_n, right_e, right_d;

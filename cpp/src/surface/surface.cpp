@@ -1,5 +1,5 @@
-// Topology: which vertices are kept, and the quads and hexahedra between them. Integer arithmetic on runs, which are
-// counted first and then filled. place.cpp computes positions.
+// Topology: which vertices are kept, and the quads and hexahedra between them. It is integer arithmetic on runs, which
+// are counted first and then filled. place.cpp computes positions.
 #include "helibore/surface.hpp"
 
 #include <algorithm>
@@ -53,8 +53,8 @@ std::vector<VertexRun> vertex_runs(std::span<const double> radius, Index first, 
     return runs;
 }
 
-// Runs of quads: those k whose upper corners k, k+1 lie in one vertex run and whose lower corners k+K, k+K+1 lie in
-// one. These are the overlaps of the runs with the same runs moved up by a turn.
+// Runs of quads: those k whose upper corners k, k+1 lie in one vertex run and whose lower corners k+K, k+K+1 lie in one
+// run. These are the overlaps of the runs with the same runs moved up by a turn.
 std::vector<QuadRun> quad_runs(const std::vector<VertexRun>& vertices, Index sectors) {
     std::vector<QuadRun> runs;
     for (std::size_t upper = 0, lower = 0; upper < vertices.size() && lower < vertices.size();) {

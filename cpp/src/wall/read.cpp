@@ -45,7 +45,8 @@ void copy_sums(const Vertices& vertices, Index count, int threads, const std::ve
     });
 }
 
-// Depth, toolface, radius and any time of all samples. On several threads: new memory takes longer than the copy.
+// Copies depth, toolface, radius and any time of all samples. It uses several threads, because new memory takes longer
+// than the copy.
 void copy_samples(const Samples& samples, int threads, const std::vector<std::span<double>>& into) {
     const Chunks& chunks = samples.chunks();
     const auto count = static_cast<Index>(chunks.size());

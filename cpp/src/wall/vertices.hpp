@@ -64,7 +64,7 @@ class Vertices {
         to.least_trial[static_cast<std::size_t>(g)] = result.least_trial;
     }
 
-    // The depths between which a new sample can change a block; all depths while it is not measured.
+    // The depths between which a new sample can change a block; all depths while the block is not measured.
     struct Hull {
         double shallow = -no_limit, deep = no_limit;
     };

@@ -24,8 +24,8 @@ namespace {
 // At least; fewer are not worth the start of a thread.
 constexpr Index groups_a_thread = 256;
 
-// The first of values[from, to) that is `good`, or `to`. Sixteen at a time, which the compiler compares as vectors,
-// because every append looks through the last block.
+// The first of values[from, to) that is `good`, or `to`. It takes sixteen at a time, which the compiler compares as
+// vectors, because every append looks through the last block.
 template <class Good>
 Index first_that(const double* values, Index from, Index to, const Good& good) {
     for (; from + 16 <= to; from += 16) {
@@ -73,7 +73,8 @@ Index Wall::State::count_now(const Helix& next) const {
     const double vertices_needed =
         settings.stop_vertex ? static_cast<double>(*settings.stop_vertex - next.first) : next.count(stop);
     if (vertices_needed <= static_cast<double>(settings.most_vertices)) return static_cast<Index>(vertices_needed);
-    // The error names the end that a sample sets; of two, the one farther from the median sample, the likelier mistake.
+    // The error names the end that a sample sets. If samples set both ends, it names the end farther from the median
+    // sample, which is the likelier mistake.
     const double median = samples.depth(samples.size() / 2), start = next.start_depth;
     const bool at_start =
         !settings.start_depth && (settings.stop_depth || std::abs(start - median) > std::abs(stop - median));
@@ -146,7 +147,7 @@ bool Wall::State::advances(const SortedBatch& batch) const {
 }
 
 // Is there a sample in the batch that is near enough to a vertex of the group to change it? If the tool turns at one
-// depth, a sample at a toolface that enough earlier samples have changes no vertex.
+// depth, a sample changes no vertex if enough earlier samples have its toolface.
 bool Wall::State::reaches(const SortedBatch& batch, Index group) const {
     const Vertices::Block& block = vertices.block(group / Vertices::groups_per_block);
     const auto g = static_cast<std::size_t>(group % Vertices::groups_per_block);
@@ -191,8 +192,8 @@ std::vector<Index> Wall::State::touched_groups(const SortedBatch& batch, Index o
     return touched;
 }
 
-// Writes the results of old groups to `staged`, those of new groups to their place, which is not read before `count`
-// includes it.
+// Writes the results of old groups to `staged`, and those of new groups to their place, which is not read before
+// `count` includes it.
 void Wall::State::search_groups(const Helix& on, const std::vector<Index>& old, Range fresh, Index vertex_count,
                                 Vertices& into, std::vector<GroupResult>& staged) {
     const auto old_count = static_cast<Index>(old.size());

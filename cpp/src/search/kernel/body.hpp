@@ -13,8 +13,8 @@
 namespace helibore::kernel {
 namespace {
 
-// Adds the samples that pass to the list, block by block: finds where they are, then copies their rows, each in a loop
-// of its own. Returns how many samples were tested.
+// Adds the samples that pass to the list, block by block: one loop finds where they are, the next copies their rows.
+// Returns how many samples were tested.
 template <class P, bool wraps>
 std::int64_t gather_from(CandidateList& list, const Group& g, const double* depth, const double* toolface,
                          const double* radius, std::int64_t n, std::int64_t rank, double half_width) {

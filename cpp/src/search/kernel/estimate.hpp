@@ -1,7 +1,7 @@
 // The radius of a vertex from its neighbours, iterated until it converges or the list cannot decide.
 //
-// Neighbours are put in canonical order (their position in the list), in which the sums run: the order does not depend
-// on how they were found.
+// The sums run over the neighbours in canonical order (their position in the list), so the order does not depend on how
+// the neighbours were found.
 #pragma once
 
 #include "search/kernel/kriging.hpp"
@@ -13,7 +13,7 @@ namespace {
 
 constexpr unsigned every_lane = (1u << lanes) - 1;
 
-// Bounds must hold although squares, ratios and truncated keys are rounded; their rounding errors are below these.
+// Bounds must hold although squares, ratios and truncated keys are rounded; their rounding errors are below this slack.
 constexpr double slack = 1.0 + 1e-9;
 
 // The neighbours of one pack of vertices, in canonical order, as the estimate needs them.
@@ -47,10 +47,10 @@ inline void read_neighbours(const Group& g, const CandidateList& list, int neigh
     }
 }
 
-// The 8 or 16 nearest, or fewer, of each vertex by floats. The bound it returns on the squared distances of the others is
-// below the true one by what their rounding may have done, u = 2^-24: each coordinate errs by u of the list's extent,
-// their difference by as much again and, once scaled, by 2 u more; a float square k, cut to 15 bits of fraction, stands
-// for at least
+// Finds with floats the 8 or 16 nearest, or fewer, of each vertex. It returns a lower bound of the squared distances of
+// the others, which allows for their rounding. With u = 2^-24, each coordinate errs by u of the list's extent; the
+// difference of two errs by as much again and, once scaled, by 2 u more; a float square k, cut to 15 bits of fraction,
+// stands for at least
 //
 //     (sqrt(k (1 - 2^-14)) - e)^2  >=  k (1 - 2^-13) - 2^14 e^2      as  2 e sqrt(k) <= 2^-14 k + 2^14 e^2
 template <class P, int kept, bool windowed, bool wraps>

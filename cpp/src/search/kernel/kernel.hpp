@@ -39,11 +39,11 @@ inline constexpr std::int64_t narrow_capacity = (std::int64_t{1} << narrow_posit
 // Squares up to this are distances of 0 (1e-20 m): products of eight larger ones stay in the range of a double.
 inline constexpr double zero_square = 1e-40;
 
-// Squares larger than any real squared distance: no such candidate, no such limit.
+// Squares larger than any real squared distance; they stand for a missing candidate and for no limit.
 inline constexpr double missing_square = 1e300;
 inline constexpr double boundless_square = 1e301;
 
-// Squares of distances and of differences of radii below this are rounding (1e-9 m).
+// Squares of distances and of differences of radii below this are rounding errors (1e-9 m).
 inline constexpr double rounding_square = 1e-18;
 
 inline constexpr double metres_a_degree = 0.017453292519943295;  // on a circle of 1 m radius
@@ -56,7 +56,7 @@ struct alignas(32) Candidate {
     std::int64_t rank;  // in canonical order
 };
 
-// What an estimate stores for its neighbours and candidates: too much for the stack of a thread.
+// What an estimate stores for its neighbours and candidates; it is too much for the stack of a thread.
 struct alignas(64) Room {
     double neighbours[5 * max_neighbors * lanes];  // struct Neighbours
     float keys[list_capacity + 17];
@@ -69,8 +69,8 @@ struct alignas(64) KrigingRoom {
     double values[lanes * (max_kriged * (max_kriged + 3) + 2)];
 };
 
-// Columns of list_capacity + 1 values, `across` and `along` of 16 more, which may be read. Positions from count on, up
-// to the next multiple of 16, and list_capacity itself hold "none": depth none_depth, toolface and radius 0; in the
+// Columns of list_capacity + 1 values; `across` and `along` have 16 more, which may be read. Positions from count on,
+// up to the next multiple of 16, and list_capacity itself hold "none": depth none_depth, toolface and radius 0; in the
 // narrow columns 0 and narrow_none.
 struct CandidateList {
     Candidate* rows;
@@ -98,8 +98,8 @@ struct Rules {
     double range, nugget;  // of kriging; range 0: inverse distance
     bool sums;             // are Group::sums wanted?
     // max_square: max_distance squared, on the wall. reach_square: the greatest squared distance in the search's metric
-    // of a sample within max_distance. sure_square: no sample beyond max_distance has a smaller one. They differ by
-    // angular_scale.
+    // of a sample within max_distance. sure_square: no sample beyond max_distance has a smaller squared distance. The
+    // three differ only if angular_scale is not 1.
     double max_square, reach_square, sure_square;
     double scale;    // metres a degree at one metre of radius: angular_scale pi / 180
     double unscale;  // 1 / angular_scale^2
@@ -146,7 +146,7 @@ struct Box {
     bool wraps;  // may a vertex and a candidate be more than half a turn apart one way?
 };
 
-// Which samples go into the list: those within half_width of the group's center; any, if that is 180 or more.
+// Which samples go into the list: those within half_width of the group's center; all, if half_width is 180 or more.
 struct Filter {
     double half_width;
     bool wraps;  // is one of them across 0/360 from the center?
@@ -174,8 +174,8 @@ struct Functions {
     // that has it.
     Found (*nearest)(const double* xs, const double* ys, std::size_t n, double x, double y);
     Found (*farthest)(const double* xs, const double* ys, std::size_t n, double x, double y);
-    // Appends the samples that pass the filter, the first of them of the given rank, and returns how many of the n were
-    // read: fewer only if the list is full.
+    // Appends those of n samples that pass the filter; `rank` is the rank of the first of the n. Returns how many
+    // of the n were read: fewer only if the list is full.
     std::int64_t (*gather)(CandidateList& list, const Group& group, const double* depth, const double* toolface,
                            const double* radius, std::int64_t n, std::int64_t rank, const Filter& filter);
     // Iterates every active lane until it converges, or until the list cannot decide.

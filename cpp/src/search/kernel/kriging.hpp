@@ -23,8 +23,8 @@ struct KrigingSystem {
     P low, high;  // of the radii used
 };
 
-// A neighbour beyond max_distance has covariance 0 with all others, 0 for the 1 of its row and 0 for its radius: it
-// leaves the bits of all sums alone, as in inverse_distance().
+// A neighbour beyond max_distance has covariance 0 with all others, 0 for the 1 of its row and 0 for its radius. So it
+// does not change the bits of any sum, as in inverse_distance().
 template <class P>
 inline void fill_system(const Group& g, const CandidateList& list, const Rules& rules, const std::int32_t* at, P trial,
                         KrigingSystem<P>& system) {

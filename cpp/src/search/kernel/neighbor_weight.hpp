@@ -35,8 +35,8 @@ inline P exp2_of(P y) {
     return result * P::power_of_two(whole);
 }
 
-// Weights for any power, relative to the nearest neighbour so that none overflows: (d_min / d)^power. In plain
-// arithmetic, to some 1e-15: a library's pow may differ between machines.
+// Weights for any power, relative to the nearest neighbour so that none overflows: (d_min / d)^power. They are computed
+// in plain arithmetic, to some 1e-15, because a library's pow may differ between machines.
 template <class P>
 inline void relative_weights(const P* squares, P least, int neighbors, double power, P* weight) {
     P least_whole, least_rest, whole, rest;
@@ -51,8 +51,8 @@ inline void relative_weights(const P* squares, P least, int neighbors, double po
     }
 }
 
-// Weights proportional to 1 / d without a division: the product of the other seven distances, each the product of those
-// before it and those behind it. A neighbour that stands as 1 changes no bit of the others.
+// Weights proportional to 1 / d without a division: each is the product of the other seven distances, of those before
+// it and those behind it. A neighbour that stands as 1 does not change a bit of the other weights.
 template <class P>
 inline void products_of_others(const P* squares, P* weight) {
     P distance[8];

@@ -79,8 +79,8 @@ struct Avx2Pack {
                 _mm256_or_pd(_mm256_andnot_pd(low(), square.b), position.b)};
     }
 
-    // Rows loaded whole and transposed: the gather instruction is many times slower where processors are patched
-    // against Downfall.
+    // Rows are loaded whole and transposed, because the gather instruction is many times slower where processors are
+    // patched against Downfall.
     template <class Row>
     static void read(const Row& row, Avx2Pack& depth, Avx2Pack& toolface, Avx2Pack& radius) {
         const auto four = [&](int i, __m256d& d, __m256d& t, __m256d& r) {

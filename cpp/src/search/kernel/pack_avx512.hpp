@@ -48,8 +48,8 @@ struct Avx512Pack {
         return _mm512_castsi512_pd(_mm512_ternarylogic_epi64(_mm512_castpd_si512(square.v), low(), p, 0xBA));
     }
 
-    // Eight rows loaded whole and transposed: the gather instruction is many times slower where processors are patched
-    // against Downfall.
+    // Eight rows are loaded whole and transposed, because the gather instruction is many times slower where processors
+    // are patched against Downfall.
     //
     //     d0 t0 r0 .  d4 t4 r4 .   \  lows   d0 d1 r0 r1  d4 d5 r4 r5   \  depth d0 d1 d2 d3 d4 ...
     //     d1 t1 r1 .  d5 t5 r5 .   /  highs  t0 t1  .  .  t4 t5  .  .   /

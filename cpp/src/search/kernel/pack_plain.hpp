@@ -1,5 +1,5 @@
-// Packs of eight doubles and eight floats in plain C++, for every machine; compilers turn the loops into what vectors
-// there are.
+// Packs of eight doubles and eight floats in plain C++, for every machine; compilers turn the loops into the vector
+// instructions of the machine.
 #pragma once
 
 #include "search/kernel/kernel.hpp"
@@ -122,7 +122,7 @@ struct PlainPack {
     friend PlainPack operator/(PlainPack a, PlainPack b) {
         return each([&](int i) { return a.v[i] / b.v[i]; });
     }
-    // As the x86 instructions: the second operand where the first is not less (not greater), NaN included.
+    // Like the x86 instructions, these return the second operand unless the first is less (greater), also for NaN.
     static PlainPack min(PlainPack a, PlainPack b) {
         return each([&](int i) { return a.v[i] < b.v[i] ? a.v[i] : b.v[i]; });
     }

@@ -9,8 +9,8 @@
 //
 // Of a best 16, the batch meets the last 8; they and the first 8 are bitonic again.
 //
-// All else: lanes are the candidates of one vertex. Float keys and a threshold that a few more than V of them pass,
-// found by counting; then the exact keys of those that pass, and a threshold that V of them pass.
+// All else: lanes are the candidates of one vertex. Counting finds a threshold that the float keys of a few more than V
+// candidates pass. The exact keys of these candidates are then computed, and a threshold is found that V of them pass.
 #pragma once
 
 #include "search/kernel/kernel.hpp"
@@ -149,7 +149,7 @@ inline P select(const Eye& eye, P* best) {
     return rejected;
 }
 
-// The V smallest keys, sorted, and "none" behind them.
+// Keeps the V smallest keys, sorted, and puts "none" behind them; returns the smallest of the others.
 template <int kept, class P>
 inline P keep_first(P* best, int neighbors, P rejected, P none) {
     for (int j = neighbors; j < kept; ++j) {
@@ -171,8 +171,8 @@ inline Number halfway(Number low, Number high) {
 }
 
 // A threshold that at least `least` and, unless keys are equal, at most `most` keys pass. `passing` counts the keys up
-// to a threshold. The first try assumes evenly spaced keys, the next ones halve the interval. All `all` keys lie
-// between `low` and `high`.
+// to a threshold. The first tries assume evenly spaced keys, later tries halve the interval. All `all` keys lie between
+// `low` and `high`.
 template <class Bits, class Number, class Count>
 inline Number threshold(Number guess, Number low, Number high, int all, int least, int most, const Count& passing) {
     const Number start = low;
@@ -260,7 +260,7 @@ class Nearest {
         for (;;) {
             double farthest;
             const double rejected = choose(g, lane, scale, first, n, limit, farthest, at);
-            // Floats err by less than `error` metres and 8 u; as find_narrow says, but across 180 degrees, too.
+            // Floats err by less than `error` metres and 8 u; as find_narrow says, but also across 180 degrees.
             constexpr double u = 1.0 / (1 << 24);
             const double error = scale * 12.0 * u * box_.across + 4.0 * u * box_.along;
             const double needed = __builtin_sqrt(farthest) + error;
@@ -299,7 +299,7 @@ class Nearest {
         return leasts[0];
     }
 
-    // Which of the sixteen from i on.
+    // Which of the sixteen keys from i on are at most `at_most`, as bits.
     unsigned passed(int i, float at_most) const {
         unsigned bits = 0;
         for (int j = 0; j < 16; j += Floats::width) bits |= Floats::load(keys_ + i + j).at_most(at_most) << j;
