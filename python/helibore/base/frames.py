@@ -115,10 +115,10 @@ def frame_rows(
 def _refuse_no_frame(table: Any) -> None:
     kind, rule = type(table).__name__, "must be a data frame or a dict of columns"
     if isinstance(table, list | tuple):
-        raise InputError("table", f"{rule}: pandas.DataFrame(records) makes one of records", kind)
+        raise InputError("table", f"{rule}; pandas.DataFrame(records) makes one from a list", kind)
     for method, way in WAYS.items():
         if hasattr(table, method):
-            raise InputError("table", f"{rule}: its {way} is one", kind)
+            raise InputError("table", f"{rule}; its {way} is a data frame", kind)
     if isinstance(table, str) or not hasattr(table, "__getitem__"):
         raise InputError("table", rule, kind)
 
@@ -129,5 +129,5 @@ def _way_from_index(table: Any, name: str) -> str:
     if index is None or type(index).__name__ in ("RangeIndex", "MultiIndex"):
         return ""
     if index.name == name:
-        return ": it is the index, which reset_index() makes a column"
-    return "" if index.name is not None else f": reset_index(names={name!r}) makes a column of the index"
+        return "; it is the index, and reset_index() makes it a column"
+    return "" if index.name is not None else f"; reset_index(names={name!r}) makes the index a column"

@@ -65,7 +65,7 @@ def _shape_lines(found: WallSummary) -> Lines:
     rough = [f"{name} {size * 1e3:.2f} mm" for name, size in zip(("mean", "greatest"), found.rugosity, strict=True)]
     window = f"{found.rugosity_window:g} m, an odd number of turns ({found.rugosity_window / abs(found.pitch):.0f})"
     return [
-        ("", f"inscribed {_extreme(found.inscribed_diameter, found)}: the largest that passes"),
+        ("", f"inscribed {_extreme(found.inscribed_diameter, found)}: the largest circle that passes"),
         ("shape", f"ovality, API: mean {mean:.4f}, greatest {greatest:.4f} (DNV and ISO: twice that)"),
         ("", f"rugosity over {window}: " + (
             "missing" if math.isnan(found.rugosity[0]) else ", ".join(rough))),

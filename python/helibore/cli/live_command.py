@@ -74,7 +74,7 @@ def live(
     if check:
         settings.following()
         receiver(settings.alarms)
-        click.echo(f"{configuration}: fine: {', '.join(settings.sources)}")
+        click.echo(f"{configuration}: is valid; sources: {', '.join(settings.sources)}")
         click.echo("\n".join(described(settings)))
         return
     where = journal or (Path(settings.journal.folder) if settings.journal.folder else None)

@@ -102,7 +102,7 @@ def own_options(run: Run, verb: str, options: dict[str, Any]) -> dict[str, Any]:
         except (click.BadParameter, TypeError, ValueError) as error:
             raise InputError(f"{place}.{name}", getattr(error, "message", str(error)), repr(value)) from error
         if wanted != value or isinstance(wanted, bool) != isinstance(value, bool):
-            raise InputError(f"{place}.{name}", f"must be as {wanted!r}", repr(value))
+            raise InputError(f"{place}.{name}", f"must be {wanted!r}", repr(value))
         if context.get_parameter_source(name) is not ParameterSource.COMMANDLINE:
             found[name] = tuple(value) if isinstance(value, list) else value
     return found

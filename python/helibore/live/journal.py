@@ -190,7 +190,7 @@ def content(path: Path, size: int = -1) -> tuple[bytes, str]:
 
 
 def segments(folder: str | os.PathLike[str], first: int = 1) -> Iterator[Segment]:
-    """Read a journal from segment ``first`` on, one at a time; a journal that is being written can be read too.
+    """Read a journal from segment ``first`` on, one at a time; a journal can also be read while it is written.
 
     Raises
     ------
@@ -382,7 +382,7 @@ class Journal:
         if torn:
             path.with_name(f"{path.stem}-{stop}.torn").write_bytes(torn)
             self.recovery.cut_bytes += len(torn)
-            self.recovery.notes.append(f"{path.name}: torn behind byte {stop}: {len(torn)} bytes set aside")
+            self.recovery.notes.append(f"{path.name}: torn after byte {stop}; {len(torn)} bytes were set aside")
         if stop == 0:
             path.unlink()
         else:

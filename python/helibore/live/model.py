@@ -271,7 +271,7 @@ class Model:
             number, reason = int(record["sequence"]), f"{type(error).__name__}: {error}"
             if len(self.set_aside) < MOST_SET_ASIDE:
                 self.set_aside[number] = f"{what}: {reason}"
-            self._report(record, "aside", f"{what} of record {number}: {reason}: set aside", source)
+            self._report(record, "aside", f"set aside {what} of record {number}: {reason}", source)
 
     def _take_session(self, records: Rows, payloads: list[bytes], update: Update) -> None:
         times = self.clock.times(records["monotonic"])
@@ -478,7 +478,7 @@ class Model:
         records = rows["received"] >> 20
         numbers = np.unique(records)
         if len(numbers) == 1:
-            text = f"layer {name}: {len(rows)} samples: {str(failure) or type(failure).__name__}: set aside"
+            text = f"layer {name}: set aside {len(rows)} samples: {str(failure) or type(failure).__name__}"
             self.passes.report(rows, np.arange(1), "aside", lambda _: text)
             self.counts["set aside"] += len(rows)
             self.out_of_memory |= isinstance(failure, MemoryError)

@@ -70,14 +70,16 @@ class StoreReader(SourceReader):
             answers, stray = self._frames.feed(payload)
             stamp = int(chunk.time[row]), int(chunk.order[row]) << 20, int(chunk.wall[row])
             if stray:
-                self._report(stamp[2], "stray_text", f"{stray} bytes belong to no answer: they were not read")
+                self._report(stamp[2], "stray_text", f"{stray} bytes that belong to no answer were not read")
             readings += [reading for answer in answers if (reading := self._take(*answer, stamp)) is not None]
         return readings
 
     def _take(self, kind: str, state: str, body: bytes, stamp: tuple[int, int, int]) -> Reading | None:
         """Return the columns of one answer; None if it contains nothing to read."""
         if state == "cut":
-            self._report(stamp[2], "cut_off", f"an answer about the {kind} ended after {len(body)} bytes: not read")
+            self._report(
+                stamp[2], "cut_off", f"an answer about the {kind} ended after {len(body)} bytes; it was not read"
+            )
         if state == "refused":
             kept = f"{len(body)} bytes of it are kept" if body else "it was empty, or equal to the previous one"
             self._report(stamp[2], "refused", f"an answer about the {kind} was refused and not read; {kept}")

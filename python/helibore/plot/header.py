@@ -24,7 +24,7 @@ REFERENCE_TEXT = {
     "high-side": "from the high side, clockwise looking downhole",
     "north": "from north, clockwise looking downhole",
     "parallel-transport": "from north at the top of the path, without twist, clockwise",
-    "": "as the samples count it: no path says from what",
+    "": "as the samples count it; no path states what 0 is",
 }
 SIDES_TEXT = {
     "high-side": "U up (high side), R right, D down, L left of the hole, looking downhole",

@@ -245,7 +245,7 @@ def _diameters(content: Content) -> str:
 
 def _zones(zones: Classification | None, content: Content) -> str:
     if zones is None:
-        return "<p>A shape was not measured: no zones.</p>"
+        return "<p>The shape was not measured, so there are no zones.</p>"
     found = zones.by_severity(content.top, content.bottom)
     criteria = f"Criteria: {html.escape(criteria_text(content))}."
     if not found:

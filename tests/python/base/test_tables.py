@@ -127,9 +127,7 @@ def test_any_data_frame_becomes_a_survey_without_its_missing_rows(of):
 
 def test_a_column_that_is_the_index_is_refused_with_the_way_out():
     frame = pd.DataFrame(FRAME).set_index("MD")
-    with pytest.raises(
-        hb.InputError, match=r"^column 'MD': is not in the table \(depth\): it is the index, which reset"
-    ):
+    with pytest.raises(hb.InputError, match=r"^column 'MD': is not in the table \(depth\); it is the index, and reset"):
         hb.Caliper.from_table(frame, depth="MD", toolface="TF", radius="R")
 
 
@@ -251,13 +249,14 @@ def test_diameters_of_few_arms_are_those_of_a_file(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("table", "options", "text"),
     [
-        (pl.LazyFrame(FRAME), {}, "table = LazyFrame: must be a data frame or a dict of columns: its collect() is one"),
+        (pl.LazyFrame(FRAME), {},
+         "table = LazyFrame: must be a data frame or a dict of columns; its collect() is a data frame"),
         (pa.table(FRAME).to_reader(), {},
-         "table = RecordBatchReader: must be a data frame or a dict of columns: its read_all() is one"),
-        ([{"MD": 1.0}], {}, "table = list: must be a data frame or a dict of columns: "
-         "pandas.DataFrame(records) makes one of records"),
+         "table = RecordBatchReader: must be a data frame or a dict of columns; its read_all() is a data frame"),
+        ([{"MD": 1.0}], {}, "table = list: must be a data frame or a dict of columns; "
+         "pandas.DataFrame(records) makes one from a list"),
         (pd.DataFrame(FRAME, index=[4.0, 5.0, 6.0, 7.0]), {"depth": "md_m"},
-         "column 'md_m': is not in the table (depth): reset_index(names='md_m') makes a column of the index"),
+         "column 'md_m': is not in the table (depth); reset_index(names='md_m') makes the index a column"),
         (pd.DataFrame(FRAME), {"depth": "md_m"}, "column 'md_m': is not in the table (depth)"),
         ("well.csv", {}, "table = str: must be a data frame or a dict of columns"),
         (None, {}, "table = NoneType: must be a data frame or a dict of columns"),
@@ -272,7 +271,7 @@ def test_what_is_no_data_frame_is_refused_with_the_way_out(table, options, text)
 
 def test_a_relation_of_duckdb_is_refused_with_the_way_out():
     relation = pytest.importorskip("duckdb").sql("select 1.0 as MD")
-    with pytest.raises(hb.InputError, match=r"must be a data frame or a dict of columns: its df\(\) is one$"):
+    with pytest.raises(hb.InputError, match=r"must be a data frame or a dict of columns; its df\(\) is a data frame$"):
         hb.Caliper.from_table(relation, depth="MD")
 
 

@@ -87,7 +87,7 @@ def test_replay_with_a_corrected_configuration(folder, tmp_path):
     )
     before = run("replay", folder)
     assert before.splitlines()[-1] == f"600 samples drawn, 0 not, {len(Live.replay(folder).wall)} vertices"
-    assert "aside: what the host pushed of record" in before
+    assert "aside: set aside what the host pushed of record" in before
     run("replay", folder, "-c", corrected, "-o", tmp_path / "out")
     toolface = hb.load(tmp_path / "out" / "main.wall").samples.toolface
     expected = (sent_rows()[:, 0] + 90.0) % 360

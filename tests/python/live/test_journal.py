@@ -176,7 +176,7 @@ def test_a_segment_that_died_while_it_was_made_is_set_aside(tmp_path):
     rows = small_journal(tmp_path)
     (tmp_path / "000002.hbj").write_bytes(b"HELIBJ")
     with Journal(tmp_path) as j:
-        assert j.recovery.notes == ["000002.hbj: torn behind byte 0: 6 bytes set aside"]
+        assert j.recovery.notes == ["000002.hbj: torn after byte 0; 6 bytes were set aside"]
         j.append(5, 5, b"after")
     assert stored(tmp_path) == [*rows, (5, 5, b"after")]
     assert (tmp_path / "000002-0.torn").read_bytes() == b"HELIBJ"

@@ -191,7 +191,7 @@ def test_an_append_that_fails_sets_its_record_aside(tmp_path, clean, monkeypatch
     with play(tmp_path, [triple(toolface=123)]) as live:
         assert same_bits(live.wall, clean.wall)
         (event,) = (event for event in live.model.events.latest if event.rule == "aside")
-        assert event.text == "layer main: 1 samples: MemoryError: set aside"
+        assert event.text == "layer main: set aside 1 samples: MemoryError"
         assert live.model.counts["set aside"] == 1
         assert live.model.out_of_memory
         assert live.checkpoint() is None  # a restart with more memory draws the record

@@ -158,7 +158,7 @@ def test_a_picture_claims_no_reference_that_nothing_states() -> None:
     wall = hb.reconstruct(caliper, bit_diameter=BIT, sectors=16)
     figure = plot.log(wall, dpi=60)
     words = [text.get_text() for text in texts(figure)]
-    assert "as the samples count it: no path says from what" in words
+    assert "as the samples count it; no path states what 0 is" in words
     assert {"0°", "90°", "180°", "270°"} <= set(words)
     assert not {"U", "L", "N", "S"} & set(words)
     assert_readable(figure)

@@ -135,7 +135,7 @@ def test_no_option_of_the_wall_goes_beside_settings(option: tuple[str, ...]) -> 
         ("[options]", "[optons]", "optons: must be one of helibore, verb, "),
         ("[options]", "[options]\nsectors = 3", "options.sectors: must be one of shells, sigma, color_by, start_depth"),
         ("[options]", "[options]\nshells = 5.0", "options.shells = 5.0: "),
-        ("[options]", "[options]\ncolor_by = 3", "options.color_by = 3: must be as '3'"),
+        ("[options]", "[options]\ncolor_by = 3", "options.color_by = 3: must be '3'"),
         ("helibore = ", "# ", "helibore: is missing"),
         ("gauge = true", "gauge", "not TOML: "),
     ],
