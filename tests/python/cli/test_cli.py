@@ -191,9 +191,9 @@ def test_bad_caliper(tmp_path: Path, text: str, options: list[str], message: str
         (
             ["--bit-diameter", "8.5"],
             r"Invalid value for '--bit-diameter': '8.5': must be at most 4 m; a number without "
-            r"a unit is metres: 8.5in\? \(see .*",
+            r"a unit is metres; did you mean 8.5in\? \(see .*",
         ),
-        (["--bit-diameter", "216"], r".*metres: 216mm\? \(see .*"),
+        (["--bit-diameter", "216"], r".*did you mean 216mm\? \(see .*"),
         (["--bit-diameter", "18ft"], r"Invalid value for '--bit-diameter': '18ft': must be at most 4 m \(see .*"),
         (["--from", "2003", "--to", "2001"], r"--to 2001 m: must be deeper than --from 2003 m"),
         (["--survey", "none.csv"], r"none.csv: No such file or directory"),
