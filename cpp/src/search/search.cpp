@@ -225,15 +225,15 @@ void Search::search_box(const Samples& samples, const Span& span, kernel::Group&
         }
         fetch_box(samples, low, high, filter, box, g, scratch);
         const Index fewest = place_windows(windows, scratch.list, g);
-        box.narrow = rules_.neighbors <= std::min<Index>(fewest, kernel::most_narrow) && scratch.list.count <= kernel::narrow_capacity &&
-                     !by_turns;
+        box.narrow = rules_.neighbors <= std::min<Index>(fewest, kernel::most_narrow) &&
+                     scratch.list.count <= kernel::narrow_capacity && !by_turns;
         area = 4.0 * box.along * std::min(across, 180.0) * degree;
         const kernel::Verdict verdict = functions_->estimate(g, scratch.list, rules_, box);
         if (verdict == kernel::Verdict::done) break;
         if (verdict == kernel::Verdict::widen) growth *= 1.5;
     }
     // The first box of the next group: if samples are spread evenly, few vertices need 2.4 times the mean area.
-    const auto mean_of = [&](const double(&squares)[lanes]) {
+    const auto mean_of = [&](const double (&squares)[lanes]) {
         double sum = 0.0;
         for (const double square : squares) sum += std::min(square, rules_.max_square);
         return sum / lanes;

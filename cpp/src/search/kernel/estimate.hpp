@@ -55,7 +55,7 @@ inline void read_neighbours(const Group& g, const CandidateList& list, int neigh
 //     (sqrt(k (1 - 2^-14)) - e)^2  >=  k (1 - 2^-13) - 2^14 e^2      as  2 e sqrt(k) <= 2^-14 k + 2^14 e^2
 template <class P, int kept, bool windowed, bool wraps>
 inline P find_narrow(const Group& g, P scale, const CandidateList& list, const Box& box, int neighbors,
-                    std::int32_t* at) {
+                     std::int32_t* at) {
     using Narrow = typename P::Narrow;
     using Single = typename Narrow::Single;
     Narrow found_best[std::size_t{kept}];
