@@ -48,6 +48,18 @@ def test_tabs_show_one_panel_each_within_the_screen(browser: Any, size: tuple[in
         screen.close()
 
 
+def test_a_tab_without_zones_says_so(browser: Any) -> None:
+    caliper = hb.Caliper.gauge(2000.0, 2010.0, 0.216)
+    with hb.view(hb.reconstruct(caliper, bit_diameter=0.216, sectors=16)) as viewer:
+        screen = Screen(browser, viewer.url, "", (390, 844), drawn=False)
+        assert not screen.is_visible("#zonesTitle")
+        screen.click("#tabs button[value='zones']")
+        screen.settle()
+        assert screen.is_visible("#zonesTitle")
+        assert screen.inner_text("#zonesTitle") == "Zones need a caliper"
+        screen.close()
+
+
 FINGER = """(moves) => {
   const { app } = window.__wall;
   const ink = document.getElementById('ink');

@@ -520,6 +520,7 @@ export class App {
     byId('readTitle').textContent = view.pinned ? 'Cursor (held)' : 'Cursor';
     const turned = turnAt(store, view, cursor?.depth ?? view.middle);
     const figures = turnText(look, turned, (m, digits) => showLength(m, view.units, digits ?? (view.units === 'mm' ? 1 : 3)));
+    byId('crossTitle').textContent = `Cross-section at ${showDepth(cursor?.depth ?? view.middle, view.units)}`;
     if (byId('polar').clientHeight) drawPolar(byId('polar'), look, turned);
     write('turn', figures);
     if (NARROW.matches) writeBrief(look, this.read, store.basis === 'azimuthal' ? figures : []);
@@ -527,7 +528,7 @@ export class App {
     this.summarize();
     this.writeSummary();
     this.alarms.write(view);
-    listZones(this.zones, view, this.alarms, (zone) => this.showZone(zone));
+    listZones(this.zones, view, this.alarms, (zone) => this.showZone(zone), !NARROW.matches || view.tab !== 'zones' ? '' : store.basis === 'gauge' ? 'Zones need a caliper' : 'No zone so far, by the usual criteria');
     if (byId('histogram').clientHeight) this.histogram.draw(look);
     reflect(view, look.quantity, this.rects.image);
     links(this, toAddress(this));

@@ -90,9 +90,10 @@ export const tabs = () => /** @type {HTMLCollectionOf<HTMLButtonElement>} */ (by
 
 // What the wall is made from, as a warning, if it was not measured all around; panels of what was not measured are hidden.
 /** @param {Handshake} handshake */
-export function showBasis({ basis, basis_text: text }) {
+export function showBasis({ basis, basis_text: text, bit_diameter: size }) {
+  const bit = `${showLength(size, 'mm', 1)} (${showLength(size, 'in', 3)})`;
   byId('basis').hidden = basis === 'azimuthal';
-  byId('basis').textContent = `${text[0].toUpperCase()}${text.slice(1)}.`;
+  byId('basis').textContent = basis === 'gauge' ? `No caliper: the hole is drawn at bit size, ${bit}. Nothing measured its diameter, section, volume or washout.` : `${text[0].toUpperCase()}${text.slice(1)}.`;
   byId('crossSection').hidden = basis !== 'azimuthal';
 }
 
@@ -208,16 +209,16 @@ export function sectionText(store, summary, units) {
   ];
 }
 
-// The zones, worst first; a click shows one.
-/** @param {Zone[]} zones @param {View} view @param {Alarms} alarms @param {(zone: Zone) => void} show */
-export function listZones(zones, { units, theme }, alarms, show) {
+// The zones, worst first; a click shows one. Without any, the title says `none`, or the card is hidden.
+/** @param {Zone[]} zones @param {View} view @param {Alarms} alarms @param {(zone: Zone) => void} show @param {string} none */
+export function listZones(zones, { units, theme }, alarms, show, none) {
   const card = byId('zones');
-  const key = JSON.stringify([zones, units, theme, alarms.zones]);
+  const key = JSON.stringify([zones, units, theme, alarms.zones, none]);
   if (card.dataset.key === key) return;
   card.dataset.key = key;
-  byId('zonesCard').hidden = zones.length === 0;
+  byId('zonesCard').hidden = zones.length === 0 && !none;
   byId('zonesTab').textContent = `Zones ${zones.length || ''}`;
-  byId('zonesTitle').textContent = `${zones.length} zone${zones.length === 1 ? '' : 's'}, worst first: extreme [${LENGTHS[units].unit}], × limit`;
+  byId('zonesTitle').textContent = !zones.length ? none : `${zones.length} zone${zones.length === 1 ? '' : 's'}, worst first: extreme [${LENGTHS[units].unit}], × limit`;
   card.replaceChildren(...bySeverity(zones).map((zone) => {
     const button = document.createElement('button');
     button.type = 'button';
