@@ -81,7 +81,7 @@ def test_conductive_shale_and_enlarged_are_dark() -> None:
 @pytest.mark.skipif(shutil.which("node") is None, reason="Node.js is not here: the page's colours cannot be asked")
 def test_the_page_has_the_same_colours() -> None:
     script = """
-        import { MAPS, lookup } from './src/colour.js';
+        import { MAPS, lookup } from './src/color.js';
         console.log(JSON.stringify(Object.fromEntries(Object.keys(MAPS).map((n) => [n, [...lookup(n)]]))));
     """
     node = shutil.which("node")

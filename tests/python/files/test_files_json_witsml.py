@@ -77,7 +77,7 @@ def test_bad_json(tmp_path: Path, tree: Any, rule: str) -> None:
 
 def test_large_json_is_refused_unread(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("helibore.files.json_log.SIZE_LIMIT", 1000)
-    refused(json_file(tmp_path, "[" + " " * 2000 + "]"), "JSON of more than")
+    refused(json_file(tmp_path, "[" + " " * 2000 + "]"), "more than 0 MiB of JSON")
 
 
 def test_a_damaged_or_empty_log_does_not_block_the_others(tmp_path: Path) -> None:

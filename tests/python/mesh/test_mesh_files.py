@@ -272,7 +272,7 @@ def test_a_glb_of_more_bytes_than_its_header_counts_is_refused_before_it_is_made
     size = (tmp_path / "well.glb").stat().st_size
     monkeypatch.setattr("helibore.mesh.glb_file.LARGEST", size - 1)
     with pytest.raises(
-        ValueError, match=r"well\.glb: 2,983 quads take 0\.0 GB, and a GLB holds at most 0\.0: save \.vtk"
+        ValueError, match=r"well\.glb: 2,983 quads take 0\.0 GB, and a GLB holds at most 0\.0; save \.vtk"
     ):
         well.save(tmp_path / "well.glb")
     assert [file.stat().st_size for file in tmp_path.iterdir()] == [size]
