@@ -40,6 +40,8 @@ def criteria_of(wall: Wall, options: dict[str, Any]) -> Criteria:
         if name not in known:
             raise click.UsageError(f"--criterion {text}: must be {form}")
         try:
+            if name not in shares and value[-1:].isdigit():
+                raise click.UsageError(f"--criterion {text}: needs a unit, such as {value}in or {value}mm")
             found[name] = float(value) if name in shares else units.quantity(value, units.LENGTH)
         except ValueError as error:
             raise click.UsageError(f"--criterion {text}: {error}") from None

@@ -233,6 +233,8 @@ def test_a_wall_without_a_shape_has_logs_and_no_zones(tmp_path: Path) -> None:
         (["-o", "w.csv", "--casing", "0in"], "casing = 0: must be finite and above 0"),
         (["-o", "w.csv", "--criterion", "depth=1"],
          "--criterion depth=1: must be NAME=VALUE, NAME one of elongation, washout, key-seat,"),
+        (["-o", "w.csv", "--criterion", "washout=0.2"],
+         "--criterion washout=0.2: needs a unit, such as 0.2in or 0.2mm"),
         (["-o", "w.csv", "--criterion", "washout=1kg"], "--criterion washout=1kg: unit 'kg'"),
         (["-o", "w.csv", "--criterion", "symmetry=2"], "symmetry = 2.0: must be in [0, 1]"),
         (["-o", "w.csv", "--breakouts", "AMP"], "--breakouts AMP: must be IMAGE=FILE"),

@@ -279,7 +279,7 @@ def test_a_glb_of_more_bytes_than_its_header_counts_is_refused_before_it_is_made
     monkeypatch.undo()
     check_size(Path("a.glb"), 48_000_000, 0)
     with pytest.raises(
-        ValueError, match=r"^a\.glb: 48,900,000 quads take 4\.3 GB, and a GLB holds at most 4\.3: save \.vtkhdf"
+        ValueError, match=r"^a\.glb: 48,900,000 quads take 4\.3 GB, and a GLB holds at most 4\.3; save \.vtkhdf"
     ):
         check_size(Path("a.glb"), 48_900_000, 0)
 

@@ -132,7 +132,9 @@ def test_parts_that_do_not_belong_are_refused_and_the_file_kept(tmp_path: Path) 
     first.append_to(path)
     before = path.read_bytes()
     bare = wall().surface(start=1001)
-    with pytest.raises(ValueError, match=r"a\.vtkhdf: every part must have the same attributes; these are not in every part: GR <1>, RT$"):
+    with pytest.raises(
+        ValueError, match=r"every part .* the same attributes; these are not in every part: GR <1>, RT$"
+    ):
         bare.append_to(path)
     with pytest.raises(ValueError, match=r"a\.vtkhdf: holds cells of VTK type 9, the part has type 12$"):
         wall().volume(start=1001).append_to(path)
