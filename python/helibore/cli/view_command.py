@@ -30,6 +30,8 @@ from helibore.cli.wall_options import (
 )
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from helibore.runs.run import Run
     from helibore.wall.wall import Wall
 
@@ -79,7 +81,7 @@ def view(**options: Any) -> None:
     if options["sigma"]:
         run.messages += add_sigma(wall, terminal)
     picks = load_picks(run)
-    run.messages.append(("picks", f"saved in {picks}" if picks else "not saved: only a survey was given"))
+    run.messages.append(("picks", where_saved(picks)))
     header = header_of(run, options)
     well = header.pop("well", run.name)
     terminal.summary([*run.messages, *trust_lines(wall.summary(options["start_depth"], options["stop_depth"]))])
@@ -103,6 +105,17 @@ def view(**options: Any) -> None:
     click.echo(f"{viewer.url}   (Ctrl-C ends it)")
     viewer.wait()
     viewer.close()
+
+
+def where_saved(picks: Path | None) -> str:
+    """Return where the picks made on the page are saved, or why they are not."""
+    from helibore.logs.picks import can_save
+
+    if picks is None:
+        return "not saved: only a survey was given"
+    if can_save(picks):
+        return f"saved in {picks}"
+    return f"not saved in {picks}: its folder cannot be written; Download on the page keeps them"
 
 
 def section_printer(wall: Wall, drawing: dict[str, Any]) -> Callable[[float, float, str, int | None], bytes]:

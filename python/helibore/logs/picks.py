@@ -143,6 +143,11 @@ def plane(kind: str, depth: float, dip: float, azimuth: float, path: Path) -> Pi
     )  # fmt: skip
 
 
+def can_save(filename: str | os.PathLike[str]) -> bool:
+    """Return whether the folder of a file can be written: `Picks.save` makes a new file there, then renames it."""
+    return os.access(FilePath(filename).parent, os.W_OK | os.X_OK)
+
+
 class Picks(list[Pick]):
     """The picks of a wall: a list that is saved as a table."""
 
@@ -191,7 +196,7 @@ class Picks(list[Pick]):
         return text.getvalue()
 
     def save(self, filename: str | os.PathLike[str], path: Path | None = None) -> None:
-        """Write `table` to a file, whole or not at all."""
+        """Write `table` to a file, whole or not at all; `can_save` says whether its folder allows that."""
         content = self.table(path).encode()
         write_whole(filename, lambda file: file.write(content))
 

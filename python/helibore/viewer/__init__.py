@@ -30,6 +30,7 @@ from helibore.base.units import MILLIMETRE
 from helibore.images.normalization import image_scale
 from helibore.images.sector_image import SectorImage
 from helibore.logs.curves import ScalarCurve, curves_of
+from helibore.logs.picks import can_save
 from helibore.logs.template import Template, TemplateTrack
 from helibore.trajectory.references import Reference
 from helibore.trajectory.survey import Path
@@ -156,7 +157,8 @@ def view(
         What toolface 0 of the wall is, if it has no `path`: the page then names the sides of the hole. None: what its
         images say, if it has some.
     picks_file
-        Where the page saves what is picked on it: `Picks.save`. ``wall.picks`` has the picks in any case.
+        Where the page saves what is picked on it: `Picks.save`. ``wall.picks`` has the picks in any case. If its
+        folder cannot be written, the page says so, and that *Download* keeps the picks.
     beside
         Other walls by name (wells, or passes of the same one), where the wall reaches: their radius over bit size as
         images in the colours of the wall's own, C1 and C2 as curves. The page begins with them side by side.
@@ -201,6 +203,7 @@ def view(
     if isinstance(wall, Wall):
         feed.scene.picks = wall.picks
     feed.scene.picks_file = picks_file
+    feed.scene.saves_picks = picks_file is None or can_save(picks_file)
     feed.scene.set_curves(curves)
     feed.scene.template = template
     if inline is None:

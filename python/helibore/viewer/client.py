@@ -183,6 +183,7 @@ def handshake(scene: Scene) -> dict[str, Any]:
         "template": None if scene.template is None else asdict(scene.template),
         "attributes": [asdict(attribute) for attribute in shape.attributes],
         "picks_file": None if scene.picks_file is None else Path(scene.picks_file).name,
+        "saves_picks": scene.saves_picks,
         "curves": [row["name"] for row in scene.state.curves if row["version"] == 0],  # given; logs have other ones
     }
 

@@ -184,6 +184,8 @@ class Scene:
         Those of the wall; `change_picks` changes them for a page.
     picks_file
         Where a change saves them; None: nowhere.
+    saves_picks
+        Whether that file could be written when the viewer started; if not, a change is kept in the wall alone.
     path
         Of the wall, for the dips in that file.
     draw_pages
@@ -203,6 +205,7 @@ class Scene:
         self.curves: dict[str, ScalarCurve] = {}
         self.picks = Picks()
         self.picks_file: str | os.PathLike[str] | None = None
+        self.saves_picks = True
         self.path: Path | None = None
 
     def begin(self, shape: WallShape) -> None:
@@ -305,7 +308,7 @@ class Scene:
         with self.lock:
             picks = Picks(self.picks)
             change(picks)
-            if self.picks_file is not None:
+            if self.picks_file is not None and self.saves_picks:
                 picks.save(self.picks_file, self.path)
             self.picks[:] = picks
         self.on_change()

@@ -208,6 +208,14 @@ def test_picks_are_those_of_the_first_file_shown_and_the_print_has_its_header(
         assert shown.exit_code == 0, shown.output
         assert seen.pop() == Path("memory.las.picks.csv")
         assert "picks saved in memory.las.picks.csv" in " ".join(shown.stdout.split())
+    with monkeypatch.context() as patch:  # root can write everywhere
+        patch.setattr("helibore.logs.picks.os.access", lambda *_: False)
+        shown = run("--gauge", *images, *BIT)
+    assert seen.pop() == Path("memory.las.picks.csv")
+    assert (
+        "picks not saved in memory.las.picks.csv: its folder cannot be written; Download on the page keeps them"
+        in " ".join(shown.stdout.split())
+    )
     shown = run("--gauge", *BIT, *survey, "--from", "500m", "--to", "501m")
     assert seen.pop() is None
     assert "picks not saved: only a survey was given" in " ".join(shown.stdout.split())

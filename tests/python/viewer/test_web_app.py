@@ -24,9 +24,10 @@ from starlette.testclient import TestClient  # noqa: E402
 from starlette.websockets import WebSocketDisconnect  # noqa: E402
 
 import helibore as hb  # noqa: E402
-from helibore.logs.picks import Picks  # noqa: E402
+from helibore.logs.picks import Pick, Picks  # noqa: E402
 from helibore.viewer import Attribute, protocol  # noqa: E402
 from helibore.viewer.access import NO_TOKEN  # noqa: E402
+from helibore.viewer.client import handshake  # noqa: E402
 from helibore.viewer.feed import Feed  # noqa: E402
 from helibore.viewer.scene import Scene  # noqa: E402
 from helibore.viewer.web_app import application, page  # noqa: E402
@@ -395,6 +396,21 @@ def test_picks_of_a_page_are_saved_and_shown_on_every_page(client: TestClient, f
         assert client.delete("/api/pick?key=one").status_code == 200
         assert shown() == [("two", "fault", 1012.0)]
         assert [pick.key for pick in Picks.load(file)] == ["two"]
+
+
+def test_picks_of_a_folder_that_cannot_be_written_stay_in_the_wall(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Any
+) -> None:
+    file = tmp_path / "a.wall.picks.csv"
+    # Root can write everywhere.
+    monkeypatch.setattr("helibore.logs.picks.os.access", lambda folder, _: folder != tmp_path)
+    viewer = hb.view(MadeWall(5000), picks_file=file)
+    viewer.close()
+    scene = viewer.scene
+    said = handshake(scene)
+    assert (said["picks_file"], said["saves_picks"]) == ("a.wall.picks.csv", False)
+    scene.change_picks(lambda picks: picks.append(Pick(kind="bed", depth=1010.0, toolface=20.0)))
+    assert (len(scene.picks), file.exists()) == (1, False)
 
 
 def test_a_pick_that_breaks_a_rule_or_cannot_be_saved_changes_nothing(client: TestClient, feed: Any) -> None:

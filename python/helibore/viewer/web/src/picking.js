@@ -57,6 +57,7 @@ export class Picking {
   ofWalls = new Map(); // the same of every wall that was shown here
   wall = ''; // well and file of the picks
   file = '';
+  saves = true; // false: the folder of the file cannot be written
   sending = false;
   trouble = ''; // why the last change was not taken
   /** @type {PickChange[][]} */
@@ -98,10 +99,10 @@ export class Picking {
   }
 
   // A wall begins. Changes that wait belong to the wall that they were made on, and are kept for it.
-  /** @param {{ well: string, picks_file?: string | null }} handshake */
-  begin({ well, picks_file: file }) {
+  /** @param {{ well: string, picks_file?: string | null, saves_picks?: boolean }} handshake */
+  begin({ well, picks_file: file, saves_picks: saves = true }) {
     const wall = JSON.stringify([well, file]);
-    this.file = file ?? '';
+    Object.assign(this, { file: file ?? '', saves });
     if (wall === this.wall) return;
     if (this.unsaved.size) this.app.notice(`${counted(this.unsaved.size, 'change')} of ${JSON.parse(this.wall)[0] || 'another wall'} not saved: this is another wall. They are sent when theirs is back.`, 10);
     const unsaved = this.ofWalls.get(wall) ?? new Map();
@@ -156,6 +157,7 @@ export class Picking {
     this.writeSaved();
     document.body.classList.toggle('picking', on);
     if (on) {
+      if (!this.saves) this.app.notice(this.notSaved, 15);
       this.app.view.release();
       this.app.view.choose({ follow: false, tab: 'log' });
     }
@@ -522,12 +524,17 @@ export class Picking {
     writeFields(pick, units);
   }
 
+  get notSaved() {
+    return `Picks are not saved in ${this.file}: its folder cannot be written. Download keeps them.`;
+  }
+
   // Where the server saves every change, or how many it has not.
   writeSaved() {
-    const { unsaved: { size }, trouble, file } = this;
-    const text = size ? (trouble ? `${counted(size, 'change')} not saved` : 'saving …') : file ? `saved in ${file}` : 'not saved in a file';
-    Object.assign(byId('dipSaved'), { textContent: text, title: size && trouble ? `${trouble}: this page keeps the changes and sends them again. Keep it open.` : text });
-    byId('dipSaved').classList.toggle('bad', Boolean(size && trouble));
+    const { unsaved: { size }, trouble, file, saves } = this;
+    const text = size ? (trouble ? `${counted(size, 'change')} not saved` : 'saving …') : !saves ? 'not saved: Download' : file ? `saved in ${file}` : 'not saved in a file';
+    const title = size && trouble ? `${trouble}: this page keeps the changes and sends them again. Keep it open.` : !size && !saves ? this.notSaved : text;
+    Object.assign(byId('dipSaved'), { textContent: text, title });
+    byId('dipSaved').classList.toggle('bad', Boolean(size && trouble) || !saves);
   }
 }
 

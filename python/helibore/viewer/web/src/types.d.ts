@@ -99,7 +99,7 @@ interface CurveValues { depth: Float64Array; values: Float32Array; step: number 
 // Messages.
 interface Handshake {
   session: string; basis: string; basis_text: string; reference: string | null; assumed?: boolean; attributes: Attribute[]; radius_unit: number; nearest_unit: number; bit_diameter: number; start_depth: number;
-  start_toolface: number; frame_step: number; vertices: number; well: string; template?: Template | null; curves?: string[]; picks_file?: string | null; levels: { sectors: number; pitch: number; rows: number; rings?: boolean }[];
+  start_toolface: number; frame_step: number; vertices: number; well: string; template?: Template | null; curves?: string[]; picks_file?: string | null; saves_picks?: boolean; levels: { sectors: number; pitch: number; rows: number; rings?: boolean }[];
 }
 interface State {
   begun: boolean; sources: string; bit_depth: number | null; newest: number | null; now: number; ended: boolean; true_depth: Vector | null; ranges: Record<string, Pair>;

@@ -292,6 +292,18 @@ function served(statuses, words = '') {
 const idle = () => new Promise((done) => setImmediate(done));
 const BED = { key: 'a', kind: 'bed', depth: 1010, toolface: 90, apparent_dip: 45 };
 
+test('where the folder of the file cannot be written, the card says that picks are not saved, and what keeps them', () => {
+  const { made } = served([200]);
+  const page = {};
+  globalThis.document.getElementById = () => ({ classList: { toggle: (_, on) => (page.bad = on) }, set textContent(text) { page.text = text; }, set title(text) { page.title = text; } });
+  made.begin({ well: 'A', picks_file: 'a.picks.csv', saves_picks: false });
+  made.writeSaved();
+  assert.deepEqual(page, { text: 'not saved: Download', title: 'Picks are not saved in a.picks.csv: its folder cannot be written. Download keeps them.', bad: true });
+  made.begin({ well: 'A', picks_file: 'a.picks.csv', saves_picks: true });
+  made.writeSaved();
+  assert.deepEqual(page, { text: 'saved in a.picks.csv', title: 'saved in a.picks.csv', bad: false });
+});
+
 test('what the server has not taken stays, over what it sends, and is sent again when it is back', async (t) => {
   const later = t.mock.method(globalThis, 'setTimeout', () => {});
   const { made, sent, asked, statuses } = served([200]);
