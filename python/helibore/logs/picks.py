@@ -115,6 +115,12 @@ class Pick:
         slope, toolface = math.tan(math.radians(self.apparent_dip)), math.radians(self.toolface)
         return slope * math.cos(toolface), slope * math.sin(toolface)
 
+    def reaches(self, top: float, bottom: float, bit_diameter: float) -> bool:
+        """Return whether any of the sine or the box lies between two depths; bit size stands for an unknown radius."""
+        radius = 0.5 * bit_diameter if self.radius is None else self.radius
+        tall = 0.5 * self.height if self.kind == BREAKOUT else radius * math.tan(math.radians(self.apparent_dip))
+        return self.depth - tall <= bottom and self.depth + tall >= top
+
     def dip(self, path: Path | None) -> tuple[float, float]:
         """Return true dip and dip azimuth of a plane, degrees; NaN without a path, beyond it, and for a breakout."""
         if path is None or self.kind == BREAKOUT or not path.start_depth <= self.depth <= path.stop_depth:

@@ -278,7 +278,9 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     dips: list[PlacedTrack] = (
         [DipTrack(picks, wall.path, reference)] if any(pick.kind in PLANES for pick in picks) else []
     )
-    ink = partial(draw_picks, picks=picks, left=drawing.left, bit_diameter=wall.settings.bit_diameter)
+    bit_diameter = wall.settings.bit_diameter
+    seen = [pick for pick in wall.picks if pick.reaches(top, bottom, bit_diameter)]
+    ink = partial(draw_picks, picks=seen, left=drawing.left, bit_diameter=bit_diameter)
     calipers = [one.caliper(limits, drawing) for one in others]
     sure = _uncertainty(wall, top, bottom, drawing.size_unit)
     count = len(images) + (sure is not None) + sum(one.basis == "azimuthal" for one in (wall, *drawing.beside.values()))

@@ -136,7 +136,9 @@ def draw_header(sheet: Sheet, content: Content, x: float, y: float, width: float
 def _kinds(content: Content) -> tuple[list[str], list[str]]:
     """Return the kinds of zones and of picks in the interval; the foot explains their colours."""
     zones = {zone.kind for zone in content.zones.by_severity(content.top, content.bottom)}
-    picks = {pick.kind for pick in content.wall.picks if content.top <= pick.depth <= content.bottom}
+    wall = content.wall
+    reach = content.top, content.bottom, wall.settings.bit_diameter
+    picks = {pick.kind for pick in wall.picks if pick.reaches(*reach)}
     return [kind for kind in LETTERS if kind in zones], [kind for kind in PICK_COLORS if kind in picks]
 
 

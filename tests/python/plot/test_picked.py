@@ -49,6 +49,23 @@ def test_a_plane_is_a_sinusoid_on_images_and_a_tadpole(wall: hb.Wall) -> None:
     assert "fault" not in texts, "none of it lies in the interval"
 
 
+def test_a_sine_or_box_that_reaches_into_the_interval_is_drawn_there(wall: hb.Wall) -> None:
+    def drawn(start: float) -> tuple[set[int], set[str]]:
+        figure = hb.plot.log(wall, polar=(), body=(), start=start, stop=start + 3)
+        lines = [line for axes in figure.axes for line in axes.lines if line.get_color() in PICK_COLORS.values()]
+        return {np.size(line.get_xdata()) for line in lines} & {5, 181}, {text.get_text() for text in figure.texts}
+
+    half = 0.1 * np.tan(np.radians(60))
+    sizes, texts = drawn(2010 + half - 0.05)  # the centre of the bed is above, its trough inside
+    assert sizes == {181}
+    assert {"Picks:", "bed"} <= texts
+    assert "Apparent dip [°]" not in texts, "no tadpole stands in the interval"
+    sizes, texts = drawn(2010 + half + 0.05)
+    assert sizes == set()
+    assert "Picks:" not in texts
+    assert drawn(2005.9)[0] == {5}, "the lower end of the breakout"
+
+
 def test_tadpoles_have_the_colour_of_their_class_and_stay_whole(wall: hb.Wall) -> None:
     steep = [Pick(kind=kind, depth=2003.0, toolface=90.0, apparent_dip=88.0) for kind in PLANES]
     wall.picks, kept = type(wall.picks)(steep), wall.picks
