@@ -226,13 +226,14 @@ class Picks(list[Pick]):
         """Return the picks of a table given as text: `load` without the file."""
         reader = csv.DictReader(io.StringIO(text, newline=""))
         names = reader.fieldnames or []
-        needed = {"class", "depth_m", *(("toolface_deg",) if "apparent_dip_deg" in names else DIP)}
-        if missing := sorted(needed - set(names)):
+        apparent = "apparent_dip_deg" in names or (path is None and not set(DIP) <= set(names))
+        needed = ("class", "depth_m", *(("toolface_deg", "apparent_dip_deg") if apparent else DIP))
+        if missing := [name for name in needed if name not in names]:
             raise InputError("line 1", f"must have the columns {', '.join(missing)}")
         picks, keys = cls(), set[str]()
         try:
             for row in reader:
-                pick = _parsed(row, path, "apparent_dip_deg" in names, f"line {reader.line_num}")
+                pick = _parsed(row, path, apparent, f"line {reader.line_num}")
                 picks.put(replace(pick, key=secrets.token_hex(6)) if pick.key in keys else pick)
                 keys.add(picks[-1].key)
         except csv.Error as error:
@@ -258,7 +259,9 @@ def _parsed(row: Mapping[str, Any], path: Path | None, apparent: bool, line: str
         if apparent:
             return Pick(**texts, **{**numbers, "points": int(numbers.get("points", 0))})
         if path is None:
-            raise InputError("dip_deg", "a true dip needs the path of the wall")
+            raise InputError(
+                "dip_deg", "a true dip needs the path of the wall: give --survey, or apparent_dip_deg and toolface_deg"
+            )
         found = plane(texts["kind"], numbers["depth"], number(DIP[0]), number(DIP[1]), path)
         return replace(found, note=texts.get("note", ""), image=texts.get("image", ""), key=texts["key"])
     except InputError as error:

@@ -138,14 +138,16 @@ def test_true_dips_of_others_become_picks_on_a_path() -> None:
     bed, fault = Picks.parse(text, hole)
     assert bed.dip(hole) == pytest.approx((20.0, 100.0))
     assert (fault.kind, fault.dip(hole)) == ("fault", pytest.approx((70.0, 280.0)))
-    with pytest.raises(InputError, match=r"^line 2: dip_deg: a true dip needs the path of the wall$"):
+    with pytest.raises(InputError, match=r"^line 2: dip_deg: a true dip needs the path .*: give --survey, or "):
         Picks.parse(text)
+    with pytest.raises(InputError, match=r"^line 1: must have the columns class, depth_m, dip_deg, dip_azimuth_deg$"):
+        Picks.parse("DEPTH,DIP,AZI,TYPE\n", hole)
 
 
 @pytest.mark.parametrize(
     ("text", "error"),
     [
-        ("", "line 1: must have the columns class, depth_m, dip_azimuth_deg, dip_deg"),
+        ("DEPTH,DIP,AZI,TYPE\n", "line 1: must have the columns class, depth_m, toolface_deg, apparent_dip_deg"),
         ("class,depth_m,apparent_dip_deg\n", "line 1: must have the columns toolface_deg"),
         ("class,depth_m,toolface_deg,apparent_dip_deg\nbed,x,1,2\n", "line 2, depth_m = 'x': must be a number"),
         (
