@@ -83,7 +83,10 @@ export function bindTracks(app) {
   ink.addEventListener('pointerleave', () => {
     if (!app.view.pinned && !drag) app.view.point(null);
   });
-  ink.addEventListener('wheel', (event) => wheel(app, event), { passive: false });
+  ink.addEventListener('wheel', (event) => {
+    wheel(app, event);
+    if (app.store && !drag) hover(app, ...at(event)); // another depth is under the mouse now
+  }, { passive: false });
 }
 
 // The head of a track under the pointer, and whether it is at its right edge: a drag there changes the width, else the order.

@@ -64,6 +64,8 @@ export class Picking {
   changes = []; // made here, for undo
   /** @type {PickChange[][]} */
   undone = []; // taken back, for redo; a new change empties it
+  /** @type {PickChange[] | null} */
+  opened = null; // the step that takes the table opened last back, or adds it again
   /** @type {string | null} */
   selected = null; // key of one
   /** @type {WallPick | null} */
@@ -361,6 +363,9 @@ export class Picking {
     if (!step) return;
     this.selected = step.length === 1 && step[0].pick ? step[0].key : null;
     this.change(step, to);
+    if (step !== this.opened) return;
+    this.opened = to[to.length - 1];
+    this.app.notice(`${to === this.undone ? 'Undone' : 'Redone'}: ${counted(step.length)} of the opened table`, 5);
   }
 
   keep() {
@@ -382,8 +387,12 @@ export class Picking {
   setClass(kind) {
     const { pick } = this;
     if (!kind) return;
-    if (pick && pick.kind !== BREAKOUT && kind !== BREAKOUT) this.put({ ...pick, kind });
-    else if (pick?.kind !== kind) this.selected = null;
+    if (pick && (pick.kind === BREAKOUT) !== (kind === BREAKOUT)) {
+      this.app.redraw(); // the list shows the class as it stays
+      const [one, other] = kind === BREAKOUT ? ['plane', 'breakout'] : ['breakout', 'plane'];
+      return void this.app.notice(`A ${one} cannot become a ${other}: the selected pick stays a ${one}. To pick a ${other}, deselect it first: press on it, or Esc.`, 10);
+    }
+    if (pick && pick.kind !== kind && kind !== BREAKOUT && pick.kind !== BREAKOUT) this.put({ ...pick, kind });
     this.kind = kind;
     this.points = kind === BREAKOUT ? [] : this.points;
     this.app.redraw();
@@ -472,7 +481,8 @@ export class Picking {
     if (answer.status !== 200) return this.app.notice(`Not added: ${(await answer.text()).trim().slice(0, 300)}`, 10);
     const { added, replaced, unchanged } = JSON.parse(await answer.text());
     if (added.length + replaced.length) {
-      this.changes.push([...added, ...replaced].map((/** @type {string} */ key) => ({ key, pick: before.get(key) ?? null })));
+      this.opened = [...added, ...replaced].map((/** @type {string} */ key) => ({ key, pick: before.get(key) ?? null }));
+      this.changes.push(this.opened);
       this.undone = [];
     }
     return this.app.notice(`${counted(added.length)} added, ${replaced.length} replaced, ${unchanged} unchanged`, 10);

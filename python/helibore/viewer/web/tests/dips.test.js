@@ -3,7 +3,7 @@ import { test } from 'node:test';
 import { setImmediate } from 'node:timers';
 import { drawDips, drawLegend } from '../src/dip_ink.js';
 import { fitPlane, planeDepth, planeOf, wallPoint } from '../src/dips.js';
-import { bindKeys } from '../src/input.js';
+import { bindKeys, bindTracks } from '../src/input.js';
 import { pole, rose } from '../src/net.js';
 import { Picking } from '../src/picking.js';
 import { Path } from '../src/path.js';
@@ -240,6 +240,41 @@ test('redo makes again what undo took back, in order; a new change ends it', () 
   assert.deepEqual(made.kept.map(({ kind }) => kind), ['fracture']);
 });
 
+test('a selected plane stays selected and what it is when breakout is chosen, and a breakout when a plane is', () => {
+  const { made, sent } = picking();
+  const box = { key: 'b', kind: 'breakout', depth: 1015, toolface: 0, height: 1, opening: 30 };
+  made.receive([{ ...BED, kind: 'fault' }, box]);
+  Object.assign(made, { selected: 'a', kind: 'fault' });
+  made.setClass('breakout');
+  assert.deepEqual([made.pick.kind, made.kind], ['fault', 'fault']);
+  Object.assign(made, { selected: 'b', kind: 'breakout' });
+  made.setClass('bed');
+  assert.deepEqual([made.pick, made.kind], [box, 'breakout']);
+  const rest = 'deselect it first: press on it, or Esc.';
+  assert.deepEqual(sent, [
+    `A plane cannot become a breakout: the selected pick stays a plane. To pick a breakout, ${rest}`,
+    `A breakout cannot become a plane: the selected pick stays a breakout. To pick a plane, ${rest}`,
+  ]);
+  made.selected = null;
+  made.setClass('bed');
+  assert.deepEqual([made.kind, made.kept.map(({ kind }) => kind), sent.length], ['bed', ['fault', 'breakout'], 2]);
+});
+
+test('the wheel moves the log, and the cursor is at the depth that is then under the mouse, unless it is held', () => {
+  const listeners = {};
+  const canvas = { addEventListener: (name, listener) => (listeners[name] = listener), getBoundingClientRect: () => ({ left: 0, top: 0 }), style: {} };
+  globalThis.document = { getElementById: () => canvas };
+  const track = (left, width) => ({ left, top: 80, width, height: 400 });
+  const view = { top: 1000, length: 20, cut: 'top', pinned: false, cursor: null, get bottom() { return this.top + this.length; }, show(top) { this.top = top; }, point(cursor) { this.cursor = cursor; } };
+  bindTracks({ view, store: {}, path: path(20, 0), rects: { map: track(4, 50), axis: track(60, 60), image: track(130, 200), pane: track(340, 100), wall: track(340, 100) }, picking: { on: false } });
+  const wheel = () => listeners.wheel({ currentTarget: canvas, clientX: 230, clientY: 280, deltaY: 100, deltaMode: 0, preventDefault() {} });
+  wheel();
+  assert.deepEqual([view.top, view.cursor.depth], [1002, 1012]);
+  view.pinned = true;
+  wheel();
+  assert.deepEqual([view.top, view.cursor.depth], [1004, 1012]);
+});
+
 test('Esc deselects the pick or drops its points, the next one leaves picking and says so', () => {
   const { made, sent } = picking();
   const left = [];
@@ -360,9 +395,9 @@ test('a table is added as one step for undo, and says what it added, replaced an
   await loading;
   assert.deepEqual([asked, sent], [['POST api/picks.csv?'], ['2 picks added, 1 replaced, 3 unchanged']]);
   made.undo();
-  assert.deepEqual(made.kept, [BED]);
+  assert.deepEqual([made.kept, sent.at(-1)], [[BED], 'Undone: 3 picks of the opened table']);
   made.redo();
-  assert.deepEqual(made.kept.map(({ depth }) => depth), [1009, 1011, 1012]);
+  assert.deepEqual([made.kept.map(({ depth }) => depth), sent.at(-1)], [[1009, 1011, 1012], 'Redone: 3 picks of the opened table']);
   made.undo();
   await idle();
   assert.deepEqual(asked.slice(1).sort(), ['DELETE api/pick?key=x', 'DELETE api/pick?key=y', 'PUT api/pick?']);
