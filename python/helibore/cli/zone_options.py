@@ -40,7 +40,7 @@ def criteria_of(wall: Wall, options: dict[str, Any]) -> Criteria:
         if name not in known:
             raise click.UsageError(f"--criterion {text}: must be {form}")
         try:
-            if name not in shares and value[-1:].isdigit():
+            if name not in (*shares, "least_length", "join") and value[-1:].isdigit():  # a size: of inches or metres?
                 raise click.UsageError(f"--criterion {text}: needs a unit, such as {value}in or {value}mm")
             found[name] = float(value) if name in shares else units.quantity(value, units.LENGTH)
         except ValueError as error:

@@ -60,6 +60,26 @@ def test_a_tab_without_zones_says_so(browser: Any) -> None:
         screen.close()
 
 
+@pytest.mark.parametrize("size", [(900, 700), (700, 600), (999, 800)])
+def test_a_low_window_gives_its_height_to_the_log(browser: Any, size: tuple[int, int]) -> None:
+    image = "window.__wall.app.rects.image.height"
+    with hb.view(MadeWall(30_000), path=curved_path()) as viewer:
+        viewer.scene.update_state(prints=True)
+        screen = Screen(browser, viewer.url, "#md=1020&sec=12", size, drawn=False)
+        screen.settle()
+        assert screen.evaluate(image) > 0.5 * size[1]
+        screen.keyboard.press("d")
+        screen.settle()
+        assert screen.evaluate(image) > 0.33 * size[1]
+        stage = screen.evaluate("document.getElementById('stage').getBoundingClientRect().bottom")
+        boxes = [screen.locator(name).bounding_box() for name in ("#pickClass", "#dipUndo", "#dipPrint", "#dipText")]
+        assert all(box["y"] >= stage and box["y"] + box["height"] <= size[1] for box in boxes)
+        assert screen.evaluate("(({ scrollHeight, clientHeight }) => scrollHeight - clientHeight)(dips)") <= 0
+        cut = "[...document.querySelectorAll('#dips button')].filter((e) => e.scrollWidth > e.clientWidth).length"
+        assert screen.evaluate(cut) == 0
+        screen.close()
+
+
 FINGER = """(moves) => {
   const { app } = window.__wall;
   const ink = document.getElementById('ink');
