@@ -111,6 +111,31 @@ def check_controls(screen: Screen, size: tuple[int, int]) -> None:
     assert [(c["name"], c["cut"]) for c in controls if c["cut"] > 1] == []
 
 
+@pytest.mark.parametrize("size", [(1000, 700), (1600, 900)])
+@pytest.mark.parametrize("camera", ["straight", "down"])
+def test_beside_a_widened_image_the_words_on_the_hole_are_whole(
+    browser: Any, viewer: Any, size: tuple[int, int], camera: str
+) -> None:
+    address = f"#md=1012&sec=12&widths=image~2000&median=5&camera={camera}"
+    screen = Screen(browser, viewer.url, address, size, drawn=False)
+    screen.settle()
+    pane = screen.evaluate("window.__wall.app.rects.pane")
+    controls = screen.evaluate(
+        "document.getElementById('wallHead').getBoundingClientRect().bottom"
+        " - document.getElementById('stage').getBoundingClientRect().top"
+    )
+    right = pane["left"] + pane["width"]
+    labels = [one for one in screen.evaluate("document.getElementById('ink').labels") if one["left"] >= pane["left"]]
+    texts = [one["text"] for one in labels]
+    assert {"U", "D"} <= set(texts)
+    assert [one["text"] for one in labels if one["top"] < controls or one["right"] > right] == []
+    said = (
+        ["shape × 3", "median 5"] if camera == "straight" else ["inside, down", "about the bit radius", "median of 5"]
+    )
+    assert all(any(part in text for text in texts) for part in said), texts
+    screen.close()
+
+
 @pytest.mark.parametrize("size", SIZES)
 def test_the_same_depth_is_at_the_same_height_in_every_panel(browser: Any, viewer: Any, size: tuple[int, int]) -> None:
     screen = Screen(browser, viewer.url, "#md=1012&sec=24", size)

@@ -3,7 +3,7 @@
 
 import { planeDepth } from './dips.js';
 import { columnScale } from './gpu.js';
-import { BOLD, HEAD, label, PALETTES, SMALL, within, yOf } from './layout.js';
+import { BOLD, fitting, HEAD, label, PALETTES, SMALL, within, yOf } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
 import { hatched, line } from './strokes.js';
 import { showSigned, unitOf } from './units.js';
@@ -39,8 +39,12 @@ export function drawColumn(ink, look, { min, seen }) {
   ink.strokeRect(rect.left + 0.5, rect.top + 0.5, rect.width - 1, rect.height - 1);
   if (view.rig) return;
   heads(ink, look, middle, bit, palette);
-  const words = `${store.basis === 'gauge' ? 'not measured, drawn at bit size   ' : ''}across × ${times < 10 ? times.toPrecision(2) : times.toFixed(0)}   shape × ${shape} about bit${view.median > 1 ? `   median of ${view.median} turns` : ''}`;
-  label(ink, words, rect.left + 2, bottom + 11, { colour: palette.soft, font: SMALL });
+  const across = `× ${times < 10 ? times.toPrecision(2) : times.toFixed(0)}`;
+  /** @param {string} unmeasured @param {string} first @param {string} about @param {string} turns */
+  const words = (unmeasured, first, about, turns) => [store.basis === 'gauge' ? unmeasured : '', `${first}${across}`, `shape × ${shape}${about}`, view.median > 1 ? `median ${turns.replace('%', String(view.median))}` : ''].filter(Boolean).join('   ');
+  ink.font = SMALL;
+  const texts = [words('not measured, drawn at bit size', 'across ', ' about bit', 'of % turns'), words('not measured', 'across ', '', 'of %'), words('not measured', '', '', '%')];
+  label(ink, fitting(ink, texts, rect.width - 4), rect.left + 2, bottom + 11, { colour: palette.soft });
   label(ink, unitOf({ length: true }, view.units), rect.left + rect.width - 2, HEAD - 9, { colour: palette.soft, align: 'right', font: SMALL });
 }
 

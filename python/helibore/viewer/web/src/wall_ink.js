@@ -30,8 +30,22 @@ export function drawWallInk(ink, look, gpu, calipers) {
   if (view.median > 1) words.push(`median of ${view.median} turns`);
   if (!path.surveyed) words.unshift('no survey: drawn vertical');
   if (view.camera !== 'outside') words.unshift(CAMERAS[view.camera]);
-  if (!view.rig) label(ink, words.join('   '), rect.left + rect.width - 10, rect.height - 14, { colour: palette.ink, halo: palette.paper, align: 'right', font: FONT });
+  ink.font = FONT;
+  if (!view.rig) inLines(ink, words, rect.width - 20).reverse().forEach((text, i) => label(ink, text, rect.left + rect.width - 10, rect.height - 14 - 16 * i, { colour: palette.ink, halo: palette.paper, align: 'right' }));
   ink.restore();
+}
+
+// Words in as few lines as their width allows.
+/** @param {Ink} ink @param {string[]} words @param {number} width */
+function inLines(ink, words, width) {
+  /** @type {string[]} */
+  const lines = [];
+  for (const word of words) {
+    const longer = [...lines.slice(-1), word].join('   ');
+    if (lines.length && ink.measureText(longer).width <= width) lines[lines.length - 1] = longer;
+    else lines.push(word);
+  }
+  return lines;
 }
 
 /** @param {Ink} ink @param {Look} look @param {Gpu} gpu @param {Profile} calipers @param {Palette} palette */
