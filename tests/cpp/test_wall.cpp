@@ -98,6 +98,8 @@ void refuses_settings() {
                  Wall({.bit_diameter = 0.2, .angular_scale = 1e-155}));
     CHECK_THROWS(InputError, "angular_scale = 1001: must lie in 0.001 to 1000",
                  Wall({.bit_diameter = 0.2, .angular_scale = 1001.0}));
+    CHECK_THROWS(InputError, "start_toolface = 1e+18: must lie in -1000000 to 1000000 degrees",
+                 Wall({.bit_diameter = 0.2, .start_toolface = 1e18}));
     CHECK_THROWS(InputError, "most_vertices = 0: must lie in 1 to 2147483647",
                  Wall({.bit_diameter = 0.2, .most_vertices = 0}));
 }

@@ -32,6 +32,8 @@ void Settings::validate() const {
     if (start_depth) require_depth("start_depth", *start_depth);
     if (stop_depth) require_depth("stop_depth", *stop_depth);
     require(std::isfinite(start_toolface), "start_toolface", start_toolface, "must be finite");
+    require(std::abs(start_toolface) <= 1e6, "start_toolface", start_toolface,  // then sectors differ by their angle
+            "must lie in -1000000 to 1000000 degrees");
     require_within("first_vertex", first_vertex, 0, Index{1} << 40);
     require(first_vertex % sectors == 0, "first_vertex", first_vertex, "must be a multiple of sectors");
     require(first_vertex == 0 || start_depth, "first_vertex", first_vertex, "needs a start_depth");

@@ -279,6 +279,7 @@ SETTING_ERRORS = [
     ("start_depth", np.nan, "start_depth = nan: must be finite"),
     ("stop_depth", -np.inf, "stop_depth = -inf: must be finite"),
     ("start_toolface", np.inf, "start_toolface = inf: must be finite"),
+    ("start_toolface", -1e18, "start_toolface = -1e+18: must lie in -1000000 to 1000000 degrees"),
     ("neighbors", 0, "neighbors = 0: must lie in 1 to 256"),
     ("neighbors", 257, "neighbors = 257: must lie in 1 to 256"),
     ("max_iterations", None, "max_iterations = None: must be an integer"),
