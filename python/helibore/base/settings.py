@@ -29,7 +29,7 @@ class Settings:
     start_depth, stop_depth
         Depths of the ends of the helix, metres, within 1e7 of 0; None: the first and the last sample along it.
     start_toolface
-        Toolface of vertex 0, degrees.
+        Toolface of vertex 0, degrees, within 1e6 of 0.
     first_vertex, stop_vertex
         The wall is a stretch of the helix, from ``first_vertex``, a multiple of ``sectors``, up to but without
         ``stop_vertex``, which replaces ``stop_depth``; None: to the last sample. ``start_depth`` must be given. The
