@@ -95,7 +95,7 @@ std::vector<Settings> extreme_settings() {
             s.estimator = helibore::Estimator::kriging, s.kriging_range = value, s.nugget = std::max(value, 1e-6);
         });
         add([&](Settings& s) { s.power = std::min(value, 100.0), s.max_distance = 0.02, s.neighbors = 20; });
-        add([&](Settings& s) { s.start_toolface = -value; });
+        add([&](Settings& s) { s.start_toolface = -std::min(value, 1e6); });
     }
     add([](Settings& s) { s.window = std::numeric_limits<Index>::max(); });
     add([](Settings& s) { s.bit_diameter = 0.001, s.neighbors = 1; });
