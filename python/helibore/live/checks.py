@@ -39,7 +39,11 @@ Derived = Annotated[Value, PlainValidator(_not_a_setting)]
 
 
 def with_values(value: Any, recorded: Any) -> Any:
-    """Return ``value`` with the values of ``recorded``, which come from JSON; both have the same shape."""
+    """Return a copy of ``value`` that holds the values of ``recorded``, which was read from JSON.
+
+    A field of a table or dataclass that ``recorded`` lacks keeps its value. A dict has the keys of ``recorded``, those
+    of ``value`` first and in its order. A list of another length is taken from ``recorded`` as it is.
+    """
     if isinstance(value, Table):
         names = type(value).model_fields.keys() & recorded.keys()
         return value.model_copy(update={name: with_values(getattr(value, name), recorded[name]) for name in names})

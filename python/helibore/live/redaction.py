@@ -104,7 +104,10 @@ class Redactor:
             self._secrets.append((re.compile(whole), re.compile(begun + rb"\Z")))
 
     def clean(self, body: bytes, *, cut: bool = False) -> bytes:
-        """Return ``body`` with asterisks for credentials; if ``cut``, also for the beginning of one at the end."""
+        """Return ``body`` with every credential replaced by asterisks.
+
+        With ``cut``, the body may end in the middle of a credential; its first part is then replaced, too.
+        """
         for whole, _ in self._secrets:
             body = whole.sub(lambda match: b"*" * len(match[0]), body)
         if cut:

@@ -107,7 +107,7 @@ class Latency:
         self.latest: deque[float] = deque(maxlen=1000)
 
     def add(self, seconds: float) -> None:
-        """Count one packet."""
+        """Count one packet, whose vertices changed ``seconds`` after it arrived."""
         self.counts[next((i for i, bound in enumerate(self.BOUNDS) if seconds <= bound), len(self.BOUNDS))] += 1
         self.sum += seconds
         self.latest.append(seconds)

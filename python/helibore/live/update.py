@@ -55,7 +55,10 @@ class Update:
 
 
 def joined_ranges(ranges: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
-    """Return sorted ranges, at most MOST_RANGES; ranges that touch are joined."""
+    """Return the ranges sorted, and joined where they touch or overlap.
+
+    If more than MOST_RANGES remain, the narrowest gaps between them are covered, too.
+    """
     return np.array(union(ranges.tolist(), MOST_RANGES), np.int64).reshape(-1, 2)
 
 

@@ -49,9 +49,9 @@ METRES, FEET = DepthUnit("m", 1.0), DepthUnit("ft", FOOT)
 
 @dataclass(frozen=True)
 class Lines:
-    """Depth lines: a thin one each ``fine`` metres, a strong one with its number each ``coarse`` metres.
+    """Depth lines: a thin line every ``fine`` metres, and a thick line with its number every ``coarse`` metres.
 
-    Both are whole numbers of ``unit``, or decimal parts of it.
+    `Lines.of` makes each of the two 1, 2 or 5 times a power of ten of ``unit``.
     """
 
     fine: float

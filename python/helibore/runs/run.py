@@ -206,7 +206,7 @@ def read_run(
         if settings.archive is not None:
             run.built = load(settings.archive.file)
             if run.path is not None and run.built.path is not None:
-                raise InputError("survey", f"{settings.archive.file.name} has a path of its own")
+                raise InputError("survey", f"must not be given: {settings.archive.file.name} already has a path")
             run.path = run.path or run.built.path
             files = run.built.made_from.get("files")
             known = [one for one in files if isinstance(one, dict) and "name" in one] if isinstance(files, list) else []

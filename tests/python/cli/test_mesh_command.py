@@ -179,7 +179,7 @@ def test_a_wall_keeps_its_own_path(folder: Path) -> None:
     wall.path = SURVEY.path()
     wall.save(folder / "w.wall")
     result = run(folder / "w.wall", "--survey", folder / "s.csv", "-o", folder / "m.ply")
-    assert result.stderr == "helibore: survey: w.wall has a path of its own\n"
+    assert result.stderr == "helibore: survey: must not be given: w.wall already has a path\n"
 
 
 @pytest.mark.parametrize(

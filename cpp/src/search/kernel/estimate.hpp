@@ -1,7 +1,8 @@
-// The radius of a vertex from its neighbours, iterated until it converges or the list cannot decide.
+// Computes the radius of a vertex from its neighbours. It iterates until the radius converges, or until a sample that is
+// not in the list could be a neighbour: then the caller must make a new list (Verdict::widen, Verdict::refetch).
 //
-// The sums run over the neighbours in canonical order (their position in the list), so the order does not depend on how
-// the neighbours were found.
+// The sums run over the neighbours in canonical order, which is their position in the list. So the bits of a sum do not
+// depend on how the neighbours were found.
 #pragma once
 
 #include "search/kernel/kriging.hpp"
@@ -142,9 +143,9 @@ inline Estimate<P> inverse_distance(Neighbours<P>& n, P scale, const Rules& rule
     return {P::max(P::min(weighted / weights, high), low), support, least, farthest};
 }
 
-// The last step, once the neighbours are known and read, for the vertices of a mask: computes the sums and, with
-// kriging, the radius that replaces that of the iteration. The results of a vertex without a sample in reach mean
-// nothing.
+// The last step for the vertices in `done`, once their neighbours are known and read. With kriging, it replaces the
+// radius from the iteration. If rules.sums is set, it computes the sums for sigma. For a vertex without a sample in
+// reach, the results have no meaning.
 template <class P, class Mask>
 __attribute__((noinline)) void complete(Group& g, const CandidateList& list, const Rules& rules, const std::int32_t* at,
                                         P trial, Mask done) {

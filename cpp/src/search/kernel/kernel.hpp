@@ -178,7 +178,7 @@ struct Functions {
     // of the n were read: fewer only if the list is full.
     std::int64_t (*gather)(CandidateList& list, const Group& group, const double* depth, const double* toolface,
                            const double* radius, std::int64_t n, std::int64_t rank, const Filter& filter);
-    // Iterates every active lane until it converges, or until the list cannot decide.
+    // Iterates every active lane until it converges, or until a sample outside the list could be a neighbour.
     Verdict (*estimate)(Group& group, const CandidateList& list, const Rules& rules, const Box& box);
     // Marks in keep[position] the candidates that are among some lane's nearest, and lowers group.discarded to the
     // nearest of the others.
