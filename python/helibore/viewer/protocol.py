@@ -1,4 +1,5 @@
 """The bytes that the server sends to a page. Little endian; every array starts at a multiple of its item size.
+
 The JSON messages are in ``client.py``; the page reads them in ``connection.js``.
 
     head, 32 bytes                                              payload of WRITE

@@ -1,5 +1,5 @@
-// Computes the radius of a vertex from its neighbours. It iterates until the radius converges, or until a sample that is
-// not in the list could be a neighbour: then the caller must make a new list (Verdict::widen, Verdict::refetch).
+// Computes the radius of a vertex from its neighbours. It iterates until the radius converges, or until a sample that
+// is not in the list could be a neighbour: then the caller must make a new list (Verdict::widen, Verdict::refetch).
 //
 // The sums run over the neighbours in canonical order, which is their position in the list. So the bits of a sum do not
 // depend on how the neighbours were found.
