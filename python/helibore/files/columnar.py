@@ -83,7 +83,7 @@ def _parquet_loader(source: InputFile, file: Any, name: str) -> Callable[[], Arr
 
 
 def parquet_values(column: Any) -> Array:
-    """Return the values of a ``pyarrow.Array``: a masked array if they are floats and some are empty, else a plain one."""
+    """Return the values of a ``pyarrow.Array``: a masked array if they are floats, some empty, else a plain one."""
     values: Array = column.to_numpy(zero_copy_only=False)
     empty = bool(column.null_count) and values.dtype.kind == "f"
     return np.ma.MaskedArray(values, column.is_null().to_numpy(zero_copy_only=False)) if empty else values
