@@ -1,11 +1,11 @@
 """Prepare readings for a wall: optional steps in a fixed order, each counted and reported.
 
-    readings --flat tops, closed, stuck--> rows --sensors--> one frame --range, repeated, spikes--> --passes, shifts-->
-             --reference--> the wall's toolface --recentre--> the hole's axis --bias--> --latest--> Caliper
+    readings --closed, flat tops, stuck--> rows --sensors--> one frame --range, repeated, spikes--> --passes, shifts-->
+             --reference--> the wall's toolface --recentre--> the hole's axis --bias--> --latest pass only--> Caliper
 
-``Preparation()`` only drops flat tops and closed arms, and brings the sensors into one frame. The steps themselves are
-in ``conditioning``, ``observe``, ``passes``, ``shifts``, ``eccentering`` and ``biases`` beside this file, and in
-``trajectory.references``; this file calls them in their order.
+``Preparation()`` only drops closed arms and flat tops (an arm at its widest), and brings the sensors into one frame.
+The steps themselves are in ``conditioning``, ``observe``, ``passes``, ``shifts``, ``eccentering`` and ``biases`` beside
+this file, and in ``trajectory.references``; this file calls them in their order.
 """
 
 from __future__ import annotations
@@ -105,7 +105,7 @@ class Preparation:
         (pass, metres) pairs: the shift to add to the depths of a pass.
     find_shifts
         Find the shift of every pass from the overlap. Passes in ``shifts`` keep the shift given there; without given
-        shifts, the mean of the shifts is 0.
+        shifts, the mean of the shifts that are found is 0.
     bias
         Which biases to find from the overlap and subtract: "none"; "arm", of each pass and arm; or "side", of each
         pass, arm and side of the hole on which the arm lies.

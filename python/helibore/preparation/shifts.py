@@ -4,9 +4,9 @@ r"""Find the depth shift of each pass by correlating its median radius along the
     less trend     _/\__/\____    the others                           at the shift to be added to its depths
 
 All arms of a pass count alike, so a pass that lies rotated in the hole still matches. Only differences can be found, so
-the mean of the shifts is 0 unless passes are held. A hole whose shape repeats along it (a spiral, regular ledges)
-matches at several shifts; if another peak is nearly as high, no shift is found. Stretching within a pass is not
-supported.
+the mean of the shifts that are found is set to 0, unless some passes are held where they are. A hole whose shape
+repeats along it (a spiral, regular ledges) matches at several shifts; if another peak is nearly as high, no shift is
+found. Stretching within a pass is not supported.
 """
 
 from __future__ import annotations
@@ -118,8 +118,8 @@ def find_shifts(
             shift[i], sigma[i], second[i] = peak.shift * _STEP, peak.sigma * _STEP, peak.second * _STEP
             best[i], second_best[i], found[i] = peak.correlation, peak.second_correlation, peak.found
             placed[i] = _moved(profiles[i], peak.shift)
-        if found.any() and not fixed.any():
-            shift[found] -= shift[found].mean()
+        if not fixed.any():
+            _center(shift, found)
         if not first and np.abs(shift - start).max() < 0.01 * _STEP:
             break
     found[fixed], best[fixed], before[fixed] = True, 1.0, 1.0
@@ -127,7 +127,14 @@ def find_shifts(
     # This comes last, because passes that are not yet in place each make a peak of their own.
     found &= ~(second_best > _RIVAL * best)
     shift[~found] = 0.0
+    if not fixed.any():
+        _center(shift, found)
     return result
+
+
+def _center(shift: Floats, found: Mask) -> None:
+    if found.any():
+        shift[found] -= shift[found].mean()
 
 
 def _profile(place: Floats, radius: Floats, grid: Integers) -> Floats:

@@ -322,6 +322,21 @@ def test_a_periodic_hole_is_not_shifted(period):
     assert "left where it is: no clear match, since the hole repeats itself (correlation 0.9" in found.lines()[0]
 
 
+def test_a_pass_over_a_repeating_stretch_leaves_the_mean_of_the_shifts_found_at_0():
+    rng = np.random.default_rng(7)
+    along = np.arange(-5, 90, 0.05)
+    shape = np.where(along < 60, np.interp(along, along[::8], rng.normal(0, 0.003, along[::8].size)), 0.0)
+    shape += np.where(along >= 60, 0.003 * np.cos(2 * np.pi * along / 1.5), 0.0)
+    parts = []
+    for number, (top, shift) in enumerate([(0, 0.3), (0, 0.6), (0, -0.3), (64, 0.3)]):
+        depth = np.arange(top, 84, 0.05)
+        radius = 0.1 + np.interp(depth + shift, along, shape) + rng.normal(0, 2e-4, depth.size)
+        parts.append((depth, radius, np.full(depth.size, number)))
+    found = find_shifts(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+    np.testing.assert_array_equal(found.found, [True, True, True, False])
+    np.testing.assert_allclose(found.shift, [0.1, 0.4, -0.5, 0.0], atol=0.02)
+
+
 def test_arm_sides():
     np.testing.assert_array_equal(arm_sides([0, 0, 1, 1, 2], [0, 350, 44, 180, 337.5], 8), [0, 0, 9, 12, 16])
 
