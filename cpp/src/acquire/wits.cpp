@@ -1,6 +1,7 @@
 // The states of the parser: outside -> "&&" -> inside -> "!!" -> outside; after a frame over a limit, the state is
 // `dropped` until the next delimiter. A line is examined when its end is read, or as soon as it is too long. Both give
-// the same result, so frames and events do not depend on how the stream is cut into chunks.
+// the same result, so frames and events do not depend on how the stream is cut into chunks. `Limits`, in wits.hpp,
+// has the numbers.
 #include "helibore/wits.hpp"
 
 #include <algorithm>

@@ -27,7 +27,7 @@ Array = npt.NDArray[Any]
 
 
 def numbers(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
-    """Return ``values`` as an array of ``dtype`` in its shape; it is copied only if it has another dtype."""
+    """Return ``values`` as an array of ``dtype``, of the same shape; not copied if it already is such an array."""
     return np.asarray(values, dtype)
 
 

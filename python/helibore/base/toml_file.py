@@ -9,7 +9,7 @@ from helibore.base.errors import InputError
 
 
 def read_toml(path: Path, place: str) -> dict[str, Any]:
-    """Return the tables of a TOML file in UTF-8; an InputError at ``place`` states why it is not valid."""
+    """Return the tables of a TOML file in UTF-8; raise an InputError with this ``place`` if it is not valid TOML."""
     import tomllib
 
     try:

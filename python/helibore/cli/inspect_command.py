@@ -35,7 +35,7 @@ WIDE = 120
 @click.option("--map", "map_file", type=FILE, help="TOML map of roles.")
 @click.option("--set", "sets", multiple=True, metavar="SETS", help="Look at these sets only: NAME, 3, 2,5-8, with=GR.")
 @click.option("--header-line", type=int, help="Line of the column names of a table (CSV, XLSX).  [found]")
-@click.option("--toml", is_flag=True, help="Print the role map alone, for a file.")
+@click.option("--toml", is_flag=True, help="Print only the role map, as TOML for a file of --map.")
 def inspect(file: Path, map_file: Path | None, sets: tuple[str, ...], header_line: int | None, toml: bool) -> None:
     """List the channels of FILE, their units, ranges and gaps, and what each is taken for.
 

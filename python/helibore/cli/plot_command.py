@@ -1,7 +1,7 @@
 """``helibore plot`` and ``helibore report``: a wall as a log on paper, or as one HTML page.
 
 Options become a `Drawing` here; ``helibore.plot`` draws it. Options that other commands also have are in
-``wall_options`` and ``outputs``.
+``wall_options``, ``zone_options`` and ``outputs``.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ takes_a_drawing = section(
     opt("--left", "Toolface at the left edge of images; 180 puts up in the middle.",
         type=click.Choice(["0", "90", "180", "270"]), default="0"),
     opt("--elevation", "From sea level up to the zero of depths: true depths are TVDSS.  [TVD]", type=LENGTH),
-    opts("--limits", "Ends of an image's colours, in its unit.", metavar="NAME=LOW,HIGH"),
+    opts("--limits", "Ends of an image's colours or of a curve's scale, in its unit.", metavar="NAME=LOW,HIGH"),
     opts("--color-map color_maps", "Colour map of an image.", metavar="NAME=MAP"),
     opts("--log logs", "Colours of this image follow the logarithm.", metavar="NAME"),
     opts("--linear", "Colours of this image do not follow the logarithm, although it is a resistivity.",
@@ -210,7 +210,7 @@ def _scale(text: str | None) -> int | None:
 
 
 def _looks(options: dict[str, Any]) -> dict[str, Look]:
-    """Return the colours of images by name."""
+    """Return the looks that the options state (limits, colour map, window, log), by name of the image or curve."""
     from helibore.plot import Look
 
     looks: dict[str, dict[str, Any]] = defaultdict(dict)

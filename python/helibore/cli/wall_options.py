@@ -146,7 +146,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--latest", "In each 0.5 m, use the last pass that measured there.  [merge them]", is_flag=True),
         opts("--shift shifts", "Add a length to a pass's depths, such as 3=-0.2m.", type=SHIFT),
         opt("--find-shifts", "Find each pass's depth shift from the overlap, unless --shift sets it.", is_flag=True),
-        opt("--bias", "Take off what each pass and arm reads too much; side: by the side an arm lies on.",
+        opt("--bias", "Take off what each pass and arm reads too much; side: for each side an arm lies on.",
             type=click.Choice(["none", "arm", "side"]), default="none"),
         opt("--compare-with earlier", "Earlier passes. The wall is made from the other passes; the attribute "
             "'difference' says how much larger it is than the wall of the earlier ones.", type=NUMBERS, default=()),

@@ -219,7 +219,7 @@ def _copied(pa: ModuleType, text: bytes) -> Any:
 def _unpacked(
     pa: ModuleType, csv: Any, source: InputFile, layout: TableLayout, encoding: str, types: dict[str, Any]
 ) -> Any:
-    """Read a table that must be unpacked or decoded; one thread prepares a piece while another parses the last."""
+    """Read a table that must be unpacked or decoded: a second thread parses a piece while the next is prepared."""
     parts: list[Future[Any]] = []
     with ThreadPoolExecutor(1) as beside:
         for piece in source.pieces():

@@ -52,7 +52,7 @@ class LogRows:
 
 
 def log_query(uids: tuple[str, str, str], start: tuple[str, str] | None) -> str:
-    """Return the query for a log from index ``start`` (value, unit; "" for a time), or from its first row if None."""
+    """Return the query for a log's rows from ``start`` on: (index, unit), unit "" for a time. None: from its first."""
     within = ""
     if start is not None and start[1]:
         within = f"<startIndex uom={quoteattr(start[1])}>{escape(start[0])}</startIndex>"

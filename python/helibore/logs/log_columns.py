@@ -1,6 +1,7 @@
 """The name of each log in files, its unit, and how turns are combined into steps.
 
-The only list of names: `Logs` attribute, mnemonic, unit, description. Mnemonics are those usual for caliper logs.
+The list of names: `Logs` attribute, mnemonic, unit, description. Mnemonics are those usual for caliper logs.
+The columns of uncertainty are named in ``turn_logs``, the class of hole in ``zones``.
 """
 
 from __future__ import annotations

@@ -96,7 +96,7 @@ def largest_shown(sections: list[CrossSection], bit_diameter: float) -> float:
 def draw_section(
     sheet: Sheet, x: float, y: float, section: CrossSection, name: str, look: tuple[float, float, str, str, DepthUnit]
 ) -> Axes:
-    """Draw a section with its caption; ``look``: bit diameter, outer radius (m), units, reference."""
+    """Draw a section with its caption; ``look``: bit diameter, outer radius (m), unit, reference, depth unit."""
     bit, outer, unit, reference, depths = look
     size = HEIGHT - 14.0
     middle = x + 0.5 * WIDTH

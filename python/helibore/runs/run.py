@@ -132,12 +132,12 @@ class Run:
 
     @property
     def reference(self) -> str | None:
-        """The reference of toolface 0 of the wall, if the settings, the path or else all samples state it."""
+        """The reference of toolface 0, as the settings, else the path, else all samples state it; None: none does."""
         return self.stated or (self.path.reference if self.path is not None else None)
 
     @property
     def stated(self) -> str | None:
-        """The reference of toolface 0 of the wall, if the settings or, without a path, all samples state it."""
+        """The reference of toolface 0, as the settings, else, without a path, all samples state it; None: none does."""
         if self.settings.path.reference or self.path is not None:
             return self.settings.path.reference
         stated = {self.settings.preparation.toolface_from or one.reference for one in self.readings}

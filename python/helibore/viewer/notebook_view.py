@@ -145,7 +145,7 @@ class NotebookView(anywidget.AnyWidget):
 
 
 class _Frame:
-    """The socket of one frame."""
+    """One frame of the page, as the websocket that `WebApp.serve` expects."""
 
     def __init__(self, widget: NotebookView, view: str) -> None:
         self._widget, self._view = widget, view

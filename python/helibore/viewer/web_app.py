@@ -369,7 +369,7 @@ class _Connection:
     def _receive(self, content: Any) -> None:
         with self.scene.lock:
             if not isinstance(content, dict) or self.client is None:
-                raise BadMessageError("must be an object, after the handshake")
+                raise BadMessageError("a message must be an object, sent after the handshake")
             if content.get("session") != self.client.session:
                 return  # the message is about the previous wall
             if "ack" in content:

@@ -270,7 +270,7 @@ class Wall:
             self._arms.append(arms)
 
     def at(self, depth: npt.ArrayLike, toolface: npt.ArrayLike) -> PointValues:
-        """Return radius, nearest, support and angular gap at points, as `helibore.wall.points.PointValues`.
+        """Return radius, nearest distance, support and angular gap at points, as `helibore.wall.points.PointValues`.
 
         Parameters
         ----------

@@ -150,7 +150,7 @@ def test_a_new_wall_greets_again(client: TestClient, feed: Any) -> None:
     [
         ("{", "not JSON"),
         ("[" * 5000, "not JSON"),
-        ("7", "must be an object, after the handshake"),
+        ("7", "a message must be an object, sent after the handshake"),
         ('{"session": "%s"}', "neither ack nor subscribe"),
         ('{"session": "%s", "ack": 99}', "ack 99: no such message is waiting for one"),
         ('{"session": "%s", "subscribe": {"tiles": 3}}', "subscribe.tiles: must be a list of at most 64 ranges"),

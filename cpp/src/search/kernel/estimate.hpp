@@ -93,9 +93,9 @@ struct Estimate {
 };
 
 // sum(w r) / sum(w) over the neighbours at most max_distance away; the mean of those at distance 0 if there are any. A
-// neighbour farther away adds 0, which does not change the bits of the sums. So it does not matter which neighbours
-// were selected beyond the limit, where no box has been certified. The result is clamped to the least and greatest
-// radius used, because rounding could exceed them by an ulp.
+// neighbour farther away adds 0, which does not change the bits of the sums. So it does not matter which samples
+// beyond the limit were selected, although the search does not make sure there that they are the nearest. The result is
+// clamped to the least and greatest radius used, because rounding could exceed them by an ulp.
 template <class P, int fixed>  // the number of neighbours where the compiler knows it, else 0: the weights stay in `n`
 inline Estimate<P> inverse_distance(Neighbours<P>& n, P scale, const Rules& rules) {
     const int neighbors = fixed > 0 ? fixed : rules.neighbors;
