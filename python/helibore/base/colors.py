@@ -41,6 +41,10 @@ MISSING: tuple[int, int, int] = _rgb(_DEFINITION["missing"])
 ZONE_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINITION["zones"].items()}
 """Colours of the kinds of zones on a light ground; the page has others in dark mode."""
 
+FILL_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINITION["fills"].items()}
+"""The same for fills of caliper track and cross-section: from bit to the least diameter (over), from there or from bit
+to the greatest (partly over), from the least diameter to bit (under)."""
+
 PICK_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINITION["picks"].items()}
 """The same for the classes of picks."""
 

@@ -260,7 +260,7 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     top, bottom = _interval(wall, drawing)
     scale = drawing.scale or usual_depth_scale(bottom - top)
     zones = wall.zones(drawing.criteria)
-    turns = diameters(wall, zones.logs, zones.kind.astype(np.float64))
+    turns = diameters(wall, zones.logs)
     reference = _reference(wall, drawing)
     images = _images(wall, drawing, reference)
     shown = [_shown(image, drawing.looks.get(image.name, Look()), top, bottom) for image in images]
@@ -269,7 +269,7 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     tracks: list[PlacedTrack] = [
         DepthTrack(scale, true_depth(wall.path, drawing.elevation), zones.zones, drawing.depth_unit)
     ]
-    others = [_Other.of(name, one, drawing.criteria) for name, one in drawing.beside.items()]
+    others = [_Other.of(name, one) for name, one in drawing.beside.items()]
     limits = _diameter_limits([(wall, turns), *((one.wall, one.turns) for one in others)], top, bottom, drawing)
     if wall.basis != "gauge":
         tracks.append(_caliper(wall, turns, limits, drawing, reference))
@@ -359,11 +359,10 @@ class _Other:
     turns: Diameters
 
     @classmethod
-    def of(cls, name: str, wall: Wall, criteria: Criteria | None) -> _Other:
+    def of(cls, name: str, wall: Wall) -> _Other:
         if wall.basis == "gauge" or len(wall) < wall.settings.sectors:
             raise InputError(f"beside {name!r}", "must have a full turn that was measured")
-        zones = wall.zones(criteria)
-        return cls(name, wall, diameters(wall, zones.logs, zones.kind.astype(np.float64)))
+        return cls(name, wall, diameters(wall, wall.logs()))
 
     def caliper(self, limits: tuple[float, float], drawing: Drawing) -> CaliperTrack:
         return _caliper(self.wall, self.turns, limits, drawing, _reference(self.wall, Drawing()), f"{self.name}: ")

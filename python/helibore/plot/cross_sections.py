@@ -15,11 +15,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from helibore.base.arrays import Floats, Mask
+from helibore.base.colors import FILL_COLORS
 from helibore.base.errors import InputError
 from helibore.plot.depth_scales import DepthUnit, length_text
 from helibore.plot.diameters import Diameters
 from helibore.plot.paper import INK, RULE, SMALL, USUAL, Sheet
-from helibore.plot.tracks import GREY, HATCH_COLOR, LENGTHS, OVER, SIDES, UNDER
+from helibore.plot.tracks import GREY, HATCH_COLOR, LENGTHS, SIDES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -137,13 +138,13 @@ def draw_section(
 def key_text(bit_diameter: float, unit: str, pitch: float, hatched: bool) -> str:
     """Explain what the sections show, in one line."""
     size, near = length_text(bit_diameter / LENGTHS[unit], unit), f"{500 * abs(pitch):g} mm"
-    signs = f"Red: wall; dashed: bit, {size}; amber: over bit; green: under bit; dots: samples within {near}"
+    signs = f"Red: wall; dashed: bit, {size}; orange: over bit; blue: under bit; dots: samples within {near}"
     gaps = "grey: no sample in reach" + ("; hatched: interpolated" if hatched else "")
     return f"Cross sections, looking downhole. {signs}; {gaps}"
 
 
 def _fill(axes: Axes, section: CrossSection, bit: float, outer: float) -> None:
-    """Fill amber over the bit, green under the bit, and grey wedges where the radius is missing."""
+    """Fill orange over the bit, blue under the bit, and grey wedges where the radius is missing."""
     K = section.radius.size
     finer = max(720 // K, 1)
     fine = section.toolface[0] + np.linspace(0.0, 360.0, finer * K + 1)
@@ -152,10 +153,10 @@ def _fill(axes: Axes, section: CrossSection, bit: float, outer: float) -> None:
     r = section.radius
     radius = r[left % K] + (place - left) * (r[(left + 1) % K] - r[left % K])
     shown = np.where(np.isnan(radius), bit, radius)
-    for other, color in ((np.maximum(shown, bit), OVER), (np.minimum(shown, bit), UNDER)):
+    for other, color in ((np.maximum(shown, bit), FILL_COLORS["over"]), (np.minimum(shown, bit), FILL_COLORS["under"])):
         inner = _xy(fine, np.full(fine.size, bit))
         ring = [np.append(a, b[::-1]) for a, b in zip(_xy(fine, other), inner, strict=True)]
-        _patch(axes, ring, color, 0.85)
+        _patch(axes, ring, color)
     for j in np.flatnonzero(np.isnan(r) | section.interpolated):
         arc = section.toolface[j] + np.linspace(-180.0 / K, 180.0 / K, 8)
         x, y = _xy(arc, np.full(8, outer if np.isnan(r[j]) else r[j]))
@@ -166,14 +167,12 @@ def _fill(axes: Axes, section: CrossSection, bit: float, outer: float) -> None:
             _patch(axes, wedge, "none", hatch="////")
 
 
-def _patch(
-    axes: Axes, outline: list[Floats], color: str | tuple[float, ...], alpha: float = 1.0, hatch: str | None = None
-) -> None:
+def _patch(axes: Axes, outline: list[Floats], color: str | tuple[float, ...], hatch: str | None = None) -> None:
     """Draw a filled or hatched outline; it is not measured, because the limits of the axes are known."""
     from matplotlib.patches import Polygon
 
     look = {"hatch": hatch, "edgecolor": HATCH_COLOR, "linewidth": 0.0} if hatch else {"edgecolor": "none"}
-    axes.add_artist(Polygon(np.column_stack(outline), facecolor=color, alpha=alpha, **look))
+    axes.add_artist(Polygon(np.column_stack(outline), facecolor=color, **look))
 
 
 def _xy(toolface: Floats, radius: Floats) -> tuple[Floats, Floats]:

@@ -32,11 +32,10 @@ class Diameters:
     least: Floats  # across the hole, of the radii that are there; of a tool with few arms, of the arms
     greatest: Floats
     coverage: Floats  # share of the turn that has a radius, measured or interpolated
-    kind: Floats  # of hole, as in `Classification.kind`
 
 
-def diameters(wall: WallLike, logs: Logs, kind: Floats) -> Diameters:
-    """Return the diameters of every full turn, from the turns' logs and kinds."""
+def diameters(wall: WallLike, logs: Logs) -> Diameters:
+    """Return the diameters of every full turn, from the turns' logs."""
     K = wall.settings.sectors
     by_turn = wall.radius[: logs.depth.size * K].reshape(-1, K)
     half = K // 2  # if K is odd, the far side is the mean of two vertices
@@ -47,7 +46,7 @@ def diameters(wall: WallLike, logs: Logs, kind: Floats) -> Diameters:
     if logs.shape == "arms":  # the wall between them is rounder than the hole
         ends = logs.least_diameter, logs.c1
     order = slice(None) if wall.settings.pitch > 0 else slice(None, None, -1)
-    return Diameters(*(column[order] for column in (*whole, *ends, np.isfinite(by_turn).mean(axis=1), kind)))
+    return Diameters(*(column[order] for column in (*whole, *ends, np.isfinite(by_turn).mean(axis=1))))
 
 
 def thinned(turns: Diameters, top: float, bottom: float, rows: int) -> Diameters:
@@ -62,7 +61,6 @@ def thinned(turns: Diameters, top: float, bottom: float, rows: int) -> Diameters
     found = {name: np.add.reduceat(columns[name], first) / sizes for name in ("depth", "coverage")}
     found["least"] = np.fmin.reduceat(columns["least"], first)
     found["greatest"] = np.fmax.reduceat(columns["greatest"], first)
-    found["kind"] = np.maximum.reduceat(columns["kind"], first)
     for name in ("area", "c1", "c2", "d0", "d90"):  # only in rows in which at least half of the turns are whole
         there = np.isfinite(columns[name])
         total = np.add.reduceat(np.where(there, columns[name], 0.0), first)

@@ -18,13 +18,13 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from helibore.base.arrays import Floats
-from helibore.base.colors import MISSING, ZONE_COLORS, ColorScale
+from helibore.base.colors import FILL_COLORS, MISSING, ZONE_COLORS, ColorScale
 from helibore.base.errors import InputError
 from helibore.base.settings import Settings
 from helibore.base.units import INCH, MILLIMETRE
 from helibore.images.sector_image import SectorImage
 from helibore.logs.curves import ScalarCurve
-from helibore.logs.zones import KINDS, Zone
+from helibore.logs.zones import Zone
 from helibore.plot.depth_scales import METRES, DepthUnit, Lines, length_text
 from helibore.plot.diameters import Diameters, thinned
 from helibore.plot.paper import FAINT, FONT, INK, RULE, SMALL, USUAL, Sheet
@@ -51,7 +51,7 @@ SCALAR = "#1d6b3a"
 HATCH = 1.4
 """Distance of the lines that hatch values interpolated between arms, millimetres."""
 HATCH_COLOR = tuple(part / 255.0 for part in HATCH_BYTES)
-OVER, UNDER, BAND, AREA = "#f2b366", "#6fae7c", "#cfd8e0", "#b3261e"
+AREA = "#b3261e"
 LETTERS = {"washout": "W", "breakout": "B", "key seat": "K", "undergauge": "U"}
 """Letters of the kinds of zones, beside their colours."""
 STRIP = 0.2
@@ -171,7 +171,7 @@ class DepthTrack:
 
 
 class CaliperTrack:
-    """Diameters against bit size: amber over bit, the zone's colour in a washout, green under bit.
+    """Diameters against bit size: orange from bit to the least one, pale to the greatest; blue from the least to bit.
 
     Parameters
     ----------
@@ -223,22 +223,17 @@ class CaliperTrack:
         self._key(sheet, x + 1, row, f"bit size {length_text(self.bit, self.unit)}", color=INK, dashes=(4, 2))
         row += 3.5
         self._key(sheet, x + 1, row, "by area", color=AREA)
-        if self.basis == "azimuthal":
-            sheet.box(x + 17.5, row - 1.1, 4, 2.2, facecolor=BAND, edgecolor=RULE, linewidth=0.4)
-            sheet.text(x + 22.2, row, "least to greatest", 5.2, within=self.width - 22.6)
+        self._fill_key(sheet, x + 21, row, "under", "under bit")
+        if self.curves:
             row += 3.5
-            for number, name in enumerate(self.curves):
-                at = x + 1 + number * 9.6
-                sheet.line((at, at + 3.6), (row, row), linewidth=0.9, **CURVES[name])
-                sheet.text(at + 4.2, row, self.names.get(name, name), 5.2, within=5.2)
+        for number, name in enumerate(self.curves):
+            at = x + 1 + number * 9.6
+            sheet.line((at, at + 3.6), (row, row), linewidth=0.9, **CURVES[name])
+            sheet.text(at + 4.2, row, self.names.get(name, name), 5.2, within=5.2)
         row += 3.5
-        for at, color, text in (
-            (1.0, OVER, "over bit"),
-            (14.0, ZONE_COLORS["washout"], "washout"),
-            (27.0, UNDER, "under bit"),
-        ):
-            sheet.box(x + at, row - 1.1, 3, 2.2, facecolor=color, edgecolor="none")
-            sheet.text(x + at + 3.6, row, text, 5.2, within=9.2)
+        self._fill_key(sheet, x + 1, row, "over", "bit to least" if self.basis == "azimuthal" else "over bit")
+        if self.basis == "azimuthal":
+            self._fill_key(sheet, x + 21, row, "partly over", "to greatest")
         low, high = (f"{limit:g}" for limit in self.limits)
         sheet.text(x + 0.6, y + HEAD - 2.2, low, SMALL)
         sheet.text(x + self.width - 0.6, y + HEAD - 2.2, high, SMALL, ha="right")
@@ -246,6 +241,10 @@ class CaliperTrack:
     def _key(self, sheet: Sheet, x: float, row: float, text: str, **look: Any) -> None:
         sheet.line((x, x + 6), (row, row), linewidth=0.9, **look)
         sheet.text(x + 7.2, row, text, SMALL, within=self.width - 9)
+
+    def _fill_key(self, sheet: Sheet, x: float, row: float, fill: str, text: str) -> None:
+        sheet.box(x, row - 1.1, 3, 2.2, facecolor=FILL_COLORS[fill], edgecolor=RULE, linewidth=0.3)
+        sheet.text(x + 4, row, text, 5.2, within=14)
 
     def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
         """Draw the curves; grey where a turn has no radius at all."""
@@ -255,19 +254,16 @@ class CaliperTrack:
             axes.axvline(self.limits[0] + at * step, color=RULE, linewidth=0.3, alpha=0.6)
         turns = thinned(self.turns, stretch.top, stretch.bottom, 2 * sheet.pixels(stretch.height))
         scale = LENGTHS[self.unit]
-        area = turns.area / scale
-        bit = np.full(area.size, self.bit)
+        area, least, greatest = turns.area / scale, turns.least / scale, turns.greatest / scale
+        inner, outer = np.maximum(least, self.bit), np.maximum(greatest, self.bit)
+        for left, right, fill in (
+            (np.minimum(least, self.bit), self.bit, "under"),
+            (self.bit, inner, "over"),
+            (inner, outer, "partly over"),
+        ):
+            axes.fill_betweenx(turns.depth, left, right, facecolor=FILL_COLORS[fill], linewidth=0)
         if self.basis == "azimuthal":
-            least, greatest = turns.least / scale, turns.greatest / scale
-            axes.fill_betweenx(turns.depth, least, greatest, facecolor=BAND, edgecolor=RULE, linewidth=0.35)
-        washed = turns.kind == KINDS.index("washout")
-        for where, color in ((area >= bit, OVER), (area <= bit, UNDER), (washed, ZONE_COLORS["washout"])):
-            look: dict[str, Any] = {
-                "where": where,
-                "facecolor": color,
-                "interpolate": color != ZONE_COLORS["washout"],
-            }
-            axes.fill_betweenx(turns.depth, bit, area, linewidth=0, alpha=0.85, **look)
+            axes.fill_betweenx(turns.depth, least, greatest, facecolor="none", edgecolor=RULE, linewidth=0.35)
         for name in self.curves:
             axes.plot(getattr(turns, name.lower()) / scale, turns.depth, linewidth=0.8, **CURVES[name])
         axes.plot(area, turns.depth, color=AREA, linewidth=0.8)

@@ -62,7 +62,7 @@ def test_no_circle_passes_where_an_arm_was_narrower() -> None:
     assert (logs.enclosing_diameter >= logs.c1).all()
     found = wall.summary()
     assert found.inscribed_diameter.value <= found.least_diameter.value
-    drawn = diameters(wall, logs, wall.zones().kind)
+    drawn = diameters(wall, logs)
     np.testing.assert_array_equal(drawn.least, logs.least_diameter)
     np.testing.assert_array_equal(drawn.greatest, logs.c1)
 

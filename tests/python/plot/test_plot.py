@@ -15,9 +15,8 @@ from plotted_wall import BIT, image_of, plotted_wall
 
 import helibore as hb
 from helibore import plot
-from helibore.base.colors import MISSING
+from helibore.base.colors import FILL_COLORS, MISSING
 from helibore.logs.curves import ScalarCurve, nice_limits
-from helibore.logs.zones import KINDS
 from helibore.plot.content import REFERENCES, content_of
 from helibore.plot.cross_sections import sections_at
 from helibore.plot.depth_scales import FEET, Lines, usual_depth_scale
@@ -60,7 +59,7 @@ def assert_readable(figure: Any) -> None:
 
 def measured(wall: hb.Wall) -> Diameters:
     zones = wall.zones()
-    return diameters(wall, zones.logs, zones.kind.astype(float))
+    return diameters(wall, zones.logs)
 
 
 def tracks_of(figure: Any) -> list[Any]:
@@ -74,8 +73,7 @@ def test_a_log_says_all_that_a_reader_must_know(wall: hb.Wall) -> None:
     for needed in (
         "A well", "A run", "2,000.00 to 2,022.00 m MD (22.0 m)", "8.504 in (216.0 mm)", "1:40, 25 mm on paper a metre",
         "from the high side, clockwise looking downhole", "radius measured by an azimuthal caliper",
-        "Diameter [in]", "bit size 8.504 in", "by area", "least to greatest", "C1", "C2", "over bit", "washout",
-        "under bit",
+        "Diameter [in]", "bit size 8.504 in", "by area", "under bit", "bit to least", "to greatest", "C1", "C2",
         "Radius − bit/2 [in]", "GR [gAPI]", "RES [ohm.m]", "logarithmic", "16 sectors, static", "Depth", "MD [m]",
         "missing: no value, or not sampled there", "Cross sections, looking downhole", "tube × ", "shape × ",
         "coloured by radius", "rings each",
@@ -583,17 +581,29 @@ def test_another_wall_stands_beside_on_the_same_depths(wall: hb.Wall) -> None:
         content_of(wall, plot.Drawing(beside={"F-15": gauge}))
 
 
-def test_what_is_over_bit_is_no_washout_by_itself() -> None:
-    """0.3 mm (0.012 in) over bit size is drawn as over bit; what is a washout, the zones say."""
-    depth = np.arange(2000, 2010, 0.02)
-    radius = BIT / 2 + 0.00015 + 0.03 * (np.abs(depth - 2006) < 1)
-    wall = hb.reconstruct(hb.Caliper(depth, depth * 900 % 360, radius), bit_diameter=BIT, sectors=16)
-    turns = measured(wall)
-    washed = turns.kind == KINDS.index("washout")
-    assert (turns.area >= BIT).mean() > 0.9
-    (zone,) = wall.zones().zones
-    assert (turns.depth[washed].min(), turns.depth[washed].max()) == pytest.approx((zone.start, zone.stop), abs=0.2)
-    assert washed.mean() == pytest.approx(0.2, abs=0.03)
+def test_orange_fills_over_bit_and_blue_under_it_by_shape_alone() -> None:
+    """Bit to the least diameter strong, from there to the greatest pale; a zone changes no colour."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    depth = np.arange(2000, 2010, 0.002)
+    oval = 0.01 * np.cos(np.radians(2 * depth * 3000))
+    size = np.select([depth < 2003, depth < 2006], [0.03, -0.008], 0.0)
+    wall = hb.reconstruct(hb.Caliper(depth, depth * 3000 % 360, BIT / 2 + size + oval), bit_diameter=BIT, sectors=16)
+    assert "washout" in {zone.kind for zone in wall.zones().zones}
+    figure = plot.log(wall, unit="mm", dpi=150, curves=(), polar=(), body=())
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    pixels = np.asarray(canvas.buffer_rgba())[..., :3]
+    axes = tracks_of(figure)[1]
+
+    def color(diameter: float, at: float) -> str:
+        right, up = axes.transData.transform((1000 * BIT + diameter, at))
+        return "#" + bytes(pixels[int(pixels.shape[0] - up), int(right)]).hex()
+
+    over, pale, under = (FILL_COLORS[fill] for fill in ("over", "partly over", "under"))
+    assert [color(size, 2001.33) for size in (5, 30, 50, 70, 90)] == [over, over, pale, pale, "#ffffff"]
+    assert [color(size, 2004.33) for size in (-28, -8, 12)] == [under, under, "#ffffff"]
+    assert [color(size, 2008.33) for size in (-25, -9, 9)] == ["#ffffff", under, pale]
 
 
 def test_a_scalar_track_draws_its_curve_to_its_gaps() -> None:

@@ -1,5 +1,5 @@
-// The caliper track: smallest and largest diameter of every turn (green, blue), filled between, bit size dashed. Orange
-// marks hole beyond the bit, or the zone's colour inside a zone; red marks hole tighter than the bit. Turns without a
+// The caliper track: smallest and largest diameter of every turn (green, blue lines), bit size dashed. Orange fills from bit
+// to the smallest diameter, pale orange to the largest; blue fills from the smallest diameter to bit. Turns without a
 // diameter are hatched; turns interpolated between arms are hatched sparsely.
 
 import { BOLD, HEAD, label, PALETTES, SMALL } from './layout.js';
@@ -7,7 +7,6 @@ import { niceStep } from './lod.js';
 import { hatched, line, SPARSE } from './strokes.js';
 import { tileTurns } from './turns.js';
 import { LENGTHS } from './units.js';
-import { zoneAt } from './zones.js';
 
 // Returns the smallest Cmin and the largest Cmax of the turns under each pixel row, as {min, max, seen, between}. `seen`
 // is 0 beyond the wall; `between` is 1 where a turn is mostly interpolated between arms.
@@ -49,7 +48,7 @@ export function scaleFor(bit, { min, max }, per = 1000) {
 
 /** @param {Ink} ink @param {Look} look */
 export function drawCaliper(ink, look) {
-  const { store, view, rects, zones } = look;
+  const { store, view, rects } = look;
   const palette = PALETTES[view.theme];
   const rect = rects.caliper;
   const bit = 2 * store.bitRadius;
@@ -69,10 +68,9 @@ export function drawCaliper(ink, look) {
   for (let y = 0; y < min.length; y++) {
     if (Number.isNaN(min[y])) continue;
     const py = rect.top + y;
-    band(ink, x(min[y]), x(max[y]), py, palette.fill);
-    const zone = zoneAt(zones, view.top + ((y + 0.5) / rect.height) * view.length);
-    if (max[y] > bit) band(ink, x(bit), x(max[y]), py, zone && zone.kind !== 'undergauge' ? `${palette.zones[zone.kind]}80` : palette.over);
-    if (min[y] < bit) band(ink, x(min[y]), x(bit), py, palette.tight);
+    if (min[y] < bit) band(ink, x(min[y]), x(bit), py, palette.fills.under);
+    if (max[y] > bit) band(ink, x(bit), x(max[y]), py, palette.fills['partly over']);
+    if (min[y] > bit) band(ink, x(bit), x(min[y]), py, palette.fills.over);
   }
   runs(between, (y) => between[y], (start, tall) => hatched(ink, rect.left, rect.top + start, rect.width, tall, palette, SPARSE));
   curve(ink, rect, min, x, palette.min);

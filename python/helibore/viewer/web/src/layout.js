@@ -84,22 +84,22 @@ export const depthAt = (view, rect, y) => view.top + ((y - rect.top) / rect.heig
 /** @param {Pick<View, 'top' | 'bottom'>} view @param {Pick<Rect, 'top' | 'height'>} rect @param {number} depth */
 export const yOf = (view, rect, depth) => rect.top + ((depth - view.top) / (view.bottom - view.top)) * rect.height;
 
-/** @type {(dark: 0 | 1) => Pick<Palette, 'zones' | 'picks'>} */
+/** @type {(dark: 0 | 1) => Pick<Palette, 'zones' | 'fills' | 'picks'>} */
 const colours = (dark) => {
   /** @template {string} Kind @param {Record<Kind, string[]>} kinds @returns {Record<Kind, string>} */
   const of = (kinds) => /** @type {Record<Kind, string>} */ (Object.fromEntries(Object.keys(kinds).map((kind) => [kind, `#${kinds[/** @type {Kind} */ (kind)][dark]}`])));
-  return { zones: of(definition.zones), picks: of(definition.picks) };
+  return { zones: of(definition.zones), fills: of(definition.fills), picks: of(definition.picks) };
 };
 
 /** @type {Record<Theme, Palette>} */
 export const PALETTES = {
   light: {
     background: 0xf4f5f6, paper: '#f4f5f6', panel: '#ffffff', ink: '#1b2126', soft: '#5c6770', line: '#cfd5da', grid: '#0000001a',
-    cursor: '#e8410d', pin: '#8a3ffc', min: '#14833b', max: '#1557b0', fill: '#3b7dd81f', over: '#f2a33a66', tight: '#d3222299', hatch: '#9aa3aa', ...colours(0),
+    cursor: '#e8410d', pin: '#8a3ffc', min: '#14833b', max: '#1557b0', hatch: '#9aa3aa', ...colours(0),
   },
   dark: {
     background: 0x14181c, paper: '#14181c', panel: '#1d2328', ink: '#e6eaed', soft: '#98a4ad', line: '#36404a', grid: '#ffffff20',
-    cursor: '#ff7043', pin: '#b388ff', min: '#5fd08a', max: '#72aef7', fill: '#6fa8ff26', over: '#e0953a70', tight: '#ff5a52a0', hatch: '#6b757d', ...colours(1),
+    cursor: '#ff7043', pin: '#b388ff', min: '#5fd08a', max: '#72aef7', hatch: '#6b757d', ...colours(1),
   },
 };
 

@@ -89,7 +89,7 @@ export class DepthMap {
       width,
       colours: new Uint32Array(lookup(themed(map, view.theme === 'dark')).buffer),
       missing: packed(palette.hatch),
-      bar: bars ? packed(palette.max) : 0,
+      bar: bars ? packed(palette.fills.over) : 0,
     };
     /** @param {number} y */
     const place = (y) => (a + (y / height) * (b - a) - over.startDepth) / over.pitch; // in turns of the overview

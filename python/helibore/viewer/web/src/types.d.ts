@@ -40,7 +40,7 @@ interface Arrangement {
 }
 interface Palette {
   background: number; paper: string; panel: string; ink: string; soft: string; line: string; grid: string; cursor: string; pin: string; min: string; max: string;
-  fill: string; over: string; tight: string; hatch: string; zones: Record<ZoneKind, string>; picks: Record<PlaneKind | 'breakout', string>;
+  hatch: string; zones: Record<ZoneKind, string>; fills: Record<'over' | 'partly over' | 'under', string>; picks: Record<PlaneKind | 'breakout', string>;
 }
 
 // The wall.
