@@ -57,11 +57,12 @@ export function drawPolar(canvas, look, found) {
     };
   };
   const place = placeOn(found, depth);
+  outline(ink, found, (r, j) => place(Math.max(r, R), j), 'transparent', palette.fills.over);
+  disc(ink, width / 2, height / 2, R * scale, found.measured.share === 1 ? palette.fills.under : palette.panel);
+  outline(ink, found, (r, j) => place(Math.min(r, R), j), 'transparent', palette.panel);
   rings(ink, look, width, height, scale, palette);
   kept.forEach((pin, i) => outline(ink, pin, placeOn(pin, view.pins[i]), palette.pin, null));
-  outline(ink, found, (r, j) => place(Math.max(r, R), j), 'transparent', palette.over);
-  disc(ink, width / 2, height / 2, R * scale, palette.panel);
-  outline(ink, found, place, palette.ink, palette.fill);
+  outline(ink, found, place, palette.ink, 'transparent');
   band(ink, found, place, palette.cursor);
   diameters(ink, found, place, palette);
   const { cursor } = view;
