@@ -36,14 +36,16 @@ export function profile({ store, view, imagePieces, rects }) {
   return { min, max, seen, between };
 }
 
-// Ends of the scale: round numbers of a unit of which `per` make a metre. They enclose the tightest and the widest turn in
-// view, and at least a tenth of bit size.
+// The lines of the scale, from its low to its high end: round numbers of a unit of which `per` make a metre. They enclose the
+// tightest and the widest turn in view, and at least a tenth of bit size; a fifth of them lies below bit size.
 /** @param {number} bit @param {{ min: Float32Array, max: Float32Array }} of @param {number} [per] */
 export function scaleFor(bit, { min, max }, per = 1000) {
   const widest = max.reduce((most, value) => (value > most ? value : most), bit * 1.06);
-  const tightest = min.reduce((least, value) => (value < least ? value : least), bit * 0.96);
-  const step = niceStep(((widest - tightest) / 8) * per) / per;
-  return [Math.floor(tightest / step) * step, Math.ceil(widest / step) * step];
+  const tightest = min.reduce((least, value) => (value < least ? value : least), bit - Math.max(0.04 * bit, (widest - bit) / 4));
+  const step = niceStep(((widest - tightest) / 6) * per);
+  const first = Math.floor((tightest * per) / step + 1e-9);
+  const last = Math.ceil((widest * per) / step - 1e-9);
+  return Array.from({ length: last - first + 1 }, (_, i) => ((first + i) * step) / per);
 }
 
 /** @param {Ink} ink @param {Look} look */
@@ -55,11 +57,11 @@ export function drawCaliper(ink, look) {
   const found = profile(look);
   if (!rect.width) return found; // nothing measured it
   const { min, max, seen, between } = found;
-  const [low, high] = scaleFor(bit, found, LENGTHS[view.units].scale);
+  const grid = scaleFor(bit, found, LENGTHS[view.units].scale);
+  const [low, high] = [grid[0], grid[grid.length - 1]];
   /** @param {number} diameter */
   const x = (diameter) => rect.left + ((diameter - low) / (high - low)) * rect.width;
-  ink.fillStyle = palette.panel;
-  ink.fillRect(rect.left, rect.top, rect.width, rect.height);
+  for (const diameter of grid.slice(1, -1)) line(ink, x(diameter), rect.top, x(diameter), rect.top + rect.height, palette.grid);
   ink.save();
   ink.beginPath();
   ink.rect(rect.left, rect.top, rect.width, rect.height);
@@ -126,9 +128,9 @@ function head(ink, { view, store }, { left, width }, [low, bit, high], x, palett
     label(ink, 'Cmin', left + 2, 29, { colour: palette.min, font: BOLD });
     label(ink, 'Cmax', left + width - 2, slim ? 43 : 29, { colour: palette.max, align: 'right', font: BOLD });
   }
-  label(ink, `bit ${show(bit)}`, slim ? left + width / 2 : x(bit), HEAD - 25, { colour: palette.ink, align: 'center', font: SMALL, halo: palette.paper });
-  line(ink, x(bit), HEAD - 18, x(bit), HEAD, palette.ink, [3, 2]);
-  if (x(bit) - left > 30) label(ink, show(low), left + 1, HEAD - 9, { colour: palette.soft, font: SMALL });
-  label(ink, show(high), left + width - 1, HEAD - 9, { colour: palette.soft, align: 'right', font: SMALL });
+  label(ink, show(low), left + 2, HEAD - 25, { colour: palette.soft, font: SMALL });
+  label(ink, show(high), left + width - 2, HEAD - 25, { colour: palette.soft, align: 'right', font: SMALL });
+  const text = `bit ${show(bit)}`;
+  label(ink, text, Math.max(x(bit), left + ink.measureText(text).width / 2), HEAD - 9, { colour: palette.ink, align: 'center', font: SMALL });
 }
 

@@ -122,8 +122,6 @@ export class Curves {
   draw(ink, look) {
     const { view, rects: { curves: rect } } = look;
     const palette = PALETTES[view.theme];
-    ink.fillStyle = palette.panel;
-    ink.fillRect(rect.left, rect.top, rect.width, rect.height);
     for (const share of [0.25, 0.5, 0.75]) line(ink, rect.left + share * rect.width, rect.top, rect.left + share * rect.width, rect.top + rect.height, palette.grid);
     this.shown.forEach((one, i) => {
       const [colour, dash] = STYLES[i];

@@ -17,6 +17,8 @@ export function drawAxis(ink, { view, rects, zones }) {
   const rect = rects.axis;
   const right = tracksEnd(rects);
   const { values, step } = ticks(view.top, view.bottom, rect.height, APART, LENGTHS[view.units].depth.scale);
+  ink.fillStyle = palette.panel;
+  for (const ground of [rects.caliper, rects.curves]) if (ground) ink.fillRect(ground.left, ground.top, ground.width, ground.height);
   drawZones(ink, zones, (depth) => yOf(view, rect, depth), rect.left, 12, [rect.top, rect.top + rect.height], palette);
   ink.lineWidth = 1;
   for (let depth = Math.ceil(view.top / (step / 5)) * (step / 5); depth <= view.bottom; depth += step / 5) {
