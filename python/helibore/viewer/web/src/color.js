@@ -166,14 +166,14 @@ const WINDOW = 1.0; // metres of the dynamic range
 export function dynamicRange(store, quantity, tile, pass) {
   const { level } = tile;
   const reach = Math.max(1, Math.round(WINDOW / 2 / Math.abs(level.pitch)));
-  const sums = [-1, 0, 1].map((step) => rowSums(store, quantity, level.tiles.get(tile.index + step), pass));
+  const sums = [-1, 0, 1].map((step) => rowFigures(store, quantity, level.tiles.get(tile.index + step), pass));
   /** @type {(row: number) => [Float64Array | null, number]} */
   const at = (row) => (row < 0 ? [sums[0], row + level.rows] : row < level.rows ? [sums[1], row] : [sums[2], row - level.rows]);
   const total = [0, 0, 0];
   /** @param {number} row @param {number} sign */
   const add = (row, sign) => {
     const [from, i] = at(row);
-    if (from && i >= 0 && i < level.rows) for (let c = 0; c < 3; c++) total[c] += sign * from[3 * i + c];
+    if (from && i >= 0 && i < level.rows) for (let c = 0; c < 3; c++) total[c] += sign * from[FIGURES * i + c];
   };
   for (let row = -reach; row < reach; row++) add(row, 1);
   const out = new Float32Array(2 * level.rows);
@@ -189,24 +189,49 @@ export function dynamicRange(store, quantity, tile, pass) {
   return out;
 }
 
-// Per row: count, sum and sum of squares (of logarithms for a logarithmic quantity), kept until the tile changes.
+// Do values of the section lie beyond the low and the high end of the colours, by at least a step of the colours?
+/** @param {Pick<Look, 'store' | 'view' | 'imagePieces'>} look @param {Quantity} quantity @returns {[boolean, boolean]} */
+export function beyondEnds({ store, view, imagePieces }, quantity) {
+  const [a, b] = [quantity.low, quantity.high].map(scaling(quantity.log));
+  let [least, most] = [a, b];
+  for (const { tile, top, bottom } of imagePieces) {
+    const figures = rowFigures(store, quantity, tile, view.pass) ?? [];
+    const { pitch, rows } = tile.level;
+    const ends = [Math.max(top, view.top), Math.min(bottom, view.bottom)].map((depth) => (depth - tile.startDepth) / pitch);
+    for (let row = Math.max(0, Math.floor(Math.min(...ends))); row < Math.min(rows, Math.max(...ends)); row++) {
+      least = Math.min(least, figures[FIGURES * row + 3]);
+      most = Math.max(most, figures[FIGURES * row + 4]);
+    }
+  }
+  return [least < a - (b - a) / 256, most > b + (b - a) / 256];
+}
+
+const FIGURES = 5;
+
+// Per row: count, sum, sum of squares, least and greatest value (of logarithms for a logarithmic quantity), kept until the
+// tile changes.
 /** @param {Store} store @param {Quantity} quantity @param {Tile | undefined} tile @param {Pass} pass */
-function rowSums(store, quantity, tile, pass) {
+function rowFigures(store, quantity, tile, pass) {
   if (!tile) return null;
   const key = `${quantity.id}/${pass}/${quantity.log}`;
-  if (tile.sums?.key === key && tile.sums.version === tile.version) return tile.sums.values;
+  const kept = tile.figures[key];
+  if (kept?.version === tile.version) return kept.values;
   const { rows, sectors } = tile.level;
-  const values = new Float64Array(3 * rows);
+  const values = new Float64Array(FIGURES * rows);
   for (let row = 0; row < rows; row++) {
+    let [count, sum, squares, least, most] = [0, 0, 0, Infinity, -Infinity];
     for (let col = 0; col < sectors; col++) {
       let value = valueAt(store, quantity, tile, row * sectors + col, pass);
       if (quantity.log) value = Math.log(value);
       if (!Number.isFinite(value)) continue;
-      values[3 * row] += 1;
-      values[3 * row + 1] += value;
-      values[3 * row + 2] += value * value;
+      count++;
+      sum += value;
+      squares += value * value;
+      if (value < least) least = value;
+      if (value > most) most = value;
     }
+    values.set([count, sum, squares, least, most], FIGURES * row);
   }
-  tile.sums = { key, version: tile.version, values };
+  tile.figures[key] = { version: tile.version, values };
   return values;
 }

@@ -18,8 +18,8 @@ export class Tile {
     /** @type {(Float32Array | null)[]} */
     this.columns = Array.from({ length: attributes }, () => null);
     // What was derived from the tile, kept until it changes.
-    /** @type {RowSums | undefined} */
-    this.sums = undefined;
+    /** @type {Record<string, RowFigures>} */
+    this.figures = {};
     /** @type {Strip | undefined} */
     this.strip = undefined;
     /** @type {{ latest?: TileTurns, first?: TileTurns }} */

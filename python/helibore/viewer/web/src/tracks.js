@@ -1,7 +1,7 @@
 // The ink over the picture: depth axis, heads with scales and letters, the cursor's line through every track. (caliper.js,
 // map.js, column.js and wall_ink.js draw their own.) Everything here is drawn anew for each frame.
 
-import { MAPS, Q_ATTRIBUTE, themed } from './color.js';
+import { beyondEnds, MAPS, Q_ATTRIBUTE, themed } from './color.js';
 import { BOLD, fitting, FONT, HEAD, imageRects, label, PALETTES, SMALL, tracksEnd, yOf } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
 import { DENSE, hatched, line, SPARSE } from './strokes.js';
@@ -75,27 +75,50 @@ export function drawImageHead(ink, look) {
     ink.font = BOLD;
     label(ink, fitting(ink, [quantity.name + (units ? ` [${units}]` : ''), quantity.name], room), left + 2, 11, { colour: palette.ink, font: BOLD });
   }
-  const bar = ink.createLinearGradient(left, 0, left + width, 0);
-  const { anchors } = MAPS[themed(quantity.map, view.theme === 'dark')];
-  anchors.forEach((c, i) => bar.addColorStop(i / (anchors.length - 1), `rgb(${c.map(Math.round).join(' ')})`));
-  ink.fillStyle = bar;
-  ink.fillRect(left, 20, width, 8);
-  ends(ink, look, left, width, palette);
+  bar(ink, look, left + POINT, width - 2 * POINT, palette);
+  legend(ink, look, left, palette);
   letters(ink, view, known, left, width, palette, path.surveyed ? cut.reference : 'none');
 }
 
+const POINT = 7; // pixels of the point at an end of the colour bar
+
+// The colours with their values: those at the ends, in the middle and, if there is room, between. An end is pointed if values
+// of the section lie beyond it; they have its colour.
 /** @param {Ink} ink @param {Look} look @param {number} left @param {number} width @param {Palette} palette */
-function ends(ink, { view, quantity, store: { basis } }, left, width, palette) {
-  const scale = scaleOf(quantity, view.units);
-  /** @param {number} v */
-  const show = (v) => (quantity.dynamic ? (v === quantity.low ? 'mean − 2σ' : 'mean + 2σ') : Number((v * scale).toPrecision(3)).toString().replace('-', '−'));
-  label(ink, show(quantity.low), left, 37, { colour: palette.ink, font: SMALL });
-  label(ink, show(quantity.high), left + width, 37, { colour: palette.ink, align: 'right', font: SMALL });
+function bar(ink, look, left, width, palette) {
+  const { view, quantity: { map, low, high, log, dynamic, length } } = look;
+  const colours = ink.createLinearGradient(left, 0, left + width, 0);
+  const { anchors } = MAPS[themed(map, view.theme === 'dark')];
+  anchors.forEach((c, i) => colours.addColorStop(i / (anchors.length - 1), `rgb(${c.map(Math.round).join(' ')})`));
+  ink.fillStyle = colours;
+  const [under, over] = dynamic ? [false, false] : beyondEnds(look, look.quantity);
+  ink.beginPath();
+  ink.moveTo(left, 20);
+  ink.lineTo(left + width, 20);
+  if (over) ink.lineTo(left + width + POINT, 24);
+  ink.lineTo(left + width, 28);
+  ink.lineTo(left, 28);
+  if (under) ink.lineTo(left - POINT, 24);
+  ink.fill();
+  const scale = scaleOf({ length }, view.units);
+  /** @param {number} share */
+  const value = (share) => (log ? low * (high / low) ** share : low + share * (high - low));
+  /** @param {number} share */
+  const text = (share) => (dynamic ? { 0: 'mean − 2σ', 0.5: 'mean', 1: 'mean + 2σ' }[share] ?? '' : String(Number((value(share) * scale).toPrecision(3))).replace('-', '−'));
+  for (const share of [0, 1, 0.5, 0.25, 0.75]) {
+    const x = left + share * width;
+    const align = share === 0 ? 'left' : share === 1 ? 'right' : 'center';
+    label(ink, text(share), x + (share - 0.5) * (align === 'center' ? 0 : 2 * POINT), 37, { colour: palette.ink, align, font: SMALL, yields: align === 'center', margin: align === 'center' ? 3 : 0 });
+  }
+}
+
+/** @param {Ink} ink @param {Look} look @param {number} left @param {Palette} palette */
+function legend(ink, { view, quantity, store: { basis } }, left, palette) {
   if (view.rig) return;
   /** @type {[string, typeof DENSE][]} */
-  const legend = [['no data', DENSE]];
-  if (quantity.mode !== Q_ATTRIBUTE && basis === 'azimuthal') legend.push(['interpolated', SPARSE]);
-  legend.reduce((x, [text, hatching]) => {
+  const signs = [['no data', DENSE]];
+  if (quantity.mode !== Q_ATTRIBUTE && basis === 'azimuthal') signs.push(['interpolated', SPARSE]);
+  signs.reduce((x, [text, hatching]) => {
     hatched(ink, x, 47, 12, 10, palette, hatching);
     ink.strokeStyle = palette.hatch;
     ink.strokeRect(x + 0.5, 47.5, 11, 9);

@@ -62,7 +62,7 @@ type ZoneKind = 'washout' | 'breakout' | 'key seat' | 'undergauge';
 interface Zone { kind: ZoneKind; start: number; stop: number; measure: number; severity: number }
 interface MapRow { means: (number | undefined)[]; between: boolean[]; most: number; lacks: boolean }
 interface Strip { version: number; id: string; pass: Pass; values: Float32Array; enlarged: Float32Array; lacks: Uint8Array }
-interface RowSums { key: string; version: number; values: Float64Array }
+interface RowFigures { version: number; values: Float64Array }
 interface TileTurns { version: number; min: Float64Array; max: Float64Array; between: Uint8Array }
 interface Profile { min: Float32Array; max: Float32Array; seen: Uint8Array; between: Uint8Array }
 interface Measured { min: number; max: number; minAt: number; maxAt: number; area: number; radiusMin: number; radiusMax: number; share: number }

@@ -2,7 +2,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { Helix } from '../src/helix.js';
 import { coverage, Store } from '../src/tiles.js';
-import { quantities, takeRanges, valueAt, fitRange, percentile, dynamicRange, histogram, lookup, MAPS } from '../src/color.js';
+import { beyondEnds, quantities, takeRanges, valueAt, fitRange, percentile, dynamicRange, histogram, lookup, MAPS } from '../src/color.js';
 import { attributeOf, measure, tileTurns } from '../src/turns.js';
 
 const K = 8;
@@ -180,6 +180,19 @@ test('the dynamic range follows the layers, across tiles', () => {
   const range = dynamicRange(made, radius, made.levels[0].tiles.get(0), 'latest');
   assert.ok(range[0] > 0.0995 && range[1] < 0.1005, 'far from the seam: the first layer alone');
   assert.ok(range[2 * (ROWS - 1) + 1] > 0.115, 'beside it: both');
+});
+
+test('values beyond the ends of the colours are found wherever one is in view, and none is claimed', () => {
+  const made = store({ pitch: -0.5 }); // tile 1 reaches from 98 to 96 m
+  for (const tile of [0, 1, 2]) fill(made, tile, (k) => (k === K * ROWS + 2 * K + 3 ? 11500 : k === 5 ? 0 : 10000));
+  const over = { ...quantities(made)[0], low: -0.01, high: 0.01 };
+  const at = (top, bottom, quantity = over) => beyondEnds({ store: made, view: { top, bottom, pass: 'latest' }, imagePieces: coverage(made, top, bottom, true) }, quantity);
+  assert.deepEqual(at(95, 100), [false, true], 'one vertex of 96');
+  assert.deepEqual(at(97.6, 100), [false, false], 'its turn is not in view');
+  assert.deepEqual(at(95, 100, { ...over, low: 0.001, high: 0.015 }), [true, false], 'an end itself is not beyond');
+  assert.deepEqual(at(95, 100, { ...over, id: 'radius', mode: 0, low: 0.05, high: 0.11, log: true }), [false, true]);
+  fill(made, 1, () => 10000);
+  assert.deepEqual(at(95, 100), [false, false], 'follows the tile');
 });
 
 test('no colour map holds the grey of missing values', () => {
