@@ -40,7 +40,8 @@ ROWS_OF = """([name, rgb]) => {
   }
   return rows;
 }"""
-CURSOR = [0xE8, 0x41, 0x0D]
+CURSOR = [0xE8, 0x41, 0x0D]  # in the 3-D view
+INK = [0x1B, 0x21, 0x26]
 
 
 @pytest.fixture(scope="module")
@@ -150,13 +151,13 @@ def test_the_same_depth_is_at_the_same_height_in_every_panel(browser: Any, viewe
     assert hatched[0] == pytest.approx(place[1012.0], abs=1.5 + 2 * pitch)
     assert hatched[-1] == pytest.approx(place[1012.6], abs=1.5 + 2 * pitch)
     screen.point_at(0.4, 0.75)
-    lines = {name: np.array(screen.evaluate(ROWS_OF, [name, CURSOR])) for name in ("axis", "image", "caliper")}
+    lines = {name: np.array(screen.evaluate(ROWS_OF, [name, INK])) for name in ("axis", "image", "caliper")}
     at = [int(np.argmax(lines[name])) for name in ("image", "caliper")]
     assert at[0] == at[1]
     assert lines["image"][at[0]] > 0.95
     assert lines["caliper"][at[0]] > 0.9
     tag = np.flatnonzero(lines["axis"] > 0.3)
-    assert abs((tag[0] + tag[-1]) / 2 - at[0]) <= 1, "the tag with the depth is centred on its line"
+    assert abs((tag[0] + tag[-1]) / 2 - at[0]) <= 1, "the flag with the depth is centred on its line"
     depth = screen.evaluate("window.__wall.app.view.cursor.depth")
     assert depth == pytest.approx(1000 + 24 * (at[0] + 0.5) / rect["height"], abs=1.5 * 24 / rect["height"])
     screen.close()

@@ -63,7 +63,7 @@ export class DepthMap {
     ink.lineWidth = 2;
     ink.strokeRect(rect.left + 1, upper, rect.width - 2, tall);
     for (const { depth } of notes) line(ink, rect.left + rect.width - 9, y(depth), rect.left + rect.width, y(depth), palette.pin);
-    if (view.cursor) line(ink, rect.left, y(view.cursor.depth), rect.left + rect.width, y(view.cursor.depth), palette.cursor);
+    if (view.cursor) line(ink, rect.left, y(view.cursor.depth), rect.left + rect.width, y(view.cursor.depth), palette.ink);
     const bit = bitDepth === null ? NaN : y(bitDepth);
     if (bitDepth !== null) label(ink, '◀', rect.left + rect.width, bit, { colour: palette.ink, align: 'right', font: SMALL });
     label(ink, depthNumber(b, view.units, 0), rect.left + rect.width / 2, rect.top + rect.height - (rect.top + rect.height - bit < 20 ? 22 : 8), { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL });

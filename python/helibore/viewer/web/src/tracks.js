@@ -5,7 +5,7 @@ import { beyondEnds, MAPS, Q_ATTRIBUTE, themed } from './color.js';
 import { BOLD, fitting, FONT, HEAD, imageRects, label, PALETTES, SMALL, tracksEnd, yOf } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
 import { DENSE, hatched, line, SPARSE } from './strokes.js';
-import { depthNumber, depthUnit, LENGTHS, scaleOf, showDepth, unitOf } from './units.js';
+import { depthNumber, depthUnit, LENGTHS, scaleOf, unitOf } from './units.js';
 import { ticks } from './view.js';
 import { drawZones, letterZones } from './zones.js';
 
@@ -174,17 +174,36 @@ export function drawCursor(ink, look) {
   }
   if (!view.cursor || view.cursor.depth < view.top || view.cursor.depth > view.bottom) return;
   const y = Math.round(yOf(view, rect, view.cursor.depth)) + 0.5;
-  line(ink, rect.left, y, right, y, palette.cursor);
-  const text = showDepth(view.cursor.depth, view.units);
-  ink.font = BOLD;
-  const wide = ink.measureText(text).width + 10;
-  ink.fillStyle = palette.cursor;
-  ink.fillRect(rect.left + rect.width - wide, y - 9, wide, 18);
-  label(ink, text, rect.left + rect.width - 5, y, { colour: '#ffffff', align: 'right', margin: 5 });
+  lineOnHalo(ink, rect.left + rect.width, y, right, y, palette);
+  flag(ink, look, rect, y, palette);
   if (view.cursor.toolface === null || view.cursor.toolface === undefined) return;
   const edge = leftEdge(look.path, view.cut, view.cursor.depth).toolface;
   for (const { left, width } of imageRects(rects)) {
     const x = left + ((((view.cursor.toolface - edge) % 360) + 360) % 360) / 360 * width;
-    line(ink, x, y - 7, x, y + 7, palette.cursor);
+    lineOnHalo(ink, x, y - 7, x, y + 7, palette);
   }
+}
+
+// A line that is seen on all colours.
+/** @param {Ink} ink @param {number} x0 @param {number} y0 @param {number} x1 @param {number} y1 @param {Palette} palette */
+function lineOnHalo(ink, x0, y0, x1, y1, palette) {
+  line(ink, x0, y0, x1, y1, palette.panel, [], 3.6);
+  line(ink, x0, y0, x1, y1, palette.ink);
+}
+
+// The depth of the cursor, and the true depth under it if that is known, on a flag that points to the cursor's line.
+/** @param {Ink} ink @param {Look} look @param {Rect} rect @param {number} y @param {Palette} palette */
+function flag(ink, { view, path }, { left, top, width, height }, y, palette) {
+  const depths = [view.cursor?.depth ?? NaN, path.tvd(view.cursor?.depth ?? NaN)].filter((depth) => !Number.isNaN(depth));
+  const texts = depths.map((depth) => depthNumber(depth, view.units));
+  ink.font = BOLD;
+  const right = left + width;
+  const from = right - 18 - Math.max(...texts.map((text) => ink.measureText(text).width));
+  const tall = 4 + 15 * texts.length;
+  const upper = Math.min(Math.max(y - tall / 2, top), top + height - tall);
+  ink.fillStyle = palette.ink;
+  ink.beginPath();
+  for (const [px, py] of [[from, upper], [right - 8, upper], [right, y], [right - 8, upper + tall], [from, upper + tall]]) ink.lineTo(px, py);
+  ink.fill();
+  texts.forEach((text, i) => label(ink, text, right - 10, upper + 10 + 15 * i, { colour: palette.paper, align: 'right', font: i ? SMALL : BOLD, margin: 2 }));
 }
