@@ -14,7 +14,7 @@ import { drawColumn } from './column.js';
 import { messageOf } from './errors.js';
 import { Exported, exportedContents } from './exported.js';
 import { Glow } from './glow.js';
-import { lamp, spokenText } from './lamp.js';
+import { ageOf, lamp, spokenText } from './lamp.js';
 import { Gpu } from './gpu.js';
 import { whenHosted } from './host.js';
 import { bindControls, bindKeys, bindOrbit, bindTracks } from './input.js';
@@ -33,7 +33,7 @@ import { bindSaving } from './saving.js';
 import { drawPolar, sized, turnAt, turnText } from './polar.js';
 import { fromTemplate } from './template.js';
 import { coverage, Store } from './tiles.js';
-import { drawAhead, drawAxis, drawAxisLabels, drawCursor, drawImageHead, scaleLength } from './tracks.js';
+import { drawAxis, drawAxisLabels, drawCursor, drawImageHead, drawOutside, scaleLength } from './tracks.js';
 import { LENGTHS, scaleOf, showDepth, showLength, showSpan } from './units.js';
 import { View } from './view.js';
 import { drawWallInk } from './wall_ink.js';
@@ -364,6 +364,11 @@ export class App {
     return { dips: picking.shown, measured: store?.basis !== 'gauge', rig: view.rig, straight, outside: Boolean(this.gpu) && !straight, curves: this.curves.shown.length, chosen: view.widths, order: view.order, beside: PHONE.matches || view.rig ? 0 : this.besides.length, tab: NARROW.matches && !view.rig ? view.tab : null };
   }
 
+  // Does the wall still grow, or is it replayed as it grew?
+  get growing() {
+    return Boolean(this.replay.past) || (!this.ended && !this.contents && (this.bitDepth !== null || Number.isFinite(ageOf(this))));
+  }
+
   // Is the hole drawn straightened, on the depth axis of the tracks?
   get straight() {
     return this.view.camera === 'straight' && Boolean(this.gpu);
@@ -398,6 +403,7 @@ export class App {
       dark: view.theme === 'dark',
       notes: this.notes.kept,
       zones: this.zones,
+      growing: this.growing,
       glow: (tile) => (this.replay.past ? [] : this.glow.on(tile, now)),
     };
     /** @type {Look[]} */
@@ -482,7 +488,7 @@ export class App {
     if (this.rects.image.width) for (const one of look.images) drawImageHead(ink, one);
     const calipers = drawCaliper(ink, look);
     if (this.rects.curves) this.curves.draw(ink, look);
-    for (const one of look.images) drawAhead(ink, one);
+    drawOutside(ink, look);
     this.map.draw(ink, look);
     const planes = this.picking.planes();
     drawDips(ink, look, planes, this.gpu);

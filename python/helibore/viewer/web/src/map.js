@@ -6,7 +6,7 @@ import { lookup, scaling, themed } from './color.js';
 import { pen } from './device.js';
 import { label, PALETTES, SMALL } from './layout.js';
 import { rowOf } from './map_rows.js';
-import { line } from './strokes.js';
+import { hatched, line, OUTSIDE } from './strokes.js';
 import { depthNumber, depthUnit } from './units.js';
 import { drawZones } from './zones.js';
 
@@ -37,7 +37,7 @@ export class DepthMap {
 
   /** @param {Ink} ink @param {Look} look */
   draw(ink, look) {
-    const { view, rects, bitDepth, notes, zones } = look;
+    const { store, view, rects, bitDepth, notes, zones } = look;
     const palette = PALETTES[view.theme];
     const rect = rects.map;
     if (!rect.width) return;
@@ -47,6 +47,8 @@ export class DepthMap {
     this.refresh(look, a, b);
     ink.drawImage(this.canvas, rect.left + 2, rect.top, rect.width - 4, rect.height);
     drawZones(ink, zones, y, rect.left + 2 + WIDE, 3, [rect.top, rect.top + rect.height], palette);
+    const [shallow, deep] = store.span;
+    for (const [from, to] of [[a, shallow], [deep, b]]) if (y(to) - y(from) >= 2) hatched(ink, rect.left + 2, y(from), WIDE, y(to) - y(from), palette, OUTSIDE);
     ink.strokeStyle = palette.line;
     ink.lineWidth = 1;
     ink.strokeRect(rect.left + 2.5, rect.top + 0.5, rect.width - 5, rect.height - 1);

@@ -13,6 +13,7 @@ export function line(ink, x0, y0, x1, y1, colour, dash = [], width = 1.2) {
 }
 
 export const DENSE = { step: 5, fill: 0.35, rising: true }; // no data
+export const OUTSIDE = { step: 7, fill: 0.1, rising: true }; // above and below the wall
 export const SPARSE = { step: 10, fill: 0, rising: false }; // interpolated between arms
 
 /** @param {Ink} ink @param {number} x @param {number} y @param {number} width @param {number} height @param {Palette} palette @param {Hatching} [hatching] */

@@ -4,7 +4,7 @@
 import { beyondEnds, MAPS, Q_ATTRIBUTE, themed } from './color.js';
 import { BOLD, fitting, FONT, HEAD, imageRects, label, PALETTES, SMALL, tracksEnd, yOf } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
-import { DENSE, hatched, line, SPARSE } from './strokes.js';
+import { DENSE, hatched, line, OUTSIDE, SPARSE } from './strokes.js';
 import { depthNumber, depthUnit, LENGTHS, scaleOf, unitOf } from './units.js';
 import { ticks } from './view.js';
 import { drawZones, letterZones } from './zones.js';
@@ -82,7 +82,7 @@ export function drawImageHead(ink, look) {
 
 const POINT = 7; // pixels of the point at an end of the colour bar
 
-// The colours with their values: those at the ends, in the middle and, if there is room, between. An end is pointed if values
+// The colours with their values: those at the ends, in the middle and, if there is room, halfway to it. An end is pointed if values
 // of the section lie beyond it; they have its colour.
 /** @param {Ink} ink @param {Look} look @param {number} left @param {number} width @param {Palette} palette */
 function bar(ink, look, left, width, palette) {
@@ -99,13 +99,19 @@ function bar(ink, look, left, width, palette) {
   ink.lineTo(left + width, 28);
   ink.lineTo(left, 28);
   if (under) ink.lineTo(left - POINT, 24);
+  ink.closePath();
   ink.fill();
+  ink.strokeStyle = palette.line;
+  ink.lineWidth = 1;
+  ink.stroke();
   const scale = scaleOf({ length }, view.units);
   /** @param {number} share */
   const value = (share) => (log ? low * (high / low) ** share : low + share * (high - low));
   /** @param {number} share */
   const text = (share) => (dynamic ? { 0: 'mean − 2σ', 0.5: 'mean', 1: 'mean + 2σ' }[share] ?? '' : String(Number((value(share) * scale).toPrecision(3))).replace('-', '−'));
-  for (const share of [0, 1, 0.5, 0.25, 0.75]) {
+  ink.font = SMALL;
+  const room = [0, 0.25, 0.5, 0.75, 1].every((share) => 4 * (ink.measureText(text(share)).width + 8) < width);
+  for (const share of [0, 1, 0.5, ...(room ? [0.25, 0.75] : [])]) {
     const x = left + share * width;
     const align = share === 0 ? 'left' : share === 1 ? 'right' : 'center';
     label(ink, text(share), x + (share - 0.5) * (align === 'center' ? 0 : 2 * POINT), 37, { colour: palette.ink, align, font: SMALL, yields: align === 'center', margin: align === 'center' ? 3 : 0 });
@@ -142,16 +148,33 @@ function letters(ink, view, known, left, width, palette, reference) {
   });
 }
 
-// Between the newest sample and the bit nothing is measured yet.
+const NOT_YET = ['not measured yet', 'no data yet'];
+
+// The stretches of the section above and below the wall, in pixels, with the words for them. Where a wall still grows,
+// nothing is measured yet.
+/** @param {Look} look @param {Rect} rect */
+export function outside({ view, store, growing }, rect) {
+  const [shallow, deep] = store.span;
+  const down = store.levels[0].pitch > 0;
+  const bottom = rect.top + rect.height;
+  return [
+    { from: rect.top, to: Math.min(bottom, yOf(view, rect, shallow)), edge: 1, words: growing && !down ? NOT_YET : ['start of data'] },
+    { from: Math.max(rect.top, yOf(view, rect, deep)), to: bottom, edge: 0, words: growing && down ? NOT_YET : ['end of data'] },
+  ].filter(({ from, to }) => to - from >= 2);
+}
+
+// Images and caliper are hatched there; the first image has the words, near the end of the wall.
 /** @param {Ink} ink @param {Look} look */
-export function drawAhead(ink, { view, rects, store, bitDepth }) {
-  if (bitDepth === null) return;
+export function drawOutside(ink, look) {
+  const { view, rects } = look;
   const palette = PALETTES[view.theme];
-  const { top, height } = rects.image;
-  const [from, to] = [store.end, bitDepth].sort((a, b) => a - b).map((depth) => Math.min(top + height, Math.max(top, yOf(view, rects.image, depth))));
-  if ((bitDepth - store.end) * store.levels[0].pitch <= 0 || to - from < 2) return;
-  for (const { left, width } of [rects.image, rects.caliper]) if (width) hatched(ink, left, from, width, to - from, palette);
-  if (to - from > 24) label(ink, 'not measured yet', rects.image.left + rects.image.width / 2, (from + to) / 2, { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL });
+  for (const { from, to, edge, words } of outside(look, rects.axis)) {
+    for (const { left, width } of [...imageRects(rects), rects.caliper]) if (width) hatched(ink, left, from, width, to - from, palette, OUTSIDE);
+    const away = Math.min((to - from) / 2, 16);
+    ink.font = BOLD;
+    const text = fitting(ink, words, rects.image.width - 4);
+    if (rects.image.width && away > 9) label(ink, text, rects.image.left + rects.image.width / 2, edge ? to - away : from + away, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD });
+  }
 }
 
 // Draws what marks one depth in all tracks: the bit, the pinned depths, the cursor's line with its depth, and its
@@ -198,12 +221,19 @@ function flag(ink, { view, path }, { left, top, width, height }, y, palette) {
   const texts = depths.map((depth) => depthNumber(depth, view.units));
   ink.font = BOLD;
   const right = left + width;
-  const from = right - 18 - Math.max(...texts.map((text) => ink.measureText(text).width));
-  const tall = 4 + 15 * texts.length;
+  const from = right - 13 - Math.max(...texts.map((text) => ink.measureText(text).width));
+  const tall = 1 + 15 * texts.length;
   const upper = Math.min(Math.max(y - tall / 2, top), top + height - tall);
   ink.fillStyle = palette.ink;
   ink.beginPath();
-  for (const [px, py] of [[from, upper], [right - 8, upper], [right, y], [right - 8, upper + tall], [from, upper + tall]]) ink.lineTo(px, py);
+  for (const [px, py] of [[from, upper], [right - 6, upper], [right, y], [right - 6, upper + tall], [from, upper + tall]]) ink.lineTo(px, py);
   ink.fill();
-  texts.forEach((text, i) => label(ink, text, right - 10, upper + 10 + 15 * i, { colour: palette.paper, align: 'right', font: i ? SMALL : BOLD, margin: 2 }));
+  ink.fillStyle = palette.paper;
+  ink.textAlign = 'right';
+  ink.textBaseline = 'middle';
+  texts.forEach((text, i) => {
+    ink.font = i ? SMALL : BOLD;
+    ink.fillText(text, right - 8, upper + 8 + 15 * i);
+  });
+  ink.canvas.labels.push({ text: texts.join(' '), left: from, right, top: upper - 2, bottom: upper + tall + 2 });
 }

@@ -72,7 +72,7 @@ interface Turn { k: number; radii: Float64Array; sigma: Float64Array; between: U
 // What one frame shows; `quantity` is the one that was asked for, with the ends of its colours in this frame.
 interface Look {
   store: Store; view: View; path: Path; rects: Rects; bitDepth: number | null; asked: Quantity; quantity: Quantity; imagePieces: Piece[]; wallPieces: Piece[];
-  imageRect: Rect; wallRect: Rect; background: number; dark: boolean; notes: Note[]; zones: Zone[]; glow: (tile: Tile) => number[][];
+  imageRect: Rect; wallRect: Rect; background: number; dark: boolean; notes: Note[]; zones: Zone[]; growing: boolean; glow: (tile: Tile) => number[][];
 }
 interface Looks extends Look { images: Look[] } // the first image, and those beside it
 

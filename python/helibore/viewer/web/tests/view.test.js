@@ -7,7 +7,7 @@ import { printScale } from '../src/panel.js';
 import { leftEdge, Path } from '../src/path.js';
 import { lampWords } from '../src/lamp.js';
 import { showLength, showSigned, showValue } from '../src/units.js';
-import { scaleLength } from '../src/tracks.js';
+import { outside, scaleLength } from '../src/tracks.js';
 import { ticks, View } from '../src/view.js';
 
 // A path of constant inclination and azimuth, degrees.
@@ -239,4 +239,17 @@ test('on a phone tadpoles stand beside the image, in place of the caliper', () =
   const [without, withThem] = [false, true].map((dips) => Object.fromEntries(widths(dips)));
   assert.deepEqual([without.caliper > 0, without.dips, withThem.caliper, withThem.dips], [true, undefined, 0, 70]);
   assert.ok(withThem.image >= without.image);
+});
+
+test('above and below the wall the tracks say why nothing is there', () => {
+  const rect = { left: 0, top: 80, width: 100, height: 200 };
+  const at = (top, growing, pitch = 0.1) => outside({ view: { top, bottom: top + 20 }, store: { span: [1000, 1030], levels: [{ pitch }] }, growing }, rect)
+    .map(({ from, to, words }) => [Math.round(from), Math.round(to), words[0]]);
+  assert.deepEqual(at(1005, true), []);
+  assert.deepEqual(at(995, true), [[80, 130, 'start of data']]);
+  assert.deepEqual(at(1015, true), [[230, 280, 'not measured yet']]);
+  assert.deepEqual(at(1015, false), [[230, 280, 'end of data']]);
+  assert.deepEqual(at(995, true, -0.1), [[80, 130, 'not measured yet']], 'a wall that grows upwards');
+  assert.deepEqual(at(1015, true, -0.1), [[230, 280, 'end of data']]);
+  assert.deepEqual(at(1040, false), [[80, 280, 'end of data']], 'past the wall');
 });
