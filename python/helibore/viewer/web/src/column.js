@@ -5,7 +5,8 @@ import { planeDepth } from './dips.js';
 import { columnScale } from './gpu.js';
 import { BOLD, fitting, HEAD, label, PALETTES, SMALL, within, yOf } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
-import { hatched, line } from './strokes.js';
+import { hatched, line, OUTSIDE } from './strokes.js';
+import { outside } from './tracks.js';
 import { showSigned, unitOf } from './units.js';
 import { LETTERS } from './zones.js';
 
@@ -22,8 +23,7 @@ export function drawColumn(ink, look, { min, seen }) {
     while (y < min.length && seen[y] && Number.isNaN(min[y])) y++;
     if (y > start) hatched(ink, middle - bit, rect.top + start, 2 * bit, y - start, palette);
   }
-  const ahead = bitDepth === null || (bitDepth - store.end) * store.levels[0].pitch <= 0 ? [] : [store.end, bitDepth].map((depth) => Math.min(bottom, Math.max(rect.top, yOf(view, rect, depth)))).sort((a, b) => a - b);
-  if (ahead[1] - ahead[0] > 1) hatched(ink, middle - bit, ahead[0], 2 * bit, ahead[1] - ahead[0], palette);
+  for (const { from, to } of outside(look, rect)) hatched(ink, middle - bit, from, 2 * bit, to - from, palette, OUTSIDE);
   for (const x of [middle - bit, middle + bit]) line(ink, x, rect.top, x, bottom, palette.ink, [8, 3, 2, 3]);
   if (bitDepth !== null && bitDepth > view.top && bitDepth < view.bottom) bitGlyph(ink, middle, yOf(view, rect, bitDepth), bit, Math.sign(store.levels[0].pitch), palette);
   for (const { kind, start, stop, measure } of zones) {
