@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from helibore.base import units
-from helibore.cli.lines import trust_lines
+from helibore.cli.lines import Lines, trust_lines
 from helibore.cli.outputs import OUTPUT, QUIET, SIGMA, add_sigma, check_file, own_options, save_lines
 from helibore.cli.quantities import LENGTH, split_pair
 from helibore.cli.terminal import Terminal
@@ -118,7 +118,7 @@ def plot(**options: Any) -> None:
         f", wider than {options['paper'].upper()}: if the page is fitted to it, the scale is not true" if wide else ""
     )
     paper = ("paper", f"{pages}{width:,.0f} x {height:,.0f} mm{note}")
-    terminal.summary([*run.messages, paper, *saved, ("time", terminal.times())])
+    terminal.summary([*run.messages, *_trust(run, options), paper, *saved, ("time", terminal.times())])
 
 
 @click.command(cls=Sectioned, short_help="Write a report of a wall as one HTML page.")
@@ -146,7 +146,7 @@ def report(**options: Any) -> None:
     with terminal.stage("report", "Writing the report"):
         write(run.wall, output, messages=run.messages, **drawing)
         saved = save_lines(run, output, "report", options)
-    terminal.summary([*run.messages, *saved, ("time", terminal.times())])
+    terminal.summary([*run.messages, *_trust(run, options), *saved, ("time", terminal.times())])
 
 
 def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Run, dict[str, Any], dict[str, Any]]:
@@ -161,7 +161,6 @@ def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Ru
     if options["sigma"]:
         run.messages += add_sigma(run.wall, terminal)
     load_picks(run)
-    run.messages += trust_lines(run.wall.summary(options["start_depth"], options["stop_depth"]))
     header = header_of(run, options)
     # The settings hold the curves from files with their checksums, the options only the inclination.
     options["scalars"] = tuple(text for text in options["scalars"] if text == INCLINATION)
@@ -192,6 +191,11 @@ def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Ru
         drawing |= {"template": template, "unit": template.units}
         drawing["scale"] = scale or template.scale
     return run, options, drawing
+
+
+def _trust(run: Run, options: dict[str, Any]) -> Lines:
+    """Warn in the terminal; a report has the same warnings in its summary."""
+    return trust_lines(run.wall.summary(options["start_depth"], options["stop_depth"]))
 
 
 def _with_look(curve: ScalarCurve, looks: dict[str, Look]) -> ScalarCurve:

@@ -49,6 +49,11 @@ SEES_ALL_AROUND = 0.9
 """Least mean coverage at which the wall shows the shape better than the arms alone."""
 COVERED = 0.9
 """Mean coverage below which a wall is said to be interpolated."""
+NO_UNCERTAINTY = (
+    "volumes (hole, excess over the bit, annulus, cement) and mean diameters have no known uncertainty where the wall "
+    "is interpolated, not measured"
+)
+"""What terminal, files, report and print state of a wall that is partly interpolated."""
 LARGE = 1.85
 """If a hole is larger than this multiple of bit size, bit size or units are probably wrong."""
 SMALL = 0.1
@@ -251,6 +256,12 @@ class Logs(Tabular):
             return math.nan
         return float(self.wall_out_of_roundness[both].mean() / self.out_of_roundness[both].mean())
 
+    @property
+    def unmeasured_shape(self) -> bool:
+        """Whether a tool with few arms, or sparse samples, left enough of the turns interpolated that files say so."""
+        sparse = self.basis == "azimuthal" and len(self) > 0 and float(self.coverage.mean()) < COVERED
+        return self.shape == "arms" or sparse
+
     def warnings(self) -> list[str]:
         """Return a sentence for each restriction that a reader of the numbers must know."""
         return self._warnings_of_shape() + self._warnings_of_path()
@@ -274,11 +285,13 @@ class Logs(Tabular):
                          "units right?")  # fmt: skip
         seen = float(self.coverage.mean())
         if self.shape == "wall":
-            if self.basis == "azimuthal" and seen < COVERED and not found:
+            if self.unmeasured_shape and not found:
                 found.append(f"{100 * seen:.0f} % of the turns is measured; the wall between is interpolated")
+                found.append(NO_UNCERTAINTY)
             return found
         few = f"a tool with few arms measured {100 * seen:.0f} % of the turns"
         found.append(f"{few}; the wall between its arms is interpolated, and C1, C2, ovality and zones are the arms'")
+        found.append(NO_UNCERTAINTY)
         if self.shape_kept < SHAPE_KEPT:
             share = f"{self.shape_kept:.2f} of the out-of-roundness that the arms measured"
             found.append(f"the wall has {share}: its sections are rounder than the hole")
@@ -301,6 +314,7 @@ class Logs(Tabular):
             "row": "one full turn" if self.step is None else f"{self.step:.6g} m of depth",
             "rugosity window": f"{self.rugosity_window:.6g} m",
             "shape": SHAPE_TEXT[self.shape],
+            **({"uncertainty": NO_UNCERTAINTY} if self.unmeasured_shape else {}),
             "ovality": "OVAL_API = (max - min)/(max + min); OVAL_DNV = twice that",
             "missing": "a value is missing if a radius of its turn or step is missing",
         }

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from helibore._core import __version__
 from helibore.base.colors import PICK_COLORS
 from helibore.base.units import INCH
+from helibore.logs.turn_logs import NO_UNCERTAINTY
 from helibore.plot.depth_scales import length_text
 from helibore.plot.paper import FAINT, INK, LARGE, RULE, SMALL, USUAL, Sheet
 from helibore.plot.picked import DASHES
@@ -133,6 +134,11 @@ def draw_header(sheet: Sheet, content: Content, x: float, y: float, width: float
         sheet.text(left + label, at, text, USUAL, within=(width - first if column else first) - label - 3.0, **look)
 
 
+def sentence(text: str) -> str:
+    """Return a text as a sentence of its own."""
+    return f"{text[0].upper()}{text[1:]}."
+
+
 def _kinds(content: Content) -> tuple[list[str], list[str]]:
     """Return the kinds of zones and of picks in the interval; the foot explains their colours."""
     zones = {zone.kind for zone in content.zones.by_severity(content.top, content.bottom)}
@@ -144,7 +150,8 @@ def _kinds(content: Content) -> tuple[list[str], list[str]]:
 
 def footer_height(content: Content) -> float:
     """Return the millimetres that the foot takes, from its upper line to the margin."""
-    return 10.0 + ROW * ((content.wall.basis == "azimuthal") + sum(bool(kinds) for kinds in _kinds(content)))
+    rows = (content.wall.basis == "azimuthal", content.zones.logs.unmeasured_shape, *map(bool, _kinds(content)))
+    return 10.0 + ROW * sum(rows)
 
 
 def draw_footer(sheet: Sheet, content: Content, x: float, bottom: float, page: str = "", part: str = "") -> None:
@@ -160,6 +167,9 @@ def draw_footer(sheet: Sheet, content: Content, x: float, bottom: float, page: s
         left += 5.2
         left += sheet.text_width(sheet.text(left, y, content.hatching, SMALL)) + 4.0
     sheet.text(left, y, SIDES_TEXT[content.reference], SMALL, within=sheet.width - x - left)
+    if content.zones.logs.unmeasured_shape:
+        y += ROW
+        sheet.text(x, y, sentence(NO_UNCERTAINTY), SMALL, within=sheet.width - 2 * x)
     for name, kinds in (("Zones", zones), ("Picks", picks)):
         if not kinds:
             continue

@@ -26,11 +26,11 @@ from helibore.base.colors import DIP_TITLES
 from helibore.base.units import size_text
 from helibore.logs.picks import BREAKOUT
 from helibore.logs.summary import WallSummary
-from helibore.logs.turn_logs import TOOLFACE_0
+from helibore.logs.turn_logs import NO_UNCERTAINTY, TOOLFACE_0
 from helibore.logs.zone_criteria import MEASURES
 from helibore.plot.content import Drawing, content_of
 from helibore.plot.diameters import Diameters
-from helibore.plot.header import HEADER, facts, measured_text, toolface_text
+from helibore.plot.header import HEADER, facts, measured_text, sentence, toolface_text
 from helibore.plot.paper import MM
 from helibore.plot.tracks import LENGTHS
 from helibore.plot.zone_list import criteria_text
@@ -202,6 +202,7 @@ def _summary(content: Content) -> str:
         if math.isfinite(axis.mean):
             axes = f"toolfaces {axis.mean:.0f}° and {axis.mean + 180:.0f}°, {axis.spread('zone', '°', 0)}"
             rows.append(("Breakout axis", axes))
+    rows += [("Warning", text) for text in summary.warnings]
     images = [f"{name} ({image.unit or 'no unit'})" for name, image in wall.images.items()]
     return pairs([*rows, ("Images", ", ".join(images) or "none")])
 
@@ -240,7 +241,8 @@ def _diameters(content: Content) -> str:
         "Mean: diameter of the cylinder with the same volume. Least and greatest: diameters through the hole's axis. "
         "All these numbers come from whole turns: those without a missing radius, measured or interpolated."
     )
-    return table(head, rows) + f"<p>{note}</p>"
+    unsure = f"<p>{sentence(NO_UNCERTAINTY)}</p>" if content.zones.logs.unmeasured_shape else ""
+    return table(head, rows) + f"<p>{note}</p>{unsure}"
 
 
 def _zones(zones: Classification | None, content: Content) -> str:

@@ -14,6 +14,7 @@ import pytest
 from locations import SHARED
 
 import helibore as hb
+from helibore.logs.turn_logs import NO_UNCERTAINTY
 from helibore.plot.diameters import diameters
 from helibore.simulation.hole import Breakout, Hole, Washout
 
@@ -76,6 +77,7 @@ def test_a_table_and_its_files_say_what_comes_from_the_arms(tmp_path: Path) -> N
     text = (tmp_path / "a.csv").read_text()
     assert "ARM_DIAMETER_1" in text
     assert "come from the tool's arms" in text
+    assert f"# uncertainty: {NO_UNCERTAINTY}\n" in text
     few, metres = logs.between(2, 4), logs.by_step(1.0)
     assert few.arm_diameter[0].size == len(few)
     inside = (logs.depth >= 2) & (logs.depth < 3)
@@ -92,6 +94,7 @@ def test_an_imaging_tool_has_the_walls_shape_whether_its_arms_are_known_or_not(t
     assert "class of hole come from the wall\n" in (tmp_path / "a.csv").read_text()
     assert np.isnan(logs.shape_kept)
     assert logs.warnings() == []
+    assert "uncertainty" not in logs.facts()
 
 
 @pytest.mark.parametrize("kept", [0.69, 0.71])
@@ -106,7 +109,7 @@ def test_a_wall_with_less_than_seven_tenths_of_the_arms_shape_is_warned_of(kept:
         f"the wall has {kept:.2f} of the out-of-roundness that the arms measured: its sections are rounder than the "
         "hole"
     )
-    assert rounder.warnings() == ([few, warning] if kept < 0.7 else [few])
+    assert rounder.warnings() == [few, NO_UNCERTAINTY, *([warning] if kept < 0.7 else [])]
 
 
 def test_a_wall_that_is_rounder_than_the_arms_is_reported() -> None:
@@ -121,7 +124,7 @@ def test_a_wall_that_is_rounder_than_the_arms_is_reported() -> None:
     assert summary.shape_kept == pytest.approx(kept, rel=1e-5)
     assert summary.coverage < 0.1
     assert summary.warnings[0].startswith("a tool with few arms measured ")
-    assert (len(summary.warnings) == 2) == (kept < 0.7)
+    assert (len(summary.warnings) == 3) == (kept < 0.7)
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -227,14 +230,14 @@ def test_an_x_y_log_of_volve_keeps_the_ovality_of_its_arms() -> None:
     assert summary.mean_diameter == pytest.approx((x.mean() + y.mean()) / 2, rel=1e-3)
     assert [of.mean() for of in logs.arm_diameter] == pytest.approx([x.mean(), y.mean()], rel=1e-4)
     assert summary.shape_kept < 0.7
-    assert len(summary.warnings) == 2
+    assert len(summary.warnings) == 3
 
 
 def test_a_round_hole_keeps_its_shape_without_a_warning_of_division() -> None:
     logs = hb.reconstruct(four_arms(lambda depth, _: np.full(depth.size, 0.108)), bit_diameter=BIT).logs()
     assert logs.shape == "arms"
     assert np.isnan(logs.shape_kept)
-    assert len(logs.warnings()) == 1
+    assert len(logs.warnings()) == 2
 
 
 @pytest.mark.parametrize("alone", [0, 100])

@@ -17,11 +17,12 @@ import helibore as hb
 from helibore import plot
 from helibore.base.colors import FILL_COLORS, MISSING
 from helibore.logs.curves import ScalarCurve, nice_limits
+from helibore.logs.turn_logs import NO_UNCERTAINTY
 from helibore.plot.content import REFERENCES, content_of
 from helibore.plot.cross_sections import sections_at
 from helibore.plot.depth_scales import FEET, Lines, usual_depth_scale
 from helibore.plot.diameters import Diameters, diameters, thinned
-from helibore.plot.header import SIDES_TEXT, header_height
+from helibore.plot.header import SIDES_TEXT, header_height, sentence
 from helibore.plot.html_report import page
 from helibore.plot.log import MARGIN, _divided
 from helibore.plot.paper import MM
@@ -95,6 +96,7 @@ def test_what_lies_between_arms_is_hatched_and_named() -> None:
     assert f"{100 * measured:.2f} % of the turns; the rest is interpolated between arms" in words
     assert "interpolated between arms" in words
     assert "radius measured by the arms of a caliper" in words
+    assert words.count(sentence(NO_UNCERTAINTY)) == 1
     assert_readable(figure)
     for dpi in (50, 70, 150):  # letters stand wider where dots are few; the key's boxes take 5.2 mm
         foot = {text.get_text(): text for text in plot.log(wall, dpi=dpi, polar=(), body=()).texts}

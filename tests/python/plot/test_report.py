@@ -19,8 +19,10 @@ from screen import NEEDS_BROWSER
 
 import helibore as hb
 from helibore.cli import cli
+from helibore.logs.turn_logs import NO_UNCERTAINTY
 from helibore.plot import log
 from helibore.plot.content import Drawing, content_of
+from helibore.plot.header import sentence
 from helibore.plot.html_report import intervals, largest_gaps, number, page, report
 from helibore.simulation.tool import Hole, Tool, simulate
 
@@ -242,6 +244,8 @@ def test_a_tool_with_few_arms_has_its_share_of_the_turns_and_hatched_pictures() 
     share = 100 * np.mean(made.logs().coverage)
     assert 5 < share < 30
     assert cells(text).count(f"{share:.2f} % of the turns; the rest is interpolated between arms") == 2
+    assert cells(text).count(NO_UNCERTAINTY) == 2  # a warning of the summary, and among the facts of the zones
+    assert f"<p>{sentence(NO_UNCERTAINTY)}</p>" in text  # below the table of volumes
     (picture,) = re.findall(r"data:image/png;base64,([A-Za-z0-9+/=]+)", text)
     pixels = np.round(imread(io.BytesIO(base64.b64decode(picture)))[..., :3] * 255)
     assert (pixels == np.array(HATCH_BYTES)[:3]).all(axis=2).sum() > 300

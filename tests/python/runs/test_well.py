@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import helibore as hb
+from helibore.logs.turn_logs import NO_UNCERTAINTY
 from helibore.runs.run_settings import RunSettings
 from helibore.runs.well import catalogue_row
 
@@ -18,5 +19,5 @@ def test_the_catalogue_says_that_a_tool_with_few_arms_measured() -> None:
     row = catalogue_row("W", RunSettings(gauge=True, wall=wall.settings), wall, wall.logs(), wall.summary())
     assert row["warnings"] == (  # the vertices at the four arms: 4 of 64
         "a tool with few arms measured 6 % of the turns; the wall between its arms is interpolated, and C1, C2, "
-        "ovality and zones are the arms'"
+        f"ovality and zones are the arms'; {NO_UNCERTAINTY}"
     )
