@@ -15,10 +15,12 @@ import numpy as np
 from helibore.base.errors import InputError, require_library
 from helibore.cli.lines import Lines, summary_lines
 from helibore.cli.outputs import (
+    MEASURED,
     NEAREST,
     OUTPUT,
     QUIET,
     SIGMA,
+    add_measured,
     add_nearest,
     add_sigma,
     check_file,
@@ -51,8 +53,9 @@ takes_a_mesh = section(
          type=LENGTH),
     SIGMA,
     NEAREST,
-    opt("--color-by", "An image, difference, sigma, nearest or radius, for GLB, PLY and VTK.  [the first image, or else"
-        " radius]", metavar="NAME"),
+    MEASURED,
+    opt("--color-by", "An image, difference, sigma, nearest, measured or radius, for GLB, PLY and VTK.  [the first"
+        " image, or else radius]", metavar="NAME"),
     opt("--centres", "With --recentre: table of centre, deviation and inliers of each turn: .csv, .csv.gz or .npz.",
         type=FILE),
     QUIET,
@@ -119,12 +122,16 @@ def _write(verb: str, options: dict[str, Any]) -> None:
         run.messages += add_sigma(wall, terminal)
     if options["nearest"]:
         add_nearest(wall)
+    if options["measured"]:
+        add_measured(wall)
     made: Surface | Volume
     with terminal.stage("place", f"Placing {len(wall):,} vertices"), placing(run):
         made = wall.volume("own", shells, *ends) if shells else wall.surface("own", *ends)
         if isinstance(made, Volume):
             for name, image in wall.images.items():
                 made.hang(name, [image.on(wall)] * len(shells), image.unit)
+            for name, values in wall.attributes.items():
+                made.hang(name, [values] * len(shells), wall.attributes.units.get(name, ""))
     if not len(made.hexes if isinstance(made, Volume) else made.quads):
         low, high = wall.depth.min(initial=np.inf), wall.depth.max(initial=-np.inf)
         where = f"between {low:g} and {high:g} m, at {abs(wall.settings.pitch):g} m a turn"
@@ -223,7 +230,9 @@ def _lines(run: Run, made: Surface | Volume, ends: tuple[float | None, float | N
     for name, values in made.attributes.items():
         known = values[np.isfinite(values)]
         label, text = "missing", f"{values.size - known.size:,} of {values.size:,} cells have no {name}"
-        if name == "difference" and known.size:
+        if name == "measured":
+            label, text = name, f"{int(values.sum()):,} of {values.size:,} cells; the others are interpolated"
+        elif name == "difference" and known.size:
             median, low, high = 1e3 * np.median(known), 1e3 * known.min(), 1e3 * known.max()
             spread = f"{median:+.2f} mm in the median, {low:+.2f} to {high:+.2f}"
             count = f"{known.size:,} of {values.size:,} quads"

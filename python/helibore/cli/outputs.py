@@ -34,6 +34,8 @@ def OUTPUT(help: str) -> tuple[str, dict[str, Any]]:  # noqa: A002, N802
 
 
 NEAREST = opt("--nearest", "Distance to the nearest sample, as the attribute 'nearest'.", is_flag=True)
+MEASURED = opt("--measured", "Whether a quad is measured (1) or interpolated (0), as the attribute 'measured'; meshes "
+               "of a tool with few arms always have it.", is_flag=True)  # fmt: skip
 
 
 def add_sigma(wall: Wall, terminal: Terminal) -> Lines:
@@ -56,6 +58,16 @@ def add_nearest(wall: Wall) -> None:
 
     wall.attributes["nearest"] = on_quads(wall.nearest, wall.settings.sectors)
     wall.attributes.units["nearest"] = "m"
+
+
+def add_measured(wall: Wall) -> None:
+    """Give a wall the attribute that meshes of a tool with few arms have without being asked."""
+    from helibore.wall.interpolation import measured_quads
+    from helibore.wall.state import MEASURED
+
+    if wall.basis != "azimuthal":
+        raise InputError("--measured", f"needs a shape that was measured; this wall: {wall.basis_text}")
+    wall.attributes[MEASURED] = measured_quads(wall._state())
 
 
 def check_file(file: Path, endings: Sequence[str], why: str = "") -> None:

@@ -114,8 +114,8 @@ class Logs(Tabular):
     excess
         Ratio of `volume` to the volume at bit size, less 1: 0.1 is ten percent; negative where the hole is under gauge.
     coverage
-        Share of the turn that is measured, 0 to 1: vertices with a radius whose angular gap is at most the wall's
-        ``largest_gap`` (`Wall.angular_gap`). If the wall has no samples: vertices with a radius.
+        Share of the turn that is measured, 0 to 1: the share of its vertices in `Wall.measured`. If the wall has no
+        samples: that of vertices with a radius.
     arm_diameter
         The diameters that each arm of a tool with few arms measured, one array per arm; () for other tools.
     nearest
@@ -425,7 +425,7 @@ def turn_logs(
     square, turns = found.pop("mean_square"), radius.size // K
     depth = helix.start_depth + (np.arange(first, first + turns, dtype=np.float64) * K + (K - 1) / 2) * (pitch / K)
     path: Path | None = getattr(wall, "path", None)
-    found["coverage"] = _coverage(wall, radius, found["coverage"])
+    found["coverage"] = _coverage(wall, found["coverage"])
     found["wall_out_of_roundness"] = found["c1"] - found["least_diameter"]
     found |= {"uneven": np.full(turns, np.nan), "shape": "wall", "arm_diameter": ()}
     if getattr(wall, "arms", None) is not None and found["coverage"].mean() < SEES_ALL_AROUND:
@@ -481,14 +481,13 @@ def window_turns(length: float, pitch: float) -> int:
     return max(3, 2 * round((length / abs(pitch) - 1) / 2) + 1)
 
 
-def _coverage(wall: WallLike, radius: Floats, with_radius: Floats) -> Floats:
-    """Return the share of each turn with a radius and, if the wall has angular gaps, a small gap."""
-    gap: Floats | None = getattr(wall, "angular_gap", None)
-    if gap is None or not with_radius.size:
+def _coverage(wall: WallLike, with_radius: Floats) -> Floats:
+    """Return the share of each turn that is measured; of a wall that does not know it, the share with a radius."""
+    measured: Mask | None = getattr(wall, "measured", None)
+    if measured is None or not with_radius.size:
         return with_radius
-    K, most = wall.settings.sectors, getattr(wall.settings, "largest_gap", 360.0)
-    whole = with_radius.size * K
-    seen: Floats = (np.isfinite(radius[:whole]) & (gap[:whole] <= most)).reshape(-1, K).mean(axis=1)
+    K = wall.settings.sectors
+    seen: Floats = measured[: with_radius.size * K].reshape(-1, K).mean(axis=1)
     return seen
 
 

@@ -294,7 +294,7 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     helix = (wall.settings, wall.start_depth)
     interpolated = None
     if wall.basis == "azimuthal":
-        between = (wall.angular_gap > wall.settings.largest_gap) & np.isfinite(wall.radius)
+        between = np.isfinite(wall.radius) & ~wall.measured
         interpolated = between.astype(np.float64) if between.any() else None
         tracks.append(ImageTrack(radius[0], (helix, radius[1]), reference, drawing.left, width, interpolated, ink))
         if sure is not None:
@@ -374,7 +374,7 @@ class _Other:
         look = Look(limits=(scale.low, scale.high), color_map=scale.color_map)
         shown, over = _radius(self.wall, look, top, bottom, drawing.size_unit)
         shown = replace(shown, name=f"{self.name}: over bit")
-        between = (self.wall.angular_gap > self.wall.settings.largest_gap) & np.isfinite(self.wall.radius)
+        between = np.isfinite(self.wall.radius) & ~self.wall.measured
         helix = (self.wall.settings, self.wall.start_depth)
         reference = _reference(self.wall, Drawing())
         return [ImageTrack(shown, (helix, over), reference, drawing.left, width, between.astype(np.float64))]

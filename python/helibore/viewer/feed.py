@@ -216,9 +216,9 @@ class Feed:
         wall = getattr(self._wall, "_state", lambda: self._wall)()  # copies samples and finds gaps only once
         with self._finding:
             self._zones = found = classify(wall)
-        gap = getattr(wall, "angular_gap", None) if self._shape.basis == "azimuthal" else None
-        if gap is not None:
-            self.scene.set_interpolated(gap > self._wall.settings.largest_gap)
+        measured = getattr(wall, "measured", None) if self._shape.basis == "azimuthal" else None
+        if measured is not None:
+            self.scene.set_interpolated(np.isfinite(wall.radius) & ~measured)
         zones = []
         for zone in found.zones:
             place = {"kind": zone.kind, "start": round(zone.start, 3), "stop": round(zone.stop, 3)}

@@ -15,6 +15,7 @@ from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Integers, column
 from helibore.base.errors import InputError
 from helibore.samples.caliper import Caliper
+from helibore.wall.state import WallState
 
 
 def canonical_order(caliper: Caliper) -> Integers:
@@ -47,3 +48,9 @@ def on_quads(values: Floats, sectors: int) -> Floats:
     corners = [values[first : first + count] for first in (0, 1, sectors + 1, sectors)]
     mean: Floats = (corners[0] + corners[1] + corners[2] + corners[3]) / 4
     return mean
+
+
+def measured_quads(wall: WallState) -> Floats:
+    """Return 1 for each quad whose four corners are measured (`Wall.measured`), 0 for the others, (q,)."""
+    measured: Floats = (on_quads(wall.measured.astype(np.float64), wall.settings.sectors) == 1.0).astype(np.float64)
+    return measured

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from helibore import _core
-from helibore.base.arrays import Floats, Integers32
+from helibore.base.arrays import Floats, Integers32, Mask
 from helibore.base.settings import Settings
 from helibore.base.thread_count import thread_count
 from helibore.images.sector_image import SectorImage
@@ -16,6 +18,9 @@ from helibore.mesh.attributes import WallAttributes
 from helibore.samples.caliper import Basis, Caliper
 from helibore.samples.helix import quad_room, whole_helix
 from helibore.trajectory.survey import Path
+
+MEASURED = "measured"
+"""Attribute of the meshes of a tool with few arms: 1 for a measured quad, 0 for one that is interpolated."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +54,10 @@ class WallState:
         return _core.angular_gaps(
             whole_helix(self), self.radius.size, depth, toolface, reach, thread_count(self.threads)
         )
+
+    @cached_property
+    def measured(self) -> Mask:
+        return np.isfinite(self.radius) & (self.angular_gap <= self.settings.largest_gap)
 
     @property
     def samples(self) -> Caliper:

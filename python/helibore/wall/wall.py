@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
-from helibore.base.arrays import Floats, sample_columns
+from helibore.base.arrays import Floats, Mask, sample_columns
 from helibore.base.colors import over_bit
 from helibore.base.errors import InputError, needs
 from helibore.base.notebook import card, map_picture
@@ -37,9 +37,9 @@ from helibore.trajectory.survey import Path, checked_path
 from helibore.wall import archive
 from helibore.wall.append_result import Change, VertexColumns
 from helibore.wall.estimates import find_kriging_range, in_depth_order
-from helibore.wall.interpolation import in_canonical_order, on_quads
+from helibore.wall.interpolation import in_canonical_order, measured_quads, on_quads
 from helibore.wall.points import PointValues, values_at
-from helibore.wall.state import WallState
+from helibore.wall.state import MEASURED, WallState
 from helibore.wall.uncertainty import wall_sigma
 
 if TYPE_CHECKING:
@@ -256,6 +256,15 @@ class Wall:
         return self._state().angular_gap
 
     @property
+    def measured(self) -> Mask:
+        """(n,) bool: whether the wall is measured at each vertex; otherwise it is interpolated, or has no radius.
+
+        A vertex is measured if it has a radius and its `angular_gap` is at most `Settings.largest_gap`. `Logs.coverage`
+        is the share of such vertices.
+        """
+        return self._state().measured
+
+    @property
     def arms(self) -> Caliper | None:
         """The samples that were appended with an arm number, in the order of appending; None if there are none."""
         if len(self._arms) < 2:
@@ -386,8 +395,10 @@ class Wall:
             If the path does not reach a vertex, if the path's reference is undefined there (``vertex 7 at depth 12:
             ...``), or if no vertex lies between ``start`` and ``stop``; and as `SectorImage.on` and `WallAttributes`.
         """
-        state = self._state(samples=False)
+        state = self._state(samples=bool(self._arms))
         surface = surface_of(state, self._resolve_path(path), start, stop, self._threads)
+        if state.arms is not None:
+            surface.attributes[MEASURED] = measured_quads(state)
         for name, image in self.images.items():
             surface.attributes[name] = image.on(state)
             surface.attributes.units[name] = image.unit
@@ -420,8 +431,11 @@ class Wall:
             As `surface`; if a second wall has another helix; if a shell does not lie beyond the previous one, or the
             path bends so sharply that a shell folds over itself. The error names shell, vertex and depth.
         """
-        state = self._state(samples=False)
-        return volume_of(state, self._resolve_path(path), shells, start, stop, self._threads)
+        state = self._state(samples=bool(self._arms))
+        volume = volume_of(state, self._resolve_path(path), shells, start, stop, self._threads)
+        if state.arms is not None:
+            volume.hang(MEASURED, [measured_quads(state)] * len(shells))
+        return volume
 
     def __reduce__(self) -> tuple[Any, ...]:
         state = self._state()

@@ -448,3 +448,14 @@ def test_nearest_is_an_attribute_of_meshes(folder: Path, tmp_path: Path) -> None
     assert wall.attributes.units["nearest"] == "m"
     colored = run("mesh", tmp_path / "w.wall", "-o", tmp_path / "w.glb", "--color-by", "nearest")
     assert colored.exit_code == 0, colored.output
+    volume = run("mesh", tmp_path / "w.wall", "-o", tmp_path / "v.vtu", "--shell", "2cm", "--measured")
+    assert volume.exit_code == 0, volume.output
+    text = (tmp_path / "v.vtu").read_bytes()
+    assert b'Name="nearest"' in text
+    assert b'Name="measured"' in text
+    quads = round(float(np.mean(np.isfinite(wall.attributes["nearest"]))) * wall.attributes["nearest"].size)
+    assert f"of {quads:,} cells; the others are interpolated" in " ".join(volume.output.split())
+    gauge = ("--gauge", "--bit-diameter", "216mm", "--from", "10m", "--to", "12m", "--measured")
+    refused = run("mesh", *gauge, "-o", tmp_path / "g.glb")
+    rule = "--measured: needs a shape that was measured; this wall: gauge hole at bit size: not measured"
+    assert (refused.exit_code, rule in " ".join(refused.output.split())) == (2, True)

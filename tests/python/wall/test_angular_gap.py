@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -9,6 +11,7 @@ from hypothesis import strategies as st
 
 import helibore as hb
 from helibore._core import angular_gaps
+from helibore.live.frozen_copy import FrozenWall
 from helibore.samples.helix import Helix
 
 
@@ -82,3 +85,44 @@ def test_a_gap_of_60_degrees_is_the_largest_that_counts_as_measured_by_default()
     wall = hb.reconstruct(caliper, bit_diameter=0.216, sectors=360)
     assert set(np.round(wall.angular_gap, 6).tolist()) == {0.0, 59.0, 61.0}
     np.testing.assert_allclose(wall.logs().coverage, 0.5, atol=1e-9)
+
+
+def x_y_wall(turning: float) -> hb.Wall:
+    """Four samples a row, the tool turning by so many degrees a metre: in a part of the hole it measures all around."""
+    depth = np.repeat(np.arange(100, 104, 0.05), 4)
+    toolface = (np.tile([0, 90, 180, 270], depth.size // 4) + turning * np.maximum(depth - 102, 0)) % 360
+    radius = 0.11 + 0.003 * np.cos(np.radians(2 * toolface))
+    caliper = hb.Caliper(depth, toolface, radius, arm=np.tile([0, 1, 0, 1], depth.size // 4))
+    return hb.reconstruct(caliper, bit_diameter=0.2, sectors=32)
+
+
+def test_meshes_of_few_arms_say_which_quads_are_measured(tmp_path: Path) -> None:
+    wall, K = x_y_wall(turning=300.0), 32
+    measured = np.isfinite(wall.radius) & (wall.angular_gap <= 60)
+    np.testing.assert_array_equal(wall.measured, measured)
+    corners = [measured[first : measured.size - K - 1 + first] for first in (0, 1, K, K + 1)]
+    expected = np.all(corners, axis=0)
+    assert 0.1 < expected.mean() < 0.9
+    surface, volume = wall.surface(), wall.volume(shells=[0.02, 0.05])
+    np.testing.assert_array_equal(surface.attributes["measured"], expected[surface.quad_index])
+    np.testing.assert_array_equal(volume.attributes["measured"], np.tile(surface.attributes["measured"], 2))
+    part = wall.surface(start=102, stop=103)
+    np.testing.assert_array_equal(part.attributes["measured"], expected[part.quad_index])
+    wall.save(tmp_path / "w.wall")
+    again = hb.load(tmp_path / "w.wall")
+    for other in (again, FrozenWall(wall, None)):
+        np.testing.assert_array_equal(other.surface().attributes["measured"], surface.attributes["measured"])
+    assert "measured" not in again.attributes  # it belongs to meshes, and a wall that grows has it anew
+
+
+def test_an_arm_on_a_vertex_between_two_gaps_is_no_measured_quad() -> None:
+    """The vertices at four arms that do not turn are measured, but none of the quads beside them."""
+    wall = x_y_wall(turning=0.0)
+    assert wall.measured.mean() == pytest.approx(4 / 32, abs=0.01)
+    assert not wall.surface().attributes["measured"].any()
+
+
+def test_a_mesh_of_samples_without_arms_has_no_such_attribute() -> None:
+    caliper = hb.Caliper(np.linspace(0, 2, 200), np.arange(200) * 37.0 % 360, np.full(200, 0.11))
+    wall = hb.reconstruct(caliper, bit_diameter=0.2, sectors=16)
+    assert "measured" not in wall.surface().attributes
