@@ -11,7 +11,7 @@ import click
 
 from helibore.base.errors import InputError
 from helibore.cli.lines import trust_lines
-from helibore.cli.outputs import QUIET, SIGMA, add_sigma
+from helibore.cli.outputs import QUIET, SIGMA, add_sigma, own_options
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_options import (
     BESIDE,
@@ -28,6 +28,7 @@ from helibore.cli.wall_options import (
     takes_a_wall,
     walls_beside,
 )
+from helibore.cli.zone_options import CRITERIA, criteria_of
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
     TEMPLATE,
     BESIDE,
     HEADER,
+    *CRITERIA,
     opt("--well", "Name to show.  [name of the source]", default=""),
     opt("--host", "Address to serve on; any but this machine's own needs --token.", default="127.0.0.1"),
     opt("--port", "Port; 0: a free one.", type=click.IntRange(0, 65535), default=0),
@@ -68,6 +70,7 @@ def view(**options: Any) -> None:
     terminal = Terminal(options["quiet"])
     check_page()
     run = open_run(options, terminal)
+    options = own_options(run, "view", options)
     if run.settings.archive is not None or run.settings.output is not None:
         for option, name in (("--from", "start_depth"), ("--to", "stop_depth")):
             if options[name] is not None:
@@ -80,6 +83,7 @@ def view(**options: Any) -> None:
     wall = make_wall(run, options["threads"], terminal.stage).wall
     if options["sigma"]:
         run.messages += add_sigma(wall, terminal)
+    criteria = criteria_of(wall, options)
     picks = load_picks(run)
     run.messages.append(("picks", where_saved(picks)))
     header = header_of(run, options)
@@ -93,11 +97,11 @@ def view(**options: Any) -> None:
     with placing(run, reaching(run)):
         viewer = serve(
             wall, path=wall.path, attributes=attributes, curves=curves, picks_file=picks, template=template,
-            beside=beside, well=well, **serving,
+            beside=beside, criteria=criteria, well=well, **serving,
         )  # fmt: skip
     drawing = {
         "title": well, "header": header, "scalars": curves, "template": template, "beside": beside,
-        "reference": run.reference,
+        "criteria": criteria, "reference": run.reference,
     }  # fmt: skip
     viewer.scene.draw_pages = section_printer(wall, drawing)
     viewer.scene.update_state(ended=True, prints=True)  # nothing appends to it

@@ -1,4 +1,4 @@
-"""The options of the criteria of zones, the same in ``helibore logs``, ``plot`` and ``report``."""
+"""The options of the criteria of zones, the same in ``helibore logs``, ``plot``, ``report`` and ``view``."""
 
 from __future__ import annotations
 

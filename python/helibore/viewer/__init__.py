@@ -38,6 +38,7 @@ from helibore.viewer.feed import Feed, ViewedWall
 from helibore.viewer.scene import Attribute
 
 if TYPE_CHECKING:
+    from helibore.logs.zone_criteria import Criteria
     from helibore.viewer.notebook_view import NotebookView
     from helibore.viewer.page_server import PageServer
     from helibore.wall.wall import Wall
@@ -130,6 +131,7 @@ def view(
     reference: Reference | None = None,
     picks_file: str | os.PathLike[str] | None = None,
     beside: Mapping[str, Wall] | None = None,
+    criteria: Criteria | None = None,
     well: str = "",
     host: str = "127.0.0.1",
     port: int = 0,
@@ -162,6 +164,8 @@ def view(
     beside
         Other walls by name (wells, or passes of the same one), where the wall reaches: their radius over bit size as
         images in the colours of the wall's own, C1 and C2 as curves. The page begins with them side by side.
+    criteria
+        Criteria of the zones; None: the usual ones.
     well
         The well's name, for the page.
     host, port
@@ -199,7 +203,7 @@ def view(
         values |= {key: one for key, one, _ in others}
         curves += [curve for *_, own in others for curve in own]
         template = template or _side_by_side([str(key.name) for key, *_ in others])
-    feed = Feed(wall, path=path, attributes=values, well=well, reference=reference)
+    feed = Feed(wall, path=path, attributes=values, well=well, reference=reference, criteria=criteria)
     if isinstance(wall, Wall):
         feed.scene.picks = wall.picks
     feed.scene.picks_file = picks_file

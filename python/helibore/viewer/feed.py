@@ -28,6 +28,7 @@ from helibore.base.ranges import Range, union
 from helibore.base.units import MILLIMETRE
 from helibore.logs.curves import curves_of
 from helibore.logs.summary import summarize
+from helibore.logs.zone_criteria import Criteria
 from helibore.logs.zones import Classification, classify
 from helibore.samples.helix import basis_of, basis_text_of, helix_of
 from helibore.trajectory.references import Reference, reference_assumed, reference_of
@@ -64,11 +65,12 @@ class Feed:
 
     def __init__(
         self, wall: ViewedWall, *, path: Path | None, attributes: Mapping[str | Attribute, npt.ArrayLike], well: str,
-        scene: Scene | None = None, reference: Reference | None = None,
+        scene: Scene | None = None, reference: Reference | None = None, criteria: Criteria | None = None,
     ) -> None:  # fmt: skip
         self.scene = scene or Scene()  # a scene that is served already: its pages wait for the wall to begin
         self.path = path
         self._wall = wall
+        self._criteria = criteria  # of zones; None: the usual ones
         if len(wall) == 0:
             raise InputError("the wall has no vertex yet", "append samples first")
         named = {_attribute(key): numbers(values) for key, values in attributes.items()}
@@ -215,7 +217,7 @@ class Feed:
             return
         wall = getattr(self._wall, "_state", lambda: self._wall)()  # copies samples and finds gaps only once
         with self._finding:
-            self._zones = found = classify(wall)
+            self._zones = found = classify(wall, self._criteria)
         measured = getattr(wall, "measured", None) if self._shape.basis == "azimuthal" else None
         if measured is not None:
             self.scene.set_interpolated(np.isfinite(wall.radius) & ~measured)
@@ -233,7 +235,7 @@ class Feed:
     def _summarize(self, start: float, stop: float) -> dict[str, Any]:
         """Return the figures of `Wall.summary` that the page shows of a section; a missing number is None."""
         with self._finding:  # the first zones of a long wall take a second
-            self._zones = self._zones or classify(self._wall)
+            self._zones = self._zones or classify(self._wall, self._criteria)
         summary = summarize(self._wall, start, stop, zones=self._zones)
         names = ("start", "stop", "volume", "excess", "whole_turns", "incomplete_turns", "washed_out", "without_radius")
         values = {name: float(getattr(summary, name)) for name in (*names, "coverage", "mean_diameter")}

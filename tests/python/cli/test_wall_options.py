@@ -12,6 +12,7 @@ from command import run
 
 import helibore as hb
 from helibore.cli.wall_options import SECTIONS
+from helibore.logs.zone_criteria import Criteria
 
 WALLS = ("reconstruct", "mesh", "logs", "plot", "report", "view")
 
@@ -146,6 +147,39 @@ def test_options_that_do_not_go_together(verb: str, options: tuple[str, ...], ru
 
 
 FEW = "a tool with few arms measured"
+
+
+def test_the_page_has_the_criteria_of_the_command_line_or_of_the_output_it_is_given(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("uvicorn", reason='the viewer needs the extra: pip install "helibore[view]"')
+    from helibore import viewer
+    from helibore.cli import view_command as command
+    from helibore.viewer.feed import Feed
+
+    monkeypatch.chdir(tmp_path)
+    k = np.arange(6000)
+    radius = 0.11 + 0.005 * (np.abs(k - 3000) < 1000)
+    hb.reconstruct(hb.Caliper(1000 + k * 0.001, k * 37.0, radius), bit_diameter=0.22).save("w.wall")
+    given: list[Criteria] = []
+
+    def shown(wall: hb.Wall, *, criteria: Criteria, **_: object) -> None:
+        given.append(criteria)
+        feed = Feed(wall, path=None, attributes={}, well="", criteria=criteria)
+        feed._find_zones()
+        raise hb.InputError("zones", str(len(feed.scene.state.zones)))
+
+    monkeypatch.setattr(viewer, "view", shown)
+    monkeypatch.setattr(command, "check_page", lambda: None)
+
+    def zones(*arguments: str) -> str:
+        return run("view", *arguments).stderr.split()[-1]
+
+    assert zones("w.wall") == "0"  # 10 mm are less than half an inch
+    assert zones("w.wall", "--criterion", "washout=0.3in") == "1"
+    run("logs", "w.wall", "-o", "w.csv", "--criterion", "washout=0.3in", "--scaled")
+    assert zones("w.csv.toml") == "1"
+    assert given == [Criteria(), Criteria(washout=0.3 * 0.0254), Criteria.scaled(0.22, washout=0.3 * 0.0254)]
 
 
 @pytest.mark.parametrize(
