@@ -34,6 +34,17 @@ KINDS = ("gauge", "washout", "breakout", "key seat", "undergauge")
 """Kinds by their code in files, from 0."""
 CLASSES = ", ".join(f"{code} {kind}" for code, kind in enumerate(KINDS))
 
+SIZES = {
+    "measure": f"extreme of {', '.join(f'{measure} ({kind})' for kind, measure in MEASURES.items())}",
+    "severity": "measure divided by its limit; the greatest is the worst",
+    "enlargement": "the greatest C1 - bit; of undergauge hole the lowest least diameter - bit",
+    "elongation": "the greatest C1 - C2",
+    "peak": "depth of the enlargement",
+}
+"""What the numbers of a zone are, in files and in reports."""
+COLUMNS_OF_SIZES = {"enlargement": "enlarge", "elongation": "elong"}
+"""Names of the columns of `SIZES` that are shorter than theirs."""
+
 WORST = 5
 """Zones that a card lists."""
 
@@ -150,19 +161,19 @@ class Classification(Tabular):
         """Return the zones, one per row, with the criteria among the facts; without zones the table has no row."""
         zones = self.zones
         codes = ", ".join(f"{code} {kind}" for code, kind in enumerate(KINDS) if code)
-        lengths = ", ".join(f"{measure} ({kind})" for kind, measure in MEASURES.items())
+        sizes = {name: f"{text[0].upper()}{text[1:]}" for name, text in SIZES.items()}
         severity = [of.severity if math.isfinite(of.severity) else math.nan for of in zones]
         rows: list[Any] = [
             ("DEPT", "m", "Middle of the zone", [(of.start + of.stop) / 2 for of in zones]),
             ("TOP", "m", "Top of the zone", [of.start for of in zones]),
             ("BOTTOM", "m", "Bottom of the zone", [of.stop for of in zones]),
             ("CLASS", "", f"Class of hole, {codes}", [KINDS.index(of.kind) for of in zones], 0),
-            ("MEASURE", "m", f"Extreme of {lengths}", [of.measure for of in zones]),
-            ("MEDIAN", "m", "Median of the length of MEASURE", [of.median for of in zones]),
-            ("SEVERITY", "", "MEASURE divided by its limit; the greatest is the worst", severity),
-            ("ENLARGE", "m", "Largest diameter, or least if undergauge, less bit", [of.enlargement for of in zones]),
-            ("ELONG", "m", "Largest diameter less the one across it, greatest", [of.elongation for of in zones]),
-            ("PEAK", "m", "Depth of ENLARGE", [of.peak for of in zones]),
+            ("MEASURE", "m", sizes["measure"], [of.measure for of in zones]),
+            ("MEDIAN", "m", "Median of the length of the measure", [of.median for of in zones]),
+            ("SEVERITY", "", sizes["severity"], severity),
+            ("ENLARGE", "m", sizes["enlargement"], [of.enlargement for of in zones]),
+            ("ELONG", "m", sizes["elongation"], [of.elongation for of in zones]),
+            ("PEAK", "m", sizes["peak"], [of.peak for of in zones]),
             ("COVER", "", "Share of the zone that is measured, not interpolated", [of.coverage for of in zones]),
             ("AXIS", "deg", "Axis of a breakout, toolface of a key seat", [of.toolface for of in zones]),
             ("AXISDEV", "deg", "Axial standard deviation in the zone", [of.deviation for of in zones]),
@@ -174,7 +185,8 @@ class Classification(Tabular):
                 (f"OPEN{number}", "deg", "Opening of the lobe", [of.opening for of in lobes]),
                 (f"HIGH{number}", "m", "Typical height of the lobe over the circle of C2", [of.height for of in lobes]),
             ]
-        return LogTable(columns_of(*rows), self.facts())
+        meanings = {COLUMNS_OF_SIZES.get(name, name): text for name, text in SIZES.items()}
+        return LogTable(columns_of(*rows), {**self.facts(), **meanings})
 
     def _repr_html_(self) -> str:
         counts = {kind: len(self.of(kind)) for kind in KINDS[1:]}

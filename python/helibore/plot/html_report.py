@@ -28,6 +28,7 @@ from helibore.logs.picks import BREAKOUT
 from helibore.logs.summary import WallSummary
 from helibore.logs.turn_logs import NO_UNCERTAINTY, TOOLFACE_0
 from helibore.logs.zone_criteria import MEASURES
+from helibore.logs.zones import SIZES
 from helibore.plot.content import Drawing, content_of
 from helibore.plot.diameters import Diameters
 from helibore.plot.header import HEADER, facts, measured_text, sentence, toolface_text
@@ -254,7 +255,7 @@ def _zones(zones: Classification | None, content: Content) -> str:
         return f"<p>None. {criteria} Nothing that was measured of the hole meets one of them.</p>"
     unit, depths = content.drawing.size_unit, content.drawing.depth_unit.name
     ends = f"From [{depths}]", f"To [{depths}]"
-    head = ("Kind, extreme, times its limit", *ends, f"Enlarge{SOFT}ment [{unit}]", f"Elonga{SOFT}tion [{unit}]",
+    head = ("Kind, measure, severity, peak", *ends, f"Enlarge{SOFT}ment [{unit}]", f"Elonga{SOFT}tion [{unit}]",
             f"Tool{SOFT}face, s.d. [°]", f"Open{SOFT}ings [°]")  # fmt: skip
     rows = []
     for zone in found:
@@ -267,12 +268,8 @@ def _zones(zones: Classification | None, content: Content) -> str:
         peak = f"{most} at {in_depth_unit(zone.peak, content)} {depths}"
         measure = f"{MEASURES[zone.kind].replace(' - ', ' − ')} {in_unit(zone.measure, content, 2)} {unit}"
         rows.append([f"{zone.kind}, {measure}, {zone.severity:.1f} ×, {peak}", *ends, *sizes, *angles])
-    note = (
-        "Worst first: by the extreme of the length that the criterion limits, in multiples of this limit. "
-        "Enlargement: C1 − bit where the zone is widest, least diameter − bit where undergauge is narrowest. "
-        "Elongation: the greatest C1 − C2."
-    )
-    return f"<p>{note} {_toolface(content)} {criteria}</p>" + table(head, rows)
+    note = " ".join(f"{name.capitalize()}: {text}." for name, text in SIZES.items()).replace(" - ", " − ")
+    return f"<p>Worst first, by severity. {note} {_toolface(content)} {criteria}</p>" + table(head, rows)
 
 
 def _toolface(content: Content) -> str:

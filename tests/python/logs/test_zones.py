@@ -18,7 +18,7 @@ from helibore.files.log_writing import save_table
 from helibore.logs.summary import summarize
 from helibore.logs.turn_logs import turn_logs
 from helibore.logs.zone_criteria import Criteria
-from helibore.logs.zones import KINDS, Classification, classify
+from helibore.logs.zones import KINDS, SIZES, Classification, classify
 from helibore.simulation.hole import Breakout, Hole
 from helibore.simulation.tool import Tool, simulate
 
@@ -107,6 +107,10 @@ def test_the_extreme_of_what_the_criterion_limits_orders_the_zones_and_the_media
     assert table["MEASURE"].description == (
         "Extreme of C2 - bit (washout), C1 - C2 (breakout), height (key seat), least diameter - bit (undergauge)"
     )
+    for name, text in SIZES.items():  # the report has the same words
+        mnemonic = {"enlargement": "ENLARGE", "elongation": "ELONG"}.get(name, name.upper())
+        assert table.facts[mnemonic.lower()] == text
+        assert table[mnemonic].description.lower() == text.lower()
 
 
 def test_a_gap_belongs_to_the_zone_that_joins_it_and_not_to_its_turns_and_metres() -> None:

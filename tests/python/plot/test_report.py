@@ -20,6 +20,7 @@ from screen import NEEDS_BROWSER
 import helibore as hb
 from helibore.cli import cli
 from helibore.logs.turn_logs import NO_UNCERTAINTY
+from helibore.logs.zones import SIZES
 from helibore.plot import log
 from helibore.plot.content import Drawing, content_of
 from helibore.plot.header import sentence
@@ -96,6 +97,8 @@ def test_tables_have_the_unit_of_the_diameters(wall: hb.Wall) -> None:
     assert {"Mean [in]", "Least [in]", "Greatest [in]", "Enlargement [in]", "Elongation [in]"} <= set(inch)
     assert {"Mean [mm]", "Least [mm]", "Greatest [mm]", "Enlargement [mm]", "Elongation [mm]"} <= set(metric)
     assert not [text for text in metric if "[in]" in text]
+    note = next(text for text in inch if text.startswith("Worst first"))
+    assert all(f"{name.capitalize()}: {text}.".replace(" - ", " − ") in note for name, text in SIZES.items())
     row = intervals(content)[0]
     assert {f"{row.mean_diameter / 0.0254:.3f}", f"{row.greatest_diameter.value / 0.0254:.3f}"} <= set(inch)
     assert {f"{row.mean_diameter * 1e3:.1f}", f"{row.greatest_diameter.value * 1e3:.1f}"} <= set(metric)
