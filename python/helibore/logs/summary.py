@@ -59,7 +59,8 @@ class WallSummary:
     mean_diameter
         Diameter of the cylinder with the same volume.
     least_diameter, greatest_diameter
-        Diameters through the axis of the hole; each is an `Extreme` with its depth.
+        Diameters through the axis of the hole; each is an `Extreme` with its depth. Those of a tool with few arms are
+        the extremes of turns, not of single readings: `Logs.arm_diameter`.
     inscribed_diameter
         Diameter of the largest circle that passes through the interval, the smallest of the turns' inscribed circles;
         an `Extreme` with its depth.

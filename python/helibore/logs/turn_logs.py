@@ -49,6 +49,7 @@ SEES_ALL_AROUND = 0.9
 """Least mean coverage at which the wall shows the shape better than the arms alone."""
 COVERED = 0.9
 """Mean coverage below which a wall is said to be interpolated."""
+ARM_MEAN = "mean over the row and of all passes"
 NO_UNCERTAINTY = (
     "volumes (hole, excess over the bit, annulus, cement) and mean diameters have no known uncertainty where the wall "
     "is interpolated, not measured"
@@ -117,7 +118,9 @@ class Logs(Tabular):
         Share of the turn that is measured, 0 to 1: the share of its vertices in `Wall.measured`. If the wall has no
         samples: that of vertices with a radius.
     arm_diameter
-        The diameters that each arm of a tool with few arms measured, one array per arm; () for other tools.
+        The diameters that each arm of a tool with few arms measured, one array per arm; () for other tools. A value is
+        the mean of the arm's readings, linear between them, over the turn or step, and of all passes. A peak that is
+        shorter than that, or that one pass alone has, is lower than its largest reading, in `c1` too.
     nearest
         Largest distance from a vertex to the nearest sample used; NaN if no vertex has one or the wall does not hold
         it.
@@ -313,11 +316,18 @@ class Logs(Tabular):
             "toolface 0": TOOLFACE_0[self.reference] + ", assumed" * self.reference_assumed,
             "row": "one full turn" if self.step is None else f"{self.step:.6g} m of depth",
             "rugosity window": f"{self.rugosity_window:.6g} m",
-            "shape": SHAPE_TEXT[self.shape],
-            **({"uncertainty": NO_UNCERTAINTY} if self.unmeasured_shape else {}),
+            **self._facts_of_shape(),
             "ovality": "OVAL_API = (max - min)/(max + min); OVAL_DNV = twice that",
             "missing": "a value is missing if a radius of its turn or step is missing",
         }
+
+    def _facts_of_shape(self) -> dict[str, str]:
+        found = {"shape": SHAPE_TEXT[self.shape]}
+        if self.shape == "arms":
+            found["arms"] = f"ARM_DIAMETER, C1, C2 and DMIN: {ARM_MEAN}; single readings are larger and smaller"
+        if self.unmeasured_shape:
+            found["uncertainty"] = NO_UNCERTAINTY
+        return found
 
     def table(self, more: Iterable[LogColumn] = (), facts: Mapping[str, str] | None = None) -> LogTable:
         """Return the logs with mnemonics, units and descriptions, followed by ``more`` columns; ``facts`` are added."""
@@ -338,7 +348,7 @@ class Logs(Tabular):
         if self.with_sigma:
             own.append(LogColumn("VOL_SIGMA", "m3", "Standard uncertainty of VOL, at most", self.volume_sigma))
         own += [
-            LogColumn(f"ARM_DIAMETER_{number}", "m", f"Diameter that arm {number} measured", values)
+            LogColumn(f"ARM_DIAMETER_{number}", "m", f"Diameter that arm {number} measured, {ARM_MEAN}", values)
             for number, values in enumerate(self.arm_diameter, 1)
         ]
         own += _along(self.path, self.depth) if self.path is not None else []

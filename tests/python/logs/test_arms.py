@@ -73,6 +73,10 @@ def test_a_table_and_its_files_say_what_comes_from_the_arms(tmp_path: Path) -> N
     table = logs.table()
     assert "come from the tool's arms" in table.facts["shape"]
     np.testing.assert_array_equal(table["ARM_DIAMETER_2"].values, logs.arm_diameter[1])
+    assert table["ARM_DIAMETER_2"].description == "Diameter that arm 2 measured, mean over the row and of all passes"
+    assert table.facts["arms"] == (
+        "ARM_DIAMETER, C1, C2 and DMIN: mean over the row and of all passes; single readings are larger and smaller"
+    )
     logs.by_step(0.5).save(tmp_path / "a.csv")
     text = (tmp_path / "a.csv").read_text()
     assert "ARM_DIAMETER_1" in text
@@ -94,7 +98,7 @@ def test_an_imaging_tool_has_the_walls_shape_whether_its_arms_are_known_or_not(t
     assert "class of hole come from the wall\n" in (tmp_path / "a.csv").read_text()
     assert np.isnan(logs.shape_kept)
     assert logs.warnings() == []
-    assert "uncertainty" not in logs.facts()
+    assert not {"arms", "uncertainty"} & set(logs.facts())
 
 
 @pytest.mark.parametrize("kept", [0.69, 0.71])

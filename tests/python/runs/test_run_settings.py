@@ -133,7 +133,11 @@ def test_no_option_of_the_wall_goes_beside_settings(option: tuple[str, ...]) -> 
         ("[wall]", "[survey]\nfile = 3\n[wall]", "survey.file = 3: must be the name of a file"),
         ("[wall]", "[archive]\nfile = 'w.wall'\n[wall]", "caliper, average, archive, gauge: exactly one of them must"),
         ("[options]", "[optons]", "optons: must be one of helibore, verb, "),
-        ("[options]", "[options]\nsectors = 3", "options.sectors: must be one of shells, sigma, nearest, measured, color_by"),
+        (
+            "[options]",
+            "[options]\nsectors = 3",
+            "options.sectors: must be one of shells, sigma, nearest, measured, color_by",
+        ),
         ("[options]", "[options]\nshells = 5.0", "options.shells = 5.0: "),
         ("[options]", "[options]\ncolor_by = 3", "options.color_by = 3: must be '3'"),
         ("helibore = ", "# ", "helibore: is missing"),
