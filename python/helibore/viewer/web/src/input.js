@@ -278,7 +278,7 @@ export function bindKeys(app) {
     }
     if (typing || event.ctrlKey || event.metaKey || event.altKey || !app.store) return;
     const act = KEYS[event.key] ?? (/^[1-9]$/.test(event.key) ? () => (app.picking.on ? app.picking.setClass(CLASSES[Number(event.key) - 1]) : app.setQuantity(app.quantities[Number(event.key) - 1]?.id)) : null);
-    if (!act || (/^(Enter| )$/.test(event.key) && tagName === 'BUTTON')) return;
+    if (!act || (/^(Enter| )$/.test(event.key) && /^(BUTTON|SUMMARY|A)$/.test(tagName))) return;
     event.preventDefault();
     act(app);
   });
