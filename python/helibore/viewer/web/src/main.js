@@ -116,7 +116,7 @@ export class App {
     this.view = new View(this.redraw);
     this.glow = new Glow();
     this.map = new DepthMap();
-    this.histogram = new Histogram(byId('histogram'));
+    this.histogram = new Histogram(byId('histogram'), this.redraw);
     fillSelects();
     disableControls(true);
     this.openGpu();
@@ -527,7 +527,7 @@ export class App {
     const turned = turnAt(store, view, cursor?.depth ?? view.middle);
     const figures = turnText(look, turned, (m, digits) => showLength(m, view.units, digits ?? (view.units === 'mm' ? 1 : 3)));
     byId('crossTitle').textContent = `Cross-section at ${showDepth(cursor?.depth ?? view.middle, view.units)}`;
-    if (byId('polar').clientHeight) drawPolar(byId('polar'), look, turned);
+    if (byId('polar').clientHeight) drawPolar(byId('polar'), look, turned, quantityOf(this.quantities, 'over'));
     write('turn', figures);
     if (NARROW.matches) writeBrief(look, this.read, store.basis === 'azimuthal' ? figures : []);
     byId('sectionTitle').textContent = showSpan(view.top, view.bottom, view.units);

@@ -133,5 +133,6 @@ type Elements = Ids<'gl' | 'histogram' | 'ink' | 'net' | 'polar', Canvas>
   & Ids<'dipFile' | 'dynamic' | 'goTo' | 'high' | 'inView' | 'log' | 'low' | 'moment' | 'noteText', HTMLInputElement>
   & Ids<'dipKeep' | 'dipRedo' | 'dipRemove' | 'dipUndo', HTMLButtonElement>
   & Ids<'csv' | 'export' | 'print' | 'printAll', HTMLAnchorElement>
+  & Ids<'colour', HTMLDetailsElement>
   & Ids<'help' | 'note', HTMLDialogElement>;
 type ElementOf<Id extends string> = Id extends keyof Elements ? Elements[Id] : HTMLElement;
