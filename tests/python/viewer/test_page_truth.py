@@ -164,8 +164,9 @@ def test_a_measured_wall_has_no_banner_and_the_figures_of_its_summary(browser: A
         shown = screen.evaluate("window.__wall.app.zones")
         assert [(one["kind"], one["start"]) for one in shown] == [(zone.kind, pytest.approx(zone.start, abs=1e-3))]
         row = ["W", "washout", f"{zone.start:.1f}–{zone.stop:.1f}", "+50", f"{shown[0]['severity']:.1f}×"]
-        assert screen.inner_text("#zones").split("\n") == row
-        assert screen.inner_text("#zonesTitle").lower() == "1 zone, worst first: extreme [mm], × limit"
+        assert screen.inner_text("#zones button").split("\n") == row
+        assert screen.inner_text("#zones div").split() == ["kind", "MD", "m", "mm", "limit"]
+        assert screen.inner_text("#zonesTitle").lower() == "1 zone, worst first"
         assert screen.get_attribute("#zones button", "title").startswith("washout: the extreme of C2 − bit in the zone")
         screen.evaluate("window.__wall.app.view.show(2000, 5, window.__wall.app.store)")
         screen.keyboard.press("n")
@@ -282,6 +283,32 @@ def test_what_lies_between_arms_is_hatched_and_not_counted_as_measured(browser: 
         assert full.mean() == pytest.approx((wall.angular_gap <= 60).mean(), abs=0.05)
         grey = abs(image - image[..., :1]).max(axis=-1) <= 2
         assert 0.03 < grey.mean() < 0.2, "sparse lines"
+        screen.close()
+
+
+# Pixels of the cross-section in about this colour.
+ALIKE = """(colour) => {
+  const { width, height } = document.getElementById('polar');
+  const { data } = document.getElementById('polar').getContext('2d').getImageData(0, 0, width, height);
+  let count = 0;
+  for (let i = 0; i < data.length; i += 4) if (colour.every((value, c) => Math.abs(data[i + c] - value) < 8)) count++;
+  return count;
+}"""
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("over", [0.02, -0.02])
+def test_the_cross_section_has_the_colour_of_the_image(browser: Any, theme: str, over: float) -> None:
+    depth = np.arange(2000.0, 2030.0, 0.0025)
+    wall = hb.reconstruct(hb.Caliper(depth, depth * 3600 % 360, np.full(depth.size, BIT / 2 + over)), bit_diameter=BIT)
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, f"#md=2015&sec=10&theme={theme}", (1366, 768))
+        screen.settle()
+        image = screen.pixels("image")
+        colour = image[len(image) // 2, 100, :3].tolist()
+        assert (colour[0] > colour[2] + 50) if over > 0 else (colour[2] > colour[0] + 50)
+        ring = np.pi * 80**2 * abs((BIT / 2 + over) ** 2 - (BIT / 2) ** 2) / 0.15**2  # 150 mm are 80 pixels
+        assert screen.evaluate(ALIKE, colour) == pytest.approx(ring, rel=0.25)  # less its outlines
         screen.close()
 
 

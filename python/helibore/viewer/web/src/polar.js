@@ -1,19 +1,26 @@
 // The cross-section at the cursor: one turn of the wall, looking down the hole, high side (or north) up.
-// Bit circle dashed, smallest and largest diameter with their directions, filled beyond the bit; dotted where it is
-// interpolated between arms; a band of 95 % if the wall has its uncertainty; kept sections behind. The view sets the shape's
-// exaggeration, and the picture states it.
+// Bit circle dashed, rings at round radii, smallest and largest diameter with their directions. Between bit and wall it has
+// the colours of the image of the radius over the bit; dotted and pale where it is interpolated between arms; a band of 95 %
+// if the wall has its uncertainty; kept sections behind. The view sets the shape's exaggeration, and the picture states it.
 
+import { lookup, themed } from './color.js';
 import { pen, pixelRatio } from './device.js';
-import { BOLD, FONT, label, PALETTES, SMALL } from './layout.js';
+import { BOLD, FONT, fitting, label, PALETTES, SMALL } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
 import { attributeOf, measure, turn, unmeasured } from './turns.js';
 import { niceStep } from './lod.js';
 import { wrap360 } from './helix.js';
-import { LENGTHS } from './units.js';
+import { LENGTHS, showSigned } from './units.js';
 import { FIRST, RADIUS } from './protocol.js';
-import { zoneAt, zoneText } from './zones.js';
+import { zoneAt } from './zones.js';
 
 const CERTAIN = 1.96; // standard deviations that enclose 95 %
+const EDGE = 16; // pixels around the outer ring, for the letters
+const ROOM = 60; // pixels of a radius that has room for the names of the diameters
+const PALE = 0.4; // of a colour where the wall is interpolated
+
+// The middle of the picture and the outer ring around it, in pixels.
+/** @typedef {{ x: number, y: number, reach: number }} Middle */
 
 // The turn at a depth: {k, radii, sigma, between, measured, level}, from the wall; without radii where the page has not
 // received that part of the wall.
@@ -31,23 +38,27 @@ const dial = (look, depth, found, j) => wrap360(found.level.toolface(found.k + j
 /** @param {Look} look @param {number} depth */
 const zero = ({ path, view }, depth) => leftEdge(path, view.cut, depth).toolface - CUTS[view.cut].offset;
 
-// Pixels across that the picture has: a text of angles at its sides needs more than a letter.
-/** @param {number} width @param {number} height */
-const across = (width, height) => Math.min(width - 24, height);
-
-/** @param {Canvas} canvas @param {Look} look @param {Turn} found */
-export function drawPolar(canvas, look, found) {
+/** @param {Canvas} canvas @param {Look} look @param {Turn} found @param {Quantity} over */
+export function drawPolar(canvas, look, found, over) {
   const { store, view } = look;
   const palette = PALETTES[view.theme];
   const { ink, width, height } = sized(canvas);
   ink.clearRect(0, 0, width, height);
   const depth = view.cursor?.depth ?? view.middle;
   const R = store.bitRadius;
+  const shape = view.shape || 1;
   /** @param {number} r */
-  const exaggerated = (r) => Math.max(0.1 * R, R + (r - R) * (view.shape || 1));
+  const exaggerated = (r) => Math.max(0.1 * R, R + (r - R) * shape);
   const kept = view.pins.map((pin) => turnAt(store, view, pin));
-  const widest = Math.max(R, ...[found, ...kept].map(({ measured }) => exaggerated(measured.radiusMax || R)));
-  const scale = (across(width, height) / 2 - 20) / (widest * 1.04);
+  const widest = Math.max(R, ...[found, ...kept].map(({ measured }) => measured.radiusMax || R));
+  const { scale: per } = LENGTHS[view.units];
+  const step = niceStep((R / 3 / shape) * per) / per;
+  const outer = Math.ceil(widest / step - 1e-9) * step;
+  const inner = Math.round((R - R / 2 / shape) / step) * step;
+  const reach = Math.max(10, Math.min(width, height) / 2 - EDGE);
+  /** @type {Middle} */
+  const middle = { x: width / 2, y: height / 2, reach };
+  const scale = reach / exaggerated(outer);
   /** @type {(turnFound: Turn, at: number) => Placing} */
   const placeOn = (turnFound, at) => {
     const up = zero(look, at);
@@ -57,18 +68,42 @@ export function drawPolar(canvas, look, found) {
     };
   };
   const place = placeOn(found, depth);
-  outline(ink, found, (r, j) => place(Math.max(r, R), j), 'transparent', palette.fills.over);
-  disc(ink, width / 2, height / 2, R * scale, found.measured.share === 1 ? palette.fills.under : palette.panel);
-  outline(ink, found, (r, j) => place(Math.min(r, R), j), 'transparent', palette.panel);
-  rings(ink, look, width, height, scale, palette);
-  kept.forEach((pin, i) => outline(ink, pin, placeOn(pin, view.pins[i]), palette.pin, null));
-  outline(ink, found, place, palette.ink, 'transparent');
+  colourOver(ink, found, place, R, over, look.dark);
+  for (const ring of [inner, outer]) circle(ink, middle, exaggerated(ring) * scale, palette.line, 1);
+  ink.setLineDash([5, 4]);
+  circle(ink, middle, R * scale, palette.ink, 1.2);
+  ink.setLineDash([]);
+  kept.forEach((pin, i) => outline(ink, pin, placeOn(pin, view.pins[i]), palette.pin, 1.1));
+  outline(ink, found, place, palette.ink, 1.8);
   band(ink, found, place, palette.cursor);
-  diameters(ink, found, place, palette);
+  letters(ink, middle, look, depth, palette);
+  diameters(ink, found, place, middle, palette);
   const { cursor } = view;
   if (cursor && cursor.toolface !== null) hand(ink, look, /** @type {Aim} */ (cursor), found, scale, exaggerated, width, height, palette);
-  letters(ink, look, depth, width, height, palette);
-  if (view.shape > 1) label(ink, `shape × ${view.shape}`, width - 2, height - 7, { colour: palette.ink, align: 'right', font: SMALL });
+  corners(ink, middle, `${Number((outer * per).toFixed(3))} ${LENGTHS[view.units].unit}`, view.shape, palette);
+  label(ink, 'bit', middle.x + R * scale * 0.7 - 14, middle.y + R * scale * 0.7 - 14, { colour: palette.soft, align: 'center', font: SMALL, yields: true, margin: 4 });
+}
+
+// Between bit and wall, each sector in the colour that the image has for its radius.
+/** @param {Ink} ink @param {Turn} found @param {Placing} place @param {number} R @param {Quantity} over @param {boolean} dark */
+function colourOver(ink, { radii, between }, place, R, { map, low, high }, dark) {
+  if (!(high > low)) return; // not chosen yet
+  const table = lookup(themed(map, dark));
+  radii.forEach((r, a) => {
+    const b = (a + 1) % radii.length;
+    const mean = (r + radii[b]) / 2;
+    if (Number.isNaN(mean)) return;
+    const at = 4 * Math.round(255 * Math.min(1, Math.max(0, (mean - R - low) / (high - low))));
+    ink.beginPath();
+    for (const corner of [place(R, a), place(r, a), place(radii[b], b), place(R, b)]) ink.lineTo(...corner);
+    ink.closePath();
+    ink.fillStyle = ink.strokeStyle = `rgb(${table.subarray(at, at + 3).join()})`;
+    ink.lineWidth = 0.8;
+    ink.globalAlpha = between[a] ? PALE : 1;
+    ink.fill();
+    if (!between[a]) ink.stroke(); // no gap to the next
+  });
+  ink.globalAlpha = 1;
 }
 
 // Where around the hole the cursor is.
@@ -84,54 +119,28 @@ function hand(ink, look, { depth, toolface }, { level, k, radii }, scale, exagge
   ink.stroke();
 }
 
-/** @param {Ink} ink @param {Look} look @param {number} width @param {number} height @param {number} scale @param {Palette} palette */
-function rings(ink, { store, view }, width, height, scale, palette) {
-  const R = store.bitRadius;
-  ink.strokeStyle = palette.ink;
-  ink.lineWidth = 1.2;
-  ink.setLineDash([5, 4]);
-  ink.beginPath();
-  ink.arc(width / 2, height / 2, R * scale, 0, 2 * Math.PI);
-  ink.stroke();
-  ink.setLineDash([]);
-  const { scale: per, unit } = LENGTHS[view.units];
-  const length = niceStep((R / 3) * per) / per;
-  const y = height - 7;
-  ink.beginPath();
-  ink.moveTo(4, y);
-  ink.lineTo(4 + length * scale, y);
-  ink.stroke();
-  const digits = unit === 'in' && length * per < 1 ? 1 : 0;
-  label(ink, `${(length * per).toFixed(digits)} ${unit}`, 4, y - 9, { colour: palette.soft, font: SMALL });
-  label(ink, 'bit', width / 2 + R * scale * 0.7 - 14, height / 2 + R * scale * 0.7 - 14, { colour: palette.soft, align: 'center', font: SMALL });
-}
-
-/** @param {Ink} ink @param {number} x @param {number} y @param {number} radius @param {string} colour */
-function disc(ink, x, y, radius, colour) {
-  ink.fillStyle = colour;
+/** @param {Ink} ink @param {Middle} middle @param {number} radius @param {string} colour @param {number} lineWidth */
+function circle(ink, { x, y }, radius, colour, lineWidth) {
   ink.beginPath();
   ink.arc(x, y, radius, 0, 2 * Math.PI);
-  ink.fill();
+  ink.strokeStyle = colour;
+  ink.lineWidth = lineWidth;
+  ink.stroke();
 }
 
-/** @param {Ink} ink @param {Turn} found @param {Placing} place @param {string} colour @param {string | null} fill */
-function outline(ink, found, place, colour, fill) {
+/** @param {Ink} ink @param {Turn} found @param {Placing} place @param {string} colour @param {number} lineWidth */
+function outline(ink, found, place, colour, lineWidth) {
   const K = found.radii.length;
-  const [filled, measured, dotted] = [new Path2D(), new Path2D(), new Path2D()];
+  const [measured, dotted] = [new Path2D(), new Path2D()];
   for (let j = 0; j < K; j++) {
     const [a, b] = [j, (j + 1) % K].map((i) => (Number.isNaN(found.radii[i]) ? null : place(found.radii[i], i)));
     if (!a || !b) continue;
-    filled[j ? 'lineTo' : 'moveTo'](a[0], a[1]);
     const edge = found.between[j] || found.between[(j + 1) % K] ? dotted : measured;
     edge.moveTo(a[0], a[1]);
     edge.lineTo(b[0], b[1]);
   }
-  if (fill && found.measured.share === 1) {
-    ink.fillStyle = fill;
-    ink.fill(filled);
-  }
   ink.strokeStyle = colour;
-  ink.lineWidth = fill ? 1.8 : 1.1;
+  ink.lineWidth = lineWidth;
   ink.stroke(measured);
   ink.globalAlpha = 0.6;
   ink.setLineDash([1.5, 3]);
@@ -159,14 +168,15 @@ function band(ink, { radii, sigma }, place, colour) {
   ink.globalAlpha = 1;
 }
 
-/** @param {Ink} ink @param {Turn} turn @param {Placing} place @param {Palette} palette */
-function diameters(ink, { radii, measured }, place, palette) {
+// Cmin and Cmax across the hole, named at the lines where there is room: one in the right half, one in the lower.
+/** @param {Ink} ink @param {Turn} turn @param {Placing} place @param {Middle} middle @param {Palette} palette */
+function diameters(ink, { radii, measured }, place, { x, y, reach }, palette) {
   const K = radii.length;
-  /** @type {[number, string][]} */
-  const both = [[measured.maxAt, palette.max], [measured.minAt, palette.min]];
-  for (const [at, colour] of both) {
+  /** @type {[string, number, string, (end: Pair) => number][]} */
+  const both = [['Cmax', measured.maxAt, palette.max, ([across]) => across], ['Cmin', measured.minAt, palette.min, ([, down]) => down]];
+  for (const [, at, colour] of both) {
     const far = (at + Math.floor(K / 2)) % K;
-    if (Number.isNaN(radii[at]) || Number.isNaN(radii[far])) continue;
+    if (Number.isNaN(radii[at]) || Number.isNaN(radii[far])) return;
     ink.beginPath();
     ink.moveTo(...place(radii[at], at));
     ink.lineTo(...place(radii[far], far));
@@ -174,37 +184,53 @@ function diameters(ink, { radii, measured }, place, palette) {
     ink.lineWidth = 1.4;
     ink.stroke();
   }
+  if (reach < ROOM) return;
+  for (const [name, at, colour, side] of both) {
+    const ends = [at, (at + Math.floor(K / 2)) % K].map((j) => place(radii[j], j)).sort((a, b) => side(b) - side(a));
+    label(ink, name, x + 0.5 * (ends[0][0] - x), y + 0.5 * (ends[0][1] - y), { colour, align: 'center', font: BOLD, halo: palette.panel, yields: true });
+  }
 }
 
-/** @param {Ink} ink @param {Look} look @param {number} depth @param {number} width @param {number} height @param {Palette} palette */
-function letters(ink, look, depth, width, height, palette) {
-  const { reference } = CUTS[look.view.cut];
-  const known = leftEdge(look.path, look.view.cut, depth).known;
-  const names = !known ? ['0°', '90°', '180°', '270°'] : reference === 'up' ? ['U', 'R', 'D', 'L'] : ['N', 'E', 'S', 'W'];
-  const side = across(width, height) / 2 - 8;
+// What lies at the top of the picture and, clockwise, at its other sides.
+/** @param {Ink} ink @param {Middle} middle @param {Look} look @param {number} depth @param {Palette} palette */
+function letters(ink, { x, y, reach }, { view, path }, depth, palette) {
+  const known = leftEdge(path, view.cut, depth).known;
+  const names = !known ? ['0°', '90°', '180°', '270°'] : CUTS[view.cut].reference === 'up' ? ['U', 'R', 'D', 'L'] : ['N', 'E', 'S', 'W'];
   names.forEach((name, i) => {
     const [dx, dy] = [[0, -1], [1, 0], [0, 1], [-1, 0]][i];
-    label(ink, name, width / 2 + dx * side, height / 2 + dy * side, { colour: palette.ink, align: 'center', font: known ? BOLD : SMALL, halo: palette.panel });
+    const align = /** @type {const} */ (['center', 'right', 'center', 'left'])[i];
+    label(ink, name, x + dx * (reach + EDGE - 2), y + dy * (reach + EDGE / 2), { colour: palette.ink, align, font: known ? BOLD : SMALL, halo: palette.panel });
   });
-  label(ink, 'down hole', 2, 7, { colour: palette.soft, font: SMALL });
+}
+
+// What the picture shows: which way it looks, the radius of the outer ring, the exaggeration.
+/** @param {Ink} ink @param {Middle} middle @param {string} ring @param {number} shape @param {Palette} palette */
+function corners(ink, { x, y, reach }, ring, shape, palette) {
+  const [half, above] = [reach + EDGE - 2, reach + EDGE / 2 + 1];
+  ink.font = SMALL;
+  label(ink, fitting(ink, ['down hole', ''], half - 9), x - half, y - above, { colour: palette.soft });
+  label(ink, fitting(ink, [`radius ${ring}`, ring], half - 9), x + half, y - above, { colour: palette.soft, align: 'right' });
+  if (shape > 1) label(ink, `shape × ${shape}`, x + half, y + above, { colour: palette.ink, align: 'right', yields: true });
 }
 
 // What is written beside the picture: pairs of name and text.
 /** @param {Look} look @param {Turn} found @param {(metres: number, digits?: number) => string} show */
 export function turnText(look, found, show) {
-  const depth = look.view.cursor?.depth ?? look.view.middle;
+  const { cursor, middle, units } = look.view;
+  const depth = cursor?.depth ?? middle;
+  const zone = zoneAt(look.zones, depth);
   const { measured } = found;
   /** @param {number} j */
   const axis = (j) => `${(dial(look, depth, found, j) % 180).toFixed(0)}°`;
   const equivalent = 2 * Math.sqrt(measured.area / Math.PI);
   const known = !Number.isNaN(measured.min);
   return [
-    ['Cmin', known ? `${show(measured.min)} @ ${axis(measured.minAt)}` : '–'],
-    ['Cmax', known ? `${show(measured.max)} @ ${axis(measured.maxAt)}` : '–'],
+    [known ? `Cmin at ${axis(measured.minAt)}` : 'Cmin', show(measured.min)],
+    [known ? `Cmax at ${axis(measured.maxAt)}` : 'Cmax', show(measured.max)],
     ['Area diameter', show(equivalent)],
     ...certainty(found.sigma, show),
     ['Turn measured', `${(100 * (1 - found.between.reduce((sum, one) => sum + one, 0) / found.between.length)).toFixed(0)} %`],
-    ['Zone', zoneText(zoneAt(look.zones, depth), look.view.units)],
+    [zone ? `Zone, ${zone.kind}` : 'Zone', zone ? showSigned(zone.measure, units, units === 'mm' ? 0 : 1) : 'none'],
   ];
 }
 
