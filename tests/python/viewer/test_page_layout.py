@@ -78,6 +78,57 @@ def test_no_text_touches_another_or_leaves_its_canvas(
     screen.close()
 
 
+# Of every zone of the list: whether its row is whole, whether any of it is to be seen, whether it is the current one.
+LISTED = """(() => {
+  const list = document.getElementById('zones');
+  const head = list.firstElementChild.getBoundingClientRect().bottom;
+  const end = list.getBoundingClientRect().bottom;
+  return [...list.querySelectorAll('button')].map((row) => {
+    const { top, bottom } = row.getBoundingClientRect();
+    return [top > head - 0.5 && bottom < end + 0.5, bottom > head + 0.5 && top < end - 0.5, row.ariaCurrent === 'true'];
+  });
+})()"""
+
+
+@pytest.mark.parametrize(("size", "least"), [((1366, 768), 8), ((1920, 1080), 10), ((768, 1024), 6)])
+def test_the_list_of_zones_shows_whole_rows_and_counts_the_others(
+    browser: Any, viewer: Any, size: tuple[int, int], least: int
+) -> None:
+    screen = Screen(browser, viewer.url, "#md=1012&sec=24", size, drawn=False)
+    screen.settle()
+    for key, where in ((None, "below"), ("N", "above")):  # the least of the zones
+        if key:
+            screen.keyboard.press(key)
+            screen.settle()
+            screen.until("document.getElementById('zonesMore').textContent.includes('above')")
+        rows = screen.evaluate(LISTED)
+        whole = [row[0] for row in rows]
+        assert whole == [row[1] for row in rows]
+        assert sum(whole) >= least
+        assert screen.inner_text("#zonesMore") == f"{len(rows) - sum(whole)} more {where}"
+        assert [current for *_, current in rows] == [False] * (len(rows) - 1) + [key == "N"]
+    assert whole[-1], "a jump shows the row of its zone"
+    screen.close()
+
+
+def test_the_colours_fold_where_the_panel_lacks_room_and_stay_as_chosen(browser: Any, viewer: Any) -> None:
+    high = Screen(browser, viewer.url, "#md=1012&sec=24", SIZES[1], drawn=False)
+    high.settle()
+    assert high.is_visible("#histogram")
+    high.close()
+    screen = Screen(browser, viewer.url, "#md=1012&sec=24&quantity=GR", SIZES[0], drawn=False)
+    screen.settle()
+    assert not screen.is_visible("#histogram")
+    assert screen.inner_text("#colourText") == "Colour: GR, 20 to 140 gAPI"
+    screen.focus("#colourText")
+    screen.keyboard.press("Enter")
+    screen.wait_for_selector("#histogram")
+    screen.reload()
+    screen.until("window.__wall?.ready")
+    assert screen.is_visible("#histogram")
+    screen.close()
+
+
 @pytest.mark.parametrize("size", SIZES)
 def test_no_control_is_cut_off(browser: Any, viewer: Any, size: tuple[int, int]) -> None:
     """Every control lies in the window, touches no other, and the longest of its words fit; while picking dips, too."""

@@ -6,7 +6,7 @@ import { CUTS } from './path.js';
 import { sized } from './polar.js';
 import { CLIPPED, INTERPOLATED, PROVISIONAL, RESCANNED, SUPPORT_MASK } from './protocol.js';
 import { scaleLength } from './tracks.js';
-import { LENGTHS, scaleOf, showAngle, showDepth, showLength, showPercent, showQuantity, showSigned, showSpan, unitOf } from './units.js';
+import { LENGTHS, scaleOf, showAngle, showDepth, showLength, showPercent, showQuantity, showSigned, showSpan, showValue, unitOf } from './units.js';
 import { CAMERAS } from './view.js';
 import { bySeverity, LETTERS, MEASURES, zoneAt, zoneText } from './zones.js';
 
@@ -16,6 +16,7 @@ const SECTIONS = [2, 5, 10, 20, 30, 50, 100, 200, 500, 1000, 2000, 5000, 10000];
 const SCALES = [20, 50, 100, 200, 500, 1000];
 const TUBES = [0, 1, 2, 5, 10, 20, 50, 100, 200];
 const SHAPES = [0, 1, 2, 3, 5, 10, 20];
+const FOLDED = 'helibore.colour';
 
 export function fillSelects() {
   options('cut', Object.entries(CUTS).map(([value, { label, letters }]) => [value, `${letters.join('-')}: ${label}`]));
@@ -140,7 +141,9 @@ export function reflect(view, quantity, image) {
     if (document.activeElement !== input) input.value = Number.isFinite(value) ? String(Number(value.toPrecision(4))) : '';
     input.disabled = quantity.dynamic || quantity.inView;
   }
-  byId('rangeUnit').textContent = unitOf(quantity, view.units);
+  const unit = unitOf(quantity, view.units);
+  byId('rangeUnit').textContent = unit;
+  byId('colourText').textContent = `Colour: ${quantity.name}, ${quantity.dynamic ? 'dynamic' : [quantity.low, quantity.high].map((end) => showValue(end * scale).replace('-', '−')).join(' to ')} ${quantity.dynamic ? '' : unit}`.trim();
 }
 
 // The values of a quad: name and text in pairs; what is not known is a dash.
@@ -161,7 +164,7 @@ export function readout({ store, view, path, quad }) {
     ['MD', showDepth(cursor?.depth, units)],
     ['TVD', (cursor && Number.isNaN(tvd) && path.whyNoTvd(cursor.depth)) || showDepth(tvd, units)],
     ['Toolface', showAngle(cursor?.toolface ?? NaN)],
-    [`From high side / north${path.assumed ? ', assumed' : ''}`, `${around(dial.up)} / ${around(dial.north)}`],
+    [`From high side / north${path.assumed ? ', assumed' : ''}`, `${around(dial.up)}\u00a0/\u00a0${around(dial.north)}`],
     ['Radius', measured ? showLength(measured.radius, units) : !cursor ? '–' : gauge ? 'not measured' : cursor.toolface === null ? '–' : 'no data'],
     ['Over bit radius', showSigned(measured ? measured.radius - store.bitRadius : NaN, units)],
     ['Since first pass', measured && state & RESCANNED ? showSigned(measured.radius - measured.first, units) : '–'],
@@ -182,7 +185,7 @@ export function writeBrief({ view, zones, path, store }, read, figures) {
   byId('briefZone').textContent = zone ? `${LETTERS[zone.kind]} ${zoneText(zone, view.units)}` : '';
   if (zone) byId('briefZone').style.borderColor = PALETTES[view.theme].zones[zone.kind];
   const over = store.basis === 'gauge' ? store.attributes.slice(0, 3).map(({ name }) => [name, values[name]]) : [['Over bit', values['Over bit radius']]];
-  write('briefMore', [...['Cmin', 'Cmax'].filter((name) => values[name]).map((name) => [name, values[name].split(' @')[0]]), ...over, ['TVD', showDepth(path.tvd(depth), view.units)]]);
+  write('briefMore', [...figures.filter(([name]) => /^Cm/.test(name)).map(([name, size]) => [name.slice(0, 4), size]), ...over, ['TVD', showDepth(path.tvd(depth), view.units)]]);
 }
 
 // What the figures of a section count.
@@ -209,27 +212,68 @@ export function sectionText(store, summary, units) {
   ];
 }
 
-// The zones, worst first; a click shows one. Without any, the title says `none`, or the card is hidden.
+// The zones, worst first; a click shows one. The zone at the cursor is marked, a depth out of view grey. Without any, the
+// title says `none`, or the card is hidden.
 /** @param {Zone[]} zones @param {View} view @param {Alarms} alarms @param {(zone: Zone) => void} show @param {string} none */
-export function listZones(zones, { units, theme }, alarms, show, none) {
-  const card = byId('zones');
+export function listZones(zones, view, alarms, show, none) {
+  const { units, theme } = view;
+  const list = byId('zones');
+  const sorted = bySeverity(zones);
   const key = JSON.stringify([zones, units, theme, alarms.zones, none]);
-  if (card.dataset.key === key) return;
-  card.dataset.key = key;
-  byId('zonesCard').hidden = zones.length === 0 && !none;
-  byId('zonesTab').textContent = `Zones ${zones.length || ''}`;
-  byId('zonesTitle').textContent = !zones.length ? none : `${zones.length} zone${zones.length === 1 ? '' : 's'}, worst first: extreme [${LENGTHS[units].unit}], × limit`;
-  card.replaceChildren(...bySeverity(zones).map((zone) => {
-    const button = document.createElement('button');
-    button.type = 'button';
-    button.title = `${zone.kind}: the extreme of ${MEASURES[zone.kind]} in the zone (N, Shift N: next, previous)`;
-    button.classList.toggle('new', alarms.isNew(zone));
-    const texts = [LETTERS[zone.kind], `${alarms.isNew(zone) ? 'new ' : ''}${zone.kind}`, showSpan(zone.start, zone.stop, units).replace(/ .*/, ''), showSigned(zone.measure, units, units === 'mm' ? 0 : 1).replace(/ .*/, ''), `${zone.severity.toFixed(1)}×`];
-    button.append(...texts.map((text) => Object.assign(document.createElement('span'), { textContent: text })));
-    /** @type {HTMLElement} */ (button.firstChild).style.background = PALETTES[theme].zones[zone.kind];
-    button.addEventListener('click', () => show(zone));
-    return button;
-  }));
+  if (list.dataset.key !== key) {
+    list.dataset.key = key;
+    byId('zonesCard').hidden = zones.length === 0 && !none;
+    byId('zonesCard').style.setProperty('--rows', String(zones.length));
+    byId('zonesTab').textContent = `Zones ${zones.length || ''}`;
+    byId('zonesTitle').textContent = !zones.length ? none : `${zones.length} zone${zones.length === 1 ? '' : 's'}, worst first`;
+    list.replaceChildren(...(zones.length ? [headOf(units)] : []), ...sorted.map((zone) => rowOf(zone, view, alarms.isNew(zone), show)));
+    list.onscroll = countHidden;
+  }
+  const current = zoneAt(sorted, view.cursor?.depth);
+  sorted.forEach((zone, i) => {
+    const row = /** @type {HTMLElement} */ (list.children[i + 1]);
+    row.classList.toggle('out', zone.stop < view.top || zone.start > view.bottom);
+    if ((row.ariaCurrent === 'true') === (zone === current)) return;
+    row.ariaCurrent = zone === current ? 'true' : null;
+    if (zone === current) bringIntoView(row, list);
+  });
+  countHidden();
+}
+
+/** @param {Units} units */
+function headOf(units) {
+  const head = document.createElement('div');
+  head.title = 'The extreme in the zone, and how many times its limit it is; a depth that is not in view is grey';
+  head.append(...['', 'kind', `MD ${LENGTHS[units].depth.unit}`, LENGTHS[units].unit, 'limit'].map((text) => Object.assign(document.createElement('span'), { textContent: text })));
+  return head;
+}
+
+/** @param {Zone} zone @param {View} view @param {boolean} isNew @param {(zone: Zone) => void} show */
+function rowOf(zone, { units, theme }, isNew, show) {
+  const row = document.createElement('button');
+  row.type = 'button';
+  row.title = `${zone.kind}: the extreme of ${MEASURES[zone.kind]} in the zone (N, Shift N: next, previous)`;
+  row.classList.toggle('new', isNew);
+  const texts = [LETTERS[zone.kind], `${isNew ? 'new ' : ''}${zone.kind}`, showSpan(zone.start, zone.stop, units).replace(/ .*/, ''), showSigned(zone.measure, units, units === 'mm' ? 0 : 1).replace(/ .*/, ''), `${zone.severity.toFixed(1)}×`];
+  row.append(...texts.map((text) => Object.assign(document.createElement('span'), { textContent: text })));
+  /** @type {HTMLElement} */ (row.firstChild).style.background = PALETTES[theme].zones[zone.kind];
+  row.addEventListener('click', () => show(zone));
+  return row;
+}
+
+// Scroll the list, and nothing else of the page.
+/** @param {HTMLElement} row @param {HTMLElement} list */
+function bringIntoView({ offsetTop, offsetHeight }, list) {
+  const first = /** @type {HTMLElement} */ (list.firstElementChild).offsetHeight;
+  list.scrollTop = Math.max(offsetTop + offsetHeight - list.clientHeight, Math.min(offsetTop - first, list.scrollTop));
+}
+
+// Say how many zones the list has no room for.
+function countHidden() {
+  const { scrollTop, scrollHeight, clientHeight, lastElementChild } = byId('zones');
+  const [above, below] = [scrollTop, scrollHeight - clientHeight - scrollTop].map((pixels) => Math.round(pixels / (/** @type {HTMLElement | null} */ (lastElementChild)?.offsetHeight || 1)));
+  const text = below > 0 ? `${below} more below` : above > 0 ? `${above} more above` : '';
+  if (byId('zonesMore').textContent !== text) byId('zonesMore').textContent = text;
 }
 
 // Downloads of the section; an exported file has no server to ask.
@@ -254,15 +298,33 @@ export function links({ view, store, contents, prints, rects }, address) {
   byId('export').href = `api/export.html?${query}`;
 }
 
+// The controls of the colours are open while the whole panel has room, until the user opens or closes them.
+/** @param {() => void} redraw */
+function foldColour(redraw) {
+  const colour = byId('colour');
+  const panel = /** @type {HTMLElement} */ (colour.parentElement);
+  const narrow = window.matchMedia('(max-width: 999px)');
+  let chosen = localStorage.getItem(FOLDED);
+  const fold = () => {
+    colour.open = true;
+    colour.open = chosen ? chosen === 'open' : narrow.matches || panel.scrollHeight <= panel.clientHeight;
+  };
+  const sizes = new ResizeObserver(fold);
+  for (const part of [panel, ...panel.children]) if (part !== colour) sizes.observe(part);
+  byId('colourText').addEventListener('click', () => localStorage.setItem(FOLDED, (chosen = colour.open ? 'closed' : 'open')));
+  colour.addEventListener('toggle', redraw);
+}
+
 // The histogram of the section with the ends of the range; `ends` maps between values and pixels for the drag.
 export class Histogram {
   scale = [0, 1]; // values at its ends
 
-  /** @param {Canvas} canvas */
-  constructor(canvas) {
+  /** @param {Canvas} canvas @param {() => void} redraw */
+  constructor(canvas, redraw) {
     this.canvas = canvas;
     /** @type {Float64Array} */
     this.sorted = new Float64Array(0);
+    foldColour(redraw);
   }
 
   /** @param {Quantity} quantity */

@@ -8,18 +8,26 @@ export const LETTERS = { washout: 'W', breakout: 'B', 'key seat': 'K', undergaug
 export const MEASURES = { washout: 'C2 − bit', breakout: 'C1 − C2', 'key seat': 'height', undergauge: 'least − bit' };
 const NEAR = 1e-6;
 
-/** @param {Zone[]} zones @param {number} [depth] */
-export const zoneAt = (zones, depth = NaN) => zones.find(({ start, stop }) => depth >= start && depth < stop) ?? null;
-
 // Worst first.
 /** @param {Zone[]} zones */
 export const bySeverity = (zones) => [...zones].sort((a, b) => b.severity - a.severity || a.start - b.start);
+
+// Is a depth the middle of a zone, where a jump to it puts the cursor?
+/** @param {number} depth @returns {(zone: Zone) => boolean} */
+const middleOf = (depth) => ({ start, stop }) => Math.abs((start + stop) / 2 - depth) < NEAR;
+
+// The zone at a depth. Of several: the one that a jump went to, else the worst.
+/** @param {Zone[]} zones @param {number} [depth] */
+export function zoneAt(zones, depth = NaN) {
+  const around = bySeverity(zones.filter(({ start, stop }) => depth >= start && depth < stop));
+  return around.find(middleOf(depth)) ?? around[0] ?? null;
+}
 
 // The next or previous zone by severity from the one that is in the middle of the view; the worst from anywhere else.
 /** @param {Zone[]} zones @param {number} depth @param {number} step */
 export function jump(zones, depth, step) {
   const sorted = bySeverity(zones);
-  const at = sorted.findIndex(({ start, stop }) => Math.abs((start + stop) / 2 - depth) < NEAR);
+  const at = sorted.findIndex(middleOf(depth));
   return sorted[at < 0 ? (step > 0 ? 0 : sorted.length - 1) : (at + step + sorted.length) % sorted.length] ?? null;
 }
 

@@ -23,6 +23,12 @@ test('next and previous go by severity, from the worst, and around', () => {
   assert.equal(jump([], 5, 1), null);
 });
 
+test('of several zones at a depth, the one that a jump went to counts, else the worst', () => {
+  const both = [...ZONES, { kind: 'breakout', start: 18, stop: 26, measure: 0.02, severity: 1.1 }];
+  assert.equal(zoneAt(both, 22.5).kind, 'washout');
+  assert.equal(zoneAt(both, 22).kind, 'breakout');
+});
+
 test('a zone has a half-open range of depth, and a text with its sign', () => {
   assert.equal(zoneAt(ZONES, 10).kind, 'breakout');
   assert.equal(zoneAt(ZONES, 12), null);
