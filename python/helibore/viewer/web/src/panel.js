@@ -164,7 +164,7 @@ export function readout({ store, view, path, quad }) {
     ['MD', showDepth(cursor?.depth, units)],
     ['TVD', (cursor && Number.isNaN(tvd) && path.whyNoTvd(cursor.depth)) || showDepth(tvd, units)],
     ['Toolface', showAngle(cursor?.toolface ?? NaN)],
-    [`From high side / north${path.assumed ? ', assumed' : ''}`, `${around(dial.up)}\u00a0/\u00a0${around(dial.north)}`],
+    [`From high side / north${path.assumed ? ', assumed' : ''}`, `${around(dial.up)} / ${around(dial.north)}`],
     ['Radius', measured ? showLength(measured.radius, units) : !cursor ? '–' : gauge ? 'not measured' : cursor.toolface === null ? '–' : 'no data'],
     ['Over bit radius', showSigned(measured ? measured.radius - store.bitRadius : NaN, units)],
     ['Since first pass', measured && state & RESCANNED ? showSigned(measured.radius - measured.first, units) : '–'],
