@@ -244,6 +244,32 @@ def test_bit_size_is_in_the_middle_of_the_colours_in_light_and_dark(browser: Any
         screen.close()
 
 
+@pytest.mark.parametrize(("theme", "page"), [("light", 0xF5), ("dark", 0x18)])
+def test_the_straightened_hole_stands_off_the_page_and_trouble_keeps_its_colour(
+    browser: Any, theme: str, page: int
+) -> None:
+    wall = MadeWall(20_000)
+    wall.radius[:] = BIT / 2
+    wall.radius[wall.depth > 1015] += 0.003
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, f"#md=1010&sec=20&theme={theme}", (1366, 700))
+        screen.settle()
+        image, hole = (screen.pixels(name)[..., :3].astype(float) for name in ("image", "wall"))
+        middle, bit = hole.shape[1] // 2, int(0.2 * hole.shape[1])
+        gauge = hole[len(hole) // 4, middle - bit + 3 : middle + bit - 3]
+        assert np.ptp(gauge, axis=1).max() < 30, "gauge hole is grey"
+        apart = abs(gauge.mean(axis=1) - page)
+        assert apart[: bit // 4].min() > 20, "its edge"
+        assert apart[bit:].min() > 20, "the half that is cut open"
+        same = image[-10, 40]
+        for place in (middle - bit // 2, middle + bit // 2):
+            wide = hole[-10, place]
+            ratios = wide / wide.max() - same / same.max()
+            assert abs(ratios).max() < 0.08, "the hue of the colour bar"
+            assert 0.85 < wide.max() / same.max() <= 1.01
+        screen.close()
+
+
 def test_what_goes_straight_around_the_hole_is_level_from_afar(browser: Any) -> None:
     wall = MadeWall(64 * 10 * 2000, start=1000.0)
     wall.radius[:] = BIT / 2

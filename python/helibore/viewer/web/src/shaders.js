@@ -71,6 +71,14 @@ vec3 colourOf(float v, int row) {
   float t = clamp((v - ends.x) / (ends.y - ends.x), 0.0, 1.0);
   return texelFetch(colours, ivec2(int(t * 255.0 + 0.5), 0), 0).rgb;
 }
+// Light on a body, 0 to 1: its form is a grey in the room that a colour leaves, so that hues stay and full colours are those
+// of the colour bar. On the dark page light is added, on the light page shadow is taken off: bit size has the page's colour
+// and would not be seen.
+vec3 lit(vec3 colour, float light) {
+  vec3 c = colour * (0.86 + 0.14 * light);
+  float most = max(c.r, max(c.g, c.b)), least = min(c.r, min(c.g, c.b));
+  return dark ? c + (0.14 + 0.22 * light) * (1.0 - most) : c - 0.34 * (1.0 - light) * least;
+}
 // A provisional radius is dotted until later samples settle it.
 vec3 dotted(vec3 colour, int k) {
   bool dot = (texel(k).w & 0x200u) != 0u && (int(gl_FragCoord.x) & 3) < 2 && (int(gl_FragCoord.y) & 3) < 2;
@@ -171,13 +179,11 @@ void main() {
   if (missing(k)) discard;
   vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
   float facing = abs(dot(normal, normalize(seen)));
-  float light = 0.38 + 0.50 * facing + 0.18 * max(0.0, dot(normal * sign(normal.z), normalize(vec3(-0.5, 0.6, 0.6))));
-  if (lamp > 0.0) light = (0.62 + 0.55 * facing) * exp(-0.9 * length(seen) / lamp);
+  float light = 0.75 * facing + 0.25 * max(0.0, dot(normal * sign(normal.z), normalize(vec3(-0.5, 0.6, 0.6))));
   float v = value(k);
-  vec3 base = known(v) ? interpolated(colourOf(v, k / K), k) : nothing();
-  vec3 lit = base * min(light, 1.08);
-  lit = glowing(dotted(lit, k), k);
-  colour = vec4(lit, 1.0);
+  vec3 base = lit(known(v) ? interpolated(colourOf(v, k / K), k) : nothing(), light);
+  if (lamp > 0.0) base *= exp(-0.9 * length(seen) / lamp);
+  colour = vec4(glowing(dotted(base, k), k), 1.0);
 }
 `;
 
@@ -191,7 +197,7 @@ uniform float across;         // of half the picture, a metre
 uniform float relief;         // how much slopes along the hole shade
 uniform float viewTop, viewLength; // metres, from the tile's start
 out vec2 grid, side;          // side: unit vector from the axis to the wall; x to the right, y towards the eye
-out float depthHere, shade;
+out float depthHere, light;
 void main() {
   int row = gl_VertexID / (K + 1);
   int col = gl_VertexID - row * (K + 1);
@@ -206,15 +212,14 @@ void main() {
   float turn = startToolface + 6.283185307179586 * float(col) / float(K) - frame(reference, depthHere).w - offset;
   side = -vec2(cos(turn), sin(turn));
   vec3 normal = normalize(vec3(side.x + around * side.y, -along, side.y - around * side.x)); // right, down, towards the eye
-  bool inner = side.x > 0.0 && side.y < 0.0;
-  shade = (inner ? 0.66 : 0.5) + (inner ? 0.3 : 0.55) * max(0.0, dot(inner ? -normal : normal, normalize(vec3(inner ? 0.5 : -0.5, -0.5, 0.8))));
+  light = max(0.0, dot(side.y < 0.0 ? -0.6 * normal : normal, normalize(vec3(-0.35, -0.5, 0.8)))); // the inside is dimmer
   grid = vec2(float(col), float(row));
   gl_Position = vec4(side.x * R * across, 1.0 - 2.0 * (depthHere - viewTop) / viewLength, -0.5 * side.y * min(1.0, R * across), 1.0);
 }
 `;
 export const COLUMN_FRAGMENT = /* glsl */ `${COMMON}${COLOUR}
 in vec2 grid, side;
-in float depthHere, shade;
+in float depthHere, light;
 uniform float top, bottom;    // metres from the tile's start: what is shown of it
 ${CELL}
 out vec4 colour;
@@ -223,8 +228,8 @@ void main() {
   int k = quad();
   if (missing(k)) discard;
   float v = value(k);
-  vec3 base = known(v) ? interpolated(colourOf(v, k / K), k) : nothing();
-  colour = vec4(glowing(dotted(base * min(shade, 1.05), k), k), 1.0);
+  vec3 base = lit(known(v) ? interpolated(colourOf(v, k / K), k) : nothing(), light);
+  colour = vec4(glowing(dotted(base, k), k), 1.0);
 }
 `;
 
