@@ -42,7 +42,7 @@ bool missing(int k) {
 
 const COLOUR = /* glsl */ `
 uniform int mode;             // color.js: Q_RADIUS ..
-uniform float low, high;
+uniform float low, high, form;
 uniform bool logarithmic, isDynamic, dark;
 uniform int glowCount;
 uniform vec4 glow[8];         // first and last vertex in the tile, strength, 1 for a re-scan
@@ -73,11 +73,11 @@ vec3 colourOf(float v, int row) {
 }
 // Light on a body, 0 to 1: its form is a grey in the room that a colour leaves, so that hues stay and full colours are those
 // of the colour bar. On the dark page light is added, on the light page shadow is taken off: bit size has the page's colour
-// and would not be seen.
+// and would not be seen. A map without a colour of the page has little of it.
 vec3 lit(vec3 colour, float light) {
   vec3 c = colour * (0.86 + 0.14 * light);
   float most = max(c.r, max(c.g, c.b)), least = min(c.r, min(c.g, c.b));
-  return dark ? c + (0.14 + 0.22 * light) * (1.0 - most) : c - 0.34 * (1.0 - light) * least;
+  return dark ? c + form * (0.14 + 0.22 * light) * (1.0 - most) : c - form * 0.34 * (1.0 - light) * least;
 }
 // A provisional radius is dotted until later samples settle it.
 vec3 dotted(vec3 colour, int k) {
