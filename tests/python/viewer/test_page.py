@@ -63,6 +63,11 @@ def test_gaps_are_hatched_grey_and_nothing_else_is(shown: Any) -> None:
     gap = (rows > 1012.15) & (rows < 1012.45)
     assert grey[gap].all()
     assert not grey[(rows > 1002) & (rows < 1011)].any()
+    hole = shown.pixels("wall")[..., :3].astype(int)
+    middle, bit = hole.shape[1] // 2, int(0.2 * hole.shape[1])
+    across = hole[gap, middle - bit + 3 : middle + bit - 3]
+    assert (abs(across - across[..., :1]).max(axis=-1) <= 2).all(), "hatched at bit size on the straightened hole"
+    assert set(np.unique(across)) == {158, 204}
 
 
 def test_tiles_join_without_a_crack(browser: Any) -> None:

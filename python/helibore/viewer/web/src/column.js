@@ -1,4 +1,4 @@
-// Ink on the straightened hole: the bit's ghost, gaps, zones with their measures, picked planes. It matches the column's
+// Ink on the straightened hole: the bit's outline, zones with their measures, picked planes. It matches the column's
 // shader: the left edge of the image at the left, its last quarter in front, the right half cut away.
 
 import { planeDepth } from './dips.js';
@@ -10,19 +10,14 @@ import { outside } from './tracks.js';
 import { showSigned, unitOf } from './units.js';
 import { LETTERS } from './zones.js';
 
-/** @param {Ink} ink @param {Look} look @param {Profile} profile */
-export function drawColumn(ink, look, { min, seen }) {
+/** @param {Ink} ink @param {Look} look */
+export function drawColumn(ink, look) {
   const { view, store, wallRect: rect, zones, bitDepth } = look;
   const palette = PALETTES[view.theme];
   const { perMetre, times, shape } = columnScale(look);
   const middle = rect.left + rect.width / 2;
   const bit = store.bitRadius * perMetre;
   const bottom = rect.top + rect.height;
-  for (let y = 0; y < min.length; y++) {
-    const start = y;
-    while (y < min.length && seen[y] && Number.isNaN(min[y])) y++;
-    if (y > start) hatched(ink, middle - bit, rect.top + start, 2 * bit, y - start, palette);
-  }
   for (const { from, to } of outside(look, rect)) hatched(ink, middle - bit, from, 2 * bit, to - from, palette, OUTSIDE);
   for (const x of [middle - bit, middle + bit]) line(ink, x, rect.top, x, bottom, palette.ink, [8, 3, 2, 3]);
   if (bitDepth !== null && bitDepth > view.top && bitDepth < view.bottom) bitGlyph(ink, middle, yOf(view, rect, bitDepth), bit, Math.sign(store.levels[0].pitch), palette);

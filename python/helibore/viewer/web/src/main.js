@@ -501,7 +501,7 @@ export class App {
     drawCursor(ink, look);
     if (this.picking.on && !this.picking.selected) drawNext(ink, look, this.picking.kind);
     drawAxisLabels(ink, look);
-    if (this.straight && this.rects.wall.width) drawColumn(ink, look, calipers);
+    if (this.straight && this.rects.wall.width) drawColumn(ink, look);
     else if (this.gpu && this.rects.wall.width && !this.straight) drawWallInk(ink, look, this.gpu, calipers);
     ink.strokeStyle = PALETTES[this.view.theme].line;
     ink.lineWidth = 1;

@@ -226,9 +226,9 @@ out vec4 colour;
 void main() {
   if (depthHere < top || depthHere > bottom || (side.x > 0.0 && side.y > 0.0)) discard;
   int k = quad();
-  if (missing(k)) discard;
+  if (k + (rings ? 0 : K + 1) >= size) discard; // not drilled yet
   float v = value(k);
-  vec3 base = lit(known(v) ? interpolated(colourOf(v, k / K), k) : nothing(), light);
+  vec3 base = missing(k) ? nothing() : lit(known(v) ? interpolated(colourOf(v, k / K), k) : nothing(), light);
   colour = vec4(glowing(dotted(base, k), k), 1.0);
 }
 `;
