@@ -163,6 +163,12 @@ def check_controls(screen: Screen, size: tuple[int, int]) -> None:
     assert [(c["name"], c["cut"]) for c in controls if c["cut"] > 1] == []
 
 
+BOXES = """[...document.querySelectorAll('#wallHead > *')].filter((e) => e.offsetWidth).map((e) => {
+  const { left, top, right, bottom } = e.getBoundingClientRect();
+  return { left, top, right, bottom };
+})"""
+
+
 @pytest.mark.parametrize("size", [(1000, 700), (1600, 900)])
 @pytest.mark.parametrize("camera", ["straight", "down"])
 def test_beside_a_widened_image_the_words_on_the_hole_are_whole(
@@ -185,6 +191,26 @@ def test_beside_a_widened_image_the_words_on_the_hole_are_whole(
         ["shape × 3", "median 5"] if camera == "straight" else ["inside, down", "about the bit radius", "median of 5"]
     )
     assert all(any(part in text for text in texts) for part in said), texts
+    screen.close()
+
+
+@pytest.mark.parametrize(("size", "name"), [((1366, 768), "Hole"), ((2000, 900), "Hole, straightened")])
+def test_the_head_of_the_straightened_hole_says_what_is_seen(
+    browser: Any, viewer: Any, size: tuple[int, int], name: str
+) -> None:
+    screen = Screen(browser, viewer.url, "#md=1012&sec=12", size, drawn=False)
+    for turn, side in ((0, "L"), (90, "D"), (225, "U–R"), (-90, "U")):
+        screen.evaluate(f"window.__wall.app.view.choose({{ turn: {turn} }})")
+        screen.settle()
+        head = [one for one in screen.evaluate("document.getElementById('ink').labels") if one["bottom"] < 80]
+        texts = [one["text"] for one in head]
+        assert {name, f"seen from {side}, right half cut away", "bit"} <= set(texts)
+        assert any(text.endswith(", shape × 3 about bit") for text in texts)
+    bar = screen.evaluate("document.getElementById('stage').getBoundingClientRect().top")
+    for control in screen.evaluate(BOXES):
+        for one in head:
+            apart = one["right"] <= control["left"] or control["right"] <= one["left"]
+            assert apart or one["top"] + bar >= control["bottom"] or one["bottom"] + bar <= control["top"], one["text"]
     screen.close()
 
 

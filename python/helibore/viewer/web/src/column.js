@@ -4,6 +4,7 @@
 import { planeDepth } from './dips.js';
 import { columnScale } from './gpu.js';
 import { BOLD, fitting, HEAD, label, PALETTES, SMALL, within, yOf } from './layout.js';
+import { byId } from './panel.js';
 import { CUTS, leftEdge } from './path.js';
 import { hatched, line, OUTSIDE } from './strokes.js';
 import { outside } from './tracks.js';
@@ -19,7 +20,7 @@ export function drawColumn(ink, look) {
   const bit = store.bitRadius * perMetre;
   const bottom = rect.top + rect.height;
   for (const { from, to } of outside(look, rect)) hatched(ink, middle - bit, from, 2 * bit, to - from, palette, OUTSIDE);
-  for (const x of [middle - bit, middle + bit]) line(ink, x, rect.top, x, bottom, palette.ink, [8, 3, 2, 3]);
+  for (const x of [middle - bit, middle + bit]) line(ink, x, rect.top, x, bottom, palette.ink, DASHES);
   if (bitDepth !== null && bitDepth > view.top && bitDepth < view.bottom) bitGlyph(ink, middle, yOf(view, rect, bitDepth), bit, Math.sign(store.levels[0].pitch), palette);
   for (const { kind, start, stop, measure } of zones) {
     const [a, b] = [Math.max(rect.top, yOf(view, rect, start)), Math.min(bottom, yOf(view, rect, stop))];
@@ -34,13 +35,58 @@ export function drawColumn(ink, look) {
   ink.strokeRect(rect.left + 0.5, rect.top + 0.5, rect.width - 1, rect.height - 1);
   if (view.rig) return;
   heads(ink, look, middle, bit, palette);
+  const y = HEAD - 9;
+  const clear = middle - bit > rect.left + 68; // of the letters
+  if (clear) {
+    line(ink, rect.left + 2, y, rect.left + 23, y, palette.ink, DASHES);
+    label(ink, 'bit', rect.left + 28, y, { colour: palette.soft, font: SMALL });
+  }
+  const unit = unitOf({ length: true }, view.units);
+  if (zones.length) label(ink, clear ? `zones, ${unit}` : unit, rect.left + rect.width - 2, y, { colour: palette.soft, align: 'right', font: SMALL });
   const across = `× ${times < 10 ? times.toPrecision(2) : times.toFixed(0)}`;
-  /** @param {string} unmeasured @param {string} first @param {string} about @param {string} turns */
-  const words = (unmeasured, first, about, turns) => [store.basis === 'gauge' ? unmeasured : '', `${first}${across}`, `shape × ${shape}${about}`, view.median > 1 ? `median ${turns.replace('%', String(view.median))}` : ''].filter(Boolean).join('   ');
+  /** @param {string} about @param {string} turns */
+  const factors = (about, turns) => [across, store.basis === 'gauge' ? '' : `shape × ${shape}${about}`, view.median > 1 ? `median ${turns.replace('%', String(view.median))}` : ''].filter(Boolean).join(', ');
+  const made = store.basis === 'gauge' ? ['not measured, drawn at bit size, across ', 'not measured, across ', 'not measured, '] : ['across ', 'across ', ''];
+  const seen = `seen from ${facing(look)}`;
+  const scales = [made[0] + factors(' about bit', 'of % turns'), made[1] + factors('', 'of %'), made[2] + factors('', '%')];
+  const left = writeLines(ink, rect, [['Hole, straightened', 'Hole'], [`${seen}, right half cut away`, seen], scales], palette);
   ink.font = SMALL;
-  const texts = [words('not measured, drawn at bit size', 'across ', ' about bit', 'of % turns'), words('not measured', 'across ', '', 'of %'), words('not measured', '', '', '%')];
-  label(ink, fitting(ink, texts, rect.width - 4), rect.left + 2, bottom + 11, { colour: palette.soft });
-  label(ink, unitOf({ length: true }, view.units), rect.left + rect.width - 2, HEAD - 9, { colour: palette.soft, align: 'right', font: SMALL });
+  if (left.includes(scales)) label(ink, fitting(ink, scales, rect.width - 4), rect.left + 2, bottom + 11, { colour: palette.soft });
+}
+
+const DASHES = [8, 3, 2, 3]; // of the bit
+const ROWS = [11, 27, 42, 57]; // of words in the head, above the letters
+
+// Write lines beside the controls of the hole and below them, each in the first of its texts that fits and leaves rows for the
+// lines after it. Returns the lines for which there is no room.
+/** @param {Ink} ink @param {Rect} rect @param {string[][]} lines @param {Palette} palette */
+function writeLines(ink, rect, lines, palette) {
+  const controls = byId('wallHead');
+  const shown = /** @type {HTMLElement[]} */ ([...controls.children]).filter((one) => one.offsetWidth);
+  const beside = Math.min(rect.width, ...shown.map((one) => one.offsetLeft)) - 10;
+  const rows = ROWS.map((y) => ({ y, room: y - 8 < controls.offsetHeight ? beside : rect.width - 4 }));
+  return lines.filter((texts, i) => {
+    ink.font = i ? SMALL : BOLD;
+    for (const text of texts) {
+      const { width } = ink.measureText(text);
+      const at = rows.findIndex(({ room }, row) => width <= room && rows.length - row >= lines.length - i);
+      if (at < 0) continue;
+      label(ink, text, rect.left + 2, rows[at].y, { colour: i ? palette.soft : palette.ink });
+      rows.splice(0, at + 1);
+      return false;
+    }
+    return true;
+  });
+}
+
+// The side of the hole that is in front.
+/** @param {Look} look */
+function facing({ view, path }) {
+  const { letters, offset } = CUTS[view.cut];
+  const quarter = ((((270 - view.turn) % 360) + 360) % 360) / 90; // from the left edge
+  if (!leftEdge(path, view.cut, view.middle).known) return `toolface ${Math.round(90 * quarter + offset) % 360}°`;
+  const sides = Math.abs(quarter - Math.round(quarter)) < 0.2 ? letters[Math.round(quarter)] : `${letters[Math.floor(quarter)]}–${letters[Math.ceil(quarter)]}`;
+  return sides + (path.assumed ? ' (assumed)' : '');
 }
 
 // The letters of the sides that are seen: in front on the left half, behind on the right one.
