@@ -37,6 +37,11 @@ def test_tabs_show_one_panel_each_within_the_screen(browser: Any, size: tuple[in
             widths = screen.evaluate("(({ image, wall }) => [image.width, wall.width])(window.__wall.app.rects)")
             assert (widths[0] > 150, widths[1] > 150) == (tab != "3d", tab == "3d")
             assert screen.touching("ink") == []
+            texts = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
+            assert tab not in ("log", "3d") or "Over bit radius [mm]" in texts
+            if tab == "3d":
+                low, high = screen.evaluate("(({ low, high }) => [low, high])(window.__wall.app.quantity)")
+                assert {f"−{-1000 * low:g}", f"{1000 * high:g}"} <= set(texts), "its colour bar"
         screen.click("#tabs button[value='log']")
         screen.keyboard.press("ArrowDown")
         screen.settle()

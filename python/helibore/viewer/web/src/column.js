@@ -1,6 +1,7 @@
 // Ink on the straightened hole: the bit's outline, zones with their measures, picked planes. It matches the column's
 // shader: the left edge of the image at the left, its last quarter in front, the right half cut away.
 
+import { BAR, drawColourBar } from './color_bar.js';
 import { planeDepth } from './dips.js';
 import { columnScale } from './gpu.js';
 import { BOLD, fitting, HEAD, label, PALETTES, SMALL, within, yOf } from './layout.js';
@@ -13,7 +14,7 @@ import { LETTERS } from './zones.js';
 
 /** @param {Ink} ink @param {Look} look */
 export function drawColumn(ink, look) {
-  const { view, store, wallRect: rect, zones, bitDepth } = look;
+  const { view, store, wallRect: rect, rects, zones, bitDepth } = look;
   const palette = PALETTES[view.theme];
   const { perMetre, times, shape } = columnScale(look);
   const middle = rect.left + rect.width / 2;
@@ -51,7 +52,8 @@ export function drawColumn(ink, look) {
   const scales = [made[0] + factors(' about bit', 'of % turns'), made[1] + factors('', 'of %'), made[2] + factors('', '%')];
   const left = writeLines(ink, rect, [['Hole, straightened', 'Hole'], [`${seen}, right half cut away`, seen], scales], palette);
   ink.font = SMALL;
-  if (left.includes(scales)) label(ink, fitting(ink, scales, rect.width - 4), rect.left + 2, bottom + 11, { colour: palette.soft });
+  if (!rects.image.width) drawColourBar(ink, look, bottom + BAR / 2);
+  else if (left.includes(scales)) label(ink, fitting(ink, scales, rect.width - 4), rect.left + 2, bottom + 11, { colour: palette.soft });
 }
 
 const DASHES = [8, 3, 2, 3]; // of the bit

@@ -1,5 +1,6 @@
 // The ink over the 3-D view along the path: see `drawWallInk`.
 
+import { BAR, drawColourBar } from './color_bar.js';
 import { wallPoint } from './dips.js';
 import { drawInsideInk } from './inside.js';
 import { BOLD, FONT, HEAD, label, PALETTES, SMALL } from './layout.js';
@@ -17,7 +18,7 @@ const ARROWS = [['N', [0, 1, 0]], ['E', [1, 0, 0]], ['up', [0, 0, 1]]];
 export function drawWallInk(ink, look, gpu, calipers) {
   const { view, path, store, rects } = look;
   const palette = PALETTES[view.theme];
-  const rect = rects.wall;
+  const rect = { ...rects.wall, height: rects.wall.height - (rects.image.width ? 0 : BAR) };
   const tube = view.tubeFactor(store);
   ink.save();
   ink.beginPath();
@@ -33,6 +34,7 @@ export function drawWallInk(ink, look, gpu, calipers) {
   ink.font = FONT;
   if (!view.rig) inLines(ink, words, rect.width - 20).reverse().forEach((text, i) => label(ink, text, rect.left + rect.width - 10, rect.height - 14 - 16 * i, { colour: palette.ink, halo: palette.paper, align: 'right' }));
   ink.restore();
+  if (!rects.image.width) drawColourBar(ink, look, rect.height + BAR / 2);
 }
 
 // Words in as few lines as their width allows.
