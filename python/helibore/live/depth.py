@@ -146,6 +146,7 @@ class RigHistory:
         at = self._bit_before(time, order)
         sent = ~np.isnan(depth)
         flags = np.zeros(len(time), np.int64)
+        flags[self._not_rotating(time, order)] |= Flag.NOT_ROTATING
         if not len(bit.value):
             expired = now - time > self._rules.max_depth_gap * SECOND
             flags[~sent] |= Flag.NO_DEPTH
@@ -154,7 +155,6 @@ class RigHistory:
         kind = np.where(known, self._kind.values[at], UNKNOWN)
         flags[self._wrong_depth(depth, known, at)] |= Flag.RANGE
         flags[known & self._off_bottom.values[at]] |= Flag.OFF_BOTTOM
-        flags[self._not_rotating(time, order)] |= Flag.NOT_ROTATING
         found, ready = self._from_bit(time, at, now)
         across = ~sent & np.isfinite(found) & self._across_jump(time, at)
         found[across] = np.nan

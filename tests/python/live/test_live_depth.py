@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from live_wires import (
+    FRAMES,
     FROM_BIT,
     SECOND,
+    SENT,
     Clock,
     from_bit,
     rig,
@@ -113,6 +115,18 @@ def test_depth_is_never_guessed():
     rig(live, 151)  # too late: 62 s between the depths
     assert (live.model.waiting, live.wall.sample_count) == (0, 0)
     assert live.model.counts["flag NO_DEPTH"] == 2
+
+
+def test_a_string_that_does_not_turn_is_not_drawn_before_the_first_bit_depth(tmp_path):
+    """Also not at a replay, which reads the bit depth together with the sample."""
+    items = 'items = { bit_depth = "0108", rotation = "0120" }\n'
+    text = SENT + '[source.rig]\naddress = "host"\nunits = "metric"\n' + items
+    with Live(parse(text), tmp_path, clock=Clock()) as live:
+        live.receive("rig", wits.frame([(120, "0")]))
+        live.receive("mwd", FRAMES[0])
+        live.receive("rig", wits.frame([(108, "110.0")]))
+    for one in (live, Live.replay(tmp_path)):
+        assert (one.model.counts["flag NOT_ROTATING"], one.wall.sample_count) == (3, 0)
 
 
 def texts(live, rule):
