@@ -205,10 +205,10 @@ class RigHistory:
         gap = int(self._rules.max_depth_gap * SECOND)
         last = len(bit.value) - 1
         low, high = np.maximum(at, 0), np.minimum(at + 1, last)
-        after, before = time - bit.time[low], bit.time[high] - time
+        after = time - bit.time[low]
         exact = (at >= 0) & (after == 0)
-        between = (at >= 0) & (at < last) & (after <= gap) & (before <= gap)
         span = np.maximum(bit.time[high] - bit.time[low], 1)
+        between = (at >= 0) & (at < last) & (span <= gap)
         depth = bit.value[low] + (bit.value[high] - bit.value[low]) * (after / span)
         depth = np.where(exact, bit.value[low], np.where(between, depth, np.nan))
         final = exact | (at < 0) | (at < last) | (after > gap) | (now - time > gap)

@@ -117,6 +117,19 @@ def test_depth_is_never_guessed():
     assert live.model.counts["flag NO_DEPTH"] == 2
 
 
+def test_no_depth_is_interpolated_in_the_middle_of_a_gap_either():
+    """Half way through a gap of 110 s each bit depth is 55 s away."""
+    clock = Clock()
+    live = from_bit(clock=clock)
+    rig(live, 150)
+    clock.step(55)
+    sample(live)
+    clock.step(55)
+    rig(live, 151)
+    assert (live.model.waiting, live.wall.sample_count) == (0, 0)
+    assert live.model.counts["flag NO_DEPTH"] == 1
+
+
 def test_a_string_that_does_not_turn_is_not_drawn_before_the_first_bit_depth(tmp_path):
     """Also not at a replay, which reads the bit depth together with the sample."""
     items = 'items = { bit_depth = "0108", rotation = "0120" }\n'
