@@ -55,10 +55,11 @@ class StoreReader(SourceReader):
         self._reported_jump = self._reported_index = -np.inf
 
     def go_on_from(self, before: SourceReader) -> None:
-        """Take over the last index and the incomplete answer as well."""
+        """Take over the last index, the incomplete answer and the null value of the log as well."""
         super().go_on_from(before)
         if isinstance(before, StoreReader):
             self.last, self._last_key, self._frames = before.last, before._last_key, before._frames
+            self._nulls = [*self.source.nulls, *before._nulls[len(before.source.nulls) :]]
 
     def read(self, chunk: Chunk) -> list[Reading]:
         """Return the columns of the answers that ``chunk`` completes."""

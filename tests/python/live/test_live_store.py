@@ -13,7 +13,7 @@ import urllib.parse
 import numpy as np
 import pytest
 from live_servers import Running, payloads, until
-from small_store import LONG_AGO, Store, enveloped
+from small_store import LOG, LONG_AGO, Store, enveloped
 
 import helibore as hb
 from helibore.live import server as server_module
@@ -457,6 +457,20 @@ def test_rows_that_jump_are_looked_at_once_however_many():
     assert keys.looked == 7000
     assert after[:7] == [1.0, 3.0, 3.0, 3.0, 2.0, 1.0, 1.0]
     assert after[-3:] == [2.0, None, None]
+
+
+def test_the_null_value_of_a_log_holds_when_the_depth_limits_change():
+    """A store states its null value in the first answer of a link only, and new limits make no new link."""
+    text = CONFIGURATION.replace("URL", "https://store.example/witsml").replace('ca = "CA"\n', "")
+    lists = "<mnemonicList>DEPT,TF,RAD</mnemonicList><unitList>m,dega,mm</unitList>"
+    live = hb.Live(parse(text))
+    rows = ["100.00,10,110", "100.05,20,110", "100.10,-77,110"]
+    for header, part in (("<nullValue>-77</nullValue>", rows[:2]), ("", rows[1:])):
+        data = "".join(f"<data>{row}</data>" for row in part)
+        document = LOG.replace("HEADER", header).replace("ROWS", lists + data)
+        live.receive("store", witsml.framed("log", "whole", enveloped(document)))
+        live.reconfigure(parse(text + "[depth]\njump = 50.0\n"))
+    assert (live.wall.sample_count, live.model.counts["flag NULL"]) == (2, 1)
 
 
 def test_an_answer_is_stored_before_anything_looks_into_it(store, tmp_path, monkeypatch):
