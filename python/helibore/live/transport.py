@@ -152,8 +152,8 @@ class TcpListener(Opener):
         self._accept_from = 0.0
 
     def _next(self, seconds: float) -> Link | None:
-        """Return the next allowed connection."""
-        if self._newcomer is None and _readable([self._listening], seconds):
+        """Return the next allowed connection, or None if none came within ``seconds``."""
+        if self._newcomer is None and _readable(self.watched(), seconds):
             self._accept()
         if (one := self._newcomer) is None:
             return None

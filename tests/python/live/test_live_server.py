@@ -167,6 +167,24 @@ def test_a_slow_sender_is_not_replaced_by_a_newcomer_and_a_silent_one_only_by_a_
             until(lambda: running.live.wall.sample_count == 6)
 
 
+def test_a_listener_that_cannot_accept_tries_again_once_a_second(monkeypatch):
+    """Without a descriptor for the connection, the listening socket stays readable."""
+    port, refused = free_port(), []
+    source = parse(configured(f"listen://127.0.0.1:{port}")).sources["mwd"]
+    one = transport.TcpListener(source, lambda *why: refused.append(why))
+
+    def no_descriptor():
+        raise OSError(24, "Too many open files")
+
+    real = one._listening
+    broken = SimpleNamespace(accept=no_descriptor, fileno=real.fileno, close=real.close)
+    monkeypatch.setattr(one, "_listening", broken)
+    with contextlib.closing(one), socket.create_connection(("127.0.0.1", port)):
+        for _ in range(10):
+            assert one.open(0.01) is None
+    assert refused == [("link", "a connection could not be accepted: [Errno 24] Too many open files")]
+
+
 def test_a_descriptor_beyond_1024_is_read(tmp_path):
     resource.setrlimit(resource.RLIMIT_NOFILE, (2048, resource.getrlimit(resource.RLIMIT_NOFILE)[1]))
     held = [os.open(os.devnull, os.O_RDONLY) for _ in range(1100)]
