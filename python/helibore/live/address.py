@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from urllib.parse import parse_qs, urlsplit
 
@@ -32,10 +33,10 @@ def read_address(text: object) -> Address:
     Raises
     ------
     InputError
-        If ``text`` is not an address; the message never shows a user, a password or a query.
+        If ``text`` is not an address; the message never shows a user, a password or the query of a network address.
     """
     if not isinstance(text, str):
-        raise ValueError("must be a text that is not empty")
+        raise InputError("", "must be a text that is not empty", repr(text))
     if text == "host":
         return Address("host")
     try:
@@ -43,10 +44,11 @@ def read_address(text: object) -> Address:
         query = {key: values[-1] for key, values in parse_qs(parts.query).items()}
         if parts.scheme in ("tcp", "listen") and parts.hostname and parts.port and not query:
             return Address(parts.scheme, host=parts.hostname, port=parts.port)
-        if parts.scheme == "serial" and parts.path and set(query) <= {"baud"}:
-            return Address("serial", file=parts.path, baud=int(query.get("baud", "9600")))
-        if parts.scheme == "file" and parts.path and set(query) <= {"speed"}:
-            return Address("file", file=parts.path, speed=float(query.get("speed", "0")))
+        baud, speed = int(query.get("baud", "9600")), float(query.get("speed", "0"))
+        if parts.scheme == "serial" and parts.path and set(query) <= {"baud"} and baud > 0:
+            return Address("serial", file=parts.path, baud=baud)
+        if parts.scheme == "file" and parts.path and set(query) <= {"speed"} and 0 <= speed < math.inf:
+            return Address("file", file=parts.path, speed=speed)
         if (
             parts.scheme == "https"
             and parts.hostname
@@ -54,16 +56,20 @@ def read_address(text: object) -> Address:
             and not (parts.fragment or parts.query)
         ):
             return Address("https", host=parts.hostname, port=443 if parts.port is None else parts.port, url=text)
-    except ValueError:  # the port or the host is not valid
+    except ValueError:  # the port, the host or a number is not valid
         pass
-    scheme = text.partition(":")[0]
+    scheme = text.partition(":")[0].lower()
+    start, mark, _ = text.partition("?")
+    shown = text if scheme in ("serial", "file") or not mark else start + "?..."
+    rule = ("must be tcp://HOST:PORT, listen://HOST:PORT, serial:///DEVICE?baud=N, "
+            "file:///PATH?speed=BYTES_A_SECOND, https://STORE or host")  # fmt: skip
     if "@" in text:
-        shown = f"{scheme}://...@{text.rpartition('@')[2].partition('?')[0]}"
-        raise InputError("", "must not hold a user or password: give user and password_env", repr(shown))
-    if scheme == "https" and "?" in text:
-        shown = text.partition("?")[0] + "?..."
-        raise InputError("", "must not hold a query: it would be in the journal", repr(shown))
-    if scheme == "http":
-        raise ValueError("must be https: what is sent in the clear can be read and changed")
-    raise ValueError("must be tcp://HOST:PORT, listen://HOST:PORT, serial:///DEVICE?baud=N, "
-                     "file:///PATH?speed=BYTES_A_SECOND, https://STORE or host")  # fmt: skip
+        rule, shown = (
+            "must not hold a user or password: give user and password_env",
+            f"{scheme}://..." if "://" in text else "...",
+        )
+    elif scheme == "https" and mark:
+        rule = "must not hold a query: it would be in the journal"
+    elif scheme == "http":
+        rule = "must be https: what is sent in the clear can be read and changed"
+    raise InputError("", rule, repr(shown))

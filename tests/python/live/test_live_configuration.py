@@ -64,6 +64,30 @@ def test_addresses(address, expected):
     assert parse(WALL + SOURCE.replace("tcp://127.0.0.1:9872", address)).sources["rig"].address == expected
 
 
+@pytest.mark.parametrize(
+    ("address", "shown"),
+    [
+        ("http://store/x?token=s3cret", "'http://store/x?...': must be https: "),
+        ("HTTPS://store/x?token=s3cret", "'HTTPS://store/x?...': must not hold a query: "),
+        ("https://store/x?token=a@s3cret", "'https://...': must not hold a user or password: "),
+        ("https://rig:s3cret?@store/x", "'https://...': must not hold a user or password: "),
+        ("tcp://10.0.0.7:1?token=s3cret", "'tcp://10.0.0.7:1?...': must be tcp://HOST:PORT, "),
+    ],
+)
+def test_the_error_of_an_address_shows_no_secret(address, shown):
+    with pytest.raises(ValueError, match=r"^source.rig.address = ") as error:
+        parse(WALL + SOURCE.replace("tcp://127.0.0.1:9872", address))
+    assert shown in str(error.value)
+    assert "s3cret" not in str(error.value)
+
+
+@pytest.mark.parametrize("address", ["file:///x?speed=-1", "file:///x?speed=nan", "serial:///dev/ttyS0?baud=0"])
+def test_a_speed_that_no_line_has_is_refused(address):
+    with pytest.raises(ValueError, match=r"must be tcp://HOST:PORT, ") as error:
+        parse(WALL + SOURCE.replace("tcp://127.0.0.1:9872", address))
+    assert f"source.rig.address = '{address}': " in str(error.value)
+
+
 def test_what_is_only_transport_does_not_change_the_meaning():
     one = parse(WALL + SOURCE)
     other = parse(WALL + '[source.rig]\naddress = "host"\nunits = "metric"\nmode = "heartbeat"\nallow = []\n')
