@@ -242,7 +242,7 @@ class Configuration(Table):
         found = [self]
         while (last := found[-1]).next is not None:
             file = last.file.parent / last.next.file
-            if any(file == one.file for one in found):
+            if any(file.resolve() == one.file.resolve() for one in found):
                 raise InputError("next.file", "must not follow itself", repr(str(file)))
             found.append(load(file))
         return found[1:]

@@ -420,7 +420,11 @@ class Live:
         _require_finite("depth", depths)
         head = json.dumps([name, values.shape[1], unit, *(astuple(layout) if layout else ())]).encode() + b"\n"
         table = np.column_stack([depths, values]).astype(np.float64)
-        return self._store(0, 0, head + table.tobytes(), journals.IMAGE)
+        update = Update()
+        step = max((journals.LONGEST_PAYLOAD - len(head)) // (8 * table.shape[1]), 1)
+        for start in range(0, max(len(table), 1), step):
+            merge(update, self._store(0, 0, head + table[start : start + step].tobytes(), journals.IMAGE))
+        return update
 
     def _check_image(self, name: str, rows: int, values: npt.NDArray[np.float64], unit: str) -> None:
         """Refuse values that are not an image, or that do not match the earlier rows of the image."""
@@ -520,7 +524,7 @@ class Live:
     def draw(self, stored: Sequence[Stored]) -> Update:
         """Read all ``stored`` records and draw them."""
         with self._lock:
-            records = np.concatenate([one.record for one in stored])
+            records = np.concatenate([np.empty(0, RECORD), *(one.record for one in stored)])
             return self._take(records, [payload for one in stored for payload in one.payloads])
 
     def _stamp(self, source: int, connection: int, payload: bytes, kind: int) -> tuple[Rows, list[bytes]]:

@@ -164,6 +164,9 @@ def test_a_plan_without_a_hole_depth_that_follows_itself_or_cannot_be_begun_neve
     (tmp_path / "two.toml").write_text((tmp_path / "one.toml").read_text().replace("two", "one"))
     with pytest.raises(ValueError, match=r"^next.file = '.*one.toml': must not follow itself$"):
         given.following()
+    (tmp_path / "two.toml").write_text((tmp_path / "one.toml").read_text().replace("two", f"../{tmp_path.name}/two"))
+    with pytest.raises(ValueError, match=r"^next.file = '.*two.toml': must not follow itself$"):
+        given.following()
     (tmp_path / "two.toml").write_text(RIG.replace("OFFSET", "5.0").replace("sectors = 16", "sectors = 8"))
     with pytest.raises(ValueError, match=r"\(wall.sectors = 8, was 16\); give the old configuration"):
         Server(Live(given))

@@ -50,6 +50,19 @@ def test_the_host_pushes_samples_stations_and_images(tmp_path):
         assert one.images["RES"].arrays()[1].tolist() == [[0, 1, 2], [3, 4, 5]]
 
 
+def test_an_image_larger_than_a_record_is_stored_in_parts(tmp_path):
+    depth, values = np.linspace(101.0, 104.0, 9000), np.arange(9000 * 32.0).reshape(9000, 32)
+    with Live(parse(SENT), tmp_path) as live:
+        assert live.append_image("RES", depth, values, "ohm.m").images == {"RES": (0, 9000)}
+    for one in (live, Live.replay(tmp_path)):
+        assert np.array_equal(one.images["RES"].arrays()[1], values)
+
+
+def test_no_record_is_no_update():
+    update = Live(parse(SENT)).draw([])
+    assert (update.changes, update.events) == ({}, [])
+
+
 @pytest.mark.parametrize(
     ("call", "text"),
     [
