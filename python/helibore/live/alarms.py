@@ -307,7 +307,9 @@ class Alarms:
                 found["no_data", name] = f"nothing has come for {source.silence:g} s"
             if is_connected(source, state):
                 self._connected[name] = now
-            elif now - self._connected[name] > self._limits.lost * SECOND or state.startswith("stopped"):
+            elif state.startswith("stopped"):
+                found["lost", name] = state
+            elif now - self._connected[name] > self._limits.lost * SECOND:
                 found["lost", name] = f"{state}: not connected for {self._limits.lost:g} s"
             if state == WAITING:
                 found["disk", ""] = "the disk takes no record"

@@ -582,7 +582,8 @@ class Model:
         if crowded:
             left_out = np.concatenate(crowded)
             self.counts["crowded"] += len(left_out)
-            text = f"layer {name}: a vertex already has {most} samples of this source: not drawn"
+            rule = f"an eighth of the cell of a vertex already has its share of most = {most} samples of this source"
+            text = f"layer {name}: {rule}: not drawn"
             self.passes.report(rows, left_out, "crowded", lambda _: text)
 
     def _depth_gaps(

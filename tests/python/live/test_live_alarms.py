@@ -83,6 +83,8 @@ def test_a_source_that_is_not_connected_is_lost_after_its_time_and_at_once_if_it
         clock.step(seconds)
         alarms.check()
         assert rules(alarms) == expected, state
+        if state.startswith("stopped"):
+            assert alarms.active[0].text == "stopped: access denied"  # not for 20 s yet
 
 
 def test_depth_that_stands_while_samples_come_is_an_alarm():

@@ -338,7 +338,8 @@ def test_a_tool_that_turns_at_one_depth_does_not_fill_the_memory():
     assert live.model.counts["crowded"] == 6000 - kept
     event = live.model.events.recorded["mwd", "crowded"]
     assert event.count == 6000 - kept
-    assert event.text == "layer main: a vertex already has 64 samples of this source: not drawn"
+    share = "an eighth of the cell of a vertex already has its share of most = 64 samples of this source"
+    assert event.text == f"layer main: {share}: not drawn"
 
 
 def test_missing_numbers_are_kept_as_ranges():
