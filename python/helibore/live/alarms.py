@@ -40,13 +40,13 @@ from helibore.live.sources import Source, WitsSource
 from helibore.live.update import Update
 
 HOLD = 60.0
-"""Seconds that an alarm without a duration lasts after its last cause (clock, tight hole, washout)."""
+"""Seconds that an alarm without a duration (clock, depth jump, tight hole, washout) lasts after its last cause."""
 SECONDS = 10.0
 """Time limit of the command and of the webhook."""
 WAITS = (0.0, 1.0, 5.0)
 """Seconds before each try to deliver a line."""
 LONGEST_LINE = 200
-"""Most bytes of a line that the command writes to stderr."""
+"""Most bytes of the last line that the command writes to stderr; of a longer line, only its last part is kept."""
 MOST_LINES = 100
 MOST_ITEMS = 20
 MOST_RANGES = 256
@@ -93,7 +93,7 @@ class _Known(urllib.request.HTTPHandler, urllib.request.HTTPSHandler):
 
 
 class _LastLine:
-    """Reads the stderr of a command in a thread and keeps the last line; its child processes may never close it."""
+    """Keeps the last line of a command's stderr; a thread reads stderr, because child processes may never close it."""
 
     def __init__(self, descriptor: int) -> None:
         self._stream = open(descriptor, "rb")  # noqa: SIM115 (the thread closes it)
@@ -114,7 +114,7 @@ class _LastLine:
 
 
 def is_connected(source: Source, state: str) -> bool:
-    """Whether a source in this state (`Server.states`) is connected; a source that has ended counts as connected."""
+    """Whether a source in this state (`Server.states`) counts as connected, as an ended source and a host always do."""
     return source.address.kind == "host" or state.startswith(("connected", "ended", WAITING))
 
 
@@ -172,7 +172,7 @@ class Alarms:
     Parameters
     ----------
     live
-        The live wall; its configuration has the limits, and its clock the time.
+        The live wall; its configuration gives the limits, and its clock gives the time.
     states
         State of each source, as `Server` keeps them.
 
@@ -181,7 +181,8 @@ class Alarms:
     synced
         Monotonic time of the last successful sync, ns.
     counts, undelivered
-        Number of alarms of each (rule, source), and number of lines that the command or the webhook did not take.
+        Number of alarms of each (rule, source), and number of lines that did not fit in the queue, or that the command
+        or the webhook did not take; a line that neither took counts twice.
 
     Raises
     ------
@@ -287,7 +288,7 @@ class Alarms:
         self._tell(said, wall, ended)
 
     def close(self) -> None:
-        """End all alarms except a failure, and stop; waiting lines are sent once more, for a few seconds at most."""
+        """End all alarms except a failure, and stop; each waiting line is tried once, for a few seconds in all."""
         wall, now = self._live.clock()
         for alarm in self.active:
             if alarm.rule != "failure":
@@ -346,7 +347,7 @@ class Alarms:
         return found
 
     def _items_lacking(self, reader: SourceReader) -> str:
-        """Return what is missing, frames or items of a sample, and which unmapped items came; "" if nothing is."""
+        """Return what is missing (frames, or items of a sample), and which unmapped items came; "" if none is."""
         source, caliper = reader.source, reader.source.caliper
         if not isinstance(source, WitsSource) or not reader.total("bytes"):
             return ""
@@ -370,7 +371,7 @@ class Alarms:
         return {event.source: (event.count, event.newest.text) for event in events}
 
     def _of_depth(self, now: int) -> dict[tuple[str, str], str]:
-        """Compare the bit depth, or the number of vertices if there is no bit depth, with its last value."""
+        """Compare the bit depth, or without it the number of vertices, with its value when it last moved."""
         model, limit = self._live.model, int(self._limits.standing * SECOND)
         bit = model.rig.tracks["bit_depth"].value[-1:].tolist()
         position = bit[0] if bit else float(len(self._live.wall))

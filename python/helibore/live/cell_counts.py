@@ -1,8 +1,8 @@
 """A limit on the samples that a wall keeps of one source near each vertex, so that memory is bounded by the hole.
 
 a cell of the wall          | 4 3 | 8 1 |       two parts around the hole, four along it; each part keeps the first
-(one vertex, one quad)      | 0 2 | 5 5 |       ``most`` / 8 samples of each source, and later ones are counted only
-                            | . . | . . |
+(one vertex, one quad)      | 0 2 | 5 5 |       ``most`` / 8 samples (rounded up) of each source; later samples are only
+                            | . . | . . |       counted, as "crowded"
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ LARGEST = 65_535
 
 
 class CellCounts:
-    """Counts the samples of one source in each part of a cell, and chooses those that the wall keeps.
+    """Counts the samples of one source that the wall keeps in each part of a cell, and chooses these samples.
 
     Parameters
     ----------
     sectors, pitch
         As in `Wall`.
     most
-        Samples of a cell that are kept; 0: all.
+        Samples of a cell that are kept, rounded up to a multiple of 8; 0: all.
     """
 
     STATE = ("counted",)

@@ -93,9 +93,9 @@ def read(path: Path, salt: int, *, only_facts: bool = False) -> tuple[dict[str, 
 
 
 def usable(folder: Path, salt: int, stop: int) -> Iterator[tuple[Path, dict[str, Any], Arrays] | InputError]:
-    """Yield the checkpoints that do not go beyond record ``stop``, the newest first; an error for each other one.
+    """Yield the checkpoints of records before ``stop``, the newest first, or an error for each that is not usable.
 
-    A checkpoint that goes beyond ``stop`` is renamed: it contains lost records, and new records get their numbers.
+    A checkpoint of later records is renamed: it contains lost records, and new records get the numbers of these.
     """
     for path in reversed(paths(folder)):
         if position(path) > stop:

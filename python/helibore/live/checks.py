@@ -41,8 +41,8 @@ Derived = Annotated[Value, PlainValidator(_not_a_setting)]
 def with_values(value: Any, recorded: Any) -> Any:
     """Return a copy of ``value`` that holds the values of ``recorded``, which was read from JSON.
 
-    A field of a table or dataclass that ``recorded`` lacks keeps its value. A dict has the keys of ``recorded``, those
-    of ``value`` first and in its order. A list of another length is taken from ``recorded`` as it is.
+    A field of a table or dataclass that ``recorded`` lacks keeps its value. A dict has the keys of ``recorded``;
+    keys that ``value`` has come first, in the order of ``value``. A list of another length is that of ``recorded``.
     """
     if isinstance(value, Table):
         names = type(value).model_fields.keys() & recorded.keys()

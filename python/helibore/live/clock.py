@@ -53,7 +53,7 @@ class ModelClock:
         return times
 
     def jumps(self, wall: npt.NDArray[np.int64], times: npt.NDArray[np.int64]) -> list[tuple[int, int]]:
-        """Return the first record after each change of the wall clock, and the size of the change, ns."""
+        """Return the first record after each change of the wall clock of JUMP or more, and the change, ns."""
         drift, found, start = wall - times, [], 0
         while len(late := (np.abs(drift[start:] - self._drift) >= JUMP).nonzero()[0]):
             start += int(late[0])

@@ -40,7 +40,7 @@ from helibore.live.sources import Source, Text, read_source
 from helibore.wall.wall import Wall
 
 BEFORE_THEY_EXISTED = {"samples": {"most": 0}}
-"""Values of tables in journals that were begun before these tables existed, where they are not the defaults."""
+"""The values that tables have in journals that were begun before these tables existed."""
 OF_WALL = {*(f.name for f in dataclasses.fields(Settings)), "threads", "instruction_set", "basis"}
 
 
@@ -75,9 +75,9 @@ class PathTable(Table):
 class SamplesTable(Table):
     """The table ``samples``: limits that bound the memory where a tool measures at one depth for days.
 
-    ``most``: the most samples of a source, or of the host, that a wall draws near each vertex; 0: all. With 0, the live
-    wall has the same bits as a wall made in one batch. ``image_step``: metres of depth; an image keeps the latest row
-    in each step; 0: the latest row of each depth.
+    ``most``: the most samples of a source, or of the host, that a wall draws near each vertex, rounded up to a multiple
+    of 8; 0: all. With 0, the live wall has the same bits as a wall made in one batch. ``image_step``: metres of depth;
+    an image keeps the latest row in each step; 0: it keeps all rows, and shows the latest of each depth.
     """
 
     most: Annotated[int, within(0, 100_000)] = 0
@@ -117,7 +117,7 @@ class NextTable(Table):
             raise InputError("time", "must have a time zone, such as 2026-05-01T10:00:00Z", str(self.time))
 
     def is_due(self, wall: int, hole_depth: float) -> bool:
-        """Whether it applies at ``wall``, ns since 1970, with a hole of this depth (NaN: not known)."""
+        """Whether the next configuration applies at ``wall``, ns since 1970, at this depth of the hole (NaN: not known)."""
         return wall / 1e9 >= self.time.timestamp() if self.time else hole_depth >= (self.hole_depth or 0.0)
 
 
@@ -232,12 +232,14 @@ class Configuration(Table):
         return self.model_copy(update=values | {"sources": sources})
 
     def following(self) -> list[Configuration]:
-        """Return the configurations that follow by ``next``, in order; their files are read from the same folder.
+        """Return the configurations that follow by ``next``, in order; each path starts at the folder of the file before.
 
         Raises
         ------
         InputError
             If one of them breaks a rule, or follows itself.
+        OSError
+            If a file cannot be read.
         """
         found = [self]
         while (last := found[-1]).next is not None:

@@ -6,12 +6,12 @@
     sensor depth = bit depth - offset
 
 A sample gets its depth when the entries before and after its time have arrived, so the packets that the stream was cut
-into do not matter. Depth is never extrapolated, and never interpolated over a time of more than ``max_depth_gap`` or a
-step of more than ``depth.jump``. Heave and stretch of the string are not modelled.
+into do not matter. Depth is never extrapolated, and never interpolated between two bit depths that are more than
+``max_depth_gap`` seconds or ``depth.jump`` metres apart. Heave and stretch of the string are not modelled.
 
 Each bit depth entry decides the pass from the string's motion:
 
-    activity 4, 5: ream     8, 9: trip     on bottom: drill     off bottom, turning: rescan     off bottom, not: trip
+    activity 4, 5: ream   8, 9: trip   on bottom: drill   off bottom, not turning: trip   off bottom, else: rescan
 
 If the sender counts its passes, its pass number decides instead (``pass_rules.py``).
 """
@@ -78,7 +78,7 @@ class RigHistory:
         self.use(rules, limits)
         self.tracks = {name: QuantityHistory() for name in ("bit_depth", "hole_depth", "rotation", "activity")}
         self._kind, self._off_bottom = GrowingArray(np.int64), GrowingArray(np.bool_)
-        self._reached = GrowingArray(np.float64)  # greatest hole depth up to each entry; infinite before the first
+        self._reached = GrowingArray(np.float64)  # greatest hole or bit depth so far; inf before a hole depth
         self._deepest = self._hole = -np.inf
 
     def use(self, rules: PassRules, limits: DepthLimits) -> None:
@@ -177,7 +177,7 @@ class RigHistory:
         return across
 
     def _wrong_depth(self, depth: Values, known: npt.NDArray[np.bool_], at: Times) -> npt.NDArray[np.bool_]:
-        """Return which sent depths are below the hole, or have the ratio of feet to metres to the bit depth."""
+        """Return which sent depths are below the hole, or seem to have another unit than the bit depth."""
         at = np.maximum(at, 0)
         has_hole = known & np.isfinite(self._reached.values[at])
         in_feet = unit_differs(depth, self.tracks["bit_depth"].value[at])

@@ -19,7 +19,7 @@ from helibore.live.clock import SECOND
 from helibore.live.events import Flag
 
 CONFIRMED_WITHIN = 600 * SECOND
-"""A jump counts only if the next sample confirms it within this time."""
+"""A jump of samples counts only if the next sample confirms it within this time."""
 FOOT = units.factor("ft", units.LENGTH)
 NEAR = 0.02
 """Two depths have different units if their ratio is that of feet to metres within this share."""
@@ -51,7 +51,7 @@ class DepthLimits(Table):
 
 
 def _steps(last: float, depth: Values) -> Values:
-    """Return the length of the step to each depth from the depth before; ``last`` is before the first."""
+    """Return the length of the step to each depth from the depth before it; ``last`` is the depth before the first."""
     joined = np.concatenate([[last], depth])
     steps: Values = np.abs(joined[1:] - joined[:-1])
     return steps
@@ -72,8 +72,8 @@ def unit_rule(depth: float, known: float) -> str:
 class LastDepth:
     """The last depth that was used, and the last depth that was refused for its unit (NaN: none).
 
-    A refused depth is also compared with the last refused depth: drilling goes on, so that the ratio to the last used
-    depth changes.
+    A depth that jumps is compared with both. While depths are refused, drilling goes on, so that their ratio to the
+    last used depth changes.
     """
 
     STATE: tuple[str, ...] = ("_last", "_other_unit")
@@ -112,7 +112,7 @@ class LastDepth:
 
 
 class Steps(LastDepth):
-    """Checks bit or hole depths: a value that jumps is used only if the next value does not jump back."""
+    """Checks bit or hole depths: a value that jumps is not used, but the next value is used if it is near that one."""
 
     STATE = (*LastDepth.STATE, "_rejected")
 
@@ -164,7 +164,7 @@ class HeldSample(LastDepth):
         """Return the rows to place, in order of arrival; which of them jump unconfirmed; and texts to report by row.
 
         Rows whose jump was not confirmed, or whose depth seems to have another unit, get the flag RANGE. If the last
-        row jumps, it is held for the next call.
+        row with a usable depth jumps, it is held for the next call, with the rows after it.
         """
         if self._held is not None:
             rows = np.concatenate([self._held, rows])
