@@ -117,7 +117,7 @@ class NextTable(Table):
             raise InputError("time", "must have a time zone, such as 2026-05-01T10:00:00Z", str(self.time))
 
     def is_due(self, wall: int, hole_depth: float) -> bool:
-        """Whether the next configuration applies at ``wall``, ns since 1970, at this depth of the hole (NaN: not known)."""
+        """Whether the next configuration applies at ``wall``, ns since 1970, at this hole depth (NaN: not known)."""
         return wall / 1e9 >= self.time.timestamp() if self.time else hole_depth >= (self.hole_depth or 0.0)
 
 
@@ -232,7 +232,7 @@ class Configuration(Table):
         return self.model_copy(update=values | {"sources": sources})
 
     def following(self) -> list[Configuration]:
-        """Return the configurations that follow by ``next``, in order; each path starts at the folder of the file before.
+        """Return the configurations that follow by ``next``, in order; each is in the folder of the one before.
 
         Raises
         ------

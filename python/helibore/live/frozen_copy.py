@@ -29,7 +29,7 @@ Rows = tuple[tuple[Floats, Floats, float], str, Layout | None]
 
 
 class FrozenWall(Wall):
-    """A copy of a wall; it takes no more samples, and is saved, measured and meshed like the original.
+    """A copy of a wall that is saved, measured and meshed like the original; no sample is appended to it.
 
     Parameters
     ----------
@@ -95,7 +95,7 @@ class FrozenCopy:
     passes, events
         As `Live.passes`, and one event for each rule of each source.
     left_out
-        One text for each image that could not be copied, with the reason.
+        One text, with the reason, for each image that was left out or not laid on a wall.
     """
 
     wall_time: int
@@ -144,7 +144,7 @@ def _copied(live: Live) -> tuple[FrozenCopy, dict[str, Rows]]:
 
 
 def _meets(image: SectorImage, wall: Wall) -> bool:
-    """Return whether image and wall share more than a turn; otherwise the image covers no quad of the wall."""
+    """Return whether the image covers over a turn of the wall without its end turns, and so surely a quad."""
     pitch = wall.settings.pitch
     ends = sorted((wall.start_depth, wall.start_depth + len(wall) / wall.settings.sectors * pitch))
     top, bottom = image.depth[0] - image.reach, image.depth[-1] + image.reach

@@ -51,7 +51,7 @@ class ImageRows:
             return start, stop
 
     def set_step(self, step: float) -> None:
-        """Set the step from now on; first delete the rows that later ones replace by the earlier step."""
+        """Set the step from now on; first delete the rows that later ones replace with the step so far."""
         with self._lock:
             if step != self.step:
                 self._make_room(0)
@@ -89,14 +89,14 @@ class ImageRows:
     def rows(self, start: int, stop: int) -> tuple[Floats, Floats]:
         """Return (depth (r,), values (r, sectors)) of the rows with numbers in [start, stop) that are kept; copies.
 
-        `Update.images` has such ranges. :meth:`arrays` returns the rows by depth, only the latest of each depth.
+        `Update.images` has such ranges. :meth:`arrays` returns the latest row of each depth or step.
         """
         number, depth, values = self.so_far()
         first, last = np.searchsorted(number, (start, stop))
         return depth[first:last].copy(), values[first:last].copy()
 
     def arrays(self) -> tuple[Floats, Floats]:
-        """Return (depth (r,), values (r, sectors)) sorted by depth, only the latest row of each depth; copies."""
+        """Return (depth (r,), values (r, sectors)) by depth, only the latest row of each depth or step; copies."""
         return sorted_rows(*self.so_far()[1:], self.step)
 
 

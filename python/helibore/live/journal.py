@@ -160,8 +160,8 @@ def number_of(path: Path) -> int:
 def content(path: Path, size: int = -1) -> tuple[bytes, str]:
     """Return the first ``size`` bytes of a segment (-1: all), and what is wrong with the file of an archived one.
 
-    A damaged archived segment gives the bytes before the damage. A segment that is archived while it is being read is
-    read from the archive.
+    A damaged archived segment gives the bytes of the pieces (`PIECE`) that can be decompressed. A segment that is
+    archived while it is being read is read from the archive.
 
     Raises
     ------

@@ -66,7 +66,7 @@ WINDOW_RECORDS = 8192
 LOG_AGAIN = 60.0
 """Seconds until the log repeats a rule of the same source."""
 LOGGED_EACH = "alarm_", "address"
-"""Beginnings of rule names. The log does not join their events; it has at most one a second of each source."""
+"""Beginnings of rule names. The log has their events, and those without a source, at most once a second."""
 
 
 class Stored(NamedTuple):
@@ -242,7 +242,7 @@ class Live:
 
     @property
     def checkpoint_due(self) -> bool:
-        """Whether a segment was completed since the last checkpoint."""
+        """Whether a segment was completed since the last checkpoint of this run, and the model lacks no record."""
         due = self.journal is not None and self.journal.segment > self._checkpointed_segment
         return due and not self._half_read and not self.model.out_of_memory
 
@@ -461,7 +461,7 @@ class Live:
         return update
 
     def _log(self, event: Event) -> None:
-        """Log an event; if a source repeats its rule, log it once a minute with the number of events since then."""
+        """Log an event; if its source repeats its rule within a minute, only count it for the next line in the log."""
         key, now = (event.source, event.rule), time.monotonic()
         last, count = self._logged.get(key, (-LOG_AGAIN, 0))
         once = not event.source or event.rule.startswith(LOGGED_EACH)
@@ -494,7 +494,7 @@ class Live:
         return {name: (now - self._last_bytes.get(name, self._began)) / 1e9 for name in self.model.numbers}
 
     def check_silence(self) -> None:
-        """Report, once, each source that has sent nothing for more than its ``silence`` seconds."""
+        """Report each source that has sent nothing for more than its ``silence`` seconds, once for each silence."""
         ages = self.ages()
         for name, source in self.configuration.sources.items():
             last = self._last_bytes.get(name, self._began)
@@ -567,7 +567,10 @@ def _require_finite(name: str, values: npt.NDArray[np.float64]) -> None:
 
 
 def read_into(model: Model, folder: FilePath, report: Callable[[Segment], None] = lambda _: None) -> Iterator[Update]:
-    """Pass a journal's records from ``model.next_sequence`` on to ``model``, one window at a time; report damage."""
+    """Pass a journal's records to ``model``, from its ``next_sequence`` on, one window at a time.
+
+    Report damage and missing segments.
+    """
     expected = 1 if not model.next_sequence else None
     for segment in segments(folder, segment_of(folder, model.next_sequence)):
         if expected is not None and segment.number > expected:
@@ -586,7 +589,7 @@ def read_into(model: Model, folder: FilePath, report: Callable[[Segment], None] 
 
 
 def windows(records: Rows) -> Iterator[tuple[int, int]]:
-    """Yield row ranges of at most WINDOW_RECORDS records or about WINDOW_BYTES bytes."""
+    """Yield row ranges of at most WINDOW_RECORDS records and WINDOW_BYTES bytes; a longer record is alone."""
     ends = np.cumsum(records["length"].astype(np.int64))
     start = 0
     while start < len(records):

@@ -2,9 +2,9 @@
 
     frames x mapped items  ->  one table of float64, one of states (absent, value, null, invalid)  ->  columns
 
-All steps work on many frames together; only bad input and gaps are checked one by one. A frame is a duplicate if its
-text equals that of one of the last 4096 frames with measurements, and contains a sequence number or the sensor's depth.
-Without these two, a repeated frame cannot be distinguished from a new measurement.
+All steps work on many frames together; only bad input, gaps and duplicates are checked one by one. A frame is a
+duplicate if it contains a measurement, and a sequence number or the sensor's depth, and its text equals that of one of
+the last 4096 such frames. Without number and depth, a repeated frame cannot be distinguished from a new measurement.
 """
 
 from __future__ import annotations
@@ -347,7 +347,7 @@ class SourceReader:
         return flags
 
     def _rig(self, values: Values, reading: Reading) -> dict[str, Values]:
-        """Return the rig quantities; a bit or hole depth that cannot be true becomes NaN, with an event."""
+        """Return the rig quantities; a bit or hole depth that is out of range or jumps becomes NaN, with an event."""
         rig = {name: self._value(values, item) for name, item in self.source.rig.items()}
         for name, steps in self._steps.items():
             wrong, levels = steps.take(rig[name])
@@ -373,7 +373,7 @@ class SourceReader:
         return scaled
 
     def _pass_numbers(self, values: Values, states: npt.NDArray[np.uint8], flags: Integers) -> Integers:
-        """Return the pass number of each frame: its own, or the last number before it, up to a null.
+        """Return the pass number of each frame: its own, or the last one before, up to a null or a wrong number.
 
         The number of a late or repeated frame applies to that frame only.
         """

@@ -56,7 +56,7 @@ LATEST = 4e9
 LARGEST_TOOLFACE = 1e6
 """Degrees: a toolface with a larger absolute value is wrong."""
 MOST_SET_ASIDE = 10_000
-"""The most records whose numbers and reasons are kept."""
+"""The most records that were set aside whose numbers and reasons are kept."""
 LARGEST_RADIUS = 10.0
 """Metres: a larger radius from a host is wrong."""
 USABLE, OUTSIDE = "usable", "outside"

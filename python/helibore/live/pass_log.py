@@ -40,7 +40,7 @@ class Pass:
     number
         Number that the source gave the pass; None if it gave no number.
     start, stop
-        Times of the first and the last sample, ns of the model's clock (UTC since 1970, never going back).
+        Earliest and latest time of the samples, ns of the model's clock (UTC since 1970, never going back).
     top, bottom
         Least and greatest depth of the samples, metres.
     samples

@@ -28,7 +28,7 @@ def check_password(place: str, password: str) -> None:
     Raises
     ------
     InputError
-        If it is shorter than 6 characters or has no letter.
+        If it is shorter than 6 characters or has no ASCII letter.
     """
     if len(password) < SHORTEST or not set(password) & set(string.ascii_letters):
         rule = f"the password must have {SHORTEST} characters or more and a letter: it is redacted in every answer"
@@ -86,7 +86,7 @@ def _begun(ways: list[Units]) -> bytes:
 
 
 class Redactor:
-    """Removes the credentials ``auth`` (user, password); None: removes nothing."""
+    """Removes the password of ``auth`` (user, password) and the tokens made of both; None: removes nothing."""
 
     def __init__(self, auth: tuple[str, str] | None) -> None:
         self._secrets: list[tuple[re.Pattern[bytes], re.Pattern[bytes]]] = []
@@ -106,7 +106,7 @@ class Redactor:
     def clean(self, body: bytes, *, cut: bool = False) -> bytes:
         """Return ``body`` with every credential replaced by asterisks.
 
-        With ``cut``, the body may end in the middle of a credential; its first part is then replaced, too.
+        With ``cut``, the body may end in the middle of a credential; that part of it is then replaced as well.
         """
         for whole, _ in self._secrets:
             body = whole.sub(lambda match: b"*" * len(match[0]), body)

@@ -2,8 +2,9 @@
 
     expected n = last + 1     n > last + 1: numbers are missing     n <= last and missing: late     else: repeated
 
-If the successor of a repeated number follows, the counter was reset. ``mapping.py`` decides by the text of a frame
-whether it is a duplicate, so two frames with the same number and different values are both kept.
+If the successor of a repeated number follows, or n is more than LONGEST_GAP after last, the counter was reset.
+``mapping.py`` decides by the text of a frame whether it is a duplicate, so two frames with the same number and different
+values are both kept.
 """
 
 from __future__ import annotations
