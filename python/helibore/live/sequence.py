@@ -3,7 +3,7 @@
     expected n = last + 1     n > last + 1: numbers are missing     n <= last and missing: late     else: repeated
 
 If the successor of a repeated number follows, or n is more than LONGEST_GAP after last, the counter was reset.
-``mapping.py`` decides by the text of a frame whether it is a duplicate, so two frames with the same number and different
+``mapping.py`` decides by the text of a frame whether it is a duplicate, so two frames with equal numbers and different
 values are both kept.
 """
 
