@@ -104,11 +104,12 @@ class LastDepth:
         return False
 
     def _refused(self, depth: float) -> str:
-        why = f"not used; the last was {self._last:g} m, and {unit_rule(depth, self._last)}"
+        why = f"not used; the last depth used was {self._last:g} m, and {unit_rule(depth, self._last)}"
         return f"{depth:g} m: {why}; correct the unit, or, if the step is right, set depth.jump above it, and reload"
 
     def _confirmed(self, depth: float) -> str:
-        return f"{depth:g} m: used; the last was {self._last:g} m, and the depth before this one confirms the jump"
+        why = f"the last depth used was {self._last:g} m, and the depth before this one confirms the jump"
+        return f"{depth:g} m: used; {why}"
 
 
 class Steps(LastDepth):

@@ -101,7 +101,7 @@ class PassLog:
             rows = np.flatnonzero((source == who) & (number == said))
             decided[rows] = means
             if means == UNKNOWN:
-                found.append((rows, f"pass number {said}: is not listed in pass_numbers: unknown"))
+                found.append((rows, f"pass number {said}: is not listed in pass_numbers; the pass is unknown"))
             for own in np.unique(kind[rows]).tolist():
                 if UNKNOWN not in (own, means) and own != means:
                     differ = rows[kind[rows] == own]

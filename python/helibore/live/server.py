@@ -1,4 +1,4 @@
-"""Run the sources of a live wall: one thread for each source, one that draws, one that syncs the journal.
+"""Run the sources of a live wall: a thread for each source, and one each to draw, sync, watch and write checkpoints.
 
     link -> journal -> queue (bounded) -> model          a full queue or a full disk stops the reading: the sender waits
 
@@ -131,7 +131,8 @@ class Server:
     Attributes
     ----------
     latency, states, last_received
-        Times from packet to vertices; state of each source; time of its last bytes, seconds of the monotonic clock.
+        Times from packet to vertices; state of each source; time of the last bytes of each source, seconds of the
+        monotonic clock.
     """
 
     def __init__(self, live: Live, updated: Callable[[Update], None] = lambda _: None) -> None:
@@ -162,6 +163,8 @@ class Server:
         ------
         OSError
             If the address of a listener cannot be used.
+        MissingExtraError, InputError
+            As `opener` and `StoreClient`.
         """
         self._change_if_due()
         self._used = dict(self.live.configuration.sources)
@@ -290,7 +293,7 @@ class Server:
     def wait(self, seconds: float | None = None) -> bool:
         """Wait until every source has ended (only files end), a thread has failed, or ``seconds`` have passed.
 
-        Return whether all sources have ended and their records are drawn.
+        Return whether all sources have ended and no record of theirs is queued; `stop` waits until the last are drawn.
         """
         end = time.monotonic() + (seconds if seconds is not None else float("inf"))
         while time.monotonic() < end and self.failure is None:
@@ -302,7 +305,7 @@ class Server:
 
     @property
     def queued(self) -> int:
-        """Records stored and not yet drawn."""
+        """Number of records that are stored and that the drawing thread has not taken yet."""
         return len(self._queue)
 
     def _report(self, source: str, rule: str, text: str) -> None:

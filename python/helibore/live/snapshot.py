@@ -1,8 +1,8 @@
 """Export a live wall as files of one moment: walls, mesh, logs, images, survey, passes, events.
 
     main.wall       settings, samples, vertices, survey, images: hb.load opens it     one file a layer
-    main.las        measurements of every turn, means of images, or main.csv          one file a layer of a turn or more
-    main.glb        the wall along the path                                           if the path covers it
+    main.las        (or main.csv) measurements of every turn, means of images         one file a layer of over a turn
+    main.glb        the wall along the path; without a path, straight and vertical    unless the path is too short
     image-GR.csv    depth_m, GR[1], GR[2] ...                                         one file an image
     survey.csv      depth_m, inclination_deg, azimuth_deg
     passes.csv      source, pass, number, start_utc, stop_utc, top_m, bottom_m, samples: one row a pass
@@ -38,12 +38,14 @@ Cells = Sequence[float | str | None]
 def snapshot(live: Live, folder: str | Path) -> list[Path]:
     """Write the files and return their paths, ``snapshot.json`` last. A wall that the path does not cover has no mesh.
 
-    An image that cannot be placed on a wall, or whose name is not allowed in a file name, is left out with an event.
+    An image whose name is not allowed in a file name is left out, and one that cannot be placed around the hole is
+    only a table; an event says so.
 
     Raises
     ------
     OSError
-        If the folder cannot be written; the files of the previous export are then unchanged.
+        If a file cannot be written; the files of the previous export are then unchanged. If a file cannot be moved,
+        ``snapshot.json`` says ``"complete": false``.
     """
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)

@@ -183,7 +183,7 @@ class CaliperTable(Table):
     """The settings that the calipers of both kinds of source have; triple n is item n of each list.
 
     A single item of ``toolface`` or ``depth`` serves all radii, and a list ``toolface_offset`` says where the sensor of
-    each radius is. Without ``depth``, the depth of a triple follows from the bit depth.
+    each radius is. Without ``depth``, the depth of a triple follows from the bit depth, but see `StoreCaliper`.
     """
 
     measures: Literal["radius", "diameter"] = "radius"
@@ -208,7 +208,8 @@ class CaliperTable(Table):
         codes = [[item.code for item in columns[name]] for name in ("toolface", "depth") if name in columns]
         turned = offsets if isinstance(offsets, list) else [offsets] * lengths["toolface"]
         if len(set(zip(*codes, turned, strict=True))) < len(turned):
-            rule = "several radii have one toolface: must be a list with the angle of each sensor, [0, 90, 180, 270]"
+            rule = "several radii have one toolface: must be a list with the angle of each sensor"
+            rule += ", such as [0, 90, 180, 270]"
             raise InputError("toolface_offset", rule, repr(offsets))
         limits = self.radius_range or [bit_diameter / 8, bit_diameter * 2]
         if len(limits) != 2 or not 0 < limits[0] < limits[1]:
@@ -251,7 +252,7 @@ class WitsCaliper(CaliperTable):
 
 
 class StoreCaliper(CaliperTable):
-    """Triples by mnemonic; without ``depth``, the depth is the index of the log."""
+    """Triples by mnemonic; without ``depth``, the depth is the index of the log, unless that is a time."""
 
     toolface: Annotated[list[AngleCurve], OneQuantity] = Field(description="mnemonics, one for each sensor")
     radius: Annotated[list[LengthCurve], OneQuantity] = Field(description="mnemonics, one for each sensor")
@@ -265,7 +266,7 @@ class StoreCaliper(CaliperTable):
 
 
 class Image(LayoutTable):
-    """The settings that the images of both kinds of source have; without ``depth``, the bit depth decides."""
+    """The settings that the images of both kinds of source have; without ``depth``, it follows from the bit depth."""
 
     unit: Text = Field(description="the unit of its values")
     offset: float = 0.0
@@ -287,7 +288,7 @@ class WitsImage(Image):
 
 
 class StoreImage(Image):
-    """An image by the mnemonics of its sectors."""
+    """An image by the mnemonics of its sectors; its depth is the index of the log, unless that is a time."""
 
     sectors: Annotated[list[PlainCurve], OneQuantity] = Field(description="mnemonics, one for each sector")
     depth: Derived[Item | None] = None

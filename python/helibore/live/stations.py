@@ -34,7 +34,7 @@ class Stations:
         return len(self._core)
 
     def take(self, depth: float, inclination: float, azimuth: float) -> tuple[float | None, str]:
-        """Add one station; return (depth below which the path changed or None, why the station was refused or "").
+        """Add one station; return the depth below which the path changed (or None), and why it was refused (or "").
 
         A station that is already in the survey changes nothing.
         """

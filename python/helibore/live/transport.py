@@ -1,4 +1,4 @@
-"""Receive bytes from a TCP client or listener, a serial port or a file, one link at a time (stores: store.py).
+"""Receive bytes as a TCP client or listener, from a serial port or a file, one link at a time (stores: store.py).
 
     open() -> Link      Link.read(seconds) -> bytes, b"" if nothing came, None if the link ended
 

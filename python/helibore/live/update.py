@@ -42,7 +42,7 @@ class Update:
     events: list[Event] = field(default_factory=list)
 
     def quads(self, layer: str, sectors: int) -> npt.NDArray[np.int64]:
-        """Return the (m, 2) ranges [start, stop) of quads of ``layer`` that have a new or changed vertex.
+        """Return (m, 2) ranges [start, stop) that cover all quads of ``layer`` that have a new or changed vertex.
 
         Quad k has the vertices k, k + 1, k + 1 + K and k + K, K = ``sectors``; the caller must remove quads past the
         end of the wall.

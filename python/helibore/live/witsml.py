@@ -114,8 +114,8 @@ def _short(text: str) -> str:
 def _elements(text: str, whole: str = "") -> Iterator[tuple[list[str], ET.Element]]:
     """Yield (path of local names, element) at every end tag.
 
-    After that the element is deleted, unless it is inside an element named ``whole``; kept elements would take 24 times
-    the size of a log.
+    Then the element is deleted, unless it is inside an element named ``whole``; kept elements would take 24 times the
+    size of a log.
     """
     if match := FORBIDDEN.search(text):
         raise ValueError(f"<!{match[1].upper()} ...>: document types and entities are refused")

@@ -194,7 +194,7 @@ def test_a_jump_of_depth_is_an_alarm_for_a_minute():
     live.receive("mwd", b"&&\r\n01086561.7\r\n!!\r\n")
     alarms.check()
     assert rules(alarms) == [("depth_jump", "mwd")]
-    assert "not used; the last was 2000.1 m, and it seems that feet" in texts(live)["alarm_depth_jump"]
+    assert "not used; the last depth used was 2000.1 m, and it seems that feet" in texts(live)["alarm_depth_jump"]
     clock.step(61)
     alarms.check()
     assert rules(alarms) == [("no_data", "mwd")]

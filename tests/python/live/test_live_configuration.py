@@ -137,7 +137,7 @@ def test_what_is_only_transport_does_not_change_the_meaning():
         (
             WALL + SOURCE + CALIPER + 'toolface = ["5010"]\nradius = ["5011", "5012"]\n',
             "source.rig.caliper.toolface_offset = 0.0: several radii have one toolface: must be a list with the angle "
-            "of each sensor, [0, 90, 180, 270]",
+            "of each sensor, such as [0, 90, 180, 270]",
         ),
         (
             WALL

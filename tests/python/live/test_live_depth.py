@@ -163,7 +163,7 @@ def test_no_sample_is_drawn_between_two_levels_of_bit_depth():
         "no depth: the bit depth jumps from 500.1 m to 320.1 m, more than 100 m: nothing is interpolated between them"
     )
     assert texts(live, "depth_jump")["rig"] == (
-        "hole_depth 320.1 m: used; the last was 500.1 m, and the depth before this one confirms the jump"
+        "hole_depth 320.1 m: used; the last depth used was 500.1 m, and the depth before this one confirms the jump"
     )
 
 
@@ -175,8 +175,8 @@ def test_bit_depth_that_changes_to_feet_is_refused_for_as_long_as_it_lasts(tmp_p
             rig(live, depth / 0.3048 if 40 <= i < 290 else depth)  # 125 m are drilled meanwhile
             if i == 289:
                 assert texts(live, "depth_jump")["rig"] == (
-                    "hole_depth 2114.5 m: not used; the last was 519.5 m, and it seems that feet were read as metres; "
-                    "correct the unit, or, if the step is right, set depth.jump above it, and reload"
+                    "hole_depth 2114.5 m: not used; the last depth used was 519.5 m, and it seems that feet were read as "
+                    "metres; correct the unit, or, if the step is right, set depth.jump above it, and reload"
                 )
             clock.step(1)
             sample(live, float(i * 37 % 360))

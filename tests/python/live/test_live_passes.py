@@ -78,7 +78,7 @@ def test_numbers_mean_what_the_configuration_says_and_others_are_unknown():
     assert [(name, number) for _, name, number, _ in names(live)] == [
         ("drill", 4), ("rescan", 5), ("rescan", 6), ("ream", 0), ("unknown", 1)
     ]  # fmt: skip
-    assert reported(live)[-1] == "pass number 1: is not listed in pass_numbers: unknown"
+    assert reported(live)[-1] == "pass number 1: is not listed in pass_numbers; the pass is unknown"
 
 
 def test_a_number_that_is_none_is_told_and_says_nothing():
