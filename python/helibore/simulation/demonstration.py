@@ -29,7 +29,10 @@ class Demonstration:
 
 @dataclass(frozen=True)
 class Error:
-    """Rebuilt minus true radius of all vertices with support, in metres; 99 % of them differ by ``most`` or less."""
+    """Rebuilt minus true radius of all vertices with a radius, metres.
+
+    ``median`` is of the absolute differences; 99 % of these are ``most`` or less.
+    """
 
     rms: float
     mean: float

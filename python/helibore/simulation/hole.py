@@ -168,7 +168,7 @@ class Hole:
         return gamma
 
     def stations(self, interval: float = 30.0, margin: float = 30.0) -> tuple[Floats, Floats, Floats]:
-        """Return the survey from ``margin`` m above the hole to as far below: depth (m), inclination, azimuth (deg)."""
+        """Return the survey from ``margin`` m above the hole to at least as far below: depth (m), two angles (deg)."""
         depth = np.arange(self.start - margin, self.stop + margin + interval, interval)
         along = np.maximum(depth - self.start, 0.0)
         inclination = np.full(depth.size, self.inclination)

@@ -100,8 +100,8 @@ def simulate(
 
     ``samples`` is the number of samples of the whole run, at least 2, before the share ``tool.missing`` is removed. It
     sets the sample rate; None: the number that ``tool.sample_rate`` gives. ``seed`` is the seed of phases, noise and
-    missing samples. The first sample lies at ``hole.start``, the last at ``hole.stop``. Raises InputError if a lift
-    leaves the hole, or if the lifts are not in order of depth.
+    missing samples. The first sample lies at ``hole.start`` and the last at ``hole.stop``, unless it is missing. Raises
+    InputError if a lift leaves the hole, if lifts are not in order of depth, or if there are fewer than two samples.
     """
     hole = Hole.example(seed=seed) if hole is None else hole
     tool = Tool() if tool is None else tool

@@ -163,7 +163,8 @@ def view(
         folder cannot be written, the page says so, and that *Download* keeps the picks.
     beside
         Other walls by name (wells, or passes of the same one), where the wall reaches: their radius over bit size as
-        images in the colours of the wall's own, C1 and C2 as curves. The page begins with them side by side.
+        images in the colours of the wall's own, C1 and C2 as curves. Without `template` the page begins with the radius
+        images of the wall and of the first three others side by side.
     criteria
         Criteria of the zones; None: the usual ones.
     well
@@ -240,7 +241,7 @@ def of_other(wall: ViewedWall, name: str, other: Wall) -> tuple[Attribute, npt.A
 
 
 def _side_by_side(names: list[str]) -> Template:
-    """The wall's own radius, then those of the others."""
+    """Return a template with the wall's own radius, then at most three of the others."""
     images = [TemplateTrack("image", name) for name in ("Radius", *names[:3])]
     return Template("mm", None, (*images, TemplateTrack("caliper")))
 
@@ -269,7 +270,7 @@ def attributes_of(wall: Any) -> dict[str | Attribute, npt.ArrayLike]:
 
 
 def even_rows(image: SectorImage, pitch: float) -> tuple[float, float] | None:
-    """Return the upper edge of the first row and the height of all, if they are even and at least a turn high."""
+    """Return the upper edge of the first row and the height of a row, if rows are even and at least a turn high."""
     step = float(np.median(np.diff(image.depth))) if image.depth.size > 1 else 0.0
     if step < pitch * (1 - 1e-6):
         return None  # the wall does not have all rows of the image

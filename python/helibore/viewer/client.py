@@ -69,7 +69,7 @@ class Client:
                     self._mark_tile((level, tile), start, stop)
 
     def subscribe(self, wanted: Subscription) -> None:
-        """Replace the subscription; all of a tile that is new to the page becomes pending."""
+        """Replace the subscription; each new tile becomes pending as a whole, or every tile if an attribute is new."""
         old, self.subscription = self.subscription, wanted
         more = bool(wanted.mask & ~old.mask)
         for key in [key for key in self.pending if key[0] == 0 and not self._holds(key[1])]:

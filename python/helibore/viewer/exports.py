@@ -75,7 +75,7 @@ def print_scale(query: Mapping[str, str]) -> int | None:
 
 
 def vertices_between(scene: Scene, start: float, stop: float) -> tuple[float, float]:
-    """Return the places on the helix, in vertices, of two depths in either order; the first is the lower."""
+    """Return the places on the helix, in vertices, of two depths in either order; the smaller place is first."""
     if not (math.isfinite(start) and math.isfinite(stop)):
         raise InputError(f"start = {start}, stop", "must be finite", str(stop))
     shape = scene.shape

@@ -13,11 +13,12 @@ The JSON messages are in ``client.py``; the page reads them in ``connection.js``
 The radii of the first pass are left out of a WRITE where all equal the radii: then `level` has the bit NO_FIRST, and a
 texel is radius, nearest distance, state; two zero bytes follow an odd number of them.
 
-A WRITE sets `count` vertices of a tile from `first` on. Both count within the tile, whose halo (the first sectors + 1
-vertices of the next tile) is included. A WRITE can be repeated: a new quad, a changed one and a resent one are the same
-message. `mask` says which attributes follow. The type's highest bit LIVE marks new values, as opposed to a tile that
-the page requested. FRAMES carries frames of the path: f64 x 3 x count centres, then f32 x 6 x count directions. Its
-`mask` is SURVEYED if a survey places them; without one the hole is drawn straight down, and north is not known.
+A WRITE sets `count` vertices of a tile from `first` on. `first` is 0 at the start of the tile, whose halo (the first
+sectors + 1 vertices of the next tile) belongs to it. A WRITE can be repeated: a new quad, a changed one and a resent one
+are the same message. `mask` says which attributes follow. The type's highest bit LIVE marks new values, as opposed to a
+tile that the page requested. FRAMES carries frames of the path: f64 x 3 x count centres, then f32 x 6 x count
+directions. Its `mask` is SURVEYED if a survey places them; without one the hole is drawn straight down, and north is not
+known.
 """
 
 from __future__ import annotations
@@ -60,7 +61,7 @@ class Vertices:
 
 
 def pack_vertices(vertices: Vertices, radius_unit: float) -> Texels:
-    """Return the texels (n, 4) of vertices: radius, first-pass radius, nearest distance, state. No radius is 0."""
+    """Return the texels (n, 4) of vertices: radius, first-pass radius, nearest distance, state. 0: no radius."""
     radius = numbers(vertices.radius)
     texels = np.zeros((radius.size, TEXEL), np.uint16)
     there = np.isfinite(radius)

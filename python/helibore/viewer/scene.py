@@ -40,7 +40,8 @@ TILE_VERTICES = 16384  # a grid of (sectors + 1)(rows + 1) vertices then fits 16
 class Attribute:
     """One value per quad, drawn as a colour: name, unit, and the ends of its colours.
 
-    ``low`` and ``high`` None: percentiles 2 and 98 of its values. ``color_map`` "": the usual one of its name and unit.
+    ``low`` or ``high`` None: the ends follow from its values (percentiles 2 and 98; for the map "difference", even ends
+    around 0). ``color_map`` "": the usual one of its name and unit.
     ``rows``: the upper edge of a row and the height of all, metres, of an image that was measured in rows; the page
     draws these. None: it draws the quads.
     """
@@ -91,7 +92,7 @@ class WallShape:
 
     @property
     def tile_rows(self) -> int:
-        """Turns in a tile of the wall: the power of two that fits, 256 at 64 sectors."""
+        """Turns in a tile of the wall: the largest power of two that fits, at most 1024; 256 at 64 sectors."""
         return 1 << max(2, min(10, int(math.log2(TILE_VERTICES / self.sectors))))
 
     @property
@@ -181,13 +182,13 @@ class Scene:
     Attributes
     ----------
     picks
-        Those of the wall; `change_picks` changes them for a page.
+        The picks of the wall; `change_picks` changes them for a page.
     picks_file
-        Where a change saves them; None: nowhere.
+        File in which a change saves the picks; None: they are not saved.
     saves_picks
         Whether that file could be written when the viewer started; if not, a change is kept in the wall alone.
     path
-        Of the wall, for the dips in that file.
+        The path of the wall, for the dips in ``picks_file``.
     draw_pages
         Returns a section as a PDF, from its ends, the units of the page and the scale (None: a usual one); None: a page
         cannot print.
@@ -314,7 +315,7 @@ class Scene:
         self.on_change()
 
     def settle(self, below: int) -> None:
-        """Note that vertices under ``below`` do not change while the hole deepens: later changes are re-scans."""
+        """Note that vertices before number ``below`` do not change while the hole deepens: later changes are re-scans."""
         with self.lock:
             self.settled = max(self.settled, min(below, self.levels[0].size))
 

@@ -351,7 +351,7 @@ class _Connection:
             return None if self.client is None else self.client.next_message()
 
     async def receive_all(self) -> None:
-        """Read acknowledgements and subscriptions; anything else ends the connection with the reason."""
+        """Read acknowledgements and subscriptions, ignore those for an earlier wall; all else is a BadMessageError."""
         while True:
             message = await self.socket.receive()
             if message["type"] == "websocket.disconnect":
@@ -381,7 +381,7 @@ class _Connection:
 
 
 async def _body(request: Request, most: int) -> bytes:
-    """Return what a page sends, of at most so many bytes."""
+    """Return what a page sends; refuse more than ``most`` bytes."""
     body = bytearray()
     async for chunk in request.stream():
         body += chunk

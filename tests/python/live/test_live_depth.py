@@ -175,8 +175,8 @@ def test_bit_depth_that_changes_to_feet_is_refused_for_as_long_as_it_lasts(tmp_p
             rig(live, depth / 0.3048 if 40 <= i < 290 else depth)  # 125 m are drilled meanwhile
             if i == 289:
                 assert texts(live, "depth_jump")["rig"] == (
-                    "hole_depth 2114.5 m: not used; the last depth used was 519.5 m, and it seems that feet were read as "
-                    "metres; correct the unit, or, if the step is right, set depth.jump above it, and reload"
+                    "hole_depth 2114.5 m: not used; the last depth used was 519.5 m, and it seems that feet were read "
+                    "as metres; correct the unit, or, if the step is right, set depth.jump above it, and reload"
                 )
             clock.step(1)
             sample(live, float(i * 37 % 360))
