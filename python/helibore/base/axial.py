@@ -74,10 +74,15 @@ def lobe_of(height: Floats, toolface: float, start: float, floor: float | None, 
 
 
 def _crossing(side: Floats, floor: float) -> float:
-    """Return the steps from the first value to where values fall to the floor, linear between; if never, all steps."""
+    """Return the steps from the first value to where values fall to the floor, linear between two values.
+
+    If they never fall to it, return all steps; if the first value is lower than the floor, return 0.
+    """
     below = np.flatnonzero(side < floor)
     if not below.size:
         return float(side.size - 1)
     after = int(below[0])
+    if after == 0:
+        return 0.0
     above, under = side[after - 1], side[after]
     return float(after - 1 + (above - floor) / (above - under))

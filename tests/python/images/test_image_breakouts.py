@@ -113,6 +113,16 @@ def test_a_breakout_has_two_rows_however_high_a_row_is() -> None:
     assert found(2, ImageCriteria(least_rows=3)) == 0
 
 
+def test_an_axis_that_turns_from_row_to_row_leaves_no_opening_of_the_mean_row() -> None:
+    (zone,) = (
+        image_of(rows_of(*((1, (at, at + 180)) for at in (90, 120, 150, 180)), dark=55.0))
+        .breakouts(ImageCriteria(least_length=0.0))
+        .zones
+    )
+    assert [lobe.opening for lobe in zone.lobes] == [0.0, 0.0]
+    assert [lobe.relative for lobe in zone.lobes] == pytest.approx([0.775, 0.775])
+
+
 def test_every_criterion_can_be_set() -> None:
     faint = image_of(rows_of((9, ()), (9, (90, 270)), (9, ()), dark=70))
     assert not faint.breakouts().zones
