@@ -135,14 +135,17 @@ def _observe(one: Readings, track: Track | None, report: Report, offset: float, 
         radii = [radius[rows] for radius in one.radii]
         seen = observe_by_time(sensors, [when] * len(sensors), radii, depth, turning)
         parts.append(replace(seen, row=rows[seen.row]))
-    return _joined(parts)
+    joined = _joined(parts)
+    untimed = len(sensors) * (one.rows - sum(rows.size for rows in clocks))
+    return replace(joined, counts=joined.counts | {"no time": untimed})
 
 
 def _clocks(one: Readings, time: Floats, report: Report) -> list[Integers]:
     """Return the groups of rows with one clock: all rows or those of a pass, split where the clock restarts."""
     rows = np.flatnonzero(np.isfinite(time))
     number = one.pass_number
-    clocks = [rows] if number is None else [rows[number[rows] == each] for each in np.unique(number[rows])]
+    clocks = [] if number is None else [rows[number[rows] == each] for each in np.unique(number[rows])]
+    clocks = clocks or [rows]
     apart = [part for clock in clocks for part in _runs(clock, time, one.depth)]
     if len(apart) > len(clocks):
         report.append(("time", f"{one.name}: goes back, as if a clock restarts, and is read as {len(apart)} clocks"))
