@@ -228,6 +228,7 @@ class TurnFits:
         wide = TurnFits(self.reach, self.count, self.shape.widened(), self.steps)
         for name in _STATE:
             setattr(wide, name, getattr(self, name).copy())
+        wide.terms = np.insert(wide.terms, [self.waves] * (wide.waves - self.waves), 0.0, axis=1)
         wide.solve()
         return wide
 

@@ -106,3 +106,9 @@ def test_mean_radius_takes_in_the_lobes():
     row = np.repeat(np.arange(count.size), count)
     found = find_centres(phi, radius, row)
     np.testing.assert_allclose(found.mean_radius, 0.108 + 0.015 * 132 / 360, atol=8e-4)
+
+
+def test_two_harmonics_are_enough():
+    phi, radius, count, _ = turns(opposite=False)
+    found = find_centres(phi, radius, np.repeat([0, 1], count), Shape(harmonics=2))
+    assert (found.eccentering < 4 * np.hypot(found.sigma_x, found.sigma_y)).all()
