@@ -443,7 +443,9 @@ class _Pipeline:
         samples, height = self.samples, self.settings.turn_height
         if height is not None:
             depth = samples.depth[mine]
-            passes = samples.pass_number[mine] if samples.pass_number.size else number_passes(depth)
+            offsets = np.array([sensor.offset for sensor in one.sensors])
+            tool = depth + offsets[samples.sensor[mine]]
+            passes = samples.pass_number[mine] if samples.pass_number.size else number_passes(tool)
             cells = np.floor((depth - depth.min(initial=0.0)) / height).astype(np.int64)
             return cells + passes * (int(cells.max(initial=0)) + 1), f"depth, {height:g} m each"
         if one.is_image:

@@ -132,6 +132,10 @@ def test_spikes_by_rotation_and_by_height() -> None:
     by_height = prepare(rotating(radius__m=radius).readings(), Preparation(spikes=6.0, turn_height=0.05))
     assert by_height.counts["spikes"] == 2
     assert "by depth, 0.05 m each" in by_height.report[0][1]
+    far = rotating(r2__m=radius)
+    roles = overlay(guess(far), far, {"r2": {"role": "radius", "angle": 0.0, "offset": 6.0}}, "map")
+    apart = prepare(readings(far, roles), Preparation(spikes=6.0, turn_height=0.05))
+    assert apart.report[0] == ("turns", "32, by depth, 0.05 m each; samples in one: 25")
     still = log(md__m=np.arange(N), radius__m=radius)
     roles = overlay(guess(still), still, {"radius": {"angle": 0.0}}, "map")
     with pytest.raises(hb.InputError) as caught:
