@@ -250,7 +250,7 @@ class Caliper(Tabular):
         Parameters
         ----------
         depth
-            (n,) measured depth, metres, finite, in any order.
+            (n,) measured depth, metres, in any order; finite where there is a diameter.
         diameter
             (n,) mean diameter, metres, above 0 and at most 4; NaN where missing. Rows with NaN are left out, so a gap
             longer than the wall's ``max_distance`` stays a gap.
@@ -269,6 +269,7 @@ class Caliper(Tabular):
         depths = column("depth", depth)
         diameters = column("diameter", diameter, depths.size, "depth")
         there = ~np.isnan(diameters)
+        require("depth", depths, ~there | np.isfinite(depths), "must be finite")
         valid = ~there | ((diameters > 0) & (diameters <= 2 * LARGEST_RADIUS))
         require("diameter", diameters, valid, f"must be above 0 and at most {2 * LARGEST_RADIUS:g} metres")
         if not there.any():

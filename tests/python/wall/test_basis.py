@@ -35,6 +35,12 @@ def test_missing_diameters_are_left_out_and_a_gap_stays_a_gap() -> None:
     assert not missing[(wall.depth < 5.9) | (wall.depth > 14.1)].any()
 
 
+def test_a_depth_of_an_average_caliper_that_is_not_finite_is_named_by_its_row() -> None:
+    with pytest.raises(hb.InputError, match=r"^depth\[1\] = nan: must be finite$"):
+        hb.Caliper.from_average([100.0, np.nan], [0.2, 0.2])
+    assert len(hb.Caliper.from_average([100.0, np.nan], [0.2, np.nan])) == 16
+
+
 def test_gauge_hole_is_exactly_at_bit_size_and_reaches_both_ends() -> None:
     caliper = hb.Caliper.gauge(100.0, 103.25, 0.216)
     assert (caliper.depth.min(), caliper.depth.max()) == (100.0, 103.25)
