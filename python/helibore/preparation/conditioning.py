@@ -152,6 +152,7 @@ class _Rings:
         candidates = np.concatenate([pair for pair, _ in pairs], axis=1)
         gap = np.abs((self.angle[candidates] - self.angle[at, None] + 180.0) % 360.0 - 180.0)
         far = gap > np.maximum(20.0, 270.0 / self.count[self.ring[at], None])  # with few arms, that is another arm
+        far[:, 1::2] |= candidates[:, 1::2] == candidates[:, ::2]  # the only sample of its turn is one neighbour
         gap[far | ~np.repeat(np.stack([there for _, there in pairs], axis=1), 2, axis=1)] = np.inf
         nearest = np.argsort(gap, axis=1, kind="stable")[:, : self.used]
         absent = np.isinf(np.take_along_axis(gap, nearest, axis=1))

@@ -61,7 +61,7 @@ def slow_spikes(toolface, radius, turn, threshold, floor):
     def beside(i, number):
         ring = rings.get(number, [])
         after = sum(angle[j] < angle[i] for j in ring)
-        return [ring[(after - 1) % len(ring)], ring[after % len(ring)]] if ring else []
+        return list(dict.fromkeys([ring[(after - 1) % len(ring)], ring[after % len(ring)]])) if ring else []
 
     around, middle = {}, {}
     for i in rows:
@@ -86,6 +86,13 @@ def slow_spikes(toolface, radius, turn, threshold, floor):
         alone = all(abs(radius[j] - radius[i]) > 0.5 * tolerance for j in near)
         dropped[i] = alone and (radius[i] > high + slack or radius[i] < low - slack)
     return dropped, sum(len(around[i]) < 4 for i in rows)
+
+
+def test_the_only_sample_of_a_turn_is_one_neighbour():
+    step = spikes(np.zeros(7), [0.1, 0.1, 0.1, 0.2, 0.1, 0.1, 0.1], np.arange(7))
+    assert step.unjudged == 2  # the first and the last: they have three neighbours
+    np.testing.assert_array_equal(np.flatnonzero(step.dropped), [3])
+    assert spikes(np.zeros(3), [0.1, 0.2, 0.1], np.arange(3)).unjudged == 3
 
 
 @settings(deadline=None)
