@@ -91,11 +91,12 @@ class Bias:
 
     def disagreements(self, names: Sequence[str]) -> list[str]:
         """Return a sentence for arms that drift, and for passes and arms that disagree by more than their noise."""
-        lines, drift = [], np.nan_to_num(self.drift)
-        least = np.maximum(3.0 * np.fmax(self.noise, self.drift_sigma), drift.min(initial=0.0) / _STEADY)
-        drifting = drift > least
-        for arm in np.flatnonzero(drifting).tolist() if not drifting.all() else ():  # if all drift, the passes differ
-            others = [f"{names[i]} by {1e3 * drift[i]:.2f}" for i in np.flatnonzero(~drifting).tolist()]
+        lines, drift = [], self.drift
+        known = np.isfinite(drift)
+        steadiest = drift[known].min(initial=np.inf)  # if all arms drift alike, the passes differ
+        drifting = drift > np.maximum(3.0 * np.fmax(self.noise, self.drift_sigma), steadiest / _STEADY)
+        for arm in np.flatnonzero(drifting).tolist():
+            others = [f"{names[i]} by {1e3 * drift[i]:.2f}" for i in np.flatnonzero(known & ~drifting).tolist()]
             beside = f", {' and '.join(others)}" if others else ""
             ends = [f"{1e3 * self.estimate[row, arm]:+.2f} in pass {self.passes[row]}" for row in self.drift_ends[arm]]
             span = f"{names[arm]} drifts by {1e3 * drift[arm]:.2f} mm over the passes"

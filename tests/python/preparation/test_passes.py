@@ -200,6 +200,20 @@ def test_a_drifting_arm_is_named_and_the_steady_one_is_the_truth(seed, motion, s
         assert bias.lines(["CALX", "CALY"])[7].startswith("pass 18, mm: CALX +3.")
 
 
+def test_an_arm_drifts_only_if_another_is_steady_and_an_arm_of_one_pass_is_neither():
+    depth, toolface, radius, passes, arms = drifting(1, drift=0.12 * INCH)
+    less = radius + 0.03 * INCH * (passes - 11) / 7 * (arms == 1)
+    bias = find_bias(depth, toolface, less, passes, arms)
+    assert bias.drift[1] == pytest.approx(0.03 * INCH, abs=1e-4)
+    assert not [line for line in bias.warnings(["X", "Y"]) if "drifts" in line]
+    bias = find_bias(depth, toolface, radius, passes, np.where((arms == 1) & (passes == 12), 2, arms))
+    assert np.isnan(bias.drift[2])
+    (line,) = [line for line in bias.warnings(["X", "Y", "Z"]) if "drifts" in line]
+    assert line.startswith("X drifts by 1.5")
+    assert ", Y by 0." in line
+    assert "Z" not in line
+
+
 def test_biases_shrink_to_zero_the_less_is_expected_of_them():
     columns = drifting(1)
     found = [find_bias(*columns, expected=expected) for expected in (1e-7, 3e-6, 3e-5, 1e-4, 2e-3)]
