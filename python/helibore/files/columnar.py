@@ -74,8 +74,10 @@ def _parquet_loader(source: InputFile, file: Any, name: str) -> Callable[[], Arr
             raise source.error(f"damaged Parquet ({str(error).splitlines()[0]})", column=name) from error
         if not pa.types.is_nested(column.type):
             return parquet_values(column)
+        if column.null_count:
+            raise source.error(f"{column.null_count} rows have no list: every row must have one", column=name)
         lengths = set(column.value_lengths().to_pylist()) if not pa.types.is_fixed_size_list(column.type) else {None}
-        if len(lengths) != 1 or column.null_count:
+        if len(lengths) != 1:
             raise source.error(f"lists have {len(lengths)} different lengths: must have one", column=name)
         return column.flatten().to_numpy(zero_copy_only=False).reshape(len(column), -1)  # type: ignore[no-any-return]
 

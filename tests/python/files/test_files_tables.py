@@ -320,6 +320,9 @@ def test_bad_parquet(tmp_path: Path) -> None:
     ragged = pa.table({"a": pa.array([[1.0], [1.0, 2.0]])})
     parquet.write_table(ragged, tmp_path / "ragged.parquet")
     refused(tmp_path / "ragged.parquet", "column a: lists have 2 different lengths: must have one")
+    for kind in (pa.list_(pa.float64()), pa.list_(pa.float64(), 1)):
+        parquet.write_table(pa.table({"a": pa.array([[1.0], None], kind)}), tmp_path / "empty.parquet")
+        refused(tmp_path / "empty.parquet", "column a: 1 rows have no list: every row must have one")
 
 
 def test_dates_of_an_archive_of_arrays_are_times(tmp_path: Path) -> None:
