@@ -485,7 +485,11 @@ class _Pipeline:
         self.samples = replace(self.samples, pass_number=number)
         counted = ", ".join(f"{n} ({count:,})" for n, count in zip(*np.unique(number, return_counts=True), strict=True))
         reversal = self.settings.reversal
-        how = f"split where the tool went back by {reversal:g} m" if reversal else "as the files number them"
+        how = "as the files number them"
+        if any(one.pass_number is None for one in self.readings):
+            how = "one for each file that numbers none"
+        if reversal:
+            how = f"split where the tool went back by {reversal:g} m"
         self.report.append(("passes", f"{how}; samples of each: {counted}"))
 
     def _pass_columns(self) -> list[Integers]:

@@ -291,7 +291,7 @@ def test_several_files_are_passes() -> None:
     found = prepare([first, second], Preparation(latest=True))
     assert found.pass_number is not None
     assert set(found.pass_number.tolist()) == {2}
-    assert found.report[0] == ("passes", "as the files number them; samples of each: 1 (400), 2 (400)")
+    assert found.report[0] == ("passes", "one for each file that numbers none; samples of each: 1 (400), 2 (400)")
     merged = prepare([first, second])
     np.testing.assert_array_equal(merged.caliper.radius, np.concatenate([first.radii[0], second.radii[0]]))
     timed = rotating(3, "c.csv", time__s=np.arange(N)).readings()
@@ -300,6 +300,8 @@ def test_several_files_are_passes() -> None:
     numbered = rotating(4, "d.csv", **{"pass": np.ones(N)}).readings()
     with pytest.raises(ValueError, match=r"^d.csv: has a pass number of another file; number the passes anew$"):
         prepare([numbered, numbered], Preparation(latest=True))
+    alone = prepare(numbered, Preparation(latest=True))
+    assert alone.report[0] == ("passes", "as the files number them; samples of each: 1 (400)")
     again = prepare([numbered, numbered], Preparation(latest=True, reversal=0.5))
     assert set((again.pass_number if again.pass_number is not None else np.empty(0)).tolist()) == {2}
     bad = Readings(**(vars(numbered) | {"radii": (np.where(np.arange(N) == 5, 5.0, numbered.radii[0]),)}))
