@@ -113,13 +113,12 @@ def find_shifts(
         for i in np.flatnonzero(~fixed):
             others = placed[fixed] if first else np.delete(placed, i, axis=0)
             curve, overlap = _correlations(profiles[i], _mean(others), 2 * most, enough)
-            before[i] = curve[2 * most]
             peak = _peak(curve, most, overlap)
             shift[i], sigma[i], second[i] = peak.shift * _STEP, peak.sigma * _STEP, peak.second * _STEP
             best[i], second_best[i], found[i] = peak.correlation, peak.second_correlation, peak.found
             placed[i] = _moved(profiles[i], peak.shift)
         if not fixed.any():
-            _center(shift, found)
+            second -= _center(shift, found)
         if not first and np.abs(shift - start).max() < 0.01 * _STEP:
             break
     found[fixed], best[fixed], before[fixed] = True, 1.0, 1.0
@@ -128,13 +127,18 @@ def find_shifts(
     found &= ~(second_best > _RIVAL * best)
     shift[~found] = 0.0
     if not fixed.any():
-        _center(shift, found)
+        second -= _center(shift, found)
+    placed = np.stack([_moved(p, s / _STEP) for p, s in zip(profiles, shift, strict=True)])
+    for i in np.flatnonzero(~fixed):
+        before[i] = _correlations(profiles[i], _mean(np.delete(placed, i, axis=0)), 0, enough)[0][0]
     return result
 
 
-def _center(shift: Floats, found: Mask) -> None:
-    if found.any():
-        shift[found] -= shift[found].mean()
+def _center(shift: Floats, found: Mask) -> float:
+    """Make the mean of the shifts that are found 0, and return what it was."""
+    mean = float(shift[found].mean()) if found.any() else 0.0
+    shift[found] -= mean
+    return mean
 
 
 def _profile(place: Floats, radius: Floats, grid: Integers) -> Floats:

@@ -349,6 +349,8 @@ def test_a_pass_over_a_repeating_stretch_leaves_the_mean_of_the_shifts_found_at_
     found = find_shifts(*(np.concatenate(column) for column in zip(*parts, strict=True)))
     np.testing.assert_array_equal(found.found, [True, True, True, False])
     np.testing.assert_allclose(found.shift, [0.1, 0.4, -0.5, 0.0], atol=0.02)
+    assert found.before[1] < 0.2  # it lies 0.3 m and 0.9 m from the passes that it is compared with
+    np.testing.assert_allclose(found.second[:3] - found.shift[:3], [1.5, -1.5, 1.5], atol=0.02)
 
 
 def test_arm_sides():
