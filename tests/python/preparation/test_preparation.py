@@ -578,7 +578,7 @@ def test_rows_without_a_time_are_left_out() -> None:
     assert late.counts == {"no depth": 1, "no time": 1, "kept": N - 2}
     assert late.report[-1] == ("dropped", "1 samples of f.csv without a time")
     for more in ({}, {"pass": np.ones(N)}):
-        with pytest.raises(ValueError, match=r"^f.csv: no row has depth, toolface and a radius \(400 values missing in t"):
+        with pytest.raises(ValueError, match=r"no row has depth, toolface and a radius \(400 values missing in t"):
             prepare(rotating(time__s=np.full(N, np.nan), **more).readings(), Preparation(latency=0.5))
 
 
