@@ -71,7 +71,11 @@ class Bias:
             At an unknown pass or arm.
         """
         number = whole_column("pass_number", pass_number)
-        arms = np.zeros(number.size, dtype=np.int64) if arm is None else whole_column("arm", arm)
+        arms = (
+            np.zeros(number.size, dtype=np.int64)
+            if arm is None
+            else whole_column("arm", arm, number.size, "pass_number")
+        )
         rows = rows_of("pass_number", number, self.passes), rows_of("arm", arms, self.arms)
         return np.nan_to_num(self.table)[rows]
 
@@ -186,8 +190,9 @@ def find_bias(
     number = whole_column("pass_number", pass_number, where.size, "depth")
     angle = finite_column("toolface", toolface, where.size, "depth")
     arms = np.zeros(where.size, dtype=np.int64) if arm is None else whole_column("arm", arm, where.size, "depth")
-    if not (cell > 0 and sectors >= 1 and floor > 0 and expected > 0 and sides >= 1):
+    if not (cell > 0 and sectors >= 1 and floor > 0 and expected > 0 and sides >= 1 and rounds >= 1):
         place = f"cell = {cell:g}, sectors = {sectors}, floor = {floor:g}, expected = {expected:g}, sides = {sides}"
+        place += f", rounds = {rounds}"
         raise InputError(place, "all must be above 0")
     passes, arm_numbers = np.unique(number), np.unique(arms)
     shape = passes.size, arm_numbers.size
