@@ -42,12 +42,12 @@ _STEADY = 0.33  # an arm is steady if it drifts by less than this share of anoth
 class Bias:
     """The biases of p passes and a arms, metres: positive if the readings are too large.
 
-    The bias of a sample is the sum of ``by_pass``, ``by_arm`` and ``by_both``.
+    Where ``table`` is not NaN, it is the sum of ``by_pass``, ``by_arm`` and ``by_both``, in which NaN counts as 0.
     """
 
     passes: Integers  # their numbers, (p,), sorted
     arms: Integers  # (a,)
-    by_pass: Floats  # (p,); NaN for passes that cannot be compared with another
+    by_pass: Floats  # (p,); NaN for passes of which no bias is known
     by_arm: Floats  # (a,); NaN for arms that cannot be separated from the hole's shape
     by_both: Floats  # the remaining bias of each arm in each pass, (p, a)
     estimate: Floats  # best estimate of their sums, (p, a)
@@ -68,7 +68,7 @@ class Bias:
         Raises
         ------
         InputError
-            At an unknown pass or arm.
+            For an unknown pass or arm.
         """
         number = whole_column("pass_number", pass_number)
         arms = (
@@ -94,7 +94,7 @@ class Bias:
         return [*lines, *self.warnings(names)]
 
     def disagreements(self, names: Sequence[str]) -> list[str]:
-        """Return a sentence for arms that drift, and for passes and arms that disagree by more than their noise."""
+        """Return a sentence for each arm that drifts, and one if passes or arms disagree by more than their noise."""
         lines, drift = [], self.drift
         known = np.isfinite(drift)
         steadiest = drift[known].min(initial=np.inf)  # if all arms drift alike, the passes differ
@@ -164,7 +164,7 @@ def find_bias(
     Parameters
     ----------
     depth, toolface, radius, pass_number
-        Metres, degrees, metres, whole numbers: (n,), finite. Depths with their shifts applied.
+        Metres, degrees, metres, whole numbers: (n,), finite. Depths include the shifts of their passes.
     arm
         Whole numbers; None: one arm. Or the classes of :func:`arm_sides`.
     sides

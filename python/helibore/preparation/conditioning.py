@@ -65,12 +65,14 @@ def spikes(
 
     A breakout, a key seat or a ledge continues from turn to turn or around the hole; a spike does not. In each of the
     three turns before and after, take the two samples next to the toolface, one on either side. Of these samples, the
-    six nearest in toolface are compared with the sample. It is a spike if all of these hold::
+    six nearest in toolface are compared with the sample, but none farther than 20 degrees (with few arms: 0.75 of the
+    angle between them). The sample is a spike if all of these hold::
 
-        1  it lies beyond the second largest or smallest of them by the tolerance and a tenth of their spread
+        1  it lies beyond the second largest or second smallest of them by more than the tolerance plus a tenth of the
+           difference of those two
         2  no sample next to it in its own turn, or next to its toolface in the turn before or after, is within half
            the tolerance of it
-        3  the sample of another time that is nearest in depth (within 5 cm, in its 10 degrees), if there is one, is
+        3  of the samples more than three turns away, in its 10 degrees, the nearest in depth is farther than 5 cm or
            not within the tolerance of it
 
     The tolerance is ``threshold`` times a deviation. The deviation of a turn is 1.4826 times the median distance of its
@@ -81,12 +83,12 @@ def spikes(
     toolface, radius, turn
         Degrees, metres (NaN: left alone, not counted), whole numbers in order of time; (n,).
     depth
-        Metres, (n,), for the third rule; None: no two turns have a depth in common.
+        Metres, (n,), for the third rule; None: the third rule is left out.
     threshold
         In deviations.
     floor
-        Least deviation, metres, which noise alone may cause. Quantised radii need about one step, because their median
-        distance is often 0.
+        Least deviation, metres, also where the samples show less noise. Quantised radii need about one step, because
+        their median distance is often 0.
 
     Returns
     -------
@@ -177,7 +179,7 @@ class _Rings:
         return deviation
 
     def supported(self, at: Integers, tolerance: Floats) -> Mask:
-        """Return whether a sample next to each, in its turn or at its toolface in the next turns, agrees with it."""
+        """Return whether each agrees with a sample next to it: in its turn, or at its toolface in a turn beside it."""
         first, count = self.first[self.ring[at]], self.count[self.ring[at]]
         agrees = np.zeros(at.size, dtype=bool)
         for step in (-1, 1):
@@ -189,7 +191,7 @@ class _Rings:
         return agrees
 
     def repeated(self, at: Integers, depth: Floats, tolerance: Floats) -> Mask:
-        """Return whether the sample of another time that is nearest in depth, within 5 cm, agrees with each."""
+        """Return whether each agrees with the sample of another time that is nearest in depth, at most 5 cm away."""
         cell = np.floor(self.angle / 10.0)
         order = np.lexsort((depth, cell))
         place = np.empty(order.size, dtype=np.int64)
@@ -313,9 +315,9 @@ def closed(arms: Sequence[npt.ArrayLike], radius: float, *, tolerance: float = 0
 def saturated(radius: npt.ArrayLike, depth: npt.ArrayLike) -> Step:
     """Drop the flat tops of an arm that has opened as far as it can: runs of rows at its largest reading.
 
-    The largest reading is a limit of the arm if readings accumulate there: five times as many as in the 2 mm below. At
-    most half of the readings may be at the limit, because in a pipe most readings are equal. A flat top has five
-    readings or more, over half a metre or more.
+    The largest reading is a limit of the arm if readings accumulate there: at least five times as many as in the 2 mm
+    below. At most half of the readings may be at the limit, because in a pipe most readings are equal. A flat top has
+    five readings or more, over half a metre or more.
 
     Parameters
     ----------
@@ -343,9 +345,9 @@ def saturated(radius: npt.ArrayLike, depth: npt.ArrayLike) -> Step:
 def closed_stretches(readings: Readings) -> tuple[float, list[tuple[int, int, int, int]]]:
     """Find the runs of rows in which all arms stay closed, and the ramps on which they close before and open after.
 
-    The closed radius is the least, over all rows, of what the largest arm reads, if half of all rows read at least
-    10 mm more. A stretch has 20 rows or more within 2 mm of the closed radius. A ramp is where the largest arm reads
-    more from row to row, away from the closed stretch.
+    The closed radius is the least, over all rows, of what the largest arm reads. If half of the rows do not read at
+    least 10 mm more, there is no stretch. A stretch has 20 rows or more within 2 mm of the closed radius. A ramp is
+    where the largest arm reads more from row to row, away from the closed stretch.
 
     Returns
     -------
@@ -372,9 +374,9 @@ def closed_stretches(readings: Readings) -> tuple[float, list[tuple[int, int, in
 
 
 def disagreements(readings: Readings, apart: float = 0.0025, rows: int = 10) -> list[str]:
-    """Return a sentence for each two calipers in one direction that differ by more than ``apart`` metres.
+    """Return a sentence for each two calipers that look in one direction and differ by more than ``apart`` metres.
 
-    Runs of ``rows`` rows or more count. Raises InputError if two calipers differ in half of all rows.
+    Runs of ``rows`` rows or more count. Raises InputError if two calipers differ in half of the rows that both have.
     """
     place = [(sensor.mounting, sensor.offset) for sensor in readings.sensors]
     lines = {}

@@ -68,7 +68,8 @@ _MOTION_ROUNDS = 2  # of fits in which the samples follow the centre from turn t
 class Centres:
     """The tool's centre in each of t turns, sorted by ``turn``; metres.
 
-    NaN if a turn has no radius, or the tool moves too far from turn to turn to be followed.
+    A turn without a radius has NaN. The centre and its covariances are also NaN if the tool moves too far from turn to
+    turn to be followed.
     """
 
     turn: Integers
@@ -84,7 +85,7 @@ class Centres:
 
     def __repr__(self) -> str:
         known = self.eccentering[np.isfinite(self.x)]
-        off = f"tool off by {1e3 * np.median(known):.1f} mm in half of them" if known.size else "no turn has a radius"
+        off = f"tool off by {1e3 * np.median(known):.1f} mm in half of them" if known.size else "no turn has a centre"
         return f"Centres({self.turn.size} turns, {off})"
 
     @property
@@ -160,7 +161,7 @@ def find_centres(
         What to expect; None: ``Shape()``.
     bit_diameter
         Metres. The wall lies nowhere inside the bit, so its first harmonic is at most twice the excess of its mean
-        radius over the bit's; that bound becomes three standard deviations of the centre. Without a bit size a smooth
+        radius over the bit's; that bound becomes 2.5 standard deviations of the centre. Without a bit size a smooth
         washout on one side, in which the tool is centred, goes unnoticed.
     position
         Position of each sample along the turns, (n,); turn + 0.5 is the middle of a turn (:func:`turn_positions`). The
@@ -363,11 +364,11 @@ def recentre(
     significance: float = 3.0,
     position: npt.ArrayLike | None = None,
 ) -> tuple[Floats, Floats]:
-    """Return toolface and radius of every sample as seen from the hole's axis, (n,), new.
+    """Return toolface, in [0, 360), and radius of every sample as seen from the hole's axis, (n,), new.
 
     ``centres`` are those of these turns, the columns are as given to :func:`find_centres`, and ``significance`` is as
-    in :meth:`Centres.share`. If a turn has no significant centre, its samples stay as they were; NaN radii stay NaN and
-    keep their toolface. A turn that ``centres`` does not hold is an error.
+    in :meth:`Centres.share`. If a turn has no significant centre, its samples keep radius and toolface; NaN radii stay
+    NaN and keep their toolface. A turn that ``centres`` does not hold is an error.
     """
     angle, distance, number = _samples(toolface, radius, turn)
     row = np.minimum(np.searchsorted(centres.turn, number), max(centres.turn.size - 1, 0))

@@ -1,9 +1,10 @@
-"""From the readings of files to samples in one frame, by depth, or by time if a clock is needed.
+"""Convert the readings of files to samples in one frame: by depth, or by time if a clock is needed.
 
     Readings (rows x sensors, one or more files) --observe--> Samples: depth, toolface, radius, time | file, row, sensor
 
-A sensor that measures before or after its stamp, and a track with depth and toolface by time, need the time of every
-row. A file may hold several clocks, for example if the clock restarts with each pass; each clock is read by itself.
+A sensor that measures before or after its stamp, and a track with depth and toolface by time, need the time of each
+row; rows without a time are left out. A file may hold several clocks, for example if the clock restarts with each pass;
+each clock is read by itself.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ Number = TypeVar("Number", bound=np.generic)
 Report = list[tuple[str, str]]
 
 FAST_TURN = 90.0
-"""Median degrees from one reading of a toolface to the next, above which the turn between them is doubtful."""
+"""Degrees: if half of the steps between readings of a toolface are larger, the turns between them are doubtful."""
 
 FASTEST = 20.0
 """Metres a second; no tool goes faster."""
@@ -66,8 +67,8 @@ def observe(
     readings, track
         Readings of one file or more; depth and toolface by time, or None if each file has its own.
     report
-        List that receives a (step, sentence) for each kind of sample left out; ``counts`` of the samples has the
-        numbers.
+        List that receives a (step, sentence) for each kind of sample left out and for doubtful times and toolfaces;
+        ``counts`` of the samples has the numbers of those left out.
     offset, latency
         Metres and seconds to add to the offset and latency of every sensor.
     dropped
@@ -161,7 +162,7 @@ def _runs(rows: Integers, time: Floats, depth: Floats) -> list[Integers]:
     falls = np.diff(time[rows]) < 0
     starts = [0]
     for step in np.flatnonzero(falls[1:] != falls[:-1]) + 1:
-        if step > starts[-1]:  # the step to another clock; the one after it is the first of the next run
+        if step > starts[-1]:  # a step to another clock; the row after it begins the next run
             starts.append(int(step) + 1)
     return np.split(rows, starts[1:])
 

@@ -28,7 +28,7 @@ ODD_ROWS = 3
 ODD_RADIUS = 0.005
 """Metres, 10 mm of a diameter. The passes of a real X-Y caliper differ from their merged wall by 1.3 mm over 3 rows."""
 ODD_DEVIATIONS = 6.0
-"""Least robust deviations from the merged wall. So a pass that differs everywhere (by a depth shift) is not odd."""
+"""Least difference from the merged wall, in robust deviations: a pass that differs everywhere (a shift) is not odd."""
 
 
 def number_passes(depth: npt.ArrayLike, reversal: float = 5.0) -> Integers:
@@ -95,7 +95,8 @@ def choose(
     passes
         The passes to use, earliest first; None: all, by number. An unknown pass or a pass given twice is an error.
     latest
-        In each ``cell`` metres of depth keep only the last of ``passes`` that has a sample there, reason ``replaced``.
+        In each ``cell`` metres of depth keep only the last of ``passes`` that has a sample there, and drop the other
+        passes as ``replaced``.
     """
     number = whole_column("pass_number", pass_number)
     where = finite_column("depth", depth, number.size, "pass_number")
@@ -143,9 +144,8 @@ def difference(before: Wall, after: Wall) -> Floats:
 def odd_passes(wall: Wall, caliper: Caliper, pass_number: npt.ArrayLike, arm_names: Sequence[str] = ()) -> list[str]:
     """Return sentences on the places where a pass lies farthest below, and farthest above, the wall of all passes.
 
-    The differences of an arm in a pass from the wall are counted from their median, row by row. Such a place has
-    differences above 5 mm and 6 robust deviations to one side in 3 rows in succession, which the merged wall does not
-    show.
+    The differences of an arm in a pass from the wall are averaged by row, and their median is subtracted. In such a
+    place, 3 rows or more in succession differ to one side by more than 5 mm and more than 6 robust deviations.
 
     Parameters
     ----------

@@ -44,7 +44,7 @@ SIDES = 8
 """Number of sides of the hole on which an arm may read differently."""
 
 JUDGED = 20_000
-"""Number of samples by which passes and arms are compared if no bias is asked for."""
+"""Largest number of samples by which passes and arms are compared if no bias is asked for."""
 
 LONG_TURN = 1.0
 """Metres from one turn to the next, beyond which neighbouring turns do not see the same wall."""
@@ -72,9 +72,10 @@ class Preparation:
         Drop flat tops: 5 readings and 0.5 m or more at the largest value of an arm that cannot open farther.
     drop_closed
         Drop the rows in which all arms stay closed at a radius 10 mm or more below the bit, and the rows in which they
-        close and open. This needs the bit size; without a bit size such rows are only reported.
+        close and open. This needs the bit size; without a bit size such rows are only reported. Not used with
+        ``closed``.
     closed
-        Radius that the arms read when the caliper is closed; rows where no arm reads 2 mm more are dropped.
+        Radius that the arms read when the caliper is closed; rows where no arm reads over 2 mm more are dropped.
     stuck
         Readings of an arm are dropped if it stays at one value over this many rows while other arms move.
     least_radius, greatest_radius
@@ -95,12 +96,13 @@ class Preparation:
     recentre
         Correct each turn for the tool's offset from the hole's axis.
     reversal
-        Number the passes again; a pass begins where the tool moved back by more than this. None: the passes are
-        numbered as in the file.
+        Number the passes again; a pass begins where the tool moved back by more than this. None: as each file numbers
+        its passes, or one pass per file.
     passes
-        Numbers of the passes to use; None: all. The wall is made from those that are not ``earlier``.
+        Numbers of the passes to use, earliest first; None: all, by number. The wall is made from those that are not
+        ``earlier``.
     latest
-        In each 0.5 m keep only the samples of the last pass that measured there.
+        In each 0.5 m keep only the samples of the last of ``passes`` that measured there.
     shifts
         (pass, metres) pairs: the shift to add to the depths of a pass.
     find_shifts
@@ -176,8 +178,8 @@ class Prepared:
 
     caliper: Caliper
     report: tuple[tuple[str, str], ...]  # (step, sentence) for what was dropped, corrected or assumed, in order
-    counts: dict[str, int]  # samples dropped, by name of the step, and "kept"
-    pass_number: Integers | None = None  # of each sample of ``caliper``; None: nothing states passes
+    counts: dict[str, int]  # rows, readings or samples dropped, by name of the step; samples "kept"
+    pass_number: Integers | None = None  # of each sample of ``caliper``, -1: not numbered; None: nothing states passes
     centres: Centres | None = None  # the tool's centre in each of t turns
     centre_depth: Floats | None = None  # mean depth of these turns, (t,) m
     shifts: Shifts | None = None
@@ -206,7 +208,8 @@ def prepare(
     track
         Depth and toolface by time, for readings that have only a time.
     bit_diameter
-        Metres; limits the error if a washout on one side looks like an offset of the tool (`find_centres`).
+        Metres; needed for ``drop_closed``, and widens the deviation of a centre if a washout on one side may look like
+        an offset of the tool (`find_centres`).
 
     Returns
     -------
@@ -285,7 +288,7 @@ class _Pipeline:
         Raises
         ------
         InputError
-            If two calipers in one direction differ in half of the rows.
+            If two calipers in one direction differ in half of the rows, or if ``stuck`` is set for a tool of one arm.
         """
         if not one.is_image:
             self.report += [("arms", line) for line in conditioning.disagreements(one)]
@@ -314,7 +317,7 @@ class _Pipeline:
         return replace(one, radii=tuple(radii))
 
     def _opened(self, one: Readings) -> Readings:
-        """Return the readings without the rows in which all arms are closed at a radius well inside the bit."""
+        """Return the readings without the rows in which all arms are closed well inside the bit, or close or open."""
         level, found = conditioning.closed_stretches(one)
         if self.bit_diameter is not None and level + INSIDE_BIT > 0.5 * self.bit_diameter:
             return one  # not closed: a casing, or the hole itself
@@ -406,7 +409,7 @@ class _Pipeline:
             ))  # fmt: skip
 
     def _turns(self, rows: bool = False) -> tuple[Integers, Floats | None]:
-        """Return the turn of each sample and its position along the turns (None if a tool does not rotate).
+        """Return the turn of each sample, and its position along the turns (None if not all turns are rotations).
 
         The samples of one turn were taken around the hole from one place. If ``rows``, each row of a tool that takes
         more than a metre of depth to rotate is a turn.
@@ -476,7 +479,7 @@ class _Pipeline:
         return self._at(columns, self.samples.sensor).astype(np.int64)
 
     def _number_passes(self) -> None:
-        """Number the passes as the files do, or else one per file, or anew where the tool went back by ``reversal``."""
+        """Number the passes as each file does, or one per file, or anew where the tool went back by ``reversal``."""
         columns = self._pass_columns()
         if _repeat_a_pass(columns):
             rule = "has a pass number of another file; number the passes anew"

@@ -57,7 +57,7 @@ class TimeSeries:
     gap, beyond
         Seconds. ``gap`` is the longest time between two readings in which values are interpolated; in a longer gap they
         are NaN. ``beyond`` is how long before the first and after the last reading values are extrapolated, along the
-        line through the two readings there.
+        line through the two readings there, if these are at most ``gap`` apart.
     """
 
     def __init__(
@@ -117,7 +117,7 @@ class TimeSeries:
 
 @dataclass(frozen=True)
 class Samples:
-    """n samples of several sensors in one frame, in order of time (or of row, without times), then of sensor."""
+    """n samples of several sensors in one frame, in order of time (of row, if indexed by depth), then of sensor."""
 
     depth: Floats  # metres, finite, like the next two
     toolface: Floats  # degrees in [0, 360)
@@ -127,7 +127,7 @@ class Samples:
     row: Integers  # and which of its readings
     file: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))  # of which readings; empty until joined
     pass_number: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))  # empty until numbered
-    counts: dict[str, int] = field(default_factory=dict)  # readings taken, and dropped for each reason: all of them
+    counts: dict[str, int] = field(default_factory=dict)  # readings taken, and readings dropped by reason
 
     def select(self, kept: Mask | Integers) -> Samples:
         """Return the samples where ``kept`` is True, or the samples at these indices, in the order of the indices."""
@@ -156,7 +156,8 @@ def observe_by_time(
         NaN radii are dropped and counted as ``no radius``.
     bit_depth, toolface
         Depth of the bit in m, and toolface of the tool's reference in degrees (``angle=True``). Readings at times
-        without a depth or a toolface are dropped and counted as ``no depth`` and ``no toolface``.
+        without a depth or a toolface are dropped and counted as ``no depth`` and ``no toolface``; a NaN time has no
+        depth.
     """
     _check_counts(sensors, times=times, radii=radii)
     parts: list[tuple[Floats, ...]] = []

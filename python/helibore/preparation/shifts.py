@@ -26,12 +26,12 @@ __all__ = ["Shifts", "find_shifts"]
 
 _STEP = 0.05  # m between trial shifts; the best is refined by a parabola
 _LIMIT = 2.0  # m: the largest trial shift
-_TREND = 10.0  # m of the running mean that is taken off first; at least so much overlap is asked for
+_TREND = 10.0  # m: length of the running mean that is subtracted first, and least overlap of two passes
 _LEAST = 0.4  # least correlation: with less, a pass is not shifted
 _WIDEST_GAP = 1.0  # m: longest gap between samples of one pass across which its profile is interpolated
 _ROUNDS = 5
-_VALLEY = 0.7  # of the best correlation: a peak reaches as far as the curve stays above
-_GRID = 0.2  # steps: what the grid and its linear interpolation leave of a shift
+_VALLEY = 0.7  # share of the best correlation: the best peak ends where the curve falls to it
+_GRID = 0.2  # steps: the error of a shift due to the grid and its linear interpolation
 _RIVAL = 0.9  # of the best correlation: with a second peak this high, the shift is ambiguous
 
 
@@ -40,16 +40,16 @@ class Shifts:
     """The depth shift of each of p passes; columns are (p,), metres."""
 
     passes: Integers  # sorted
-    shift: Floats  # to be added to the depths of the pass; 0 where nothing was found
-    correlation: Floats  # with the others at the shift; NaN where they do not overlap
-    before: Floats  # the same at no shift, with the others in their places
-    found: Mask  # whether one clear peak of the least correlation asked for lies inside the limits
+    shift: Floats  # to add to the depths of the pass; 0 of a held pass and where no shift was found
+    correlation: Floats  # with the others at the shift; 1 of a held pass, NaN if less than 10 m overlap
+    before: Floats  # the same if only this pass is not shifted
+    found: Mask  # whether the pass is held, or has one clear peak of at least 0.4 within 2 m
     sigma: Floats  # standard deviation of the shift, from the peak's curvature; 0 of a held pass, NaN without a peak
     second: Floats  # shift of the second-best peak; NaN where there is none
     second_correlation: Floats  # the correlation there
 
     def at(self, pass_number: npt.ArrayLike) -> Floats:
-        """Return the shift of each sample, (n,) m, new, to add to the depth. Raises InputError at an unknown pass."""
+        """Return the shift of each sample, (n,) m, new, to add to the depth. Raises InputError for an unknown pass."""
         return self.shift[rows_of("pass_number", whole_column("pass_number", pass_number), self.passes)]
 
     def lines(self) -> list[str]:
@@ -87,7 +87,8 @@ def find_shifts(
         Metres, metres, whole numbers, (n,), finite, in any order.
     held
         Passes that are not shifted. The other passes are first shifted to match these. Then each of them is shifted to
-        match the mean of all other passes, held or not, and this is repeated until the shifts no longer change.
+        match the mean of all other passes, held or not. This is repeated until the shifts no longer change, in at most
+        5 rounds.
     """
     where = finite_column("depth", depth)
     distance = finite_column("radius", radius, where.size, "depth")
@@ -142,7 +143,7 @@ def _center(shift: Floats, found: Mask) -> float:
 
 
 def _profile(place: Floats, radius: Floats, grid: Integers) -> Floats:
-    """Return the median radius of each grid step less the running mean; NaN beyond the samples and in gaps.
+    """Return the median radius of each grid step less its running mean; NaN beyond the samples and in wide gaps.
 
     ``place`` is in steps.
     """
@@ -210,7 +211,8 @@ class _Peak(NamedTuple):
 def _peak(curve: Floats, most: int, overlap: Integers) -> _Peak:
     """Return the top of the parabola through the best three steps within ``most``, and the best peak beside it.
 
-    The shift's variance is (1 - c^2) / (n c |c''|) for n independent steps of overlap; one step in four is independent.
+    The shift's variance is (1 - c^2) / (n c |c''|) for n independent steps of overlap, plus the square of `_GRID`; one
+    step in four is independent.
     """
     middle = curve.size // 2
     inside = curve[middle - most : middle + most + 1]

@@ -62,7 +62,7 @@ class Shape:
     noise: float = 0.0005  # of one sample; found from the samples of each turn, beside which this weighs as four
     harmonics: int = 12  # the highest, at least 2
     one_sided: float = 0.005  # of the third harmonic of a wall enlarged on one side; harmonic n has one_sided * 3 / n
-    lobed: bool = True  # harmonics follow breakouts; if not, only the second is even, n > 2 has odd * (3 / n)^2
+    lobed: bool = True  # harmonics follow breakouts; if not, the second has even, and each n > 2 has odd * (3 / n)^2
 
     def __post_init__(self) -> None:
         for name in ("even", "odd", "reach", "noise", "one_sided"):
