@@ -29,7 +29,7 @@ class Axes:
     """Statistics of axes."""
 
     mean: float  # [0, 180), degrees; NaN if there are no axes
-    deviation: float  # standard deviation, degrees; infinite without a preferred direction, NaN if not known
+    deviation: float  # standard deviation, degrees; large to infinite without a preferred direction, NaN if not known
     concentration: float  # R, from 0 (anywhere) to 1 (all alike)
     count: int
     weight: float  # the sum of the weights (lengths)

@@ -252,8 +252,8 @@ def usual_scale(
 ) -> ColorScale:
     """Return the usual colours of a quantity.
 
-    By default, name and unit choose the map (`customary_map`), the values the limits (`percentile_limits`), and a
-    resistivity has a log scale.
+    By default, name and unit choose the map (`customary_map`), and the values choose the limits (`percentile_limits`).
+    A resistivity has a log scale.
     """
     color_map = color_map or customary_map(name, unit)
     log = color_map == "resistivity" if log is None else log

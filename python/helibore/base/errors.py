@@ -93,7 +93,7 @@ class MissingExtraError(ImportError):
 
 @contextmanager
 def needs(library: str, extra: str) -> Iterator[None]:
-    """Turn an ImportError for a library of an extra into a `MissingExtraError`; without a name, it names the module."""
+    """Turn an ImportError for a library of an extra into a `MissingExtraError`; an empty name is the module's."""
     try:
         yield
     except ImportError as error:

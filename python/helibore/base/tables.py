@@ -110,7 +110,7 @@ class Tabular(ABC):
 
 
 class LogTable(Tabular):
-    """Columns on one depth, which is the first column: metres, strictly rising or falling. Mnemonics all differ.
+    """Columns of equal length; the first is the depth, metres, which in logs strictly rises or falls. Mnemonics differ.
 
     ``facts`` say how the columns were made: ``{"bit diameter": "0.2159 m"}``. Every file states them.
     """

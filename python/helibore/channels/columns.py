@@ -97,7 +97,7 @@ class RawSectorImage:
 
 
 def column(log_set: RawSet, role: Role, option: str = "its option") -> Floats:
-    """Return a channel in metres, degrees or seconds, read-only. A unit that is missing or does not fit is an error.
+    """Return a channel in metres, degrees or seconds. A unit that is missing or does not fit is an error.
 
     ``option`` is the option of the command line that the error names.
 

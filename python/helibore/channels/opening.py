@@ -30,8 +30,8 @@ def open(  # noqa: A001
     Returns
     -------
     LogFile
-        Channels by name, in one or more sets. A text format is read at once, other formats load a channel when it is
-        first used. A damaged or empty set is left out, and the other sets have a remark about it.
+        Channels by name, in one or more sets. Parquet and DLIS load values when they are first used; other formats are
+        read at once. A damaged or empty set is left out, and the other sets have a remark about it.
 
     Raises
     ------

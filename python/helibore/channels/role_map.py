@@ -7,7 +7,7 @@
     angle = 0.0                        # degrees from the toolface (radius, diameter)
     offset = 1.2                       # metres up the string, from where the depth is counted to this sensor
     latency = 0.5                      # seconds from its measurement to its time stamp
-    first = 11.25                      # images: angle of the first sector's centre
+    first = 11.25                      # images: angle of the first sector; of a radius image, of its centre
     step = 22.5                        # images: angle from one sector to the next
     reference = "north"                # toolface: counts from north, high-side or automatic (by inclination)
 
@@ -189,7 +189,7 @@ def parse_options(
 
 
 def _own_angle(roles: RoleMap, name: str, role: str, turning: bool) -> float | None:
-    """Return the angle of an arm whose option states none: its guessed angle, or, for a radius, the toolface."""
+    """Return the angle of an arm whose option states none: its guessed angle, or 0 for a radius beside a toolface."""
     known = roles.roles.get(name)
     if known is not None and known.role == role and known.angle is not None and (turning or not known.turns):
         return known.angle

@@ -50,7 +50,7 @@ WALL = ("radius", "diameter", "radius-image", "travel-time")
 """Roles whose values are wall points."""
 
 REFERENCES = ("north", "high-side", "automatic")
-"""What a toolface channel may count from; automatic means north in a steep hole, or else the high side."""
+"""What a toolface channel may count from; automatic: north where the hole is nearly vertical, else the high side."""
 
 # Role, pattern of the whole name (unit suffix taken off, lower case), pattern anywhere in the description.
 # Within a role the earlier pattern wins, so "md" is taken before "tdep".

@@ -40,7 +40,7 @@ NUMBERED = re.compile(r"^(?P<stem>.*?\D)[\[_:(. -]?(?P<number>\d{1,4})[\])]?(?P<
 
 
 def join_sectors(channels: Sequence[Channel], index: str | None) -> tuple[list[Channel], list[str]]:
-    """Return the channels with every series of sector columns joined, and remarks on series that have gaps."""
+    """Return the channels with every series of sector columns joined, and remarks on series left as single columns."""
     series: dict[tuple[str, str, str], list[tuple[int, Channel]]] = {}
     for channel in channels:
         match = NUMBERED.match(channel.name)

@@ -45,7 +45,7 @@ FEWEST_SECTORS = 4
 
 @dataclass
 class TableLayout:
-    """Describe the layout of a table: column names, units, number of lines above the rows, and delimiter."""
+    """The layout of a table: delimiter, column names, units, and the number of lines above the rows."""
 
     delimiter: str
     names: list[str]
@@ -129,7 +129,7 @@ def find_layout(source: InputFile, head: str) -> TableLayout:
 
 
 def _without_header(lines: list[str], start: int, delimiter: str, width: int, remarks: list[str]) -> TableLayout:
-    """Name the columns of a table without a header: by the last comment line if it fits, else by number."""
+    """Name the columns of a table without a header: by the last comment line that fits, or else by number."""
     for line in reversed(lines[:start]):
         names = [cell.strip() for cell in split_cells(line.strip().lstrip("#"), delimiter)]
         if len(names) == width and width > 1 and all(names):

@@ -2,7 +2,7 @@
 
     path -> first bytes -> format name          (the name of the file plays no part)
     path -> stream()    -> bytes, gunzipped; a gzip bomb is refused
-    path -> lines(), pieces(), text()           (a line longer than 1 MiB is refused)
+    path -> lines(), pieces(), text()           (a very long line is refused: see LINE_LIMIT)
 
 This file does not know about channels.
 """
@@ -22,7 +22,8 @@ from typing import Any, BinaryIO, cast
 from helibore.base.errors import InputError
 
 LINE_LIMIT = 1 << 20
-"""Longest line (bytes) that a text format may have, and the step in which text is read."""
+"""Longest line (bytes) that `lines` yields, and the step in which text is read; `pieces` and `text` notice a longer
+line at the latest at four times this length."""
 
 HEAD = 1 << 16
 """Number of the first bytes, which decide the format."""

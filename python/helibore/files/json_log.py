@@ -26,7 +26,7 @@ SIZE_LIMIT = 1 << 28
 """Largest JSON text (bytes) that is read; the parser needs about ten times as much memory."""
 
 EMPTY_FREE, EMPTY_RATIO = 1 << 20, 200
-"""Cells of an array curve that null rows may always fill; if there are more, the most of them for each value."""
+"""An array curve may have this many cells in any case, and this many more for each value that it holds."""
 
 WELL_UNITS = {"MD": "depth_unit", "TVD": "depth_unit", "N": "surface_unit", "E": "surface_unit"}
 """The key of a standard well's header that states the unit of a column."""

@@ -208,7 +208,7 @@ def _las3(source: InputFile, sections: list[LasSection], version: dict[str, str]
 
 
 def _definition(source: InputFile, sections: list[LasSection], data: LasSection) -> LasSection:
-    """Return the section that defines the columns of ``data``: that named after ``|``, or else that of equal stem."""
+    """Return the section that defines the columns of ``data``: named after ``|``, or else of equal stem, or ~Curve."""
     named = data.title.partition("|")[2].strip().upper()
     stem = data.kind.replace("_DATA", "_DEFINITION")
     wanted = [named] if named else [*([stem] if stem != data.kind else []), "CURVE", "LOG_DEFINITION"]

@@ -83,7 +83,7 @@ def check_format(filename: str | os.PathLike[str]) -> str:
 
 
 def _texts(column: LogColumn, missing: str) -> list[str]:
-    """Write values with a fixed number of decimals: a hundredth of a millimetre or finer."""
+    """Write values with the decimals of the column or, if it states none, of its unit (6 for lengths)."""
     decimals = _DECIMALS.get(column.unit, 6) if column.decimals is None else column.decimals
     return [f"{value:.{decimals}f}" if value == value else missing for value in column.values.tolist()]
 

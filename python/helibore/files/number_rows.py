@@ -61,8 +61,9 @@ def read_rows(
     Blank lines are not rows; with ``comments``, lines that start with # are not rows. If ``delimiter`` is None, any
     number of blanks separates cells. If ``wrapped``, a row may run over several lines (LAS 2 with WRAP YES).
 
-    A column is float64, masked where cells are empty. It is int64 if whole numbers are too large for float64, and text
-    if a cell is not a number. Raises InputError with file and line if there is no row, or a row has another width.
+    A column is float64, masked where cells are empty. It is int64 if all cells are whole numbers and one is too large
+    to be exact in float64, and text if a cell is not a number. Raises InputError with file and line if there is no row,
+    or a row has another width.
     """
 
     def is_row(line: str) -> bool:

@@ -101,7 +101,7 @@ class Channel:
     def values(self) -> Array:
         """The values, loaded at the first call and kept (read-only): float64, float32 as stored, or text.
 
-        Integers become float64 unless one is too large to be exact. A null is NaN among numbers and "" among texts.
+        Integers become float64 unless one is too large to be exact. A null is NaN; an empty text is "".
         """
         return self._cleaned[0]
 

@@ -171,7 +171,8 @@ class SectorImage:
         Raises
         ------
         InputError
-            If no row has a value, or if the image's reference is that of another path, which is not known.
+            If no row with a value lies where the path has both references, or if the image's reference is that of
+            another path, which is not known.
         """
         _one_of("method", method, get_args(Method))
         if self.reference == "parallel-transport":

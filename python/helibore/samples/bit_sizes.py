@@ -17,7 +17,7 @@ FEW = 5
 
 
 def looks_like_diameter(median: float, bit_diameter: float | None = None) -> bool:
-    """Return whether a median radius, metres, is near the diameter of the bit; None: of a usual bit."""
+    """Return whether a median radius, metres, is near the diameter of the bit or, if that is None, of a usual bit."""
     if bit_diameter is not None:
         return median > 1.5 * bit_diameter / 2.0 and abs(median / bit_diameter - 1.0) < 0.25
     inches = median / INCH

@@ -61,7 +61,7 @@ class Helix(NamedTuple):
         return toolface
 
     def ends(self, vertices: int) -> tuple[float, float]:
-        """Return the depths of the shallowest and the deepest of this many vertices, metres."""
+        """Return the depths of the shallowest and the deepest of this many vertices, metres; ``first`` must be 0."""
         last = self.start_depth + (vertices - 1) * self.pitch / self.sectors
         return min(self.start_depth, last), max(self.start_depth, last)
 
