@@ -169,7 +169,12 @@ def parse_options(
         name, angle, unit = _split_option(log_set, spelling)
         entry: dict[str, Any] = {"role": role} | ({"unit": unit} if unit else {})
         if angle is not None and role not in WALL:
-            raise InputError(f"{log_set.path.name}: {spelling}", f"an angle belongs to a {' or '.join(arms)}")
+            raise InputError(
+                f"{log_set.path.name}: {spelling}", "an angle belongs to a radius, diameter or travel-time"
+            )
+        if angle is not None and len(log_set[name].shape) > 1:
+            rule = "an angle belongs to a column of one value a row; a map states first and step of an image"
+            raise InputError(f"{log_set.path.name}: {spelling}", rule)
         if role in WALL and len(log_set[name].shape) == 1:
             angle = _own_angle(roles, name, role, turning) if angle is None else angle
             entry |= {} if angle is None else {"angle": angle}

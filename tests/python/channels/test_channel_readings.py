@@ -154,6 +154,8 @@ def test_travel_time_image(tmp_path: Path) -> None:
     found = one.readings(roles, echo=Echo(1500.0, 0.05))
     assert [sensor.mounting for sensor in found.sensors] == [45.0 * n for n in range(8)]
     np.testing.assert_allclose(found.radii[3], [0.125, 0.1325])
+    with pytest.raises(ValueError, match=r"^c.csv: TT@30: an angle belongs to a column of one value a row; a map"):
+        parse_options(one, guess(one), {}, {"travel-time": ["TT@30"]})
 
 
 LENGTHS = ["m", "cm", "mm", "ft", "ftUS", "in", "0.1in"]
@@ -282,7 +284,8 @@ HEADER = "md_m,tf_deg,radius_m\n"
          "c.csv: radius_m: unit = 'furlong': must be a unit of length for a radius"),
         (HEADER + "1,2,3\n", {"toolface": "tf_deg:in"},
          "c.csv: tf_deg: unit = 'in': must be a unit of angle for a toolface"),
-        (HEADER + "1,2,3\n", {"toolface": "tf_deg@90"}, "c.csv: tf_deg@90: an angle belongs to a radius or diameter"),
+        (HEADER + "1,2,3\n", {"toolface": "tf_deg@90"},
+         "c.csv: tf_deg@90: an angle belongs to a radius, diameter or travel-time"),
         (HEADER + "1,2,3\n", {"depth": "tf_deg", "toolface": "tf_deg"},
          "c.csv, column tf_deg: is given two roles, depth and toolface"),
         (HEADER + "1,2,0.1\n1,x,0.1\n", {}, "c.csv, line 3, column tf_deg = 'x': is not a number"),
