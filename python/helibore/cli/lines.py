@@ -96,8 +96,12 @@ def sigma_lines(rows: Logs) -> Lines:
     if not rows.with_sigma:
         return []
     missing = int(np.isnan(rows.diameter_sigma).sum())
-    why = ": the hole between the arms is not sampled" if rows.shape == "arms" else ""
-    return [("missing", f"{missing:,} of {len(rows):,} rows have no sigma{why}")]
+    why = "in each, a vertex lies in a gap, or farther from samples than the uncertainty was tested"
+    if rows.basis != "azimuthal":
+        why = rows.basis_text
+    elif rows.shape == "arms":
+        why = "the hole between the arms is not sampled"
+    return [("missing", f"{missing:,} of {len(rows):,} rows have no sigma" + (f": {why}" if missing else ""))]
 
 
 def annulus_lines(annuli: Iterable[Annulus]) -> Lines:

@@ -147,7 +147,12 @@ def _fit(squares: Floats, weights: Floats, changes: Floats, near: _Fit | None = 
 
 
 def wall_sigma(wall: WallState, threads: int) -> Floats:
-    """Return the standard uncertainty at each vertex, for `Wall.sigma`. ``wall`` must have its ``sums``."""
+    """Return the standard uncertainty at each vertex, for `Wall.sigma`. ``wall`` must have its ``sums``.
+
+    A wall that is round by assumption has none: its samples around the hole are copies of one reading, or of bit size.
+    """
+    if wall.basis != "azimuthal":
+        return np.full(wall.radius.size, np.nan)
     depth, toolface, radius = wall.sample_columns[:3]
     calibration = calibrate((depth, toolface, radius), wall.settings, threads)
     sigma, unmeasured = calibration.sigma(wall.sums), _unmeasured(wall)

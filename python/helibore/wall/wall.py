@@ -230,8 +230,8 @@ class Wall:
         """(n,) float64 standard uncertainty of each radius, metres; `wall_sigma` computes it at each access.
 
         With 95 % probability the true radius is within 1.96 sigma. NaN if the vertex is farther from samples than the
-        calibration covers, or in a gap of the turn larger than `Settings.largest_gap`. Raises InputError if there are
-        fewer than 100 samples.
+        calibration covers, or in a gap of the turn larger than `Settings.largest_gap`; and everywhere if the shape is
+        assumed round (`basis`). Raises InputError if there are fewer than 100 samples.
         """
         return wall_sigma(self._with_sums(self._state()), self._threads)
 

@@ -12,6 +12,7 @@ import pytest
 from reference import Floats, exactly, instruction_sets
 
 import helibore as hb
+from helibore.cli.lines import sigma_lines
 from helibore.wall.estimates import in_depth_order
 from helibore.wall.uncertainty import Calibration, calibrate
 
@@ -187,3 +188,18 @@ def test_logs_carry_the_uncertainty_of_diameters_and_volumes(tmp_path: Path) -> 
     assert steps.volume_sigma.size == len(steps)
     logs.save(tmp_path / "w.csv")
     assert "VOL_SIGMA" in (tmp_path / "w.csv").read_text()
+
+
+def test_a_wall_that_is_round_by_assumption_has_no_uncertainty() -> None:
+    depth = np.arange(100, 110, 0.05)
+    wall = hb.reconstruct(hb.Caliper.from_average(depth, 0.22 + 0.001 * np.sin(depth)), bit_diameter=BIT)
+    assert len(wall.samples) > 1000
+    assert np.isnan(wall.sigma).all()
+    logs = wall.logs(sigma=True)
+    assert np.isnan(logs.diameter_sigma).all()
+    assert sigma_lines(logs) == [
+        (
+            "missing",
+            f"{len(logs)} of {len(logs)} rows have no sigma: average caliper: size measured, shape assumed round",
+        )
+    ]
