@@ -231,8 +231,8 @@ def _lines(run: Run, made: Surface | Volume, ends: tuple[float | None, float | N
         known = values[np.isfinite(values)]
         label, text = "missing", f"{values.size - known.size:,} of {values.size:,} cells have no {name}"
         if name == "measured":
-            corners = f"{int(values.sum()):,} of {values.size:,} cells are measured at each corner"
-            label, text = name, f"{corners}; the others are interpolated"
+            text = f"{int(values.sum()):,} of {values.size:,} cells are measured at each corner"
+            label, text = name, text if values.all() else f"{text}; the others are interpolated"
         elif name == "difference" and known.size:
             median, low, high = 1e3 * np.median(known), 1e3 * known.min(), 1e3 * known.max()
             spread = f"{median:+.2f} mm in the median, {low:+.2f} to {high:+.2f}"
