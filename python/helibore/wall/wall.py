@@ -379,6 +379,9 @@ class Wall:
     ) -> Surface:
         """Place the wall along a path and join neighbouring turns into quads, with its images and attributes.
 
+        The surface of a tool with few arms (`arms`) has the attribute ``measured``: 1 for a quad whose four corners are
+        `measured`, 0 for one that is interpolated.
+
         Parameters
         ----------
         path
@@ -414,7 +417,7 @@ class Wall:
         start: float | None = None,
         stop: float | None = None,
     ) -> Volume:
-        """Thicken the wall outwards, shell by shell, into hexahedra.
+        """Thicken the wall outwards, shell by shell, into hexahedra; ``measured`` is as in `surface`.
 
         Parameters
         ----------
