@@ -324,7 +324,7 @@ def test_a_geologist_reopens_the_picks_changes_one_and_boxes_a_breakout(browser:
         screen = Screen(browser, viewer.url, "#md=1012&sec=12", (1366, 768), drawn=False)
         screen.until("window.__wall.app.picking.kept.length === 2")
         screen.settle()
-        colour, net = (screen.locator(name).bounding_box() for name in ("#beside", "#net"))
+        colour, net = (screen.locator(name).bounding_box() for name in ("#colour", "#net"))
         assert colour["y"] + colour["height"] <= min(768, net["y"]), "Colour is above the fold, the net below it"
         screen.keyboard.press("d")
         assert screen.inner_text("#dipSaved") == "saved in a.wall.picks.csv"
