@@ -52,7 +52,7 @@ def test_of_a_gauge_hole_only_the_images_are_shown_as_measured(browser: Any) -> 
         assert not screen.is_visible("#zonesCard")
         texts = ink_texts(screen)
         assert "GR [gAPI]" in texts
-        assert not [text for text in texts if text.startswith(("Caliper", "Cmin", "Cmax", "bit", "Over bit"))]
+        assert not [text for text in texts if text.startswith(("Caliper", "Cmin", "Cmax", "bit ", "Over bit"))]
         assert screen.evaluate("window.__wall.app.rects.caliper.width") == 0
         assert screen.evaluate("window.__wall.app.quantities.map(({ id }) => id)") == ["GR"]
         section = screen.inner_text("#section")
@@ -120,6 +120,7 @@ def test_without_a_survey_the_sides_are_named_as_in_print(browser: Any, referenc
         texts = ink_texts(screen)
         assert [text for text in texts if text in sides][:5] == [*sides, sides[0]]
         assert "no survey" in texts  # of true depth
+        assert "assumed" in texts, "beside the letters"
         assert screen.evaluate("document.getElementById('cut').selectedOptions[0].text").startswith("-".join(sides))
         assert screen.evaluate("document.getElementById('cut').selectedOptions[0].text").endswith("(assumed)")
         assert "From high side / north, assumed" in screen.readout()

@@ -45,9 +45,11 @@ export function drawAxisLabels(ink, { view, path, rects, zones }) {
   letterZones(ink, zones, (depth) => yOf(view, rect, depth), rect.left, 12, [rect.top, rect.top + rect.height], palette);
   const end = rect.left + rect.width - 12;
   const unit = depthUnit(view.units);
-  label(ink, `MD ${unit}`, end, HEAD - 34, { colour: palette.ink, align: 'right', font: BOLD });
-  label(ink, path.trueDepth ? `TVD ${unit}` : path.surveyed ? 'no TVD' : 'no survey', end, HEAD - 17, { colour: palette.soft, align: 'right', font: SMALL });
-  if (!view.rig) label(ink, `1:${Number((view.length / scaleLength(rect, 1)).toPrecision(3))}`, end, HEAD - 51, { colour: palette.soft, align: 'right', font: SMALL });
+  label(ink, `MD ${unit}`, end, 11, { colour: palette.ink, align: 'right', font: BOLD });
+  label(ink, path.trueDepth ? `TVD ${unit}` : path.surveyed ? 'no TVD' : 'no survey', end, 27, { colour: palette.soft, align: 'right', font: SMALL });
+  const beside = rects.image.width && rects.image.left - end < 24; // the letters of the sides
+  if (beside && path.assumed && leftEdge(path, view.cut, view.middle).known) label(ink, 'assumed', end + 2, HEAD - 11, { colour: palette.soft, align: 'right', font: SMALL, yields: true });
+  if (!view.rig) label(ink, `1:${Number((view.length / scaleLength(rect, 1)).toPrecision(3))}`, end, 43, { colour: palette.soft, align: 'right', font: SMALL });
   const { values, digits } = ticks(view.top, view.bottom, rect.height, APART, LENGTHS[view.units].depth.scale);
   for (const depth of values) {
     const y = Math.round(yOf(view, rect, depth)) + 0.5;
