@@ -14,11 +14,11 @@ The radii of the first pass are left out of a WRITE where all equal the radii: t
 texel is radius, nearest distance, state; two zero bytes follow an odd number of them.
 
 A WRITE sets `count` vertices of a tile from `first` on. `first` is 0 at the start of the tile, whose halo (the first
-sectors + 1 vertices of the next tile) belongs to it. A WRITE can be repeated: a new quad, a changed one and a resent one
-are the same message. `mask` says which attributes follow. The type's highest bit LIVE marks new values, as opposed to a
-tile that the page requested. FRAMES carries frames of the path: f64 x 3 x count centres, then f32 x 6 x count
-directions. Its `mask` is SURVEYED if a survey places them; without one the hole is drawn straight down, and north is not
-known.
+sectors + 1 vertices of the next tile) belongs to it. A WRITE can be repeated: a new quad, a changed one and a resent
+one are the same message. `mask` says which attributes follow. The type's highest bit LIVE marks new values, as opposed
+to a tile that the page requested. FRAMES carries frames of the path: f64 x 3 x count centres, then f32 x 6 x count
+directions. Its `mask` is SURVEYED if a survey places them; without one the hole is drawn straight down, and north is
+not known.
 """
 
 from __future__ import annotations

@@ -315,7 +315,7 @@ class Scene:
         self.on_change()
 
     def settle(self, below: int) -> None:
-        """Note that vertices before number ``below`` do not change while the hole deepens: later changes are re-scans."""
+        """Note that vertices before ``below`` do not change while the hole deepens: later changes are re-scans."""
         with self.lock:
             self.settled = max(self.settled, min(below, self.levels[0].size))
 
