@@ -683,7 +683,8 @@ export class App {
   goTo(shown) {
     const { view, store } = this;
     const depth = shown / LENGTHS[view.units].depth.scale;
-    if (!Number.isFinite(depth)) return this.redraw();
+    this.redraw(); // a depth that is refused leaves the field
+    if (!Number.isFinite(depth)) return undefined;
     const [top, bottom] = store.span;
     if (depth < top || depth > bottom) return this.notice(`${showDepth(depth, view.units)} is outside the wall, ${showSpan(top, bottom, view.units)}`, 10);
     view.centre(depth, store);
