@@ -423,11 +423,13 @@ class Journal:
         if self.sync_interval > 0:
             return self._append(source, connection, payload, kind)
         with self._syncing:  # no other append starts before this one is synced, so this one can be removed
+            opening = self._opening
             stamp = self._append(source, connection, payload, kind)
             try:
                 self._sync()
             except BaseException:
                 self._take_back(payload)
+                self._opening = opening
                 raise
         return stamp
 
@@ -441,6 +443,8 @@ class Journal:
                     self._begin_segment()
                     self._write(0, 0, self._opening, OPENED, wall, monotonic)
                 self._write(source, connection, payload, kind, wall, monotonic)
+                if kind == OPENED:
+                    self._opening = payload
             except OSError as error:
                 raise JournalFullError(
                     error.errno, f"{error.strerror}: the record was not stored", str(self.folder)
@@ -470,12 +474,7 @@ class Journal:
 
     def reopen(self, opening: bytes) -> tuple[int, int, int]:
         """Append an OPENED record with another payload, which each later segment repeats; return as `append`."""
-        before, self._opening = self._opening, opening
-        try:
-            return self.append(0, 0, opening, OPENED)
-        except OSError:
-            self._opening = before
-            raise
+        return self.append(0, 0, opening, OPENED)
 
     def sync(self) -> None:
         """Write everything appended so far to the disk itself; other threads may append meanwhile.

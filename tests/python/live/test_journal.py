@@ -460,3 +460,23 @@ def test_what_the_disk_refused_to_sync_is_synced_next_time(tmp_path: Path, monke
     journal.sync()
     assert len(synced) == 1
     journal.close()
+
+
+def test_a_header_that_was_not_stored_is_in_no_segment(tmp_path, monkeypatch):
+    """The disk is full after the new segment, which the change begins, has its own header."""
+    with Journal(tmp_path, b"old", segment_bytes=1) as journal:
+        write, room = journal._write, [1]
+
+        def full(*record):
+            if not room:
+                raise OSError(28, "No space left on device")
+            room.pop()
+            write(*record)
+
+        with monkeypatch.context() as patch:
+            patch.setattr(journal, "_write", full)
+            with pytest.raises(JournalFullError):
+                journal.reopen(b"new")
+        journal.append(1, 1, b"x")
+    payloads = [segment.payload(row) for segment in segments(tmp_path) for row in range(len(segment.records))]
+    assert payloads == [b"old", b"old", b"old", b"x"]
