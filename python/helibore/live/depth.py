@@ -140,7 +140,7 @@ class RigHistory:
         offset
             Metres from the bit up to the sensor.
         now
-            Time of the latest frame; a measurement that can no longer get a depth is ready with the flag NO_DEPTH.
+            Time of the latest record; a measurement that can no longer get a depth is ready with the flag NO_DEPTH.
         """
         bit = self.tracks["bit_depth"]
         at = self._bit_before(time, order)
