@@ -173,6 +173,21 @@ def test_a_message_that_cannot_be_read_is_said_and_the_page_comes_right(browser:
         page.close()
 
 
+def test_a_browser_that_stores_nothing_shows_the_page(browser: Any) -> None:
+    page = browser.new_page(viewport={"width": 1000, "height": 640})
+    with hb.view(MadeWall(20_000)) as viewer:
+        page.add_init_script(
+            "for (const name of ['localStorage', 'sessionStorage']) Object.defineProperty(window, name,"
+            " { get() { throw new DOMException('Access is denied for this document.', 'SecurityError'); } });"
+        )
+        page.goto(viewer.url)
+        end = time.monotonic() + PATIENCE
+        while not page.evaluate("Boolean(window.__wall?.ready)"):
+            assert time.monotonic() < end
+            time.sleep(0.05)
+        page.close()
+
+
 @pytest.mark.parametrize("size", [(1366, 768), (1920, 1080)])
 def test_everything_fits_on_the_screen(browser: Any, size: tuple[int, int]) -> None:
     wall = MadeWall(30_000)

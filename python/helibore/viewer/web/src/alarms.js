@@ -1,6 +1,7 @@
 // Alarms: zones that are new since the page last received them, and the alarms of the live feed. They stay until the user
 // silences them (A), also over a reload. Rig mode has room for short words in two lines; there A shows the whole text first.
 
+import { recall, remember } from './memory.js';
 import { byId } from './panel.js';
 import { showSigned, showSpan } from './units.js';
 import { MEASURES } from './zones.js';
@@ -38,7 +39,7 @@ export class Alarms {
   // A wall begins; the alarms of the same wall that a reload interrupted come back.
   /** @param {string} session */
   begin(session) {
-    const kept = JSON.parse(sessionStorage.getItem(KEPT) ?? 'null');
+    const kept = JSON.parse(recall('sessionStorage', KEPT) ?? 'null');
     Object.assign(this, { zones: [], silenced: [], ...(kept?.session === session ? kept : {}), session });
   }
 
@@ -69,7 +70,7 @@ export class Alarms {
 
   keep() {
     const { session, zones, silenced } = this;
-    sessionStorage.setItem(KEPT, JSON.stringify({ session, zones, silenced }));
+    remember('sessionStorage', KEPT, JSON.stringify({ session, zones, silenced }));
   }
 
   /** @param {Zone} zone */

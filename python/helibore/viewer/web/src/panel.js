@@ -2,6 +2,7 @@
 
 import { MAPS, fitRange, histogram, scaling, valuesInView } from './color.js';
 import { PALETTES } from './layout.js';
+import { recall, remember } from './memory.js';
 import { CUTS } from './path.js';
 import { sized } from './polar.js';
 import { CLIPPED, INTERPOLATED, PROVISIONAL, RESCANNED, SUPPORT_MASK } from './protocol.js';
@@ -304,14 +305,14 @@ function foldColour(redraw) {
   const colour = byId('colour');
   const panel = /** @type {HTMLElement} */ (colour.parentElement);
   const narrow = window.matchMedia('(max-width: 999px)');
-  let chosen = localStorage.getItem(FOLDED);
+  let chosen = recall('localStorage', FOLDED);
   const fold = () => {
     colour.open = true;
     colour.open = chosen ? chosen === 'open' : narrow.matches || panel.scrollHeight <= panel.clientHeight;
   };
   const sizes = new ResizeObserver(fold);
   for (const part of [panel, ...panel.children]) if (part !== colour) sizes.observe(part);
-  byId('colourText').addEventListener('click', () => localStorage.setItem(FOLDED, (chosen = colour.open ? 'closed' : 'open')));
+  byId('colourText').addEventListener('click', () => remember('localStorage', FOLDED, (chosen = colour.open ? 'closed' : 'open')));
   colour.addEventListener('toggle', redraw);
 }
 
