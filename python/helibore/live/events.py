@@ -3,8 +3,9 @@
     gap at 10:02:11    gap at 10:02:12    ...    gap at 14:55:02     ->    one event: 37 times, the first, the last
 
 Every occurrence is counted. Events with the same source and rule are joined, so that many events take no more memory
-than a few. The time of an event is the time at which its bytes were received, so a replay reports the same events.
-Wrong bytes stay in the journal at the place that the event names.
+than a few. The time of an event is the time at which its bytes were received, so a replay reports the same events. It
+reads many records together, so it may report their events in another order, and another one of a rule last. Wrong bytes
+stay in the journal at the place that the event names.
 """
 
 from __future__ import annotations
