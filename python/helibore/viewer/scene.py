@@ -128,7 +128,7 @@ class RunState:
     curves: tuple[
         Mapping[str, Any], ...
     ] = ()  # name, unit, low, high, log, version of each curve that a page may ask for
-    # Ends of the colours by quantity, metres or the attribute's unit, of the whole wall; final once it is long enough.
+    # Ends of the colours by quantity, metres or the attribute's unit, from the whole wall; final once that is long.
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     zones: tuple[Mapping[str, Any], ...] = ()  # JSON objects, in order of depth
     prints: bool = False  # whether `Scene.draw_pages` is set
