@@ -387,7 +387,12 @@ class Live:
         depths = column("depth", depth)
         table = [depths, column("inclination", inclination, depths.size, "depth"),
                  column("azimuth", azimuth, depths.size, "depth")]  # fmt: skip
-        return self._store(0, 0, b"".join(values.tobytes() for values in table), journals.STATIONS)
+        update = Update()
+        step = journals.LONGEST_PAYLOAD // (8 * len(table))
+        for start in range(0, max(depths.size, 1), step):
+            payload = b"".join(values[start : start + step].tobytes() for values in table)
+            merge(update, self._store(0, 0, payload, journals.STATIONS))
+        return update
 
     def append_image(
         self, name: str, depth: npt.ArrayLike, values: npt.NDArray[np.float64], unit: str = "", *,

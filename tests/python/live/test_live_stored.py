@@ -58,6 +58,14 @@ def test_an_image_larger_than_a_record_is_stored_in_parts(tmp_path):
         assert np.array_equal(one.images["RES"].arrays()[1], values)
 
 
+def test_more_stations_than_a_record_holds_are_stored_in_parts(tmp_path):
+    depth = np.linspace(130.0, 4000.0, 50_000)
+    with Live(parse(SENT), tmp_path) as live:
+        live.append_stations(depth, np.full(depth.size, 5.0), np.full(depth.size, 90.0))
+    for one in (live, Live.replay(tmp_path)):
+        assert np.array_equal(one.path.survey.depth[-50_000:], depth)
+
+
 def test_no_record_is_no_update():
     update = Live(parse(SENT)).draw([])
     assert (update.changes, update.events) == ({}, [])
