@@ -49,7 +49,7 @@ def sliding_window(depth: npt.ArrayLike, values: npt.ArrayLike, window: float = 
         raise InputError(f"depth[{falls[0] + 1}]", "must rise", f"{depths[falls[0] + 1]:g}")
     if not (math.isfinite(window) and window > 0):
         raise InputError("window", "must be finite and above 0", str(window))
-    rows = column("values", np.ravel(values)).reshape(depths.size, -1)
+    rows = column("values", np.ravel(values)).reshape(shape if len(shape) == 2 else (-1, 1))
     if not np.isfinite(rows).any():
         raise InputError("values", f"all {rows.size} are missing")
     if log:

@@ -80,6 +80,7 @@ def test_a_steady_window_is_in_the_middle_even_beside_large_values() -> None:
         (lambda: sliding_window([0.0, 0.0], [1.0, 2.0]), r"depth\[1\] = 0: must rise"),
         (lambda: sliding_window([0.0, 1.0], [1.0, 2.0], 0), "window = 0: must be finite and above 0"),
         (lambda: sliding_window([0.0, 1.0], [np.nan, np.nan]), "values: all 2 are missing"),
+        (lambda: sliding_window([], []), "values: all 0 are missing"),
         (lambda: sliding_window([0.0, 1.0], [1.0, 0.0], log=True), r"values\[1\] = 0: must be above 0 on a log scale"),
     ],
 )
