@@ -85,7 +85,7 @@ class Centres:
 
     def __repr__(self) -> str:
         known = self.eccentering[np.isfinite(self.x)]
-        off = f"tool off by {1e3 * np.median(known):.1f} mm in half of them" if known.size else "no turn has a centre"
+        off = f"median offset of the tool {1e3 * np.median(known):.1f} mm" if known.size else "no turn has a centre"
         return f"Centres({self.turn.size} turns, {off})"
 
     @property

@@ -609,8 +609,8 @@ class _Pipeline:
         if known.any():
             far, sigma = found.eccentering[known], np.hypot(found.sigma_x, found.sigma_y)[known]
             lines[0] += (
-                f"; tool off by {1e3 * np.median(far):.1f} mm in half of them, {1e3 * far.max():.1f} mm at most; "
-                f"deviation of a centre {1e3 * np.median(sigma):.2f} mm in half of them"
+                f"; offset of the tool {1e3 * np.median(far):.1f} mm (median), {1e3 * far.max():.1f} mm at most; "
+                f"deviation of a centre {1e3 * np.median(sigma):.2f} mm (median)"
             )
         lost = np.count_nonzero(~known & (found.samples > 0))
         if lost:

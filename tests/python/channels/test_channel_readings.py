@@ -393,7 +393,7 @@ def test_what_is_long_is_shown_in_short(tmp_path: Path) -> None:
     assert repr(file.readings()) == "Readings(c.csv, 400 rows of radius_m)"
     assert repr(file.image("GR")) == "RawSectorImage('GR', 'gAPI', 400 rows x 8 sectors, 1000 to 1003.99 m)"
     prepared = hb.prepare(file.readings(), hb.Preparation(recentre=True))
-    assert repr(prepared.centres) == "Centres(10 turns, tool off by 0.0 mm in half of them)"
+    assert repr(prepared.centres) == "Centres(10 turns, median offset of the tool 0.0 mm)"
 
 
 def test_few_sectors_are_the_arms_of_a_tool(tmp_path: Path) -> None:

@@ -176,7 +176,7 @@ def test_recentre_is_that_of_the_library() -> None:
     )
     corrected_turns = int(np.count_nonzero(centres.share() > 0))
     assert corrected_turns > 30
-    assert found.report[1][1].startswith(f"{corrected_turns} of 37 turns corrected; tool off by ")
+    assert found.report[1][1].startswith(f"{corrected_turns} of 37 turns corrected; offset of the tool ")
     assert found.report[2:] == (
         ("recentre", "no bit size: a smooth washout on one side is taken for an offset of the tool, unnoticed"),
     )
