@@ -1,32 +1,61 @@
-// The colours of the hole in one line: quantity, unit and ends. Images have them in their heads; where the hole stands alone,
-// they stand below it.
+// The colours of a quantity with their values: in the head of its image, and in one line below a hole that stands alone.
 
-import { MAPS, themed } from './color.js';
+import { beyondEnds, MAPS, themed } from './color.js';
 import { fitting, label, PALETTES, SMALL } from './layout.js';
 import { scaleOf, unitOf } from './units.js';
 
-export const BAR = 20; // pixels that the line is high
+export const BAR = 20; // pixels that the line below the hole is high
+export const POINT = 7; // pixels of the point at an end of the colours
 const WIDEST = 240;
 const LEAST = 60;
 
+// The colours, 8 pixels high. An end is pointed if values of the section lie beyond it; they have its colour.
+/** @param {Ink} ink @param {Look} look @param {number} left @param {number} top @param {number} width */
+export function drawColours(ink, look, left, top, width) {
+  const { view, quantity } = look;
+  const colours = ink.createLinearGradient(left, 0, left + width, 0);
+  const { anchors } = MAPS[themed(quantity.map, view.theme === 'dark')];
+  anchors.forEach((c, i) => colours.addColorStop(i / (anchors.length - 1), `rgb(${c.map(Math.round).join(' ')})`));
+  const [under, over] = quantity.dynamic ? [false, false] : beyondEnds(look, quantity);
+  ink.beginPath();
+  ink.moveTo(left, top);
+  ink.lineTo(left + width, top);
+  if (over) ink.lineTo(left + width + POINT, top + 4);
+  ink.lineTo(left + width, top + 8);
+  ink.lineTo(left, top + 8);
+  if (under) ink.lineTo(left - POINT, top + 4);
+  ink.closePath();
+  ink.fillStyle = colours;
+  ink.fill();
+  ink.strokeStyle = PALETTES[view.theme].line;
+  ink.lineWidth = 1;
+  ink.stroke();
+}
+
+// The value at a share of the colours: 0 at the low end, 1 at the high end.
+/** @param {Look} look @param {number} share */
+export function valueText({ view, quantity }, share) {
+  const { low, high, log, dynamic } = quantity;
+  if (dynamic) return { 0: 'mean − 2σ', 0.5: 'mean', 1: 'mean + 2σ' }[share] ?? '';
+  const value = log ? low * (high / low) ** share : low + share * (high - low);
+  return String(Number((value * scaleOf(quantity, view.units)).toPrecision(3))).replace('-', '−');
+}
+
 /** @param {Ink} ink @param {Look} look @param {number} y its middle */
-export function drawColourBar(ink, { view, quantity, wallRect: { left, width } }, y) {
+export function drawColourBar(ink, look, y) {
+  const { view, quantity, wallRect: { left, width } } = look;
   const palette = PALETTES[view.theme];
   const unit = unitOf(quantity, view.units);
-  const ends = quantity.dynamic ? ['mean − 2σ', 'mean + 2σ'] : [quantity.low, quantity.high].map((end) => String(Number((end * scaleOf(quantity, view.units)).toPrecision(3))).replace('-', '−'));
+  const ends = [valueText(look, 0), valueText(look, 1)];
   ink.fillStyle = palette.paper;
   ink.fillRect(left, y - BAR / 2, width, BAR);
   ink.font = SMALL;
-  const [low, high] = ends.map((end) => ink.measureText(end).width + 6);
+  const [low, high] = ends.map((end) => ink.measureText(end).width + POINT + 5);
   const name = fitting(ink, [`${quantity.name}${unit ? ` [${unit}]` : ''}${quantity.inView ? ', range in view' : ''}`, quantity.name], width - 14 - low - high - LEAST);
   const start = left + 2 + ink.measureText(name).width + 8 + low;
   const stop = Math.min(start + WIDEST, left + width - 2 - high);
   label(ink, name, left + 2, y, { colour: palette.ink, font: SMALL });
-  label(ink, ends[0], start - 6, y, { colour: palette.ink, align: 'right', font: SMALL });
-  label(ink, ends[1], stop + 6, y, { colour: palette.ink, font: SMALL });
-  const bar = ink.createLinearGradient(start, 0, stop, 0);
-  const { anchors } = MAPS[themed(quantity.map, view.theme === 'dark')];
-  anchors.forEach((c, i) => bar.addColorStop(i / (anchors.length - 1), `rgb(${c.map(Math.round).join(' ')})`));
-  ink.fillStyle = bar;
-  ink.fillRect(start, y - 4, stop - start, 8);
+  label(ink, ends[0], start - POINT - 4, y, { colour: palette.ink, align: 'right', font: SMALL });
+  label(ink, ends[1], stop + POINT + 4, y, { colour: palette.ink, font: SMALL });
+  drawColours(ink, look, start, y - 4, stop - start);
 }

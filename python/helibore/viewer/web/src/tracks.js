@@ -1,11 +1,12 @@
 // The ink over the picture: depth axis, heads with scales and letters, the cursor's line through every track. (caliper.js,
 // map.js, column.js and wall_ink.js draw their own.) Everything here is drawn anew for each frame.
 
-import { beyondEnds, MAPS, Q_ATTRIBUTE, themed } from './color.js';
+import { Q_ATTRIBUTE } from './color.js';
+import { drawColours, POINT, valueText } from './color_bar.js';
 import { BOLD, fitting, FONT, HEAD, imageRects, label, PALETTES, SMALL, tracksEnd, yOf } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
 import { DENSE, hatched, line, OUTSIDE, SPARSE } from './strokes.js';
-import { depthNumber, depthUnit, LENGTHS, scaleOf, unitOf } from './units.js';
+import { depthNumber, depthUnit, LENGTHS, unitOf } from './units.js';
 import { ticks } from './view.js';
 import { drawZones, letterZones } from './zones.js';
 
@@ -82,35 +83,12 @@ export function drawImageHead(ink, look) {
   letters(ink, view, known, left, width, palette, path.surveyed ? cut.reference : 'none');
 }
 
-const POINT = 7; // pixels of the point at an end of the colour bar
-
-// The colours with their values: those at the ends, in the middle and, if there is room, halfway to it. An end is pointed if values
-// of the section lie beyond it; they have its colour.
+// The colours with their values at the ends, in the middle and, if there is room, halfway to it.
 /** @param {Ink} ink @param {Look} look @param {number} left @param {number} width @param {Palette} palette */
 function bar(ink, look, left, width, palette) {
-  const { view, quantity: { map, low, high, log, dynamic, length } } = look;
-  const colours = ink.createLinearGradient(left, 0, left + width, 0);
-  const { anchors } = MAPS[themed(map, view.theme === 'dark')];
-  anchors.forEach((c, i) => colours.addColorStop(i / (anchors.length - 1), `rgb(${c.map(Math.round).join(' ')})`));
-  ink.fillStyle = colours;
-  const [under, over] = dynamic ? [false, false] : beyondEnds(look, look.quantity);
-  ink.beginPath();
-  ink.moveTo(left, 20);
-  ink.lineTo(left + width, 20);
-  if (over) ink.lineTo(left + width + POINT, 24);
-  ink.lineTo(left + width, 28);
-  ink.lineTo(left, 28);
-  if (under) ink.lineTo(left - POINT, 24);
-  ink.closePath();
-  ink.fill();
-  ink.strokeStyle = palette.line;
-  ink.lineWidth = 1;
-  ink.stroke();
-  const scale = scaleOf({ length }, view.units);
+  drawColours(ink, look, left, 20, width);
   /** @param {number} share */
-  const value = (share) => (log ? low * (high / low) ** share : low + share * (high - low));
-  /** @param {number} share */
-  const text = (share) => (dynamic ? { 0: 'mean − 2σ', 0.5: 'mean', 1: 'mean + 2σ' }[share] ?? '' : String(Number((value(share) * scale).toPrecision(3))).replace('-', '−'));
+  const text = (share) => valueText(look, share);
   ink.font = SMALL;
   const room = [0, 0.25, 0.5, 0.75, 1].every((share) => 4 * (ink.measureText(text(share)).width + 8) < width);
   for (const share of [0, 1, 0.5, ...(room ? [0.25, 0.75] : [])]) {
