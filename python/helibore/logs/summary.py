@@ -80,7 +80,7 @@ class WallSummary:
     shape, arms
         Source of ovality, least and greatest diameter and kinds (`Logs.shape`); number of diameters that arms measured.
     coverage
-        Mean share of the turns that is measured, not interpolated, 0 to 1.
+        Mean share of the turns that is measured, not interpolated, 0 to 1. NaN if the wall is round by assumption.
     shape_kept
         Ratio of the wall's out-of-roundness to that of the arms; NaN for tools that measure all around.
     warnings

@@ -116,7 +116,7 @@ class Logs(Tabular):
         Ratio of `volume` to the volume at bit size, less 1: 0.1 is ten percent; negative where the hole is under gauge.
     coverage
         Share of the turn that is measured, 0 to 1: the share of its vertices in `Wall.measured`. If the wall has no
-        samples: that of vertices with a radius.
+        samples: that of vertices with a radius. NaN if the wall is round by assumption (`Wall.basis`).
     arm_diameter
         The diameters that each arm of a tool with few arms measured, one array per arm; () for other tools. A value is
         the mean of the arm's readings, linear between them, over the turn or step, and of all passes. A peak that is
@@ -492,7 +492,12 @@ def window_turns(length: float, pitch: float) -> int:
 
 
 def _coverage(wall: WallLike, with_radius: Floats) -> Floats:
-    """Return the share of each turn that is measured; of a wall that does not know it, the share with a radius."""
+    """Return the share of each turn that is measured; of a wall that does not know it, the share with a radius.
+
+    A wall that is round by assumption has none: nothing measured its turns around the hole.
+    """
+    if getattr(wall, "basis", "azimuthal") != "azimuthal":
+        return np.full(with_radius.shape, np.nan)
     measured: Mask | None = getattr(wall, "measured", None)
     if measured is None or not with_radius.size:
         return with_radius

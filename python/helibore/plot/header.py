@@ -103,8 +103,11 @@ def header_height(content: Content) -> float:
 
 def measured_text(content: Content) -> str:
     """Return as text the measured part of the turns, and what the rest is."""
+    summary = content.summary()
+    if summary.basis != "azimuthal":
+        return summary.basis_text
     rest = content.hatching or "interpolated or missing"
-    return f"{100 * content.summary().coverage:.2f} % of the turns; the rest is {rest}"
+    return f"{100 * summary.coverage:.2f} % of the turns; the rest is {rest}"
 
 
 def draw_header(sheet: Sheet, content: Content, x: float, y: float, width: float) -> None:

@@ -230,6 +230,16 @@ def test_a_wall_of_gauge_hole_has_no_excess_and_an_empty_one_no_rows() -> None:
     assert len(hb.Wall(bit_diameter=0.216).logs()) == 0
 
 
+@pytest.mark.parametrize(
+    "caliper", [hb.Caliper.from_average([0.0, 6.0], [0.1, 0.11]), hb.Caliper.gauge(0.0, 6.0, bit_diameter=0.216)]
+)
+def test_a_wall_that_is_round_by_assumption_has_no_coverage(caliper: hb.Caliper) -> None:
+    wall = hb.reconstruct(caliper, bit_diameter=0.216, sectors=16)
+    assert np.isnan(wall.logs().coverage).all()
+    assert np.isnan(wall.summary().coverage)
+    assert "measured" not in wall.summary().numbers()
+
+
 def test_coverage_nearest_and_age_come_from_the_wall() -> None:
     depth = np.arange(0, 6, 0.001)
     first = np.arange(depth.size, dtype=float)
