@@ -41,6 +41,15 @@ MISSING: tuple[int, int, int] = _rgb(_DEFINITION["missing"])
 ZONE_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINITION["zones"].items()}
 """Colours of the kinds of zones on a light ground; the page has others in dark mode."""
 
+
+def ink_on(color: str) -> str:
+    """Return "black" or "white", whichever is seen better on a colour (#rrggbb), by the contrast of WCAG 2."""
+    parts = [int(color[at : at + 2], 16) / 255 for at in (1, 3, 5)]
+    linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
+    luminance = 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+    return "black" if luminance > 0.179 else "white"
+
+
 FILL_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINITION["fills"].items()}
 """The same for fills of caliper track and cross-section: from bit to the least diameter (over), from there or from bit
 to the greatest (partly over), from the least diameter to bit (under)."""

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from helibore.base.arrays import Floats
-from helibore.base.colors import FILL_COLORS, MISSING, ZONE_COLORS, ColorScale
+from helibore.base.colors import FILL_COLORS, MISSING, ZONE_COLORS, ColorScale, ink_on
 from helibore.base.errors import InputError
 from helibore.base.settings import Settings
 from helibore.base.units import INCH, MILLIMETRE
@@ -141,7 +141,7 @@ class DepthTrack:
                 word = zone.kind if long > 1.5 * len(zone.kind) + 1.0 else LETTERS[zone.kind] if long > 2.2 else ""
                 look: dict[str, Any] = {"ha": "center", "va": "center", "size": SMALL, "family": FONT}
                 look |= {"rotation": 90.0} if len(word) > 1 else {}
-                axes.text(0.5 * STRIP, sum(ends) / 2, word, color="white", weight="bold", **look)
+                axes.text(0.5 * STRIP, sum(ends) / 2, word, color=ink_on(ZONE_COLORS[zone.kind]), weight="bold", **look)
         for left, right, short in ((0.0, 0.12, 0.06), (1.0, 0.9, 0.94)):
             axes.hlines(major, left, right, color=INK, linewidth=0.6)
             axes.hlines(minor, left, short, color=RULE, linewidth=0.4)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from helibore.base.colors import ZONE_COLORS
+from helibore.base.colors import ZONE_COLORS, ink_on
 from helibore.logs.zone_criteria import MEASURES
 from helibore.plot.paper import FAINT, SMALL, USUAL, Sheet
 from helibore.plot.tracks import LENGTHS, LETTERS
@@ -24,7 +24,7 @@ TITLE = 8.0
 def zone_sign(sheet: Sheet, x: float, y: float, kind: str) -> None:
     """Draw the letter of a kind on its colour, 3 mm wide, its middle line at y."""
     sheet.box(x, y - 1.4, 3.0, 2.8, facecolor=ZONE_COLORS[kind], edgecolor="none")
-    sheet.text(x + 1.5, y, LETTERS[kind], SMALL, ha="center", color="white", weight="bold")
+    sheet.text(x + 1.5, y, LETTERS[kind], SMALL, ha="center", color=ink_on(ZONE_COLORS[kind]), weight="bold")
 
 
 def _zones(content: Content) -> list[Zone]:

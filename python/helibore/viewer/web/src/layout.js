@@ -103,6 +103,13 @@ export const PALETTES = {
   },
 };
 
+// Black or white, whichever is seen better on a colour (#rrggbb): the contrast of WCAG 2.
+/** @param {string} colour */
+export function inkOn(colour) {
+  const [r, g, b] = [1, 3, 5].map((at) => parseInt(colour.slice(at, at + 2), 16) / 255).map((c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4));
+  return 0.2126 * r + 0.7152 * g + 0.0722 * b > 0.179 ? '#000000' : '#ffffff';
+}
+
 // Draw inside a rectangle only.
 /** @param {Ink} ink @param {Rect} rect @param {() => void} draw */
 export function within(ink, { left, top, width, height }, draw) {

@@ -1,6 +1,6 @@
 // Zones of the wall as the server found them (washout, breakout, key seat, undergauge): strips, list, and jumps by severity.
 
-import { BOLD, label } from './layout.js';
+import { BOLD, inkOn, label } from './layout.js';
 import { showSigned } from './units.js';
 
 export const LETTERS = { washout: 'W', breakout: 'B', 'key seat': 'K', undergauge: 'U' };
@@ -54,5 +54,5 @@ function fill(ink, kind, left, top, width, height, palette) {
 // The letters of the same strip, if there is room; they give way to other texts.
 /** @param {Ink} ink @param {Zone[]} zones @param {(depth: number) => number} y @param {number} left @param {number} width @param {Pair} ends @param {Palette} palette */
 export const letterZones = (ink, zones, y, left, width, ends, palette) => drawZones(ink, zones, y, left, width, ends, palette, (_, kind, x, top, wide, tall) => {
-  if (tall > 16) label(ink, LETTERS[kind], x + wide / 2, top + tall / 2, { colour: palette.panel, align: 'center', font: BOLD, yields: true });
+  if (tall > 16) label(ink, LETTERS[kind], x + wide / 2, top + tall / 2, { colour: inkOn(palette.zones[kind]), align: 'center', font: BOLD, yields: true });
 });
