@@ -279,7 +279,7 @@ export class Gpu {
       logarithmic: quantity.log,
       isDynamic: quantity.dynamic,
       dark,
-      form: quantity.map === themed(quantity.map, true) ? 0.3 : 1,
+      form: quantity.map !== themed(quantity.map, true) ? 1 : dark ? 0 : 0.3,
       glowCount: here.length,
       glow: [...here.flat(), ...Array(32).fill(0)].slice(0, 32),
     };

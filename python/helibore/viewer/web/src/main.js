@@ -530,11 +530,12 @@ export class App {
     if (byId('polar').clientHeight) drawPolar(byId('polar'), look, turned, quantityOf(this.quantities, 'over'));
     write('turn', figures);
     if (NARROW.matches) writeBrief(look, this.read, store.basis === 'azimuthal' ? figures : []);
-    byId('sectionTitle').textContent = showSpan(view.top, view.bottom, view.units);
+    const [start, stop] = [Math.max(view.top, store.span[0]), Math.min(view.bottom, store.span[1])];
+    byId('sectionTitle').textContent = stop > start ? showSpan(start, stop, view.units) : '';
     this.summarize();
     this.writeSummary();
     this.alarms.write(view);
-    listZones(this.zones, view, this.alarms, (zone) => this.showZone(zone), !NARROW.matches || view.tab !== 'zones' ? '' : store.basis === 'gauge' ? 'Zones need a caliper' : 'No zone so far, by the criteria');
+    listZones(this.zones, view, this.alarms, (zone) => this.showZone(zone), !NARROW.matches || view.tab !== 'zones' ? '' : store.basis === 'gauge' ? 'Zones need a caliper' : `No zone${this.newest === null ? '' : ' so far'}, by the criteria`);
     if (byId('histogram').clientHeight) this.histogram.draw(look);
     reflect(view, look.quantity, this.rects.image);
     links(this, toAddress(this));

@@ -1,7 +1,7 @@
 // The controls and read-outs around the stage: what the HTML shows and what the user sets in it.
 
 import { MAPS, fitRange, histogram, scaling, valuesInView } from './color.js';
-import { PALETTES } from './layout.js';
+import { inkOn, PALETTES } from './layout.js';
 import { recall, remember } from './memory.js';
 import { CUTS } from './path.js';
 import { sized } from './polar.js';
@@ -190,6 +190,7 @@ export function writeBrief({ view, zones, path, store }, read, figures) {
 }
 
 // What the figures of a section count.
+const LEAST_SHARE = 0.0005; // of a section: less is not written
 const MEANINGS = {
   measured: 'Share of the wall between two samples that are at most largest_gap (at first 60°) apart around the hole, among the samples within gap_reach (at first 0.5 m) of its depth; empty: without a radius',
   volume: 'Of the turns that have a radius all around; the others count nothing',
@@ -205,8 +206,10 @@ export function sectionText(store, summary, units) {
   /** @param {number | null} value */
   const number = (value) => value ?? NaN;
   const whole = counted + others;
+  /** @type {[number, string][]} */
+  const parts = [[number(coverage), ''], [1 - number(coverage) - number(without), ' interpolated'], [number(without), ' empty']];
   return [
-    ['Measured', `${showPercent(number(coverage))}, ${showPercent(number(without))} empty`, MEANINGS.measured],
+    ['Measured', parts.filter(([share], i) => !i || share >= LEAST_SHARE).map(([share, of]) => showPercent(share) + of).join(', '), MEANINGS.measured],
     ['Volume', counted ? `${volume.toFixed(3)} m³ in ${showDepth(counted, units, 1)} of whole turns` : '–', MEANINGS.volume],
     ['Over bit volume', showPercent(number(excess)), MEANINGS.volume],
     ['Washed out', washed === null ? '–' : `${showDepth(washed, units, 1)} of ${showDepth(whole, units, 1)}, ${showPercent(washed / whole)}`, MEANINGS.washed],
@@ -257,7 +260,8 @@ function rowOf(zone, { units, theme }, isNew, show) {
   row.classList.toggle('new', isNew);
   const texts = [LETTERS[zone.kind], `${isNew ? 'new ' : ''}${zone.kind}`, showSpan(zone.start, zone.stop, units).replace(/ .*/, ''), showSigned(zone.measure, units, units === 'mm' ? 0 : 1).replace(/ .*/, ''), `${zone.severity.toFixed(1)}×`];
   row.append(...texts.map((text) => Object.assign(document.createElement('span'), { textContent: text })));
-  /** @type {HTMLElement} */ (row.firstChild).style.background = PALETTES[theme].zones[zone.kind];
+  const colour = PALETTES[theme].zones[zone.kind];
+  Object.assign(/** @type {HTMLElement} */ (row.firstChild).style, { background: colour, color: inkOn(colour) });
   row.addEventListener('click', () => show(zone));
   return row;
 }

@@ -12,7 +12,7 @@ import { niceStep } from './lod.js';
 import { wrap360 } from './helix.js';
 import { LENGTHS, showSigned } from './units.js';
 import { FIRST, RADIUS } from './protocol.js';
-import { zoneAt } from './zones.js';
+import { MEASURES, zoneAt } from './zones.js';
 
 const CERTAIN = 1.96; // standard deviations that enclose 95 %
 const EDGE = 16; // pixels around the outer ring, for the letters
@@ -81,7 +81,7 @@ export function drawPolar(canvas, look, found, over) {
   const { cursor } = view;
   if (cursor && cursor.toolface !== null) hand(ink, look, /** @type {Aim} */ (cursor), found, scale, exaggerated, width, height, palette);
   corners(ink, middle, `${Number((outer * per).toFixed(3))} ${LENGTHS[view.units].unit}`, view.shape, palette);
-  label(ink, 'bit', middle.x + R * scale * 0.7 - 14, middle.y + R * scale * 0.7 - 14, { colour: palette.soft, align: 'center', font: SMALL, yields: true, margin: 4 });
+  label(ink, 'bit', middle.x + R * scale * 0.7 - 10, middle.y + R * scale * 0.7 - 8, { colour: palette.soft, align: 'center', font: SMALL, yields: true, margin: 4 });
 }
 
 // Between bit and wall, each sector in the colour that the image has for its radius.
@@ -230,7 +230,7 @@ export function turnText(look, found, show) {
     ['Area diameter', show(equivalent)],
     ...certainty(found.sigma, show),
     ['Turn measured', `${(100 * (1 - found.between.reduce((sum, one) => sum + one, 0) / found.between.length)).toFixed(0)} %`],
-    [zone ? `Zone, ${zone.kind}` : 'Zone', zone ? showSigned(zone.measure, units, units === 'mm' ? 0 : 1) : 'none'],
+    zone ? [`Zone: ${zone.kind}, ${MEASURES[zone.kind]}`, showSigned(zone.measure, units, units === 'mm' ? 0 : 1)] : ['Zone', 'none'],
   ];
 }
 

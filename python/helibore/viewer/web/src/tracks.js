@@ -175,6 +175,7 @@ export function drawCursor(ink, look) {
     const y = Math.round(yOf(view, rect, depth)) + 0.5;
     line(ink, rects.image.left, y, right, y, palette.pin, [3, 3]);
   }
+  if (!view.cursor && !view.rig) pointer(ink, rect, Math.round(yOf(view, rect, view.middle)) + 0.5, palette); // the section's depth
   if (!view.cursor || view.cursor.depth < view.top || view.cursor.depth > view.bottom) return;
   const y = Math.round(yOf(view, rect, view.cursor.depth)) + 0.5;
   lineOnHalo(ink, rect.left + rect.width, y, right, y, palette);
@@ -192,6 +193,14 @@ export function drawCursor(ink, look) {
 function lineOnHalo(ink, x0, y0, x1, y1, palette) {
   line(ink, x0, y0, x1, y1, palette.panel, [], 3.6);
   line(ink, x0, y0, x1, y1, palette.ink);
+}
+
+/** @param {Ink} ink @param {Rect} rect @param {number} y @param {Palette} palette */
+function pointer(ink, { left, width }, y, palette) {
+  ink.fillStyle = palette.ink;
+  ink.beginPath();
+  for (const [x, dy] of [[-9, -5], [0, 0], [-9, 5]]) ink.lineTo(left + width + x, y + dy);
+  ink.fill();
 }
 
 // The depth of the cursor, and the true depth under it if that is known, on a flag that points to the cursor's line.
