@@ -161,15 +161,13 @@ class Window:
         """Return the states of the sources; before the wall begins, also how many samples have come, and the alarms."""
         if self._feed:
             return "; ".join(f"{name}: {state}" for name, state in states.items())
-        text = "; ".join(
-            name if any(state in alarm for alarm in alarms) else f"{name}: {state}" for name, state in states.items()
-        )
+        said = [f"{name}: {state}" for name, state in states.items() if not any(state in alarm for alarm in alarms)]
         model = self._live.model
         received, refused, waiting = model.counts["received"], model.counts["not drawn"], model.waiting
-        text += f". {received:,} samples received"
+        text = f"{received:,} samples received"
         text += f", {refused:,} refused" if refused else ""
         text += f", {waiting:,} wait for their depth" if waiting else ""
-        return " ".join([f"{text}.", *(f"ALARM: {alarm}." for alarm in alarms)])
+        return ". ".join([*(["; ".join(said)] if said else []), text, *(f"ALARM: {alarm}" for alarm in alarms)]) + "."
 
     def _span(self) -> tuple[float, float]:
         """Return the depths of the shallowest and the deepest vertex, metres."""
