@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include "helibore/error.hpp"
+#include "helibore/runner.hpp"
 #include "register.hpp"
 
 namespace py = pybind11;
@@ -10,6 +11,7 @@ namespace py = pybind11;
 PYBIND11_MODULE(_core, m, py::mod_gil_not_used()) {
     m.doc() = "The compiled core of helibore.";
     m.attr("__version__") = HELIBORE_VERSION;
+    m.attr("most_threads") = helibore::most_threads;
     py::register_exception_translator([](std::exception_ptr p) {
         try {
             if (p) std::rethrow_exception(p);

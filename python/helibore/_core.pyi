@@ -9,6 +9,7 @@ _Integers = npt.NDArray[np.int64]
 _Rows = npt.NDArray[np.void]
 
 __version__: str
+most_threads: int
 
 class Wall:
     def __init__(self, settings: dict[str, Any], threads: int, instruction_set: str) -> None: ...

@@ -8,6 +8,8 @@
 
 namespace helibore {
 
+inline constexpr int most_threads = 1024;  // of one call
+
 // `run` calls job(context, worker) once for each worker in [0, workers), on any threads, and returns when all these
 // calls have returned. The calls may run at once or one after the other: the result is the same. `run` must not throw.
 // If it leaves out a call, the caller's thread does that work. A worker needs 64 KB of stack at most.

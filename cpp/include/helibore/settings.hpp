@@ -37,7 +37,7 @@ struct Settings {
     bool sigma = false;                 // the wall keeps Wall::sums for uncertainties; radii do not depend on it
     bool direct = false;                // a vertex that is not settled shows its latest sample, provisionally
     Index most_vertices = 100'000'000;  // an append that would exceed this is refused: a depth is wrong
-    int threads = 1;                    // 1 or more; the result does not depend on it
+    int threads = 1;                    // 1 to most_threads; the result does not depend on it
     InstructionSet instruction_set = InstructionSet::automatic;
 
     // The wall is a part of the helix: from first_vertex, a multiple of `sectors`, up to but without stop_vertex, which

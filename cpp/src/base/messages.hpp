@@ -63,10 +63,6 @@ inline void require_depth(const std::string& place, double depth) {
     require(std::abs(depth) <= largest_depth, place, depth, depth_rule);
 }
 
-inline void require_threads(int threads) {
-    require(threads >= 1 && threads <= 1024, "threads", Index{threads}, "must lie in 1 to 1024");
-}
-
 inline void require_sectors(int sectors) {
     require(sectors >= 3, "sectors", Index{sectors}, "must be 3 or more");
     require(sectors <= 1000000, "sectors", Index{sectors}, "must be at most 1000000");

@@ -17,17 +17,24 @@
 #include <cstdint>
 #include <exception>
 #include <mutex>
+#include <string>
 #include <system_error>
 #include <thread>
 #include <vector>
 
 #include "base/arithmetic.hpp"
+#include "base/messages.hpp"
 #include "helibore/runner.hpp"
 #include "helibore/types.hpp"
 
 namespace helibore {
 
 Runner& runner_of_this_thread();
+
+inline void require_threads(int threads) {
+    require(threads >= 1 && threads <= most_threads, "threads", Index{threads},
+            "must lie in 1 to " + std::to_string(most_threads));
+}
 
 // How many of `threads` to use for `work`, if each must have at least `least` of it.
 inline int threads_for(Index work, Index least, int threads) {

@@ -6,6 +6,7 @@
 
 #include "base/arithmetic.hpp"
 #include "base/messages.hpp"
+#include "base/threads.hpp"
 #include "search/kernel/kernel.hpp"
 
 namespace helibore {

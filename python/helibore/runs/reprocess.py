@@ -180,7 +180,7 @@ def connected(client: Client | str | None, workers: int | None = None) -> Iterat
         yield client
     else:
         own = dask.config.set({"distributed.scheduler.allowed-failures": DEATHS, **QUIET})
-        count = thread_count(workers)
+        count = thread_count(workers, "workers")
         local = {
             "n_workers": count,
             "threads_per_worker": 1,
