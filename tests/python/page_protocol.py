@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from helibore.viewer.protocol import FIRST, FRAMES, HEAD, LIVE, NO_FIRST, RADIUS, TEXEL, WRITE
+from helibore.viewer.protocol import FRAMES, HEAD, LIVE, NO_FIRST, WRITE
+from helibore.viewer.texels import FIRST, RADIUS, TEXEL
 
 
 @dataclass(frozen=True)

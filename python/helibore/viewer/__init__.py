@@ -1,10 +1,10 @@
 """See a wall in a browser: `hb.view(wall)` in a script or notebook, `helibore view FILE` in a shell.
 
-    feed.py      reads a wall that grows        client.py       what a page has not received
-    scene.py     what is shown                  web_app.py      addresses and websocket
-    levels.py    the wall and its overview      page_server.py  the server's thread
-    protocol.py  the bytes                      notebook_view.py  a notebook's widget
-                                                web/            the page
+    feed.py      reads a wall that grows        client.py         what a page has not received
+    scene.py     what is shown                  web_app.py        addresses and websocket
+    levels.py    the wall and its overview      page_server.py    the server's thread
+    texels.py    what is kept of a vertex       notebook_view.py  a notebook's widget
+    protocol.py  the messages                   web/              the page
 
 The page needs no other machine and gets every new quad once, in about 12 bytes. Serving needs the extra ``view``, a
 notebook the extra ``notebook``; this module itself imports NumPy only.

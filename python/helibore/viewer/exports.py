@@ -10,8 +10,19 @@ import numpy as np
 
 from helibore.base.errors import InputError
 from helibore.logs.curves import ScalarCurve
-from helibore.viewer import protocol
 from helibore.viewer.scene import Scene
+from helibore.viewer.texels import (
+    FIRST,
+    INTERPOLATED,
+    NEAREST,
+    NEAREST_UNIT,
+    PROVISIONAL,
+    RADIUS,
+    RESCANNED,
+    STATE,
+    SUPPORT_MASK,
+    radius_of,
+)
 
 MOST_ROWS = 2_000_000
 FARTHEST = 1e6  # metres: beyond any wall, but vertex numbers stay finite
@@ -27,8 +38,8 @@ def vertex(scene: Scene, k: int) -> dict[str, Any]:
     """
     shape, level = scene.shape, scene.levels[0]
     texel = level.texels[k]
-    radius, first = (float(protocol.radius_of(texel, shape.radius_unit, i)) for i in (protocol.RADIUS, protocol.FIRST))
-    state = int(texel[protocol.STATE])
+    radius, first = (float(radius_of(texel, shape.radius_unit, i)) for i in (RADIUS, FIRST))
+    state = int(texel[STATE])
     if shape.basis == "gauge":
         radius = first = math.nan
     return {
@@ -37,11 +48,11 @@ def vertex(scene: Scene, k: int) -> dict[str, Any]:
         "toolface": (shape.start_toolface + k % shape.sectors * 360 / shape.sectors) % 360,
         "radius": _or_none(radius),
         "first_radius": _or_none(first),
-        "nearest": int(texel[protocol.NEAREST]) * protocol.NEAREST_UNIT if math.isfinite(radius) else None,
-        "support": None if shape.basis == "gauge" else state & protocol.SUPPORT_MASK,
-        "rescanned": bool(state & protocol.RESCANNED),
-        "provisional": bool(state & protocol.PROVISIONAL),
-        "interpolated": bool(state & protocol.INTERPOLATED),
+        "nearest": int(texel[NEAREST]) * NEAREST_UNIT if math.isfinite(radius) else None,
+        "support": None if shape.basis == "gauge" else state & SUPPORT_MASK,
+        "rescanned": bool(state & RESCANNED),
+        "provisional": bool(state & PROVISIONAL),
+        "interpolated": bool(state & INTERPOLATED),
         "attributes": {
             attribute.name: _or_none(float(column[k]))
             for attribute, column in zip(shape.attributes, level.columns, strict=True)

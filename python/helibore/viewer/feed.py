@@ -35,8 +35,8 @@ from helibore.trajectory.references import Reference, reference_assumed, referen
 from helibore.trajectory.survey import Path
 from helibore.trajectory.true_depth import true_depth
 from helibore.viewer.client import MOST_PENDING
-from helibore.viewer.protocol import FRAME_STEP, Vertices
-from helibore.viewer.scene import Attribute, PathFrames, Scene, WallShape
+from helibore.viewer.scene import FRAME_STEP, Attribute, PathFrames, Scene, WallShape
+from helibore.viewer.texels import Vertices
 
 CHUNK = 1 << 17  # vertices written at a time: pages may send in between
 READ_SECONDS = 0.1  # least seconds between two reads: a page shows at most ten pictures a second of a growing hole

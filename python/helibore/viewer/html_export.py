@@ -18,8 +18,9 @@ from typing import Any
 from urllib.parse import parse_qs
 
 from helibore.base.errors import InputError
-from helibore.viewer.client import Client, Subscription, handshake, picks_message, state_message
+from helibore.viewer.client import Client
 from helibore.viewer.exports import curve_bytes, vertices_between
+from helibore.viewer.protocol import Subscription, handshake, picks_message, state_message
 from helibore.viewer.scene import Scene
 
 MOST_VERTICES = 1_000_000

@@ -20,8 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base.arrays import Floats
-from helibore.viewer import protocol
-from helibore.viewer.protocol import Texels
+from helibore.viewer.texels import FIRST, INTERPOLATED, NEAREST, RADIUS, STATE, SUPPORT_MASK, TEXEL, Texels
 
 TURNS = 16  # turns of the wall in one ring of the overview
 OVERVIEW_ROWS = 1024  # rings in a tile of the overview
@@ -32,7 +31,7 @@ class Level:
 
     def __init__(self, sectors: int, rows: int, columns: int) -> None:
         self.sectors, self.rows, self.size = sectors, rows, 0
-        self.texels: Texels = np.zeros((0, protocol.TEXEL), np.uint16)
+        self.texels: Texels = np.zeros((0, TEXEL), np.uint16)
         self.columns = [np.full(0, np.nan, np.float32) for _ in range(columns)]
 
     @property
@@ -53,7 +52,7 @@ class Level:
         copy = Level(self.sectors, self.rows, 0)
         first = max(0, min(start, self.size))
         copy.size, part = self.size, slice(first, max(first, min(stop, self.size)))
-        copy.texels = np.zeros((self.size, protocol.TEXEL), np.uint16)
+        copy.texels = np.zeros((self.size, TEXEL), np.uint16)
         copy.texels[part] = self.texels[part]
         for column in self.columns:
             copy.columns.append(np.zeros(self.size, np.float32))
@@ -65,7 +64,7 @@ class Level:
         capacity = len(self.texels)
         if size > capacity:
             more = max(size, 2 * capacity, self.tile_size) - capacity
-            self.texels = np.concatenate([self.texels, np.zeros((more, protocol.TEXEL), np.uint16)])
+            self.texels = np.concatenate([self.texels, np.zeros((more, TEXEL), np.uint16)])
             empty = np.full(more, np.nan, np.float32)
             self.columns = [np.concatenate([column, empty]) for column in self.columns]
         self.size = max(self.size, size)
@@ -97,16 +96,16 @@ def refresh_overview(over: Level, wall: Level, start: int, stop: int) -> tuple[i
         return np.where(count > 0, total / np.maximum(count, 1), missing)
 
     texels = wall.texels[part]
-    there = texels[:, protocol.RADIUS] > 0
-    support = texels[:, protocol.STATE] & protocol.SUPPORT_MASK
+    there = texels[:, RADIUS] > 0
+    support = texels[:, STATE] & SUPPORT_MASK
     target = slice(low * over.sectors, high * over.sectors)
-    for column in (protocol.RADIUS, protocol.FIRST):
+    for column in (RADIUS, FIRST):
         over.texels[target, column] = mean(texels[:, column], there, 0.0)
-    over.texels[target, protocol.NEAREST] = cells(np.maximum, texels[:, protocol.NEAREST], 0)
-    over.texels[target, protocol.STATE] = cells(np.minimum, support, protocol.SUPPORT_MASK)
-    between = (texels[:, protocol.STATE] & protocol.INTERPOLATED) > 0
+    over.texels[target, NEAREST] = cells(np.maximum, texels[:, NEAREST], 0)
+    over.texels[target, STATE] = cells(np.minimum, support, SUPPORT_MASK)
+    between = (texels[:, STATE] & INTERPOLATED) > 0
     most = cells(np.add, np.where(between, 2.0, 0.0), 0.0) > cells(np.add, np.ones(len(between)), 0.0)
-    over.texels[target, protocol.STATE][most] |= protocol.INTERPOLATED
+    over.texels[target, STATE][most] |= INTERPOLATED
     for over_column, wall_column in zip(over.columns, wall.columns, strict=True):
         values = wall_column[part]
         over_column[target] = mean(values, np.isfinite(values), np.nan)

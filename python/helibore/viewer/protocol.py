@@ -1,6 +1,14 @@
-"""The bytes that the server sends to a page. Little endian; every array starts at a multiple of its item size.
+"""The messages between server and page: JSON as text, values as bytes. ``protocol.js`` and ``connection.js`` read them.
 
-The JSON messages are in ``client.py``; the page reads them in ``connection.js``.
+    handshake    what a page must know before it receives values        to the page, JSON
+    state        where the run is, and its curves
+    picks        all picks
+    WRITE        vertices of a tile                                     to the page, bytes
+    FRAMES       frames of the path
+    subscribe    the tiles and attributes that the page wants           to the server, JSON
+    ack          the page has applied a message
+
+The bytes are little endian; every array starts at a multiple of its item size.
 
     head, 32 bytes                                              payload of WRITE
     +------+-------+----------+------+-------+-------+          +-------------------------+--------------+----
@@ -23,75 +31,135 @@ not known.
 
 from __future__ import annotations
 
+import math
 import struct
-from dataclasses import dataclass
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from helibore.base.arrays import Floats, numbers
-
-Texels = npt.NDArray[np.uint16]
+from helibore.viewer.levels import TURNS
+from helibore.viewer.scene import FRAME_STEP, FRAMES_LEVEL, Scene
+from helibore.viewer.texels import FIRST, NEAREST_UNIT, RADIUS
 
 HEAD = struct.Struct("<BBHIIIIId")
 WRITE, FRAMES = 1, 3
 LIVE = 0x80
 NO_FIRST = 0x80
 SURVEYED = 1
-FRAMES_LEVEL = 255  # the "level" of the path's frames
-FRAME_STEP = 2.0  # metres of depth between frames; a 10 deg/30 m dogleg bows 3 mm between them
+MOST_RANGES = 64  # ranges of tiles in one subscription
 
-TEXEL = 4
-RADIUS, FIRST, NEAREST, STATE = range(TEXEL)
-NEAREST_UNIT = 1e-4  # metres per step of a packed distance, 6.55 m at most
-SUPPORT_MASK = 0x00FF
-RESCANNED, PROVISIONAL, CLIPPED, INTERPOLATED = 0x0100, 0x0200, 0x0400, 0x0800
-TOP = 0xFFFF
+
+class BadMessageError(ValueError):
+    """A message from the page that breaks the protocol; the text says which rule."""
 
 
 @dataclass(frozen=True)
-class Vertices:
-    """Values of consecutive vertices, all (n,): radius in metres (NaN: no sample in reach), distance to the nearest
-    sample in metres, samples used, and whether the radius came by direct connection."""
+class Subscription:
+    """What a page asks for: ranges of tiles of the wall, the tile it looks at, the attributes it draws."""
 
-    radius: npt.ArrayLike
-    nearest: npt.ArrayLike | None = None
-    support: npt.ArrayLike | None = None
-    provisional: npt.ArrayLike | None = None
+    ranges: tuple[tuple[int, int], ...]
+    focus: int
+    mask: int
 
 
-def pack_vertices(vertices: Vertices, radius_unit: float) -> Texels:
-    """Return the texels (n, 4) of vertices: radius, first-pass radius, nearest distance, state. 0: no radius."""
-    radius = numbers(vertices.radius)
-    texels = np.zeros((radius.size, TEXEL), np.uint16)
-    there = np.isfinite(radius)
-    steps = np.rint(np.where(there, radius, 0.0) / radius_unit)
-    texels[:, RADIUS] = texels[:, FIRST] = np.where(there, np.clip(steps, 1, TOP), 0)
-    if vertices.nearest is not None:
-        nearest = numbers(vertices.nearest)
-        distance = np.where(np.isfinite(nearest), np.rint(nearest / NEAREST_UNIT), TOP)
-        texels[:, NEAREST] = np.clip(distance, 0, TOP)
-    support = there.astype(np.int64) if vertices.support is None else numbers(vertices.support, np.int64)
-    state = np.clip(support, 0, SUPPORT_MASK).astype(np.uint16)
-    state[steps > TOP] |= CLIPPED
-    if vertices.provisional is not None:
-        state[numbers(vertices.provisional, np.bool_)] |= PROVISIONAL
-    texels[:, STATE] = state
-    return texels
+def write_message(scene: Scene, level: int, tile: int, first: int, stop: int, mask: int, live: bool) -> bytearray:
+    """Return a WRITE of the vertices [first, stop) of a tile, with the attributes of ``mask``."""
+    store = scene.levels[level]
+    part = slice(tile * store.tile_size + first, tile * store.tile_size + stop)
+    texels = store.texels[part].astype("<u2", copy=False)
+    if first_pass := bool((texels[:, FIRST] == texels[:, RADIUS]).all()):
+        level, texels = level | NO_FIRST, np.delete(texels, FIRST, axis=1)
+    message = _head(WRITE | (LIVE if live else 0), level, mask, tile, first, stop - first, store.size)
+    message += texels.tobytes() + bytes(2 * (first_pass and (stop - first) % 2))
+    for bit, column in enumerate(store.columns):
+        if mask >> bit & 1:
+            message += column[part].astype("<f4", copy=False).tobytes()
+    return message
 
 
-def radius_of(texels: Texels, radius_unit: float, column: int = RADIUS) -> Floats:
-    """Return the packed radii in metres, NaN where there is none."""
-    steps = texels[..., column].astype(np.float64)
-    return np.where(steps == 0, np.nan, steps * radius_unit)
+def frames_message(scene: Scene, first: int, stop: int) -> bytearray:
+    """Return the frames [first, stop) of the path."""
+    frames = scene.frames
+    mask, total = SURVEYED if frames.surveyed else 0, len(frames.centre)
+    message = _head(FRAMES, FRAMES_LEVEL, mask, 0, first, stop - first, total)
+    message += frames.centre[first:stop].astype("<f8", copy=False).tobytes()
+    message += np.hstack([frames.high[first:stop], frames.right[first:stop]]).astype("<f4").tobytes()
+    return message
 
 
-def head(kind: int, level: int, mask: int, tile: int, first: int, count: int, total: int, time: float) -> bytearray:
+def _head(kind: int, level: int, mask: int, tile: int, first: int, count: int, total: int) -> bytearray:
     """Return a message's head; `number` sets the sequence number when the message is sent."""
-    return bytearray(HEAD.pack(kind, level, mask, tile, first, count, total, 0, time))
+    return bytearray(HEAD.pack(kind, level, mask, tile, first, count, total, 0, time.time()))
 
 
 def number(message: bytearray, sequence: int) -> bytes:
     """Return the message with its sequence number."""
     struct.pack_into("<I", message, 20, sequence & 0xFFFFFFFF)
     return bytes(message)
+
+
+def handshake(scene: Scene) -> dict[str, Any]:
+    """Return what a page must know before it receives values."""
+    shape = scene.shape
+    wall, over = scene.levels
+    return {
+        "type": "handshake",
+        "version": 2,
+        "session": scene.session,
+        "well": shape.well,
+        "basis": shape.basis,
+        "basis_text": shape.basis_text,
+        "reference": shape.reference,
+        "assumed": shape.assumed,
+        "bit_diameter": shape.bit_diameter,
+        "start_depth": shape.start_depth,
+        "start_toolface": shape.start_toolface,
+        "vertices": wall.size,
+        "radius_unit": shape.radius_unit,
+        "nearest_unit": NEAREST_UNIT,
+        "levels": [
+            {"sectors": wall.sectors, "rows": wall.rows, "pitch": shape.pitch, "rings": False},
+            {"sectors": over.sectors, "rows": over.rows, "pitch": shape.pitch * TURNS, "rings": True},
+        ],
+        "frame_step": math.copysign(FRAME_STEP, shape.pitch),
+        "template": None if scene.template is None else asdict(scene.template),
+        "attributes": [asdict(attribute) for attribute in shape.attributes],
+        "picks_file": None if scene.picks_file is None else Path(scene.picks_file).name,
+        "saves_picks": scene.saves_picks,
+        "curves": [row["name"] for row in scene.state.curves if row["version"] == 0],  # given; logs have other ones
+    }
+
+
+def state_message(scene: Scene) -> dict[str, Any]:
+    """Return the `RunState` for a page, with the server's clock."""
+    state = {name: None if value != value else value for name, value in vars(scene.state).items()}  # NaN is not JSON
+    now = None if state["newest"] is None else round(time.time(), 1)
+    rows = [list(row.values()) for row in scene.state.curves]  # name, unit, low, high, log, version
+    curves = {"curves": [row[:-1] for row in rows], "curves_version": max((row[-1] for row in rows), default=0)}
+    return {"type": "state", "begun": scene.begun, **state, **curves, "now": now}
+
+
+def picks_message(scene: Scene) -> dict[str, Any]:
+    """Return the picks for a page."""
+    return {"type": "picks", "picks": [asdict(pick) for pick in scene.picks]}
+
+
+def read_subscription(wanted: Any, attributes: int) -> Subscription:
+    """Check what a page asks for: ``{"tiles": [[start, stop], ...], "focus": tile, "mask": bits}``, each in bounds."""
+    if not isinstance(wanted, dict):
+        raise BadMessageError("subscribe: must be an object")
+    ranges, focus, mask = wanted.get("tiles"), wanted.get("focus"), wanted.get("mask")
+    if not isinstance(ranges, list) or len(ranges) > MOST_RANGES:
+        raise BadMessageError(f"subscribe.tiles: must be a list of at most {MOST_RANGES} ranges")
+    for part in ranges:
+        whole = isinstance(part, list) and len(part) == 2 and all(type(number) is int for number in part)
+        if not whole or not 0 <= part[0] < part[1] <= 1 << 31:
+            raise BadMessageError(f"subscribe.tiles: {str(part)[:40]} is not a range [start, stop) of tiles")
+    if type(focus) is not int or not 0 <= focus <= 1 << 31:
+        raise BadMessageError(f"subscribe.focus = {str(focus)[:40]}: must be a tile's number")
+    if type(mask) is not int or not 0 <= mask < 1 << attributes:
+        raise BadMessageError(f"subscribe.mask = {str(mask)[:40]}: there are {attributes} attributes")
+    return Subscription(tuple((start, stop) for start, stop in ranges), focus, mask)

@@ -1,6 +1,6 @@
 """What the viewer shows, as arrays ready to send: the wall and its overview, the path's frames, the state of the run.
 
-The scene knows no network: `protocol.py` knows the bytes and `client.py` what a page has not received yet.
+The scene knows no network: `protocol.py` knows the messages and `client.py` what a page has not received yet.
 """
 
 from __future__ import annotations
@@ -26,14 +26,15 @@ from helibore.logs.template import Template
 from helibore.samples.caliper import BASIS_TEXT, Basis
 from helibore.trajectory.references import Reference
 from helibore.trajectory.survey import Path
-from helibore.viewer import protocol
 from helibore.viewer.levels import Level, overview_of, refresh_overview
-from helibore.viewer.protocol import Texels, Vertices
+from helibore.viewer.texels import FIRST, INTERPOLATED, RADIUS, RESCANNED, STATE, Texels, Vertices, pack_vertices
 
 MOST_POINTS = 4096  # most points of a history
 MAX_SECTORS = 2048  # the texture width that every WebGL 2 device offers
 MAX_ATTRIBUTES = 16  # the bits of the attribute mask in a message's head
 TILE_VERTICES = 16384  # a grid of (sectors + 1)(rows + 1) vertices then fits 16-bit indices
+FRAMES_LEVEL = 255  # the "level" of the path's frames
+FRAME_STEP = 2.0  # metres of depth between frames; a 10 deg/30 m dogleg bows 3 mm between them
 
 
 @dataclass(frozen=True)
@@ -103,7 +104,7 @@ class WallShape:
 
 @dataclass(frozen=True)
 class PathFrames:
-    """The path of the hole: one frame every `protocol.FRAME_STEP` metres of depth, from start_depth on.
+    """The path of the hole: one frame every `FRAME_STEP` metres of depth, from start_depth on.
 
     centre (n, 3) is north, east, down in metres; high and right (n, 3) are the directions of toolface 0 and 90. Not
     `surveyed`: there is no path, and the hole is drawn straight down.
@@ -233,7 +234,7 @@ class Scene:
         unknown = sorted(set(attributes) - {attribute.name for attribute in self.shape.attributes})
         if unknown:
             raise InputError(f"attribute {unknown[0]}", "was not named when the scene began")
-        texels = protocol.pack_vertices(vertices, self.shape.radius_unit)
+        texels = pack_vertices(vertices, self.shape.radius_unit)
         stop = first + len(texels)
         if stop == first:
             return
@@ -242,7 +243,7 @@ class Scene:
             before = level.size
             level.reserve(stop)
             self._keep_first_pass(level.texels[first:stop], texels, first)
-            texels[:, protocol.STATE] |= level.texels[first:stop, protocol.STATE] & protocol.INTERPOLATED
+            texels[:, STATE] |= level.texels[first:stop, STATE] & INTERPOLATED
             differs = _replace(level.texels[first:stop], texels, np.uint64)
             for column, attribute in zip(level.columns, self.shape.attributes, strict=True):
                 if attribute.name in attributes:
@@ -262,12 +263,12 @@ class Scene:
         """Set which vertices, from the first on, are interpolated between arms; only differences are sent."""
         with self.lock:
             level = self.levels[0]
-            marks = np.where(interpolated[: level.size], protocol.INTERPOLATED, 0).astype(np.uint16)
-            state = level.texels[: len(marks), protocol.STATE]
-            changed = np.flatnonzero((state ^ marks) & protocol.INTERPOLATED)
+            marks = np.where(interpolated[: level.size], INTERPOLATED, 0).astype(np.uint16)
+            state = level.texels[: len(marks), STATE]
+            changed = np.flatnonzero((state ^ marks) & INTERPOLATED)
             if not len(changed):
                 return
-            state[changed] ^= protocol.INTERPOLATED
+            state[changed] ^= INTERPOLATED
             start, stop = int(changed[0]), int(changed[-1]) + 1
             self._notify(0, start, stop)
             self._notify(1, *refresh_overview(self.levels[1], level, start, stop))
@@ -283,7 +284,7 @@ class Scene:
             pairs = ((old.centre, frames.centre), (old.high, frames.high), (old.right, frames.right))
             joined = [np.concatenate([before[:first], new, before[first + len(new) :]]) for before, new in pairs]
             self.frames = PathFrames(joined[0], joined[1], joined[2], surveyed=frames.surveyed)
-            self._notify(protocol.FRAMES_LEVEL, first, first + len(frames.centre))
+            self._notify(FRAMES_LEVEL, first, first + len(frames.centre))
         self.on_change()
 
     def update_state(self, **changes: Any) -> None:
@@ -338,11 +339,11 @@ class Scene:
         """Keep the first pass of settled vertices, and mark those that changed since as re-scanned."""
         known = max(0, min(self.settled - first, len(new)))
         was, now = old[:known], new[:known]
-        scanned = was[:, protocol.FIRST] != 0
-        now[:, protocol.FIRST] = np.where(scanned, was[:, protocol.FIRST], now[:, protocol.FIRST])
-        changed = scanned & (now[:, protocol.RADIUS] != was[:, protocol.RADIUS])
-        now[:, protocol.STATE] |= was[:, protocol.STATE] & protocol.RESCANNED
-        now[:, protocol.STATE] |= np.where(changed, protocol.RESCANNED, 0).astype(np.uint16)
+        scanned = was[:, FIRST] != 0
+        now[:, FIRST] = np.where(scanned, was[:, FIRST], now[:, FIRST])
+        changed = scanned & (now[:, RADIUS] != was[:, RADIUS])
+        now[:, STATE] |= was[:, STATE] & RESCANNED
+        now[:, STATE] |= np.where(changed, RESCANNED, 0).astype(np.uint16)
 
     def _notify(self, level: int, start: int, stop: int) -> None:
         for listener in self.listeners:

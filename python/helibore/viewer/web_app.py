@@ -37,9 +37,10 @@ from helibore.base.errors import InputError
 from helibore.logs.picks import Pick, Picks, pick_of
 from helibore.viewer import exports
 from helibore.viewer.access import LOOPBACK, AccessControl
-from helibore.viewer.client import BadMessageError, Client, handshake, picks_message, read_subscription, state_message
+from helibore.viewer.client import Client
 from helibore.viewer.downloads import Downloads
 from helibore.viewer.html_export import html_export
+from helibore.viewer.protocol import BadMessageError, handshake, picks_message, read_subscription, state_message
 from helibore.viewer.scene import Scene
 
 TICK = 0.05  # seconds: a growing wall is sent at most 20 times a second, the first time at once

@@ -20,10 +20,11 @@ from page_protocol import unpack
 from starlette.requests import ClientDisconnect
 
 import helibore as hb
-from helibore.viewer import exports, html_export, protocol
+from helibore.viewer import exports, html_export
 from helibore.viewer.downloads import Downloads
 from helibore.viewer.feed import Feed
 from helibore.viewer.scene import Scene
+from helibore.viewer.texels import Vertices, radius_of
 
 FILES = {
     "index.html": '<meta charset="utf-8"><link rel="stylesheet" href="app.css">'
@@ -48,7 +49,7 @@ def grow_and_patch(scene: Scene) -> None:
     """Change every vertex, add more, and begin anew: all that a section being written must not notice."""
     texels = scene.levels[0].texels
     other = np.full(scene.levels[0].size + 20_000, 0.2)
-    scene.write(0, protocol.Vertices(other), {"GR": np.zeros(len(other))})
+    scene.write(0, Vertices(other), {"GR": np.zeros(len(other))})
     assert not np.shares_memory(texels, scene.levels[0].texels)
     scene.begin(scene.shape)
 
@@ -76,7 +77,7 @@ def test_a_table_of_a_gauge_hole_has_no_radius_and_no_samples() -> None:
 
 @pytest.mark.parametrize("ends", [(-5.0, 3.0), (900.0, 999.0), (1100.0, 1200.0), (9e9, 8e9)])
 def test_a_table_beside_a_wall_that_grew_has_no_rows(scene: Scene, ends: tuple[float, float]) -> None:
-    scene.write(40_000, protocol.Vertices(np.full(100, 0.11)), {})
+    scene.write(40_000, Vertices(np.full(100, 0.11)), {})
     assert len(scene.levels[0].texels) > scene.levels[0].size, "room for more: not all that is held is wall"
     assert "".join(exports.section_csv(scene, *ends)).count("\n") == 1
 
@@ -102,7 +103,7 @@ def test_an_export_is_of_the_moment_it_was_asked_for(scene: Scene, wall: MadeWal
     assert {(one.kind, one.level, one.tile) for one in found} >= {(1, 0, 1), (1, 1, 0), (3, 255, 0)}
     tile = next(one for one in found if (one.level, one.tile) == (0, 1))
     part = slice(16384, 16384 + 16384 + 65)
-    np.testing.assert_allclose(protocol.radius_of(tile.texels, 1e-5), wall.radius[part], atol=5.1e-6)
+    np.testing.assert_allclose(radius_of(tile.texels, 1e-5), wall.radius[part], atol=5.1e-6)
     np.testing.assert_array_equal(tile.columns[0], gamma(wall.depth, wall.toolface)[part].astype(np.float32))
 
 

@@ -9,10 +9,25 @@ from hypothesis import strategies as st
 from page_protocol import Message, unpack
 
 from helibore.viewer import Attribute, protocol
-from helibore.viewer.client import MOST_PENDING, BadMessageError, Client, Subscription, read_subscription
+from helibore.viewer.client import MOST_PENDING, Client
 from helibore.viewer.levels import TURNS
-from helibore.viewer.protocol import Vertices
+from helibore.viewer.protocol import BadMessageError, Subscription, read_subscription
 from helibore.viewer.scene import PathFrames, Scene, WallShape
+from helibore.viewer.texels import (
+    CLIPPED,
+    FIRST,
+    INTERPOLATED,
+    NEAREST,
+    PROVISIONAL,
+    RADIUS,
+    RESCANNED,
+    STATE,
+    SUPPORT_MASK,
+    TEXEL,
+    Vertices,
+    pack_vertices,
+    radius_of,
+)
 
 K = 8
 SHAPE = WallShape(
@@ -47,7 +62,7 @@ class Page:
     def apply(self, message: Message) -> None:
         level = self.scene.levels[message.level]
         size = level.tile_size + level.halo
-        empty = np.zeros((size, protocol.TEXEL), np.uint16), np.full((2, size), np.nan, np.float32)
+        empty = np.zeros((size, TEXEL), np.uint16), np.full((2, size), np.nan, np.float32)
         texels, columns = self.tiles.setdefault((message.level, message.tile), empty)
         part = slice(message.first, message.first + message.count)
         texels[part] = message.texels
@@ -57,7 +72,7 @@ class Page:
     def expected(self, level: int, tile: int) -> tuple[np.ndarray, np.ndarray]:
         store = self.scene.levels[level]
         start, size = tile * store.tile_size, store.tile_size + store.halo
-        texels, columns = np.zeros((size, protocol.TEXEL), np.uint16), np.full((2, size), np.nan, np.float32)
+        texels, columns = np.zeros((size, TEXEL), np.uint16), np.full((2, size), np.nan, np.float32)
         stop = min(start + size, store.size)
         texels[: stop - start] = store.texels[start:stop]
         columns[:, : stop - start] = [column[start:stop] for column in store.columns]
@@ -68,13 +83,13 @@ def test_a_radius_survives_packing_to_ten_micrometres() -> None:
     radius = np.array([0.1, 0.10801, np.nan, 0.65535, 0.7, 1e-9])
     nearest = np.array([0.0, 0.0123, np.nan, 5.0, 9.0, 0.00004])
     support = np.array([8, 300, 0, 1, 2, 3])
-    texels = protocol.pack_vertices(Vertices(radius, nearest, support, np.array([0, 1, 0, 0, 0, 0], bool)), 1e-5)
-    assert texels[:, protocol.RADIUS].tolist() == [10000, 10801, 0, 65535, 65535, 1]
-    assert texels[:, protocol.NEAREST].tolist() == [0, 123, 65535, 50000, 65535, 0]
-    assert (texels[:, protocol.STATE] & protocol.SUPPORT_MASK).tolist() == [8, 255, 0, 1, 2, 3]
-    assert [bool(s & protocol.CLIPPED) for s in texels[:, protocol.STATE]] == [False, False, False, False, True, False]
-    assert [bool(s & protocol.PROVISIONAL) for s in texels[:, protocol.STATE]] == [False, True, *[False] * 4]
-    back = protocol.radius_of(texels, 1e-5)
+    texels = pack_vertices(Vertices(radius, nearest, support, np.array([0, 1, 0, 0, 0, 0], bool)), 1e-5)
+    assert texels[:, RADIUS].tolist() == [10000, 10801, 0, 65535, 65535, 1]
+    assert texels[:, NEAREST].tolist() == [0, 123, 65535, 50000, 65535, 0]
+    assert (texels[:, STATE] & SUPPORT_MASK).tolist() == [8, 255, 0, 1, 2, 3]
+    assert [bool(s & CLIPPED) for s in texels[:, STATE]] == [False, False, False, False, True, False]
+    assert [bool(s & PROVISIONAL) for s in texels[:, STATE]] == [False, True, *[False] * 4]
+    back = radius_of(texels, 1e-5)
     np.testing.assert_allclose(back[:2], radius[:2], atol=5e-6)
     assert np.isnan(back[2])
 
@@ -82,7 +97,7 @@ def test_a_radius_survives_packing_to_ten_micrometres() -> None:
 def test_every_array_of_a_message_is_aligned() -> None:
     for count in (1, 2, 3):
         assert protocol.HEAD.size % 8 == 0
-        assert (protocol.HEAD.size + count * 2 * protocol.TEXEL) % 4 == 0
+        assert (protocol.HEAD.size + count * 2 * TEXEL) % 4 == 0
 
 
 def test_a_write_across_a_seam_reaches_the_halo_of_the_tile_above() -> None:
@@ -123,8 +138,8 @@ def test_the_first_pass_is_kept_and_a_rescan_marked() -> None:
     scene.settle(3)
     scene.write(0, Vertices(np.array([0.1, 0.12, 0.13, 0.14])), {})
     texels = scene.levels[0].texels[:4]
-    assert texels[:, protocol.FIRST].tolist() == [10000, 11000, 13000, 14000]
-    assert [bool(s & protocol.RESCANNED) for s in texels[:, protocol.STATE]] == [False, True, False, False]
+    assert texels[:, FIRST].tolist() == [10000, 11000, 13000, 14000]
+    assert [bool(s & RESCANNED) for s in texels[:, STATE]] == [False, True, False, False]
 
 
 def test_what_is_already_so_is_not_sent_again() -> None:
@@ -227,10 +242,10 @@ def slow_cell(scene: Scene, R: int, C: int) -> tuple[float, float, int, int]:
         if k % level.sectors * over.sectors // level.sectors != C:
             continue
         texel = level.texels[k]
-        nearest.append(int(texel[protocol.NEAREST]))
-        support.append(int(texel[protocol.STATE]) & 255)
-        if texel[protocol.RADIUS]:
-            radii.append(int(texel[protocol.RADIUS]))
+        nearest.append(int(texel[NEAREST]))
+        support.append(int(texel[STATE]) & 255)
+        if texel[RADIUS]:
+            radii.append(int(texel[RADIUS]))
         if np.isfinite(level.columns[0][k]):
             values.append(float(level.columns[0][k]))
     return np.mean(radii) if radii else 0.0, np.mean(values) if values else np.nan, max(nearest), min(support)
@@ -254,16 +269,16 @@ def test_the_overview_is_the_mean_of_its_blocks(sectors: int) -> None:
     for j in range(over.size):
         mean, value, nearest, support = slow_cell(scene, j // over.sectors, j % over.sectors)
         texel = over.texels[j]
-        assert abs(int(texel[protocol.RADIUS]) - mean) <= 1, j
+        assert abs(int(texel[RADIUS]) - mean) <= 1, j
         np.testing.assert_allclose(over.columns[0][j], value, rtol=1e-6, equal_nan=True)
-        assert (int(texel[protocol.NEAREST]), int(texel[protocol.STATE])) == (nearest, support), j
+        assert (int(texel[NEAREST]), int(texel[STATE])) == (nearest, support), j
 
 
 def test_a_washout_all_around_the_hole_is_level_in_the_overview() -> None:
     scene = begun(WallShape(sectors=64, pitch=0.1, start_depth=0, bit_diameter=0.2))
     depth = np.arange(64 * 320) * 0.1 / 64
     scene.write(0, Vertices(np.where((depth > 16.2) & (depth < 17.4), 0.12, 0.1)), {})
-    rings = scene.levels[1].texels[:, protocol.RADIUS].reshape(-1, 8)[:20]
+    rings = scene.levels[1].texels[:, RADIUS].reshape(-1, 8)[:20]
     assert np.flatnonzero((rings > 10_100).any(axis=1)).tolist() == [10]
     assert np.ptp(rings[10]) < 200, "every sector of the ring has the same share of it, but for the helix's own slope"
 
@@ -323,11 +338,11 @@ def test_only_vertices_whose_mark_changes_are_sent_again_as_interpolated() -> No
     sent = [message for message in page.drain() if message.level == 0]
     assert [(message.first, message.count) for message in sent] == [(3 * K, 28 * K + 1)]
     wall, over = scene.levels
-    np.testing.assert_array_equal((wall.texels[: wall.size, protocol.STATE] & protocol.INTERPOLATED) > 0, marks)
-    rings = (over.texels[: over.size, protocol.STATE] & protocol.INTERPOLATED > 0).reshape(4, -1)
+    np.testing.assert_array_equal((wall.texels[: wall.size, STATE] & INTERPOLATED) > 0, marks)
+    rings = (over.texels[: over.size, STATE] & INTERPOLATED > 0).reshape(4, -1)
     assert rings.all(axis=1).tolist() == [True, True, False, False]
     assert not rings[2:].any()
     scene.set_interpolated(marks)
     assert page.drain() == []
     scene.write(4 * K, Vertices(np.full(K, 0.11)), {})
-    assert (wall.texels[4 * K : 5 * K, protocol.STATE] & protocol.INTERPOLATED).all(), "a new radius keeps the mark"
+    assert (wall.texels[4 * K : 5 * K, STATE] & INTERPOLATED).all(), "a new radius keeps the mark"

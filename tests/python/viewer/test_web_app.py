@@ -27,9 +27,10 @@ import helibore as hb  # noqa: E402
 from helibore.logs.picks import Pick, Picks  # noqa: E402
 from helibore.viewer import Attribute, protocol  # noqa: E402
 from helibore.viewer.access import NO_TOKEN  # noqa: E402
-from helibore.viewer.client import handshake  # noqa: E402
 from helibore.viewer.feed import Feed  # noqa: E402
+from helibore.viewer.protocol import handshake  # noqa: E402
 from helibore.viewer.scene import Scene  # noqa: E402
+from helibore.viewer.texels import PROVISIONAL, RESCANNED, STATE, radius_of  # noqa: E402
 from helibore.viewer.web_app import application, page  # noqa: E402
 
 HOST = "127.0.0.1"
@@ -95,7 +96,7 @@ def test_a_page_is_greeted_and_gets_what_it_asks_for(client: TestClient, feed: A
         talk.say(subscribe={"tiles": [[1, 2]], "focus": 1, "mask": 1})
         write = talk.until(lambda m: m.kind == protocol.WRITE and m.level == 0)
         assert (write.tile, write.first, write.count, write.live) == (1, 0, 16384 + 65, False)
-        radius = protocol.radius_of(write.texels, talk.hello["radius_unit"])
+        radius = radius_of(write.texels, talk.hello["radius_unit"])
         part = slice(16384, 16384 + write.count)
         np.testing.assert_allclose(radius, feed.wall.radius[part], atol=5.1e-6)
         np.testing.assert_array_equal(
@@ -259,7 +260,7 @@ def test_view_serves_a_wall_on_a_real_port() -> None:
 def follows(scene: Scene, wall: hb.Wall) -> bool:
     """Whether the scene shows the wall to its last radius."""
     texels = scene.levels[0].texels[: scene.levels[0].size]
-    shown = protocol.radius_of(texels, scene.shape.radius_unit)
+    shown = radius_of(texels, scene.shape.radius_unit)
     return len(shown) == len(wall) and np.allclose(shown, wall.radius, rtol=0, atol=5.1e-6, equal_nan=True)
 
 
@@ -276,7 +277,7 @@ def test_a_live_wall_is_followed_append_by_append() -> None:
         until(lambda: viewer.scene.settled == wall.settled and follows(viewer.scene, wall))
         viewer.update(wall.append([1010.0, 1010.01], [40.0, 41.0], [0.15, 0.15]))
         until(lambda: follows(viewer.scene, wall))
-        again = viewer.scene.levels[0].texels[:, protocol.STATE] & protocol.RESCANNED
+        again = viewer.scene.levels[0].texels[:, STATE] & RESCANNED
         touched = wall.depth[np.flatnonzero(again)]
         assert len(touched)
         assert abs(touched - 1010).max() < 1.0, "only what the late samples reach is a re-scan"
@@ -296,7 +297,7 @@ def test_values_of_new_quads_come_with_the_change_and_provisional_vertices_settl
         level, want = viewer.scene.levels[0], np.full(len(wall), np.nan, np.float32)
         want[: len(quads())] = quads()
         with viewer.scene.lock:
-            marked = (level.texels[: level.size, protocol.STATE] & protocol.PROVISIONAL) > 0
+            marked = (level.texels[: level.size, STATE] & PROVISIONAL) > 0
             values = level.columns[0][: level.size].copy()
             there = follows(viewer.scene, wall)
         return there and np.array_equal(values, want, equal_nan=True) and np.array_equal(marked, wall.provisional)

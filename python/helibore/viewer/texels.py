@@ -1,0 +1,59 @@
+"""What the viewer keeps of a vertex: four 16-bit numbers, a texel of the page's textures.
+
+radius | radius of the first pass | distance to the nearest sample | state        0 radius: no sample in reach
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.base.arrays import Floats, numbers
+
+Texels = npt.NDArray[np.uint16]
+
+TEXEL = 4
+RADIUS, FIRST, NEAREST, STATE = range(TEXEL)
+NEAREST_UNIT = 1e-4  # metres per step of a packed distance, 6.55 m at most
+SUPPORT_MASK = 0x00FF
+RESCANNED, PROVISIONAL, CLIPPED, INTERPOLATED = 0x0100, 0x0200, 0x0400, 0x0800
+TOP = 0xFFFF
+
+
+@dataclass(frozen=True)
+class Vertices:
+    """Values of consecutive vertices, all (n,): radius in metres (NaN: no sample in reach), distance to the nearest
+    sample in metres, samples used, and whether the radius came by direct connection."""
+
+    radius: npt.ArrayLike
+    nearest: npt.ArrayLike | None = None
+    support: npt.ArrayLike | None = None
+    provisional: npt.ArrayLike | None = None
+
+
+def pack_vertices(vertices: Vertices, radius_unit: float) -> Texels:
+    """Return the texels (n, 4) of vertices: radius, first-pass radius, nearest distance, state. 0: no radius."""
+    radius = numbers(vertices.radius)
+    texels = np.zeros((radius.size, TEXEL), np.uint16)
+    there = np.isfinite(radius)
+    steps = np.rint(np.where(there, radius, 0.0) / radius_unit)
+    texels[:, RADIUS] = texels[:, FIRST] = np.where(there, np.clip(steps, 1, TOP), 0)
+    if vertices.nearest is not None:
+        nearest = numbers(vertices.nearest)
+        distance = np.where(np.isfinite(nearest), np.rint(nearest / NEAREST_UNIT), TOP)
+        texels[:, NEAREST] = np.clip(distance, 0, TOP)
+    support = there.astype(np.int64) if vertices.support is None else numbers(vertices.support, np.int64)
+    state = np.clip(support, 0, SUPPORT_MASK).astype(np.uint16)
+    state[steps > TOP] |= CLIPPED
+    if vertices.provisional is not None:
+        state[numbers(vertices.provisional, np.bool_)] |= PROVISIONAL
+    texels[:, STATE] = state
+    return texels
+
+
+def radius_of(texels: Texels, radius_unit: float, column: int = RADIUS) -> Floats:
+    """Return the packed radii in metres, NaN where there is none."""
+    steps = texels[..., column].astype(np.float64)
+    return np.where(steps == 0, np.nan, steps * radius_unit)
