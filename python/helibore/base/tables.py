@@ -24,6 +24,8 @@ from helibore.base.errors import InputError, needs
 if TYPE_CHECKING:
     from pandas import DataFrame
 
+_DECIMALS = {"m": 6, "m3": 7, "deg": 2, "s": 2, "": 5}
+
 
 @dataclass(frozen=True, eq=False)
 class LogColumn:
@@ -60,6 +62,17 @@ class LogColumn:
         if not (self.description.isascii() and self.unit.isascii()):
             raise InputError(self.mnemonic, "unit and description must be ASCII")
         self.__dict__["values"] = column(self.mnemonic, self.values)
+
+    def texts(self, missing: str) -> list[str]:
+        """Return the values as text, with ``decimals`` or, if it is None, the decimals of the unit.
+
+        Parameters
+        ----------
+        missing
+            The text of a missing value.
+        """
+        decimals = _DECIMALS.get(self.unit, 6) if self.decimals is None else self.decimals
+        return [f"{value:.{decimals}f}" if value == value else missing for value in self.values.tolist()]
 
 
 class Tabular(ABC):

@@ -1,0 +1,83 @@
+"""Write a table of logs as LAS 2.0: the sections of the header, then one line a depth. ``las.py`` reads LAS.
+
+~Version     VERS, WRAP
+~Well        STRT, STOP, STEP, NULL, what is known of the hole (LAS_WELL), PROG
+~Curve       mnemonic, unit and description of every log
+~Parameter   facts: bit size, basis, windows ...
+~A           the logs; -999.25 where missing
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+
+import numpy as np
+
+from helibore.base.arrays import Floats
+from helibore.base.tables import LogTable
+
+NULL = -999.25
+LAS_WELL = {"company": "COMP", "well": "WELL", "field": "FLD", "location": "LOC", "service": "SRVC", "run": "RUN",
+            "date": "DATE", "datum": "DATUM", "kb": "EKB", "gl": "EGL", "bit": "BS", "mud": "MUD",
+            "remarks": "REM"}  # fmt: skip
+"""Mnemonics of what is known of the hole."""
+
+_STEP_DECIMALS = 5
+
+
+def las_text(table: LogTable, header: Mapping[str, str]) -> str:
+    """Return the file as text, by LAS 2.0 (CWLS). Texts of the header stand in the value field, before the colon."""
+    texts = [column.texts(f"{NULL:.2f}") for column in table]
+    widths = [max(map(len, column), default=0) for column in texts]
+    first, last = (texts[0][0], texts[0][-1]) if table.rows else (f"{NULL:.2f}",) * 2
+    depth = table.depth.values
+    known = {"bit": table.facts.get("bit diameter", ""), **header}
+    lines = [
+        "~Version Information",
+        _las_line("VERS", "", "2.0", "CWLS LOG ASCII STANDARD - VERSION 2.0"),
+        _las_line("WRAP", "", "NO", "One line a depth"),
+        "~Well Information",
+        _las_line("STRT", table.depth.unit.upper(), first, "First depth"),
+        _las_line("STOP", table.depth.unit.upper(), last, "Last depth"),
+        _las_line("STEP", table.depth.unit.upper(), _las_step(depth), "Step; 0 where no even step fits the decimals"),
+        _las_line("NULL", "", f"{NULL:.2f}", "Missing"),
+        *(_las_line(LAS_WELL[name], *_unit_and_value(known.get(name, "")), name.capitalize()) for name in LAS_WELL),
+        _las_line("PROG", "", "helibore", "Made by"),
+        "~Curve Information",
+        *(_las_line(column.mnemonic, column.unit.upper(), "", one_line(column.description)) for column in table),
+        "~Parameter Information",
+        *(_las_line(mnemonic_of(name), *_unit_and_value(text), one_line(name)) for name, text in table.facts.items()),
+        "~A  " + " ".join(column.mnemonic for column in table),
+    ]  # fmt: skip
+    columns = [[text.rjust(width) for text in column] for column, width in zip(texts, widths, strict=True)]
+    for row in zip(*columns, strict=True):
+        lines.append(" ".join(row))
+    return "\n".join(lines) + "\n"
+
+
+def _las_line(mnemonic: str, unit: str, value: str, description: str) -> str:
+    return f"{mnemonic:<9}.{unit:<5} {value:>14} : {description}"
+
+
+def _unit_and_value(text: str) -> tuple[str, str]:
+    """Return the unit and the value of a fact as LAS writes them; a fact that is no quantity has the unit ""."""
+    quantity = re.fullmatch(r"([-+.\deE]+) (m|mm|in|ft|m3|deg|s)", text)
+    return (quantity[2].upper(), quantity[1]) if quantity else ("", one_line(text))
+
+
+def _las_step(depth: Floats) -> str:
+    if depth.size < 2:
+        return "0"
+    step = round(float(depth[-1] - depth[0]) / (depth.size - 1), _STEP_DECIMALS)
+    even = np.abs(depth - (depth[0] + step * np.arange(depth.size))).max() < 10.0**-_STEP_DECIMALS
+    return f"{step:.{_STEP_DECIMALS}f}" if even else "0"
+
+
+def mnemonic_of(name: str) -> str:
+    return re.sub(r"[^A-Z0-9]+", "_", name.upper()).strip("_")
+
+
+def one_line(text: str) -> str:
+    """Return the text without colons and line breaks, which separate fields in LAS."""
+    return " ".join(text.replace(":", ";").split())
