@@ -59,6 +59,9 @@ AT_REST = """(patience) => new Promise((done, failed) => {
   look();
 })"""
 
+UNDRAWN = """for (const name of ['drawArrays', 'drawElements', 'drawArraysInstanced', 'drawElementsInstanced', 'blitFramebuffer'])
+  WebGL2RenderingContext.prototype[name] = () => {};"""
+
 # Draws at once and reads the WebGL canvas back, as RGBA bytes of a rectangle in CSS pixels.
 READ = """([name, strip]) => {
   const { app } = window.__wall;
@@ -102,17 +105,17 @@ class Screen:
     def __init__(
         self, browser: Any, url: str, address: str = "", size: tuple[int, int] = (1000, 640), drawn: bool = True
     ) -> None:
-        """Open the page. Not ``drawn``: only text and ink are drawn after the first picture, no WebGL."""
+        """Open the page. Not ``drawn``: only text and ink are drawn, no WebGL."""
         self.requests: list[str] = []
         self.errors: list[str] = []
         self.page = browser.new_page(viewport={"width": size[0], "height": size[1]})
         self.page.on("request", lambda request: self.requests.append(request.url))
         self.page.on("websocket", lambda socket: self.requests.append(socket.url))
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        if not drawn:
+            self.page.add_init_script(UNDRAWN)
         self.page.goto(url + address)
         self.until("window.__wall?.ready")
-        if not drawn:
-            self.page.evaluate("window.__wall.app.gpu.draw = () => {}")
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.page, name)
