@@ -59,7 +59,7 @@ AT_REST = """(patience) => new Promise((done, failed) => {
   look();
 })"""
 
-UNDRAWN = """for (const name of ['drawArrays', 'drawElements', 'drawArraysInstanced', 'drawElementsInstanced', 'blitFramebuffer'])
+UNDRAWN = """for (const name of ['drawArrays', 'drawElements', 'blitFramebuffer'])
   WebGL2RenderingContext.prototype[name] = () => {};"""
 
 # Draws at once and reads the WebGL canvas back, as RGBA bytes of a rectangle in CSS pixels.
