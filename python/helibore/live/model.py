@@ -35,7 +35,7 @@ from helibore.live.layout import Layout
 from helibore.live.mapping import Chunk, Reading, SourceReader
 from helibore.live.pass_log import PassLog
 from helibore.live.pass_rules import NO_NUMBER, PASSES, layer_of
-from helibore.live.session_header import configuration_of
+from helibore.live.session_header import configuration_of, read_header
 from helibore.live.sources import Source
 from helibore.live.stations import Stations
 from helibore.live.store_reader import reader_of
@@ -190,7 +190,7 @@ class Model:
     def _open(self, record: np.void, payload: bytes) -> None:
         header: dict[str, str] = {}
         with self._set_aside(record, "session header"):
-            header = json.loads(payload or b"{}")
+            header = read_header(payload)
         if self.follows and header.get("meaning", self._meaning) != self._meaning:
             self._meaning = header["meaning"]
             with self._set_aside(record, "session header"):

@@ -31,13 +31,29 @@ Header = dict[str, Any]
 IMAGE_STAYS = ("name", "unit", "sectors", "layout")
 
 
+def read_header(payload: bytes) -> Header:
+    """Return the session header in the payload of an OPENED record; a program's journal may have an empty one.
+
+    Raises
+    ------
+    ValueError
+        If the payload is not a JSON object whose configuration and meaning, if there, are texts.
+    """
+    header = json.loads(payload or b"{}")
+    if not isinstance(header, dict):
+        raise InputError("session header", "must be a JSON object", _short(header))
+    for name in ("configuration", "meaning"):
+        if not isinstance(header.get(name, ""), str):
+            raise InputError(f"session header.{name}", "must be a text", _short(header[name]))
+    return header
+
+
 def headers(segment: Segment) -> list[tuple[int, Header]]:
     """Return (row, header) of each session header that can be read."""
     found = []
     for row in np.flatnonzero(segment.records["kind"] == journals.OPENED).tolist():
         with suppress(ValueError):
-            header = json.loads(segment.payload(row))
-            found += [(row, header)] if isinstance(header, dict) else []
+            found.append((row, read_header(segment.payload(row))))
     return found
 
 

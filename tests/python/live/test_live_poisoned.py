@@ -117,6 +117,8 @@ POISONS = {
     "image of a host that is cut": image("X", 2, [1.0, 2.0]),
     "image of a host without a head": (journal.IMAGE, b"\xff\xfe no JSON"),
     "session without a header": (journal.OPENED, b"not JSON"),
+    "session whose header is a list": (journal.OPENED, b"[1]"),
+    "session whose meaning is a number": (journal.OPENED, b'{"meaning": 5}'),
     "record of an unknown kind": (77, b"?"),
 }
 
