@@ -257,7 +257,8 @@ def _parsed(row: Mapping[str, Any], path: Path | None, apparent: bool, line: str
     }
     try:
         if apparent:
-            return Pick(**texts, **{**numbers, "points": int(numbers.get("points", 0))})
+            points = numbers.get("points", 0.0)
+            return Pick(**texts, **{**numbers, "points": int(points) if points.is_integer() else points})
         if path is None:
             raise InputError(
                 "dip_deg", "a true dip needs the path of the wall: give --survey, or apparent_dip_deg and toolface_deg"

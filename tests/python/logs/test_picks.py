@@ -158,6 +158,13 @@ def test_true_dips_of_others_become_picks_on_a_path() -> None:
             "class,depth_m,toolface_deg,apparent_dip_deg\nrock,1,1,2\n",
             f"line 2: class = 'rock': must be one of {', '.join(CLASSES)}",
         ),
+        *(
+            (
+                f"class,depth_m,toolface_deg,apparent_dip_deg,points\nbed,1,1,2,{points}\n",
+                f"line 2: points = {points}: must be a whole number",
+            )
+            for points in ("inf", "nan", "2.5")
+        ),
     ],
 )
 def test_a_table_that_breaks_a_rule_names_the_line(tmp_path: Path, text: str, error: str) -> None:
