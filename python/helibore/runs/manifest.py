@@ -42,8 +42,12 @@ OUTPUTS = ("archive", "mesh", "logs", "zones")
 BLOCK_SAMPLES = 2_000_000
 """A well with at most this many samples is made in one piece; a worker then takes less than 1 GB."""
 
-KEYS = ("output", "outputs", "block_samples", "catalogue", "defaults", "well")
-"""Keys of a manifest."""
+KEYS: dict[str, tuple[type, str]] = {
+    "output": (str, "an address"), "outputs": (list, "a list"),
+    "block_samples": (int, "a whole number of at least 1"), "catalogue": (str, "an address"),
+    "defaults": (dict, "a table"), "well": (list, "tables, [[well]]"),
+}  # fmt: skip
+"""Keys of a manifest: the type of the value, and what the value must be."""
 
 FILES = ("caliper", "average", "archive", "survey", "track", "image")
 """Keys of a well that name files."""
@@ -115,6 +119,9 @@ def read_jobs(manifest: str | Path, output: str | None = None) -> list[Job]:
     with local_file(address) as path:
         tree: Json = {"well": _rows(path)} if name.endswith(".parquet") else read_toml(path, name)
     check_names(f"{name}: ", tree, KEYS)
+    for key, value in tree.items():
+        if type(value) is not KEYS[key][0]:
+            raise InputError(f"{name}: {key}", f"must be {KEYS[key][1]}", repr(value))
     wells = tree.get("well", [])
     if "catalogue" in tree:
         with local_file(_absolute(tree["catalogue"], folder)) as path:
@@ -123,14 +130,17 @@ def read_jobs(manifest: str | Path, output: str | None = None) -> list[Job]:
     if target is None:
         raise InputError(f"{name}: output", "is missing; it is the folder of all results")
     outputs = tuple(tree.get("outputs", OUTPUTS))
-    if not set(outputs) <= set(OUTPUTS):
+    if not all(one in OUTPUTS for one in outputs):
         raise InputError(f"{name}: outputs", f"must contain only {', '.join(OUTPUTS)}", repr(list(outputs)))
     most = tree.get("block_samples", BLOCK_SAMPLES)
-    if not isinstance(most, int) or most < 1:
-        raise InputError(f"{name}: block_samples", "must be a whole number of at least 1", repr(most))
+    if most < 1:
+        raise InputError(f"{name}: block_samples", f"must be {KEYS['block_samples'][1]}", repr(most))
     jobs, names = [], set()
     for number, well in enumerate(wells, 1):
-        job = _job(name, folder, f"well {number}", _merged(tree.get("defaults", {}), well), target, outputs, most)
+        if not isinstance(well, dict):
+            raise InputError(f"{name}: well {number}", "must be a table", repr(well))
+        merged = _merged(name, tree.get("defaults", {}), well)
+        job = _job(name, folder, f"well {number}", merged, target, outputs, most)
         if job.well in names:
             raise InputError(f"{name}: well {job.well}", "comes twice; names must differ")
         names.add(job.well)
@@ -202,9 +212,13 @@ def _files(key: str, given: Any, place: str, folder: str) -> Any:
     """Return the table of a file, or a list of them, with addresses; an address alone stands for its table."""
     many = given if isinstance(given, list) else [given]
     tables = [{"file": of} if isinstance(of, str) else of for of in many]
+    if key not in ("caliper", "image") and len(tables) != 1:
+        raise InputError(place, "must name one file", repr(given))
     for of in tables:
         if not isinstance(of, dict) or not isinstance(of.get("file"), str):
             raise InputError(place, "must name a file")
+        if not isinstance(of.get("map", ""), str):
+            raise InputError(f"{place}: map", "must name a file", repr(of["map"]))
         check_names(f"{place}: ", of, OF_A_FILE[key])
     made = [of | {name: _absolute(of[name], folder) for name in ("file", "map") if name in of} for of in tables]
     return made if key in ("caliper", "image") else made[0]
@@ -215,9 +229,14 @@ def _absolute(address: str, folder: str) -> str:
     return address if "://" in address or address.startswith("/") or not folder else f"{folder}/{address}"
 
 
-def _merged(defaults: Json, own: Json) -> Json:
-    """Return the tables of a well, with missing keys from the defaults."""
-    both = {key: defaults[key] | own[key] for key in defaults if isinstance(own.get(key), dict) and key not in FILES}
+def _merged(name: str, defaults: Json, own: Json) -> Json:
+    """Return the tables of a well, with missing keys from the defaults of the manifest ``name``."""
+    both: Json = {}
+    for key in defaults:
+        if isinstance(own.get(key), dict) and key not in FILES:
+            if not isinstance(defaults[key], dict):
+                raise InputError(f"{name}: defaults.{key}", "must be a table", repr(defaults[key]))
+            both[key] = defaults[key] | own[key]
     for key in FILES:
         if isinstance(of_all := defaults.get(key), dict):
             given = own.get(key, [of_all] if "file" in of_all else [])

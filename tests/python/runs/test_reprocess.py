@@ -146,12 +146,37 @@ def test_a_parquet_catalogue_gives_the_same_jobs(field: Path) -> None:
          "m.toml: well 15/9-F 1: caliper: mapp: must be one of file, blake2b, set, channel, header_line, map"),
         ('name = "B"', 'name = "B"\nverb = "logs"', "m.toml: well B: verb: must be one of name, helibore, nulls, "),
         ("[[well]]", "[[well]", "m.toml: not TOML: "),
+        ('output = "out"', "output = 3", "m.toml: output = 3: must be an address"),
+        ('output = "out"', 'output = "out"\noutputs = "mesh"', "m.toml: outputs = 'mesh': must be a list"),
+        ('output = "out"', 'output = "out"\noutputs = [["mesh"]]', "m.toml: outputs = [['mesh']]: must contain only "),
+        ('output = "out"', 'output = "out"\nblock_samples = true',
+         "m.toml: block_samples = True: must be a whole number of at least 1"),
+        ('survey = "s.csv"', 'survey = ["s.csv", "s.csv"]',
+         "m.toml: well 15/9-F 1: survey = ['s.csv', 's.csv']: must name one file"),
+        ('survey = "s.csv"', 'survey = { file = "s.csv", map = 3 }',
+         "m.toml: well 15/9-F 1: survey: map = 3: must name a file"),
     ],
 )  # fmt: skip
 def test_an_error_of_the_manifest_names_well_key_and_rule(field: Path, before: str, after: str, text: str) -> None:
     with pytest.raises(hb.InputError) as caught:
         read_jobs(manifest(field, MANIFEST.replace(before, after, 1)))
     assert str(caught.value).startswith(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        ('well = "A"', "m.toml: well = 'A': must be tables, [[well]]"),
+        ('well = ["A"]', "m.toml: well 1 = 'A': must be a table"),
+        ('defaults = 3\n[[well]]\nname = "A"', "m.toml: defaults = 3: must be a table"),
+        ('[defaults]\nwall = 3\n[[well]]\nname = "A"\nwall = {}', "m.toml: defaults.wall = 3: must be a table"),
+    ],
+)
+def test_a_manifest_of_other_types_is_refused(tmp_path: Path, text: str, error: str) -> None:
+    (tmp_path / "m.toml").write_text(f'output = "out"\n{text}\n')
+    with pytest.raises(hb.InputError) as caught:
+        read_jobs(tmp_path / "m.toml")
+    assert str(caught.value) == error
 
 
 def test_nothing_starts_where_a_file_is_missing_or_the_output_cannot_be_written(field: Path, tmp_path: Path) -> None:
