@@ -191,11 +191,11 @@ def rendered(figures: Sequence[Figure], ending: str) -> bytes:
 
 
 def _check_size(figure: Figure, path: str | os.PathLike[str], ending: str) -> None:
-    width, height = figure.get_size_inches() * MM
-    pixels = round(max(width, height) / MM * figure.dpi)
+    longest = max(figure.get_size_inches()) * MM
+    pixels = round(longest / MM * figure.dpi)
     if ending == ".png" and pixels > MOST_PIXELS:
-        place = f"{path}: {height:,.0f} mm of paper at {figure.dpi:g} dpi are {pixels:,} pixels"
+        place = f"{path}: {longest:,.0f} mm of paper at {figure.dpi:g} dpi are {pixels:,} pixels"
         raise InputError(place, f"must be at most {MOST_PIXELS:,}; take a coarser scale, fewer dpi, or .pdf")
-    if ending == ".pdf" and max(width, height) > LONGEST_PDF:
+    if ending == ".pdf" and longest > LONGEST_PDF:
         rule = f"PDF allows {LONGEST_PDF:,.0f}; take pages or a coarser scale"
-        raise InputError(f"{path}: a page of {height:,.0f} mm", rule)
+        raise InputError(f"{path}: a page of {longest:,.0f} mm", rule)

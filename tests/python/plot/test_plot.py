@@ -475,6 +475,9 @@ def test_paper_too_long_for_its_format(wall: hb.Wall, tmp_path: Path) -> None:
     figure.set_size_inches(8, 300)
     with pytest.raises(ValueError, match=r"a page of 7,620 mm: PDF allows 5,080"):
         plot.save(figure, tmp_path / "log.pdf")
+    figure.set_size_inches(300, 8)
+    with pytest.raises(ValueError, match=r"a page of 7,620 mm: PDF allows 5,080"):
+        plot.save(figure, tmp_path / "log.pdf")
     figure.set_size_inches(8, 2000)
     with pytest.raises(ValueError, match=r"at 40 dpi are 80,000 pixels: must be at most 65,000"):
         plot.save(figure, tmp_path / "log.png")
