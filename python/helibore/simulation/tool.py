@@ -100,8 +100,9 @@ def simulate(
 
     ``samples`` is the number of samples of the whole run, at least 2, before the share ``tool.missing`` is removed. It
     sets the sample rate; None: the number that ``tool.sample_rate`` gives. ``seed`` is the seed of phases, noise and
-    missing samples. The first sample lies at ``hole.start`` and the last at ``hole.stop``, unless it is missing. Raises
-    InputError if a lift leaves the hole, if lifts are not in order of depth, or if there are fewer than two samples.
+    missing samples. The first sample lies at ``hole.start`` and the last at ``hole.stop``, unless they are missing. Raises
+    InputError if a lift leaves the hole, if lifts are not in order of depth, if there are fewer than two samples, or if
+    all of them are missing.
     """
     hole = Hole.example(seed=seed) if hole is None else hole
     tool = Tool() if tool is None else tool
@@ -119,6 +120,8 @@ def simulate(
     time, depth = _lift(hole, tool, time, depth)
     if tool.missing:
         kept = rng.random(count) >= tool.missing
+        if not kept.any():
+            raise InputError("missing", f"leaves none of {count} samples", f"{tool.missing:g}")
         time, depth, toolface = time[kept], depth[kept], toolface[kept]
     radius = hole.radius(depth, toolface)
     if tool.noise:
@@ -139,7 +142,7 @@ def _check_lifts(hole: Hole, tool: Tool) -> None:
         if not (deepest <= lift.depth <= hole.stop):
             raise InputError(f"lifts[{index}].depth", f"must be in [{deepest:g}, {hole.stop:g}]", f"{lift.depth:g}")
         if not (0 < lift.length <= lift.depth - hole.start):
-            rule = f"must be above 0 and stay below {hole.start:g}"
+            rule = f"must be above 0 and leave the tool below the top of the hole, {hole.start:g} m"
             raise InputError(f"lifts[{index}].length", rule, f"{lift.length:g}")
         deepest = lift.depth
 

@@ -153,10 +153,11 @@ def test_example_hole_has_everything_in_it() -> None:
         (lambda: Tool(missing=1), "missing = 1: must be in [0, 1)"),
         (lambda: Tool(sectors=0), "sectors = 0: must be at least 1"),
         (lambda: simulate(samples=1), "samples = 1: must be at least 2"),
+        (lambda: simulate(PLAIN, Tool(missing=0.999), samples=2), "missing = 0.999: leaves none of 2 samples"),
         (lambda: simulate(PLAIN, Tool(lifts=(Lift(111, 1),))), "lifts[0].depth = 111: must be in [100, 110]"),
         (
             lambda: simulate(PLAIN, Tool(lifts=(Lift(105, 6),))),
-            "lifts[0].length = 6: must be above 0 and stay below 100",
+            "lifts[0].length = 6: must be above 0 and leave the tool below the top of the hole, 100 m",
         ),
     ],
 )
