@@ -89,8 +89,8 @@ class Annulus:
         """
         if not (math.isfinite(excess) and excess >= 0):
             raise InputError("excess", "must be finite and not negative", str(excess))
-        top = -math.inf if top is None else top
-        bottom = math.inf if bottom is None else bottom
+        top = float(self.depth.min(initial=math.inf)) if top is None else top
+        bottom = float(self.depth.max(initial=-math.inf)) if bottom is None else bottom
         inside = self.volume[(self.depth >= top) & (self.depth <= bottom)]
         if not inside.size:
             raise InputError("cement", f"no row between {top:g} and {bottom:g} m")
