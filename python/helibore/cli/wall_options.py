@@ -555,7 +555,7 @@ def _image(text: str) -> ImageInput:
     from helibore.runs.run_settings import ImageInput
 
     reference = next((word for word in ("north", "high-side") if text.endswith(f":{word}")), None)
-    parts = text.removesuffix(f":{reference}").rsplit(":", 2)
+    parts = (text.removesuffix(f":{reference}") if reference else text).rsplit(":", 2)
     if len(parts) != 3 or parts[2] not in ("centre", "edge"):
         forms = "FILE:CHANNEL:ORIGIN or FILE:CHANNEL:ORIGIN:REFERENCE; ORIGIN is centre or edge, REFERENCE"
         raise click.UsageError(f"--image {text}: must be {forms} north or high-side")

@@ -267,6 +267,7 @@ def test_pages_wider_than_their_paper_are_named(tmp_path: Path, archive: Path) -
             ["-o", "log.png", "--image", "x.las"],
             "--image x.las: must be FILE:CHANNEL:ORIGIN or FILE:CHANNEL:ORIGIN:",
         ),
+        (["-o", "log.png", "--image", "x.las:GR:edge:None"], "--image x.las:GR:edge:None: must be FILE:CHANNEL:ORIGIN"),
         (["-o", "log.png", "--image", "x.las:GR:edge"], "x.las: No such file or directory"),
         (["-o", "log.png", "--from", "9000", "--to", "9001"], "interval 9000 to 9001 m: the wall reaches from 2000"),
     ],
