@@ -23,8 +23,10 @@ def without_caliper(
 
     Return two empty texts if the file has a caliper, has no images, or has several sets, which ``--image`` cannot read.
     """
-    images = [role.channel for role in roles.all("image")]
-    if len(log.sets) != 1 or not images or roles.all(*WALL):
+    if len(log.sets) != 1 or roles.all(*WALL):
+        return "", ""
+    images = [role.channel for role in roles.all("image") if len(log.set()[role.channel].shape) == 2]
+    if not images:
         return "", ""
     means = [role.channel for role in roles.all("mean-diameter")]
     stated = bit or _stated_bit(log, roles)

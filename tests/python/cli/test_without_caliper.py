@@ -55,3 +55,7 @@ def test_a_file_with_a_caliper_or_without_images_gets_none(tmp_path: Path) -> No
     assert "--gauge" not in CliRunner().invoke(cli, ["inspect", str(file)]).stdout
     file.write_text("depth_m,gr\n1,2\n3,4\n")
     assert "--gauge" not in CliRunner().invoke(cli, ["inspect", str(file)]).stdout
+    map_file = tmp_path / "m.toml"
+    map_file.write_text('[channels.depth_m]\nrole = "depth"\nunit = "m"\n[channels.gr]\nrole = "image"\nunit = ""\n')
+    mapped = CliRunner().invoke(cli, ["inspect", str(file), "--map", str(map_file)])
+    assert (mapped.exit_code, "--gauge" in mapped.stdout) == (0, False)  # one value a row is no image
