@@ -1,4 +1,4 @@
-"""The command line: ``helibore <verb>``. A verb's module is loaded when it is called, and no other.
+"""The command line: ``helibore <verb>``. Only the module of the verb that is called is loaded.
 
     exit code 0   done
               2   the input, the options or the disk: one line on stderr that names the place, the value and the rule
@@ -24,7 +24,7 @@ from helibore.base.errors import MissingExtraError
 VERBS = ("demo", "inspect", "journal", "live", "logs", "mesh", "plot", "reconstruct", "report", "reprocess",
          "simulate", "view")  # fmt: skip
 MODULES = {"reconstruct": "mesh", "report": "plot"}
-"""The verb in whose module another verb is, ``mesh_command`` for example."""
+"""Verbs whose module has the name of another verb: ``reconstruct`` is in ``mesh_command``."""
 
 
 class BadInput(click.ClickException):
@@ -41,7 +41,7 @@ def _one_line_errors() -> Iterator[None]:
     try:
         yield
     except click.UsageError as error:
-        if type(error).__name__ == "NoArgsIsHelpError":  # helibore alone: its help; no error for a click before 8.2
+        if type(error).__name__ == "NoArgsIsHelpError":  # without a verb, click from 8.2 on shows its help by this
             raise
         hint = f" (see {error.ctx.command_path} --help)" if error.ctx else ""
         raise BadInput(error.format_message() + hint) from error
@@ -55,7 +55,7 @@ def _one_line_errors() -> Iterator[None]:
 
 
 class Verbs(click.Group):
-    """The verbs; each is loaded when it is called."""
+    """The group of all verbs; the module of a verb is loaded when the verb is called."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
         return list(VERBS)

@@ -1,4 +1,4 @@
-"""``helibore demo``: a simulated hole from samples to mesh and picture, and how far it is from the truth."""
+"""``helibore demo``: a simulated hole, from samples to mesh and picture, and the error of its wall."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""``helibore inspect FILE``: what a file holds, what each channel is taken for and why, and the map to change it.
+"""``helibore inspect FILE``: what a file holds, which role each channel gets and why, and the map of these roles.
 
-Prints a table for each set (or the one named), the remarks of the reader, and the role map as TOML, ready to edit and
-to pass back with ``--map``. Builds nothing.
+The command prints for each set, or for each set that ``--set`` chooses, a table, the remarks of the reader, and the
+role map as TOML. The map can be edited and passed back with ``--map``. The command builds no wall.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def inspect(file: Path, map_file: Path | None, sets: tuple[str, ...], header_lin
 
 
 def show(console: Console, file: Path, opened: LogFile, names: list[str], mapped: RoleMap | None) -> None:
-    """Print one table a set, the remarks, and the map."""
+    """Print for each of the sets ``names`` its table, its remarks, and its role map."""
     console.print(f"[bold]{escape(opened.path.name)}[/]: {escape(opened.format)}, {len(opened.sets)} set(s)")
     for number, log_set in enumerate(opened.sets, 1):
         if log_set.name not in names:
@@ -88,7 +88,7 @@ def show(console: Console, file: Path, opened: LogFile, names: list[str], mapped
 
 
 def refusal(log_set: LogSet, roles: RoleMap) -> str:
-    """Return why the samples or the survey of a set would be refused with these roles, "" if they would not."""
+    """Return why the samples or the survey of a set are refused with these roles; "" if they are not refused."""
     try:
         if roles.all("radius", "diameter", "radius-image"):
             log_set.readings(roles)
@@ -100,7 +100,7 @@ def refusal(log_set: LogSet, roles: RoleMap) -> str:
 
 
 def table(log_set: LogSet, roles: RoleMap, reasons: bool, title: str) -> Table:
-    """Return the channels of a set as a table, with a column of reasons or without."""
+    """Return the channels of a set as a table with their roles and, with ``reasons``, why they have these roles."""
     drawn = Table(title=f"{title}: {log_set.rows:,} rows", title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     images = any(len(channel.shape) == 2 for channel in log_set)
     sectors = ["sectors"] if images else []
@@ -119,7 +119,7 @@ def table(log_set: LogSet, roles: RoleMap, reasons: bool, title: str) -> Table:
 
 
 def span(channel: Channel) -> str:
-    """Return the smallest and the largest value, or the first text."""
+    """Return the smallest and the largest value of a channel, or the first text of a channel of texts."""
     if channel.is_text:
         return f"{str(channel.values.flat[0])[:16]!r} ..." if channel.values.size else "text"
     found = channel.values[np.isfinite(channel.values)]
@@ -127,11 +127,11 @@ def span(channel: Channel) -> str:
 
 
 def short(value: float) -> str:
-    """Return a number with five digits, or with all before the point: 0.0386, 2.5554, 1590.1, 1023720."""
+    """Return a number with five significant digits, a large one without decimals: 0.0386, 2.5554, 1590.1, 1023720."""
     return f"{value:.0f}" if 1e4 <= abs(value) < 1e9 else f"{value:.5g}"
 
 
 def share(channel: Channel) -> str:
-    """Return the number of missing values, and what percentage they are."""
+    """Return the number of missing values of a channel, and their percentage of all its values."""
     total = channel.values.size
     return f"{channel.missing:,} ({100 * channel.missing / total:.2g} %)" if channel.missing and total else "0"

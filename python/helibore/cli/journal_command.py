@@ -231,7 +231,7 @@ def _replayed(folder: Path, file: Path | None) -> Live:
 
 
 def _segments(folder: Path) -> Iterator[Segment]:
-    """Read the segments of a journal, and show how many are read."""
+    """Yield the segments of a journal, and show on a terminal how many have been read."""
     from helibore.live.journal import segments
 
     with _progress(folder) as step:
@@ -242,7 +242,7 @@ def _segments(folder: Path) -> Iterator[Segment]:
 
 @contextmanager
 def _progress(folder: Path) -> Iterator[Callable[[object], None]]:
-    """Show on a terminal, after a second, how many segments are done; yield the function that counts one."""
+    """Show on a terminal, after a second, how many segments are done; yield a function to call after each segment."""
     import sys
     import time
 

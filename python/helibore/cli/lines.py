@@ -1,4 +1,4 @@
-"""Labels and sentences that the commands print about a wall, its logs, zones and images."""
+"""The lines, each a label and a sentence, that the commands print about a wall, its logs, zones and images."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ Lines = list[tuple[str, str]]
 
 
 def summary_lines(found: WallSummary, cells: str = "") -> Lines:
-    """Describe a wall or an interval of it; ``cells`` counts the cells that were written."""
+    """Return lines on a wall or an interval of it; ``cells`` is a text on the cells that were written."""
     helix = f"{found.sectors} sectors, pitch {found.pitch:g} m: {found.vertices:,} vertices"
     samples = f", from {found.samples:,} samples" if found.samples else ""
     lines = [("wall", f"{found.start:.2f} to {found.stop:.2f} m, {helix}{cells}{samples}")]
     if found.basis != "azimuthal":
         lines.append(("", found.basis_text))
     lines.append(("bit", size_text(found.bit_diameter)))
-    if found.basis == "gauge":  # nothing was measured, so that there is nothing to report
+    if found.basis == "gauge":  # nothing was measured
         return lines
     if math.isnan(found.mean_diameter):
         lines.append(("diameter", "missing: no turn is whole"))
@@ -56,7 +56,7 @@ def summary_lines(found: WallSummary, cells: str = "") -> Lines:
 
 
 def trust_lines(found: WallSummary) -> Lines:
-    """Warn of a tool with few arms, or of a wall that is mostly interpolated."""
+    """Return the warnings of a summary, such as that of a tool with few arms, as lines."""
     return [("warning", text) for text in found.warnings]
 
 
@@ -86,13 +86,13 @@ def _volume(cubic_metres: float) -> str:
 
 
 def row_line(rows: Logs) -> tuple[str, str]:
-    """Describe the rows of a file of logs."""
+    """Return a line on the rows of a file of logs: depths, number, and one for each turn or step."""
     each = "one a turn" if rows.step is None else f"one each {rows.step:g} m"
     return "logs", f"{rows.depth.min():.2f} to {rows.depth.max():.2f} m, {len(rows):,} rows, {each}"
 
 
 def sigma_lines(rows: Logs) -> Lines:
-    """Say how many rows have no uncertainty, if it was asked for."""
+    """Return a line on the rows that have no uncertainty; no line if the logs were made without uncertainty."""
     if not rows.with_sigma:
         return []
     missing = int(np.isnan(rows.diameter_sigma).sum())
@@ -105,7 +105,7 @@ def sigma_lines(rows: Logs) -> Lines:
 
 
 def annulus_lines(annuli: Iterable[Annulus]) -> Lines:
-    """Describe the volume around each casing, and where the least clearance is."""
+    """Return lines on the volume around each casing, and on its least clearance."""
     lines: Lines = []
     for each in annuli:
         text = f"{size_text(each.casing)}: annulus {_volume(each.total)}"
@@ -125,7 +125,7 @@ def annulus_lines(annuli: Iterable[Annulus]) -> Lines:
 
 
 def zone_lines(zones: Classification, found: WallSummary, unit: str) -> Lines:
-    """Describe the zones that reach into the interval of a summary, and the criteria, in the units of ``--unit``."""
+    """Return lines on the zones in the interval of a summary, also in part, and on the criteria, in ``--unit``."""
     counts = Counter(zone.kind for zone in zones.zones if zone.stop > found.start and zone.start < found.stop)
     kinds = [f"{count} {kind}, {found.kinds.get(kind, 0.0):,.1f} m" for kind, count in counts.items()]
     lines: Lines = [("zones", "; ".join(kinds) or "none by the criteria")]
@@ -138,7 +138,7 @@ def zone_lines(zones: Classification, found: WallSummary, unit: str) -> Lines:
 
 
 def breakout_line(found: ImageBreakouts) -> tuple[str, str]:
-    """Describe the breakouts that an image shows."""
+    """Return a line on the breakouts that an image shows."""
     name, axis = found.image.name, found.axis()
     if not found.zones:
         return "image", f"{name}: no dark sectors on opposite sides by the criteria"

@@ -19,7 +19,7 @@ _RIG = {"rotation": "rpm", "activity": ""}
 
 
 def described(settings: Configuration) -> list[str]:
-    """Return the lines."""
+    """Return the lines of ``--check``: each source with its address, then one line for each of its quantities."""
     found = []
     for name, source in settings.sources.items():
         found.append(f"{name}: {settings.source[name]['address']}")
@@ -33,7 +33,7 @@ def described(settings: Configuration) -> list[str]:
 
 
 def _rows(settings: Configuration, source: Source) -> Iterator[Row]:
-    """Yield name, items, unit and remark of each quantity."""
+    """Yield name, items, unit and remark of each quantity of a source."""
     entries, wall, caliper = settings.source[source.name], settings.wall, source.caliper
     depth_unit, size_unit = LENGTHS.get(source.units, ("", ""))
     start = f"the start of the wall, {wall['start_depth']:g} m,", wall["start_depth"]
@@ -77,7 +77,7 @@ def _rows(settings: Configuration, source: Source) -> Iterator[Row]:
 
 
 def _unit(entry: object) -> str | None:
-    """Return the unit that the entry of an item states."""
+    """Return the unit that an item's entry in the configuration states; None if it states none."""
     return entry.get("unit") if isinstance(entry, dict) else None
 
 

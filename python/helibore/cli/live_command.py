@@ -90,7 +90,7 @@ def live(
             window.follow(running)
         server = Server(running, window.show if window else lambda _: None)
         with ExitStack() as serving:
-            show = serving.enter_context(_screen(server, quiet))  # loads its libraries while descriptors are left
+            show = serving.enter_context(_screen(server, quiet))  # imports rich while file descriptors are left
             if window:
                 serving.callback(window.close)
             server.start()
@@ -159,9 +159,10 @@ def _watch(
     server: Server, window: Window | None, show: Callable[[], None], seconds: float | None, target: Path | None,
     every: float, log: LogWriter, again: Callable[[], None],
 ) -> None:  # fmt: skip
-    """Show the page and write snapshots until the end; the browser's page stays open after all files are read.
+    """Update the status page (``show``) and the browser's page (``window``) and write snapshots, until the run ends.
 
-    A hang-up signal calls ``again``, which reads the configuration again.
+    It ends at Ctrl-C, after ``seconds``, or if a thread fails; without a browser's page, also after all files are read.
+    After a hang-up signal, ``again`` is called to read the configuration again.
     """
     stopped, changed = threading.Event(), threading.Event()
     before = {number: signal.signal(number, lambda *_: stopped.set()) for number in (signal.SIGINT, signal.SIGTERM)}
@@ -205,7 +206,7 @@ def _reconfigure(server: Server, again: Callable[[], None]) -> None:
 
 
 def _show(window: Window, server: Server) -> bool:
-    """Update the page; if the wall cannot be shown, report the error, also on the page, and return False."""
+    """Update the browser's page; if the wall cannot be shown, report the error, also on the page, and return False."""
     try:
         window.refresh(server.states, server.alarms.active)
     except (OSError, ValueError) as error:

@@ -17,12 +17,12 @@ from helibore.live.events import LOGGER
 MOST_WAITING = 1000
 """The most log lines that wait for a slow stderr or file; further lines are counted and left out."""
 SECONDS = 2.0
-"""Seconds in which waiting lines are written at the end."""
+"""Most seconds that `LogWriter.stop` waits until the queued lines are written."""
 STOP = logging.LogRecord("", 0, "", 0, "", None, None)
 
 
 class LogWriter(logging.Handler):
-    """Passes log records to ``handlers`` in a thread of its own."""
+    """Queues log records; a thread of its own passes them to ``handlers``."""
 
     def __init__(self, handlers: list[logging.Handler]) -> None:
         super().__init__()
@@ -42,7 +42,7 @@ class LogWriter(logging.Handler):
             self._lost, self._reason = self._lost + 1, "stderr or the log file takes nothing"
 
     def trouble(self) -> str:
-        """Return what was not written since the last call; "" if everything was."""
+        """Return how many lines were not written since the previous call, and why; "" if all were written."""
         lost, self._lost = self._lost, 0
         return f"{lost} lines were not written: {self._reason}" if lost else ""
 
@@ -52,7 +52,7 @@ class LogWriter(logging.Handler):
         return self._thread.is_alive()
 
     def stop(self) -> None:
-        """Write the lines that wait, for a few seconds at most (uvicorn also calls `close`)."""
+        """Write the queued lines, for `SECONDS` at most; the name is not close, which uvicorn would also call."""
         with suppress(queue.Full):
             self._waiting.put_nowait(STOP)
         self._thread.join(SECONDS)
@@ -69,7 +69,7 @@ class LogWriter(logging.Handler):
 
 @contextmanager
 def logged(file: str | None, quiet: bool) -> Iterator[LogWriter]:
-    """Write warnings to stderr, unless the status page is there, and all events to ``file``."""
+    """Write warnings to stderr, unless the terminal shows the status page, and all events to ``file``, if given."""
     shown = logging.StreamHandler()
     shown.setLevel(logging.CRITICAL if sys.stdout.isatty() and not quiet else logging.WARNING)
     handlers: list[logging.Handler] = [shown]

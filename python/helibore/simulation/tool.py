@@ -100,9 +100,9 @@ def simulate(
 
     ``samples`` is the number of samples of the whole run, at least 2, before the share ``tool.missing`` is removed. It
     sets the sample rate; None: the number that ``tool.sample_rate`` gives. ``seed`` is the seed of phases, noise and
-    missing samples. The first sample lies at ``hole.start`` and the last at ``hole.stop``, unless they are missing. Raises
-    InputError if a lift leaves the hole, if lifts are not in order of depth, if there are fewer than two samples, or if
-    all of them are missing.
+    missing samples. The first sample lies at ``hole.start`` and the last at ``hole.stop``, unless they are missing.
+    Raises InputError if a lift leaves the hole, if lifts are not in order of depth, if there are fewer than two
+    samples, or if all of them are missing.
     """
     hole = Hole.example(seed=seed) if hole is None else hole
     tool = Tool() if tool is None else tool
