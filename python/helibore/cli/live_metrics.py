@@ -30,7 +30,8 @@ class Access:
     Raises
     ------
     InputError
-        If other machines can reach ``host`` and there is no token, or the certificate cannot be used.
+        If other machines can reach ``host`` and there is no token, if the token is empty, if there is a key without a
+        certificate, or if the certificate cannot be used.
     """
 
     host: str = "127.0.0.1"
@@ -48,7 +49,7 @@ class Access:
         self.context()
 
     def context(self) -> ssl.SSLContext | None:
-        """Return the context of HTTPS; None for HTTP."""
+        """Return the SSL context for HTTPS; None for HTTP."""
         if self.certificate is None:
             return None
         context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
@@ -59,7 +60,7 @@ class Access:
         return context
 
     def permits(self, query: str, authorization: str) -> bool:
-        """Whether a request has the token: ``?token=...`` or ``Authorization: Bearer ...``."""
+        """Whether a request has the token, as ``?token=...`` or ``Authorization: Bearer ...``, or needs none."""
         given = [*parse_qs(query).get("token", []), authorization.removeprefix("Bearer ")]
         wanted = (self.token or "").encode()
         return not wanted or any(hmac.compare_digest(one.encode(), wanted) for one in given)
@@ -68,8 +69,8 @@ class Access:
 class MetricsServer(http.server.HTTPServer):
     """Serves /metrics to a few connections at a time, each for a few seconds at most.
 
-    All its threads start with the server, and it keeps a descriptor in reserve, so it still answers when the process
-    can get no more threads or descriptors.
+    All its threads start with the server, and it keeps a file descriptor in reserve, so it still answers when the
+    process can get no more threads or file descriptors.
     """
 
     def __init__(self, server: Server, port: int, access: Access) -> None:
@@ -101,7 +102,7 @@ class MetricsServer(http.server.HTTPServer):
         if context := access.context():
             self.socket = context.wrap_socket(self.socket, server_side=True, do_handshake_on_connect=False)
         self._asked: queue.Queue[Any] = queue.Queue()
-        self._since: dict[Any, float] = {}  # the connections that are answered, and since when
+        self._since: dict[Any, float] = {}  # connections that wait for a thread or are answered, and since when
         self._reserve = os.open(os.devnull, os.O_RDONLY)
         metrics(server)  # loads its library
         for name, run in (
@@ -122,7 +123,7 @@ class MetricsServer(http.server.HTTPServer):
             return super().get_request()
 
     def process_request(self, request: Any, client_address: Any) -> None:
-        """Pass a connection to a thread; refuse it if all are busy."""
+        """Pass a connection to a thread; refuse the connection if all threads are busy."""
         if len(self._since) >= CONNECTIONS:
             self.shutdown_request(request)
             return
@@ -141,7 +142,7 @@ class MetricsServer(http.server.HTTPServer):
                     self._reserve = os.open(os.devnull, os.O_RDONLY)
 
     def service_actions(self) -> None:
-        """End the connections that take too long."""
+        """End the connections that have taken more than `SECONDS`."""
         for request, since in list(self._since.items()):
             if time.monotonic() - since > SECONDS:
                 with suppress(OSError):

@@ -1,4 +1,4 @@
-"""The status of a running server: a page for people (rich) and a text for Prometheus. Both only read the state.
+"""The status of a running server: a page for people (rich) and a text for Prometheus. Neither changes the server.
 
 Every number is counted where its event happens; no number is estimated from another one.
 """
@@ -25,7 +25,7 @@ PARSED = ("bytes", "frames", "items", "nulls", "not_numbers", *RULE_NAMES)
 
 
 def metrics(server: Server) -> str:
-    """Return every counter in the Prometheus text format."""
+    """Return every counter of a server in the Prometheus text format."""
     from prometheus_client import CollectorRegistry
     from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, HistogramMetricFamily, Metric
     from prometheus_client.exposition import generate_latest
@@ -50,7 +50,7 @@ def metrics(server: Server) -> str:
     ages = [((name,), age) for name, age in source_ages(server).items() if age is not None]
     family("source_age_seconds", "gauge", "Time since the last byte.", ages, "source")
     received, drawn = model.counts["received"], model.counts["drawn"]
-    family("samples_received", "counter", "Samples that have a depth or never will.", [((), received)])
+    family("samples_received", "counter", "Samples whose depth is known, or will never be known.", [((), received)])
     family("samples_drawn", "counter", "Samples drawn in a layer.", [((), drawn)])
     family("samples_waiting", "gauge", "Samples whose depth is not known yet.", [((), model.waiting)])
     flags = [((str(flag.name).lower(),), float(model.counts[f"flag {flag.name}"])) for flag in Flag]
@@ -107,7 +107,7 @@ def bytes_left(journal: Journal) -> float:
 
 
 def _here(wall: int) -> str:
-    """Return the time of day in this machine's time zone, for a text that has it in UTC; "" if this zone is UTC."""
+    """Return a time (ns since 1970) as "HH:MM:SS here, " in this machine's time zone; "" if this zone is UTC."""
     time = local(wall)
     return f"{time:%H:%M:%S} here, " if time.utcoffset() else ""
 

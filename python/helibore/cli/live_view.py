@@ -60,15 +60,15 @@ class Window:
         self._path_moved = True
         self._newest: float | None = None
         self._path_stop = float("inf")
-        self._images: dict[str, int] = {}  # number of rows of each image that the page shows
+        self._images: dict[str, int] = {}  # by image: how many of its rows the page shows
         self._images_due = 0.0
 
     def follow(self, live: Live) -> None:
-        """Set the live wall that the page shows."""
+        """Make ``live`` the wall that the page shows."""
         self._live = live
 
     def show(self, update: Update) -> None:
-        """Take the changes of ``update`` and return at once."""
+        """Pass the changes of ``update`` to the page's thread, and return at once."""
         if update.path_from is not None:
             self._path_moved = True
         if change := update.changes.get("main"):
@@ -101,7 +101,7 @@ class Window:
         self.scene.update_state(**known, sources=self._status_text(states, words), alarms=words, lost=lost)
 
     def dead_thread(self) -> str:
-        """Return the name of a thread of the page that has ended; "" if all are running."""
+        """Return the name of a thread of the page that has ended; "" if all its threads are running."""
         if not self._server.alive:
             return "page"
         return "feed" if self._feed and not self._feed.alive else ""
@@ -145,13 +145,13 @@ class Window:
         feed.update()  # changes that came meanwhile
 
     def _show_images(self) -> None:
-        """Map the images that have grown to the current wall."""
+        """Map the images that have new rows on the current wall, and show them; at most every `IMAGES_SECONDS`."""
         if self._feed is None or time.monotonic() < self._images_due:
             return
         began, live = time.monotonic(), self._live
         for name, shown in self._images.items():
             rows = len(live.images[name]) if name in live.images else 0
-            if rows > max(shown, 1):  # the reach of a single row is not known
+            if rows > max(shown, 1):  # one row alone does not say how far it reaches
                 with contextlib.suppress(InputError):  # no quad of the wall lies under the image yet
                     self._feed.set_attribute(name, live.image(name).on(live.wall))
                     self._images[name] = rows

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from helibore.wall.wall import Wall
 
 ALONG = ("DEPT", "TOP", "BOTTOM", "LENGTH", "NEAREST", "TVD", "PEAK")
-"""Columns of lengths along the hole, or on the wall."""
+"""Columns whose lengths are along the hole or on the wall, not across the hole."""
 
 DECIMALS = {"in": 4, "mm": 3, "ft": 5}
 
@@ -150,7 +150,10 @@ def _in_unit(table: LogTable, unit: str) -> LogTable:
 
 
 class _Measured(NamedTuple):
-    """Zones of a wall, if it has a shape; turns between two depths, rows to write, additional columns."""
+    """Zones of the whole wall, None if its shape was not measured; turns between --from and --to; rows and columns.
+
+    ``rows`` are to be written: the turns, or steps of depth. ``columns`` are to be added to them: the class of hole.
+    """
 
     zones: Classification | None
     turns: Logs

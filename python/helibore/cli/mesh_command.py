@@ -148,7 +148,7 @@ def _write(verb: str, options: dict[str, Any]) -> None:
 
 
 def _check(run: Run, options: dict[str, Any], ends: tuple[float | None, float | None]) -> None:
-    """Refuse options that the output would not show: colours in a format without any, an interval in an archive."""
+    """Refuse options that do not go with the output, such as colours in a format without any, or with the run."""
     output, ending, preparation = options["output"], options["output"].suffix.lower(), run.settings.preparation
     if options["shells"]:
         check_file(output, VOLUME_ENDINGS, " with --shell")
@@ -169,7 +169,7 @@ def _check(run: Run, options: dict[str, Any], ends: tuple[float | None, float | 
 
 
 def _save(wall: Wall, made: Surface | Volume, output: Path, color_by: str | None) -> None:
-    """Write a mesh or an archive; a mesh has the usual colours of its chosen attribute."""
+    """Write the wall as an archive, or ``made`` as a mesh; ``color_by`` names the attribute that colours a surface."""
     if output.suffix.lower() == ARCHIVE:
         wall.save(output)
     elif isinstance(made, Volume):
@@ -180,7 +180,7 @@ def _save(wall: Wall, made: Surface | Volume, output: Path, color_by: str | None
 
 
 def _colors(wall: Wall, made: Surface, output: Path, name: str) -> dict[str, Any]:
-    """Return the usual colours of an image: its colour map, between percentiles of its values."""
+    """Return the options of `Surface.save` for the usual colours of the image ``name``; {} where they do not apply."""
     from helibore.base.colors import PERCENTILES, customary_map
 
     values = made.attributes[name] if name in wall.images else np.empty(0)
@@ -201,7 +201,7 @@ CENTRE_COLUMNS = (
 
 
 def _write_centres(found: Centres, depth: Floats | None, file: Path) -> None:
-    """Write the tool's centre in each turn as a table."""
+    """Write the tool's centre in each turn to ``file``, as a table."""
     from helibore.files.table_writing import write_table
 
     columns = {"depth_m": (np.empty(0) if depth is None else depth, 4)}
@@ -211,7 +211,7 @@ def _write_centres(found: Centres, depth: Floats | None, file: Path) -> None:
 
 
 def _error_lines(run: Run, threads: int | None) -> Lines:
-    """Return the cross-validated error of the wall, and what tuning would gain."""
+    """Return a line on the cross-validated error of the wall; none without one, or if the run tuned the wall."""
     from helibore.wall.estimates import FEWEST_SAMPLES
     from helibore.wall.tune import cross_validate
 
@@ -220,7 +220,7 @@ def _error_lines(run: Run, threads: int | None) -> Lines:
         return []
     try:
         return [("error", cross_validate(run.wall, min(1000, FEWEST_SAMPLES + count // 50), threads).sentence)]
-    except InputError:  # no sample has another within reach, or a window
+    except InputError:  # the settings have a window, or no sample has a neighbour within reach
         return []
 
 

@@ -23,9 +23,9 @@ SIGMA = opt("--sigma", "Standard uncertainty of the radius, as the attribute 'si
 QUIET = opt("-q --quiet", "Print nothing but errors.", is_flag=True)
 
 NOT_RECORDED = ("source", "output", "centres", "zones", "breakouts", "quiet", "help")
-"""Options of a command itself that do not change the bytes of the output."""
+"""A command's own options that do not change the bytes of its output; the settings do not record them."""
 OF_ANY_COMMAND = ("criteria", "scaled")
-"""Options that a command takes from the settings of another one, too: they say what the wall's zones are."""
+"""Options that a command takes also from the settings of another command, because they define the wall's zones."""
 
 
 def OUTPUT(help: str) -> tuple[str, dict[str, Any]]:  # noqa: A002, N802
@@ -39,7 +39,7 @@ MEASURED = opt("--measured", "Whether a quad is measured (1) or interpolated (0)
 
 
 def add_sigma(wall: Wall, terminal: Terminal) -> Lines:
-    """Give a wall its uncertainty as an attribute, for meshes, pictures and the viewer; say how much is missing."""
+    """Give a wall its uncertainty as an attribute; return a line on the share without one, no line if there is none."""
     import numpy as np
 
     from helibore.wall.interpolation import on_quads
@@ -54,7 +54,7 @@ def add_sigma(wall: Wall, terminal: Terminal) -> Lines:
 
 
 def add_nearest(wall: Wall) -> None:
-    """Give a wall the distance to the nearest sample as an attribute, for meshes: what is interpolated, and how far."""
+    """Give a wall the distance from each quad to the nearest sample as an attribute, for meshes."""
     from helibore.wall.interpolation import on_quads
 
     wall.attributes["nearest"] = on_quads(wall.nearest, wall.settings.sectors)
@@ -62,7 +62,7 @@ def add_nearest(wall: Wall) -> None:
 
 
 def add_measured(wall: Wall) -> None:
-    """Give a wall the attribute that meshes of a tool with few arms have without being asked."""
+    """Give a wall the attribute 'measured', which meshes of a tool with few arms have without this option."""
     from helibore.wall.interpolation import measured_quads
     from helibore.wall.state import MEASURED
 
@@ -86,7 +86,7 @@ def check_folder(file: Path) -> None:
 
 
 def _own(context: click.Context) -> dict[str, click.Parameter]:
-    """Return the options that the settings record: the command's own, and the interval of the wall."""
+    """Return, by name, the options that the settings record: the command's own, and the interval of the wall."""
     shared = {names for options in SECTIONS.values() for names, _ in options}
     of_wall = {name for names in shared for name in names.split()}
     return {
@@ -98,9 +98,9 @@ def _own(context: click.Context) -> dict[str, click.Parameter]:
 
 
 def own_options(run: Run, verb: str, options: dict[str, Any]) -> dict[str, Any]:
-    """Return the options; those of a run of the same command are repeated where the command line does not give them.
+    """Return ``options``, with those of a repeated run in place of options that the command line does not give.
 
-    Of a run of another command, only `OF_ANY_COMMAND` are repeated.
+    If another command made the run, only `OF_ANY_COMMAND` are repeated.
     """
     if run.settings.output is None:
         return options
@@ -129,7 +129,10 @@ def _plain(value: Any) -> Any:
 
 
 def save_lines(run: Run, output: Path, verb: str, options: dict[str, Any], more: Sequence[Path] = ()) -> Lines:
-    """Write the settings of an output; say what was written, and whether a repeated run gave the same bytes."""
+    """Write the settings beside an output; return lines on the files, and whether a repeated run gave the same bytes.
+
+    ``more`` are the other files that the command wrote.
+    """
     from helibore.runs.run import save_settings
     from helibore.runs.run_settings import settings_file
 

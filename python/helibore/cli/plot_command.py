@@ -194,12 +194,12 @@ def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Ru
 
 
 def _trust(run: Run, options: dict[str, Any]) -> Lines:
-    """Warn in the terminal; a report has the same warnings in its summary."""
+    """Return the warnings on the wall for the terminal; a report has the same warnings in its summary."""
     return trust_lines(run.wall.summary(options["start_depth"], options["stop_depth"]))
 
 
 def _with_look(curve: ScalarCurve, looks: dict[str, Look]) -> ScalarCurve:
-    """Return the curve with the limits of --limits and the logarithm of --log."""
+    """Return the curve with the scale that --limits and --log state for its name; take its entry out of ``looks``."""
     look = looks.pop(curve.name, None)
     return curve if look is None else replace(curve, limits=look.limits, log=bool(look.log))
 
@@ -214,7 +214,7 @@ def _scale(text: str | None) -> int | None:
 
 
 def _looks(options: dict[str, Any]) -> dict[str, Look]:
-    """Return the looks that the options state (limits, colour map, window, log), by name of the image or curve."""
+    """Return, by name of the image or curve, the `Look` that the options state: limits, colour map, window, log."""
     from helibore.plot import Look
 
     looks: dict[str, dict[str, Any]] = defaultdict(dict)

@@ -21,7 +21,10 @@ else:
 
 
 class Quantity(Parameter[float | None]):
-    """A number with a unit of one kind, in metres, degrees or seconds, and at most ``largest``."""
+    """The type of an option that is a number with a unit; it becomes metres, degrees or seconds, by its kind.
+
+    A number above ``largest`` is refused. With ``none``, the word none is allowed and becomes None.
+    """
 
     def __init__(self, kind: str, none: bool = False, largest: float = float("inf")) -> None:
         self.kind, self.name, self.none, self.largest = kind, kind, none, largest
@@ -33,7 +36,7 @@ class Quantity(Parameter[float | None]):
             number = units.quantity(value, self.kind) if isinstance(value, str) else value
         except ValueError as error:
             self.fail(str(error), param, ctx)
-        if number is not None and number > self.largest:  # inches without a unit are the usual mistake
+        if number is not None and number > self.largest:  # mostly inches that were given without a unit
             bare, unit = str(value).strip()[-1:].isdigit(), "mm" if number > 100 else "in"
             meant = f"; a number without a unit is metres; did you mean {value}{unit}?" if bare else ""
             self.fail(f"'{value}': must be at most {self.largest:g} m{meant}", param, ctx)
@@ -41,11 +44,11 @@ class Quantity(Parameter[float | None]):
 
 
 ACROSS = ("bit diameter", *(f"criterion {name}" for name in ("elongation", "washout", "key seat", "undergauge")))
-"""Facts of sizes across the hole; other lengths lie along it."""
+"""Names of the facts that are sizes across the hole; the other lengths among the facts lie along it."""
 
 
 def across_and_along(unit: str) -> tuple[str, str]:
-    """Return the units across the hole and along it that ``--unit`` means; ft: inches across, feet along."""
+    """Return the units that ``--unit`` means, first across the hole, then along it; ft: inches across, feet along."""
     return ("in", "ft") if unit == "ft" else (unit, "m")
 
 
@@ -63,7 +66,7 @@ def facts_in(facts: Mapping[str, str], unit: str) -> dict[str, str]:
 
 
 class Parsed(Parameter[Any]):
-    """A text that a function reads; ``rule`` says what it must be."""
+    """The type of an option whose text ``parse`` reads; ``rule`` says what the text must be."""
 
     def __init__(self, name: str, rule: str, parse: Callable[[str], Any]) -> None:
         self.name, self.rule, self.parse = name, rule, parse

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from helibore.runs.reprocess import Progress
 
 MOST_WARNINGS = 10
-"""Wells whose warnings are shown."""
+"""Most wells whose warnings are shown."""
 
 STOPPED = 130
 """Exit code after Ctrl-C, as shells have it."""
@@ -45,9 +45,9 @@ def reprocess(
     helibore reprocess status manifest.toml
 
     MANIFEST is TOML, or a Parquet table with one row a well. A well whose outputs are there, from the same files and
-    settings, is not made again; status says which wells are not made or out of date, and starts none. Ctrl-C stops;
-    what is done stays, and a second run goes on. Exit code 2: an error before any work; 3: some wells failed, and the
-    others are done; 130: stopped by Ctrl-C.
+    settings, is not made again; status counts the wells, names those out of date or failed, and starts none. Ctrl-C
+    stops; what is done stays, and a second run goes on. Exit code 2: an error before any work; 3: some wells failed,
+    and the others are done; 130: stopped by Ctrl-C.
     """
     from helibore.runs.manifest import read_jobs
     from helibore.runs.reprocess import reprocess as run
@@ -91,7 +91,10 @@ def reprocess(
 
 
 def _show(progress: Progress) -> None:
-    """Show the progress in a line: on a terminal it replaces the last line; elsewhere there are ten lines."""
+    """Show the progress in one line, which on a terminal replaces the previous line; elsewhere show ten lines in all.
+
+    Before the first well is finished, show the address of Dask's dashboard.
+    """
     if not progress.finished:
         click.echo(f"Dask shows its work at {progress.dashboard}", err=True)
         return
@@ -105,7 +108,7 @@ def _show(progress: Progress) -> None:
 
 
 def _show_warnings(warnings: Mapping[str, str]) -> None:
-    """Show the warnings of the first wells; the catalogue has them all."""
+    """Show the warnings of the first `MOST_WARNINGS` wells by name; the catalogue has all warnings."""
     for well in sorted(warnings)[:MOST_WARNINGS]:
         click.echo(f"{well}: {warnings[well]}", err=True)
     if (left := len(warnings) - MOST_WARNINGS) > 0:

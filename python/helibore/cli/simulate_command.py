@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 PLAYED = ("start", "stop", "lifts", "seed", "wits", "telemetry", "speed", "faults", "quiet")
-"""The options that a played rig uses."""
+"""The options that go with --wits."""
 
 
 @click.command(cls=Sectioned, short_help="Simulate a hole and a tool, and write the samples to files.")
@@ -99,7 +99,7 @@ def simulate(folder: Path | None, samples: int | None, seed: int, ending: str, q
 
 
 def _play(options: dict[str, Any], seed: int, quiet: bool) -> None:
-    """Play a rig; its configuration for the listening side goes to stdout first, before anything takes time."""
+    """Send a rig's WITS to an address; first print the configuration with which ``helibore live`` reads that rig."""
     from helibore.simulation.rig import Faults, Rig, configuration, connect, play, socket_address
     from helibore.simulation.tool import Lift
 

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 
 
 class Terminal:
-    """Show progress and summaries, or nothing if ``quiet``; remember how long each stage took."""
+    """Shows progress and summaries, or nothing if ``quiet``; remembers how long each stage took."""
 
     def __init__(self, quiet: bool) -> None:
         self.quiet = quiet

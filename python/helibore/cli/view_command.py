@@ -104,7 +104,7 @@ def view(**options: Any) -> None:
         "criteria": criteria, "reference": run.reference,
     }  # fmt: skip
     viewer.scene.draw_pages = section_printer(wall, drawing)
-    viewer.scene.update_state(ended=True, prints=True)  # nothing appends to it
+    viewer.scene.update_state(ended=True, prints=True)  # no samples will be appended
     terminal.summary([("time", terminal.times())])
     click.echo(f"{viewer.url}   (Ctrl-C ends it)")
     viewer.wait()
@@ -123,7 +123,7 @@ def where_saved(picks: Path | None) -> str:
 
 
 def section_printer(wall: Wall, drawing: dict[str, Any]) -> Callable[[float, float, str, int | None], bytes]:
-    """Return a function that prints a section of a wall, as far as the wall reaches, with its picks; one at a time."""
+    """Return a function that prints the wall and its picks between two depths as a PDF, one call at a time."""
     lock = Lock()
 
     def draw(start: float, stop: float, unit: str, scale: int | None) -> bytes:
@@ -140,7 +140,7 @@ def section_printer(wall: Wall, drawing: dict[str, Any]) -> Callable[[float, flo
 
 
 def reaching(run: Run) -> str:
-    """Return the options that let the path reach all of the wall, for an error."""
+    """Return, for an error, the options that make the path reach all of the wall, in brackets; "" if there are none."""
     wall, path, fixed = run.wall, run.wall.path, run.settings.output is not None
     if path is None or fixed or not wall.depth.size:
         return ""
@@ -153,7 +153,7 @@ def reaching(run: Run) -> str:
 
 
 def check_page() -> None:
-    """Before any work, raise an error if the extra or the page is missing; it says how to get them."""
+    """Raise an error if the viewer's extra or its built page is missing; the error says how to get it."""
     from helibore.viewer.page_server import import_server
 
     import_server()

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 Command = Callable[..., Any]
 SETTINGS = ".toml"
 INCLINATION = "inclination"
-"""The scalar track that needs no file: it comes from the survey."""
+"""The name of the scalar track that needs no file, because it comes from the survey."""
 
 
 class Sectioned(click.Command):
@@ -58,7 +58,7 @@ class Sectioned(click.Command):
 
 
 def section(name: str, *options: tuple[str, dict[str, Any]]) -> Callable[[Command], Command]:
-    """Give a command the options of a section: (names, what `click.option` takes)."""
+    """Return a decorator that gives a command ``options``, as `opt` makes them, in a section of its help."""
     kind = type("SectionOption", (click.Option,), {"section": name})
 
     def add(command: Command) -> Command:
@@ -189,7 +189,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
 """Every option of a wall, by section of the help."""
 
 ANYWHERE = ("from_settings", "image", "header_lines", "start_depth", "stop_depth", "threads")
-"""Options that go with a wall that has its own settings."""
+"""Options that go also with an archive or a settings file, which have their own settings of the wall."""
 
 
 def takes_a_wall(command: Command) -> Command:
@@ -200,9 +200,9 @@ def takes_a_wall(command: Command) -> Command:
 
 
 def open_run(options: dict[str, Any], terminal: Terminal, outputs: Sequence[Path] = ()) -> Run:
-    """Take the options of `takes_a_wall`, open the files they name, and return the run, ready for `make_wall`.
+    """Open the files that the options of `takes_a_wall` name, and return the run, ready for `make_wall`.
 
-    One of ``outputs`` is refused if it, or its settings, would be written over a file that is read.
+    An output is refused if the output, or the settings beside it, would be written over a file that is read.
     """
     _check_source(options)
     given = options["from_settings"] or next(iter(options["source"]), None)
@@ -226,7 +226,10 @@ def open_run(options: dict[str, Any], terminal: Terminal, outputs: Sequence[Path
 
 
 def load_picks(run: Run) -> Path | None:
-    """Give the wall of a run the picks saved beside the first file shown, never the survey; return that file."""
+    """Give the wall the picks saved beside the first file that the run shows (not the survey); return their file.
+
+    The file of the picks need not exist yet; None if the run shows no file.
+    """
     from helibore.logs.picks import ENDING, Picks
 
     first = next(iter(run.settings.shown), None)
@@ -263,7 +266,7 @@ def walls_beside(options: dict[str, Any]) -> dict[str, Wall]:
 
 
 def curves_of_files(run: Run, options: dict[str, Any]) -> list[ScalarCurve]:
-    """Return the curves of --scalar: those of the files in the settings, and the inclination of the path."""
+    """Return the curves of ``--scalar``: one for each file in the settings, and the inclination if it is asked for."""
     curves = [_curve(one, run) for one in run.settings.scalar]
     return [*curves, *(_inclination(run) for text in options["scalars"] if text == INCLINATION)]
 
@@ -282,7 +285,7 @@ def _inclination(run: Run) -> ScalarCurve:
 
 
 def _curve(one: ScalarInput, run: Run) -> ScalarCurve:
-    """Return a curve along the hole, from a file."""
+    """Read a curve along the hole from its file, sorted by depth."""
     import numpy as np
 
     from helibore.channels.columns import depths
@@ -361,7 +364,7 @@ def _check_source(options: dict[str, Any]) -> None:
 
 
 def _refuse(sections: Sequence[str], allowed: Sequence[str], source: str) -> None:
-    """Refuse options of sections that are given but would have no effect on the wall of this source."""
+    """Refuse options of ``sections`` on the command line, except ``allowed``; they have no effect on this source."""
     context = click.get_current_context()
     for parameter in context.command.params:
         if (
@@ -455,7 +458,7 @@ def _opened(options: dict[str, Any]) -> tuple[RunSettings, OpenFiles]:
 
 
 def _check_caliper(files: OpenFiles, one: Input, options: dict[str, Any]) -> None:
-    """Refuse a source with images but without a caliper around the hole; the error has the command that shows them."""
+    """Refuse a source with images but without a caliper around the hole; the error has a command for the images."""
     from helibore.cli.without_caliper import without_caliper
 
     verb = click.get_current_context().info_name or ""
@@ -466,7 +469,7 @@ def _check_caliper(files: OpenFiles, one: Input, options: dict[str, Any]) -> Non
 
 
 def set_names(log: LogFile, texts: Sequence[str]) -> list[Any]:
-    """Return the names of the sets that ``--set`` chooses, in the order of the file; [None] without it."""
+    """Return the names of the sets that ``--set`` chooses, in the order of the file; [None] without ``--set``."""
     if not texts:
         return [None]
     chosen = set().union(*(_sets_of(log, text) for text in texts))
@@ -474,7 +477,7 @@ def set_names(log: LogFile, texts: Sequence[str]) -> list[Any]:
 
 
 def _sets_of(log: LogFile, text: str) -> set[str]:
-    """Return the sets that one ``--set`` chooses: NAME, NUMBERS or with=COLUMNS."""
+    """Return the names of the sets that one ``--set`` chooses: NAME, NUMBERS or with=COLUMNS."""
     names = [each.name for each in log.sets]
     if text in names:
         return {text}
@@ -497,7 +500,7 @@ def _sets_of(log: LogFile, text: str) -> set[str]:
 
 
 def _average(files: OpenFiles, options: dict[str, Any]) -> Input:
-    """Open an average caliper, FILE:CHANNEL; the channel of its depth is guessed."""
+    """Open the file of ``--average``, FILE:CHANNEL; which channel is the depth is guessed."""
     from helibore.channels.roles import Role, guess
     from helibore.runs.run_settings import Input
 
@@ -517,7 +520,7 @@ def _average(files: OpenFiles, options: dict[str, Any]) -> Input:
 
 
 def _header_lines(options: dict[str, Any], sources: Sequence[Path]) -> dict[Path, int]:
-    """Return the lines that ``--header-line`` states, by file; a line without a file applies to the sources."""
+    """Return, by file, the line numbers that ``--header-line`` states; one without a file applies to the sources."""
     read = [*sources, options["survey"], options["track"], *(one.file for one in _images(options) + _scalars(options))]
     lines: dict[Path, int] = {}
     for text in options["header_lines"]:
@@ -533,7 +536,7 @@ def _header_lines(options: dict[str, Any], sources: Sequence[Path]) -> dict[Path
 
 
 def _scalars(options: dict[str, Any]) -> tuple[ScalarInput, ...]:
-    """Return the curves that ``--scalar`` takes from files, FILE:CHANNEL."""
+    """Return the curves that ``--scalar`` takes from files, FILE:CHANNEL; no file is opened."""
     from helibore.runs.run_settings import ScalarInput
 
     found = []
@@ -551,7 +554,7 @@ def _images(options: dict[str, Any]) -> tuple[ImageInput, ...]:
 
 
 def _image(text: str) -> ImageInput:
-    """Read an image, FILE:CHANNEL:ORIGIN[:REFERENCE]."""
+    """Parse the text of ``--image``, FILE:CHANNEL:ORIGIN[:REFERENCE]."""
     from helibore.runs.run_settings import ImageInput
 
     reference = next((word for word in ("north", "high-side") if text.endswith(f":{word}")), None)

@@ -19,9 +19,10 @@ LARGEST_BIT = 4.0
 def without_caliper(
     file: Path, log: LogFile, roles: RoleMap, verb: str = "view", bit: float | None = None, more: Sequence[str] = ()
 ) -> tuple[str, str]:
-    """Return what a file with images and no caliper around the hole lacks, and the command that shows the images.
+    """Return what a file with images and no caliper around the hole lacks, and the command that shows its images.
 
     Return two empty texts if the file has a caliper, has no images, or has several sets, which ``--image`` cannot read.
+    ``more`` are words to add to the command.
     """
     if len(log.sets) != 1 or roles.all(*WALL):
         return "", ""
@@ -46,7 +47,7 @@ def without_caliper(
 
 
 def _stated_bit(log: LogFile, roles: RoleMap) -> float | None:
-    """Return the bit size that a channel or the header states, metres; None if neither does, or if it is too large."""
+    """Return the bit size that a channel or the header states, metres; None if neither does or it is no bit size."""
     only = log.set()
     try:
         header = log_header([only.header]).get("bit", "")

@@ -24,7 +24,7 @@ CRITERIA = (
 
 
 def criteria_of(wall: Wall, options: dict[str, Any]) -> Criteria:
-    """Return the usual criteria, or those in proportion to the bit, with what the options set."""
+    """Return the criteria of zones that ``--criterion`` states; the others are the usual ones, or scaled to the bit."""
     from helibore.base import units
     from helibore.logs.zone_criteria import Criteria
 
@@ -40,7 +40,7 @@ def criteria_of(wall: Wall, options: dict[str, Any]) -> Criteria:
         if name not in known:
             raise click.UsageError(f"--criterion {text}: must be {form}")
         try:
-            if name not in (*shares, "least_length", "join") and value[-1:].isdigit():  # a size: of inches or metres?
+            if name not in (*shares, "least_length", "join") and value[-1:].isdigit():  # a size in inches or metres?
                 raise click.UsageError(f"--criterion {text}: needs a unit, such as {value}in or {value}mm")
             found[name] = float(value) if name in shares else units.quantity(value, units.LENGTH)
         except ValueError as error:
