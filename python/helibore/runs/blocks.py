@@ -1,14 +1,14 @@
 """Rebuild a well larger than a worker's memory in blocks of the helix, with the same bits as in one piece.
 
-    samples, batch by batch --> bins by depth    plan: ends of the helix, blocks of whole 256 turns, first radius
+    samples, batch by batch --> bins by depth    plan: ends of the helix, blocks of 256 turns or multiples, first radius
     bins of a block, and what its vertices reach --> stretch of the wall --> archive, rows of logs      one task a block
     rows and radii of all blocks --> logs, zones, overview, record                                      the merge
 
 Samples keep their order of arrival in a bin, so that ties are resolved as in one piece. A block reads more bins until
-`Wall.reach` shows that no other sample can matter. Samples that fit in memory are prepared like those of any well.
-Otherwise the samples are read from Parquet as a stream, and steps that need all samples (finding shifts, biases, flat
-tops, closed arms) are refused by name. In both cases a kriging range that must be found, images, and tools of two to
-seven arms are refused.
+`Wall.reach` shows that no other sample can change its vertices. Samples that fit in memory are prepared like those of
+any well. Otherwise the samples are read from Parquet as a stream, and steps that need all samples (finding shifts,
+biases, flat tops, closed arms) are refused by name. In both cases a kriging range that must be found, images, and tools
+of two to seven arms are refused.
 """
 
 from __future__ import annotations
@@ -58,22 +58,22 @@ BATCH = 1 << 18
 AS_STREAM: dict[str, Any] = {"pre_buffer": False, "buffer_size": 1 << 20, "page_checksum_verification": True}
 """Options to read a Parquet file in little memory, whatever its row groups; a pre-buffer would keep all rows read."""
 BY_ROW = ("shallowest", "deepest", "least_radius", "greatest_radius", "sensor_offset", "saturated", "drop_closed")
-"""Settings of a preparation that a block may have; the last two must be false."""
+"""Settings of a preparation that a well read as a stream may change; the last two must be changed to false."""
 
 
 Batches = Iterable[tuple[Floats, ...]]
-"""Depth, toolface, radius and any time of samples, part by part, in the order of the samples."""
+"""Depth, toolface, radius and, if it is known, time of samples, part by part, in the order of the samples."""
 
 
 def needs_stream(run: Run, most_samples: int) -> bool:
-    """Return whether the caliper files of a run have more rows than fit in memory."""
+    """Return whether the caliper files of a run have more rows than ``most_samples``, the most that fit in memory."""
     return sum(run.files.log_set(each).rows for each in run.settings.caliper) > most_samples
 
 
 def prepared_batches(run: Run, samples: tuple[str, Caliper | Prepared] | None, most_samples: int) -> Batches | None:
     """Return the prepared samples of a well with too many vertices for one piece; None if the well fits in one piece.
 
-    Raises an InputError that names what needs the whole well.
+    An InputError names the first setting that a well in blocks cannot have.
     """
     if samples is None:
         return None
@@ -106,7 +106,7 @@ def _check_settings(run: Run, why: str) -> None:
 def stream(run: Run, most_samples: int) -> Batches:
     """Return the samples of a well with more rows than fit in memory, as batches that are read when needed.
 
-    Raises an InputError that names what needs the whole well.
+    An InputError names the first setting that a well read as a stream cannot have.
     """
     why = f"needs the whole well, but a well of more than {most_samples:,} samples is made in blocks"
     settings, preparation = run.settings, run.settings.preparation
@@ -128,7 +128,10 @@ def stream(run: Run, most_samples: int) -> Batches:
 
 
 def plan_well(run: Run, store: Store, folder: str, made_from: Json, most_samples: int, batches: Batches) -> Json:
-    """Sort the samples of a well into bins by depth, and plan its blocks; the plan is stored after the bins."""
+    """Sort the samples of a well into bins by depth, plan its blocks, store bins and then the plan; return the plan.
+
+    If the store has a plan made from the same files and settings, nothing is done.
+    """
     name = f"{folder}/plan.json"
     before: Json | None = store.read_checked(name)
     if before is not None and before["made_from"] == made_from:
@@ -178,7 +181,7 @@ def plan_well(run: Run, store: Store, folder: str, made_from: Json, most_samples
 
 
 def read_plan(store: Store, folder: str) -> Json:
-    """Return the plan of a well."""
+    """Return the plan that `plan_well` stored; an InputError names a missing or damaged one."""
     plan: Json | None = store.read_checked(f"{folder}/plan.json")
     if plan is None:
         raise InputError(f"{folder}/plan.json", "is missing or damaged: start again")
@@ -186,7 +189,7 @@ def read_plan(store: Store, folder: str) -> Json:
 
 
 def sample_batches(run: Run, only: Input) -> Iterator[tuple[Floats, ...]]:
-    """Yield depth, toolface, radius and any time of the samples of a Parquet file, batch by batch, in file order."""
+    """Yield depth, toolface, radius and, if known, time of a Parquet file's samples, batch by batch, in file order."""
     from pyarrow import parquet
 
     preparation = run.settings.preparation
@@ -243,7 +246,7 @@ def _settings(run: Run) -> Settings:
 
 
 def _helix(wall: Settings, ends: tuple[float, float]) -> Json:
-    """Return start, end and number of vertices of the helix of a well, from the depths of its samples."""
+    """Return start, stop, number of vertices and last depth of a helix; ``ends``: depths of the samples of the well."""
     start, stop = ends if wall.pitch > 0 else ends[::-1]
     start = start if wall.start_depth is None else wall.start_depth
     stop = stop if wall.stop_depth is None else wall.stop_depth
@@ -259,7 +262,7 @@ def _count(settings: Settings, plan: Json) -> int:
 
 
 def _blocks(wall: Settings, plan: Json, most_samples: int) -> list[list[int]]:
-    """Return the turns [start, stop) of the blocks, which are whole units of at most about ``most_samples`` samples."""
+    """Return the turns [start, stop) of the blocks; a block is whole units of about ``most_samples`` samples at most."""
     turns = -(-plan["vertices"] // wall.sectors)
     found: list[list[int]] = []
     for first in range(0, turns, UNIT):
@@ -280,7 +283,7 @@ def _blocks(wall: Settings, plan: Json, most_samples: int) -> list[list[int]]:
 
 
 def _samples(wall: Settings, plan: Json, first: int, stop: int) -> int:
-    """Return the number of samples in the bins of some turns, or the number of vertices if that is larger."""
+    """Return the number of samples in the bins of turns [first, stop), or that of their vertices if it is larger."""
     ends = sorted(plan["start_depth"] + turn * wall.pitch for turn in (first, stop))
     low, high = (math.floor(end / plan["height"]) for end in ends)
     counted: int = sum(plan["counts"].get(str(at), 0) for at in range(low, high + 1))
@@ -288,7 +291,7 @@ def _samples(wall: Settings, plan: Json, first: int, stop: int) -> int:
 
 
 def _load(store: Store, plan: Json, low: float, high: float) -> list[Floats]:
-    """Return the columns of the samples between two depths; samples at one depth keep their order of arrival."""
+    """Return depth, toolface, radius and any time of the samples between two depths; ties keep their order."""
     first, last = (math.floor(end / plan["height"]) for end in (max(low, plan["ends"][0]), min(high, plan["ends"][1])))
     parts = [np.empty((0, plan["width"]))]
     for at in range(first, last + 1):
@@ -304,7 +307,7 @@ def _load(store: Store, plan: Json, low: float, high: float) -> list[Floats]:
 
 
 def stretch(store: Store, plan: Json, settings: Settings, first: int, stop: int) -> Wall:
-    """Return a wall of the vertices [first, stop), equal to those of the whole well; empty if no sample is near."""
+    """Return a wall of the vertices [first, stop), with the bits of the whole well; empty if no sample is near."""
     own = {"start_depth": plan["start_depth"], "stop_depth": None, "first_vertex": first, "stop_vertex": stop}
     step = settings.pitch / settings.sectors
     shallow, deep = sorted((plan["start_depth"] + first * step, plan["start_depth"] + stop * step))
@@ -328,20 +331,20 @@ def stretch(store: Store, plan: Json, settings: Settings, first: int, stop: int)
 
 
 def _beyond_gap(plan: Json, along: float, sign: int) -> float:
-    """Return a depth times ``sign``, moved on in that direction to the edge of the next bin with samples."""
+    """Return ``along`` (a depth times ``sign``), or the near edge of the next bin with samples if that is farther."""
     edges = (min(sign * at * plan["height"], sign * (at + 1) * plan["height"]) for at in map(int, plan["counts"]))
-    reached = along - plan["height"]  # the bin that holds the depth may have samples beyond it
+    reached = along - plan["height"]  # the bin that holds the depth may have samples farther on
     return max(along, min((edge for edge in edges if edge >= reached), default=along))
 
 
 def radii(wall: Wall, count: int) -> tuple[Floats, Floats]:
-    """Return radius and nearest of a block of ``count`` vertices; all NaN if the wall has no samples."""
+    """Return radius and nearest of the ``count`` vertices of a stretch; all NaN if the stretch has no samples."""
     nothing = np.full(count, np.nan)
     return (wall.radius, wall.nearest) if len(wall) else (nothing, nothing)
 
 
 def _first_radius(store: Store, plan: Json, settings: Settings) -> float:
-    """Return the first radius of the well that is not missing, which is the reference of the rugosity."""
+    """Return the first radius of the well that is not missing, for `turn_logs`; 0 if all radii are missing."""
     for first, last in plan["blocks"]:
         for turn in range(first, last, UNIT):
             ends = turn * settings.sectors, min((turn + UNIT) * settings.sectors, plan["vertices"])
@@ -353,7 +356,10 @@ def _first_radius(store: Store, plan: Json, settings: Settings) -> float:
 
 
 def make_block(run: Run, store: Store, folder: str, number: int, archive: str | None) -> None:
-    """Write the archive of a block, if ``archive`` names one, and then, for the merge, the rows of logs and radii."""
+    """Write the archive of a block, if ``archive`` names one, then its part for the merge: logs, radii, overview.
+
+    If both files exist, nothing is done.
+    """
     plan, part = read_plan(store, folder), _part(folder, number)
     if part in store.sizes(folder) and (archive is None or store.has(archive)):
         return
@@ -386,7 +392,7 @@ def make_block(run: Run, store: Store, folder: str, number: int, archive: str | 
 
 
 def _turn_depth(settings: Settings, plan: Json, turn: int) -> float:
-    """Return the depth of the first vertex of a turn, or minus the depth if the helix grows upwards."""
+    """Return the depth of the first vertex of a turn; times -1 if the helix grows upwards, so that it always rises."""
     return float(plan["start_depth"] + turn * settings.pitch) * math.copysign(1.0, settings.pitch)
 
 
@@ -424,7 +430,7 @@ class Merged(NamedTuple):
 
 
 def merged(run: Run, store: Store, folder: str) -> tuple[Merged, Logs, Merged]:
-    """Return a well, its logs and its overview, from its blocks."""
+    """Return a well, its logs and its overview, read from the parts that its blocks left in ``folder``."""
     plan, settings = read_plan(store, folder), _settings(run)
     coarse, blocks = overview_settings(settings), range(len(plan["blocks"]))
 

@@ -14,15 +14,15 @@ from helibore.base.errors import InputError
 
 
 def check_main_guard(caller: str) -> None:
-    """Refuse a call at the top level of the running script, unless it stands below an ``if`` (any ``if`` will do)."""
+    """Refuse a call of ``caller`` at the top level of the running script, unless it stands below any ``if``."""
     main = vars(sys.modules["__main__"])
     file, spec = main.get("__file__"), main.get("__spec__")
-    if file is None or (spec is not None and spec.name.endswith("__main__")):  # a new process does not run these again
+    if file is None or (spec is not None and spec.name.endswith("__main__")):  # a prompt, or a __main__.py: run once
         return
     frame = sys._getframe()
     while frame.f_back is not None and not (frame.f_code.co_name == "<module>" and frame.f_globals is main):
         frame = frame.f_back
-    if frame.f_globals is not main or frame.f_code.co_name != "<module>":  # a thread
+    if frame.f_globals is not main or frame.f_code.co_name != "<module>":  # called in another thread
         return
     try:
         tree = ast.parse(Path(file).read_bytes())

@@ -1,7 +1,7 @@
 """The wells to reprocess, their files and settings: a TOML manifest, or a Parquet catalogue with one row per well.
 
     output = "s3://field/walls"             # folder of all results, any fsspec address
-    outputs = ["archive", "logs"]           # some of archive, mesh, logs, zones; all of them if left out
+    outputs = ["archive", "logs"]           # some of archive, mesh, logs, zones; all four if left out
     block_samples = 2000000                 # a well with more samples is made in blocks of about this many
     catalogue = "wells.parquet"             # more wells; columns are keys, such as name, caliper, survey, wall.sectors
 
@@ -15,8 +15,8 @@
     [well.preparation]
     find_shifts = true
 
-The tables of a well are those of a run's settings (``settings``). A role map is named by ``map`` beside ``file``;
-without a map the roles are guessed. Files are named relative to the manifest.
+The tables of a well are those of a run's settings (``run_settings``). The key ``map`` beside ``file`` names a role
+map; without a map the roles are guessed. Files are named relative to the manifest.
 """
 
 from __future__ import annotations
@@ -53,13 +53,13 @@ FILES = ("caliper", "average", "archive", "survey", "track", "image")
 """Keys of a well that name files."""
 
 OF_A_RUN = ("verb", "output", "scalar", "options")
-"""Keys of the settings of a run that a well does not have."""
+"""Keys of a run's settings that a well of a manifest does not have."""
 
 OF_A_WELL = ("name", *(each.name for each in fields(RunSettings) if each.name not in OF_A_RUN))
 """Keys of a well."""
 
 OF_A_FILE = {key: (*(each.name for each in fields(ImageInput if key == "image" else Input)), "map") for key in FILES}
-"""Keys of a table that names a file."""
+"""Keys of the table of a file, by the key of the well that has this table."""
 
 
 def path_part(well: str) -> str:
@@ -72,7 +72,7 @@ class Job:
     """One well of a manifest, as it is sent to a worker: addresses and settings, no samples."""
 
     well: str
-    tree: Json  # the settings as a settings file has them, and ``map`` beside a file; every file an address
+    tree: Json  # the settings as in a settings file, ``map`` beside a file; files are addresses
     output: str
     outputs: tuple[str, ...] = OUTPUTS
     block_samples: int = BLOCK_SAMPLES  # a well with more samples is made in blocks of about this many
@@ -89,11 +89,11 @@ class Job:
         return hashlib.blake2b(content.encode(), digest_size=16).hexdigest()
 
     def named(self) -> Json:
-        """Return the settings with file names in place of addresses."""
+        """Return the settings with names of files, without folders, in place of addresses."""
         return self.mapped(lambda address: address.rstrip("/").rpartition("/")[2])
 
     def mapped(self, change: Any, keys: tuple[str, ...] = FILES) -> Json:
-        """Return the settings with ``change`` applied to the addresses of the files of these keys."""
+        """Return the settings with ``change`` applied to the addresses of the files and role maps of these keys."""
         tree = dict(self.tree)
         for key in keys:
             if key in tree:
@@ -103,7 +103,7 @@ class Job:
         return tree
 
     def addresses(self, keys: tuple[str, ...] = FILES) -> list[str]:
-        """Return the addresses of the files that the well is made from, for these keys."""
+        """Return the addresses of the files and role maps of these keys, each once."""
         found: dict[str, str] = {}
         self.mapped(lambda address: found.setdefault(address, address), keys)
         return list(found)
@@ -155,7 +155,7 @@ MOST_NAMED = 10
 
 
 def check_files(jobs: list[Job]) -> None:
-    """Raise an InputError that names well and address of files that do not exist; 32 threads ask the stores."""
+    """Raise an InputError that names the files that do not exist, with their wells; 32 threads ask the stores."""
 
     def missing(one: tuple[str, str]) -> bool:
         system, path, _ = file_system(one[1])
@@ -209,7 +209,10 @@ def strip_maps(tree: Json) -> Json:
 
 
 def _files(key: str, given: Any, place: str, folder: str) -> Any:
-    """Return the table of a file, or a list of them, with addresses; an address alone stands for its table."""
+    """Return what a key of a well names as the table of a file, a list of tables for caliper and image.
+
+    Addresses are made absolute; an address alone becomes a table.
+    """
     many = given if isinstance(given, list) else [given]
     tables = [{"file": of} if isinstance(of, str) else of for of in many]
     if key not in ("caliper", "image") and len(tables) != 1:
@@ -225,7 +228,7 @@ def _files(key: str, given: Any, place: str, folder: str) -> Any:
 
 
 def _absolute(address: str, folder: str) -> str:
-    """Return an address; if it is relative, it is relative to ``folder``."""
+    """Return an address; a relative one is taken as below ``folder``."""
     return address if "://" in address or address.startswith("/") or not folder else f"{folder}/{address}"
 
 

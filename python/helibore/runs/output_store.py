@@ -32,7 +32,7 @@ Json = dict[str, Any]
 
 
 def file_system(address: str) -> tuple[Any, str, bool]:
-    """Return the file system of an address, the path in it, and whether the path is local."""
+    """Return the file system of an address, the path in that file system, and whether the path is local."""
     with needs("fsspec", "scale"):
         from fsspec.core import url_to_fs
         from fsspec.implementations.local import LocalFileSystem
@@ -63,18 +63,18 @@ def _checksum(value: Json) -> str:
 
 
 class Store:
-    """The files below an address, by their names with forward slashes."""
+    """The files below an address; names are relative to the address, with forward slashes."""
 
     def __init__(self, address: str) -> None:
         self.address = address
         self.system, self.root, self.is_local = file_system(address)
 
     def path(self, name: str) -> str:
-        """Return the path of a file in the file system."""
+        """Return the path of the file ``name`` in the file system."""
         return f"{self.root}/{name}"
 
     def check_writable(self) -> None:
-        """Write and delete a file; an InputError names the address and the reason."""
+        """Write a file and delete it; if that fails, an InputError names the address and the reason."""
         try:
             self.write_json(".writable", {})
             self.delete([".writable"])
@@ -112,7 +112,7 @@ class Store:
             self.system.put([str(of) for of in files], [self.path(f"{name}/{of.name}") for of in files])
 
     def read_array(self, name: str, checksum: int) -> Floats:
-        """Return the numbers of a file of plain float64; raise an InputError if its CRC-32 differs."""
+        """Return the numbers of a file of plain float64; raise an InputError if its CRC-32 is not ``checksum``."""
         content = self.system.cat_file(self.path(name))
         if zlib.crc32(content) != checksum:
             raise InputError(name, "is damaged")
@@ -136,7 +136,7 @@ class Store:
             write_whole(path, lambda file: file.write(content))
 
     def read_json(self, name: str) -> Any:
-        """Return a value from a JSON file; None if there is no such file, or it is damaged."""
+        """Return the value of a JSON file; None if there is no such file, or it is not JSON."""
         try:
             return json.loads(self.system.cat_file(self.path(name)))
         except (FileNotFoundError, ValueError):
@@ -147,7 +147,7 @@ class Store:
         self.write_json(name, value | {"blake2b": _checksum(value)})
 
     def read_checked(self, name: str) -> Any:
-        """Return what `write_checked` wrote; None if there is no such file, or a bit of it has changed."""
+        """Return the object that `write_checked` wrote; None if there is no such file, or its checksum differs."""
         value = self.read_json(name)
         stated = value.pop("blake2b", None) if isinstance(value, dict) else None
         return value if stated is not None and stated == _checksum(value) else None
@@ -170,7 +170,7 @@ class Store:
         return {path[len(self.root) + 1 :]: int(of["size"]) for path, of in found.items()}
 
     def delete(self, names: Iterator[str] | list[str]) -> None:
-        """Delete files, if they are there."""
+        """Delete those of the files that exist."""
         for name in names:
             with contextlib.suppress(FileNotFoundError):
                 self.system.rm_file(self.path(name))

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from helibore.trajectory.survey import Path
 
 DIFFERENCE = "difference"
-"""The attribute that says how much larger the wall is than the wall of the earlier passes, metres."""
+"""The attribute that states the radius of the wall less that of the wall from the earlier passes, metres."""
 
 
 def reconstruct(
@@ -103,7 +103,7 @@ def _odd_passes(wall: Wall, prepared: Prepared) -> list[str]:
 
 
 def compare(wall: Wall, earlier: Wall) -> None:
-    """Set the attribute of a wall that states how much larger it is than an earlier wall, metres."""
+    """Set the attribute "difference" of ``wall``: its radius less that of ``earlier``, metres."""
     from helibore.preparation.passes import difference
 
     wall.attributes[DIFFERENCE] = on_quads(difference(earlier, wall), wall.settings.sectors)

@@ -3,8 +3,8 @@
     manifest --read_jobs--> jobs --one task a well--> records --> one catalogue
 
 The scheduler holds names and records only; no wall and no samples are sent to it. If a well fails, it is reported with
-the reason, and the other wells finish. A job that is started again makes only the missing outputs. Without a scheduler
-the wells run on this machine, with one worker per processor and one core thread in each worker.
+the reason, and the other wells finish. A second run makes only the wells that are incomplete or out of date. Without a
+scheduler the wells run on this machine, with one worker per processor and one core thread in each worker.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 CATALOGUE, FAILURES = "catalogue.parquet", "failures.json"
 DEATHS = 30
-"""Workers that may die during a task before the task fails. Dask's default, 3, can fail a task without fault."""
+"""So many workers may die during a task before Dask fails the task. Dask's default, 3, can fail a good task."""
 QUIET = {
     "distributed.worker.profile.enabled": False,
     "distributed.admin.tick.interval": "500ms",
@@ -53,19 +53,19 @@ QUIET = {
 IGNORE_CTRL_C = ["helibore.runs.ignore_ctrl_c"]
 """Modules that each worker of this machine loads."""
 TRIES = 3
-"""Number of attempts at a task, if a store does not answer or a worker is killed, and at starting a cluster."""
+"""Most attempts at a task, as a store may not answer or a worker may be killed, and at starting a cluster."""
 
 
 @dataclass
 class Progress:
-    """The progress of a job."""
+    """The progress of `reprocess`, its result, and the result of `status`."""
 
     wells: int
     done: list[str] = field(default_factory=list)  # wells made now
     skipped: list[str] = field(default_factory=list)  # wells made before, from the same inputs and settings
     failed: dict[str, str] = field(default_factory=dict)  # well to reason
-    warnings: dict[str, str] = field(default_factory=dict)  # well to what a reader of its numbers must know
-    unwritten: dict[str, str] = field(default_factory=dict)  # file for all wells that could not be written, to reason
+    warnings: dict[str, str] = field(default_factory=dict)  # well to the warnings on its wall
+    unwritten: dict[str, str] = field(default_factory=dict)  # catalogue or list of failures, if not written, to reason
     seconds: float = 0.0
     dashboard: str | None = None  # address of Dask's dashboard
     outdated: dict[str, str] = field(default_factory=dict)  # `status`: well to what changed since it was made
@@ -78,7 +78,7 @@ class Progress:
 
     @property
     def unmade(self) -> int:
-        """Number of wells that were not tried, or whose outputs are missing."""
+        """Number of wells that are neither finished nor out of date."""
         return self.wells - self.finished - len(self.outdated)
 
     @property
@@ -193,7 +193,7 @@ def connected(client: Client | str | None, workers: int | None = None) -> Iterat
 
 
 def _started(start: Callable[[], Any]) -> Any:
-    """Start a cluster; if a worker dies before it answers, Dask ends the cluster, and the cluster is started again."""
+    """Return what ``start`` returns, a cluster; start it again if a worker dies early, because Dask then ends it."""
     for _ in range(TRIES - 1):
         with contextlib.suppress(RuntimeError):
             return start()
@@ -201,9 +201,9 @@ def _started(start: Callable[[], Any]) -> Any:
 
 
 def status(jobs: Sequence[Job]) -> Progress:
-    """Return the progress of the wells; wells in ``skipped`` need no work. All inputs are read for their checksums.
+    """Return which wells need no work (``skipped``), failed, or are ``outdated``; the others have not been made.
 
-    A well that is not in ``skipped``, ``failed`` or ``outdated`` has not been made.
+    All inputs are read for their checksums.
     """
     store = Store(jobs[0].output)
     failed = store.read_json(FAILURES) or {}
@@ -236,7 +236,7 @@ def _check_workers(client: Any, jobs: Sequence[Job]) -> None:
         for address in job.addresses():
             files.setdefault(ending_of(address), f"well {job.well}: {address}")
     for worker, reason in client.run(_refusal, versions(), files, on_error="return").items():
-        if reason and not isinstance(reason, OSError):  # a worker that has just died
+        if reason and not isinstance(reason, OSError):  # an OSError: the worker has just died
             raise InputError(f"worker {worker}", str(reason))
 
 
@@ -255,7 +255,10 @@ def _refusal(expected: dict[str, str], files: dict[str, str]) -> str:
 
 
 def _run(client: Any, jobs: Sequence[Job], records: dict[str, Json], tell: Callable[[Progress], object]) -> Progress:
-    """Run one task for each well, or one for each block and then a merge; put the records in ``records``."""
+    """Run a task for each well, and for a large well one for each of its blocks and a merge; fill ``records`` by well.
+
+    ``tell`` is called with the progress at the start and after each well.
+    """
     from distributed import CancelledError, as_completed
 
     begin, so_far = time.perf_counter(), Progress(len(jobs), dashboard=client.dashboard_link)
@@ -284,7 +287,7 @@ def _run(client: Any, jobs: Sequence[Job], records: dict[str, Json], tell: Calla
     for future in finished:
         task = waiting.pop(future)
         job = task.job
-        if job.well in so_far.failed:  # another block of it
+        if job.well in so_far.failed:  # another block of this well has failed
             continue
         try:
             error = future.exception()
@@ -311,7 +314,7 @@ def _run(client: Any, jobs: Sequence[Job], records: dict[str, Json], tell: Calla
 
 
 class _Task(NamedTuple):
-    """A task of a worker for a well, and the number of the attempt."""
+    """A call of ``make`` with a well and ``more`` arguments, as a task for a worker; ``tries`` counts its attempts."""
 
     make: Callable[..., Any]
     job: Job
@@ -320,7 +323,7 @@ class _Task(NamedTuple):
 
 
 def _attempt(make: Callable[..., Json | None], job: Job, *more: Any) -> Json:
-    """Run a task; errors of the input are returned, not raised, since Dask would print a traceback."""
+    """Return the result of a task; errors of the input are returned as "failed", as Dask would print a traceback."""
     try:
         return make(job, *more) or {}
     except (InputError, MissingExtraError, FileNotFoundError) as error:
@@ -334,7 +337,10 @@ def _reason(error: BaseException) -> str:
 
 
 def _write_catalogue(store: Store, records: dict[str, Json]) -> None:
-    """Write the rows of all records in the store, including those of earlier jobs, sorted by well."""
+    """Write the catalogue: the rows of all records in the store, also of earlier runs, sorted by well.
+
+    Records of earlier runs are added to ``records``. Without rows, no file is written.
+    """
     known = {record_name(well) for well in records}
     earlier = [
         store.read_checked(name) for name in store.sizes("records") if name.endswith(".json") and name not in known

@@ -47,7 +47,7 @@ from helibore.wall.load import load
 from helibore.wall.wall import Wall
 
 Stage = Callable[[str, str], AbstractContextManager[None]]
-"""Called with the name of a stage and what it does; the stage runs inside the context."""
+"""Function of a stage's name and of a text on what it does; the stage runs inside the context that it returns."""
 
 
 def checksum(path: str | os.PathLike[str]) -> str:
@@ -76,7 +76,7 @@ class OpenFiles:
         return self._sums[file]
 
     def log(self, file: Path) -> LogFile:
-        """Return an open file."""
+        """Return a file as `hb.open` does; it is opened at the first call only."""
         if file not in self._logs:
             self.checksum(file)
             self._logs[file] = open_file(file, self._nulls, self.header_lines.get(file))
@@ -86,7 +86,7 @@ class OpenFiles:
         self, file: Path, set_name: str | None = None, map_file: Path | None = None,
         change: Callable[[LogSet, RoleMap], RoleMap] = lambda _, roles: roles,
     ) -> Input:  # fmt: skip
-        """Open a set of a file; its roles are guessed, a map overrules the guess, and ``change`` overrules both."""
+        """Return a set of a file with its roles: guessed, or those of the map, then as ``change`` returns them."""
         log = self.log(file)
         alone = log if set_name is None else LogFile(log.path, log.format, [log.set(set_name)])
         roles = read_map(map_file, alone) if map_file is not None else guess(alone.set())
@@ -102,7 +102,7 @@ class OpenFiles:
         return [each.header for log in self._logs.values() for each in log.sets]
 
     def description(self, one: Input) -> str:
-        """Return one sentence on what was read from a file."""
+        """Return a text on what was read from a file: its format, set and number of rows."""
         log = self.log_set(one)
         named = f"set {log.name!r}, " if log.name not in ("table", "arrays") else ""
         return f"{one.file.name}: {self.log(one.file).format}, {named}{log.rows:,} rows"
@@ -170,7 +170,7 @@ def repeat(settings: RunSettings | str | os.PathLike[str], threads: int | None =
 
 
 def reopen(settings: RunSettings) -> Run:
-    """Open the files that settings name, if they are unchanged."""
+    """Return the run of ``settings`` with its files; an InputError names a file or channel that has changed."""
     files = OpenFiles(settings.nulls, {one.file: one.header_line for one in settings.inputs if one.header_line})
     for each in settings.inputs:
         files.checksum(each.file)
@@ -284,7 +284,7 @@ def stated_header(run: Run) -> dict[str, str]:
 
 
 def read_path(run: Run) -> None:
-    """Read the survey of a run, if it has one."""
+    """Read the survey of a run, if it has one, and set the path of the run."""
     survey = run.settings.survey
     if survey is not None:
         how: Any = run.settings.path
@@ -305,7 +305,7 @@ def _tune(run: Run, wall: Settings, caliper: Caliper, threads: int | None) -> Se
 
 
 def add_images(wall: Wall, images: list[SectorImage]) -> list[tuple[str, str]]:
-    """Give images to a wall; an image whose name is taken gets a number, and a message says so."""
+    """Give images to a wall; an image whose name is taken gets a number. Return the messages on these."""
     messages = []
     for image in images:
         own, number = image.name, 1
@@ -344,7 +344,7 @@ def _read_image(run: Run, one: ImageInput) -> SectorImage:
 
 
 def _read_round(run: Run, wall: Settings, images: list[SectorImage]) -> tuple[str, Caliper]:
-    """Return the name and samples of a caliper without directions: an average caliper, or a gauge hole."""
+    """Return name and samples of a caliper that did not measure around the hole: average caliper, gauge hole."""
     if run.settings.average is not None:
         return _read_average(run, run.settings.average)
     run.messages.insert(0, ("wall", "gauge hole: not measured"))
@@ -407,7 +407,7 @@ def interval(settings: Settings) -> tuple[float, float]:
 
 @contextmanager
 def placing(run: Run, options: str = "") -> Iterator[None]:
-    """If the path misses a part of the wall, name in the error the survey's file and the options that help."""
+    """If the path misses a part of the wall, add the survey's file and helpful ``options`` to the error of the block."""
     try:
         yield
     except ValueError as error:
@@ -420,7 +420,7 @@ def placing(run: Run, options: str = "") -> Iterator[None]:
 
 
 def check_path(run: Run, *ends: float) -> None:
-    """Refuse a path that does not reach the ends of a wall; the error names the file of the survey."""
+    """Raise an InputError that names the survey's file if the path of a run does not reach the depths ``ends``."""
     if run.path is None:
         return
     try:
@@ -452,7 +452,7 @@ def save_settings(run: Run, output: Path, verb: str, options: dict[str, Any]) ->
 
 
 def _read_lines(run: Run) -> Iterator[tuple[str, str]]:
-    """Describe what was read from the caliper files, and the roles of channels; equal roles only once."""
+    """Yield lines on the caliper files and the roles of their channels; roles as in the file before are left out."""
     before: tuple[str, ...] = ()
     for each, found in zip(run.settings.caliper, run.readings, strict=True):
         yield "caliper", run.files.description(each)
@@ -465,7 +465,7 @@ def _read_lines(run: Run) -> Iterator[tuple[str, str]]:
 
 
 def _survey_lines(run: Run) -> Iterator[tuple[str, str]]:
-    """Describe what was read from the survey and from the track."""
+    """Yield lines on the survey and the track, and on the roles of their channels."""
     for label, one, roles in (
         ("survey", run.settings.survey, ("depth", "inclination", "azimuth")),
         ("track", run.settings.track, ("time", "depth", "toolface")),
@@ -481,7 +481,7 @@ def _survey_lines(run: Run) -> Iterator[tuple[str, str]]:
 
 
 def _first_station(log: LogSet, roles: RoleMap, survey: Survey, head: tuple[float, ...]) -> Iterator[tuple[str, str]]:
-    """Yield a message on the origin of positions, if no head is given and the first station is not the origin."""
+    """Yield a line on the origin of positions, if no head is given and the first station is not the origin."""
     top = float(survey.depth[0])
     row = int(np.flatnonzero(column(log, needed(log, roles, "depth")) == top)[0])
     found = [roles.one(name) for name in ("north", "east", "tvd")]

@@ -35,7 +35,7 @@ from helibore.preparation.conditioning import Echo
 from helibore.preparation.prepare import Preparation
 
 SOURCES = ("caliper", "average", "archive", "gauge")
-"""What a wall is made from: each run has exactly one."""
+"""Keys of what a wall is made from; each run has exactly one of them."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Input:
     blake2b: str = ""  # checksum of its bytes, in hexadecimal; "" while not known
     set: str | None = None  # None where the file has no sets
     channel: tuple[Role, ...] = ()
-    header_line: int | None = None  # the line of a table's column names, where it was given
+    header_line: int | None = None  # the line of a table's column names, if it was stated
 
     @property
     def roles(self) -> RoleMap:
@@ -155,11 +155,11 @@ def write_settings(path: str | os.PathLike[str], settings: RunSettings) -> None:
 
 
 COMPLETE = (Settings, Preparation, PathSettings, Echo)
-"""Groups that are written with their defaults; defaults of other groups are left out."""
+"""Groups whose defaults are written; defaults of other groups are left out."""
 
 
 def _tree(value: Any, folder: Path) -> Any:
-    """Return a value as TOML has it: tables, lists, file names relative to ``folder``; "none" for a None."""
+    """Return a value as TOML has it: tables, lists, names of files relative to ``folder``, and "none" for None."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         tree = {}
         for each in dataclasses.fields(value):
@@ -225,7 +225,7 @@ class _Reader:
             raise self.error(place, str(error)) from error
 
     def value(self, place: str, hint: Any, value: Any) -> Any:
-        """Return a value as its type; "none" stands for None where that is allowed."""
+        """Return a value of TOML as the type ``hint`` states; "none" stands for None where None is allowed."""
         kinds = typing.get_args(hint) if isinstance(hint, types.UnionType) else (hint,)
         if value == "none" and type(None) in kinds:
             return None
@@ -244,7 +244,7 @@ class _Reader:
         raise self.error(place, f"must be {RULES[origin]}", value)
 
     def tuple_of(self, place: str, parts: tuple[Any, ...], value: Any) -> tuple[Any, ...]:
-        """Return a list of values, or of tables, which are counted from 1."""
+        """Return a list of TOML as a tuple of the types ``parts``; places of tables are counted from 1."""
         endless, tables = parts[-1] is Ellipsis, dataclasses.is_dataclass(parts[0])
         if not isinstance(value, list) or not (endless or len(parts) == len(value)):
             if tables:

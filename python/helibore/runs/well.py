@@ -97,7 +97,7 @@ def reprocess_well(job: Job, expected: dict[str, str] | None = None) -> Json:
 
 
 def _folders(job: Job) -> tuple[str, ...]:
-    """Return the folders of a well's outputs."""
+    """Return the folders of a well's outputs in the store."""
     return f"wells/{job.key}", f"logs/well={job.key}", f"zones/well={job.key}"
 
 
@@ -134,7 +134,7 @@ def _check_path(job: Job, run: Run, *ends: float) -> None:
 
 
 def reprocess_block(job: Job, number: int, expected: dict[str, str] | None = None) -> None:
-    """Make one block of a large well."""
+    """Make block ``number`` of a large well: `make_block`, on a worker that has the ``expected`` versions."""
     check_versions(expected)
     with _opened(job, ("survey",)) as (run, _):
         archive = f"wells/{job.key}/{job.key}-{number:05}.wall" if "archive" in job.outputs else None
@@ -142,7 +142,7 @@ def reprocess_block(job: Job, number: int, expected: dict[str, str] | None = Non
 
 
 def merge_well(job: Job, expected: dict[str, str] | None = None) -> Json:
-    """Make outputs and record of a large well whose blocks are made; return the record, as `reprocess_well` does."""
+    """Make outputs and record of a large well from its blocks; return the record as `reprocess_well` does."""
     check_versions(expected)
     store = Store(job.output)
     with _opened(job, ("survey",)) as (run, _):
@@ -160,7 +160,7 @@ def merge_well(job: Job, expected: dict[str, str] | None = None) -> Json:
 
 
 def _work(job: Job) -> str:
-    """Return the folder of the temporary files of a large well."""
+    """Return the folder of a large well's temporary files in the store."""
     return f"work/{job.key}"
 
 
@@ -172,20 +172,23 @@ def _write_record(job: Job, store: Store, made_from: Json, files: dict[str, int]
 
 
 def check_versions(expected: dict[str, str] | None) -> None:
-    """Refuse to work for a process that has other versions."""
+    """Raise an InputError if a version of this worker is not as ``expected`` by the process that started the job.
+
+    ``expected`` are the `versions` of that process; None: any versions.
+    """
     for name, wanted in (expected or {}).items():
         if versions()[name] != wanted:
             raise InputError(f"worker: {name} {versions()[name]}", f"must be {wanted}, as where the job was started")
 
 
 def _made_from(job: Job, files: OpenFiles, local: dict[str, Path]) -> Json:
-    """Return all that decides the bytes of the outputs."""
+    """Return what decides the bytes of the outputs: settings, checksums of the input files, versions."""
     inputs = [{"name": file.name, "blake2b": files.checksum(file).result()} for file in local.values()]
     return {"settings": job.settings_hash, "inputs": inputs, "versions": versions()}
 
 
 def _changes(record: Json, now: Json, store: Store) -> str:
-    """Return what has changed since a well was made, or "" if the well need not be made again."""
+    """Return what differs between ``now`` and a well's record, as text; "" if the well need not be made again."""
     before = record["made_from"]
     found = ["its settings"] if before["settings"] != now["settings"] else []
     known = {(of["name"], of["blake2b"]) for of in before["inputs"]}
@@ -197,9 +200,9 @@ def _changes(record: Json, now: Json, store: Store) -> str:
 
 
 def changes(job: Job) -> str | None:
-    """Return what has changed since a well was made, such as "its settings, A-1.csv", or ""; None if it is not made.
+    """Return what has changed since a well was made, such as "its settings, A-1.csv"; "" if nothing has.
 
-    All its inputs are read, to compute their checksums.
+    None if the well is not made. All its input files are read, to compute their checksums.
     """
     store = Store(job.output)
     record: Json | None = store.read_checked(record_name(job.well))
@@ -222,7 +225,10 @@ def _provenance(made_from: Json) -> Json:
 
 @contextlib.contextmanager
 def _opened(job: Job, keys: tuple[str, ...] = FILES) -> Iterator[tuple[Run, dict[str, Path]]]:
-    """Open the files of a job, or those of some keys; roles that neither settings nor a map state are guessed."""
+    """Yield the run of a job with the files of ``keys`` opened, and the local file for each of their addresses.
+
+    Roles that neither the settings nor a map state are guessed.
+    """
     with contextlib.ExitStack() as copies:
         local = {address: copies.enter_context(local_file(address)) for address in job.addresses(keys)}
         tree = job.mapped(lambda address: str(local.get(address, address)))
@@ -233,7 +239,7 @@ def _opened(job: Job, keys: tuple[str, ...] = FILES) -> Iterator[tuple[Run, dict
             files.checksum(file)
 
         def known(one: Input, table: Json) -> Input:
-            """Return an input with its roles, which are guessed if they are not stated."""
+            """Return an input with its roles, which come from a map or are guessed if they are not stated."""
             if one.channel:
                 return one
             return files.input(one.file, one.set, Path(table["map"]) if "map" in table else None)
@@ -282,7 +288,7 @@ def write_outputs(run: Run, job: Job, store: Store) -> tuple[dict[str, int], Jso
 
 
 def _save_tables(job: Job, save: Save, zones: Classification) -> Classification:
-    """Write logs and zones, each as a part of the data set of all wells."""
+    """Write logs and zones of a well, each as a part of the data set of all wells; return the zones."""
     header, key = {"well": job.well}, job.key
     if "logs" in job.outputs:
         table = zones.logs.table([zones.column()])
@@ -293,7 +299,7 @@ def _save_tables(job: Job, save: Save, zones: Classification) -> Classification:
 
 
 def _save_overview(job: Job, save: Save, surface: Surface) -> None:
-    """Write the overview mesh; a short well has none."""
+    """Write the overview mesh of a well; none if the well is too short for a quad."""
     if len(surface.quads):
         save(f"wells/{job.key}/{job.key}-overview.glb", surface.save)
 
