@@ -262,7 +262,7 @@ def _count(settings: Settings, plan: Json) -> int:
 
 
 def _blocks(wall: Settings, plan: Json, most_samples: int) -> list[list[int]]:
-    """Return the turns [start, stop) of the blocks; a block is whole units of about ``most_samples`` samples at most."""
+    """Return the turns [start, stop) of the blocks; a block is whole units, about ``most_samples`` samples at most."""
     turns = -(-plan["vertices"] // wall.sectors)
     found: list[list[int]] = []
     for first in range(0, turns, UNIT):

@@ -407,7 +407,7 @@ def interval(settings: Settings) -> tuple[float, float]:
 
 @contextmanager
 def placing(run: Run, options: str = "") -> Iterator[None]:
-    """If the path misses a part of the wall, add the survey's file and helpful ``options`` to the error of the block."""
+    """If the path misses a part of the wall, add the survey's file and helpful ``options`` to the block's error."""
     try:
         yield
     except ValueError as error:
