@@ -1,4 +1,4 @@
-"""Decide what a picture of a wall shows: interval, scale, tracks, cross sections, shaded body; the same on all papers.
+"""Decide what a picture of a wall shows: interval, scale, tracks, cross sections, shaded body, alike on all papers.
 
     Drawing (options, checked)  +  Wall  ->  Content (tracks with their colours, limits shared by every page)
 
@@ -64,14 +64,14 @@ RADIUS_TITLE = "Radius − bit/2"
 REFERENCES = tuple(reference for reference in SIDES if reference)
 MOST_SECTIONS = len(ascii_uppercase)
 ROOM = 192.0
-"""Millimetres of A4 for tracks, each with a gap of 2."""
+"""Millimetres across A4 for the tracks, each with a gap of 2."""
 NARROW_CURVE, NARROW_IMAGE = 15.0, 24.0
-"""Least millimetres of a curve and of an image, unless a template says otherwise."""
+"""Least widths of the track of a curve and of an image, millimetres, unless a template states a width."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Look:
-    """The colours of an image; None: those usual for it.
+    """The colours of an image; what is None is as usual for the image.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ class Look:
     log
         Whether colours follow the logarithm.
     window
-        Metres: dynamic normalisation by a sliding window; a colour then does not stand for one value.
+        Metres of a window that slides along the hole, for dynamic normalisation; a colour then has no fixed value.
     """
 
     limits: tuple[float, float] | None = None
@@ -144,7 +144,7 @@ class Drawing:
         their calipers have the scale of the first wall, and their radii have its colours. If ``start`` and ``stop`` are
         None, the interval holds all walls.
     criteria
-        Criteria of the zones, in the walls beside, too; None: the usual ones.
+        Criteria of the zones of the wall; None: the usual ones. Zones of the walls beside are not drawn.
     """
 
     title: str = ""
@@ -201,7 +201,7 @@ class Drawing:
 
 @dataclass(frozen=True)
 class Body:
-    """Colours of the shaded body: a scale, one value per vertex of its interval, and their name."""
+    """Colours of the shaded body: a scale, the values (one for each vertex of the body), and the name of the values."""
 
     scale: ColorScale
     values: Floats
@@ -234,7 +234,7 @@ class Content:
 
     @cached_property
     def _state(self) -> WallState:
-        """The wall with its samples, which are copied once."""
+        """The wall as `WallState`, whose samples are thus copied only once."""
         return self.wall._state()
 
     @property
@@ -245,7 +245,7 @@ class Content:
 
     @property
     def letters(self) -> str:
-        """The name of each cross section."""
+        """A letter for each cross section, from A."""
         return ascii_uppercase[: len(self.sections)]
 
     def paper_length(self) -> float:
@@ -254,7 +254,7 @@ class Content:
 
 
 def content_of(wall: Wall, drawing: Drawing) -> Content:
-    """Decide what a picture of a wall shows."""
+    """Return what a picture of a wall shows, from the options of the drawing."""
     if len(wall) < wall.settings.sectors:
         raise InputError("a picture needs a full turn of the wall", f"it has {len(wall)} vertices")
     top, bottom = _interval(wall, drawing)
@@ -285,7 +285,7 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     sure = _uncertainty(wall, top, bottom, drawing.size_unit)
     count = len(images) + (sure is not None) + sum(one.basis == "azimuthal" for one in (wall, *drawing.beside.values()))
     room = ROOM - sum(track.width + 2.0 for track in [*tracks, *dips, *calipers]) - 2.0 * count
-    for track in scalars:  # curves get narrower first, then images; then the paper gets wider
+    for track in scalars:  # curves get narrower first, then images, and at last the paper gets wider
         track.width = min(track.width, max(NARROW_CURVE, (room - NARROW_IMAGE * count) / len(scalars) - 2.0))
     tracks += scalars
     room -= sum(track.width + 2.0 for track in scalars)
@@ -328,7 +328,7 @@ def _logged(logs: Logs) -> list[ScalarCurve]:
 def _arranged(
     template: Template, tracks: list[PlacedTrack], curves: Sequence[ScalarCurve], top: float, bottom: float
 ) -> list[PlacedTrack]:
-    """Return the depth track, and those tracks of a template for which the wall has values."""
+    """Return the first of ``tracks`` (depth), then the tracks of a template for which the wall has values."""
     images = {track.shown.name: track for track in tracks if isinstance(track, ImageTrack)}
     by_name = {curve.name: curve for curve in reversed(curves)}
     arranged = tracks[:1]
@@ -352,7 +352,7 @@ def _arranged(
 
 @dataclass(frozen=True)
 class _Other:
-    """A wall beside the first: its name and its turns."""
+    """A wall that is drawn beside the first: its name, and the diameters of its turns."""
 
     name: str
     wall: Wall
@@ -368,7 +368,7 @@ class _Other:
         return _caliper(self.wall, self.turns, limits, drawing, _reference(self.wall, Drawing()), f"{self.name}: ")
 
     def image(self, scale: ColorScale, drawing: Drawing, width: float, top: float, bottom: float) -> list[PlacedTrack]:
-        """Return the radius in the colours of the first wall, if this wall was measured all around."""
+        """Return a track of the radius in the colours of the first wall; [] if this one was not measured all around."""
         if self.wall.basis != "azimuthal":
             return []
         look = Look(limits=(scale.low, scale.high), color_map=scale.color_map)
@@ -393,7 +393,7 @@ def _interval(wall: Wall, drawing: Drawing) -> tuple[float, float]:
 
 
 def _reference(wall: Wall, drawing: Drawing) -> str:
-    """Return what toolface 0 of the picture is; "" if nothing states it."""
+    """Return what toolface 0 of the picture is; "" if neither the drawing nor the wall states it."""
     own = wall.path.reference if wall.path is not None else None
     if drawing.reference is None:
         return reference_of(wall) or ""
@@ -428,7 +428,7 @@ def _turned(image: SectorImage, values: Floats, path: Path | None, reference: st
 
 
 def _shown(image: SectorImage, look: Look, top: float, bottom: float) -> tuple[Shown, Floats]:
-    """Return how an image is shown between two depths, and the values that its colours stand for."""
+    """Return how an image is shown between two depths, and its values, normalised if ``look`` has a window."""
     rows = (image.depth >= top - image.reach) & (image.depth <= bottom + image.reach)
     if not rows.any():
         ends = f"{image.depth[0]:g} to {image.depth[-1]:g} m"
@@ -455,12 +455,15 @@ def _shown(image: SectorImage, look: Look, top: float, bottom: float) -> tuple[S
 
 
 def _beyond(values: Floats, low: float, high: float) -> tuple[int, int]:
-    """Return the number of values beyond the ends of a scale, and the number of all values."""
+    """Return the number of values beyond the ends of a scale, and the number of values that are not missing."""
     return int(((values < low) | (values > high)).sum()), int(np.isfinite(values).sum())
 
 
 def _radius(wall: Wall, look: Look, top: float, bottom: float, unit: str) -> tuple[Shown, Floats]:
-    """Return radius less half the bit size, in ``unit``, one per vertex, and the whole wall's colours around 0."""
+    """Return how the radius is shown, in colours around bit size, and radius less half the bit size by vertex.
+
+    The colours are those of the whole wall; the values are in ``unit``.
+    """
     if look.log or look.window is not None:
         raise InputError("Radius", "is drawn over bit size, on a plain scale; log and window do not apply")
     over, scale = over_bit(wall.radius, wall.settings.bit_diameter, look.color_map, look.limits, LENGTHS[unit])
@@ -470,7 +473,10 @@ def _radius(wall: Wall, look: Look, top: float, bottom: float, unit: str) -> tup
 
 
 def _uncertainty(wall: Wall, top: float, bottom: float, unit: str) -> tuple[Shown, Floats] | None:
-    """Return half the 95 % interval of each radius, in ``unit``, one per vertex; None if the wall has no sigma."""
+    """Return how the uncertainty is shown, and half the 95 % interval of each radius by vertex, in ``unit``.
+
+    None if the wall has no attribute sigma, or sigma has no value.
+    """
     if "sigma" not in wall.attributes:
         return None
     of_quads = wall.attributes.whole("sigma", wall.start_depth, max(len(wall) - wall.settings.sectors - 1, 0))
@@ -487,7 +493,7 @@ def _uncertainty(wall: Wall, top: float, bottom: float, unit: str) -> tuple[Show
 def _diameter_limits(
     walls: Sequence[tuple[Wall, Diameters]], top: float, bottom: float, drawing: Drawing
 ) -> tuple[float, float]:
-    """Return the ends of the caliper tracks of walls, in the unit of diameters: one scale for all."""
+    """Return the diameters at the edges of the caliper tracks, in the drawing's unit, alike for all ``walls``."""
     length = LENGTHS[drawing.size_unit]
     drawn = []
     for wall, turns in walls:
@@ -511,13 +517,16 @@ def _stretched(wall: Wall, drawing: Drawing, top: float, bottom: float, images: 
     if wall.basis != "azimuthal" and not images:
         return None
     found = most_relief(wall, top, bottom)
-    if found is not None and wall.basis == "gauge":  # no relief: choose by the images
+    if found is not None and wall.basis == "gauge":  # no relief: the first image decides
         found = _imaged(wall, images[0], top, bottom, 0.5 * (found[1] - found[0]))
     return None if found is None else turns_between(wall, *found)
 
 
 def _imaged(wall: Wall, image: SectorImage, top: float, bottom: float, half: float) -> tuple[float, float]:
-    """Return an interval around the middle one of the rows between ``top`` and ``bottom`` without missing values."""
+    """Return the ends of an interval, ``half`` metres to each side of the median depth of the image's complete rows.
+
+    Rows count from ``top`` to ``bottom``. The interval stays within these depths and the wall.
+    """
     whole = np.isfinite(image.values).all(axis=1) & (image.depth >= top) & (image.depth <= bottom)
     low, high = max(top, float(wall.depth.min())), min(bottom, float(wall.depth.max()))
     middle = float(np.median(image.depth[whole])) if whole.any() else low + half
@@ -528,7 +537,7 @@ def _imaged(wall: Wall, image: SectorImage, top: float, bottom: float, half: flo
 def _bodies(
     wall: Wall, one: Stretched, radius: tuple[Shown, Floats], images: list[tuple[SectorImage, tuple[Shown, Floats]]]
 ) -> list[Body]:
-    """Return the body coloured by the radius, if it was measured, and by the images with most values: two at most."""
+    """Return at most two colourings of the body: by the radius, if measured, and by the images with most values."""
     part = slice(one.first, one.first + one.radius.size)
     bodies = []
     if wall.basis == "azimuthal":

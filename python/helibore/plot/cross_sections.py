@@ -1,10 +1,10 @@
 """Cross sections of the hole, with one scale for both axes, the circle of the bit, and the samples.
 
-      T                 one point a sector, from the turn nearest to the depth: nothing is interpolated;
+      U                 one point a sector, from the turn nearest to the depth: nothing is interpolated;
    .-----.              dots are the samples within half a pitch; a grey wedge is where no sample is in reach
 L |   +   | R
    '-----'              looking downhole, clockwise
-      B
+      D
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ WIDTH, HEIGHT = 47.0, 54.0
 
 @dataclass(frozen=True)
 class CrossSection:
-    """The wall at a depth: radius (m) by toolface (deg, from the wall's first), NaN where missing, and the samples.
+    """The wall at a depth: toolfaces (deg) and radii (m, NaN where missing) of the sectors, and the samples near it.
 
-    ``interpolated``: (sectors,) whether the wall there is interpolated between arms.
+    ``interpolated``: (sectors,) whether the radius is interpolated between arms.
     """
 
     depth: float
@@ -47,7 +47,7 @@ class CrossSection:
 
 
 def sections_at(wall: Wall, depths: list[float], interpolated: Floats | None = None) -> list[CrossSection]:
-    """Cut the wall at these depths; an InputError names a depth that the wall does not reach.
+    """Return the cross section of the wall at each depth; an InputError names a depth that the wall does not reach.
 
     ``interpolated``: (n,) 1 at vertices between arms, else 0.
     """
@@ -89,7 +89,7 @@ def telling_depths(turns: Diameters, top: float, bottom: float) -> list[float]:
 
 
 def largest_shown(sections: list[CrossSection], bit_diameter: float) -> float:
-    """Return the radius of the outer ring of all sections, metres."""
+    """Return the radius, metres, to which all sections are drawn, so that they have one scale."""
     radii = [one.radius[np.isfinite(one.radius)].max(initial=0.5 * bit_diameter) for one in sections]
     return 1.08 * max(float(radius) for radius in radii)
 
@@ -97,7 +97,7 @@ def largest_shown(sections: list[CrossSection], bit_diameter: float) -> float:
 def draw_section(
     sheet: Sheet, x: float, y: float, section: CrossSection, name: str, look: tuple[float, float, str, str, DepthUnit]
 ) -> Axes:
-    """Draw a section with its caption; ``look``: bit diameter, outer radius (m), unit, reference, depth unit."""
+    """Draw a section with its caption; ``look``: bit diameter, radius to draw to (m), unit, reference, depth unit."""
     bit, outer, unit, reference, depths = look
     size = HEIGHT - 14.0
     middle = x + 0.5 * WIDTH
@@ -136,7 +136,7 @@ def draw_section(
 
 
 def key_text(bit_diameter: float, unit: str, pitch: float, hatched: bool) -> str:
-    """Explain what the sections show, in one line."""
+    """Return one line that explains the lines and colours of the sections."""
     size, near = length_text(bit_diameter / LENGTHS[unit], unit), f"{500 * abs(pitch):g} mm"
     signs = f"Red: wall; dashed: bit, {size}; orange: over bit; blue: under bit; dots: samples within {near}"
     gaps = "grey: no sample in reach" + ("; hatched: interpolated" if hatched else "")
@@ -168,7 +168,7 @@ def _fill(axes: Axes, section: CrossSection, bit: float, outer: float) -> None:
 
 
 def _patch(axes: Axes, outline: list[Floats], color: str | tuple[float, ...], hatch: str | None = None) -> None:
-    """Draw a filled or hatched outline; it is not measured, because the limits of the axes are known."""
+    """Draw a filled or hatched outline. matplotlib does not measure it, because the limits of the axes are set."""
     from matplotlib.patches import Polygon
 
     look = {"hatch": hatch, "edgecolor": HATCH_COLOR, "linewidth": 0.0} if hatch else {"edgecolor": "none"}

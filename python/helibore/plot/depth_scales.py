@@ -36,11 +36,11 @@ class DepthUnit:
     metres: float
 
     def text(self, depth: float, decimals: int = 2) -> str:
-        """The number of a depth in metres: ``6,561.68``."""
+        """Return a depth, given in metres, as a number in this unit: ``6,561.68``."""
         return f"{depth / self.metres:,.{decimals}f}"
 
     def ends(self, top: float, bottom: float) -> str:
-        """The ends of an interval in metres: ``2,000.00 to 2,022.00 m MD``."""
+        """Return the ends of an interval, given in metres, as text: ``2,000.00 to 2,022.00 m MD``."""
         return f"{self.text(top)} to {self.text(bottom)} {self.name} MD"
 
 
@@ -51,7 +51,7 @@ METRES, FEET = DepthUnit("m", 1.0), DepthUnit("ft", FOOT)
 class Lines:
     """Depth lines: a thin line every ``fine`` metres, and a thick line with its number every ``coarse`` metres.
 
-    `Lines.of` makes each of the two 1, 2 or 5 times a power of ten of ``unit``.
+    Both distances are metres. `Lines.of` makes each of them 1, 2 or 5 times a power of ten of ``unit``.
     """
 
     fine: float
@@ -60,7 +60,7 @@ class Lines:
 
     @classmethod
     def of(cls, scale: int, unit: DepthUnit = METRES) -> Lines:
-        """Return lines at least 4 mm apart, and numbers at least 20 mm apart, on paper of this scale."""
+        """Return lines that are at least 4 mm apart, numbered ones at least 20 mm, on paper of scale 1:``scale``."""
         steps = [mantissa * 10.0**power for power in range(-3, 6) for mantissa in (1, 2, 5)]
         paper = unit.metres * 1000.0 / scale
         coarse = next(step for step in steps if step * paper >= 20.0)
@@ -68,16 +68,16 @@ class Lines:
         return cls(fine * unit.metres, coarse * unit.metres, unit)
 
     def major(self, top: float, bottom: float) -> Sequence[float]:
-        """Depths of the strong lines from top to bottom."""
+        """Return the depths of the thick lines from ``top`` to ``bottom``, metres."""
         return _multiples(self.coarse, top, bottom)
 
     def minor(self, top: float, bottom: float) -> Sequence[float]:
-        """Depths of the thin lines between them."""
+        """Return the depths of the thin lines from ``top`` to ``bottom``, metres, without those of thick lines."""
         every = round(self.coarse / self.fine)
         return [depth for depth in _multiples(self.fine, top, bottom) if round(depth / self.fine) % every]
 
     def label(self, depth: float) -> str:
-        """The number at a strong line."""
+        """Return the number at a thick line, in ``unit``; ``depth`` is in metres."""
         digits = max(0, -math.floor(math.log10(self.coarse / self.unit.metres) + 1e-9))
         return f"{depth / self.unit.metres:.{digits}f}"
 

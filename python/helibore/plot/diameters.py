@@ -23,19 +23,19 @@ class Diameters:
     unless the turn is whole.
     """
 
-    depth: Floats  # of the middle of the turn
+    depth: Floats  # middle of the turn
     area: Floats
     c1: Floats
     c2: Floats
     d0: Floats
     d90: Floats
-    least: Floats  # across the hole, of the radii that are there; of a tool with few arms, of the arms
-    greatest: Floats
+    least: Floats  # through the axis, from the radii that are known; for a tool with few arms, from its arms
+    greatest: Floats  # as ``least``
     coverage: Floats  # share of the turn that has a radius, measured or interpolated
 
 
 def diameters(wall: WallLike, logs: Logs) -> Diameters:
-    """Return the diameters of every full turn, from the turns' logs."""
+    """Return the diameters of every full turn of a wall, from the shallowest; ``logs`` are those of its turns."""
     K = wall.settings.sectors
     by_turn = wall.radius[: logs.depth.size * K].reshape(-1, K)
     half = K // 2  # if K is odd, the far side is the mean of two vertices
@@ -43,14 +43,14 @@ def diameters(wall: WallLike, logs: Logs) -> Diameters:
     across = by_turn + far
     whole = (logs.depth, logs.equivalent_diameter, logs.c1, logs.c2, logs.diameter_0, logs.diameter_90)
     ends = np.fmin.reduce(across, axis=1), np.fmax.reduce(across, axis=1)
-    if logs.shape == "arms":  # the wall between them is rounder than the hole
+    if logs.shape == "arms":  # the wall between the arms is rounder than the hole
         ends = logs.least_diameter, logs.c1
     order = slice(None) if wall.settings.pitch > 0 else slice(None, None, -1)
     return Diameters(*(column[order] for column in (*whole, *ends, np.isfinite(by_turn).mean(axis=1))))
 
 
 def thinned(turns: Diameters, top: float, bottom: float, rows: int) -> Diameters:
-    """Return the turns between two depths in at most about ``rows`` rows."""
+    """Return the turns between two depths in at most ``rows`` rows."""
     inside = slice(np.searchsorted(turns.depth, top), np.searchsorted(turns.depth, bottom, side="right"))
     columns = {name: column[inside] for name, column in vars(turns).items()}
     count = columns["depth"].size

@@ -38,7 +38,7 @@ HEADER = {
     "company": "Company", "field": "Field", "location": "Location", "service": "Service co.", "run": "Run",
     "date": "Date", "datum": "Depth datum", "kb": "Elevation KB", "gl": "Elevation GL", "mud": "Mud",
 }  # fmt: skip
-"""What the header of a log states of every well, or shows as not given."""
+"""Entries of the header of every log, with their labels; one that the drawing lacks is shown as not given."""
 BLOCK = 22.4
 """Millimetres of height that the well and `HEADER` take."""
 ROW = 3.6
@@ -48,7 +48,7 @@ MADE = 62.0
 
 
 def facts(content: Content) -> list[tuple[str, str, bool]]:
-    """Return the facts that a reader must know: label, text, and whether it is a warning."""
+    """Return the rows of the header that follow from the wall: label, text, and whether the text is a warning."""
     wall, settings, summary = content.wall, content.wall.settings, content.summary()
     bit = settings.bit_diameter
     unit = content.drawing.depth_unit
@@ -102,7 +102,7 @@ def header_height(content: Content) -> float:
 
 
 def measured_text(content: Content) -> str:
-    """Return as text the measured part of the turns, and what the rest is."""
+    """Return as text the share of the turns that is measured, and what the rest of them is."""
     summary = content.summary()
     if summary.basis != "azimuthal":
         return summary.basis_text
@@ -138,12 +138,12 @@ def draw_header(sheet: Sheet, content: Content, x: float, y: float, width: float
 
 
 def sentence(text: str) -> str:
-    """Return a text as a sentence of its own."""
+    """Return a text as a sentence, with a capital letter and a full stop."""
     return f"{text[0].upper()}{text[1:]}."
 
 
 def _kinds(content: Content) -> tuple[list[str], list[str]]:
-    """Return the kinds of zones and of picks in the interval; the foot explains their colours."""
+    """Return the kinds of the zones and the kinds of the picks in the interval; the foot explains their colours."""
     zones = {zone.kind for zone in content.zones.by_severity(content.top, content.bottom)}
     wall = content.wall
     reach = content.top, content.bottom, wall.settings.bit_diameter
@@ -158,7 +158,10 @@ def footer_height(content: Content) -> float:
 
 
 def draw_footer(sheet: Sheet, content: Content, x: float, bottom: float, page: str = "", part: str = "") -> None:
-    """Explain letters, colours and criteria; below them, write the well, its depths (``part``) and scale."""
+    """Draw the foot of a page: what letters, colours and criteria mean; then well, depths (``part``), scale, ``page``.
+
+    ``bottom`` is the lower edge of the foot, ``x`` its distance from both sides of the sheet.
+    """
     zones, picks = _kinds(content)
     y = bottom - footer_height(content) + 6.0
     sheet.line((x, sheet.width - x), (y - 3.0, y - 3.0))
@@ -198,7 +201,7 @@ def draw_footer(sheet: Sheet, content: Content, x: float, bottom: float, page: s
 
 
 def _draw_scale_bar(sheet: Sheet, content: Content, y: float) -> float:
-    """Draw a bar as long as the depth between two numbers, to check the paper with a ruler; return its left end."""
+    """Draw a bar as long as the depth between two numbered lines, to check the scale by ruler; return its left end."""
     unit, depth = content.lines.unit, content.lines.coarse
     length = depth * 1000.0 / content.scale
     left = sheet.width - MADE - length

@@ -45,7 +45,7 @@ if TYPE_CHECKING:
 PAPER = (210.0, 268.0)
 """Millimetres of a picture: as wide as A4, and as high as the margins below leave."""
 ROWS = 24
-"""Intervals in the table of diameters, at most."""
+"""Most steps of depth in the table of diameters; parts of a step at both ends give one row more."""
 MOST_GAPS = 10
 SOFT = "\u00ad"
 """Soft hyphen: a narrow page breaks a long head there."""
@@ -109,7 +109,7 @@ def report(
 
 
 def page(wall: Wall, messages: Sequence[tuple[str, str]] = (), **options: Any) -> str:
-    """Return the report as HTML: `report` without the file."""
+    """Return what `report` writes, as text."""
     content = content_of(wall, Drawing(**options))
     zones = content.zones if wall.basis == "azimuthal" else None
     title = html.escape(content.drawing.title or "Borehole wall")
@@ -174,7 +174,7 @@ def in_depth_unit(depth: float, content: Content, decimals: int = 2) -> str:
 
 
 def intervals(content: Content) -> list[WallSummary]:
-    """Summarize the interval in steps of a round length."""
+    """Return the summaries of the parts of the interval between multiples of a round length."""
     length = content.bottom - content.top
     steps = (mantissa * 10.0**power for power in range(-1, 5) for mantissa in (1, 2, 5))
     unit = content.drawing.depth_unit.metres
@@ -273,12 +273,12 @@ def _zones(zones: Classification | None, content: Content) -> str:
 
 
 def _toolface(content: Content) -> str:
-    """Return as text what toolfaces in a table count from."""
+    """Return as HTML what the toolfaces of a table count from."""
     return f"Toolfaces: {html.escape(toolface_text(content))}."
 
 
 def _picks(content: Content) -> str:
-    """Return the table of picked planes and breakouts, sorted by depth."""
+    """Return the table of the picks in the interval, sorted by depth, as HTML."""
     wall = content.wall
     picks = sorted(
         (pick for pick in wall.picks if content.top <= pick.depth <= content.bottom), key=lambda one: one.depth
@@ -355,7 +355,7 @@ def _settings(content: Content, zones: Classification | None) -> str:
 
 
 def _made_from(made_from: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """Yield the files with their checksums, as a run records them, and all other entries of ``made_from``."""
+    """Yield rows, label and text, for the files with their checksums and the other entries of ``made_from``."""
     for name, value in made_from.items():
         if name in ("preparation", "header", "toolface", "survey"):  # shown elsewhere: in messages, header and facts
             continue
@@ -367,7 +367,7 @@ def _made_from(made_from: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
 
 
 def _setting_text(name: str, value: Any) -> str:
-    """Return a setting of the wall with its unit; None becomes words."""
+    """Return the value of a setting of the wall as text with its unit; None becomes words."""
     if value is None or isinstance(value, bool):
         return NO_SETTING.get(name, "none") if value is None else "yes" if value else "no"
     if isinstance(value, str):

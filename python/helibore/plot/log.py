@@ -93,7 +93,7 @@ def pages(wall: Wall, paper: str | tuple[float, float] = "a4", **options: Any) -
 
 
 def pages_of(content: Content, paper: str | tuple[float, float]) -> list[Figure]:
-    """Draw ``content`` on pages: `pages` after its options are resolved."""
+    """Draw ``content`` on pages of a size, as `pages` describes."""
     width, height = PAPERS[paper] if isinstance(paper, str) else paper
     width = max(width, _width(content))
     free = height - MARGIN - footer_height(content)
@@ -108,7 +108,7 @@ def pages_of(content: Content, paper: str | tuple[float, float]) -> list[Figure]
         y = draw_tracks(sheets[-1], content, top, bottom, y)
         ends.append(content.drawing.depth_unit.ends(top, bottom))
     for needed, draw in _tail(content):
-        if y + GAP + needed > free:  # else it is placed below the tracks on this page
+        if y + GAP + needed > free:  # a new page, as it does not fit below
             longest = needed + 2 * MARGIN + footer_height(content)
             sheets.append(Sheet(width, max(height, longest), content.drawing.dpi))
             ends.append("")
@@ -125,7 +125,10 @@ def _width(content: Content) -> float:
 
 
 def _divided(content: Content, room: float) -> list[tuple[float, float]]:
-    """Cut the interval into pages at strong depth lines; the first page also has the header."""
+    """Return the ends of the interval's part on each page, cut at thick depth lines.
+
+    Tracks have ``room`` millimetres on a page; the first page also has the header.
+    """
     metres = content.scale / 1000.0
     coarse = content.lines.coarse
     parts, top, free = [], content.top, room - header_height(content)
@@ -135,7 +138,7 @@ def _divided(content: Content, room: float) -> list[tuple[float, float]]:
             cut = top + free * metres
         parts.append((top, cut))
         top, free = cut, room
-    if parts and content.bottom - top < STUB * metres:  # the page before gives up a part of its metres
+    if parts and content.bottom - top < STUB * metres:  # the page before it gives it some metres
         top = parts.pop()[0]
         cut = coarse * int((content.bottom - STUB * metres) / coarse + 1e-9)
         if top < cut < content.bottom:
@@ -145,7 +148,7 @@ def _divided(content: Content, room: float) -> list[tuple[float, float]]:
 
 
 def draw_tracks(sheet: Sheet, content: Content, top: float, bottom: float, y: float) -> float:
-    """Draw heads and tracks from ``y`` millimetres down; return where they end."""
+    """Draw heads and tracks between two depths, from ``y`` millimetres down; return the millimetres where they end."""
     height = (bottom - top) * 1000.0 / content.scale
     stretch = Stretch(top, bottom, y + HEAD, height, content.lines)
     x, first = MARGIN, None
@@ -209,7 +212,7 @@ def _draw_zones(sheet: Sheet, content: Content, y: float) -> None:
 
 
 def _draw_sections(sheet: Sheet, content: Content, y: float) -> None:
-    """Draw cross sections in rows."""
+    """Draw the cross sections in rows, below a line that explains them."""
     drawing, settings = content.drawing, content.wall.settings
     room = sheet.width - 2 * MARGIN
     key = key_text(settings.bit_diameter, drawing.size_unit, settings.pitch, bool(content.hatching))

@@ -1,7 +1,7 @@
 """Paper measured in millimetres from its upper left corner, and figures on it.
 
     +-- 0 ----- x ->                    sheet.axes(x, y, width, height)      a track at its true size
-    |   +--------+                      sheet.text(x, y, "...")              as wide as it may be, never wider
+    |   +--------+                      sheet.text(x, y, "...", within=30)   smaller or shorter where too wide
     y   | track  |
     v   +--------+
 
@@ -32,7 +32,7 @@ INK, FAINT, RULE = "#22303c", "#5d6b77", "#8a97a3"
 MM = INCH / MILLIMETRE
 """Millimetres an inch."""
 LEAST, SMALL, USUAL, LARGE = 5.0, 6.0, 7.0, 14.0
-"""Points."""
+"""Sizes of letters, points."""
 LINE = 2.1
 """Millimetres between lines of the least size."""
 FONT = "DejaVu Sans"
@@ -96,7 +96,7 @@ class Sheet:
         return shown
 
     def lines_of_text(self, x: float, y: float, text: str, size: float, within: float, most: int, **extra: Any) -> None:
-        """Write text around y in as few lines as fit ``within`` millimetres, at most ``most``; then shorten it."""
+        """Write text around y in as few lines as fit ``within`` millimetres; shorten it to ``most`` lines."""
         trial = self.text(x, y, text, LEAST, **extra)
         room, lines = len(text), [text]
         while self._too_wide(trial, lines, within) and room > 1:
@@ -142,7 +142,7 @@ ENDINGS = (".png", ".svg", ".pdf")
 MOST_PIXELS = 65_000
 """The most pixels along a side of a PNG that matplotlib draws."""
 LONGEST_PDF = 5_080.0
-"""Millimetres a side of a PDF page may have (200 inches)."""
+"""Longest side of a PDF page, millimetres (200 inches)."""
 
 
 def save(figures: Figure | Sequence[Figure], path: str | os.PathLike[str]) -> None:

@@ -35,14 +35,14 @@ TAIL = 3.0
 
 
 def tadpole(kind: str, size: float) -> dict[str, Any]:
-    """Return how the head of a class looks, in its colour."""
+    """Return matplotlib's options for the head of a tadpole of a class, ``size`` points wide."""
     color = PICK_COLORS[kind]
     face = "white" if kind in HOLLOW else color
     return {"marker": MARKERS[kind], "markerfacecolor": face, "markeredgecolor": color, "markersize": size}
 
 
 class DipTrack:
-    """Tadpoles of the planes that were picked."""
+    """The track with a tadpole for each plane that was picked."""
 
     width = least = 24.0
 
@@ -52,7 +52,7 @@ class DipTrack:
         self.tail = "dip azimuth, N up" if self.known else f"toolface, {SIDES[reference][0]} up"
 
     def head(self, sheet: Sheet, x: float, y: float) -> None:
-        """Write the meaning of the numbers, and the symbols of the classes."""
+        """Write the title, the symbols of the classes, what tails mean, and the numbers of the degrees."""
         title = DIP_TITLES["true" if self.known else "apparent"]
         sheet.text(x + 0.5 * self.width, y + 2.5, title, ha="center", weight="bold", within=self.width - 1)
         for row, kind in enumerate(kind for kind in PLANES if any(pick.kind == kind for pick, *_ in self.planes)):
@@ -65,7 +65,7 @@ class DipTrack:
             sheet.text(at, y + HEAD - 2.0, f"{degrees}", SMALL, ha="center")
 
     def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
-        """Draw one tadpole per plane."""
+        """Draw one tadpole for each plane in a stretch."""
         axes = bare_axes(sheet, x, self.width, stretch)
         across = DIP_LINES[-1] / (self.width - 2 * TAIL)  # degrees a millimetre of paper
         axes.set_xlim(-TAIL * across, DIP_LINES[-1] + TAIL * across)

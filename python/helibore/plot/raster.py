@@ -41,7 +41,7 @@ class Grid:
 
 
 def unroll_wall(values: Floats, settings: HelixSettings, start_depth: float, grid: Grid) -> Floats:
-    """Return one value a pixel, (rows, columns), from (n,) values of a helix; a vertex is the middle of its cell."""
+    """Return one value a pixel, (rows, columns), from the values (n,) at a helix's vertices, the middles of cells."""
     K, pitch = settings.sectors, settings.pitch
     # Column j lies j/K of a turn farther along, so rows of equal depth differ from column to column.
     along = (grid.edges() - start_depth) / pitch
@@ -61,7 +61,7 @@ def unroll_wall(values: Floats, settings: HelixSettings, start_depth: float, gri
 
 
 def unroll_image(image: SectorImage, values: Floats, grid: Grid) -> Floats:
-    """Return one value of a sector image a pixel, (rows, columns); its gaps are missing.
+    """Return one value of a sector image a pixel, (rows, columns); NaN in gaps of the image.
 
     ``values`` are (n, S): ``image.values``, or those normalised.
     """
@@ -85,7 +85,7 @@ def unroll_image(image: SectorImage, values: Floats, grid: Grid) -> Floats:
 
 
 def _nearest_rows(depths: Floats, values: Floats, depth: Floats, reach: float) -> Floats:
-    """Return for each depth the nearest of the rows at ``depths``; NaN if it is farther away than ``reach``."""
+    """Return for each ``depth`` the values of the nearest row, of those at ``depths``; NaN if beyond its ``reach``."""
     right = np.clip(np.searchsorted(depths, depth), 1, max(depths.size - 1, 1))
     left = right - 1
     right = np.minimum(right, depths.size - 1)
@@ -96,7 +96,7 @@ def _nearest_rows(depths: Floats, values: Floats, depth: Floats, reach: float) -
 
 
 def _running(columns: Floats) -> tuple[Floats, Floats]:
-    """Return running sums of the values down each column, and running counts of them, with a row of zeros first."""
+    """Return running sums down each column, and running counts of its values, both after a row of zeros."""
     there = np.isfinite(columns)
     sums, counts = np.zeros((2, columns.shape[0] + 1, columns.shape[1]))
     np.cumsum(np.where(there, columns, 0.0), axis=0, out=sums[1:])
@@ -105,7 +105,10 @@ def _running(columns: Floats) -> tuple[Floats, Floats]:
 
 
 def _blocks(column: Floats, sums: Floats, counts: Floats, edges: Floats) -> Floats:
-    """Return means between neighbouring edges (in cells; cell i is centred on i), or the cell that holds the middle."""
+    """Return for each two neighbouring edges the mean of the cells centred between them; of fewer than two, one cell.
+
+    This one cell holds the middle between the edges. Edges are in cells; cell i is centred on i.
+    """
     low, high = np.minimum(edges[:-1], edges[1:]), np.maximum(edges[:-1], edges[1:])
     size = column.size
     middle = 0.5 * (low + high)
@@ -121,7 +124,10 @@ def _blocks(column: Floats, sums: Floats, counts: Floats, edges: Floats) -> Floa
 
 
 def _around(rows: Floats, edges: Floats) -> Floats:
-    """Return columns between neighbouring edges (in cells; cell j, modulo their number, is centred on j)."""
+    """Return for each two neighbouring edges around the hole the mean column of the cells between, as `_blocks` does.
+
+    Edges are in cells; cell j, modulo the number of cells, is centred on j.
+    """
     cells = rows.shape[1]
     low, high = np.minimum(edges[:-1], edges[1:]), np.maximum(edges[:-1], edges[1:])
     if high[0] - low[0] < 2.0:
@@ -138,7 +144,7 @@ def _around(rows: Floats, edges: Floats) -> Floats:
 
 
 def at_points(image: SectorImage, values: Floats, depth: Floats, toolface: Floats) -> Floats:
-    """Return the value of the cell that holds each point; NaN in gaps. ``values`` as in `unroll_image`."""
+    """Return the value of the image's cell that holds each point; NaN in gaps. ``values`` are as in `unroll_image`."""
     turn = 1 if image.direction == "clockwise" else -1
     sector = (toolface - image.offset) * (turn * image.sectors / 360.0)
     column = np.floor(sector + 0.5 if image.origin == "centre" else sector).astype(np.int64) % image.sectors

@@ -18,7 +18,7 @@ import numpy.typing as npt
 from helibore.base.arrays import Floats
 
 HATCH_BYTES = (33, 48, 61)
-"""Red, green, blue of the hatching of what is interpolated between arms."""
+"""Red, green and blue of the lines that hatch what is interpolated between arms."""
 Single = npt.NDArray[np.float32]
 
 _LIGHTS = (  # direction towards the light (right, to the viewer, down), strength
@@ -34,7 +34,7 @@ _HATCH_COLOR = tuple(part / 255.0 for part in HATCH_BYTES)
 
 @dataclass(frozen=True)
 class View:
-    """Where the viewer stands, how the hole is exaggerated, and the picture's size in pixels."""
+    """Where the viewer stands (degrees), how much the hole is exaggerated, and the picture's size in pixels."""
 
     facing: float
     tilt: float = 20.0
@@ -109,7 +109,7 @@ def shade(
 
 
 def _rows(radius: Floats, sectors: int, turns: int, pitch: float, view: View, per_metre: float) -> Floats:
-    """Return depths (in turns) to draw at: closer where the wall is steep and a step down is long on screen."""
+    """Return the depths, in turns, of the rows of points; rows are closer where the radius changes along the hole."""
     grid = radius[: (turns + 1) * sectors].reshape(turns + 1, sectors)
     slope = view.tube * view.shape * np.abs(np.diff(grid, axis=0)).max(axis=1) / abs(pitch)
     steep = np.maximum(slope, np.maximum(np.append(slope[1:], 0), np.append(0, slope[:-1])))  # and next to such turns
@@ -173,7 +173,7 @@ def _light(normal: Single, facing: Single, colors: Single, rise: float, fall: fl
 
 
 class _Canvas:
-    """Pixels that keep the nearest point put on them."""
+    """Pixels; each keeps the colour of the nearest of the points that are put on it."""
 
     def __init__(self, width: int, height: int) -> None:
         self.width, self.height = width, height
@@ -181,7 +181,7 @@ class _Canvas:
         self._near = np.full(height * width, -np.inf, dtype=np.float32)
 
     def put(self, right: Single, down: Single, near: Single, colors: Single) -> None:
-        """Draw points (n,) with their colours (n, 3)."""
+        """Draw points at pixels (right, down), (n,), with colours (n, 3); in a pixel the greatest ``near`` wins."""
         inside = (right >= 0) & (right < self.width) & (down >= 0) & (down < self.height)
         target = down.astype(np.int64) * self.width + right.astype(np.int64)
         inside[inside] &= near[inside] > self._near[target[inside]]

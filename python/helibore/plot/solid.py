@@ -3,7 +3,7 @@
     tube x 10     the diameter is drawn ten times larger than the depth
     shape x 3     the difference of radius and bit size is drawn three times larger than the tube
 
-Where the wall has no radius the body has its usual radius and is grey. ``shading`` draws the pixels.
+Where the wall has no radius, the body is grey and has the median radius. ``shading`` draws the pixels.
 """
 
 from __future__ import annotations
@@ -30,15 +30,18 @@ LENGTH = 12.0
 """Metres of hole in a body, unless another length is asked for."""
 STEPS = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0)
 SLENDER = 5.5
-"""A body is about so many times longer than its drawn bit size is wide."""
+"""Length of a body over its width at bit size, both as drawn, about."""
 MOST_SHAPE = 10.0
 LEAST_RELIEF = 1e-4
-"""Metres; a hole that is rounder, as gauge hole is, has no shape to exaggerate."""
+"""Metres; a hole that differs less from bit size, as gauge hole does, has no shape to exaggerate."""
 
 
 @dataclass(frozen=True)
 class Stretched:
-    """Whole turns of a wall, from vertex ``first``: (turns, sectors) radius, metres, NaN where missing."""
+    """Whole turns of a wall, from vertex ``first``: (turns, sectors) radius, metres, NaN where missing.
+
+    ``depth`` are those of the first vertices of the shallowest and deepest turn; ``toolface`` is theirs.
+    """
 
     first: int
     radius: Floats
@@ -47,7 +50,10 @@ class Stretched:
 
 
 def most_relief(wall: Wall, top: float, bottom: float) -> tuple[float, float] | None:
-    """Return the ends, metres, of the 12 m between two depths with most enlarged turns; None if no turn is whole."""
+    """Return the ends, metres, of the 12 m with most enlarged turns; None without a whole turn or without three turns.
+
+    Only turns between ``top`` and ``bottom`` count.
+    """
     sectors, pitch = wall.settings.sectors, wall.settings.pitch
     turns = len(wall) // sectors
     by_turn = wall.radius[: turns * sectors].reshape(turns, sectors)
@@ -67,7 +73,7 @@ def most_relief(wall: Wall, top: float, bottom: float) -> tuple[float, float] | 
 
 
 def turns_between(wall: Wall, start: float, stop: float) -> Stretched:
-    """Cut whole turns between two depths out of a wall, which must have three turns there, and a radius."""
+    """Return the turns of a wall between two depths; an InputError if they are fewer than three or have no radius."""
     sectors, pitch = wall.settings.sectors, wall.settings.pitch
     turns = len(wall) // sectors
     ends = sorted(((start - wall.start_depth) / pitch, (stop - wall.start_depth) / pitch))
@@ -85,7 +91,7 @@ def turns_between(wall: Wall, start: float, stop: float) -> Stretched:
 
 
 def exaggeration(one: Stretched, bit_diameter: float) -> tuple[float, float]:
-    """Return tube and shape exaggeration, round numbers, that make a body of usual slenderness with visible relief."""
+    """Return the factors tube and shape, from `STEPS`, that give a body the usual slenderness and visible relief."""
     length = one.depth[1] - one.depth[0]
     relief = float(np.nanmax(np.abs(one.radius - 0.5 * bit_diameter)))
     tube = _nearest_step(length / SLENDER / bit_diameter)

@@ -2,7 +2,7 @@
 
     |  Depth |     Diameter [in]    |   Radius - bit/2   |      GR [gAPI]     |     heads
     |        | 6 ................ 9 |   0 [======] 40 mm |    0 [=====] 150   |
-    |        |                      |  T   R   B   L   T |  T   R   B   L   T |
+    |        |                      |  U   R   D   L   U |  U   R   D   L   U |
     |  2010 -|------(--)------------|--------------------|--------------------|     depth lines across all
     |        |       \\              |                    |                    |
 
@@ -37,14 +37,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 HEAD = 24.0
-"""Millimetres of head over every track."""
+"""Height of the head over every track, millimetres."""
 SIDES = {
     "high-side": ("U", "R", "D", "L"),
     "north": ("N", "E", "S", "W"),
     "parallel-transport": ("0°", "90°", "180°", "270°"),
     "": ("0°", "90°", "180°", "270°"),
 }
-"""Names of toolfaces 0, 90, 180 and 270 by what toolface 0 is; "": not known."""
+"""Names of the toolfaces 0, 90, 180 and 270, by what toolface 0 is; "" if that is not known."""
 GREY = tuple(part / 255.0 for part in MISSING)
 SCALAR = "#1d6b3a"
 """Colour of the line of a `ScalarCurve`."""
@@ -62,7 +62,7 @@ CURVES: dict[str, dict[str, Any]] = {
     "D0": {"color": "#7a2a80"},
     "D90": {"color": "#7a2a80", "dashes": (2.0, 1.0)},
 }
-"""Pairs of diameters and their lines: a pair has one colour, and its second line is dotted."""
+"""The lines of the diameters; C1 and C2 have one colour, and D0 and D90, and the second of each pair is dashed."""
 
 
 @dataclass(frozen=True)
@@ -80,8 +80,9 @@ class Stretch:
 class Shown:
     """The scale and texts of an image track.
 
-    ``scale.low`` and ``scale.high`` are the ends of the colour bar; ``remark`` goes under its name. ``beyond`` of
-    ``count`` values lie outside them and have the colour of the nearer end.
+    ``remark`` goes under the name of the track. ``beyond`` of ``count`` values lie outside ``scale.low`` to
+    ``scale.high``, the ends of the colour bar, and have the colour of the nearer end. If ``shares``, colours stand for
+    no fixed values, and the bar says low and high.
     """
 
     name: str
@@ -94,7 +95,7 @@ class Shown:
 
     @property
     def note(self) -> str:
-        """The note under the colour bar: its kind of scale, and how many values lie beyond its ends."""
+        """The note under the colour bar: whether it is logarithmic, and how many values lie beyond its ends."""
         share = 100 * self.beyond / max(self.count, 1)
         cut = f"{self.beyond:,} beyond the ends ({share:.2g} %)" if self.beyond else ""
         return ", ".join(part for part in ("logarithmic" if self.scale.log else "", cut) if part)
@@ -109,10 +110,10 @@ class DepthTrack:
         self, scale: int, true_depth: TrueDepth | None = None, zones: Sequence[Zone] = (), unit: DepthUnit = METRES
     ) -> None:
         self.scale, self.true_depth, self.zones, self.unit = scale, true_depth, zones, unit
-        self._middle = 0.57  # of the numbers, between the strip and the lines
+        self._middle = 0.57  # place of the numbers across the track, between zones and lines
 
     def head(self, sheet: Sheet, x: float, y: float) -> None:
-        """Write the meaning of the numbers, and the scale of the paper."""
+        """Write what the numbers are, and the scale of the paper."""
         middle = x + 0.5 * self.width
         for down, text in ((8.0, "Depth"), (12.0, f"MD [{self.unit.name}]"), (19.0, f"1:{self.scale}")):
             sheet.text(middle, y + down, text, ha="center")
@@ -120,7 +121,7 @@ class DepthTrack:
             sheet.text(middle, y + 15.2, f"{self.true_depth.name} [{self.unit.name}]", SMALL, ha="center", color=FAINT)
 
     def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
-        """Draw the numbers beside their lines."""
+        """Draw the depth lines with their numbers, and the zones at the left."""
         axes = bare_axes(sheet, x, self.width, stretch)
         for depth in stretch.lines.major(stretch.top, stretch.bottom):
             room = 1.3 * (stretch.bottom - stretch.top) / stretch.height  # half a line of text, in metres
@@ -148,7 +149,7 @@ class DepthTrack:
         return axes
 
     def _ends(self, axes: Axes, stretch: Stretch, room: float) -> None:
-        """Write the first and the last depth where no other number is near."""
+        """Write the depths of both ends of the stretch, unless another number is near."""
         look: dict[str, Any] = {"ha": "center", "size": USUAL, "family": FONT}
         major = list(stretch.lines.major(stretch.top + room, stretch.bottom - room))
         if all(depth - stretch.top > 3.2 * room for depth in major):
@@ -163,7 +164,7 @@ class DepthTrack:
             )
 
     def _true(self, axes: Axes, depth: float, place: float) -> None:
-        """Write the true depth of ``depth`` at ``place``, if the path reaches it."""
+        """Write the true depth of ``depth``, if it is known, at ``place``, a depth on the track."""
         true = np.nan if self.true_depth is None else float(self.true_depth.at(np.array([depth]))[0])
         if np.isfinite(true):
             look: dict[str, Any] = {"ha": "center", "va": "center", "size": SMALL, "family": FONT, "color": FAINT}
@@ -171,15 +172,15 @@ class DepthTrack:
 
 
 class CaliperTrack:
-    """Diameters against bit size: orange from bit to the least one, pale to the greatest; blue from the least to bit.
+    """Diameters against bit size: orange from bit to the least, pale to the greatest; blue if the least is under bit.
 
     Parameters
     ----------
     turns
         What to draw.
     basis
-        What was measured: without directions there is no least and greatest diameter. A gauge hole has no caliper
-        track.
+        What was measured; a caliper without directions gives no least and greatest diameter. A gauge hole has no
+        caliper track.
     bit_diameter
         Metres.
     unit
@@ -215,7 +216,7 @@ class CaliperTrack:
         self.names = {"D0": f"{sides[0]}–{sides[2]}", "D90": f"{sides[1]}–{sides[3]}"}
 
     def head(self, sheet: Sheet, x: float, y: float) -> None:
-        """Write the title, the scale and a key of what is drawn."""
+        """Write the title and the scale, and draw a key of lines and colours."""
         title = f"{self.name}Diameter [{self.unit}]"
         head_title(sheet, x, y + 2.5, self.width, title)
         sheet.line((x, x + self.width), (y + HEAD - 0.2, y + HEAD - 0.2), color=INK)
@@ -274,7 +275,7 @@ class CaliperTrack:
         return axes
 
     def _missing(self, axes: Axes, sheet: Sheet, stretch: Stretch) -> None:
-        """Draw grey over turns without any radius, and beyond the wall's ends."""
+        """Draw grey where a turn has no radius, and beyond the wall's ends."""
         rows = sheet.pixels(stretch.height)
         edges = np.linspace(stretch.top, stretch.bottom, rows + 1)
         turn = np.searchsorted(self.turns.depth, 0.5 * (edges[:-1] + edges[1:]))
@@ -319,7 +320,7 @@ class ScalarTrack:
         sheet.line((x + 1, x + self.width - 1), (y + 12.0, y + 12.0), color=SCALAR, linewidth=0.9)
         if self.note:
             sheet.lines_of_text(middle, y + 16.0, self.note, 5.6, self.width - 1, 3, ha="center", color=FAINT)
-        # One below the other where they do not stand side by side.
+        # The two numbers stand one below the other if there is no room for them side by side.
         ends = [sheet.text(x + 0.6, y + HEAD - 2.2, f"{self.limits[0]:g}", SMALL, within=self.width - 1.2)]
         ends += [
             sheet.text(
@@ -351,7 +352,7 @@ class ScalarTrack:
 
 
 class ImageTrack:
-    """Values around the hole, unrolled: those of a wall, or of a sector image.
+    """The unrolled values of a wall, or of a sector image.
 
     Parameters
     ----------
@@ -427,7 +428,7 @@ class ImageTrack:
 
 
 class PlacedTrack(Protocol):
-    """What `log` places: a head over a stretch of hole, both ``width`` wide; the head needs at least ``least``."""
+    """A track that `log` places: a head over a stretch of hole, both ``width`` wide, with ``least`` the least width."""
 
     width: float
     least: float
@@ -462,7 +463,7 @@ def color_bar(sheet: Sheet, scale: ColorScale, x: float, y: float, width: float,
 
 
 def bare_axes(sheet: Sheet, x: float, width: float, stretch: Stretch) -> Axes:
-    """Axes of a track: depth grows downwards, no ticks, a frame."""
+    """Return the axes of a track, in a frame and without ticks; depth grows downwards."""
     axes = sheet.axes(x, stretch.y, width, stretch.height)
     axes.set_xticks([])
     axes.set_yticks([])

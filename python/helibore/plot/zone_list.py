@@ -32,13 +32,13 @@ def _zones(content: Content) -> list[Zone]:
 
 
 def zone_list_height(content: Content) -> float:
-    """Return the millimetres that the list takes; 0 where there is no zone."""
+    """Return the millimetres of height that the list takes; 0 if it has no zone."""
     count = len(_zones(content))
     return TITLE + ROW * min(-(-count // COLUMNS), MOST_ROWS) if count else 0.0
 
 
 def criteria_text(content: Content) -> str:
-    """Return as text what hole is of a kind, in the units of the picture."""
+    """Return as text which hole is of each kind, in the units of the picture."""
     unit, criteria = content.drawing.size_unit, content.zones.criteria
     rules = [
         f"{kind} {MEASURES[kind]} {'below' if kind == 'undergauge' else 'at least'} {limit / LENGTHS[unit]:.3g} {unit}"
@@ -50,7 +50,7 @@ def criteria_text(content: Content) -> str:
 
 
 def draw_zones(sheet: Sheet, content: Content, x: float, y: float, width: float) -> None:
-    """Draw the list; more zones than it has room for are counted."""
+    """Draw the list; zones that it has no room for are counted in its title."""
     zones, drawing = _zones(content), content.drawing
     unit, depths = drawing.size_unit, drawing.depth_unit
     shown = zones[: COLUMNS * MOST_ROWS]
