@@ -113,7 +113,7 @@ class Annulus:
 
 
 def annulus(depth: Floats, hole: Floats, inscribed: Floats, height: float, casing: float) -> Annulus:
-    """Measure the annulus around a casing, from columns of logs: `Logs.annulus`."""
+    """Return the annulus around a casing, from columns of logs, as `Logs.annulus` describes."""
     if not (math.isfinite(casing) and casing > 0):
         raise InputError("casing", "must be finite and above 0", f"{casing:g}")
     volume = np.where(hole < casing, np.nan, np.pi / 4 * (hole**2 - casing**2) * height)

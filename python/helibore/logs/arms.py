@@ -1,4 +1,4 @@
-"""The diameters that the arms of a tool measured: they give the shape of the hole if a tool has few arms.
+"""The diameters that the arms of a tool measured. If a tool has few arms, they give the shape of the hole.
 
     arm 1     r(toolface) + r(toolface + 180)  at each depth, linear between readings, averaged over each turn
 
@@ -19,7 +19,7 @@ from helibore.base.arrays import Floats, Integers
 from helibore.samples.caliper import Caliper
 
 FEW_ARMS = 8
-"""A tool that measures more diameters sees all around."""
+"""Most diameters of a tool with few arms; a tool that measures more of them sees all around."""
 _SAME_AXIS = 1e-3  # degrees
 
 
@@ -40,7 +40,10 @@ class ArmDiameters:
     uneven: Floats
 
     def sizes(self) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-        """Return largest diameter, its axis and unevenness, the diameter most nearly across it, and the smallest."""
+        """Return of each turn largest diameter, its axis, its unevenness, the diameter nearest across it, the smallest.
+
+        All are NaN if an arm has no diameter in the turn.
+        """
         turns = np.arange(self.diameter.shape[1])
         largest = np.argmax(np.nan_to_num(self.diameter, nan=-np.inf), axis=0)
         axis = self.toolface[largest, turns]
@@ -85,9 +88,10 @@ def arm_diameters(arms: Caliper, depth: Floats, height: float, reach: float) -> 
 
 
 def _pairs(arms: Caliper) -> tuple[Integers, Floats, Floats, Floats, Floats]:
-    """Return pairs of opposite samples at one depth: arm, depth, diameter, axis in [0, 180), difference of radii.
+    """Return columns of the pairs of opposite samples at one depth: arm, depth, diameter, axis, difference of radii.
 
-    Samples at one place, as from two calipers with one direction, are averaged, and get the least of their arm numbers.
+    Axes are degrees in [0, 180). Samples at one place, as from two calipers with one direction, are averaged first, and
+    get the least of their arm numbers. If arms share an axis, the axis stands for the arm.
     """
     assert arms.arm is not None
     turn, half = round(360 / _SAME_AXIS), round(180 / _SAME_AXIS)
@@ -112,7 +116,10 @@ def _pairs(arms: Caliper) -> tuple[Integers, Floats, Floats, Floats, Floats]:
 
 
 def _means(at: Floats, columns: Floats, depth: Floats, height: float, reach: float) -> Floats:
-    """Return means of columns, linear between readings, over ``height`` around each depth; (columns, depths)."""
+    """Return the means of ``columns``, linear between readings, over ``height`` around each depth: (columns, depths).
+
+    ``at`` are the depths of the readings; a mean is NaN if all of them are farther away than ``reach``.
+    """
     known, inverse, count = np.unique(at, return_inverse=True, return_counts=True)
     values = np.stack([np.bincount(inverse, column) / count for column in columns])
     low = np.clip(depth - height / 2, known[0], known[-1])

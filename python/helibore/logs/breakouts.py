@@ -20,17 +20,20 @@ from helibore.base.ranges import PIECE, pieces
 from helibore.logs.turn_logs import Logs
 
 ONE_AXIS = 1e-3
-"""Degrees of deviation up to which arms have kept one axis."""
+"""Least deviation, degrees, of the axes of arms that turn; arms with less have kept one axis."""
 
 
 def rows(radius: Floats, turns: Integers, sectors: int) -> Floats:
-    """Return the radii of rising ``turns``, (turns, sectors); radii before the first or after the last are not read."""
+    """Return the radii of some turns, in rising order, (turns, sectors); radii outside them are not read."""
     first, last = int(turns[0]), int(turns[-1])
     return radius[first * sectors : (last + 1) * sectors].reshape(-1, sectors)[turns - first]
 
 
 def sections(logs: Logs, turns: Integers, radius: Floats, start: float) -> tuple[Floats, Floats]:
-    """Return height over the circle of C2, metres, and direction from its centre, degrees, both (turns, sectors)."""
+    """Return each vertex's height over the circle of C2, metres, and direction from its centre, degrees.
+
+    Both are (turns, sectors).
+    """
     toolface = np.radians(start + np.arange(logs.sectors) * (360 / logs.sectors))
     around = rows(radius, turns, logs.sectors)
     x = around * np.cos(toolface) - logs.centre_0[turns, None]
@@ -41,7 +44,7 @@ def sections(logs: Logs, turns: Integers, radius: Floats, start: float) -> tuple
 def lobes_of(
     logs: Logs, turns: Integers, radius: Floats, start: float, level: float, both: bool
 ) -> tuple[float, float, tuple[BreakoutLobe, ...]]:
-    """Return axis or toolface, its deviation from turn to turn, and the lobes of a zone.
+    """Return the axis of a breakout or the toolface of a key seat, its deviation from turn to turn, and the lobes.
 
     Parameters
     ----------
@@ -50,7 +53,7 @@ def lobes_of(
     level
         `Criteria.opening_level`.
     both
-        Two opposite lobes (a breakout), or one (a key seat).
+        Whether there are two opposite lobes (a breakout) or one (a key seat).
     """
     fold = 2 if both else 1  # opposite lobes are one axis; a key seat has a direction
     by_turn, total = np.empty(turns.size, dtype=np.complex128), np.zeros(logs.sectors)
@@ -69,14 +72,14 @@ def lobes_of(
 
 
 def axes_of_arms(axes: Axes) -> Axes:
-    """Return the axes, without a deviation of 0: arms that do not turn have one axis, wherever the lobes are."""
+    """Return ``axes``; their deviation is NaN if the arms did not turn, because it then says nothing on the lobes."""
     return replace(axes, deviation=math.nan) if axes.deviation < ONE_AXIS else axes
 
 
 def lobes_of_arms(
     logs: Logs, turns: Integers, radius: Floats, start: float, both: bool
 ) -> tuple[float, float, tuple[BreakoutLobe, ...]]:
-    """Return the result of `lobes_of` from the diameters of a tool with few arms; openings are NaN."""
+    """Return what `lobes_of` returns, for a tool with few arms, from their diameters; openings are NaN."""
     axes = logs.c1_toolface[turns]
     spread = axes_of_arms(axial_mean(axes))
     half, uneven = (logs.c1 - logs.c2)[turns] / 2, logs.uneven[turns] / 2

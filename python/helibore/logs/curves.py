@@ -17,15 +17,15 @@ from helibore.logs.turn_logs import Logs
 NEARLY_ALL = (0.2, 99.8)
 """An axis shows all values between these percentiles."""
 MOST = (1.0, 99.0)
-"""The same for a logarithmic axis, which ends at the whole decades beyond."""
+"""A logarithmic axis shows all values between these percentiles, and ends at whole decades."""
 
 
 @dataclass(frozen=True, eq=False)
 class ScalarCurve:
     """A curve along the hole, such as a gamma ray: depth (metres, rising) and values, (n,), NaN where missing.
 
-    ``limits``: values at the left and the right edge of its track, in either order; None: round numbers around its
-    values.
+    ``limits`` are the values at the left and the right edge of its track, in either order; None: round numbers around
+    its values. ``log``: whether the track is logarithmic.
     """
 
     name: str
@@ -36,7 +36,7 @@ class ScalarCurve:
     log: bool = False
 
     def ends(self) -> tuple[float, float]:
-        """Return the values at the edges of its track."""
+        """Return the values at the left and the right edge of the curve's track."""
         if self.limits is not None:
             if self.log and not min(self.limits) > 0:
                 raise InputError(f"curve {self.name!r}", "a logarithmic scale needs limits above 0")
@@ -71,7 +71,7 @@ def nice_limits(values: Floats, always: float, least: float) -> tuple[float, flo
 
 
 def curves_of(logs: Logs) -> list[ScalarCurve]:
-    """Return the logs of a wall that have a value as curves, named by mnemonic, from the shallow end down."""
+    """Return a curve for each log that has any value, named by its mnemonic, from the shallow end down."""
     depth, *columns = logs.table()
     order = np.argsort(depth.values, kind="stable")
     rising = depth.values[order]

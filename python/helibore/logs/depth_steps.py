@@ -1,7 +1,7 @@
 """Combine the logs of turns into steps of depth.
 
     |--o----o----o--|--o----o----o----o--|      a turn belongs to the step that holds its middle
-       step i              step i + 1           missing in any turn: missing in the step
+       step i              step i + 1           a value missing in one turn is missing in its step
 
 Areas are averaged, not diameters; the volume of a step is its mean area times its height, whatever the pitch. A step
 has a row only if its turns reach within half a pitch of both its ends.
@@ -24,7 +24,7 @@ _EXTREMES = {"least": np.minimum, "greatest": np.maximum, "least there": np.fmin
 
 
 def by_step(columns: Mapping[str, Any], pitch: float, bit_diameter: float, step: float) -> dict[str, Any]:
-    """Return the columns of `Logs.by_step` by name: the turns of each step combined."""
+    """Return, by name, the columns of `Logs.by_step` from the columns of turns."""
     if not (math.isfinite(step) and step >= abs(pitch) * (1 - 1e-9)):
         raise InputError("step", f"must be at least the pitch, {abs(pitch):g} m", f"{step:g}")
     order = slice(None) if pitch > 0 else slice(None, None, -1)
@@ -46,7 +46,7 @@ def by_step(columns: Mapping[str, Any], pitch: float, bit_diameter: float, step:
 
 
 def _steps(depth: Floats, pitch: float, step: float) -> tuple[Integers, slice, Integers]:
-    """Return the numbers of the steps with a row, the slice of turns in them, and each step's start in the slice."""
+    """Return the numbers of the steps with a row, the slice of the turns in them, and where each step starts in it."""
     if not depth.size:
         return np.empty(0, np.int64), slice(0, 0), np.empty(0, np.int64)
     number = np.floor(depth / step + 1e-9).astype(np.int64)
@@ -70,7 +70,7 @@ def _gather(values: Floats, starts: Integers, rule: str) -> Floats:
 
 
 def _axis(toolface: Floats, starts: Integers) -> Floats:
-    """Return the mean axis of each step, degrees: half the direction of the doubled angles (1 is near 179)."""
+    """Return the mean axis of each step, degrees, half the direction of the doubled angles, so that 1 is near 179."""
     if not toolface.size:
         return toolface.copy()
     mean = np.add.reduceat(np.exp(2j * np.radians(toolface)), starts)

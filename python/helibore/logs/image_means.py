@@ -2,7 +2,7 @@
 
 image rows   |----a----|----b----|          |----c----|        each covers the depths of `SectorImage.cover`
 log rows        |-------|-------|-------|-------|
-                   a, b      b    missing      c               by the length of hole that each covers
+                   a, b      b    missing      c               a and b weigh by the length that each covers
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def image_means(logs: Logs, images: Mapping[str, SectorImage]) -> list[LogColumn
 
 
 def _means(depth: Floats, height: float, image: SectorImage) -> Floats:
-    """Return the mean of the image over each row; NaN if no image row with a value covers a part of it."""
+    """Return the mean of the image over each row of the logs; NaN if no image row with a value covers a part of it."""
     there = np.isfinite(image.values)
     count = there.sum(axis=1)
     rows = count > 0

@@ -1,6 +1,6 @@
 """The name of each log in files, its unit, and how turns are combined into steps.
 
-The list of names: `Logs` attribute, mnemonic, unit, description. Mnemonics are those usual for caliper logs.
+`COLUMNS` lists attribute of `Logs`, mnemonic, unit and description. Mnemonics are those usual for caliper logs.
 The columns of uncertainty are named in ``turn_logs``, the class of hole in ``zones``.
 """
 

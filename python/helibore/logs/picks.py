@@ -46,11 +46,11 @@ COLUMNS = {
     "radius_m": "radius", "misfit_m": "misfit", "points": "points", "height_m": "height", "opening_deg": "opening",
     "tilt_deg": "tilt", "note": "note", "image": "image", "key": "key",
 }  # fmt: skip
-"""Columns of the table and the fields they hold; the true dip and its azimuth stand beside them."""
+"""Columns of the table, and the field of `Pick` in each; two more columns hold the true dip and its azimuth."""
 DIP = ("dip_deg", "dip_azimuth_deg")
 TEXTS = ("kind", "note", "image", "key")
 PLACE = ("kind", "depth", "toolface", "apparent_dip", "height", "opening", "tilt")
-"""Fields that are equal in two picks of one feature."""
+"""Fields by which two picks with different keys are recognised as one feature."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,7 +116,7 @@ class Pick:
         return slope * math.cos(toolface), slope * math.sin(toolface)
 
     def reaches(self, top: float, bottom: float, bit_diameter: float) -> bool:
-        """Return whether any of the sine or the box lies between two depths; bit size stands for an unknown radius."""
+        """Return whether a part of the sine or the box lies between two depths; without a radius, the bit's counts."""
         radius = 0.5 * bit_diameter if self.radius is None else self.radius
         tall = 0.5 * self.height if self.kind == BREAKOUT else radius * math.tan(math.radians(self.apparent_dip))
         return self.depth - tall <= bottom and self.depth + tall >= top
@@ -168,10 +168,10 @@ class Picks(list[Pick]):
         self.append(pick)
 
     def merge(self, others: Iterable[Pick]) -> tuple[list[Pick], list[Pick]]:
-        """Add the picks of another table; return those that were added, and those that replaced the one with their key.
+        """Add the picks of another table; return those that were added, and those that replaced a pick with their key.
 
-        A pick that differs in no digit of a table from the one with its key stays as it is, and so does one whose key
-        is new at the place and in the class of another.
+        A pick is left out if the pick with its key has the same row in a table, or if its key is new but a pick of the
+        same class is at the same place.
         """
         places, index = {_cells(pick, PLACE) for pick in self}, {pick.key: at for at, pick in enumerate(self)}
         added, replaced = [], []
@@ -202,7 +202,7 @@ class Picks(list[Pick]):
         return text.getvalue()
 
     def save(self, filename: str | os.PathLike[str], path: Path | None = None) -> None:
-        """Write `table` to a file, whole or not at all; `can_save` says whether its folder allows that."""
+        """Write `table` to a file, whole or not at all; `can_save` tells whether the file's folder can be written."""
         content = self.table(path).encode()
         write_whole(filename, lambda file: file.write(content))
 
@@ -223,7 +223,7 @@ class Picks(list[Pick]):
 
     @classmethod
     def parse(cls, text: str, path: Path | None = None) -> Picks:
-        """Return the picks of a table given as text: `load` without the file."""
+        """Return the picks of a table given as text, as `load` does."""
         reader = csv.DictReader(io.StringIO(text, newline=""))
         names = reader.fieldnames or []
         apparent = "apparent_dip_deg" in names or (path is None and not set(DIP) <= set(names))
@@ -242,7 +242,7 @@ class Picks(list[Pick]):
 
 
 def _parsed(row: Mapping[str, Any], path: Path | None, apparent: bool, line: str) -> Pick:
-    """Return the pick that a row of the table describes."""
+    """Return the pick that a row of a table describes; without apparent dips, from its true dip and ``path``."""
 
     def number(column: str) -> float:
         try:

@@ -124,7 +124,7 @@ class WallSummary:
     nearest_most: float
 
     def numbers(self) -> dict[str, str]:
-        """Return the numbers of a notebook card as texts by name; missing numbers are left out."""
+        """Return the numbers for a notebook card, as texts by name; missing numbers are left out."""
         volume = f"{self.volume:.3f} m³ over {self.whole_turns:.1f} m of whole turns"
         numbers = {
             "depth": f"{self.start:.2f} to {self.stop:.2f} m",
@@ -245,13 +245,13 @@ def _sample_count(wall: WallLike, start: float, stop: float) -> int:
 
 
 def _reach(helix: Helix, ends: tuple[float, float], start: float, stop: float) -> tuple[float, float]:
-    """Return the interval; an end at the end of the wall is moved to where the next vertex would lie."""
+    """Return the ends between which samples count; beyond an end of the wall, to where the next vertex would lie."""
     height = abs(helix.pitch) / helix.sectors
     return start - height * (start <= ends[0]), stop + height * (stop >= ends[1])
 
 
 def _share_inside(turns: Logs, start: float, stop: float) -> Floats:
-    """Return the share of each turn in [start, stop], (rows,); a turn ends at the first vertex of the next turn."""
+    """Return the share of each turn that lies in [start, stop], (rows,); a turn ends where the next turn begins."""
     first = turns.depth - turns.pitch * (turns.sectors - 1) / (2 * turns.sectors)
     top, bottom = np.minimum(first, first + turns.pitch), np.maximum(first, first + turns.pitch)
     inside = np.minimum(bottom, stop) - np.maximum(top, start)

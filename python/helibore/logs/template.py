@@ -53,7 +53,7 @@ class TemplateTrack:
 
 @dataclass(frozen=True)
 class Template:
-    """Units, depth scale (None: not chosen) and tracks from left to right."""
+    """Unit of sizes, depth scale (200 for 1:200; None: not chosen), and tracks from left to right."""
 
     units: Literal["mm", "in", "ft"] = "mm"
     scale: int | None = None
@@ -70,7 +70,7 @@ class Template:
 
 
 def template_of(content: dict[str, Any]) -> Template:
-    """Return the template from parsed TOML."""
+    """Return the template that parsed TOML describes; an InputError names the place that breaks a rule."""
     check_names("", content, ("units", "scale", "track"))
     units, scale, rows = content.get("units", "mm"), content.get("scale"), content.get("track", [])
     check_choice("units", units, UNITS)

@@ -48,13 +48,13 @@ SHAPE_TEXT: dict[Shape, str] = {
 SEES_ALL_AROUND = 0.9
 """Least mean coverage at which the wall shows the shape better than the arms alone."""
 COVERED = 0.9
-"""Mean coverage below which a wall is said to be interpolated."""
+"""If the mean coverage is less, a warning says that the wall is interpolated."""
 ARM_MEAN = "mean over the row and of all passes"
 NO_UNCERTAINTY = (
     "volumes (hole, excess over the bit, annulus, cement) and mean diameters have no known uncertainty where the wall "
     "is interpolated, not measured"
 )
-"""What terminal, files, report and print state of a wall that is partly interpolated."""
+"""What terminal, files, reports and prints state on a wall that is partly interpolated."""
 LARGE = 1.85
 """If a hole is larger than this multiple of bit size, bit size or units are probably wrong."""
 SMALL = 0.1
@@ -468,7 +468,7 @@ def turn_logs(
 
 
 ALONG = ("TVD", "INCL", "AZIM")
-"""Mnemonics of the columns of the path."""
+"""Mnemonics of the columns that the path gives."""
 
 
 def _along(path: Path, depth: Floats) -> list[LogColumn]:
@@ -492,9 +492,9 @@ def window_turns(length: float, pitch: float) -> int:
 
 
 def _coverage(wall: WallLike, with_radius: Floats) -> Floats:
-    """Return the share of each turn that is measured; of a wall that does not know it, the share with a radius.
+    """Return the share of each turn that is measured, or, if the wall does not state it, that has a radius.
 
-    A wall that is round by assumption has none: nothing measured its turns around the hole.
+    It is NaN for a wall that is round by assumption, because nothing measured its turns around the hole.
     """
     if getattr(wall, "basis", "azimuthal") != "azimuthal":
         return np.full(with_radius.shape, np.nan)
@@ -507,7 +507,10 @@ def _coverage(wall: WallLike, with_radius: Floats) -> Floats:
 
 
 def _from_arms(wall: Any, depth: Floats, of_wall: dict[str, Any]) -> dict[str, Any]:
-    """Return the columns that a tool with few arms measures itself, and the wall's circles limited by the arms."""
+    """Return the columns that come from a tool's few arms, and circles limited by them; {} if there are no diameters.
+
+    ``of_wall`` are the columns of the wall.
+    """
     reach = wall.settings.max_distance
     arms = arm_diameters(wall.arms, depth, abs(wall.settings.pitch), math.inf if reach is None else reach)
     if arms is None:
@@ -533,7 +536,10 @@ def _nearest(wall: WallLike, turns: int) -> Floats:
 
 
 def _ages(samples: Caliper | None, depth: Floats, height: float, last: float | None) -> Floats:
-    """Return the time from the newest sample within half a turn's height of each depth to the newest of all."""
+    """Return the seconds from the newest sample within half a ``height`` of each depth to ``last``; NaN if unknown.
+
+    ``last`` is the time of the newest sample of the whole wall; None: that of ``samples``.
+    """
     ages = np.full(depth.size, np.nan)
     if samples is None or samples.time is None or not depth.size:
         return ages

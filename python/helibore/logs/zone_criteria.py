@@ -30,7 +30,7 @@ CRITERIA_BIT = 8.5 * INCH
 MEASURES = {
     "washout": "C2 - bit", "breakout": "C1 - C2", "key seat": "height", "undergauge": "least diameter - bit",
 }  # fmt: skip
-"""The length of each kind that the criteria compare with its limit."""
+"""The length by which the criteria decide each kind: they compare it with the kind's limit."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,7 +102,7 @@ class Criteria:
         return cls(**{**scaled, **others})
 
     def limits(self) -> dict[str, float]:
-        """Return the limits of the lengths in `MEASURES`, metres; that of undergauge hole is below 0."""
+        """Return the limits of the lengths in `MEASURES`, metres, by kind; that of undergauge hole is below 0."""
         return {
             "washout": self.washout,
             "breakout": self.elongation,

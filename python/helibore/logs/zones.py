@@ -41,12 +41,12 @@ SIZES = {
     "elongation": "the greatest C1 - C2",
     "peak": "depth of the enlargement",
 }
-"""What the numbers of a zone are, in files and in reports."""
+"""What the numbers of a zone mean, as files and reports state it."""
 COLUMNS_OF_SIZES = {"enlargement": "enlarge", "elongation": "elong"}
-"""Names of the columns of `SIZES` that are shorter than theirs."""
+"""Columns whose names are shorter than the names in `SIZES`."""
 
 WORST = 5
-"""Zones that a card lists."""
+"""Most zones that a notebook card lists."""
 
 Kinds = npt.NDArray[np.int8]
 GAUGE, WASHOUT, BREAKOUT, KEY_SEAT, UNDERGAUGE = range(5)
@@ -56,7 +56,7 @@ NO_LOBE = BreakoutLobe(math.nan, math.nan, math.nan)
 
 @dataclass(frozen=True)
 class Zone:
-    """An interval of hole of one kind. Its lengths are of the turns that meet the criterion, not of gaps between them.
+    """An interval of hole of one kind. Its sizes are of the turns that meet the criterion, not of gaps between them.
 
     Attributes
     ----------
@@ -68,17 +68,17 @@ class Zone:
         The length that the criteria compare with a limit, metres: the greatest C2 - bit of a washout, C1 - C2 of a
         breakout or height of a key seat; if undergauge, the lowest least diameter - bit.
     median
-        Median of this length, metres.
+        Median of the same length, metres.
     severity
         Ratio of ``measure`` to the limit in the criteria; infinite if the limit is 0. It says which zone is worse.
     enlargement
-        The greatest C1 - bit, metres; if undergauge, the lowest least diameter - bit. It is that at ``peak``.
+        The greatest C1 - bit, metres; if undergauge, the lowest least diameter - bit.
     elongation
         The greatest C1 - C2, metres.
     peak
         Measured depth of ``enlargement``, metres.
     coverage
-        Mean share of its turns that is measured, not interpolated, 0 to 1.
+        Mean share of the zone's turns, also in its gaps, that is measured, not interpolated, 0 to 1.
     toolface
         Axis of a breakout, [0, 180), or direction of a key seat, [0, 360), degrees; else NaN.
     deviation
@@ -143,7 +143,7 @@ class Classification(Tabular):
         return sorted(inside, key=lambda zone: (-zone.severity, zone.start))
 
     def breakout_axis(self) -> Axes:
-        """Return mean axis and spread of all breakouts, weighted by length; NaN if there are none."""
+        """Return mean axis and spread of all breakouts, weighted by length; NaN if there are no breakouts."""
         found = self.of("breakout")
         axes = axial_mean(np.array([zone.toolface for zone in found]), np.array([zone.length for zone in found]))
         return axes_of_arms(axes) if self.logs.shape == "arms" else axes
@@ -252,7 +252,7 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
 
 
 def _kinds(logs: Logs, criteria: Criteria, lower: Floats, higher: Floats) -> Kinds:
-    """Return the kind of each turn by itself; ``lower`` and ``higher`` are those of `_ends`."""
+    """Return the kind of each turn without regard to its neighbours; `_ends` gives ``lower`` and ``higher``."""
     bit = logs.bit_diameter
     elongation = logs.c1 - logs.c2
     missing = np.isnan(logs.c1) if logs.shape == "arms" else np.isnan(logs.mean)
@@ -269,7 +269,7 @@ def _kinds(logs: Logs, criteria: Criteria, lower: Floats, higher: Floats) -> Kin
 
 
 def _ends(logs: Logs, radius: Floats, start: float) -> tuple[Floats, Floats]:
-    """Return the heights of the two ends of C1 over the circle of C2 around the centre of the area, the lower first."""
+    """Return the heights of both ends of C1 over the circle of C2 around the centre of the area, lower ones first."""
     if logs.shape == "arms":
         half = (logs.c1 - logs.c2) / 2
         return half - logs.uneven / 2, half + logs.uneven / 2
@@ -289,7 +289,10 @@ def _ends(logs: Logs, radius: Floats, start: float) -> tuple[Floats, Floats]:
 
 
 def _runs(fits: Mask, free: Mask, criteria: Criteria, pitch: float) -> Iterator[tuple[int, int]]:
-    """Yield runs of turns [first, stop) that fit and are free, joined over short free gaps, if they are long enough."""
+    """Yield the zones of a kind as runs of turns [first, stop), from the turns that fit and are free.
+
+    Runs are joined over short gaps if all turns of the gap are free; a joined run that is too short is no zone.
+    """
     joined: list[list[int]] = []
     for first, stop in runs_of(fits & free):
         last = joined[-1][1] if joined else 0

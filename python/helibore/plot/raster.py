@@ -105,9 +105,9 @@ def _running(columns: Floats) -> tuple[Floats, Floats]:
 
 
 def _blocks(column: Floats, sums: Floats, counts: Floats, edges: Floats) -> Floats:
-    """Return for each two neighbouring edges the mean of the cells centred between them; of fewer than two, one cell.
+    """Return for each two neighbouring edges the mean of the cells that are centred between them.
 
-    This one cell holds the middle between the edges. Edges are in cells; cell i is centred on i.
+    If these are fewer than two, it is the cell that holds the middle. Edges are in cells; cell i is centred on i.
     """
     low, high = np.minimum(edges[:-1], edges[1:]), np.maximum(edges[:-1], edges[1:])
     size = column.size
