@@ -51,7 +51,7 @@ class ArmDiameters:
         second = np.argmax(np.nan_to_num(across, nan=-np.inf), axis=0)
         whole = np.where(np.isnan(self.diameter).any(axis=0), np.nan, 0.0)
         c1, c2 = self.diameter[largest, turns] + whole, self.diameter[second, turns] + whole
-        return c1, axis + whole, self.uneven[largest, turns], c2, self.diameter.min(axis=0)
+        return c1, axis + whole, self.uneven[largest, turns] + whole, c2, self.diameter.min(axis=0)
 
 
 def arm_diameters(arms: Caliper, depth: Floats, height: float, reach: float) -> ArmDiameters | None:

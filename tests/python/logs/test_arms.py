@@ -196,6 +196,17 @@ def test_arms_without_opposite_arms_leave_the_shape_to_the_wall() -> None:
     assert hb.reconstruct(caliper, bit_diameter=BIT).logs().shape == "wall"
 
 
+def test_where_an_arm_is_missing_no_size_of_the_turn_is_stated() -> None:
+    caliper = four_arms(ellipse, length=30.0)
+    kept = ~((caliper.depth > 10) & (caliper.depth < 20) & (caliper.arm % 2 == 1))
+    columns = (caliper.depth[kept], caliper.toolface[kept], caliper.radius[kept])
+    logs = hb.reconstruct(hb.Caliper(*columns, arm=caliper.arm[kept]), bit_diameter=BIT).logs()
+    missing = np.isnan(logs.c1)
+    assert 0 < missing.sum() < len(logs)
+    for name in ("c1_toolface", "c2", "least_diameter", "uneven", "out_of_roundness"):
+        assert (np.isnan(getattr(logs, name)) == missing).all(), name
+
+
 def test_arms_survive_the_archive_and_further_appends(tmp_path: Path) -> None:
     first, more = four_arms(ellipse, length=10.0), four_arms(ellipse, length=5.0, top=10.0)
     wall = hb.reconstruct(first, bit_diameter=BIT)
