@@ -75,5 +75,5 @@ def _save_table(table: LogTable, filename: str | os.PathLike[str]) -> None:
     save_table(table, filename)
 
 
-LogTable.writer = _save_table  # tables lie below the formats of files and do not know them
+LogTable.writer = _save_table  # set here, since base.tables must not import helibore.files
 logging.getLogger(__name__).addHandler(logging.NullHandler())

@@ -48,9 +48,9 @@ class _NamedValues(MutableMapping[str, Floats]):
 
 
 class Attributes(_NamedValues):
-    """Named values, one for each cell (quad or hexahedron); (cells,) float64, copied and read-only.
+    """Named values, one for each cell (quad or hexahedron) of a mesh; (cells,) float64, copied and read-only.
 
-    It also accepts one value for every cell that the whole wall has room for, and drops the values of missing cells.
+    An assignment may also give one value for every cell of the whole wall; those of cells not in the mesh are dropped.
 
     Attributes
     ----------
@@ -99,16 +99,16 @@ class WallAttributes(_NamedValues):
         self.restore(name, start, array.copy())
 
     def start_depth(self, name: str) -> float:
-        """Depth of vertex 0 when the values were set, metres."""
+        """Return the depth of vertex 0 at the time the values were set, metres."""
         return self._starts[name]
 
     def restore(self, name: str, start_depth: float, values: Floats) -> None:
-        """Set values that an archive keeps for a helix with this start."""
+        """Set values that belong to a helix with this depth of vertex 0, for example those of an archive."""
         self._starts[name] = start_depth
         self._keep(name, values)
 
     def whole(self, name: str, start_depth: float, quads: int) -> Floats:
-        """Return values for a wall with this start and number of quads: the values that were set, then NaN.
+        """Return the values for a wall with this start and number of quads: those that were set, then NaN.
 
         Raises
         ------

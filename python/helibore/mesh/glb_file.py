@@ -26,7 +26,7 @@ from helibore.base.errors import InputError
 MISSING = -999.25  # the usual null value of well logs, exact in float32
 
 BLOCK = 1 << 16
-"""Number of quads written at a time; their corners stay in the processor's cache, and take little memory."""
+"""Number of quads written at a time, so that their corners take little memory and stay in the processor's cache."""
 
 LARGEST = (1 << 32) - 1
 """Largest size of a GLB in bytes, which its header states in 32 bits (4.4.2)."""
@@ -36,7 +36,7 @@ _ARRAY_BUFFER, _ELEMENT_ARRAY_BUFFER = 34962, 34963  # 3.6.2.1
 
 
 def check_size(file: Path, quads: int, attributes: int) -> None:
-    """Refuse a mesh too large for a GLB: per quad, 4 corners of position, colour and attributes, and 6 indices."""
+    """Refuse a mesh too large for a GLB; a quad takes 4 corners of position, colour and attributes, and 6 indices."""
     size = quads * (4 * (12 + 4 + 4 * attributes) + 24) + (1 << 20)
     if size > LARGEST:
         limit = f"{quads:,} quads take {size / 1e9:.1f} GB, and a GLB holds at most {LARGEST / 1e9:.1f}"
@@ -111,11 +111,11 @@ class _View:
     """An array of the file: an attribute of the vertices, or, without a name, the corners of the triangles."""
 
     name: str
-    of: Callable[[slice], Array]  # its values at some quads
-    bytes: int  # a quad
+    of: Callable[[slice], Array]  # returns its values at a block of quads
+    bytes: int  # size for each quad
     shape: str
-    number: int
-    more: dict[str, Any]
+    number: int  # type of its components
+    more: dict[str, Any]  # further entries of its accessor
 
 
 def _at_corners(values: Array) -> Array:

@@ -51,7 +51,7 @@ class Mesh:
         return np.concatenate(found) if found else np.empty(0)
 
     def described(self) -> dict[str, str]:
-        """Return the metadata, and the units of the attributes that have one."""
+        """Return the metadata and, for each attribute with a unit, a text "unit of NAME"."""
         return {**self.metadata, **{f"unit of {name}": unit for name, unit in self.attributes.units.items() if unit}}
 
     def __repr__(self) -> str:
@@ -62,7 +62,7 @@ class Mesh:
 def quad_radius(mesh: Mesh) -> Floats:
     """Return the mean radius of the corners of each quad, metres, (q,) float64."""
     total: Floats = mesh.radius[mesh.cells[:, 0]]
-    for corner in (1, 2, 3):  # one at a time: all four take 32 bytes a quad
+    for corner in (1, 2, 3):  # one after another, since all four at once would take 32 bytes a quad
         total += mesh.radius[mesh.cells[:, corner]]
     return total / 4
 
@@ -73,7 +73,7 @@ def triangles(mesh: Mesh) -> Integers:
 
 
 def metadata_of(wall: WallLike, path: Path | None) -> dict[str, str]:
-    """Return what a wall is made from and how it is placed along ``path``."""
+    """Return as metadata what a wall is made from, and how it is placed along ``path`` (None: straight down)."""
     helix = helix_of(wall)
     metadata = {
         "made by": f"helibore {_core.__version__}",

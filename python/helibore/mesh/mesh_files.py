@@ -61,7 +61,7 @@ def save_surface(
     if ending not in _PAINTED:
         _write_vtk(mesh, path, origin, color_by)
         return
-    if log and ending in (".glb", ".ply"):  # of the quads, before vertices take means of them
+    if log and ending in (".glb", ".ply"):  # values of quads, since means at vertices could hide one
         try:
             check_positive(_quad_values(mesh, color_by))
         except InputError as error:
@@ -95,7 +95,7 @@ def _write_vtk(mesh: Mesh, path: Path, origin: tuple[float, float, float], activ
 
 
 def _quad_values(mesh: Mesh, color_by: str | None) -> Floats:
-    """Return the values that colour the quads."""
+    """Return the values, one a quad, that colour a mesh: those of ``color_by``, or else the radius."""
     if color_by is None or (color_by == "radius" and "radius" not in mesh.attributes):
         return quad_radius(mesh)
     return mesh.attributes[color_by]

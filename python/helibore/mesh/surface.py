@@ -1,4 +1,4 @@
-"""The wall in space: a surface of quads along the path, a frozen copy with attributes.
+"""The wall in space: a surface of quads along the path, which is a frozen copy with attributes.
 
     surface = wall.surface(path)                   # the wall along a survey's path
     surface.attributes["GR"] = image.on(wall)      # one value a quad
@@ -187,7 +187,7 @@ def surface_of(
     stop: float | None = None,
     threads: int | None = None,
 ) -> Surface:
-    """Place the radii of a helix along ``path`` and join them into quads; `Wall.surface` describes the arguments."""
+    """Return the radii of a helix as quads along ``path``; `Wall.surface` describes the arguments."""
     radius, helix = wall.radius, helix_of(wall)
     first, last = vertex_range(helix, radius.size, start, stop)
     stretch = column("radius", radius[first : last + helix.sectors + 1])

@@ -1,4 +1,4 @@
-"""The hole thickened outwards: shells around the wall and the hexahedra between them, a frozen copy with attributes.
+"""The rock around the wall: hexahedra between the wall and shells outside it, a frozen copy with attributes.
 
     volume = wall.volume(path, shells=[0.05, 0.20])           # two layers: 0 to 0.05 m and 0.05 to 0.20 m
     volume.hang("RT", [shallow.on(wall), deep.on(wall)], unit="ohm.m")
@@ -174,7 +174,7 @@ def volume_of(
     stop: float | None = None,
     threads: int | None = None,
 ) -> Volume:
-    """Thicken the wall outwards, shell by shell, into hexahedra; `Wall.volume` describes the arguments."""
+    """Return hexahedra between the wall and each shell outside it; `Wall.volume` describes the arguments."""
     radius, helix = wall.radius, helix_of(wall)
     first, last = vertex_range(helix, radius.size, start, stop)
     stretch = slice(first, last + helix.sectors + 1)
@@ -187,7 +187,7 @@ def volume_of(
 
 
 def _shell(number: int, shell: Any, helix: Helix, radius: Floats) -> Floats:
-    """Return the radii of a shell at every vertex of the wall."""
+    """Return the radius of a shell at every vertex of the wall; ``number`` names the shell in errors."""
     name = f"shells[{number}]"
     if hasattr(shell, "settings"):
         if helix_of(shell) != helix:

@@ -42,7 +42,7 @@ def check_origin(origin: tuple[float, float, float]) -> None:
 
 
 def z_up(vertices: Floats, origin: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Floats:
-    """Return (north, east, down) as (east, north, up) from an origin given as (north, east, down)."""
+    """Return points (north, east, down) as (east, north, up) from ``origin``, which is (north, east, down)."""
     north, east, down = origin
     points = np.empty_like(vertices)
     np.subtract(vertices[:, 1], east, out=points[:, 0])
@@ -52,7 +52,7 @@ def z_up(vertices: Floats, origin: tuple[float, float, float] = (0.0, 0.0, 0.0))
 
 
 def vtk_mesh(mesh: Mesh, origin: tuple[float, float, float], active: str | None = None) -> VtkMesh:
-    """Return a mesh with all its attributes in VTK's layout."""
+    """Return a mesh with its attributes in VTK's layout; ``active`` names the cell values that programs show first."""
     own: dict[str, Array]
     own = {"radius": quad_radius(mesh)} if mesh.layer is None else {"layer": mesh.layer.astype(np.int32)}
     metadata = {**mesh.described(), "axes": AXES}

@@ -28,7 +28,7 @@ def _quoted(text: str) -> str:
 
 
 class _Appended:
-    """The arrays behind the XML, and the elements that say where each lies."""
+    """The arrays that follow the XML in a file; `element` returns the XML that says where an array lies."""
 
     def __init__(self) -> None:
         self.arrays: list[Array] = []
@@ -45,7 +45,7 @@ class _Appended:
 
 
 def write_vtk_xml(file: BinaryIO, mesh: VtkMesh, polygons: bool) -> None:
-    """Write an unstructured grid (.vtu), or polygons (.vtp)."""
+    """Write a mesh as an unstructured grid (.vtu) or, with ``polygons``, as polygons (.vtp)."""
     appended = _Appended()
     cells = _connectivity(appended, mesh)
     kind, element, counts = "UnstructuredGrid", "Cells", f'NumberOfCells="{len(mesh.corners)}"'

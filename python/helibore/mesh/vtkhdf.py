@@ -34,7 +34,7 @@ _FRAME = ("axes", "origin", "helix", "toolface 0")  # what parts of one file mus
 
 
 def save_vtkhdf(path: Path, mesh: VtkMesh) -> None:
-    """Write a file of one part."""
+    """Write a mesh as a file of one part."""
     for name in (*mesh.cell_values, *mesh.metadata):
         if "/" in name or name in ("", "."):
             rule = "a name in a VTKHDF file must not be empty, be '.' or contain '/'"
@@ -43,7 +43,7 @@ def save_vtkhdf(path: Path, mesh: VtkMesh) -> None:
 
 
 def append_mesh(mesh: Mesh, path: Path, origin: tuple[float, float, float]) -> None:
-    """Add a part to a file, or begin the file, as `Surface.append_to` describes."""
+    """Add a mesh as a part to a file, or begin the file, as `Surface.append_to` describes."""
     if path.suffix.lower() != ENDING:
         raise InputError(str(path), f"only {ENDING} files take further parts")
     check_origin(origin)
@@ -74,7 +74,7 @@ def _h5py() -> Any:
 
 
 def _columns(mesh: VtkMesh) -> dict[str, Array]:
-    """Return the arrays of a part; in a file, the arrays of the parts lie one behind the other."""
+    """Return the arrays of a part by name; in a file, the arrays of all parts stand one behind the other."""
     count, corners = mesh.corners.shape
     return {
         "NumberOfPoints": np.array([len(mesh.points)]),
@@ -103,7 +103,7 @@ def _write(path: Path, columns: Mapping[str, Array], metadata: Mapping[str, str]
 
 
 def _require_alike(path: Path, group: h5py.Group, part: VtkMesh) -> None:
-    """Refuse a part whose attributes or kind of cells differ from the earlier parts."""
+    """Refuse a part whose cells, attributes, axes, origin, helix or toolface 0 are not those of the earlier parts."""
     kind = {int(each) for each in group["Types"][:1]}
     if kind - {part.cell_type}:
         raise InputError(str(path), f"holds cells of VTK type {kind.pop()}, the part has type {part.cell_type}")

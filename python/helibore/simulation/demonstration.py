@@ -1,6 +1,6 @@
 """Drill a known hole, rebuild its wall from the tool's samples, and compare the wall with the truth.
 
-    simulate  ->  reconstruct  ->  helibore-demo.glb, helibore-demo.png  ->  error against the hole's own formula
+    simulate  ->  reconstruct  ->  helibore-demo.glb, helibore-demo.png  ->  error against the formula of the hole
 
 This is the shortest complete use of the library. ``helibore demo`` prints the result, and ``plot`` draws it.
 """
@@ -20,7 +20,7 @@ from helibore.wall.wall import Wall, wall_of
 
 @dataclass(frozen=True)
 class Demonstration:
-    """The samples and their truth, the wall, and the path of the wall."""
+    """The simulated samples with the true hole, the wall rebuilt from them, and the path of the wall."""
 
     simulation: Simulation
     wall: Wall
@@ -31,7 +31,7 @@ class Demonstration:
 class Error:
     """Rebuilt minus true radius of all vertices with a radius, metres.
 
-    ``median`` is of the absolute differences; 99 % of these are ``most`` or less.
+    ``median`` is that of the absolute differences; 99 % of them are at most ``most``.
     """
 
     rms: float

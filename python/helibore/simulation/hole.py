@@ -25,7 +25,7 @@ BLOCK = 1 << 15
 
 @dataclass(frozen=True)
 class Washout:
-    """An interval [start, stop) (m), up to ``enlargement`` m larger in radius and up to ``roughness`` times rougher."""
+    """A washout over [start, stop) (m), up to ``enlargement`` m larger in radius and ``roughness`` times rougher."""
 
     start: float
     stop: float
@@ -81,13 +81,13 @@ class Hole:
     start: float = 2000.0
     stop: float = 2050.0
     bit_diameter: float = 0.216
-    overgauge: float = 0.001  # how much larger than the bit's the radius of the hole is everywhere
+    overgauge: float = 0.001  # radius of the hole less that of the bit, before all other shapes
     ovality: float = 0.0  # amplitude of the ellipse in radius
     ovality_toolface: float = 0.0  # of the long axis of the ellipse
     spiral: float = 0.0  # radius of the helix on which the centre of a spiral hole runs
     spiral_length: float = 1.0  # depth of one turn of that helix
     rugosity: float = 0.0  # root mean square roughness
-    rugosity_length: float = 0.4  # its shortest wavelength along the hole; the longest is eight times that
+    rugosity_length: float = 0.4  # shortest wavelength of the roughness along the hole; the longest is 8 times that
     washouts: tuple[Washout, ...] = ()
     breakouts: tuple[Breakout, ...] = ()
     beds: tuple[Bed, ...] = ()  # in order of depth
@@ -168,7 +168,10 @@ class Hole:
         return gamma
 
     def stations(self, interval: float = 30.0, margin: float = 30.0) -> tuple[Floats, Floats, Floats]:
-        """Return the survey from ``margin`` m above the hole to at least as far below: depth (m), two angles (deg)."""
+        """Return a survey from ``margin`` m above the hole to at least as far below: depth, inclination, azimuth.
+
+        Stations are ``interval`` m apart; depths are metres, angles degrees.
+        """
         depth = np.arange(self.start - margin, self.stop + margin + interval, interval)
         along = np.maximum(depth - self.start, 0.0)
         inclination = np.full(depth.size, self.inclination)
@@ -198,7 +201,7 @@ class Hole:
                 rougher = np.maximum(rougher, 1.0 + (washout.roughness - 1.0) * share)
         for breakout in self.breakouts:
             if breakout.start < high and low < breakout.stop:
-                # 1 on the axis of the breakout, on both sides of the hole, and 0 from half an opening away
+                # 1 on the axis of the breakout, on both sides of the hole; 0 half an opening or more away from it
                 off = (toolface - breakout.toolface + 90.0) % 180.0 - 90.0
                 share = _taper(depth, breakout.start, breakout.stop)
                 share *= np.maximum(1.0 - (2.0 * off / breakout.opening) ** 2, 0.0) ** 2
@@ -211,7 +214,7 @@ class Hole:
         return radius
 
     def _roughness_modes(self) -> Floats:
-        """Return one row (periods around, radians a metre along, phase, amplitude) for each wave of the roughness."""
+        """Return a row for each wave of the roughness: periods around, radians a metre along, phase, amplitude."""
         if not self.rugosity:
             return np.empty((0, 4))
         rng = np.random.default_rng([self.seed, 2])
@@ -236,13 +239,13 @@ def _taper(depth: Floats, start: float, stop: float) -> Floats:
 
 
 def _spread(rng: np.random.Generator, start: float, length: float, spacing: float) -> list[float]:
-    """Return one random depth in each ``spacing`` metres, and none in the last tenth of the interval."""
+    """Return a random depth for about each ``spacing`` metres of an interval, and none in its last tenth."""
     count = max(1, round(length / spacing))
     return [start + 0.9 * length * (index + rng.uniform(0.1, 0.7)) / count for index in range(count)]
 
 
 def _example_beds(rng: np.random.Generator, start: float, length: float) -> tuple[Bed, ...]:
-    """Return thick and thin beds of sand and shale that dip steeply; dip and direction change slowly with depth."""
+    """Return beds of sand and shale that dip steeply; their dip and direction change slowly with depth."""
     depths = _spread(rng, start, length, 1.6)
     count = len(depths)
     dip = np.linspace(70.0, 80.0, count)

@@ -1,7 +1,7 @@
 """Simulate a rig that sends WITS: a tool in a known hole, with a telemetry that is slow, late and loses frames.
 
-    mud pulse   1 triple in 2 s          EM     5 triples/s
-    wired pipe  900 triples/s            memory 3,000 triples/s recorded, sent at the speed that the caller sets
+    mud pulse   1 triple in 2 s          EM      5 triples/s
+    wired pipe  900 triples/s            memory  3,000 triples/s recorded
 
 The rig sends bit and hole depth, rotation and activity once a second of drilling time, survey stations when the bit
 has passed them, gamma rows, and frames of up to 30 triples (toolface, depth, radius: items 5010 to 5099).
@@ -50,7 +50,7 @@ image.GR = {{ first = "5110", count = 16, unit = "gAPI", depth = "0821", origin 
 
 
 def configuration(address: str, telemetry: str = "wired-pipe", start: float = 2000.0) -> str:
-    """Return the TOML with which ``helibore live`` reads a rig of this telemetry, without simulating a rig."""
+    """Return the TOML with which ``helibore live`` reads a rig of this telemetry at ``address``; none is simulated."""
     _, groups, _ = _usual(telemetry)
     return CONFIGURATION.format(address=address, bit_diameter=BIT_DIAMETER, start=start, groups=groups)
 
@@ -85,7 +85,8 @@ class Rig:
     start, stop
         Depth drilled, metres.
     lift
-        Metres by which the tool is lifted half way, to scan these metres again (0: no lift); or a tuple of lifts.
+        Metres by which the tool is lifted when half of the interval is drilled, to scan these metres again (0: no
+        lift); or a tuple of lifts.
     faults, seed
         The faults of the telemetry, and the seed of all random numbers.
     rate
@@ -115,16 +116,19 @@ class Rig:
         self.triples, self._order = self._in_order(faults or Faults())
 
     def frames(self) -> Iterator[tuple[float, bytes]]:
-        """Yield (drilling time s, frame) in the order of sending; a caliper frame is written when it is yielded."""
+        """Yield (drilling time s, frame) in the order of sending; a caliper frame is made only when it is yielded."""
         for at, frame in self._order:
             yield at, frame if isinstance(frame, bytes) else self._caliper(frame)
 
     def configuration(self, address: str) -> str:
-        """Return the TOML that reads this rig."""
+        """Return the TOML with which ``helibore live`` reads this rig at ``address``."""
         return configuration(address, self._telemetry, self._start)
 
     def _in_order(self, faults: Faults) -> tuple[Floats, list[tuple[float, bytes | int]]]:
-        """Return the triples that are sent, and (drilling time, frame or number of a caliper frame) of all frames."""
+        """Return the triples that are sent, and all frames in order: drilling time, and bytes or number of a frame.
+
+        Only a caliper frame has a number.
+        """
         rows = self._rows
         sent: list[tuple[float, bytes | int]] = [*self._surface(), *self._stations_and_gamma()]
         kept = np.ones(len(rows), bool)
@@ -159,7 +163,7 @@ class Rig:
                                       (113, "20.00"), (120, "117"), (121, "15000")])  # fmt: skip
 
     def _stations_and_gamma(self) -> Iterator[tuple[float, bytes]]:
-        """Yield each survey station and each row of gamma when the bit has passed it."""
+        """Yield (drilling time, frame) of each survey station and row of gamma, sent when the bit has passed it."""
         run = self.run
         deepest = np.maximum.accumulate(run.depth)
 
@@ -176,7 +180,7 @@ class Rig:
 
 
 def play(rig: Rig, link: socket.socket, speed: float = 1.0, packet: int = 1400) -> int:
-    """Send a rig's frames ``speed`` times as fast as it drilled (0: without waiting); return the number of bytes."""
+    """Send a rig's frames ``speed`` times as fast as it drilled (0: without waiting); return the bytes sent."""
     begin, sent, held = time.monotonic(), 0, bytearray()
     first = None
 
@@ -199,7 +203,7 @@ def play(rig: Rig, link: socket.socket, speed: float = 1.0, packet: int = 1400) 
 
 
 def socket_address(text: str) -> Address:
-    """Read an address; refuse one that is neither ``tcp://HOST:PORT`` nor ``listen://HOST:PORT``."""
+    """Read an address; an InputError unless it is ``tcp://HOST:PORT`` or ``listen://HOST:PORT``."""
     with suppress(ValueError):
         address = read_address(text)
         if address.kind in ("tcp", "listen"):

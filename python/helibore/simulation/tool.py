@@ -45,8 +45,8 @@ class Tool:
     toolface_noise: float = 0.0  # standard deviation of the toolface, degrees
     missing: float = 0.0  # share of the samples that never arrive, [0, 1)
     lifts: tuple[Lift, ...] = ()  # in order of depth
-    sectors: int = 16  # of the gamma image, a turn
-    image_step: float = 0.1  # metres a row of the gamma image
+    sectors: int = 16  # sectors of the gamma image
+    image_step: float = 0.1  # metres from row to row of the gamma image
     gamma_noise: float = 2.0  # standard deviation, gAPI
 
     def __post_init__(self) -> None:
@@ -148,7 +148,7 @@ def _check_lifts(hole: Hole, tool: Tool) -> None:
 
 
 def _rotate(tool: Tool, time: Floats, rng: np.random.Generator) -> Floats:
-    """Return the toolface over time: the integral of a speed that swings (stick-slip) and varies slowly by 4 %."""
+    """Return the toolface at each time: the integral of a speed that swings (stick-slip) and varies slowly by 4 %."""
     start, fast, slow = rng.random(3)
     turns = time + start
     for amplitude, period, phase in ((tool.stick_slip, tool.stick_slip_period, fast), (0.04, 61.8, slow)):
@@ -160,7 +160,7 @@ def _rotate(tool: Tool, time: Floats, rng: np.random.Generator) -> Floats:
 
 
 def _progress(tool: Tool, time: Floats, rng: np.random.Generator) -> Floats:
-    """Return the share of the travel over time, from 0 to 1; it never falls, since all swings sum to less than 1."""
+    """Return the share of the travel at each time, from 0 to 1; it never falls, since the swings sum to less than 1."""
     progress = time.copy()
     for share, period in ((0.5, 8.3), (0.3, 47.0), (0.2, 391.0)):
         swing = share * tool.advance_variation * period / (2.0 * np.pi)
@@ -171,7 +171,7 @@ def _progress(tool: Tool, time: Floats, rng: np.random.Generator) -> Floats:
 
 
 def _lift(hole: Hole, tool: Tool, time: Floats, depth: Floats) -> tuple[Floats, Floats]:
-    """Shift depth and time at each lift: the depth steps back, and the raising takes time but gives no samples."""
+    """Return time and depth with lifts: at each, the depth steps back, after some time of raising without samples."""
     raising_speed = 0.2  # m/s
     for lift in tool.lifts:
         first = int(np.argmax(depth > lift.depth))
