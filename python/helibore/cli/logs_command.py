@@ -175,7 +175,7 @@ def _measured(wall: Wall, options: dict[str, Any], reference: Any) -> _Measured:
         every = replace(every, reference=reference)
     inside = every.rows_between(options["start_depth"], options["stop_depth"])
     if not inside.any():
-        reach = f"turns reach from {every.depth.min():g} to {every.depth.max():g} m" if len(every) else "there are none"
+        reach = f"turns reach from {every.depth.min():g} to {every.depth.max():g} m" if len(every) else "it has none"
         raise InputError("--from and --to", f"no full turn of the wall lies between them; {reach}")
     turns = every.between(options["start_depth"], options["stop_depth"])
     zones = classify(wall, criteria, every) if shaped else None

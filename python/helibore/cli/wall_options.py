@@ -138,7 +138,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
             type=float, metavar="DEVIATIONS"),
         opt("--turn-height", "Depth of a turn, for a tool that does not turn.  [from its rotation; an image: one row]",
             type=LENGTH),
-        opt("--recentre", "Take the tool's offset out of every turn.", is_flag=True),
+        opt("--recentre", "Correct the radii of every turn for the tool's offset from the axis.", is_flag=True),
     ),
     "Passes": (
         opt("--split-passes reversal", "Start a new pass where the tool moves back by more than this.", type=LENGTH),
@@ -146,7 +146,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--latest", "In each 0.5 m, use the last pass that measured there.  [merge them]", is_flag=True),
         opts("--shift shifts", "Add a length to a pass's depths, such as 3=-0.2m.", type=SHIFT),
         opt("--find-shifts", "Find each pass's depth shift from the overlap, unless --shift sets it.", is_flag=True),
-        opt("--bias", "Take off what each pass and arm reads too much; side: for each side an arm lies on.",
+        opt("--bias", "Subtract what each pass and arm reads too much; side: by the side of the hole an arm lies on.",
             type=click.Choice(["none", "arm", "side"]), default="none"),
         opt("--compare-with earlier", "Earlier passes. The wall is made from the other passes; the attribute "
             "'difference' says how much larger it is than the wall of the earlier ones.", type=NUMBERS, default=()),

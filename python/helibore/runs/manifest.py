@@ -167,7 +167,7 @@ def check_files(jobs: list[Job]) -> None:
     if lost:
         first, *others = [f"well {well}: {address}" for well, address in lost]
         more = f", and {len(lost) - MOST_NAMED} more" if len(lost) > MOST_NAMED else ""
-        rule = f"no such file; nor {', '.join(others[: MOST_NAMED - 1])}{more}" if others else "no such file"
+        rule = f"no such file; missing, too: {', '.join(others[: MOST_NAMED - 1])}{more}" if others else "no such file"
         raise InputError(first, rule)
 
 

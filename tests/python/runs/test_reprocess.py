@@ -186,7 +186,7 @@ def test_nothing_starts_where_a_file_is_missing_or_the_output_cannot_be_written(
     assert f"helibore: well B: {field}/9.parquet: no such file" in result.stderr
     assert not (tmp_path / "none").exists()
     many = manifest(field, MANIFEST.replace("s.csv", "t.csv").replace("1.parquet", "9.parquet"))
-    names = f"well 15/9-F 1: {field}/t.csv: no such file; nor well B: {field}/9.parquet"
+    names = f"well 15/9-F 1: {field}/t.csv: no such file; missing, too: well B: {field}/9.parquet"
     with pytest.raises(hb.InputError, match=f"^{names}$"):
         check_files(read_jobs(many))
     with pytest.raises(hb.InputError, match=r"a11\.csv, and 2 more$"):
