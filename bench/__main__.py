@@ -1,7 +1,7 @@
 """All benchmarks of the wall: ``python -m bench``; ``python -m bench reconstruction appends`` for some of them.
 
-Prints a line a figure and writes everything to bench-results.json and bench-results.html. Ratios and spread are what
-to compare (``python -m bench compare BEFORE.json AFTER.json``): absolute times belong to their machine.
+They print one line for each figure, and write all figures to bench-results.json and bench-results.html. Compare ratios
+and their spread (``python -m bench compare BEFORE.json AFTER.json``), because absolute times belong to one machine.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def _figures(prefix: str, value: Any) -> Iterator[tuple[str, str]]:
 
 
 def main(names: list[str]) -> int:
-    """Run the named benchmarks, all by default, or compare the results of two runs."""
+    """Run the named benchmarks (all if none is named), or compare the results of two runs; return the exit code."""
     if names[:1] == ["compare"] and len(names) == 3:
         return compare.main(*names[1:])
     unknown = set(names) - set(NAMES)

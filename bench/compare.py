@@ -1,8 +1,8 @@
-"""Two revisions: ``python -m bench compare BEFORE.json AFTER.json [...]``.
+"""Compare the benchmarks of two revisions: ``python -m bench compare BEFORE.json AFTER.json``.
 
-Each file is what ``python -m bench`` wrote at a revision; several of one revision, in turn with those of the other, say
-more: ``compare before1.json,before2.json after1.json,after2.json``. Of every ratio to a peer or a copy, which was
-measured in rounds, the spread is known. A change is flagged where the spreads do not overlap; all else is noise.
+Each file is what ``python -m bench`` wrote at a revision. Several files of each revision, made in turn, tell more:
+``compare before1.json,before2.json after1.json,after2.json``. Every ratio to a peer or a copy was measured in rounds,
+so its spread is known. A ratio has changed if its two spreads do not overlap; all else is noise.
 """
 
 from __future__ import annotations
@@ -16,7 +16,10 @@ Spread = tuple[float, float, float]  # least, median, greatest
 
 
 def spreads(files: str) -> dict[str, Spread]:
-    """Every ratio of the files, by benchmark, case and name; those of several files joined."""
+    """Return the spread of every ratio in the files, by benchmark, case and name; ``files`` are separated by commas.
+
+    The spread over several files has the least, the median of the medians, and the greatest.
+    """
     found: dict[str, list[Spread]] = {}
     for file in files.split(","):
         for name, spread in _ratios("", json.loads(Path(file).read_text())):
@@ -39,14 +42,14 @@ def _ratios(place: str, value: Any) -> Iterator[tuple[str, Spread]]:
 
 
 def compare(before: str, after: str) -> list[tuple[str, Spread, Spread]]:
-    """The ratios whose spreads do not overlap: name, before, after."""
+    """Return the ratios whose spreads do not overlap: name, spread before, spread after."""
     old, new = spreads(before), spreads(after)
     both = [name for name in new if name in old]
     return [(name, old[name], new[name]) for name in both if old[name][2] < new[name][0] or new[name][2] < old[name][0]]
 
 
 def main(before: str, after: str) -> int:
-    """Print what changed beyond the spread."""
+    """Print the ratios that changed by more than their spread; return the exit code, 0."""
     changed = compare(before, after)
     for name, old, new in changed:
         texts = [f"{median:.3g} ({least:.3g} to {most:.3g})" for least, median, most in (old, new)]

@@ -1,4 +1,4 @@
-"""How the benchmarks time: works in turn in one run, so that a machine that drifts slows all alike."""
+"""How the benchmarks measure time: several works in turn in one run, so that a slower machine slows all alike."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ from helibore.base.thread_count import thread_count
 
 A_ROUND = 0.1  # seconds
 PEERS = ("pykdtree", "scipy")
-"""The extra `bench` fixes their versions, so that a ratio changes with helibore alone."""
+"""Libraries to compare with. The extra `bench` fixes their versions, so that only helibore changes a ratio."""
 
 
 def repeated(work: Callable[[], object], until: Callable[[], bool] | None = None) -> float:
-    """Seconds of a work, its result dropped between: the mean of as many as a tenth of a second takes, or ``until``.
+    """Return the mean seconds of a work, repeated for `A_ROUND`, or until ``until`` is true, without keeping results.
 
-    It runs once before that, so that it does not pay for the caches and pages that another left behind. Shorter than a
-    tenth, a machine shared with others is fast in one run and slow in the next.
+    The work runs once before that, so that it does not pay for the caches and pages that another work left behind. In
+    less than a tenth of a second, a machine shared with others is fast in one run and slow in the next.
     """
     work()
     took: list[float] = []
@@ -38,7 +38,7 @@ def repeated(work: Callable[[], object], until: Callable[[], bool] | None = None
 
 
 def in_turn(works: dict[str, Callable[[], object]], rounds: int) -> dict[str, list[float]]:
-    """Seconds of each work in each round, as by `repeated`."""
+    """Return, by work, its seconds in each round, as `repeated` measures them; works take turns in a round."""
     seconds: dict[str, list[float]] = {name: [] for name in works}
     for _ in range(rounds):
         for name, work in works.items():
@@ -47,9 +47,9 @@ def in_turn(works: dict[str, Callable[[], object]], rounds: int) -> dict[str, li
 
 
 def ratio(above: list[float], below: list[float]) -> dict[str, float]:
-    """Median, least and greatest of the ratios round by round, and the ratio of the least times.
+    """Return median, least and greatest of the ratios of the rounds, and the ratio of the least times, "undisturbed".
 
-    The last is what an undisturbed machine would show: others on it can only add to a time.
+    An undisturbed machine would show the latter, because other programs can only add to a time.
     """
     ratios = [a / b for a, b in zip(above, below, strict=True)]
     least = min(above) / min(below)
@@ -57,12 +57,12 @@ def ratio(above: list[float], below: list[float]) -> dict[str, float]:
 
 
 def milliseconds(seconds: list[float]) -> float:
-    """The median, in milliseconds."""
+    """Return the median of some seconds, in milliseconds."""
     return 1000 * statistics.median(seconds)
 
 
 def machine() -> dict[str, Any]:
-    """What the figures were measured on."""
+    """Return what the figures were measured on: processor, cores, versions."""
     processor = "unknown"
     names = Path("/proc/cpuinfo")
     if names.exists():

@@ -1,4 +1,4 @@
-"""One page of all results, ``bench-results.html``: every figure in tables, cost against size as a picture."""
+"""The page of all results, ``bench-results.html``: figures in tables, and a picture of the cost against the size."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ WIDTH, HEIGHT, LEFT, BOTTOM = 640, 360, 60, 40
 
 
 def page(results: dict[str, Any], text: Any) -> str:
-    """HTML; ``text``: figure names and texts of a value."""
+    """Return all results as HTML; ``text`` is a function that yields name and text of each figure in a value."""
     parts = [f"<h1>Benchmarks of helibore</h1>{_table(text('', results['machine']))}"]
     for name, cases in results.items():
         if name == "machine":
@@ -34,7 +34,7 @@ def _table(rows: Any) -> str:
 
 
 def cost_by_size(cases: Sequence[dict[str, Any]]) -> str:
-    """Nanoseconds a sample against the number of samples, both logarithmic; a level line is a cost in proportion."""
+    """Return a picture (SVG) of nanoseconds a sample against samples, logarithmic; a level line: cost by size."""
     from math import floor, log10
 
     lines: dict[str, list[tuple[float, float]]] = {}

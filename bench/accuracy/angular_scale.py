@@ -1,10 +1,10 @@
 """What ``angular_scale`` is worth in a hole whose shape goes on along it: ``python -m bench.accuracy.angular_scale``.
 
-A sample around the corner and one a little farther up are not alike: washouts, breakouts and spirals go on for
-decimetres along the hole, while a lobe ends within centimetres around it. ``angular_scale`` stretches the arc in the
-distance, so that neighbours come from above and below first. Here 28 m of ``helibore.simulation.hole.Hole.example``
-(oval, spiral, rough, washed and broken out), seen by tools of various density with 0.5 mm noise: rms of the rebuilt
-radius less the true one, mm. The default is 1, true arcs, which favours no direction; the published method has 2.
+Washouts, breakouts and spirals go on for decimetres along the hole, while a lobe ends within centimetres around it.
+``angular_scale`` stretches the arc in the distance, so that neighbours come from above and below first. The benchmark
+measures 28 m of ``helibore.simulation.hole.Hole.example`` (oval, spiral, rough, washed and broken out) with tools of
+various density and 0.5 mm of noise. It prints the rms of the rebuilt less the true radius, mm. The default is 1, true
+arcs, which favours no direction; the published method has 2.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ TOOLS = {  # samples a turn, m a turn
 
 
 def errors(hole: Hole, samples: int, height: float, seed: int) -> list[float]:
-    """Error of the wall for each scale, mm; the samples' toolfaces are unsteady by a quarter of their step."""
+    """Return the rms error of the wall for each scale, mm; toolfaces of samples vary by a quarter of their step."""
     rng = np.random.default_rng(seed)
     number = np.arange(int(30.0 / height * samples))
     depth = hole.start + 5.0 + number * height / samples

@@ -1,25 +1,26 @@
 """How well the tool's centre is found, and what is left in the wall: ``python -m bench.accuracy.eccentering [whirls]``.
 
-300 turns of a simulated tool 10 mm off centre (tests/python/test_eccentering.py), each case with two seeds. Unless it
-is "one hole", every turn has toolfaces of its own at random and a shape of its own: no turn can learn from the next.
+"centres": 300 turns of a simulated tool 10 mm off centre (tests/python/preparation/test_eccentering.py), each case with
+two seeds. Unless a case is "one hole", each turn has random toolfaces and a shape of its own, so that no turn helps
+another.
 
-    error    rms over the samples of corrected less true radius, each sample's own noise taken off, mm
-    bound    the least that any unbiased fit can reach (Cramer and Rao) that knows the shape and place of oval and
-             lobes but not their size; only where a random half is missing
+    error    rms over the samples of corrected less true radius, without each sample's own noise, mm
+    bound    least rms of an unbiased fit (Cramer and Rao) that knows shape and place of oval and lobes but not their
+             size; only for cases whose samples miss a random half
     covered  turns whose true centre lies within three standard deviations on both axes, %; bar 99
     sigma    stated standard deviation of the centre, median of turns, mm
     doubt    turns in which a wall enlarged on one side counts fully (``Centres.one_sided``), %
 
-Then the share of turns covered or refused with the bit size known, for a tool that whirls at 30 to 330 degrees a turn
-in each of these holes, and for one that rests centred: least and mean of two seeds that no test uses.
+"whirls": the share of turns covered or refused, with the bit size known, for a tool that whirls at 30 to 330 degrees a
+turn in each of `HOLES`, and for a tool that rests centred: least and mean of two seeds that no test uses.
 
-Then what a wall rebuilt by ``hb.reconstruct`` from half of the samples is off, and which part of that is whose:
+"walls": the rms error of a wall that ``hb.reconstruct`` makes from half of the samples, and its causes:
 
-    points   the samples' own positions, noise-free and perfectly centred: interpolation alone
-    noise    the same with their noise
-    found    as measured, recentred by the library
-    left     sqrt(found^2 - noise^2): what the correction adds
-    along    as found, with ``angular_scale=4``: neighbours from above and below first, for shapes that go on
+    points   samples at their true places, without noise and centred; only interpolation errs
+    noise    the same samples with their noise
+    found    samples as measured, recentred by the library
+    left     sqrt(found^2 - noise^2), which the correction adds
+    along    as found, with ``angular_scale=4``, which takes neighbours from above and below first
 """
 
 from __future__ import annotations
@@ -50,7 +51,7 @@ CASES = {
 
 
 def bound(tool: Simulated) -> float:
-    """rms of the radius, m, from the Fisher matrix of centre, mean radius, oval and depth of the lobes."""
+    """Return the bound of the module's text, metres, by the Fisher matrix of centre, mean radius, oval, lobe depth."""
     reach = (tool.radius - tool.noise) * np.exp(1j * np.radians(tool.toolface))
     phi = np.angle((tool.x + 1j * tool.y)[tool.turn] + reach).reshape(tool.x.size, -1)
     terms = [np.cos(phi), np.sin(phi), np.ones_like(phi), np.cos(2 * phi), np.sin(2 * phi)]
@@ -88,9 +89,10 @@ RATES = (30, 60, 84, 100, 120, 150, 180, 200, 230, 250, 270, 300, 330, -30, -84,
 
 
 def whirling(seed: int, hole: str, rate: float, far: float, turns: int = 63, samples: int = 64) -> tuple[float, float]:
-    """Share of turns covered at three standard deviations or refused, and share refused.
+    """Return the share of turns whose centre is covered at three standard deviations or refused, and the share refused.
 
-    The centre counts from the axis of the bit, which a wall enlarged on one side does not show.
+    ``far`` is the distance of the tool from the axis of the bit, m, from which centres count, and ``rate`` the whirl in
+    degrees a turn. A wall enlarged on one side does not show that axis.
     """
     rng = np.random.default_rng(seed)
     position = (np.arange(turns * samples) + 0.8 * rng.random(turns * samples)) / samples

@@ -1,10 +1,10 @@
-"""How good the wall is, and how sure: ``./develop evidence [SEED ...]`` writes docs/evidence.md and its figure.
+"""How good the wall is, and how sure: ``./develop evidence [SEED ...]`` writes docs/evidence.md and its figures.
 
-Five kinds of hole of known truth, three rotating tools, a tool with four fixed arms, stick-slip and telemetry, three
-noises, several seeds. Each wall by default settings, by kriging, by tuned settings, and by other methods and libraries
-(`peers`) where they are installed; the published experiment (`published`); passes of a real caliper, each predicted
-from the others. Ratios are rms errors over those of the default; their means are geometric, with 95 % intervals by
-bootstrap over cases. Seeds are not those that anything was built with.
+Cases are five kinds of hole of known truth, three rotating tools, a tool with four fixed arms, stick-slip, telemetry,
+three noises, and several seeds. Each hole is rebuilt by default settings, by kriging, by tuned settings, and by other
+methods and libraries (`peers`) if they are installed. The page also has the published experiment (`published`), and
+passes of a real caliper, each predicted from the others. Ratios are rms errors over those of the default; their means
+are geometric, with 95 % intervals by bootstrap over cases. helibore was not developed with these seeds.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from helibore.preparation.shifts import find_shifts
 
 SEEDS = (301, 302)
 DOCS = Path(__file__).parents[2] / "docs"
-EDGE = 0.5  # metres at both ends that are not compared
+EDGE = 0.5  # metres at each end of the hole that are not compared
 
 
 class Case(NamedTuple):
-    """One hole, one tool: rms errors (m) by method, and what sigma covers."""
+    """One hole measured by one tool: rms errors (m) by method, and, of the tuned wall, what `_coverage` returns."""
 
     hole: str
     tool: str
@@ -43,7 +43,7 @@ class Case(NamedTuple):
 
 
 def run(kind: str, tool: str, noise: float, seed: int, peers: bool, slow: bool) -> Case:
-    """Rebuild one hole by every method."""
+    """Rebuild one hole by every method; ``peers``: also by other methods, ``slow``: also by those that take long."""
     hole, caliper = measured(kind, tool, noise, seed)
     tuned = hb.tune(caliper, bit_diameter=BIT, threads=1).settings
     walls = {
@@ -66,7 +66,7 @@ def run(kind: str, tool: str, noise: float, seed: int, peers: bool, slow: bool) 
 
 
 def _coverage(hole: Hole, wall: hb.Wall, inside: np.ndarray, truth: Floats) -> tuple[dict[str, float], float]:
-    """Share of vertices whose 95 % interval holds the truth, by class; mean half-width over 1.96 rms."""
+    """Return, by class, the share of vertices whose 95 % interval holds the truth; mean sigma over the rms error."""
     sigma, off = wall.sigma, np.abs(wall.radius - truth)
     known = inside & np.isfinite(sigma)
     if not known.any():
@@ -81,7 +81,7 @@ def _coverage(hole: Hole, wall: hb.Wall, inside: np.ndarray, truth: Floats) -> t
 
 
 def mean_ratio(cases: Iterable[Case], method: str) -> str:
-    """Geometric mean of a method's error over the default's, its interval, and the worst case."""
+    """Return as text the geometric mean of a method's errors over the default's, its 95 % interval, the worst case."""
     ratios = np.log([case.errors[method] / case.errors["default"] for case in cases if method in case.errors])
     if not ratios.size:
         return "-"
@@ -93,7 +93,7 @@ def mean_ratio(cases: Iterable[Case], method: str) -> str:
 
 
 def between_arms() -> str:
-    """Four arms in an ellipse of 216 x 240 mm, one turn in 30 m, every 5 cm: rms before and after tuning."""
+    """Return as text the rms error, default and tuned, of four arms in an ellipse, one turn in 30 m, every 5 cm."""
     depth = np.repeat(np.arange(0, 60, 0.05), 4)
     toolface = (depth * 12 + np.tile([0, 90, 180, 270], depth.size // 4)) % 360
 
@@ -114,7 +114,10 @@ def _unit(toolface: Floats) -> Floats:
 
 
 def left_out_passes() -> list[list[str]]:
-    """Each pass of the F-12 caliper predicted from the others: mean and rms of its errors, mm, default and tuned."""
+    """Return a row for each pass of the F-12 caliper, predicted from the others: mean and rms error, mm; and their means.
+
+    Columns are by the default settings, then by tuned ones; [] without the file.
+    """
     if not f12.FILE.exists():
         return []
     depth, toolface, radius, passes, *_ = f12.read(f12.FILE)
@@ -134,11 +137,11 @@ def left_out_passes() -> list[list[str]]:
 
 
 def published_text(of: published.Published) -> str:
-    """What the published experiment gave, in words."""
+    """Return the results of the published experiment as Markdown."""
     distance, weight = 1e3 * np.median(of.distances, axis=0), 100 * np.median(of.contributions, axis=0)
     count, moved = published.POINTS, ", ".join(map(str, of.changes))
     return f"""As in Energies 2021, 14, 291: 10 samples and 4 mm a turn, 8 neighbours of a window of 100 samples, twice
-the arc, {count} points. The samples are not those of the paper but of an oval, rough hole of 11 cm.
+the arc, {count} points. The samples are not those of the paper but of an oval, rough hole of 11 cm radius.
 
 - The nearest of the 8 neighbours lies {distance[0]:.1f} mm away in the median and has {weight[0]:.0f} % of the weight,
   the farthest {distance[-1]:.0f} mm and {weight[-1]:.0f} %.
@@ -146,12 +149,12 @@ the arc, {count} points. The samples are not those of the paper but of an oval, 
 
 
 def table(head: list[str], rows: list[list[str]]) -> str:
-    """A table in Markdown."""
+    """Return a table in Markdown."""
     return "\n".join(f"| {' | '.join(row)} |" for row in (head, ["---"] * len(head), *rows))
 
 
 def page(cases: list[Case], missing: list[str], redone: published.Published) -> str:
-    """The page of the evidence."""
+    """Return the page docs/evidence.md; ``missing`` are libraries that are not installed."""
     usual = [case for case in cases if case.noise == 5e-4]
     names = list(dict.fromkeys(name for case in cases for name in case.errors if name != "default"))
     by_tool = [
@@ -233,7 +236,7 @@ sampled) do not count: with four arms that is all between the arms. All cases of
 
 
 def draw(cases: list[Case], file: Path) -> None:
-    """Draw tuned over default for each case."""
+    """Draw the error of the tuned wall over that of the default for each case with 0.5 mm of noise."""
     import matplotlib.pyplot as plt
 
     tools = (*ROTATING, *OTHERS)
@@ -252,7 +255,7 @@ def draw(cases: list[Case], file: Path) -> None:
 
 
 def main(*seeds: int, docs: Path = DOCS) -> None:
-    """Run every case and write the page."""
+    """Run every case, and write the page and its figures to ``docs``."""
     work = [(kind, tool, 5e-4, seed) for seed in seeds for kind in HOLES for tool in (*ROTATING, *OTHERS)]
     work += [(kind, "32 a turn", noise, seeds[0]) for kind in HOLES for noise in (1e-4, 2e-3)]
     work += [(kind, tool, 1e-4, seeds[0]) for kind in HOLES for tool in ("64 a turn", "16 a turn")]

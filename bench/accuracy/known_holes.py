@@ -1,4 +1,4 @@
-"""Holes and tools of known truth for the evidence: five shapes of hole, six ways to sample them, all seeded."""
+"""Holes whose true shape is known, for the evidence: five shapes, and six ways to sample them, all seeded."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ OTHERS = ("four arms", "stick-slip", "telemetry")
 
 
 class Hole:
-    """The true radius (m) of one hole at depths (m) and toolfaces (deg)."""
+    """A hole of a kind; `radius` is its true radius (m) at depths (m) and toolfaces (deg)."""
 
     def __init__(self, kind: str, seed: int) -> None:
         rng = np.random.default_rng([seed, 1])
@@ -45,7 +45,7 @@ class Hole:
         return radius
 
     def at_ledge(self, depth: Floats, toolface: Floats) -> np.ndarray:
-        """Where the radius changes by more than 2 mm within 10 cm of depth."""
+        """Return where the radius changes by more than 2 mm from 5 cm above to 5 cm below, (n,) bool."""
         change = self.radius(depth + 0.05, toolface) - self.radius(depth - 0.05, toolface)
         return np.asarray(np.abs(change) > 0.002)
 
@@ -62,7 +62,7 @@ def _rough(waves: Floats, depth: Floats, toolface: Floats) -> Floats:
 
 
 def positions(tool: str, seed: int) -> tuple[Floats, Floats]:
-    """Depths and toolfaces that a tool samples."""
+    """Return the depths (m) and toolfaces (deg) at which a tool samples a hole."""
     rng = np.random.default_rng([seed, 2])
     if tool in ROTATING:
         per_turn = int(tool.split()[0])
@@ -82,7 +82,7 @@ def positions(tool: str, seed: int) -> tuple[Floats, Floats]:
 
 
 def measured(kind: str, tool: str, noise: float, seed: int) -> tuple[Hole, hb.Caliper]:
-    """A hole, and the samples of a tool in it."""
+    """Return a hole, and the samples that a tool takes of it."""
     hole = Hole(kind, seed)
     depth, toolface = positions(tool, seed)
     radius = hole.radius(depth, toolface) + np.random.default_rng([seed, 3]).normal(0, noise, depth.size)

@@ -1,25 +1,25 @@
 """How well passes of a real caliper predict each other: ``python -m bench.accuracy.leave_one_pass_out [FILE]``.
 
 Volve F-12, 2010: an X-Y caliper that went ten times over 3080 to 3240 m of cased hole at 53 deg. One pass is left out,
-the wall is built from the others, and each sample of the pass is predicted by the wall at its depth and toolface. Side
-by side, the median of |predicted - measured| in mm of radius over the samples of the pass, then its mean:
+the wall is built from the others, and the wall predicts each sample of the pass at its depth and toolface. The
+benchmark prints the median, then the mean, of |predicted - measured| over the samples of the pass, in mm of radius, for
 
     others        a constant known beforehand: the mean of the other passes
-    own, best     constants that know the answer: the pass's own median, and that of all constants which scores best
-    raw           the wall, samples as they are in the file
-    shift         depth shifts found by correlation
-    bias          and the bias of each pass and each arm, found from the overlap
-    sides         the same with each arm's bias by the side of the hole it lies on (the arms sag)
+    own, best     constants that know the answer: the pass's own median, and the constant with the least median error
+    raw           the wall from the samples as they are in the file
+    shift         the wall after depth shifts, found by correlation
+    bias          also without the bias of each pass and each arm, found from the overlap
+    sides         the same, with each arm's bias by the side of the hole on which it lies (the arms sag)
 
-Nine of the ten passes ride in the hole with nearly one bearing (-22 to 67 deg), where the sag of an arm and the shape
-of the hole are one and the same. Pass 26 alone turned all around: for most of its bearings the wall of the others holds
-another sag, by up to 1 mm, and one wall for both arms cannot be right for either. Without a bias by side it loses by
-the median to the mean of the others, which lies on one of the file's steps, though not by the mean nor to its own
-median. Only a bias by side takes the sag out of the wall.
+Nine of the ten passes have nearly one bearing in the hole (-22 to 67 deg), so that the sag of an arm and the shape of
+the hole cannot be told apart. Only pass 26 turned all around. For most of its bearings the wall of the others has
+another sag, by up to 1 mm, and one wall for both arms cannot be right for either. Without a bias by side, pass 26 is
+predicted worse, by the median, than by the mean of the others, which lies on one of the file's steps; but not worse by
+the mean, and not worse than by its own median. Only a bias by side takes the sag out of the wall.
 
-Shifts and biases of the pass left out come from blocks of 10 m of it; it is scored in the blocks between, and the other
-way round: no sample predicts itself. One step of the file, 0.03 in of diameter, is 0.38 mm of radius. Exit code 1 if
-``sides`` loses to any of the constants on any pass or exceeds 0.108 mm on average.
+Shifts and biases of the left-out pass come from every second block of 10 m, and the pass is scored in the others; then
+the other way round. So no sample predicts itself. One step of the file, 0.03 in of diameter, is 0.38 mm of radius. The
+exit code is 1 if ``sides`` loses to any constant on any pass, or exceeds 0.108 mm on average.
 """
 
 from __future__ import annotations
@@ -58,14 +58,14 @@ def read(path: Path):
 
 
 def predict(depth, toolface, radius, train, test):
-    """The wall of the training samples at the test samples."""
+    """Return the radii, metres, that the wall of the samples ``train`` has at the samples ``test``."""
     caliper = hb.Caliper(depth[train], toolface[train], radius[train])
     wall = hb.reconstruct(caliper, bit_diameter=2 * float(np.median(radius)), sectors=32, pitch=0.1)
     return evaluate(wall, depth[test], toolface[test])
 
 
 def level_of(bias, passes, classes):
-    """Bias of every sample; a side on which no other sample of its arm lies, anywhere, has none of its own."""
+    """Return the bias of every sample; on a side without other samples of its arm, that of its pass alone."""
     known = np.isin(classes, bias.arms)
     level = np.nan_to_num(bias.by_pass)[np.searchsorted(bias.passes, passes)]
     level[known] = bias.at(passes[known], classes[known])
@@ -73,7 +73,7 @@ def level_of(bias, passes, classes):
 
 
 def score(depth, toolface, radius, passes, classes, left_out):
-    """Errors of the predictions of one pass, mm, (2 + len(classes), n)."""
+    """Return the errors of the predictions of one pass, (2 + len(classes), n), NaN at samples of other passes."""
     mine = passes == left_out
     errors = np.full((2 + len(classes), depth.size), np.nan)
     errors[0, mine] = predict(depth, toolface, radius, ~mine, mine) - radius[mine]

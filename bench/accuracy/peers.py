@@ -1,9 +1,9 @@
-"""Other methods on the unrolled wall, continued by a third of a turn on both sides; those not installed are named.
+"""Other methods to rebuild a wall, on the unrolled wall, which is continued by a third of a turn on both sides.
 
-IDW on a tree, Delaunay, thin plate     SciPy
+IDW on a tree, Delaunay, thin plate     by SciPy
 natural neighbour                       Sibson's, on a raster (Park and others, 2006), with SciPy's tree
-contours                                linear around each turn of samples and between turns: parallel contours
-kriging by PyKrige                       ordinary kriging of the 16 nearest
+contours                                parallel contours: linear around each turn of samples, and between turns
+PyKrige                                 ordinary kriging of the 16 nearest
 """
 
 from __future__ import annotations
@@ -22,7 +22,10 @@ RASTER = 0.004  # metres
 
 
 def methods(*, slow: bool) -> tuple[dict[str, Method], list[str]]:
-    """The methods that are installed, with the slow ones or without, and the libraries that are not."""
+    """Return the methods whose libraries are installed, by name, and the libraries that are not installed.
+
+    With ``slow``, methods that take long are included.
+    """
     needed: dict[str, tuple[str, Method]] = {
         "IDW on a tree": ("scipy", tree),
         "Delaunay": ("scipy", delaunay),
@@ -37,12 +40,15 @@ def methods(*, slow: bool) -> tuple[dict[str, Method], list[str]]:
 
 
 def plane(depth: Floats, toolface: Floats) -> Floats:
-    """Points on the unrolled wall, metres."""
+    """Return points on the unrolled wall, (n, 2) metres: along the circle of the bit, and depth."""
     return np.column_stack([np.radians(toolface) * BIT / 2, depth])
 
 
 def unrolled(caliper: hb.Caliper) -> tuple[Floats, Floats]:
-    """Samples from -120 to 480 degrees; equal positions would leave a triangulation or a spline without a solution."""
+    """Return points and radii of the samples, continued from -120 to 480 degrees.
+
+    Points are moved at random by some 0.1 um, because a triangulation or a spline fails if two are equal.
+    """
     turns = [(caliper.toolface % 360.0) + turn for turn in (-360.0, 0.0, 360.0)]
     keep = [(turn > -120) & (turn < 480) for turn in turns]
     points = [plane(caliper.depth[some], turn[some]) for turn, some in zip(turns, keep, strict=True)]
@@ -73,7 +79,7 @@ def thin_plate(caliper: hb.Caliper, depth: Floats, toolface: Floats) -> Floats:
 
 
 def natural_neighbour(caliper: hb.Caliper, depth: Floats, toolface: Floats) -> Floats:
-    """Each cell of a raster gives its nearest sample's radius to all points as near to it as that sample."""
+    """Return radii at points; each cell of a raster gives its nearest sample's radius to all points as near."""
     from scipy.spatial import cKDTree
 
     points, radius = unrolled(caliper)
@@ -94,7 +100,7 @@ def natural_neighbour(caliper: hb.Caliper, depth: Floats, toolface: Floats) -> F
 
 
 def contours(caliper: hb.Caliper, depth: Floats, toolface: Floats) -> Floats:
-    """A contour is one turn of samples, flat at its mean depth."""
+    """Return radii at points, linear between contours; a contour is one turn of samples, at its mean depth."""
     turned = np.cumsum((np.diff(caliper.toolface, prepend=caliper.toolface[0]) + 180.0) % 360.0 - 180.0)
     turn = np.floor(turned / 360.0).astype(np.int64)
     numbers = np.unique(turn)
@@ -111,7 +117,10 @@ def contours(caliper: hb.Caliper, depth: Floats, toolface: Floats) -> Floats:
 
 
 def by_pykrige(caliper: hb.Caliper, depth: Floats, toolface: Floats) -> Floats:
-    """Each half metre from the samples up to 0.1 m above and below it: PyKrige keeps all distances in memory."""
+    """Return radii at points by kriging half a metre at a time, as PyKrige keeps all distances in memory.
+
+    The samples of a half metre are those in it, and up to 0.1 m above and below.
+    """
     from pykrige.ok import OrdinaryKriging
 
     points, radius = unrolled(caliper)

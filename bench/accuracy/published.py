@@ -1,7 +1,7 @@
-"""The published experiment (Energies 2021, 14, 291, section 4.2) with its parameters, on a hole of known truth.
+"""The published experiment (Energies 2021, 14, 291, section 4.2) with its parameters, on a hole of known shape.
 
-10 samples and 4 mm a turn, 8 neighbours of a window of 100 samples, twice the arc, weights 1 / distance, 390 points.
-The paper's own measurements are not public: a hole of 11 cm, oval and rough, takes their place.
+It has 10 samples and 4 mm a turn, 8 neighbours of a window of 100 samples, twice the arc, weights 1 / distance, and 390
+points. The measurements of the paper are not public; a hole of 11 cm radius, oval and rough, takes their place.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ CHANGED = 1e-5  # metres
 
 
 class Published(NamedTuple):
-    """Distances (m) and contributions of the neighbours by rank, radii by iteration, and similarities."""
+    """Distances (m) and weights of the neighbours by rank, how many points iterations change, and similarities (%)."""
 
     distances: Floats  # (390, 8)
-    contributions: Floats  # (390, 8)
+    contributions: Floats  # (390, 8), each row sums to 1
     changes: list[int]  # points that change by more than 0.01 mm after estimate 1, 2, 3
     similarity: dict[str, float]
 
@@ -72,7 +72,7 @@ def experiment(seed: int) -> Published:
 
 
 def draw(of: Published, file: Path) -> None:
-    """Draw distances and contributions by rank."""
+    """Draw distances and weights of the neighbours by rank."""
     import matplotlib.pyplot as plt
 
     figure, axes = plt.subplots(1, 2, figsize=(8, 3), layout="constrained")

@@ -2,9 +2,9 @@
 
     python -m bench.accuracy.televiewer ../shared/data/calipers
 
-Prints a line a pick: the dark lobe found there, how far azimuth and opening are off, and how much larger than gauge the
-hole is; then what was found that nobody picked, and how little the answer depends on the criteria. `docs/televiewer.md`
-explains the table. It is a comparison, not a timing.
+The command prints a line for each pick: the dark lobe found there, its azimuth less that of the pick, its opening, and
+how much the hole is over gauge. Then it prints how many breakouts were found that nobody picked, and how little the
+counts depend on the criteria. `docs/televiewer.md` explains the table.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from helibore.images.image_breakouts import DarkLobe, ImageBreakout, ImageBreako
 from helibore.logs.zone_criteria import Criteria
 
 BREAKOUT = "1"
-"""The type of the picks that come in opposite pairs; 0 and 2, four of fourteen, do not. The types have no key."""
+"""The type of the picks in opposite pairs. Four of fourteen picks are of types 0 and 2; no file explains the types."""
 NEAR = 20.0
-"""Degrees between a pick and a lobe that may be the same."""
+"""Most degrees between a pick and a lobe that count as the same."""
 GAUGE = 0.104
-"""Diameter of the hole where nothing broke out, metres: the mean caliper reads 104.04 mm at the top."""
+"""Diameter of the hole without breakouts, metres; at the top the mean caliper reads 104.04 mm."""
 
 
 @dataclass(frozen=True)
 class Pick:
-    """One side as the geologist saw it: depth of its middle and length (m), azimuth and opening (degrees)."""
+    """One side of a feature as the geologist saw it: depth of its middle, length (m), azimuth, opening (deg), type."""
 
     depth: float
     azimuth: float
@@ -41,13 +41,13 @@ class Pick:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Top and bottom."""
+        """Top and bottom, metres."""
         return self.depth - self.length / 2, self.depth + self.length / 2
 
 
 @dataclass(frozen=True)
 class Match:
-    """A pick and the lobe found there, None where there is none."""
+    """A pick, and the breakout and its lobe that were found there, or None and None."""
 
     pick: Pick
     zone: ImageBreakout | None
@@ -60,7 +60,7 @@ class Match:
 
 
 def read_picks(folder: Path) -> list[Pick]:
-    """Read the picks."""
+    """Read the geologist's picks from ``folder``."""
     with (folder / "breakout_picks.csv").open() as file:
         return [
             Pick(*(float(row[of]) for of in ("depth_m", "azimuth_deg", "opening_deg", "length_m")), row["type"])
@@ -69,7 +69,7 @@ def read_picks(folder: Path) -> list[Pick]:
 
 
 def read_wall(folder: Path) -> hb.Wall:
-    """Return the hole with its image: round, as large as the mean caliper, since no travel time gives it a shape."""
+    """Return a round wall, as large as the mean caliper, with the image; there is no travel time to give it a shape."""
     size = np.genfromtxt(folder / "caliper_max_ave.csv", delimiter=",", names=True)
     round_hole = hb.Caliper.from_average(size["depth_m"], size["cal_ave_diameter_mm"] / 1000)
     wall = hb.reconstruct(round_hole, bit_diameter=GAUGE, sectors=144, pitch=0.02)
@@ -80,7 +80,7 @@ def read_wall(folder: Path) -> hb.Wall:
 
 
 def match(picks: list[Pick], found: ImageBreakouts) -> list[Match]:
-    """Give each pick the nearest lobe of the breakouts that share depths with it, if one is near."""
+    """Return for each pick the nearest lobe of the breakouts at its depths, if that is within `NEAR` degrees."""
     matches = []
     for pick in picks:
         near = [Match(pick, zone, lobe) for zone in found.zones if _meet(zone, pick) for lobe in zone.lobes]
@@ -90,7 +90,7 @@ def match(picks: list[Pick], found: ImageBreakouts) -> list[Match]:
 
 
 def false_ones(found: ImageBreakouts, picks: list[Pick]) -> list[ImageBreakout]:
-    """Return breakouts none of whose lobes is near a picked breakout that shares depths with them."""
+    """Return the breakouts found of which no lobe is within `NEAR` degrees of a picked breakout at the same depths."""
     broken = [pick for pick in picks if pick.kind == BREAKOUT]
     return [
         zone
@@ -118,7 +118,7 @@ def enlargements(folder: Path, picks: list[Pick]) -> list[tuple[float, float]]:
 
 
 def sensitivity(image: hb.SectorImage, picks: list[Pick]) -> list[tuple[int, int, int]]:
-    """Return picked breakouts found, others found, and false ones, for criteria around the defaults."""
+    """Return, for criteria around the defaults, how many picked breakouts, other picks and false ones are found."""
     counts = []
     for dark, opening, join in itertools.product((0.5, 0.6, 0.7), (7.5, 10.0, 12.5), (0.0, 0.02, 0.05)):
         found = image.breakouts(ImageCriteria(dark=dark, least_opening=opening, join=join))
@@ -129,7 +129,7 @@ def sensitivity(image: hb.SectorImage, picks: list[Pick]) -> list[tuple[int, int
 
 
 def main(folder: Path) -> int:
-    """Print the comparison."""
+    """Print the comparison of picks and breakouts; return the exit code, 0."""
     picks, wall = read_picks(folder), read_wall(folder)
     image = wall.images["Amplitude"]
     found = image.breakouts()
