@@ -114,7 +114,7 @@ def _unit(toolface: Floats) -> Floats:
 
 
 def left_out_passes() -> list[list[str]]:
-    """Return a row for each pass of the F-12 caliper, predicted from the others: mean and rms error, mm; and their means.
+    """Return a row for each pass of the F-12 caliper, predicted from the others: mean and rms error, mm; last, means.
 
     Columns are by the default settings, then by tuned ones; [] without the file.
     """

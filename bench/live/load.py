@@ -1,11 +1,11 @@
 """The live wall under load over loopback, journal on: ``python -m bench.live.load --minutes 10 [--page or --reader]``.
 
 A child process sends 2,000 triples/s in frames of 30 and 4,000 other items/s in frames of 40 while the hole gets 100 m
-deeper. Told at the end: triples lost, time from a packet's arrival to its changed vertices, share of a core, memory.
-The wall that grew is compared with the batch reconstruction of its samples before anything is printed.
-``--page`` shows the wall in Debian's chromium and reports when the page had each vertex, and when it was drawn. That
-browser draws with the processor, when nothing else wants it, a picture of 683 by 384: at a rig a graphics card draws,
-most often of another computer. ``--reader`` leaves the drawing out: a process takes what such a page takes.
+deeper. At the end the wall is compared with the batch reconstruction of its samples. Then the benchmark prints triples
+lost, the time from a packet's arrival to its changed vertices, the share of a core, and memory. ``--page`` shows the
+wall in Debian's chromium, and prints when the page had and drew each vertex. That browser draws a picture of 683 by 384
+with the processor, in idle time only; at a rig a graphics card draws, mostly that of another computer. ``--reader``
+leaves the drawing out: a process takes what such a page takes.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ caliper = {{ first = "5010", groups = 30, order = ["toolface", "depth", "radius"
 """
 
 
-# Notes when the page has more vertices than before, and when a picture of them is finished: [ms since 1970, number].
+# Notes when the page has more vertices than before, and when it has drawn them: [ms since 1970, number of vertices].
 RECORDER = """() => {
   const seen = (window.seen = { taken: [], drawn: [] });
   let waiting = null;  // [number, frames before, fence or null]
@@ -74,7 +74,7 @@ RECORDER = """() => {
 
 
 def watch(url: str, stop: Event, seen: multiprocessing.Queue[dict[str, Any]]) -> None:
-    """A driller's page, open until ``stop``."""
+    """Open the page in a browser until ``stop``; put the times that the page had and drew vertices into ``seen``."""
     from playwright.sync_api import sync_playwright
     from screen import FLAGS
 
@@ -90,7 +90,7 @@ def watch(url: str, stop: Event, seen: multiprocessing.Queue[dict[str, Any]]) ->
 
 
 def read(url: str, stop: Event, seen: multiprocessing.Queue[dict[str, Any]]) -> None:
-    """A page that takes all and draws nothing, until ``stop``."""
+    """Take all that a page takes until ``stop``, and draw nothing; put the times of new vertices into ``seen``."""
     from page_protocol import unpack
     from websockets.asyncio.client import connect
 
@@ -119,7 +119,7 @@ def read(url: str, stop: Event, seen: multiprocessing.Queue[dict[str, Any]]) -> 
 
 
 def send(port: int, seconds: float, triples: int, items: int, counts: multiprocessing.Queue[int]) -> None:
-    """The rig: a tick every 10 ms, late ticks are caught up."""
+    """Send frames as a rig, every 10 ms those that are due; put the number of triples sent into ``counts``."""
     draw = np.random.default_rng(1)
     step = 100.0 / (triples * max(seconds, 60.0))
     link = socket.create_connection(("127.0.0.1", port))
@@ -147,13 +147,13 @@ def send(port: int, seconds: float, triples: int, items: int, counts: multiproce
 
 
 def memory() -> float:
-    """Resident MB now."""
+    """Return the resident memory of this process, MB."""
     with open("/proc/self/statm") as file:  # noqa: PTH123
         return int(file.read().split()[1]) * resource.getpagesize() / 1e6
 
 
 def main() -> None:
-    """Run the load."""
+    """Send the load to a live wall, compare the wall, and print the figures."""
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--minutes", type=float, default=1.0)
     options.add_argument("--triples", type=int, default=2000)
@@ -218,7 +218,7 @@ def main() -> None:
         if window:
             known, size = np.array(reported).T
             for name, of in pages.items():
-                first = np.searchsorted(of[:, 1], size)  # the first with all vertices of that moment
+                first = np.searchsorted(of[:, 1], size)  # the first report of the page with all vertices of that time
                 inside = (size >= of[0, 1]) & (first < len(of))
                 delay = of[first[inside], 0] - 1e3 * known[inside]
                 half, most = np.quantile(delay, [0.5, 0.99])

@@ -1,11 +1,11 @@
 """Thirty days at a rig, as fast as they can be read: ``python -m bench.live.month --days 30``.
 
-Each second brings a rig frame of 34 items and a caliper triple, each tenth an image row of 16 sectors. The tool drills
-half of the time and turns off bottom, at one depth, for the rest. For the last --reamed days (a third) the hole gets no
-deeper, and the string reams the last 10 m instead: memory must not grow then. Segments older than a week are archived,
-as with ``keep_days = 7``. Each day's line shows depth, resident memory, journal, archive and checkpoints. At the end a
-new process restarts from the checkpoint, and its wall is compared with a replay of the whole journal, bit for bit,
-unless --no-replay says so.
+Each second brings a rig frame of 34 items and a caliper frame, each tenth second an image row of 16 sectors. The tool
+drills half of the time and turns off bottom, at one depth, for the rest. In the last --reamed days (a third of all) the
+hole gets no deeper, and the string reams its lowest 10 m; memory must not grow then. Segments older than a week are
+archived, as with ``keep_days = 7``. Each day's line shows depth, resident memory, journal, archive and checkpoints. At
+the end a new process restarts from the checkpoint, and its wall is compared with the live wall, bit for bit; so is,
+without --no-replay, a replay of the whole journal.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ RATE = 100 / (DAY / 2)
 
 
 def restart(folder: str) -> None:
-    """Open the journal, and print seconds, resident memory and a checksum of the wall."""
+    """Open the journal in ``folder``; print as JSON the seconds it took, resident memory and a checksum of the wall."""
     began = time.perf_counter()
     with Live(parse(CONFIGURATION), folder) as live:
         seconds = time.perf_counter() - began
@@ -62,7 +62,7 @@ def restart(folder: str) -> None:
 
 
 def checksum(live: Live) -> int:
-    """Return a checksum of all vertices and samples."""
+    """Return a checksum of all vertices and samples of a live wall."""
     found = 0
     for values in (live.wall.radius, live.wall.nearest, *live.wall._state().sample_columns):
         found = _core.crc32c(values.data, found)
@@ -75,7 +75,7 @@ def resident() -> float:
 
 
 def main() -> None:
-    """Play, print each day, restart, compare."""
+    """Play the days and print a line for each; then restart, replay and compare the walls."""
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--days", type=int, default=30)
     options.add_argument("--reamed", type=int, help="days of reaming at the end")

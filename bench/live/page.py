@@ -1,10 +1,10 @@
-"""Measures the live viewer in a real browser: first picture, append to pixels, panning, bytes, memory, many clients.
+"""Measure the live viewer in a real browser: first picture, append to pixels, panning, bytes, memory, many clients.
 
     python -m bench.live.page [--quads 1000000] [--appends 9] [--clients 10] [--hidden 60] [--exports]
 
-Needs Debian's chromium and playwright; the browser draws with software GL, as a weak rig's would. The wall's values
-are those of tests/python/made_wall.py, checked against the page's read-back before anything is timed. Prints one
-line a figure, and the machine's load before and after: on a busy machine every time here grows with it.
+This needs Debian's chromium and playwright; the browser draws with software GL, as a weak computer at a rig would. The
+wall is that of tests/python/made_wall.py, and the page is checked to hold its values before anything is timed. The
+command prints one line for each figure, and the machine's load before and after, which makes every time longer.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from screen import FLAGS
 import helibore as hb
 from helibore.viewer import Viewer
 
-# Pans by a hundredth of the section a frame: the milliseconds that the page's own script takes of each frame.
+# Pans by a hundredth of the section in each frame; returns the milliseconds that the page's own script takes of each.
 PAN = """(frames) => new Promise((done) => {
   const { app } = window.__wall;
   const times = [];
@@ -82,7 +82,7 @@ def load() -> str:
 
 
 def memory(root: int) -> float:
-    """Proportional memory of a process and all its children, MB."""
+    """Return the proportional memory (PSS) of a process and all its descendants, MB."""
     parents: dict[int, list[int]] = {}
     for entry in Path("/proc").iterdir():
         if entry.name.isdigit():
@@ -145,7 +145,7 @@ def in_the_browser(quads: int, appends: int) -> None:
 
 
 def visit_all(page: Any, wall: MadeWall) -> None:
-    """Look at thirty sections from end to end, so that tiles come and go."""
+    """Show thirty sections of the wall from end to end, so that tiles are loaded and dropped."""
     for depth in np.linspace(wall.depth[0], wall.depth[-1], 30):
         page.evaluate(f"window.__wall.app.view.centre({depth}, window.__wall.app.store)")
         time.sleep(0.15)
@@ -165,7 +165,7 @@ def measure_panning(page: Any) -> None:
 
 
 def measure_hover(page: Any) -> None:
-    """Move the pointer along the image, once the page rests."""
+    """Move the pointer along the image of a page at rest, and print what the page draws for that."""
     time.sleep(3)
     image = page.evaluate("window.__wall.app.rects.image")
     stage = page.evaluate("document.getElementById('stage').getBoundingClientRect().toJSON()")
@@ -196,7 +196,7 @@ def measure_appends(page: Any, wall: MadeWall, viewer: Viewer, appends: int) -> 
 
 
 def browser_process() -> int:
-    """The chromium that playwright started: the youngest one below this process."""
+    """Return the process of the chromium that playwright started: the youngest that descends from this process."""
     found = []
     for entry in Path("/proc").iterdir():
         if entry.name.isdigit():
@@ -210,7 +210,7 @@ def browser_process() -> int:
 
 
 def ancestors(process: int) -> list[int]:
-    """Parents of a process, and theirs; none of one that has ended."""
+    """Return the processes from which a process descends; [] if it has ended."""
     found = []
     while process > 1:
         try:
@@ -223,7 +223,7 @@ def ancestors(process: int) -> list[int]:
 
 
 def hidden(seconds: int) -> None:
-    """A page behind another tab for a while under 1,000 quads a second: how it catches up when it is looked at."""
+    """Print how a page catches up when it is shown again, after ``seconds`` behind another tab at 1,000 quads/s."""
     from tabs import Tabs, until
 
     wall = MadeWall(40_000)
@@ -250,7 +250,7 @@ def hidden(seconds: int) -> None:
 
 
 def many_clients(count: int, rounds: int = 3) -> None:
-    """The producer's append with no page, and with `count` of which one never reads, in turn: p99, ms; memory, MB."""
+    """Print time and memory of appends without a page, and, in turn, with ``count`` pages, of which one never reads."""
     found: dict[int, list[tuple[float, float, float]]] = {0: [], count: []}
     for _ in range(rounds):
         for pages, figures in found.items():
@@ -264,7 +264,7 @@ def many_clients(count: int, rounds: int = 3) -> None:
 
 
 def with_clients(pages: int) -> tuple[float, float, float]:
-    """Append 300 times with so many readers: p50 and p99 in ms, and what this process grew by in MB."""
+    """Append 300 times with so many pages; return p50 and p99 in ms, and by how many MB this process grew."""
     wall = hb.Wall(bit_diameter=BIT, start_depth=1000.0)
     rng = np.random.default_rng(1)
     wall.append(*samples(rng, 0))
@@ -284,7 +284,7 @@ def with_clients(pages: int) -> tuple[float, float, float]:
 
 
 def while_saving(rounds: int = 3) -> None:
-    """The producer's append alone and while exports of 500 m are fetched without a pause, in turn: p50, p99, ms."""
+    """Print the time of appends alone and, in turn, while exports of 500 m are fetched without a pause."""
     found: dict[bool, list[tuple[float, float, float]]] = {False: [], True: []}
     for _ in range(rounds):
         for fetching, figures in found.items():
@@ -297,7 +297,7 @@ def while_saving(rounds: int = 3) -> None:
 
 
 def with_exports(fetching: bool) -> tuple[float, float, float]:
-    """Append 300 times below 500 m of wall: p50 and p99 in ms, and how many exports were made meanwhile."""
+    """Append 300 times below 500 m of wall; return p50 and p99 in ms, and how many exports were made meanwhile."""
     wall = hb.Wall(bit_diameter=BIT, start_depth=500.0)
     rng = np.random.default_rng(1)
     wall.append(500 + np.sort(rng.uniform(0, 500, 300_000)), rng.uniform(0, 360, 300_000), np.full(300_000, 0.11))
@@ -316,7 +316,7 @@ def with_exports(fetching: bool) -> tuple[float, float, float]:
 
 
 def fetch(url: str, stop: Any, started: Any, made: Any) -> None:
-    """Fetch exports until asked to stop."""
+    """Fetch exports until ``stop``; count them in ``made``."""
     import urllib.request
 
     while not stop.is_set():
@@ -327,7 +327,7 @@ def fetch(url: str, stop: Any, started: Any, made: Any) -> None:
 
 
 def append_steadily(wall: hb.Wall, viewer: Viewer, rng: np.random.Generator) -> list[float]:
-    """Append 300 times, fifty a second at most; the seconds each took."""
+    """Append 300 times, fifty a second at most; return the seconds that each append took."""
     times = []
     for step in range(1, 301):
         batch = samples(rng, step)
@@ -340,7 +340,7 @@ def append_steadily(wall: hb.Wall, viewer: Viewer, rng: np.random.Generator) -> 
 
 
 def own_memory() -> float:
-    """Proportional memory of this process alone, MB."""
+    """Return the proportional memory (PSS) of this process alone, MB."""
     rollup = Path("/proc/self/smaps_rollup").read_text()
     return int(rollup.split("\nPss:", 1)[1].split()[0]) / 1024
 
@@ -351,12 +351,12 @@ def samples(rng: np.random.Generator, step: int) -> tuple[np.ndarray, np.ndarray
 
 
 def read(url: str, pages: int, stop: Any, started: Any) -> None:
-    """Be `pages` readers, in a process of their own."""
+    """Run `read_all`, in a process of its own."""
     asyncio.run(read_all(url, pages, stop, started))
 
 
 async def read_all(url: str, pages: int, stop: Any, started: Any) -> None:
-    """Connect `pages` readers; the first one never reads again after it has subscribed."""
+    """Read as so many ``pages`` until ``stop``; the first of them reads nothing after it has subscribed."""
     from websockets.asyncio.client import connect
 
     async def reader(stalls: bool) -> None:
@@ -387,7 +387,7 @@ def main() -> None:
     parser.add_argument("--appends", type=int, default=9)
     parser.add_argument("--clients", type=int, default=10)
     parser.add_argument("--hidden", type=int, default=60, help="seconds that a page is hidden; 0: not measured")
-    parser.add_argument("--exports", action="store_true", help="measure appends while exports are made, too")
+    parser.add_argument("--exports", action="store_true", help="also measure appends while exports are made")
     options = parser.parse_args()
     print(f"load {load()}, {os.cpu_count()} cores, {options.quads:,} quads")
     in_the_browser(options.quads, options.appends)

@@ -1,8 +1,8 @@
 """How fast a journal is replayed into a wall: ``python -m bench.live.replay --triples 10000000``.
 
-The journal is written as it would be live, packets of up to 1,400 bytes. The wall that was replayed is compared with
-the batch reconstruction of its samples, bit for bit, before anything is printed: then each quarter's rate, so that
-what grows with the journal shows.
+The journal is written as it would be live, one record for each frame of 30 triples. Before anything is printed, the
+replayed wall is compared with the batch reconstruction of its samples, bit for bit. The rate of each quarter shows a
+cost that grows with the journal.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ caliper = { first = "5010", groups = 30, order = ["toolface", "depth", "radius"]
 
 
 def main() -> None:
-    """Write, then replay."""
+    """Write a journal, replay it, compare the walls, and print the rates."""
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--triples", type=int, default=1_000_000)
     count = options.parse_args().triples // 30 * 30

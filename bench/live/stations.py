@@ -1,6 +1,6 @@
-"""Survey stations one by one through `hb.Live`, with and without a journal: ``python -m bench.live.stations``.
+"""Append survey stations one by one to `hb.Live`, with and without a journal: ``python -m bench.live.stations``.
 
-Prints processor seconds for 10,000 stations, after the path is compared with that of the whole survey.
+The command prints the processor seconds for 10,000 stations, after it has compared the path with that of all stations.
 """
 
 from __future__ import annotations
@@ -29,13 +29,13 @@ COUNT = 10_000
 
 @contextmanager
 def opened(journal: bool) -> Iterator[hb.Live]:
-    """Open a live wall."""
+    """Yield an open live wall, with or without a journal."""
     with tempfile.TemporaryDirectory() as folder, hb.Live(parse(CONFIGURATION), folder if journal else None) as live:
         yield live
 
 
 def main() -> None:
-    """Push, compare, print."""
+    """Append the stations, compare the path, and print the time."""
     depth, draw = np.arange(COUNT) * 1.0, np.random.default_rng(1)
     inclination, azimuth = draw.uniform(0, 90, COUNT), draw.uniform(0, 360, COUNT)
     columns = [column.reshape(-1, 1).tolist() for column in (depth, inclination, azimuth)]

@@ -1,6 +1,6 @@
-"""How fast the WITS parser reads, one core, in MB/s of processor time: ``python -m bench.live.wits``.
+"""How fast the WITS parser reads, MB in a second of processor time: ``python -m bench.live.wits``.
 
-The answer is checked before the clock starts. Two streams: rig frames of 40 items, and caliper frames of 30 triples.
+There are two streams: rig frames of 40 items, and caliper frames of 30 triples. The number of items is checked first.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Live use: appends of 1,000 samples at the end of a hole, however long it is, and a whole hole streamed that way."""
+"""Live use: the time of appends of 1,000 samples, at the end of a short and a long hole, and for a whole hole."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ BATCH = 1000
 
 
 def latency(length: float, appends: int = 1000, samples_a_metre: int = 1000) -> dict[str, Any]:
-    """Percentiles of appends at the end of a hole `length` metres long, and of what a search there takes."""
+    """Return percentiles of the time of an append at the end of a hole ``length`` metres long."""
     count = int(length * samples_a_metre)
     vertices = int((length + appends * BATCH / samples_a_metre) * SECTORS / PITCH)
     depth, toolface, radius, _ = samples(count + appends * BATCH, vertices, "as recorded")
@@ -39,7 +39,7 @@ def latency(length: float, appends: int = 1000, samples_a_metre: int = 1000) -> 
 
 
 def streaming(rounds: int = 15) -> dict[str, Any]:
-    """2.4 M samples in appends of 1,000 beside one append, on all cores and on one."""
+    """Compare 2.4 M samples in appends of 1,000 with the same samples in one append, on all cores and on one."""
     data = samples(2_400_000, 262_144, "as recorded")
 
     def stream(threads: int | None = None) -> hb.Wall:
@@ -70,6 +70,6 @@ def streaming(rounds: int = 15) -> dict[str, Any]:
 
 
 def cases() -> list[dict[str, Any]]:
-    """Latency in a short and a long hole, and streaming."""
+    """Return the results for a short and a long hole, their ratio, and streaming."""
     short, long = latency(100.0), latency(10_000.0)
     return [short, long, {"case": "p50, 10 km / 100 m", "ratio": long["p50 ms"] / short["p50 ms"]}, streaming()]

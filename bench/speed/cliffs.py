@@ -1,8 +1,8 @@
-"""Settings and shapes of data beside a k-d tree: is there one on which helibore is slow?
+"""Is there a setting or an order of samples with which helibore is slow? Compare many of them with a k-d tree.
 
-The peer is pykdtree on all cores with a vectorised NumPy estimate of the same neighbours, weighted once: one iteration
-where helibore makes up to four. Unless a case says otherwise: 1.2 M samples as recorded, 128 k vertices, 8 neighbours,
-power 1, no window. Each case runs on the instruction set in use and on AVX2.
+The peer is pykdtree on all cores, with a vectorised NumPy estimate from the same neighbours, which it weights once;
+helibore iterates up to four times. A case has, unless it says otherwise, 1.2 M samples as recorded, 128 k vertices, 8
+neighbours, power 1 and no window. Each case runs on the instruction set in use and on AVX2.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ LENGTH = (VERTICES - 1) * PITCH / SECTORS
 
 
 def hole(count: int = 1_200_000, length: float = LENGTH, seed: int = 1) -> Samples:
-    """Samples spread evenly over the wall, by depth."""
+    """Return samples spread evenly over the wall, sorted by depth."""
     random = np.random.default_rng(seed)
     depth, toolface = np.sort(random.uniform(0, length, count)), random.uniform(0, 360, count)
     return depth, toolface, _radius(depth, toolface)
@@ -36,21 +36,21 @@ def _radius(depth: Floats, toolface: Floats) -> Floats:
 
 
 def arms(count: int, angles: int) -> Samples:
-    """A tool that does not turn: all samples at so many fixed toolfaces."""
+    """Return samples of a tool that does not turn, at so many fixed toolfaces."""
     depth, toolface, _ = hole(count)
     toolface = np.floor(toolface * angles / 360) * (360 / angles) + 11.0
     return depth, toolface, _radius(depth, toolface)
 
 
 def levels(count: int, depths: int) -> Samples:
-    """A tool that turns at so many depths and measures nothing between them."""
+    """Return samples of a tool that turns at so many depths, and measures nothing between them."""
     _, toolface, _ = hole(count)
     depth = np.sort(np.floor(np.random.default_rng(3).uniform(0, depths, count))) * LENGTH / depths
     return depth, toolface, _radius(depth, toolface)
 
 
 def crowd(count: int = 1_200_000) -> Samples:
-    """Half of all samples within 5 cm."""
+    """Return samples of which half lie within 5 cm of depth."""
     depth, toolface, _ = hole(count)
     depth[::2] = LENGTH / 2 + depth[::2] / LENGTH * 0.05
     depth.sort()
@@ -76,13 +76,13 @@ CASES: dict[str, tuple[Callable[[], Samples], dict[str, Any]]] = {
 
 
 def reconstruct(data: Samples, **settings: Any) -> hb.Wall:
-    """Raw arrays to wall, on all cores."""
+    """Return the wall of some samples, rebuilt on all cores."""
     fixed = {"bit_diameter": BIT_DIAMETER, "sectors": SECTORS, "pitch": PITCH, "start_depth": 0.0, "stop_depth": LENGTH}
     return hb.reconstruct(hb.Caliper(*data), **{**fixed, **settings})
 
 
 def peer(data: Samples, wall: hb.Wall, *, neighbors: int = 8, power: float = 1.0, angular_scale: float = 1.0) -> Floats:
-    """The same estimate, once, by a k-d tree on the unrolled cylinder, whose ends are copied beyond 0 and 360."""
+    """Return radii by a k-d tree on the unrolled cylinder, weighted once; samples near 0 and 360 are doubled."""
     from pykdtree.kdtree import KDTree
 
     depth, toolface, radius = data
@@ -103,7 +103,7 @@ def peer(data: Samples, wall: hb.Wall, *, neighbors: int = 8, power: float = 1.0
 
 
 def case(name: str, rounds: int) -> dict[str, Any]:
-    """helibore beside the peer."""
+    """Return milliseconds of helibore and of the peer in the case ``name``, and their ratios."""
     make, settings = CASES[name]
     data = make()
     wall = reconstruct(data, **settings)
@@ -121,7 +121,7 @@ def case(name: str, rounds: int) -> dict[str, Any]:
     }
 
 
-# Toolfaces of so many samples while the tool turns off bottom.
+# Functions that return the toolfaces of so many samples while the tool turns off bottom.
 TOOLFACES: dict[str, Callable[[np.random.Generator, int], Floats]] = {
     "any toolface": lambda random, count: random.uniform(0, 360, count),
     "whole degrees": lambda random, count: np.floor(random.uniform(0, 360, count)),
@@ -132,7 +132,7 @@ TOOLFACES: dict[str, Callable[[np.random.Generator, int], Floats]] = {
 def turning_at_one_depth(
     toolfaces: str, samples: int = 1_200_000, appends: int = 300, batch: int = 1000
 ) -> dict[str, Any]:
-    """Appends of 1,000 while the tool turns off bottom, after so many samples at that depth, and while it drills on."""
+    """Return the time of appends while the tool turns off bottom, after so many ``samples`` there, and drills on."""
     random = np.random.default_rng(5)
     wall = hb.Wall(bit_diameter=BIT_DIAMETER, sectors=SECTORS, pitch=PITCH, start_depth=0.0)
     wall.append(*hole(100_000, 20.0))
@@ -161,5 +161,5 @@ def turning_at_one_depth(
 
 
 def cases(rounds: int = 3) -> list[dict[str, Any]]:
-    """All cases, and live appends at one depth."""
+    """Return the results of all cases, and of live appends at one depth."""
     return [*(case(name, rounds) for name in CASES), *map(turning_at_one_depth, TOOLFACES)]

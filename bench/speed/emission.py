@@ -1,9 +1,9 @@
-"""Placing vertices and emitting quads, beside copying the same bytes; saving a GLB, beside trimesh.
+"""Compare placing vertices and making quads with copying the same bytes, and saving a GLB with trimesh.
 
     python -m bench.speed.emission
 
-Each case checks the answer before it is timed, and times our work and its peer in turn in one run. The bar: emission at
-most 4 x the copy (np.copy of the vertices and of the quads, into fresh memory), all cores.
+Each case checks the result, then times helibore and its peer in turn. The bar of emission is 4 x the copy, which is
+np.copy of the vertices and of the quads into fresh memory, on all cores.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def _wall(vertices: int, length: float) -> WallLike:
 
 
 def _path(method: str = "minimum-curvature") -> hb.Path:
-    """A curved survey of 101 stations, 30 m apart, up to 3 degrees of bend a station."""
+    """Return the path of a curved survey of 101 stations, 30 m apart, with up to 3 degrees of bend at each."""
     random = np.random.default_rng(2)
     inclination = np.clip(3 + np.cumsum(random.uniform(-1, 2, 101)), 1, 90)
     azimuth = np.cumsum(random.uniform(-4, 4, 101)) % 360
@@ -41,7 +41,7 @@ def _path(method: str = "minimum-curvature") -> hb.Path:
 
 
 def _check(surface: Surface, wall: WallLike, path: hb.Path) -> None:
-    """Some vertices against the formula of the conventions, all quads against integer arithmetic."""
+    """Check some vertices against the formula of the conventions, and all quads against their vertex numbers."""
     k = np.random.default_rng(3).integers(0, len(surface.vertices), 500)
     depth = wall.start_depth + k * wall.settings.pitch / SECTORS
     toolface = np.radians(k % SECTORS * 360 / SECTORS)
@@ -54,7 +54,7 @@ def _check(surface: Surface, wall: WallLike, path: hb.Path) -> None:
 
 
 def _in_turn(works: dict[str, Callable[[], object]], rounds: int) -> dict[str, float]:
-    """The median seconds of each, one after the other in every round, results dropped between."""
+    """Return the median seconds of each work; works run one after the other in every round, and results are dropped."""
     seconds: dict[str, list[float]] = {name: [] for name in works}
     for _ in range(rounds):
         for name, work in works.items():
@@ -66,7 +66,7 @@ def _in_turn(works: dict[str, Callable[[], object]], rounds: int) -> dict[str, f
 
 
 def emission(vertices: int, method: str = "minimum-curvature", rounds: int = 11) -> dict[str, Any]:
-    """Vertices and quads of a wall on a curved survey, on all cores and on one, beside their copy."""
+    """Compare the vertices and quads of a wall on a curved survey, on all cores and on one, with their copy."""
     wall, path = _wall(vertices, 2990.0), _path(method)
     surface = surface_of(wall, path)
     _check(surface, wall, path)
@@ -85,7 +85,7 @@ def emission(vertices: int, method: str = "minimum-curvature", rounds: int = 11)
 
 
 def glb(vertices: int = 256_000 + SECTORS + 1, rounds: int = 5) -> dict[str, Any]:
-    """A surface to a GLB on disk, beside trimesh's export of the very mesh in that file, flushed likewise."""
+    """Compare saving a surface as GLB with trimesh's export of the same mesh; both are flushed to disk."""
     import trimesh
 
     surface = surface_of(_wall(vertices, 2990.0), _path())
@@ -116,7 +116,7 @@ def glb(vertices: int = 256_000 + SECTORS + 1, rounds: int = 5) -> dict[str, Any
 
 
 def cases() -> list[dict[str, Any]]:
-    """Both sizes, both methods, and a GLB."""
+    """Return the results for two sizes by two methods, and of a GLB."""
     return [
         emission(256_000),
         emission(2_500_000),

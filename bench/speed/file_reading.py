@@ -1,12 +1,13 @@
-"""How long opening field files takes, beside the libraries that read them: plain functions that return dicts.
+"""Compare the time to open field files with that of the libraries that read them.
 
     las()          P11-A-02 (7,361 rows, 52 columns, 24 of them sectors) or a file written like it, beside lasio
     table()        a CSV of samples of 100 MB (depth, toolface, radius, time), beside pyarrow's own read
     small_table()  such a CSV of 1.6 MB, beside ``numpy.loadtxt``
     json_log()     a log in JSON Well Log Format, 20,000 rows of 20 curves, beside json and a pandas data frame
 
-Both sides run in turn in one process; the median and spread of the ratios of all turns are printed. Every value is
-loaded on our side (nulls replaced and counted), and the values are compared first.
+Each function returns its results as a dict. The values are compared first; then helibore and its peer run in turn in
+one process. The result has the median and the spread of the ratios of all turns. helibore loads every value, with nulls
+replaced and counted.
 
     python -m bench.speed.file_reading [las file]
 """
@@ -29,7 +30,7 @@ REAL = Path(__file__).parents[3] / "shared" / "data" / "lwd-images" / "P11-A-02_
 
 
 def las(path: Path | None = None, turns: int = 7) -> dict[str, float | str]:
-    """Opening a LAS 2.0 image file and loading every channel, beside ``lasio.read``. Bar: at most 1.2 times."""
+    """Compare opening a LAS 2.0 image file and loading every channel with ``lasio.read``; the bar is 1.2 times."""
     import lasio
 
     with tempfile.TemporaryDirectory() as folder:
@@ -42,7 +43,7 @@ def las(path: Path | None = None, turns: int = 7) -> dict[str, float | str]:
 
 
 def table(megabytes: int = 100, turns: int = 5) -> dict[str, float | str]:
-    """Opening a CSV of samples and loading every column, beside ``pyarrow.csv.read_csv``. Bar: at most 1.5 times."""
+    """Compare opening a CSV and loading every column with ``pyarrow.csv.read_csv``; the bar is 1.5 times."""
     from pyarrow import csv
 
     with tempfile.TemporaryDirectory() as folder:
@@ -57,7 +58,7 @@ def table(megabytes: int = 100, turns: int = 5) -> dict[str, float | str]:
 
 
 def small_table(turns: int = 9) -> dict[str, float | str]:
-    """Opening a CSV below 2 MiB and loading every column, beside ``numpy.loadtxt``. Bar: at most 1 time."""
+    """Compare opening a CSV below 2 MiB and loading every column with ``numpy.loadtxt``; the bar is its time."""
     with tempfile.TemporaryDirectory() as folder:
         lines = written_table(Path(folder) / "all.csv", 1).read_text().splitlines(keepends=True)[:50_000]
         path = Path(folder) / "samples.csv"
@@ -73,7 +74,7 @@ def small_table(turns: int = 9) -> dict[str, float | str]:
 
 
 def json_log(rows: int = 20_000, curves: int = 20, turns: int = 9) -> dict[str, float | str]:
-    """Opening a JSON log and loading every curve, beside ``json.load`` and a pandas data frame. Bar: at most 1 time."""
+    """Compare a JSON log, every curve loaded, with ``json.load`` and a pandas data frame; the bar is their time."""
     import pandas as pd
 
     with tempfile.TemporaryDirectory() as folder:
@@ -101,7 +102,7 @@ def load(path: Path) -> None:
 
 
 def alternately(ours: Callable[[], object], theirs: Callable[[], object], turns: int) -> dict[str, float | str]:
-    """Time two calls in turn: seconds of each (median), and the ratio's median, smallest and largest."""
+    """Time two calls in turn; return the median seconds of each, and median, smallest and largest ratio."""
     seconds: list[tuple[float, float]] = []
     for _ in range(turns):
         pair = []
@@ -121,7 +122,7 @@ def alternately(ours: Callable[[], object], theirs: Callable[[], object], turns:
 
 
 def written_table(path: Path, megabytes: int) -> Path:
-    """Write samples of a turning tool until the file has the size."""
+    """Write samples of a turning tool to ``path`` until the file has so many megabytes; return ``path``."""
     random = np.random.default_rng(1)
     rows = 100_000
     with path.open("w") as file:
@@ -136,7 +137,7 @@ def written_table(path: Path, megabytes: int) -> Path:
 
 
 def written_las(path: Path, rows: int = 7361, columns: int = 52) -> Path:
-    """Write a LAS 2.0 file of the shape of P11-A-02 for machines that do not have it."""
+    """Write a LAS 2.0 file with the rows and columns of P11-A-02, for machines without that file; return ``path``."""
     curves = "".join(f" C{number:02d}M .g/cc : curve\n" for number in range(1, columns))
     values = np.random.default_rng(2).normal(2.3, 0.1, (rows, columns))
     values[np.random.default_rng(3).random((rows, columns)) < 0.1] = -999.25

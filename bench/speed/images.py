@@ -1,9 +1,9 @@
-"""Mapping a sector image on 1 M quads, beside a NumPy gather (np.take) of as many values.
+"""Compare mapping a sector image on 1 M quads with a NumPy gather (np.take) of as many values.
 
     python -m bench images
 
-Some quads are checked against the image's cells before it is timed. The bar is at most 10 gathers, for values of cells
-and for linear ones, which read four cells a quad.
+The values are checked against the image's cells before the mapping is timed. The bar is 10 gathers, for values of cells
+and for linear values, each of which needs four cells.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ SECTORS, PITCH, QUADS = 64, 0.1, 1_000_000
 
 
 def cases(rounds: int = 15) -> list[dict[str, Any]]:
-    """A 16-sector image, a row every 5 cm, on a wall of 64 sectors; the gather takes the very cells."""
+    """Return the results of a 16-sector image, rows 5 cm apart, on a wall of 64 sectors; the gather is of its cells."""
     settings = SimpleNamespace(sectors=SECTORS, pitch=PITCH, start_toolface=0.0)
     wall = SimpleNamespace(settings=settings, start_depth=0.0, radius=np.full(QUADS + SECTORS + 1, 0.108))
     rows = np.arange(0, QUADS / SECTORS * PITCH + 1, 0.05)

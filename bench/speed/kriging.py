@@ -1,9 +1,9 @@
-"""What a better estimate costs: kriging beside inverse distance of as many neighbours, sigma on top of it, and tune.
+"""What a better estimate costs: kriging against inverse distance with as many neighbours, sigma in addition, and tune.
 
     python -m bench kriging
 
 Walls of 1.2 M samples and 128 k vertices, and of four times that, are made anew each time. `Wall.sigma` includes its
-calibration, which costs as much for larger walls.
+calibration, which costs no more for larger walls.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def _caliper(times: int = 1) -> hb.Caliper:
 
 
 def cases(rounds: int = 9) -> list[dict[str, Any]]:
-    """One thread, and as many as there are processors; two sizes."""
+    """Return the results for two sizes, on one thread and on all processors; then that of tune."""
     results: list[dict[str, Any]] = []
     for times, threads in ((1, 1), (1, None), (4, 1), (4, None)):
         caliper = _caliper(times)

@@ -1,9 +1,9 @@
-"""Logs of 2.5 M vertices, all columns, beside a NumPy copy of their radii: at most 20 x.
+"""Compare all logs of 2.5 M vertices with a NumPy copy of their radii; the bar is 20 x.
 
     python -m bench logs
 
-The walls are a smooth oval with roughness and, every tenth turn, a gap. Radii without any order around the hole are
-stated beside it: there the circles take the most exchanges.
+One wall is a rough oval with a gap in every tenth turn. The other has radii without any order around the hole, for
+which the search of the inscribed and the enclosing circle takes most steps.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def _wall(radius: np.ndarray) -> Any:
 
 
 def cases(rounds: int = 15) -> list[dict[str, Any]]:
-    """Whole turns and, every tenth, one with a gap."""
+    """Return the results of both walls, with whole turns and, every tenth, a turn with a gap."""
     random = np.random.default_rng(1)
     angle = np.arange(VERTICES) * (2 * np.pi / SECTORS)
     hole = _wall(0.108 + 0.003 * np.cos(2 * angle) + 0.002 * np.cos(angle) + random.normal(0, 0.0005, VERTICES))

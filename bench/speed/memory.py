@@ -12,13 +12,13 @@ from bench.speed.reconstruction import CASES, reconstruct, samples
 
 
 def _status(name: str) -> float:
-    """A line of the process's status, in bytes."""
+    """Return the number in a line of this process's status, in bytes."""
     lines = Path("/proc/self/status").read_text().splitlines()
     return 1024.0 * next(int(line.split()[1]) for line in lines if line.startswith(name + ":"))
 
 
 def measure(count: int, vertices: int, order: str) -> float:
-    """Bytes beyond input and output, by the operating system's account of this process."""
+    """Return the peak bytes of a reconstruction in this process beyond its input and output, by Linux's account."""
     data = samples(count, vertices, order)
     depth, toolface, radius, stop = data
     reconstruct((depth[:1000], toolface[:1000], radius[:1000], stop))  # code and allocator warm
@@ -30,14 +30,14 @@ def measure(count: int, vertices: int, order: str) -> float:
 
 
 def measure_apart(count: int, vertices: int, order: str) -> float:
-    """`measure` in a new process."""
+    """Return the result of `measure` in a new process."""
     command = [sys.executable, "-m", "bench.speed.memory", str(count), str(vertices), order]
     run = subprocess.run(command, capture_output=True, text=True, check=True, timeout=300)
     return float(json.loads(run.stdout))
 
 
 def cases() -> list[dict[str, Any]]:
-    """The large case, in both orders, against 48 bytes a sample and 24 a vertex."""
+    """Return the results of the large case in both orders; 48 bytes a sample and 24 a vertex are allowed."""
     count, vertices = CASES["2.4 M samples, 256 k vertices"]
     found = []
     for order in ("as recorded", "in random order"):

@@ -1,11 +1,11 @@
-"""Writing meshes and archives, beside the libraries that write the same arrays.
+"""Compare writing meshes and archives with the libraries that write the same arrays.
 
     python -m bench.speed.mesh_writing
 
-1 M quads with three attributes as VTU and VTKHDF beside PyVista's own save of the same points, cells and values, as it
-comes (compressed) and uncompressed; a wall's archive beside ``np.save`` and ``np.load`` of as many bytes. Every peer
-flushes to disk as we do, and every file is read back and compared before it is timed. Bars: a mesh at most 2 x
-PyVista's time for its own file.
+Meshes are 1 M quads with three attributes, as VTU and VTKHDF; PyVista saves the same points, cells and values, by
+default (compressed) and uncompressed. A wall's archive is compared with ``np.save`` and ``np.load`` of as many bytes.
+Every peer flushes to disk as helibore does, and every file is read back and compared before it is timed. The bar of a
+mesh is 2 x PyVista's time.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def _flushed(path: Path, write: Callable[[str], object]) -> Callable[[], None]:
 
 
 def mesh(ending: str, quads: int = 1_000_000, rounds: int = 3) -> dict[str, Any]:
-    """A surface to a file, beside PyVista's save of the finished arrays."""
+    """Compare saving a surface with PyVista's save of the finished arrays."""
     import pyvista as pv
 
     surface = _surface(quads)
@@ -86,7 +86,7 @@ def mesh(ending: str, quads: int = 1_000_000, rounds: int = 3) -> dict[str, Any]
 
 
 def archive(samples: int = 2_400_000, vertices: int = 256_000, rounds: int = 5) -> dict[str, Any]:
-    """A wall saved and loaded, beside np.save and np.load of as many bytes, and np.load of its arrays as .npz."""
+    """Compare save and load of a wall with np.save and np.load of as many bytes, and np.load of its arrays in .npz."""
     wall = _wall(samples, vertices)
     with tempfile.TemporaryDirectory() as folder:
         ours, theirs, zipped = (Path(folder) / name for name in ("ours.wall", "theirs.npy", "theirs.npz"))
@@ -115,7 +115,7 @@ def archive(samples: int = 2_400_000, vertices: int = 256_000, rounds: int = 5) 
 
 
 def _whole(path: Path) -> list[np.ndarray]:
-    """Every array of a zip file, which has checksums as ours has."""
+    """Return every array of a .npz file, whose checksums are verified as those of an archive are."""
     with np.load(path) as arrays:
         return [arrays[name] for name in arrays]
 
@@ -125,7 +125,7 @@ def _median(seconds: dict[str, list[float]]) -> dict[str, float]:
 
 
 def cases() -> list[dict[str, Any]]:
-    """Both formats and the archive."""
+    """Return the results of both formats and of the archive."""
     return [mesh(".vtu"), mesh(".vtkhdf"), archive()]
 
 

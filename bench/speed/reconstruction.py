@@ -1,8 +1,8 @@
-"""Raw arrays to radius field, sorting included, beside k-d trees and a vectorised NumPy estimate.
+"""Compare rebuilding a wall from raw arrays, sorting included, with k-d trees and a vectorised NumPy estimate.
 
-The peers find the 8 nearest neighbours on the unrolled cylinder, with copies across 0/360, and weight them once: one
-iteration where helibore makes up to four. SciPy's and pykdtree's trees use all cores. The answer is checked before
-anything is timed: helibore, held to one iteration, against the peers, and in full against brute force.
+The peers find the 8 nearest neighbours on the unrolled cylinder, with samples near 0 and 360 doubled, and weight them
+once; helibore iterates up to four times. SciPy's and pykdtree's trees use all cores. Before anything is timed, helibore
+with one iteration is checked against the peers, and with all its iterations against brute force.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ CASES = {"2.4 M samples, 256 k vertices": (2_400_000, 262_144), "240 k samples, 
 
 
 def samples(count: int, vertices: int, order: str, seed: int = 1) -> tuple[Floats, Floats, Floats, float]:
-    """Scattered samples of a hole that `vertices` fill: depth, toolface, radius, and the depth of the last vertex."""
+    """Return samples scattered over so many vertices: depth, toolface, radius; and the depth of the last vertex."""
     random = np.random.default_rng(seed)
     stop = (vertices - 1) * PITCH / SECTORS
     depth, toolface = random.uniform(0, stop, count), random.uniform(0, 360, count)
@@ -33,7 +33,7 @@ def samples(count: int, vertices: int, order: str, seed: int = 1) -> tuple[Float
 
 
 def kd_tree(make_tree: Callable[[Floats], Any], query: dict[str, Any]) -> Callable[..., Floats]:
-    """The estimate of one iteration by a k-d tree on the unrolled cylinder."""
+    """Return a function that estimates radii, in one iteration, by a k-d tree on the unrolled cylinder."""
 
     def estimate(depth: Floats, toolface: Floats, radius: Floats, at_depth: Floats, at_toolface: Floats) -> Floats:
         metres = np.radians(1) * BIT_DIAMETER / 2
@@ -59,7 +59,7 @@ def kd_tree(make_tree: Callable[[Floats], Any], query: dict[str, Any]) -> Callab
 
 
 def peers() -> dict[str, Callable[..., Floats]]:
-    """The peers that are installed."""
+    """Return the peers by name: functions that estimate radii from samples at points."""
     from pykdtree.kdtree import KDTree
     from scipy.spatial import cKDTree
 
@@ -67,7 +67,7 @@ def peers() -> dict[str, Callable[..., Floats]]:
 
 
 def brute_force(depth: Floats, toolface: Floats, radius: Floats, at_depth: float, at_toolface: float) -> float:
-    """One vertex by the text of the method."""
+    """Return the radius at one vertex, computed literally as the method describes."""
     turn = (toolface - at_toolface + 180) % 360 - 180
     current = BIT_DIAMETER / 2
     for _ in range(4):
@@ -81,7 +81,7 @@ def brute_force(depth: Floats, toolface: Floats, radius: Floats, at_depth: float
 
 
 def reconstruct(data: tuple[Floats, Floats, Floats, float], **settings: Any) -> hb.Wall:
-    """Raw arrays to wall, on all cores unless another number is given."""
+    """Return the wall of raw arrays; by default it is rebuilt on all cores."""
     depth, toolface, radius, stop = data
     fixed = {"bit_diameter": BIT_DIAMETER, "sectors": SECTORS, "pitch": PITCH, "start_depth": 0.0, "stop_depth": stop}
     return hb.reconstruct(hb.Caliper(depth, toolface, radius), **fixed, **settings)
@@ -97,7 +97,7 @@ def _check(data: tuple[Floats, Floats, Floats, float], peer: Callable[..., Float
 
 
 def case(name: str, order: str, rounds: int) -> dict[str, Any]:
-    """helibore beside its peers on one set of samples."""
+    """Return milliseconds of helibore and its peers on one set of samples, and their ratios."""
     data = samples(*CASES[name], order)
     rivals = peers()
     _check(data, rivals["pykdtree"])
@@ -117,5 +117,5 @@ def case(name: str, order: str, rounds: int) -> dict[str, Any]:
 
 
 def cases(rounds: int = 7) -> list[dict[str, Any]]:
-    """Both sizes, as recorded (by depth) and in random order."""
+    """Return the results of both sizes, as recorded (by depth) and in random order."""
     return [case(name, order, rounds) for name in CASES for order in ("as recorded", "in random order")]

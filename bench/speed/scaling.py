@@ -1,11 +1,11 @@
-"""What a second core is worth: threads beside what two processes get that share nothing but the machine.
+"""What a second core is worth: two threads compared with two processes, which share nothing but the machine.
 
-The cores of a machine that others use, too, are not alike: one that shares its arithmetic with a busy neighbour runs at
-three quarters of the speed, for some milliseconds or for minutes, and now and then both of ours are halves of one. So
+On a machine that others also use, cores are not alike. A core that shares its arithmetic with a busy neighbour runs at
+three quarters of its speed, for milliseconds or for minutes, and at times our two cores are halves of one. Therefore
 
-- one core's time is that of the mean speed of both, each measured by itself;
-- beside the threads run two processes, a core each, of the same work, and two that only count, with no memory at all:
-  what is missing to 2 there, threads cannot have either.
+- the time of one core is that at the mean speed of both cores, each measured by itself;
+- two processes, each on a core, do the same work, and two others only count, without memory. If these gain less than a
+  factor of 2, threads cannot gain more.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from bench.speed.reconstruction import CASES, reconstruct, samples
 
 @contextmanager
 def on_cores(cores: set[int]) -> Iterator[None]:
-    """Everything on these cores, and as many threads."""
+    """Run the block on these cores, with as many threads as there are of them."""
     before = os.sched_getaffinity(0)
     os.sched_setaffinity(0, cores)
     try:
@@ -33,7 +33,7 @@ def on_cores(cores: set[int]) -> Iterator[None]:
 
 
 def count() -> int:
-    """Some milliseconds of arithmetic in registers."""
+    """Do some milliseconds of arithmetic in registers; return its result."""
     total = 0
     for i in range(100_000):
         total += i & 7
@@ -41,13 +41,13 @@ def count() -> int:
 
 
 def work_on(name: str, order: str) -> Callable[[], object]:
-    """Raw arrays to the radii of a wall."""
+    """Return a function that rebuilds the radii of a wall from raw arrays."""
     data = samples(*CASES[name], order)
     return lambda: reconstruct(data).radius
 
 
 class Neighbour:
-    """Another process on a core of its own, which works while it is asked to and then reports how long a work took."""
+    """Another process on a core of its own, which works while `beside` does, and reports how long its work took."""
 
     def __init__(self, core: int, name: str, order: str) -> None:
         context = multiprocessing.get_context("spawn")
@@ -58,7 +58,7 @@ class Neighbour:
         self._here.recv()
 
     def beside(self, what: str, work: Callable[[], object]) -> tuple[float, float]:
-        """Seconds of a work here and there, while both go on."""
+        """Return the seconds of a work here and in the other process, while both run."""
         self._stop.clear()
         self._here.send(what)
         self._here.recv()
@@ -84,18 +84,18 @@ def _serve(there: Any, stop: Any, core: int, name: str, order: str) -> None:
 
 
 def at_mean_speed(seconds: list[float]) -> float:
-    """Seconds of a work on a core as fast as these on average."""
+    """Return the seconds of a work at the mean speed of cores on which it took ``seconds``."""
     return statistics.harmonic_mean(seconds)
 
 
 def on(core: int, work: Callable[[], object]) -> float:
-    """Seconds of a work on one core."""
+    """Return the seconds of a work on one core."""
     with on_cores({core}):
         return repeated(work)
 
 
 def case(name: str, order: str, rounds: int) -> dict[str, Any]:
-    """One core, two threads and two processes on one set of samples; and counting."""
+    """Return how many times as fast two threads and two processes are as one core, on one set of samples."""
     first, second = sorted(os.sched_getaffinity(0))[:2]
     works = {"wall": work_on(name, order), "count": count}
     one: dict[str, list[float]] = {what: [] for what in works}
@@ -109,7 +109,7 @@ def case(name: str, order: str, rounds: int) -> dict[str, Any]:
                 one[what].append(at_mean_speed([on(first, work), on(second, work)]))
                 with on_cores({first}):
                     both = neighbour.beside(what, work)
-                processes[what].append(at_mean_speed(list(both)) / 2)  # two of them in this time
+                processes[what].append(at_mean_speed(list(both)) / 2)  # both works are done in this time
     return {
         "case": f"{name}, {order}",
         "two threads": ratio(one["wall"], threads),
@@ -121,7 +121,7 @@ def case(name: str, order: str, rounds: int) -> dict[str, Any]:
 
 
 def cases(rounds: int = 31) -> list[dict[str, Any]]:
-    """Both sizes, as recorded (by depth) and in random order; nothing where there is one core."""
+    """Return the results of both sizes, as recorded (by depth) and in random order; [] on a machine with one core."""
     if len(os.sched_getaffinity(0)) < 2:
         return []
     return [case(name, order, rounds) for name in CASES for order in ("as recorded", "in random order")]

@@ -1,8 +1,8 @@
-"""Cost against size, 10,000 to 10 million samples, beside k-d trees and beside what the machine's memory can do.
+"""The cost of 10,000 to 10 million samples, compared with k-d trees and with copying as many bytes.
 
-The roof: a wall must read 24 bytes a sample (depth, toolface, radius) and write 24 a vertex (radius, nearest, and
-support, iterations and flags). ``copies`` is its time over that of a plain copy of so many bytes, measured in the same
-rounds; 1 would be the limit of the memory.
+A wall must read 24 bytes a sample (depth, toolface, radius), and write 24 bytes a vertex (radius and nearest; support,
+iterations and flags). ``copies`` is the time of a wall over that of a plain copy of as many bytes, in the same rounds;
+1 would be the limit of the memory.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from bench.speed.reconstruction import peers, reconstruct, samples
 SIZES = (10_000, 100_000, 1_000_000, 10_000_000)
 SAMPLES_A_VERTEX = 8
 LARGEST_OF_PEERS = 1_000_000
-"""A k-d tree of ten million samples takes most of the run's time and says nothing new."""
+"""Most samples for the k-d trees, since a tree of ten million takes most of the time and shows nothing new."""
 
 
 def case(count: int, rounds: int) -> dict[str, Any]:
-    """One size."""
+    """Return the results for so many samples."""
     data = samples(count, count // SAMPLES_A_VERTEX, "as recorded")
     wall = reconstruct(data)
     at = (wall.depth, wall.toolface)
@@ -48,5 +48,5 @@ def case(count: int, rounds: int) -> dict[str, Any]:
 
 
 def cases(rounds: int = 5) -> list[dict[str, Any]]:
-    """All sizes."""
+    """Return the results of all sizes."""
     return [case(count, rounds) for count in SIZES]

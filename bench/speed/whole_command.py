@@ -1,12 +1,12 @@
-"""The whole command, process start to GLB on disk, beside the least NumPy and trimesh need for the same files.
+"""Compare the whole command, from process start to GLB on disk, with the least NumPy and trimesh need for these files.
 
     python -m bench.speed.whole_command [--samples 2400000] [--rounds 5]
 
 Ours    `helibore reconstruct samples.npz --survey survey.csv -o ours.glb`: load, rebuild, place, save, summary
-Peer    one Python process that imports NumPy and trimesh, loads the same arrays and the finished mesh, exports it
+Peer    one Python process that imports NumPy and trimesh, loads the same arrays and the finished mesh, exports the mesh
 
-The answer is checked before it is timed. Both run in turn, each in a fresh process, output to a pipe. The bar: ours at
-most 2 x the peer on 2.4 M samples and 256 k quads.
+The files are checked before anything is timed. Both run in turn, each in a fresh process with its output in a pipe. The
+bar is 2 x the peer's time, with 2.4 M samples and 256 k quads.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ with open(sys.argv[3], "wb") as file:
 
 
 def prepare(folder: Path, samples: int, length: float) -> list[list[str]]:
-    """Write samples, survey and finished mesh; return our command and the peer's."""
+    """Write samples, survey and finished mesh to ``folder``; return our command and the peer's."""
     hole = Hole.example(2000.0, 2000.0 + length)
     run = simulate(hole, samples=samples)
     np.savez(folder / "samples.npz", time=run.time, depth=run.depth, toolface=run.toolface, radius=run.radius)
@@ -63,7 +63,7 @@ def prepare(folder: Path, samples: int, length: float) -> list[list[str]]:
 
 
 def check(folder: Path, samples: int) -> None:
-    """Both files hold the wall that the library gives for these samples."""
+    """Check that both GLB files hold the wall that the library rebuilds from these samples."""
     loaded = np.load(folder / "samples.npz")
     caliper = hb.Caliper(loaded["depth"], loaded["toolface"], loaded["radius"], loaded["time"])
     assert len(caliper) == samples
@@ -90,7 +90,7 @@ def measure(commands: list[list[str]], rounds: int) -> list[float]:
 
 
 def main() -> None:
-    """Run the comparison and print a line and its JSON."""
+    """Run the comparison; print its result as a line and as JSON."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--samples", type=int, default=2_400_000)
     parser.add_argument("--length", type=float, default=400.0, help="metres of hole: 640 quads each")

@@ -15,7 +15,7 @@ WHOLE = "[defaults.preparation]\nsaturated = false\ndrop_closed = false\n"
 
 
 def columns(seed: int, first: int, stop: int, spacing: float) -> dict[str, np.ndarray]:
-    """Samples [first, stop) of a turning tool that moves down by ``spacing`` a sample, ten a turn; ties and a gap."""
+    """Return samples [first, stop) of a tool, ten a turn, ``spacing`` metres apart in depth; with ties and a gap."""
     random = np.random.default_rng([seed, first])
     k = np.arange(first, stop)
     depth = 1000.0 + k * spacing + random.uniform(-2, 2, k.size) * spacing
@@ -30,7 +30,7 @@ def columns(seed: int, first: int, stop: int, spacing: float) -> dict[str, np.nd
 
 
 def write_well(path: Path, seed: int, samples: int, spacing: float, upward: bool = False) -> None:
-    """Write a well as one Parquet file, a million rows at a time; ``upward``: as logged going up."""
+    """Write a well as one Parquet file, a million rows at a time; ``upward``: in the order of logging upwards."""
     parts = [(first, min(first + 1_000_000, samples)) for first in range(0, samples, 1_000_000)]
     writer = None
     for first, stop in parts[::-1] if upward else parts:
@@ -45,7 +45,10 @@ def write_well(path: Path, seed: int, samples: int, spacing: float, upward: bool
 def write_field(
     folder: Path, wells: int, samples: int, spacing: float = 0.0004, head: str = "", wall: str = ""
 ) -> Path:
-    """Write wells, unless they are there, and a manifest of them; return the manifest."""
+    """Write wells that ``folder`` does not hold yet, and a manifest of all; return the manifest's file.
+
+    ``head`` is added to the top of the manifest, ``wall`` to the settings of the wall.
+    """
     folder.mkdir(parents=True, exist_ok=True)
     text = f'output = "out"\n{head}[defaults.wall]\nbit_diameter = {BIT}\n{wall}{WHOLE}'
     missing = [number for number in range(wells) if not (folder / f"{number}.parquet").exists()]

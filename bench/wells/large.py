@@ -1,11 +1,12 @@
-"""One well larger than memory, in blocks: its memory, its time, and its bits beside those in one piece.
+"""One well larger than memory, made in blocks: memory, time, and whether its bits are those of one piece.
 
     python -m bench.wells.large FOLDER [--samples 200000000] [--pitch 0.1] [--whole]
 
-Prints the largest memory of each worker. Then some stretches of the well are made in memory from the samples within
-``reach`` and compared, bit for bit, logs too; ``--whole`` compares archive, logs and radii with the well made in one
-piece, for one that fits. Bar: 1 GB a worker. FOLDER holds the well, 24 bytes a sample; ``--one-group`` writes it as a
-single row group (by polars, since pyarrow writes 67 million rows at most; it takes 40 bytes of memory a sample).
+The command prints the largest memory of each worker; the bar is 1 GB. Then it makes some blocks in memory, from the
+samples within their ``reach``, and compares vertices and logs bit for bit. With ``--whole``, for a well that fits, it
+compares vertices, logs, zones and overview with those of the well made in one piece. FOLDER holds the well, 24 bytes a
+sample. ``--one-group`` writes the well as a single row group, by polars, which takes 40 bytes of memory a sample;
+pyarrow writes 67 million rows at most.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from helibore.runs.reprocess import connected, reprocess
 
 
 def main() -> None:
-    """Make the well, and compare."""
+    """Make the well in blocks, and compare it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--samples", type=int, default=200_000_000)
@@ -96,7 +97,7 @@ def main() -> None:
 
 
 def _between(file: Path, ends: list[tuple[float, float]]) -> list[np.ndarray]:
-    """Return the columns of all samples of a file between these depths each, in their order."""
+    """Return, for each pair of depths, the columns of the file's samples between them, in the order of the file."""
     found: list[list[np.ndarray]] = [[] for _ in ends]
     with parquet.ParquetFile(file, **AS_STREAM) as opened:
         for batch in opened.iter_batches(1 << 18, columns=["depth_m", "toolface_deg", "radius_m"]):

@@ -2,11 +2,11 @@
 
     python -m bench.wells.throughput FOLDER [--wells 200] [--samples 500000] [--rounds 10]
 
-Both do the same work on the same files, input and output included (archive and logs, one thread of the core each). They
-take turns, a share of the wells a round, and which one begins alternates. ``ratio`` is wells a second of the cluster
-over those of the plain processes; the bar is 0.9. ``ratio of processor times`` counts workers, scheduler and client
-against the plain processes; it hardly depends on what else the machine does. FOLDER keeps the field, 11 MB a well, for
-the next run. 200 wells take about three minutes on two quiet processors, and one more to write the field.
+Both do the same work on the same files, from input to archive and logs, with one core thread in each process. They take
+turns in rounds, each with a share of the wells, and begin in turn. ``ratio`` is wells a second of the cluster over
+those of the plain processes; the bar is 0.9. ``ratio of processor times`` is that of the plain processes over that
+of workers, scheduler and client; it hardly depends on what else the machine does. FOLDER keeps the wells, 11 MB each,
+for the next run. 200 wells take about three minutes on two quiet processors, and one more to write the files.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from helibore.runs.well import reprocess_well
 
 
 def plain(jobs: list[Job]) -> float:
-    """Make some wells in this process; return the processor time."""
+    """Make some wells in this process; return the seconds of processor time."""
     start = time.process_time()
     for job in jobs:
         reprocess_well(job)
@@ -41,14 +41,14 @@ def peak(_: int = 0) -> float:
 
 
 def by_plain(pool: Any, jobs: list[Job]) -> tuple[float, float]:
-    """Return seconds and processor seconds of two plain processes."""
+    """Make wells in two plain processes; return seconds and processor seconds."""
     start = time.perf_counter()
     used = sum(pool.map(plain, [jobs[::2], jobs[1::2]], chunksize=1))
     return time.perf_counter() - start, used
 
 
 def by_dask(client: Any, jobs: list[Job]) -> tuple[float, float]:
-    """Return seconds and processor seconds of the cluster: workers, and scheduler and client in this process."""
+    """Make wells on the cluster; return seconds, and processor seconds of workers, scheduler and client together."""
 
     def used() -> float:
         return time.process_time() + sum(client.run(time.process_time).values())
@@ -61,7 +61,7 @@ def by_dask(client: Any, jobs: list[Job]) -> tuple[float, float]:
 
 
 def main() -> None:
-    """Print seconds of both in each round, and the ratios."""
+    """Print the seconds of cluster and plain processes in each round, and the ratios."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--wells", type=int, default=200)
@@ -72,7 +72,7 @@ def main() -> None:
     shares = [jobs[at :: given.rounds] for at in range(given.rounds)]
     ratios, processors = [], []
     with connected(None) as client, multiprocessing.get_context("spawn").Pool(2) as pool:
-        for number, some in enumerate([jobs[:4], *shares]):  # the first, to load all libraries, does not count
+        for number, some in enumerate([jobs[:4], *shares]):  # the first round loads the libraries and is not counted
             ours, theirs = (
                 [replace(job, output=f"{given.folder}/{name}") for job in some] for name in ("dask", "plain")
             )
