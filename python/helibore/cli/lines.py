@@ -86,7 +86,7 @@ def _volume(cubic_metres: float) -> str:
 
 
 def row_line(rows: Logs) -> tuple[str, str]:
-    """Return a line on the rows of a file of logs: depths, number, and one for each turn or step."""
+    """Return a line on the rows of a file of logs: their depths and number, and whether a row is a turn or a step."""
     each = "one a turn" if rows.step is None else f"one each {rows.step:g} m"
     return "logs", f"{rows.depth.min():.2f} to {rows.depth.max():.2f} m, {len(rows):,} rows, {each}"
 

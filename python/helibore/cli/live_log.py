@@ -48,11 +48,11 @@ class LogWriter(logging.Handler):
 
     @property
     def alive(self) -> bool:
-        """Whether the thread is running."""
+        """Whether the thread that writes the lines is running."""
         return self._thread.is_alive()
 
     def stop(self) -> None:
-        """Write the queued lines, for `SECONDS` at most; the name is not close, which uvicorn would also call."""
+        """Write the queued lines, for `SECONDS` at most. uvicorn calls ``close`` of all handlers, so this is not it."""
         with suppress(queue.Full):
             self._waiting.put_nowait(STOP)
         self._thread.join(SECONDS)

@@ -211,7 +211,7 @@ def _write_centres(found: Centres, depth: Floats | None, file: Path) -> None:
 
 
 def _error_lines(run: Run, threads: int | None) -> Lines:
-    """Return a line on the cross-validated error of the wall; none without one, or if the run tuned the wall."""
+    """Return a line on the cross-validated error of the wall, or no line if it has none or was tuned."""
     from helibore.wall.estimates import FEWEST_SAMPLES
     from helibore.wall.tune import cross_validate
 

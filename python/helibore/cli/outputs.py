@@ -39,7 +39,7 @@ MEASURED = opt("--measured", "Whether a quad is measured (1) or interpolated (0)
 
 
 def add_sigma(wall: Wall, terminal: Terminal) -> Lines:
-    """Give a wall its uncertainty as an attribute; return a line on the share without one, no line if there is none."""
+    """Give a wall its uncertainty as an attribute; return a line on the part that has none, if there is any."""
     import numpy as np
 
     from helibore.wall.interpolation import on_quads

@@ -53,7 +53,7 @@ def across_and_along(unit: str) -> tuple[str, str]:
 
 
 def facts_in(facts: Mapping[str, str], unit: str) -> dict[str, str]:
-    """Return the facts of a table, with lengths in the units that ``--unit`` means."""
+    """Return the facts of a table (texts by name), with lengths in the units that ``--unit`` means."""
     across, along = across_and_along(unit)
 
     def changed(name: str, text: str) -> str:

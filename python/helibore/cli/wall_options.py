@@ -256,7 +256,7 @@ SCALAR = opts(
 
 
 def walls_beside(options: dict[str, Any]) -> dict[str, Wall]:
-    """Load the walls of --beside, by the name of their file."""
+    """Load the walls of ``--beside``; return them by the names of their files, without endings."""
     from helibore.wall.load import load
 
     files = {Path(file).stem: Path(file) for file in options["besides"]}
@@ -312,7 +312,7 @@ HEADER = opts(
 
 
 def header_of(run: Run, options: dict[str, Any]) -> dict[str, str]:
-    """Return the header of the log; what the options state replaces what the files of the run state."""
+    """Return the entries of a log's header by name; those of the options replace those of the run's files."""
     from helibore.channels.log_header import NAMES
     from helibore.runs.run import stated_header
 
@@ -500,7 +500,7 @@ def _sets_of(log: LogFile, text: str) -> set[str]:
 
 
 def _average(files: OpenFiles, options: dict[str, Any]) -> Input:
-    """Open the file of ``--average``, FILE:CHANNEL; which channel is the depth is guessed."""
+    """Return the file and channel of ``--average`` as an `Input`; the channel of the depth is guessed."""
     from helibore.channels.roles import Role, guess
     from helibore.runs.run_settings import Input
 

@@ -262,7 +262,7 @@ def _count(settings: Settings, plan: Json) -> int:
 
 
 def _blocks(wall: Settings, plan: Json, most_samples: int) -> list[list[int]]:
-    """Return the turns [start, stop) of the blocks; a block is whole units, about ``most_samples`` samples at most."""
+    """Return the turns [start, stop) of the blocks, multiples of `UNIT` turns, about ``most_samples`` samples each."""
     turns = -(-plan["vertices"] // wall.sectors)
     found: list[list[int]] = []
     for first in range(0, turns, UNIT):
@@ -307,7 +307,7 @@ def _load(store: Store, plan: Json, low: float, high: float) -> list[Floats]:
 
 
 def stretch(store: Store, plan: Json, settings: Settings, first: int, stop: int) -> Wall:
-    """Return a wall of the vertices [first, stop), with the bits of the whole well; empty if no sample is near."""
+    """Return a wall of the vertices [first, stop), bit for bit as in the whole well; empty if no sample is near."""
     own = {"start_depth": plan["start_depth"], "stop_depth": None, "first_vertex": first, "stop_vertex": stop}
     step = settings.pitch / settings.sectors
     shallow, deep = sorted((plan["start_depth"] + first * step, plan["start_depth"] + stop * step))
@@ -344,7 +344,7 @@ def radii(wall: Wall, count: int) -> tuple[Floats, Floats]:
 
 
 def _first_radius(store: Store, plan: Json, settings: Settings) -> float:
-    """Return the first radius of the well that is not missing, for `turn_logs`; 0 if all radii are missing."""
+    """Return the first radius that is not missing, the reference of the well for `turn_logs`; 0 if all are missing."""
     for first, last in plan["blocks"]:
         for turn in range(first, last, UNIT):
             ends = turn * settings.sectors, min((turn + UNIT) * settings.sectors, plan["vertices"])
@@ -392,7 +392,7 @@ def make_block(run: Run, store: Store, folder: str, number: int, archive: str | 
 
 
 def _turn_depth(settings: Settings, plan: Json, turn: int) -> float:
-    """Return the depth of the first vertex of a turn; times -1 if the helix grows upwards, so that it always rises."""
+    """Return the depth of the first vertex of a turn; times -1 if the helix grows upwards, so that it rises by turn."""
     return float(plan["start_depth"] + turn * settings.pitch) * math.copysign(1.0, settings.pitch)
 
 

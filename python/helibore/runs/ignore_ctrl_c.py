@@ -4,5 +4,5 @@ import signal
 
 
 def dask_setup(_: object) -> None:
-    """Dask calls this in each worker that loads this module."""
+    """Ignore Ctrl-C in this process; Dask calls this function in each worker that loads this module."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -88,7 +88,7 @@ class Progress:
         return self.seconds / made * (self.wells - self.finished) if made else float("inf")
 
     def sentence(self) -> str:
-        """Return the counts in one line."""
+        """Return in one line how many wells were made, were there already, and failed."""
         counts = f"{len(self.done)} made, {len(self.skipped)} there already, {len(self.failed)} failed"
         return f"{counts}, of {self.wells} wells in {self.seconds:.1f} s"
 
@@ -201,7 +201,7 @@ def _started(start: Callable[[], Any]) -> Any:
 
 
 def status(jobs: Sequence[Job]) -> Progress:
-    """Return which wells need no work (``skipped``), failed, or are ``outdated``; the others have not been made.
+    """Return the wells that need no work (``skipped``), ``failed``, or are ``outdated``; the others are not made.
 
     All inputs are read for their checksums.
     """

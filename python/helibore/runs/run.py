@@ -154,7 +154,7 @@ class Run:
 
     @property
     def name(self) -> str:
-        """The name of the source, without endings."""
+        """The name of the first source file, without endings, or "Gauge hole"."""
         source = self.settings.archive or self.settings.average or next(iter(self.settings.caliper), None)
         return source.file.name.split(".")[0] if source is not None else "Gauge hole"
 
@@ -277,7 +277,7 @@ def preparation_lines(wall: Wall) -> list[tuple[str, str]]:
 
 
 def stated_header(run: Run) -> dict[str, str]:
-    """Return the facts on the hole that a run's files state; for a saved wall, those that its own files stated."""
+    """Return the facts on the hole that a run's files state, and those that the files of a saved wall stated."""
     kept = run.wall.made_from.get("header") if run.built is not None else None
     earlier = {str(name): str(text) for name, text in kept.items()} if isinstance(kept, dict) else {}
     return earlier | log_header(run.files.headers())
@@ -319,7 +319,7 @@ def add_images(wall: Wall, images: list[SectorImage]) -> list[tuple[str, str]]:
 
 
 def _track(log: LogSet, roles: RoleMap) -> Track:
-    """Return depth and toolface by time."""
+    """Return the track, depth and toolface by time, that a log with these roles holds."""
     when, depth = (column(log, needed(log, roles, name)) for name in ("time", "depth"))
     role = roles.one("toolface")
     known = np.isfinite(when)

@@ -52,7 +52,7 @@ from helibore.wall.wall import Wall, wall_of
 
 @functools.cache
 def versions() -> dict[str, str]:
-    """Return the versions that decide the bytes of the outputs."""
+    """Return the versions, by name, that decide the bytes of the outputs."""
     import pyarrow
 
     return {"helibore": __version__, "numpy": np.__version__, "pyarrow": pyarrow.__version__}
