@@ -152,7 +152,7 @@ def summarize(
     criteria: Criteria | None = None,
     zones: Classification | None = None,
 ) -> WallSummary:
-    """Summarize an interval of a wall: `Wall.summary`.
+    """Return the summary of an interval of a wall, as `Wall.summary` does.
 
     Parameters
     ----------

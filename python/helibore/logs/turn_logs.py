@@ -209,7 +209,7 @@ class Logs(Tabular):
         return abs(self.pitch) if self.step is None else self.step
 
     def by_step(self, step: float) -> Logs:
-        """Return logs by steps of depth, each from the turns whose middle lies in it: `helibore.logs.depth_steps`.
+        """Return logs by steps of depth, each from the turns whose middle lies in it (`helibore.logs.depth_steps`).
 
         Parameters
         ----------
@@ -394,7 +394,7 @@ def turn_logs(
     reference: float = math.nan,
     newest: float | None = None,
 ) -> Logs:
-    """Measure every full turn of a wall: `Wall.logs`.
+    """Return the logs of every full turn of a wall, as `Wall.logs` does.
 
     Parameters
     ----------

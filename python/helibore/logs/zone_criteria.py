@@ -122,7 +122,7 @@ class Criteria:
 def washed_out(c2: Floats, bit_diameter: float, criteria: Criteria | None = None) -> Mask:
     """Return which turns are enlarged all around, C2 - bit >= `Criteria.washout`; False where C2 is NaN.
 
-    This is the only definition; a zone of washout is a long enough run of such turns (`classify`).
+    No other code decides what is washed out; a zone of washout is a long enough run of such turns (`classify`).
     """
     criteria = Criteria() if criteria is None else criteria
     washed: Mask = c2 - bit_diameter >= criteria.washout

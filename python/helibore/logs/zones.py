@@ -212,7 +212,7 @@ class Classification(Tabular):
 
 
 def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None = None) -> Classification:
-    """Classify the hole into gauge, washout, breakout, key seat and undergauge: `Wall.zones`.
+    """Classify the turns of a wall as gauge, washout, breakout, key seat or undergauge, as `Wall.zones` does.
 
     Parameters
     ----------

@@ -74,7 +74,7 @@ class Attributes(_NamedValues):
 
 
 class WallAttributes(_NamedValues):
-    """Named values of a wall, one for each quad that it has room for, by vertex k; float64, copied and read-only.
+    """Named values of a wall; value k is that of the quad at vertex k. They are float64, copied and read-only.
 
     A wall that grows keeps the values; later quads have NaN. Values belong to the helix on which they were set: if a
     shallower sample moves the start of the helix, set them again.
@@ -87,7 +87,7 @@ class WallAttributes(_NamedValues):
 
     def __init__(self, helix: Callable[[], tuple[float, int]]) -> None:
         super().__init__()
-        self._helix = helix  # depth of vertex 0, and the quads there is room for
+        self._helix = helix  # returns the depth of vertex 0, and how many quads the wall has room for
         self._starts: dict[str, float] = {}
 
     def __setitem__(self, name: str, values: npt.ArrayLike) -> None:

@@ -144,7 +144,7 @@ def key_text(bit_diameter: float, unit: str, pitch: float, hatched: bool) -> str
 
 
 def _fill(axes: Axes, section: CrossSection, bit: float, outer: float) -> None:
-    """Fill orange over the bit, blue under the bit, and grey wedges where the radius is missing."""
+    """Fill orange over the bit, blue under it, grey wedges where the radius is missing; hatch interpolated sectors."""
     K = section.radius.size
     finer = max(720 // K, 1)
     fine = section.toolface[0] + np.linspace(0.0, 360.0, finer * K + 1)

@@ -50,7 +50,7 @@ def diameters(wall: WallLike, logs: Logs) -> Diameters:
 
 
 def thinned(turns: Diameters, top: float, bottom: float, rows: int) -> Diameters:
-    """Return the turns between two depths in at most ``rows`` rows."""
+    """Return the turns between two depths in at most ``rows`` rows; if there are more turns, a row joins several."""
     inside = slice(np.searchsorted(turns.depth, top), np.searchsorted(turns.depth, bottom, side="right"))
     columns = {name: column[inside] for name, column in vars(turns).items()}
     count = columns["depth"].size

@@ -136,7 +136,7 @@ def page(wall: Wall, messages: Sequence[tuple[str, str]] = (), **options: Any) -
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]], numbers: bool = True) -> str:
-    """Return a table of texts, each escaped; ``numbers``: all but the first column are set flush right."""
+    """Return a table of texts as HTML; with ``numbers``, all columns but the first are set flush right."""
 
     def cells(tag: str, row: Sequence[str]) -> str:
         found = []
@@ -152,7 +152,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]], numbers: bool = Tr
 
 
 def pairs(rows: Iterable[tuple[str, str]]) -> str:
-    """Return a table of labels and texts."""
+    """Return a table of labels and texts as HTML."""
     lines = (f"<tr><th>{html.escape(label)}</th><td>{html.escape(text)}</td></tr>" for label, text in rows)
     return f"<table><tbody>{''.join(lines)}</tbody></table>"
 

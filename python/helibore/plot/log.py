@@ -80,7 +80,7 @@ def log(wall: Wall, **options: Any) -> Figure:
 
 
 def pages(wall: Wall, paper: str | tuple[float, float] = "a4", **options: Any) -> list[Figure]:
-    """Draw the same as `log` on pages of a size, each with its heads; the depth scale stays.
+    """Draw the same as `log` on pages of a size, each with the heads of the tracks, at the same depth scale.
 
     Parameters
     ----------

@@ -117,7 +117,7 @@ class Sheet:
         return False
 
     def text_width(self, shown: Text) -> float:
-        """Return the width of a text, millimetres, at this figure's dpi: letters are wider at a low dpi."""
+        """Return the width of a text, millimetres, at this figure's dpi, as letters are wider at a low dpi."""
         return float(shown.get_window_extent(self._measure).width) / self.dpi * MM
 
     def line(self, x: tuple[float, float], y: tuple[float, float], **extra: Any) -> None:

@@ -447,7 +447,7 @@ LENGTHS = {"in": INCH, "mm": MILLIMETRE}
 
 
 def color_bar(sheet: Sheet, scale: ColorScale, x: float, y: float, width: float, shares: bool = False) -> None:
-    """Draw the colours of a scale with the numbers at its ends and in its middle, and grey for missing values."""
+    """Draw the colours of a scale with the numbers at its ends and in its middle; with ``shares``, low and high."""
     axes = sheet.axes(x, y, width, 2.6)
     ramp = np.linspace(scale.low, scale.high, 256)
     middle = 0.5 * (scale.low + scale.high)
