@@ -97,8 +97,8 @@ def live(
             serving.callback(server.stop)
             if metrics_port is not None:
                 serving.callback(MetricsServer(server, metrics_port, allowed).close)
-            again = lambda: server.reconfigure(load(configuration))  # noqa: E731
-            _watch(server, window, show, seconds, target, every or settings.snapshot.every, log_writer, again)
+            reload = lambda: server.reconfigure(load(configuration))  # noqa: E731
+            _loop(server, window, show, seconds, target, every or settings.snapshot.every, log_writer, reload)
         if target:
             _snapshot(running, target)
         if server.failure is not None:
@@ -155,14 +155,14 @@ def _screen(server: Server, quiet: bool) -> Iterator[Callable[[], None]]:
         thread.join(LAST_SECONDS)
 
 
-def _watch(
+def _loop(
     server: Server, window: Window | None, show: Callable[[], None], seconds: float | None, target: Path | None,
-    every: float, log: LogWriter, again: Callable[[], None],
+    every: float, log: LogWriter, reload: Callable[[], None],
 ) -> None:  # fmt: skip
     """Update the status page (``show``) and the browser's page (``window``) and write snapshots, until the run ends.
 
     It ends at Ctrl-C, after ``seconds``, or if a thread fails; without a browser's page, also after all files are read.
-    After a hang-up signal, ``again`` is called to read the configuration again.
+    After a hang-up signal, ``reload`` is called, which reads the configuration again.
     """
     stopped, changed = threading.Event(), threading.Event()
     before = {number: signal.signal(number, lambda *_: stopped.set()) for number in (signal.SIGINT, signal.SIGTERM)}
@@ -181,7 +181,7 @@ def _watch(
                 server.live.report("log", trouble)
             if changed.is_set():
                 changed.clear()
-                _reconfigure(server, again)
+                _reconfigure(server, reload)
             show()
             if server.failure is not None:
                 if window:
@@ -197,10 +197,10 @@ def _watch(
             signal.signal(number, was)
 
 
-def _reconfigure(server: Server, again: Callable[[], None]) -> None:
+def _reconfigure(server: Server, reload: Callable[[], None]) -> None:
     """Read the configuration again; if it cannot be used, report the error and go on with the old one."""
     try:
-        again()
+        reload()
     except (OSError, ValueError) as error:
         server.live.report("configuration", f"{error}: not used")
 

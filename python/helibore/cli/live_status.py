@@ -106,7 +106,7 @@ def bytes_left(journal: Journal) -> float:
         return float("nan")
 
 
-def _here(wall: int) -> str:
+def _local_time(wall: int) -> str:
     """Return a time (ns since 1970) as "HH:MM:SS here, " in this machine's time zone; "" if this zone is UTC."""
     time = local(wall)
     return f"{time:%H:%M:%S} here, " if time.utcoffset() else ""
@@ -131,7 +131,9 @@ class Page:
         from rich.text import Text
 
         latest = self._server.live.model.events.latest[-8:]
-        events = [Text(f"{_here(event.newest.wall)}{event}", overflow="ellipsis", no_wrap=True) for event in latest]
+        events = [
+            Text(f"{_local_time(event.newest.wall)}{event}", overflow="ellipsis", no_wrap=True) for event in latest
+        ]
         alarms = [Text(str(alarm), style="bold red") for alarm in self._server.alarms.active]
         return Group(
             *([Panel(Group(*alarms), title="ALARMS", title_align="left", style="red")] if alarms else []),

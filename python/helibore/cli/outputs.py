@@ -85,7 +85,7 @@ def check_folder(file: Path) -> None:
         raise InputError(str(file), "is a folder")
 
 
-def _own(context: click.Context) -> dict[str, click.Parameter]:
+def _recorded_options(context: click.Context) -> dict[str, click.Parameter]:
     """Return, by name, the options that the settings record: the command's own, and the interval of the wall."""
     shared = {names for options in SECTIONS.values() for names, _ in options}
     of_wall = {name for names in shared for name in names.split()}
@@ -105,7 +105,7 @@ def own_options(run: Run, verb: str, options: dict[str, Any]) -> dict[str, Any]:
     if run.settings.output is None:
         return options
     context, place = click.get_current_context(), f"{run.settings.output.file.name}.toml: options"
-    own, found, recorded = _own(context), dict(options), run.settings.options
+    own, found, recorded = _recorded_options(context), dict(options), run.settings.options
     if run.settings.verb != verb:
         recorded = {name: recorded[name] for name in OF_ANY_COMMAND if name in recorded and name in own}
     check_names(f"{place}.", recorded, own)
@@ -137,7 +137,9 @@ def save_lines(run: Run, output: Path, verb: str, options: dict[str, Any], more:
     from helibore.runs.run_settings import settings_file
 
     before, context = run.settings, click.get_current_context()
-    recorded = {name: _plain(options[name]) for name in _own(context) if options[name] not in (None, (), False)}
+    recorded = {
+        name: _plain(options[name]) for name in _recorded_options(context) if options[name] not in (None, (), False)
+    }
     added = not all(one.blake2b for one in before.inputs)
     after = save_settings(run, output, verb, recorded)
     files = ", ".join(f"{file} ({file.stat().st_size / 1e6:,.2f} MB)" for file in (output, *more))

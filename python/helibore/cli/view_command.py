@@ -94,7 +94,7 @@ def view(**options: Any) -> None:
     serving = {name: options[name] for name in ("host", "port", "token", "browser")} | {"reference": run.reference}
     curves, template = curves_of_files(run, options), options["template"] and Template.load(options["template"])
     beside = walls_beside(options)
-    with placing(run, reaching(run)):
+    with placing(run, path_options(run)):
         viewer = serve(
             wall, path=wall.path, attributes=attributes, curves=curves, picks_file=picks, template=template,
             beside=beside, criteria=criteria, well=well, **serving,
@@ -139,7 +139,7 @@ def section_printer(wall: Wall, drawing: dict[str, Any]) -> Callable[[float, flo
     return draw
 
 
-def reaching(run: Run) -> str:
+def path_options(run: Run) -> str:
     """Return, for an error, the options that make the path reach all of the wall, in brackets; "" if there are none."""
     wall, path, fixed = run.wall, run.wall.path, run.settings.output is not None
     if path is None or fixed or not wall.depth.size:

@@ -206,7 +206,7 @@ def summarize(
         sectors=helix.sectors,
         pitch=helix.pitch,
         vertices=vertices,
-        samples=_sample_count(wall, *_reach(helix, ends, start, stop)),
+        samples=_sample_count(wall, *_sample_interval(helix, ends, start, stop)),
         mean_diameter=math.sqrt(mean_square),
         least_diameter=_extreme(logs, logs.least_diameter, np.nanargmin),
         greatest_diameter=_extreme(logs, logs.c1, np.nanargmax),
@@ -244,7 +244,7 @@ def _sample_count(wall: WallLike, start: float, stop: float) -> int:
     return int(np.count_nonzero((columns[0] >= start) & (columns[0] <= stop))) if columns else 0
 
 
-def _reach(helix: Helix, ends: tuple[float, float], start: float, stop: float) -> tuple[float, float]:
+def _sample_interval(helix: Helix, ends: tuple[float, float], start: float, stop: float) -> tuple[float, float]:
     """Return the ends between which samples count; beyond an end of the wall, to where the next vertex would lie."""
     height = abs(helix.pitch) / helix.sectors
     return start - height * (start <= ends[0]), stop + height * (stop >= ends[1])

@@ -235,7 +235,7 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
     if logs.step is not None or len(logs) > radius.size // K or logs.sectors != K:
         raise InputError("logs", "must be those of the turns of the same wall")
     start = float(wall.settings.start_toolface)
-    lower, higher = _ends(logs, radius, start)
+    lower, higher = _end_heights(logs, radius, start)
     fits = _kinds(logs, criteria, lower, higher)
     under, elongation = logs.least_diameter - logs.bit_diameter, logs.c1 - logs.c2
     measures = {WASHOUT: logs.c2 - logs.bit_diameter, BREAKOUT: elongation, KEY_SEAT: higher, UNDERGAUGE: under}
@@ -252,7 +252,7 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
 
 
 def _kinds(logs: Logs, criteria: Criteria, lower: Floats, higher: Floats) -> Kinds:
-    """Return the kind of each turn without regard to its neighbours; `_ends` gives ``lower`` and ``higher``."""
+    """Return the kind of each turn without regard to its neighbours; `_end_heights` gives ``lower`` and ``higher``."""
     bit = logs.bit_diameter
     elongation = logs.c1 - logs.c2
     missing = np.isnan(logs.c1) if logs.shape == "arms" else np.isnan(logs.mean)
@@ -268,7 +268,7 @@ def _kinds(logs: Logs, criteria: Criteria, lower: Floats, higher: Floats) -> Kin
     return kind
 
 
-def _ends(logs: Logs, radius: Floats, start: float) -> tuple[Floats, Floats]:
+def _end_heights(logs: Logs, radius: Floats, start: float) -> tuple[Floats, Floats]:
     """Return the heights of both ends of C1 over the circle of C2 around the centre of the area, lower ones first."""
     if logs.shape == "arms":
         half = (logs.c1 - logs.c2) / 2

@@ -441,7 +441,7 @@ def _shown(image: SectorImage, look: Look, top: float, bottom: float) -> tuple[S
             scale = ColorScale(0.0, 1.0, color_map)
             values = sliding_window(image.depth, image.values, look.window, log)
             remark = f"{kind}, dynamic {look.window:g} m"
-            cut = _beyond(values[rows], math.nextafter(0.0, 1.0), math.nextafter(1.0, 0.0))
+            cut = _count_beyond(values[rows], math.nextafter(0.0, 1.0), math.nextafter(1.0, 0.0))
             return Shown(image.name, image.unit, scale, remark, True, *cut), values
         values = image.values[rows]
         if not np.isfinite(values).any():
@@ -450,11 +450,11 @@ def _shown(image: SectorImage, look: Look, top: float, bottom: float) -> tuple[S
         scale.share(values)
     except ValueError as error:
         raise InputError(f"image {image.name!r}, {top:g} to {bottom:g} m", str(error)) from error
-    cut = _beyond(values, scale.low, scale.high)
+    cut = _count_beyond(values, scale.low, scale.high)
     return Shown(image.name, image.unit, scale, f"{kind}, static", False, *cut), image.values
 
 
-def _beyond(values: Floats, low: float, high: float) -> tuple[int, int]:
+def _count_beyond(values: Floats, low: float, high: float) -> tuple[int, int]:
     """Return the number of values beyond the ends of a scale, and the number of values that are not missing."""
     return int(((values < low) | (values > high)).sum()), int(np.isfinite(values).sum())
 
@@ -469,7 +469,7 @@ def _radius(wall: Wall, look: Look, top: float, bottom: float, unit: str) -> tup
     over, scale = over_bit(wall.radius, wall.settings.bit_diameter, look.color_map, look.limits, LENGTHS[unit])
     remark = f"wall, {wall.settings.sectors} sectors"
     inside = (wall.depth >= top) & (wall.depth <= bottom)
-    return Shown(RADIUS_TITLE, unit, scale, remark, False, *_beyond(over[inside], scale.low, scale.high)), over
+    return Shown(RADIUS_TITLE, unit, scale, remark, False, *_count_beyond(over[inside], scale.low, scale.high)), over
 
 
 def _uncertainty(wall: Wall, top: float, bottom: float, unit: str) -> tuple[Shown, Floats] | None:
@@ -486,7 +486,7 @@ def _uncertainty(wall: Wall, top: float, bottom: float, unit: str) -> tuple[Show
         return None
     part = 10 if unit == "mm" else 100
     scale = ColorScale(0.0, max(math.ceil(part * np.nanpercentile(half, 98)) / part, 1 / part), "viridis")
-    cut = _beyond(half[(wall.depth >= top) & (wall.depth <= bottom)], 0.0, scale.high)
+    cut = _count_beyond(half[(wall.depth >= top) & (wall.depth <= bottom)], 0.0, scale.high)
     return Shown("Radius, 95 %", unit, scale, "half the interval", False, *cut), half
 
 
@@ -518,11 +518,11 @@ def _stretched(wall: Wall, drawing: Drawing, top: float, bottom: float, images: 
         return None
     found = most_relief(wall, top, bottom)
     if found is not None and wall.basis == "gauge":  # no relief: the first image decides
-        found = _imaged(wall, images[0], top, bottom, 0.5 * (found[1] - found[0]))
+        found = _image_interval(wall, images[0], top, bottom, 0.5 * (found[1] - found[0]))
     return None if found is None else turns_between(wall, *found)
 
 
-def _imaged(wall: Wall, image: SectorImage, top: float, bottom: float, half: float) -> tuple[float, float]:
+def _image_interval(wall: Wall, image: SectorImage, top: float, bottom: float, half: float) -> tuple[float, float]:
     """Return the ends of an interval, ``half`` metres to each side of the median depth of the image's complete rows.
 
     Rows count from ``top`` to ``bottom``. The interval stays within these depths and the wall.

@@ -53,11 +53,11 @@ def unroll_wall(values: Floats, settings: HelixSettings, start_depth: float, gri
     by_turn[: values.size] = values
     reduced = np.empty((grid.rows, K))
     columns = by_turn.reshape(turns, K)
-    sums, counts = _running(columns)
+    sums, counts = _running_sums(columns)
     for j in range(K):
-        reduced[:, j] = _blocks(columns[:, j], sums[:, j], counts[:, j], along - j / K)
+        reduced[:, j] = _block_means(columns[:, j], sums[:, j], counts[:, j], along - j / K)
     start = (grid.toolfaces() - settings.start_toolface) * (K / 360.0)
-    return _around(reduced, start)
+    return _means_around(reduced, start)
 
 
 def unroll_image(image: SectorImage, values: Floats, grid: Grid) -> Floats:
@@ -70,7 +70,7 @@ def unroll_image(image: SectorImage, values: Floats, grid: Grid) -> Floats:
     ends = np.searchsorted(image.depth, edges[[0, -1]])
     part = slice(max(ends[0] - 1, 0), ends[1] + 1)  # only rows that these pixels reach
     depth, values = image.depth[part], values[part]
-    sums, counts = _running(values)
+    sums, counts = _running_sums(values)
     first = np.searchsorted(depth, edges[:-1])
     stop = np.searchsorted(depth, edges[1:])
     several = stop - first >= 2
@@ -80,8 +80,8 @@ def unroll_image(image: SectorImage, values: Floats, grid: Grid) -> Floats:
     reduced[~several] = _nearest_rows(depth, values, middle[~several], image.reach)
     turn = 1 if image.direction == "clockwise" else -1
     sector = (grid.toolfaces() - image.offset) * (turn * image.sectors / 360.0)
-    # Sector 1 is cell 0 of _around, centred on 0.
-    return _around(reduced, sector if image.origin == "centre" else sector - 0.5)
+    # Sector 1 is cell 0 of _means_around, centred on 0.
+    return _means_around(reduced, sector if image.origin == "centre" else sector - 0.5)
 
 
 def _nearest_rows(depths: Floats, values: Floats, depth: Floats, reach: float) -> Floats:
@@ -95,7 +95,7 @@ def _nearest_rows(depths: Floats, values: Floats, depth: Floats, reach: float) -
     return near
 
 
-def _running(columns: Floats) -> tuple[Floats, Floats]:
+def _running_sums(columns: Floats) -> tuple[Floats, Floats]:
     """Return running sums down each column, and running counts of its values, both after a row of zeros."""
     there = np.isfinite(columns)
     sums, counts = np.zeros((2, columns.shape[0] + 1, columns.shape[1]))
@@ -104,7 +104,7 @@ def _running(columns: Floats) -> tuple[Floats, Floats]:
     return sums, counts
 
 
-def _blocks(column: Floats, sums: Floats, counts: Floats, edges: Floats) -> Floats:
+def _block_means(column: Floats, sums: Floats, counts: Floats, edges: Floats) -> Floats:
     """Return for each two neighbouring edges the mean of the cells that are centred between them.
 
     If these are fewer than two, it is the cell that holds the middle. Edges are in cells; cell i is centred on i.
@@ -123,8 +123,8 @@ def _blocks(column: Floats, sums: Floats, counts: Floats, edges: Floats) -> Floa
     return np.where(several, mean, found)
 
 
-def _around(rows: Floats, edges: Floats) -> Floats:
-    """Return for each two neighbouring edges around the hole the mean column of the cells between, as `_blocks` does.
+def _means_around(rows: Floats, edges: Floats) -> Floats:
+    """Return for each two neighbouring edges around the hole the mean of the columns between, as `_block_means`.
 
     Edges are in cells; cell j, modulo the number of cells, is centred on j.
     """

@@ -134,7 +134,7 @@ def draw_solid(
     axes = sheet.axes(x + 14.0, y + 10.0, width - 14.0, height - 10.0)
     edges = (picture.left, picture.right, picture.bottom, picture.top)
     axes.imshow(picture.pixels, extent=edges, aspect="auto", interpolation="nearest")
-    _dress(axes, one, unit)
+    _draw_depth_axis(axes, one, unit)
     ends = " to ".join(f"{depth / unit.metres:.0f}" for depth in one.depth)
     title = f"{ends} {unit.name}, coloured by {name}"
     sheet.text(x + 0.5 * width, y + 2.5, title, USUAL, within=width, ha="center", weight="bold")
@@ -144,7 +144,7 @@ def draw_solid(
     return axes
 
 
-def _dress(axes: Axes, one: Stretched, unit: DepthUnit) -> None:
+def _draw_depth_axis(axes: Axes, one: Stretched, unit: DepthUnit) -> None:
     """Draw a depth axis beside the body, as long as the body."""
     top, bottom = one.depth
     lines = Lines.of(max(int((bottom - top) * 8), 1), unit)

@@ -130,8 +130,8 @@ class DepthTrack:
                     self._middle, depth, stretch.lines.label(depth), ha="center", va="center", size=USUAL, family=FONT
                 )
                 if depth + 3.1 * room <= stretch.bottom:
-                    self._true(axes, depth, depth + 2.1 * room)
-        self._ends(axes, stretch, room=1.3 * (stretch.bottom - stretch.top) / stretch.height)
+                    self._draw_true_depth(axes, depth, depth + 2.1 * room)
+        self._draw_ends(axes, stretch, room=1.3 * (stretch.bottom - stretch.top) / stretch.height)
         axes.set_xlim(0, 1)
         major, minor = (lines(stretch.top, stretch.bottom) for lines in (stretch.lines.major, stretch.lines.minor))
         for zone in self.zones:
@@ -148,7 +148,7 @@ class DepthTrack:
             axes.hlines(minor, left, short, color=RULE, linewidth=0.4)
         return axes
 
-    def _ends(self, axes: Axes, stretch: Stretch, room: float) -> None:
+    def _draw_ends(self, axes: Axes, stretch: Stretch, room: float) -> None:
         """Write the depths of both ends of the stretch, unless another number is near."""
         look: dict[str, Any] = {"ha": "center", "size": USUAL, "family": FONT}
         major = list(stretch.lines.major(stretch.top + room, stretch.bottom - room))
@@ -163,7 +163,7 @@ class DepthTrack:
                 **look,
             )
 
-    def _true(self, axes: Axes, depth: float, place: float) -> None:
+    def _draw_true_depth(self, axes: Axes, depth: float, place: float) -> None:
         """Write the true depth of ``depth``, if it is known, at ``place``, a depth on the track."""
         true = np.nan if self.true_depth is None else float(self.true_depth.at(np.array([depth]))[0])
         if np.isfinite(true):
@@ -269,12 +269,12 @@ class CaliperTrack:
             axes.plot(getattr(turns, name.lower()) / scale, turns.depth, linewidth=0.8, **CURVES[name])
         axes.plot(area, turns.depth, color=AREA, linewidth=0.8)
         axes.axvline(self.bit, color=INK, linewidth=0.9, dashes=(4, 2))
-        self._missing(axes, sheet, stretch)
+        self._draw_missing(axes, sheet, stretch)
         axes.set_xlim(*self.limits)
         depth_lines(axes, stretch)
         return axes
 
-    def _missing(self, axes: Axes, sheet: Sheet, stretch: Stretch) -> None:
+    def _draw_missing(self, axes: Axes, sheet: Sheet, stretch: Stretch) -> None:
         """Draw grey where a turn has no radius, and beyond the wall's ends."""
         rows = sheet.pixels(stretch.height)
         edges = np.linspace(stretch.top, stretch.bottom, rows + 1)

@@ -251,11 +251,11 @@ def _helix(wall: Settings, ends: tuple[float, float]) -> Json:
     start = start if wall.start_depth is None else wall.start_depth
     stop = stop if wall.stop_depth is None else wall.stop_depth
     plan: Json = {"start_depth": start, "stop_depth": stop}
-    vertices = _count(wall, plan)
+    vertices = _vertex_count(wall, plan)
     return plan | {"vertices": vertices, "last_depth": start + (vertices - 1) * wall.pitch / wall.sectors}
 
 
-def _count(settings: Settings, plan: Json) -> int:
+def _vertex_count(settings: Settings, plan: Json) -> int:
     """Return the number of vertices of the whole well, as the core counts them."""
     turns: float = settings.sectors * (plan["stop_depth"] - plan["start_depth"]) / settings.pitch
     return max(0, math.floor(turns) + 1)
@@ -267,11 +267,11 @@ def _blocks(wall: Settings, plan: Json, most_samples: int) -> list[list[int]]:
     found: list[list[int]] = []
     for first in range(0, turns, UNIT):
         stop = min(first + UNIT, turns)
-        if found and _samples(wall, plan, found[-1][0], stop) <= most_samples:
+        if found and _sample_count(wall, plan, found[-1][0], stop) <= most_samples:
             found[-1][1] = stop
         else:
             found.append([first, stop])
-            counted = _samples(wall, plan, first, stop)
+            counted = _sample_count(wall, plan, first, stop)
             if counted > CROWDED * most_samples:
                 rule = f"{UNIT} turns from {plan['start_depth'] + first * wall.pitch:.6g} m on have {counted:,}"
                 raise InputError(
@@ -282,7 +282,7 @@ def _blocks(wall: Settings, plan: Json, most_samples: int) -> list[list[int]]:
     return found
 
 
-def _samples(wall: Settings, plan: Json, first: int, stop: int) -> int:
+def _sample_count(wall: Settings, plan: Json, first: int, stop: int) -> int:
     """Return the number of samples in the bins of turns [first, stop), or that of their vertices if it is larger."""
     ends = sorted(plan["start_depth"] + turn * wall.pitch for turn in (first, stop))
     low, high = (math.floor(end / plan["height"]) for end in ends)
@@ -290,7 +290,7 @@ def _samples(wall: Settings, plan: Json, first: int, stop: int) -> int:
     return max(counted, (stop - first) * wall.sectors)
 
 
-def _load(store: Store, plan: Json, low: float, high: float) -> list[Floats]:
+def _samples_between(store: Store, plan: Json, low: float, high: float) -> list[Floats]:
     """Return depth, toolface, radius and any time of the samples between two depths; ties keep their order."""
     first, last = (math.floor(end / plan["height"]) for end in (max(low, plan["ends"][0]), min(high, plan["ends"][1])))
     parts = [np.empty((0, plan["width"]))]
@@ -315,7 +315,7 @@ def stretch(store: Store, plan: Json, settings: Settings, first: int, stop: int)
     low, high = shallow - up, deep + down
     while True:
         wall = Wall(threads=1, **vars(settings) | own)
-        columns = _load(store, plan, low, high)
+        columns = _samples_between(store, plan, low, high)
         if columns[0].size:
             wall.append(*columns)
         if settings.max_distance is not None and settings.window is None:
@@ -360,7 +360,7 @@ def make_block(run: Run, store: Store, folder: str, number: int, archive: str | 
 
     If both files exist, nothing is done.
     """
-    plan, part = read_plan(store, folder), _part(folder, number)
+    plan, part = read_plan(store, folder), _part_file(folder, number)
     if part in store.sizes(folder) and (archive is None or store.has(archive)):
         return
     settings, (first, stop) = _settings(run), plan["blocks"][number]
@@ -380,7 +380,7 @@ def make_block(run: Run, store: Store, folder: str, number: int, archive: str | 
     inside = (along >= ends[0]) & (along < ends[1])
     coarse = overview_settings(settings)
     coarse_first = first * OVERVIEW_SECTORS // COARSER
-    coarse_stop = _count(coarse, plan) if last else stop * OVERVIEW_SECTORS // COARSER
+    coarse_stop = _vertex_count(coarse, plan) if last else stop * OVERVIEW_SECTORS // COARSER
     made: dict[str, Any] = {name: getattr(logs, name)[rows] for name in COLUMN_NAMES}
     made |= {"vertex_radius": radius[own], "vertex_nearest": nearest[own], "samples": np.count_nonzero(inside)}
     made["overview"] = radii(stretch(store, plan, coarse, coarse_first, coarse_stop), coarse_stop - coarse_first)[0]
@@ -436,14 +436,14 @@ def merged(run: Run, store: Store, folder: str) -> tuple[Merged, Logs, Merged]:
 
     def of_vertices(name: str) -> PartColumn:
         stops = [min(stop * settings.sectors, plan["vertices"]) for _, stop in plan["blocks"]]
-        return PartColumn(lambda number: store.read_arrays(_part(folder, number), name)[0], stops)
+        return PartColumn(lambda number: store.read_arrays(_part_file(folder, number), name)[0], stops)
 
-    rooms = {"overview": _count(coarse, plan), "samples": len(blocks)}
+    rooms = {"overview": _vertex_count(coarse, plan), "samples": len(blocks)}
     rooms |= dict.fromkeys(COLUMN_NAMES, plan["vertices"] // settings.sectors)
     columns: dict[str, Any] = {name: np.empty(room) for name, room in rooms.items()}
     filled = Counter[str]()
     for number in blocks:
-        part = _part(folder, number)
+        part = _part_file(folder, number)
         for (name, column), values in zip(columns.items(), store.read_arrays(part, *columns), strict=True):
             column[filled[name] : filled[name] + values.size] = values.ravel()
             filled[name] += values.size
@@ -460,7 +460,7 @@ def merged(run: Run, store: Store, folder: str) -> tuple[Merged, Logs, Merged]:
     return wall, logs, over
 
 
-def _part(folder: str, number: int) -> str:
+def _part_file(folder: str, number: int) -> str:
     """Return the name of the file that a block leaves for the merge."""
     return f"{folder}/part-{number:05}.npz"
 

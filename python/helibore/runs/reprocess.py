@@ -187,12 +187,12 @@ def connected(client: Client | str | None, workers: int | None = None) -> Iterat
             "dashboard_address": "127.0.0.1:0",
             "preload": IGNORE_CTRL_C,
         }
-        with own, _started(lambda: LocalCluster(**local)) as cluster, Client(cluster) as made:
+        with own, _start_cluster(lambda: LocalCluster(**local)) as cluster, Client(cluster) as made:
             cluster.adapt(minimum=count, maximum=count)  # replaces workers that were lost
             yield made
 
 
-def _started(start: Callable[[], Any]) -> Any:
+def _start_cluster(start: Callable[[], Any]) -> Any:
     """Return what ``start`` returns, a cluster; start it again if a worker dies early, because Dask then ends it."""
     for _ in range(TRIES - 1):
         with contextlib.suppress(RuntimeError):

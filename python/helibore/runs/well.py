@@ -89,9 +89,9 @@ def reprocess_well(job: Job, expected: dict[str, str] | None = None) -> Json:
     check_versions(expected)
     store = Store(job.output)
     try:
-        return _made(job, store)
+        return _make(job, store)
     except InputError:  # outputs in the store are of another input, or incomplete
-        folders = (*_folders(job), _work(job))
+        folders = (*_folders(job), _work_folder(job))
         store.delete([record_name(job.well), *(name for folder in folders for name in store.sizes(folder))])
         raise
 
@@ -101,7 +101,7 @@ def _folders(job: Job) -> tuple[str, ...]:
     return f"wells/{job.key}", f"logs/well={job.key}", f"zones/well={job.key}"
 
 
-def _made(job: Job, store: Store) -> Json:
+def _make(job: Job, store: Store) -> Json:
     with _opened(job) as (run, local):
         before: Json | None = store.read_checked(record_name(job.well))
         if before is not None:
@@ -116,7 +116,7 @@ def _made(job: Job, store: Store) -> Json:
         batches = stream(run, most) if is_stream else prepared_batches(run, samples, most)
         if batches is not None:
             made_from = _made_from(job, run.files, local)
-            plan = plan_well(run, store, _work(job), made_from, most, batches)
+            plan = plan_well(run, store, _work_folder(job), made_from, most, batches)
             _check_path(job, run, plan["start_depth"], plan["last_depth"])
             return {"blocks": len(plan["blocks"])}
         build_wall(run, images, samples, threads=1)
@@ -138,7 +138,7 @@ def reprocess_block(job: Job, number: int, expected: dict[str, str] | None = Non
     check_versions(expected)
     with _opened(job, ("survey",)) as (run, _):
         archive = f"wells/{job.key}/{job.key}-{number:05}.wall" if "archive" in job.outputs else None
-        make_block(run, Store(job.output), _work(job), number, archive)
+        make_block(run, Store(job.output), _work_folder(job), number, archive)
 
 
 def merge_well(job: Job, expected: dict[str, str] | None = None) -> Json:
@@ -146,20 +146,20 @@ def merge_well(job: Job, expected: dict[str, str] | None = None) -> Json:
     check_versions(expected)
     store = Store(job.output)
     with _opened(job, ("survey",)) as (run, _):
-        wall, logs, over = merged(run, store, _work(job))
+        wall, logs, over = merged(run, store, _work_folder(job))
         files, save = _saver(store)
         files |= store.sizes(f"wells/{job.key}")
         zones = _save_tables(job, save, classify(wall, None, logs))
         if "mesh" in job.outputs:
             _save_overview(job, save, surface_of(over, run.path, threads=1))
         row = catalogue_row(job.well, run.settings, wall, logs, summarize(wall, zones=zones))
-    made_from = read_plan(store, _work(job))["made_from"]
+    made_from = read_plan(store, _work_folder(job))["made_from"]
     record = _write_record(job, store, made_from, files, row)
-    store.delete(list(store.sizes(_work(job))))
+    store.delete(list(store.sizes(_work_folder(job))))
     return record
 
 
-def _work(job: Job) -> str:
+def _work_folder(job: Job) -> str:
     """Return the folder of a large well's temporary files in the store."""
     return f"work/{job.key}"
 

@@ -31,7 +31,7 @@ from helibore.files.log_writing import save_table
 from helibore.runs.blocks import AS_STREAM, PartColumn, _beyond_gap
 from helibore.runs.manifest import OUTPUTS, Job, check_files, read_jobs
 from helibore.runs.output_store import Store
-from helibore.runs.reprocess import Progress, _started, status
+from helibore.runs.reprocess import Progress, _start_cluster, status
 from helibore.runs.run import checksum
 from helibore.runs.well import merge_well, reprocess_block, reprocess_well, versions
 from helibore.simulation.tool import Hole, Tool, simulate
@@ -800,10 +800,10 @@ def test_a_cluster_is_started_again_where_a_worker_dies_at_its_start() -> None:
             raise found
         return found
 
-    assert _started(start) == "cluster"
+    assert _start_cluster(start) == "cluster"
     left[:] = [RuntimeError(f"Nanny failed to start, {number}.") for number in range(4)]
     with pytest.raises(RuntimeError, match="start, 2"):
-        _started(start)
+        _start_cluster(start)
 
 
 def test_time_left_follows_from_the_wells_made() -> None:
