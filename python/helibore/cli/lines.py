@@ -114,7 +114,7 @@ def annulus_lines(annuli: Iterable[Annulus]) -> Lines:
         if each.narrower:
             row = int(np.nanargmin(each.hole))
             narrowest = f"narrowest at {each.depth[row]:.2f} m, {size_text(each.hole[row])}"
-            lines.append(("", f"does not pass {each.narrower:,.1f} m, which have no annulus: {narrowest}"))
+            lines.append(("", f"it does not pass {each.narrower:,.1f} m, which have no annulus; {narrowest}"))
         if np.isfinite(each.clearance).any():
             row = int(np.nanargmin(each.clearance))
             least = float(each.clearance[row])

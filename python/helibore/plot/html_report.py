@@ -218,7 +218,7 @@ def _pictures(content: Content) -> str:
         width = figure.get_size_inches()[0] * MM
         picture = base64.b64encode(rendered([figure], ".png")).decode()
         shown = f'<img style="width:{width:g}mm" alt="{html.escape(words)}" src="data:image/png;base64,{picture}">'
-        # Printed on A4 at 100 %, 210 mm are 210 mm; what is wider is shrunk, and then the scale is not true.
+        # Printed on A4 at 100 %, a picture 210 mm wide has its size; a wider one is shrunk, so its scale is not true.
         wide = f"<figcaption>{width:g} mm wide: on narrower paper the depth scale is not true.</figcaption>"
         figures.append(f"<figure>{shown}{wide if width > PAPER[0] + 1e-6 else ''}</figure>")
     return "\n".join(figures)
