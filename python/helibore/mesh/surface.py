@@ -173,7 +173,7 @@ class Surface(Mesh):
         Raises
         ------
         InputError
-            On another ending, on other attributes than those of the earlier parts, and on files that are not VTKHDF.
+            On another ending, on other attributes than those of the earlier parts, and on files of other programs.
         OSError, MissingExtraError
             As `save`.
         """

@@ -61,6 +61,9 @@ def append_mesh(mesh: Mesh, path: Path, origin: tuple[float, float, float]) -> N
         if "VTKHDF" not in file:
             raise InputError(str(path), "an HDF5 file, but not VTKHDF")
         group = file["VTKHDF"]
+        needed = {"FieldData", *(name.partition("/")[0] for name in _columns(part))}
+        if missing := needed - set(group):
+            raise InputError(str(path), f"not a file that helibore wrote: it has no {', '.join(sorted(missing))}")
         _require_alike(path, group, part)
         columns = {name: np.concatenate([group[name], of]) for name, of in _columns(part).items()}
         metadata = {name: text[0].decode() for name, text in group["FieldData"].items()}

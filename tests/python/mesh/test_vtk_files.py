@@ -152,6 +152,11 @@ def test_parts_that_do_not_belong_are_refused_and_the_file_kept(tmp_path: Path) 
     h5py.File(tmp_path / "c.vtkhdf", "w").close()
     with pytest.raises(ValueError, match=r"c\.vtkhdf: an HDF5 file, but not VTKHDF$"):
         first.append_to(tmp_path / "c.vtkhdf")
+    with h5py.File(tmp_path / "c.vtkhdf", "w") as other:
+        other.create_group("VTKHDF/PointData").parent.attrs["Type"] = np.bytes_("ImageData")
+    text = r"c\.vtkhdf: not a file that helibore wrote: it has no CellData, Connectivity, FieldData, NumberOfCells, "
+    with pytest.raises(hb.InputError, match=text):
+        first.append_to(tmp_path / "c.vtkhdf")
     assert sorted(each.name for each in tmp_path.iterdir()) == ["a.vtkhdf", "b.vtkhdf", "c.vtkhdf"]
 
 
