@@ -89,8 +89,10 @@ class Annulus:
         """
         if not (math.isfinite(excess) and excess >= 0):
             raise InputError("excess", "must be finite and not negative", str(excess))
-        top = float(self.depth.min(initial=math.inf)) if top is None else top
-        bottom = float(self.depth.max(initial=-math.inf)) if bottom is None else bottom
+        if not self.depth.size:
+            raise InputError("cement", "the logs have no row")
+        top = float(self.depth.min()) if top is None else top
+        bottom = float(self.depth.max()) if bottom is None else bottom
         inside = self.volume[(self.depth >= top) & (self.depth <= bottom)]
         if not inside.size:
             raise InputError("cement", f"no row between {top:g} and {bottom:g} m")
