@@ -276,6 +276,8 @@ class Logs(Tabular):
                 "known; the path's head (north, east and true depth of that station) says it"]  # fmt: skip
 
     def _warnings_of_shape(self) -> list[str]:
+        if not len(self):
+            return []
         size = self.equivalent_diameter[np.isfinite(self.equivalent_diameter)]
         median = float(np.median(size)) if size.size else self.bit_diameter
         small = 1.0 - median / self.bit_diameter

@@ -196,6 +196,12 @@ def test_arms_without_opposite_arms_leave_the_shape_to_the_wall() -> None:
     assert hb.reconstruct(caliper, bit_diameter=BIT).logs().shape == "wall"
 
 
+def test_logs_without_a_row_warn_of_no_shape() -> None:
+    logs = hb.reconstruct(four_arms(ellipse), bit_diameter=BIT).logs()
+    assert logs.warnings() != []
+    assert logs.between(100, 200).warnings() == []
+
+
 def test_where_an_arm_is_missing_no_size_of_the_turn_is_stated() -> None:
     caliper = four_arms(ellipse, length=30.0)
     kept = ~((caliper.depth > 10) & (caliper.depth < 20) & (caliper.arm % 2 == 1))
