@@ -63,6 +63,7 @@ RADIUS = "Radius"
 RADIUS_TITLE = "Radius − bit/2"
 REFERENCES = tuple(reference for reference in SIDES if reference)
 MOST_SECTIONS = len(ascii_uppercase)
+LARGEST_SCALE = 1_000_000
 ROOM = 192.0
 """Millimetres across A4 for the tracks, each with a gap of 2."""
 NARROW_CURVE, NARROW_IMAGE = 15.0, 24.0
@@ -169,8 +170,9 @@ class Drawing:
     criteria: Criteria | None = None
 
     def __post_init__(self) -> None:
-        if self.scale is not None and not (isinstance(self.scale, int) and self.scale >= 1):
-            raise InputError("scale", "must be a whole number, 200 for 1:200", str(self.scale))
+        if self.scale is not None and not (isinstance(self.scale, int) and 1 <= self.scale <= LARGEST_SCALE):
+            rule = f"must be a whole number up to {LARGEST_SCALE:,}, 200 for 1:200"
+            raise InputError("scale", rule, str(self.scale))
         if self.reference is not None:
             check_choice("reference", self.reference, REFERENCES)
         if self.elevation is not None and not math.isfinite(self.elevation):

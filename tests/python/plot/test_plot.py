@@ -362,7 +362,8 @@ def hb_washout(start: float, stop: float) -> Any:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"scale": 0}, "scale = 0: must be a whole number, 200 for 1:200"),
+        ({"scale": 0}, "scale = 0: must be a whole number up to 1,000,000, 200 for 1:200"),
+        ({"scale": 10**9}, "scale = 1000000000: must be a whole number up to 1,000,000, 200 for 1:200"),
         ({"reference": "up"}, "reference = 'up': must be one of high-side, north, parallel-transport"),
         ({"left": 45}, "left = 45: must be 0, 90, 180 or 270"),
         ({"curves": ("C3",)}, "curve 'C3': must be one of C1, C2, D0, D90"),
