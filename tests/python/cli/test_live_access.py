@@ -138,6 +138,8 @@ def test_the_token_is_printed_on_a_terminal_only(monkeypatch, capsys):
         (["--host", "0.0.0.0"], "host 0.0.0.0: is open to other machines, so it needs a token"),
         (["--key", "x.pem"], "key: needs a certificate"),
         (["--token", ""], "token: must not be empty"),
+        (["--metrics-port", "65536"], "Invalid value for '--metrics-port': 65536 is not in the range 0<=x<=65535."),
+        (["--every", "0"], "Invalid value for '--every': 0.0 is not in the range x>=1."),
         (
             ["--certificate", "no-such.pem"],
             "certificate = 'no-such.pem': cannot be used with its key: [Errno 2] No such file or directory",
