@@ -9,6 +9,7 @@ has passed them, gamma rows, and frames of up to 30 triples (toolface, depth, ra
 
 from __future__ import annotations
 
+import errno
 import socket
 import time
 from collections.abc import Iterator
@@ -214,18 +215,26 @@ def socket_address(text: str) -> Address:
 def connect(address: str, seconds: float = 30.0) -> socket.socket:
     """Return a socket: ``tcp://HOST:PORT`` connects, ``listen://HOST:PORT`` waits for one connection.
 
-    Raises OSError if there is no connection within ``seconds``.
+    Raises OSError, with the address, if there is no connection within ``seconds``.
     """
     found = socket_address(address)
     where = (found.host, found.port)
-    if found.kind == "listen":
+    try:
+        if found.kind == "tcp":
+            return _connected(where, seconds)
+        listening = socket.create_server(where)
+    except OSError as error:
+        raise port_error(error, *where, "address (--wits)") from error
+    with listening:
+        listening.settimeout(seconds)
         try:
-            listening = socket.create_server(where)
-        except OSError as error:
-            raise port_error(error, *where, "address (--wits)") from error
-        with listening:
-            listening.settimeout(seconds)
             return listening.accept()[0]
+        except TimeoutError as error:
+            raise TimeoutError(errno.ETIMEDOUT, f"{address}: nobody connected within {seconds:g} s") from error
+
+
+def _connected(where: tuple[str, int], seconds: float) -> socket.socket:
+    """Return a socket that is connected to an address; try again while the address refuses, for ``seconds``."""
     end = time.monotonic() + seconds
     while True:
         try:

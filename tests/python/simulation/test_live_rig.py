@@ -22,7 +22,7 @@ from helibore.live import wits
 from helibore.live.configuration import parse
 from helibore.live.server import Server
 from helibore.live.snapshot import snapshot
-from helibore.simulation.rig import Faults, Rig, configuration, play
+from helibore.simulation.rig import Faults, Rig, configuration, connect, play
 from helibore.simulation.tool import Lift
 
 EM = ("--telemetry", "em")
@@ -232,3 +232,14 @@ def test_an_address_that_is_taken_is_named():
         result = CliRunner().invoke(cli, ["simulate", "--wits", f"listen://127.0.0.1:{port}", "-q", *EM])
     rule = "Address already in use; give another address (--wits)"
     assert (result.exit_code, result.stderr) == (2, f"helibore: 127.0.0.1 port {port}: {rule}\n")
+
+
+def test_an_address_without_a_connection_is_named():
+    port = free_port()
+    with pytest.raises(ConnectionRefusedError) as refused:
+        connect(f"tcp://127.0.0.1:{port}", 0.01)
+    rule = "Connection refused; give another address (--wits)"
+    assert refused.value.strerror == f"127.0.0.1 port {port}: {rule}"
+    with pytest.raises(TimeoutError) as late:
+        connect(f"listen://127.0.0.1:{port}", 0.01)
+    assert late.value.strerror == f"listen://127.0.0.1:{port}: nobody connected within 0.01 s"
