@@ -57,7 +57,7 @@ PLAYED = ("start", "stop", "lifts", "seed", "wits", "telemetry", "speed", "fault
     opt("--wits", "Play a rig over WITS to tcp://HOST:PORT or listen://HOST:PORT.", metavar="ADDRESS"),
     opt("--telemetry", "Rate and delay.", type=click.Choice(["mud-pulse", "em", "wired-pipe", "memory"]),
         default="wired-pipe"),
-    opt("--speed", "How many times as fast as real time; 0: at once.", type=float, default=1.0),
+    opt("--speed", "How many times as fast as real time; 0: at once.", type=click.FloatRange(0), default=1.0),
     opt("--faults", "Shares of frames dropped, sent twice, sent late.", nargs=3, type=float, default=(0.0, 0.0, 0.0)),
 )  # fmt: skip
 def simulate(folder: Path | None, samples: int | None, seed: int, ending: str, quiet: bool, **options: Any) -> None:

@@ -172,6 +172,7 @@ def test_the_tool_is_lifted_where_it_is_told_to_be():
         (["hole"], "FOLDER: does not go with --wits"),
         (["--noise", "1mm"], "--noise: does not go with --wits"),
         (["--format", "npz", "-q"], "--format: does not go with --wits"),
+        (["--speed", "-1"], "Invalid value for '--speed': -1.0 is not in the range x>=0."),
         (["--wits", "127.0.0.1:9872"], "address '127.0.0.1:9872': must be tcp://HOST:PORT or listen://HOST:PORT"),
     ],
 )
