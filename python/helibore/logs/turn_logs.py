@@ -60,7 +60,7 @@ LARGE = 1.85
 SMALL = 0.1
 """If a hole is smaller than bit size by more than this share, bit size or units are probably wrong."""
 SHAPE_KEPT = 0.7
-"""Least share of the arms' out-of-roundness that the wall must have to be called true to shape."""
+"""If the wall has a smaller share of the arms' out-of-roundness, a warning says that it is rounder than the hole."""
 VERTICAL = 1e-6
 """Sine of the inclination, 0.00006 degrees, up to which a hole has no azimuth."""
 RUGOSITY_WINDOW = 1.0
@@ -382,7 +382,7 @@ TOOLFACE_0 = {
     "parallel-transport": "north at the top of the path, carried down it without twist",
     "": "that of the samples; neither a path nor an image of the wall says what it is",
 }
-"""What toolfaces count from, for files."""
+"""What toolfaces count from, by reference, as files state it."""
 
 COLUMN_NAMES = tuple(field.name for field in fields(Logs) if field.type == "Floats")
 

@@ -16,7 +16,7 @@ from helibore.base.units import FOOT
 FINE_SCALES = (20, 40, 200)
 COARSEST = 500
 LONGEST = 1000.0
-"""Millimetres of paper that a fine scale may need."""
+"""Most millimetres of paper that an interval may take at a fine scale."""
 
 
 def usual_depth_scale(length: float) -> int:

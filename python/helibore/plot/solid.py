@@ -30,7 +30,7 @@ LENGTH = 12.0
 """Metres of hole in a body, unless another length is asked for."""
 STEPS = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0)
 SLENDER = 5.5
-"""Length of a body over its width at bit size, both as drawn, about."""
+"""Approximate length of a body over its width at bit size, both as drawn."""
 MOST_SHAPE = 10.0
 LEAST_RELIEF = 1e-4
 """Metres; a hole that differs less from bit size, as gauge hole does, has no shape to exaggerate."""

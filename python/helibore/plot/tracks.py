@@ -49,7 +49,7 @@ GREY = tuple(part / 255.0 for part in MISSING)
 SCALAR = "#1d6b3a"
 """Colour of the line of a `ScalarCurve`."""
 HATCH = 1.4
-"""Distance of the lines that hatch values interpolated between arms, millimetres."""
+"""Distance between the lines that hatch values interpolated between arms, millimetres."""
 HATCH_COLOR = tuple(part / 255.0 for part in HATCH_BYTES)
 AREA = "#b3261e"
 LETTERS = {"washout": "W", "breakout": "B", "key seat": "K", "undergauge": "U"}

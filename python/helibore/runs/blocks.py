@@ -44,7 +44,7 @@ from helibore.trajectory.survey import Path as WellPath
 from helibore.wall.wall import Wall
 
 UNIT = 256
-"""Turns; blocks of logs begin at multiples of this number, also in the core."""
+"""Turns; a block begins at a multiple of this number, as the blocks do in which the core computes logs."""
 BIN_TURNS = 64
 """Height of a bin, turns."""
 CROWDED = 4

@@ -331,7 +331,7 @@ COLUMNS = NUMBERS | {
     "breakout_axis": ("deg", "Mean axis of breakouts"),
     "breakout_deviation": ("deg", "Standard deviation of that axis"),
 }
-"""Columns of the catalogue that are numbers."""
+"""Columns of the catalogue that are numbers: unit and description."""
 
 
 def catalogue_row(well: str, settings: RunSettings, wall: Wall | Merged, logs: Logs, summary: WallSummary) -> Json:
