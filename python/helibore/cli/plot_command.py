@@ -201,7 +201,12 @@ def _trust(run: Run, options: dict[str, Any]) -> Lines:
 def _with_look(curve: ScalarCurve, looks: dict[str, Look]) -> ScalarCurve:
     """Return the curve with the scale that --limits and --log state for its name; take its entry out of ``looks``."""
     look = looks.pop(curve.name, None)
-    return curve if look is None else replace(curve, limits=look.limits, log=bool(look.log))
+    if look is None:
+        return curve
+    for option, value in (("dynamic", look.window), ("color-map", look.color_map)):
+        if value is not None:
+            raise click.UsageError(f"--{option} {curve.name}: goes with an image, not with a curve")
+    return replace(curve, limits=look.limits, log=bool(look.log))
 
 
 def _scale(text: str | None) -> int | None:

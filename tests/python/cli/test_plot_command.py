@@ -283,6 +283,16 @@ def test_plot_refuses(archive: Path, monkeypatch: pytest.MonkeyPatch, arguments:
     assert sorted(path.name for path in archive.parent.iterdir()) == ["log.png", "well.wall"]
 
 
+@pytest.mark.parametrize(("option", "value"), [("--dynamic", "1m"), ("--color-map", "viridis")])
+def test_what_only_an_image_has_is_refused_for_a_curve(archive: Path, option: str, value: str) -> None:
+    table = archive.parent / "log.csv"
+    table.write_text("depth_m,CAL_in\n" + "".join(f"{2000 + row},8.5\n" for row in range(9)))
+    given = ("--scalar", f"{table}:CAL_in", option, f"CAL_in={value}", "-o", archive.parent / "log.png")
+    result = run_cli(archive, *given)
+    assert result.exit_code == 2
+    assert f"helibore: {option} CAL_in: goes with an image, not with a curve" in result.stderr
+
+
 @pytest.mark.parametrize("option", ["--image=log.csv:GR:edge", "--average=log.csv:GR"])
 def test_a_channel_that_is_not_there_is_named(tmp_path: Path, option: str) -> None:
     table = tmp_path / "log.csv"
