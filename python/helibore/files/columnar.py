@@ -2,8 +2,8 @@
 
 Parquet: a number column -> (n,); a list column of constant length K -> (n, K); unit from the field's metadata
          ("unit" or "uom"), else from the name
-NPZ:     arrays with the most common first length n (of the images, if there are any) are channels (n,) or (n, K);
-         an array of length K beside an (n, K) image is the sector axis of that image
+NPZ:     n is the most common first length of the images or, without images, of all arrays; arrays of this length
+         are channels (n,) or (n, K); an array of length K beside an (n, K) image states the image's sector angles
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ OWN_UNITS = {
 
 
 def read_parquet(source: InputFile) -> RawFile:
-    """Open a Parquet file; each column is read at its first use."""
+    """Open a Parquet file; each column is read at its first use, and a list column here too, for its length."""
     with needs("pyarrow", "parquet"):
         import pyarrow as pa
         from pyarrow import parquet
@@ -85,7 +85,7 @@ def _parquet_loader(source: InputFile, file: Any, name: str) -> Callable[[], Arr
 
 
 def parquet_values(column: Any) -> Array:
-    """Return the values of a ``pyarrow.Array``: a masked array if they are floats, some empty, else a plain one."""
+    """Return the values of a ``pyarrow.Array``, as a masked array if they are floats and some of them are null."""
     values: Array = column.to_numpy(zero_copy_only=False)
     empty = bool(column.null_count) and values.dtype.kind == "f"
     return np.ma.MaskedArray(values, column.is_null().to_numpy(zero_copy_only=False)) if empty else values
@@ -96,7 +96,7 @@ DAMAGED_NPZ = (ValueError, OSError, EOFError, KeyError, zipfile.BadZipFile, NotI
 
 
 def read_npz(source: InputFile) -> RawFile:
-    """Read all arrays of an NPZ archive. Pickled arrays are refused."""
+    """Read all arrays of an NPZ archive. An archive with a pickled array is refused."""
     refuse_zip_bomb(source)
     try:
         with np.load(source.path, allow_pickle=False) as archive:
@@ -127,7 +127,7 @@ def _dates_as_text(array: Array) -> Array:
 
 
 def own_unit(name: str, remarks: list[str]) -> str:
-    """Return the unit of a binary column with one of helibore's own names (``depth`` ...), and add a remark."""
+    """Return the unit of a binary column with one of helibore's names (``depth`` ...) and add a remark; else ``""``."""
     unit = OWN_UNITS.get(name, "")
     if unit:
         remarks.append(f"{name}: no unit stated; a binary column of this name is taken as {unit}")
@@ -135,7 +135,7 @@ def own_unit(name: str, remarks: list[str]) -> str:
 
 
 def _axis_beside(array: Array, rows: int, arrays: dict[str, Array]) -> SectorAxis | None:
-    """Return the sector axis of an (n, K) image: a number array of length K in the same archive."""
+    """Return the sector axis of an (n, K) image from the first array of K numbers in the same archive; else None."""
     if array.ndim != 2 or array.shape[0] != rows:
         return None
     for name, other in arrays.items():

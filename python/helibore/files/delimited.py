@@ -96,7 +96,7 @@ def _head_text(source: InputFile) -> tuple[str, str, bool]:
 
 
 def find_layout(source: InputFile, head: str) -> TableLayout:
-    """Find delimiter, header and units row in the first lines of a table. Raise an InputError if there are none."""
+    """Find delimiter, header and units row in the first lines of a file. Raise an InputError if it is no table."""
     remarks = []
     lines = head.split("\n", HEADING_LINES)[:HEADING_LINES]
     start, header_line = 0, source.header_line
@@ -129,7 +129,10 @@ def find_layout(source: InputFile, head: str) -> TableLayout:
 
 
 def _without_header(lines: list[str], start: int, delimiter: str, width: int, remarks: list[str]) -> TableLayout:
-    """Name the columns of a table without a header: by the last comment line that fits, or else by number."""
+    """Return the layout of a table without a header.
+
+    The last comment line with ``width`` cells names its columns; without one, they are named by number.
+    """
     for line in reversed(lines[:start]):
         names = [cell.strip() for cell in split_cells(line.strip().lstrip("#"), delimiter)]
         if len(names) == width and width > 1 and all(names):
@@ -140,7 +143,10 @@ def _without_header(lines: list[str], start: int, delimiter: str, width: int, re
 
 
 def _delimiter(source: InputFile, rows: list[str], line: int) -> str:
-    """Return the delimiter that splits each of the first rows into the same number of cells, at least two."""
+    """Return the delimiter that splits each of the first rows into the same number of cells, at least two.
+
+    Without one, return the delimiter that splits the header into most cells, or a comma for one column of numbers.
+    """
     sample = rows[:20]
     widths = {mark: [len(split_cells(row, mark)) for row in sample] for mark in DELIMITERS}
     even = [mark for mark in DELIMITERS if widths[mark][0] > 1 and len(set(widths[mark])) == 1]
@@ -162,7 +168,7 @@ def _delimiter(source: InputFile, rows: list[str], line: int) -> str:
 
 
 def _by_pyarrow(source: InputFile, layout: TableLayout, head: str, encoding: str) -> list[Array] | None:
-    """Read the columns with pyarrow; return None if pyarrow is not installed or refuses the table.
+    """Read the columns with pyarrow; return None if pyarrow is not installed or cannot read the table.
 
     The first 2 MiB decide the types of the columns, so that the types do not depend on how pyarrow cuts the table.
     """
@@ -194,7 +200,10 @@ def _by_pyarrow(source: InputFile, layout: TableLayout, head: str, encoding: str
 
 
 def _rows(csv: Any, content: Any, layout: TableLayout, skip: int, types: dict[str, Any] | None = None) -> Any:
-    """Read the rows below the first ``skip`` lines. Columns are called "0", "1" ...: pyarrow refuses repeated names."""
+    """Return the rows below the first ``skip`` lines as a ``pyarrow.Table``.
+
+    Its columns are called "0", "1" ..., because pyarrow refuses repeated names.
+    """
     numbered = [str(position) for position in range(len(layout.names))]
     return csv.read_csv(
         content,
@@ -219,7 +228,7 @@ def _copied(pa: ModuleType, text: bytes) -> Any:
 def _unpacked(
     pa: ModuleType, csv: Any, source: InputFile, layout: TableLayout, encoding: str, types: dict[str, Any]
 ) -> Any:
-    """Read a table that must be unpacked or decoded: a second thread parses a piece while the next is prepared."""
+    """Read a table that must be unpacked or decoded. A second thread parses a piece while this one unpacks the next."""
     parts: list[Future[Any]] = []
     with ThreadPoolExecutor(1) as beside:
         for piece in source.pieces():
@@ -245,7 +254,7 @@ def _column_type(pa: ModuleType, column: Any) -> Any:
 
 
 def _line_finder(source: InputFile, layout: TableLayout) -> Callable[[int], int]:
-    """Return a function that gives the line of a row. It reads the file to count lines, so only errors call it."""
+    """Return a function that returns the line of a row. Each call reads the file again, so only errors call it."""
 
     def line_of(row: int) -> int:
         rows = (line for line, raw in enumerate(source.lines(), 1) if line > layout.skip and raw.strip())

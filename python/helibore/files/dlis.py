@@ -46,7 +46,7 @@ def read(source: InputFile) -> RawFile:
 
 @contextmanager
 def damage_named(source: InputFile, what: str = "") -> Iterator[None]:
-    """Turn the errors of dlisio's C++ core (RuntimeError, ValueError, OSError, EOFError) into one InputError."""
+    """Turn an error of dlisio (RuntimeError, ValueError, OSError, EOFError) into an InputError that names ``what``."""
     try:
         yield
     except InputError:
@@ -58,7 +58,7 @@ def damage_named(source: InputFile, what: str = "") -> Iterator[None]:
 
 @contextmanager
 def dlisio_warnings() -> Iterator[set[str]]:
-    """Collect dlisio's warnings, for example about text that is not UTF-8, which dlisio returns as bytes."""
+    """Collect dlisio's warnings, for example of text that is not UTF-8, in a set that is filled at the block's end."""
     remarks: set[str] = set()
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -74,7 +74,7 @@ def text_of(value: Any) -> str:
 
 
 def _parameters(logical: Any) -> dict[str, str]:
-    """Return the parameters of a logical file by name; numbers have their unit, and damaged parameters are left out."""
+    """Return the parameters of a logical file by name, numbers with their unit; damaged parameters are left out."""
     found = {}
     for parameter in logical.parameters:
         with suppress(Exception):  # a damaged parameter does not keep the frames from being read
@@ -85,7 +85,7 @@ def _parameters(logical: Any) -> dict[str, str]:
 
 
 def _frame(source: InputFile, name: str, frame: Any, parameters: dict[str, str]) -> RawSet:
-    """Return the set of one frame. Its channels are read now, and its rows are read at their first use."""
+    """Return the set of one frame. The definitions of its channels are read now, its rows at their first use."""
     with damage_named(source, f"frame {name}"):
         dtype = frame.dtype()
         labels = [label for label in dtype.names if label != "FRAMENO"]
@@ -123,7 +123,7 @@ def _frame(source: InputFile, name: str, frame: Any, parameters: dict[str, str])
 
 
 def _axis(channel: Any) -> SectorAxis | None:
-    """Return first coordinate and spacing of a channel's only axis, if the file states an axis."""
+    """Return the axis of a channel that has exactly one, else None. First angle and step are NaN if not stated."""
     axes = channel.axis
     if len(axes) != 1:
         return None

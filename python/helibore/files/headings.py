@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 
-# Spellings that may end a name after "_" or stand in a row of units; compared in lower case.
+# Spellings of units that may end a name after "_" or stand in a row of units; compared in lower case.
 _SPELLED = """
     m mm cm km ft ftus in inch inches feet foot meter meters metre metres 0.1in 0.1_in 1/64in um
     deg degree degrees dega rad radian radians grad gon
@@ -19,14 +19,14 @@ _SPELLED = """
 """
 SPELLINGS = frozenset(_SPELLED.split())
 AMBIGUOUS = frozenset({"min", "v", "h", "pa", "grad", "second", "minute", "hour", "day", "days", "seconds", "hz"})
-"""Units of a units row that mean something else at the end of a name: ``radius_min``, ``res_h``."""
+"""Spellings that are a unit only in a row of units, and mean something else at the end of a name: ``radius_min``."""
 
 BRACKETED = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\s*$")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
 
 def describe(name: str) -> str:
-    """Return the unit at the end of a column name as it is written, or ``""`` if the name has no unit."""
+    """Return the unit at the end of a column name, as written there, or ``""`` if the name states no unit."""
     bracketed = BRACKETED.search(name)
     if bracketed and not bracketed[1].isdigit():
         return bracketed[1]
@@ -50,6 +50,6 @@ def to_float(cell: str) -> float:
 
 
 def is_units_row(cells: list[str]) -> bool:
-    """Return whether a row holds only known units, perhaps in brackets, blanks and dashes, with at least one unit."""
+    """Return whether a row holds at least one known unit, perhaps in brackets, and else only units, dashes, blanks."""
     spellings = [cell.strip("()[] -").lower() for cell in cells]
     return any(spellings) and all(not spelling or spelling in SPELLINGS for spelling in spellings)

@@ -26,19 +26,19 @@ LINE_LIMIT = 1 << 20
 line at the latest at four times this length."""
 
 HEAD = 1 << 16
-"""Number of the first bytes, which decide the format."""
+"""Number of bytes at the start of a file that decide its format."""
 
 PIECE = 1 << 21
-"""Step (bytes) in which a table is unpacked. All lines above the rows lie within the first step."""
+"""Step (bytes) in which a table is unpacked. A table's header must lie within the first step."""
 
 TEXT_LIMIT = 1 << 30
 """Largest text (bytes) of a format that is read whole (LAS)."""
 
 GZIP_FREE = 1 << 26
-"""Bytes to which a gzip stream may always unpack; the ratio below limits longer streams."""
+"""Bytes to which a gzip stream or a zip archive may always unpack; beyond this, ``GZIP_RATIO`` limits it."""
 
 GZIP_RATIO = 200
-"""Most unpacked bytes per packed byte. Logs that are mostly -999.25 reach 100; gzip can reach 1,032."""
+"""Most unpacked bytes per packed byte. Logs of mostly -999.25 reach a ratio of 100; gzip bombs can reach 1,032."""
 
 UTF8_BOM = codecs.BOM_UTF8
 
@@ -116,13 +116,13 @@ class InputFile:
             self.head = read_exactly(stream, HEAD)
 
     def stream(self) -> BinaryIO:
-        """Return the (unpacked) bytes from the start. The caller closes it."""
+        """Return a stream of the file's bytes, unpacked if it is gzipped. The caller closes the stream."""
         if self.compressed:
             return cast(BinaryIO, io.BufferedReader(Gunzip(self.path), LINE_LIMIT))
         return self.path.open("rb")
 
     def lines(self) -> Iterator[bytes]:
-        """Yield every line with its ending; a line longer than ``LINE_LIMIT`` is an error that names the line."""
+        """Yield every line with its ending; a line longer than ``LINE_LIMIT`` raises an error that names the line."""
         with self.stream() as stream:
             number = 1
             while line := stream.readline(LINE_LIMIT + 1):
@@ -132,7 +132,7 @@ class InputFile:
                 number += 1
 
     def pieces(self) -> Iterator[bytes]:
-        """Yield the content in pieces of whole lines, about 2 MiB each; a line that is too long is an error."""
+        """Yield the content in pieces of whole lines, about 2 MiB each; a line that is too long raises an error."""
         with self.stream() as stream:
             lines, rest = 0, b""
             while more := read_exactly(stream, PIECE):
@@ -150,7 +150,7 @@ class InputFile:
     def error(
         self, rule: str, line: int | str | None = None, column: str | None = None, value: str | None = None
     ) -> InputError:
-        """Return the `file_error` of this file."""
+        """Return a `file_error` that names this file."""
         return file_error(self.path, rule, line, column, value)
 
     def line_too_long(self, line: int | None) -> InputError:

@@ -26,10 +26,10 @@ SIZE_LIMIT = 1 << 28
 """Largest JSON text (bytes) that is read; the parser needs about ten times as much memory."""
 
 EMPTY_FREE, EMPTY_RATIO = 1 << 20, 200
-"""An array curve may have this many cells in any case, and this many more for each value that it holds."""
+"""An array curve may have ``EMPTY_FREE`` cells, and ``EMPTY_RATIO`` more for each value that it holds."""
 
 WELL_UNITS = {"MD": "depth_unit", "TVD": "depth_unit", "N": "surface_unit", "E": "surface_unit"}
-"""The key of a standard well's header that states the unit of a column."""
+"""For each column of a standard well, the key of the well's header that states the unit."""
 
 
 def read(source: InputFile) -> RawFile:
@@ -74,7 +74,7 @@ def _parse(source: InputFile) -> Any:
 
 
 def _log(source: InputFile, name: str, log: dict[str, Any]) -> RawSet:
-    """Return the set of one log: turn rows of cells into columns."""
+    """Return the set of one log, its rows of cells turned into columns."""
     curves, rows = log["curves"], log["data"]
     if not isinstance(curves, list) or not curves or not all(isinstance(c, dict) and c.get("name") for c in curves):
         raise source.error(f'{name}: "curves" must be a list of objects with a name')
@@ -105,7 +105,7 @@ NUMBERS = {int, float, type(None)}
 
 
 def _column(source: InputFile, name: str, curve: dict[str, Any], cells: Sequence[Any] | Array) -> Array:
-    """Return one curve as an array, null as NaN. Raise an error that names the row of a cell of the wrong type."""
+    """Return one curve as numbers (null is NaN) or texts (null is ""). A cell of a wrong type raises an InputError."""
     if isinstance(cells, np.ndarray):
         return cells
     size = curve.get("dimensions") or 1
@@ -150,7 +150,7 @@ def _floats(source: InputFile, name: str, cells: Sequence[Any]) -> Array:
 
 
 def _well(source: InputFile, name: str, well: Any) -> RawSet:
-    """Return the set of one standard well: equally long lists of numbers by name, and a header with the units."""
+    """Return the set of one standard well, an object of equally long lists and a header that states their units."""
     if not isinstance(well, dict) or not isinstance(well.get("header", {}), dict):
         raise source.error(f"well {name!r}: must be an object of columns")
     header = {str(key): str(value) for key, value in well.get("header", {}).items()}

@@ -1,11 +1,13 @@
-"""Read LAS 2.0 and LAS 3.0 files.
+"""Read LAS 2.0 and LAS 3.0 files; ``las_writing.py`` has the rules by which helibore writes them.
 
-    ~Version  VERS, WRAP, DLM                   one RawSet for each data section:
-    ~Well     STRT, STOP, STEP, NULL, WELL ...    ~A (LAS 2),  ~Log_Data[1] | Log_Definition[1] (LAS 3)
-    ~Curve    NAME.UNIT  value : description {AF8.3;10deg}
+    header   ~Version  VERS, WRAP, DLM
+             ~Well     STRT, STOP, STEP, NULL, WELL ...
+             ~Curve    NAME.UNIT  value : description {AF8.3;10deg}       one line for each column of the rows
+    rows     ~A (LAS 2),  ~Log_Data[1] | Log_Definition[1] (LAS 3)        one RawSet for each of these sections
 
-lasio reads the header of LAS 2, because it knows many dialects. This file reads LAS 3: lasio 0.32 supports neither
-arrays nor sets, and reads comma-delimited rows as one column. ``number_rows`` reads the rows of both versions.
+lasio reads the header of LAS 2, because it knows many dialects. This file reads LAS 3, because lasio 0.32 supports
+neither arrays nor sets, and reads comma-delimited rows as one column. ``number_rows`` reads the rows of both versions.
+``helibore.channels.log_header`` lists the mnemonics of company, well, field and the like.
 """
 
 from __future__ import annotations
@@ -29,9 +31,9 @@ from helibore.files.raw_set import Channel, RawFile, RawSet, SectorAxis, readabl
 ITEM = re.compile(r"^\s*(?P<name>[^.:]*?)\s*\.(?P<unit>\S*)(?P<rest>.*)$")
 FORMAT = re.compile(r"\{\s*(?P<format>[^{}]*)\}")
 DATED = re.compile(r"(?:[DMY]{1,4}[/.-]){2}[DMY]{2,4}(?P<date>\d\S*)", re.IGNORECASE)
-"""The form of a date and the date without a blank between them: ``DATE.DD/MM/YYYY21/05/2007``."""
+"""A date that follows its format without a blank, where the unit should stand: ``DATE.DD/MM/YYYY21/05/2007``."""
 INDEX = ("STRT", "STOP", "STEP", "NULL")
-"""Header items of the index and the rows, which are plain numbers. The other numbers of a header keep their unit."""
+"""Header items that are kept as numbers without their unit: the range of the index, and the null value of the rows."""
 
 # One angle of an array member: {AF10.4;0deg} or {AF10.4; 2.5 deg}.
 SPACING = re.compile(r"^\s*(?P<value>[+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(?P<unit>\S*)\s*$")
@@ -53,7 +55,7 @@ class LasSection:
 
 @dataclass
 class LasCurve:
-    """One line of a definition section."""
+    """A column of the rows, as one line of a ~Curve or definition section states it."""
 
     name: str
     unit: str
@@ -62,7 +64,7 @@ class LasCurve:
 
 
 def read(source: InputFile) -> RawFile:
-    """Open a LAS file of version 2 or 3."""
+    """Open a LAS file of version 2 or 3; version 1.2 is read as version 2, with a remark."""
     text, remark = source.text()
     sections = find_sections(source, text)
     version = _items(_section(source, sections, "V"))
@@ -101,7 +103,7 @@ def _section(source: InputFile, sections: list[LasSection], letter: str) -> LasS
 def _items(section: LasSection, units: bool = False) -> dict[str, str]:
     """Return the values of a header section by mnemonic, from lines of the form MNEM.UNIT VALUE : DESCRIPTION.
 
-    With ``units``, a number is followed by its unit.
+    With ``units``, a value that is a number is followed by its unit.
     """
     values: dict[str, str] = {}
     for line in section.lines:
@@ -208,7 +210,11 @@ def _las3(source: InputFile, sections: list[LasSection], version: dict[str, str]
 
 
 def _definition(source: InputFile, sections: list[LasSection], data: LasSection) -> LasSection:
-    """Return the section that defines the columns of ``data``: named after ``|``, or else of equal stem, or ~Curve."""
+    """Return the section that defines the columns of ``data``.
+
+    The title of ``data`` may name this section after ``|``. If it names none, LOG_DEFINITION[1] defines LOG_DATA[1];
+    without such a section, ~Curve or ~Log_Definition defines the columns.
+    """
     named = data.title.partition("|")[2].strip().upper()
     stem = data.kind.replace("_DATA", "_DEFINITION")
     wanted = [named] if named else [*([stem] if stem != data.kind else []), "CURVE", "LOG_DEFINITION"]
@@ -220,7 +226,7 @@ def _definition(source: InputFile, sections: list[LasSection], data: LasSection)
 
 
 def _curves(source: InputFile, section: LasSection, remarks: list[str]) -> list[LasCurve]:
-    """Return the columns of a definition section; members of an array are named ``NAME[1]`` and have an angle."""
+    """Return the columns that a definition section defines; it names members of an array ``NAME[1]``, with an angle."""
     curves: list[LasCurve] = []
     for number, line in enumerate(section.lines, section.line + 1):
         if not line.strip() or line.lstrip().startswith("#"):
@@ -238,7 +244,7 @@ def _curves(source: InputFile, section: LasSection, remarks: list[str]) -> list[
 
 
 def _axis(form: str) -> SectorAxis | None:
-    """Return the angle in an array format such as ``AF10.4;0deg``; a second axis (``;10ft``) is not an angle."""
+    """Return the first angle in an array format such as ``AF10.4;0deg;10ft``, with NaN as step; None without one."""
     parts = form.split(";")
     if len(parts) < 2 or not parts[0].strip().upper().startswith("A"):
         return None
@@ -250,7 +256,7 @@ def _set(
     source: InputFile, name: str, data: LasSection, curves: list[LasCurve], delimiter: str | None, well: dict[str, str],
     remarks: list[str], wrapped: bool = False,
 ) -> RawSet:  # fmt: skip
-    """Read the rows of a data section."""
+    """Read the rows of a data section into a set with one channel for each curve; ``well`` states the null value."""
     names = [curve.name for curve in curves]
     rows = read_rows(source.path, data.lines, data.line + 1, names, delimiter, comments=True, wrapped=wrapped)
     nulls = source.nulls + _null(well.get("NULL"))

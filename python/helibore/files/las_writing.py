@@ -21,13 +21,13 @@ NULL = -999.25
 LAS_WELL = {"company": "COMP", "well": "WELL", "field": "FLD", "location": "LOC", "service": "SRVC", "run": "RUN",
             "date": "DATE", "datum": "DATUM", "kb": "EKB", "gl": "EGL", "bit": "BS", "mud": "MUD",
             "remarks": "REM"}  # fmt: skip
-"""Mnemonics of what is known of the hole."""
+"""Mnemonics (LAS ~Well, DLIS parameters) of the entries of `helibore.channels.log_header`."""
 
 _STEP_DECIMALS = 5
 
 
 def las_text(table: LogTable, header: Mapping[str, str]) -> str:
-    """Return the file as text, by LAS 2.0 (CWLS). Texts of the header stand in the value field, before the colon."""
+    """Return the file as text, by LAS 2.0 (CWLS); header and facts stand in the value field, before the colon."""
     texts = [column.texts(f"{NULL:.2f}") for column in table]
     widths = [max(map(len, column), default=0) for column in texts]
     first, last = (texts[0][0], texts[0][-1]) if table.rows else (f"{NULL:.2f}",) * 2
@@ -61,7 +61,7 @@ def _las_line(mnemonic: str, unit: str, value: str, description: str) -> str:
 
 
 def _unit_and_value(text: str) -> tuple[str, str]:
-    """Return the unit and the value of a fact as LAS writes them; a fact that is no quantity has the unit ""."""
+    """Return unit and value of a fact such as "0.216 m" for a LAS header; a fact without a unit gets the unit ""."""
     quantity = re.fullmatch(r"([-+.\deE]+) (m|mm|in|ft|m3|deg|s)", text)
     return (quantity[2].upper(), quantity[1]) if quantity else ("", one_line(text))
 
@@ -79,5 +79,5 @@ def mnemonic_of(name: str) -> str:
 
 
 def one_line(text: str) -> str:
-    """Return the text without colons and line breaks, which separate fields in LAS."""
+    """Return the text on one line, with ; for every colon, because colons and line breaks separate fields in LAS."""
     return " ".join(text.replace(":", ";").split())

@@ -8,7 +8,8 @@
     .parquet  null                   metadata of the schema
     .dlis   -999.25                  parameters; channels have units and long names
 
-Files are written whole or not at all. ``hb.open`` reads them back.
+Files are written whole or not at all. ``hb.open`` reads them back. ``helibore.channels.log_header``
+names the entries of a header that `LAS_WELL` writes.
 """
 
 from __future__ import annotations
@@ -64,7 +65,7 @@ def save_table(
 
 
 def check_format(filename: str | os.PathLike[str]) -> str:
-    """Return the ending; refuse an ending that `save_table` does not know, or whose library is not installed."""
+    """Return the ending of a file name; refuse one that `save_table` does not know, or whose library is missing."""
     ending = check_ending(filename, ENDINGS)
     if library := {".parquet": "pyarrow", ".dlis": "dliswriter"}.get(ending):
         require_library(library, ending[1:])
@@ -109,7 +110,7 @@ def _dlis(table: LogTable, header: Mapping[str, str]) -> Callable[[BinaryIO], ob
     import dliswriter
 
     def write(file: BinaryIO) -> None:
-        """Write to a temporary file first: dliswriter takes a file's name, not an open file."""
+        """Write to a temporary file first, because dliswriter takes a file's name, not an open file."""
         with tempfile.TemporaryDirectory() as folder, _silent():
             path = Path(folder) / "logs.dlis"
             _dlis_file(dliswriter, table, header).write(path, output_chunk_size=2**24)
@@ -120,9 +121,10 @@ def _dlis(table: LogTable, header: Mapping[str, str]) -> Callable[[BinaryIO], ob
 
 @contextlib.contextmanager
 def _silent() -> Iterator[None]:
-    """Silence dliswriter's progress bar and its warning about the unit m3 (allowed by RP66 V1, appendix B).
+    """Silence dliswriter's progress bar and its warnings.
 
-    dliswriter also warns that a frame of one row has no spacing; a table without rows is written as one row of nulls.
+    It warns about the unit m3, which RP66 V1 (appendix B) allows, and that a frame of one row has no spacing. A table
+    without rows is such a frame, because it is written as one row of nulls.
     """
     module: Any = importlib.import_module("dliswriter.file.writer")
     bar = module.progressbar

@@ -1,4 +1,4 @@
-"""Read rows of numbers from text. Blanks, commas or another character separate cells; a row may span several lines.
+"""Read the rows of a table from text. Blanks, commas or another character separate cells; a row may span several lines.
 
     fast      every cell a number or empty, every row of one width     one call of numpy.loadtxt
     careful   everything else                                          cell by cell; an error names its line and column
@@ -56,14 +56,14 @@ def read_rows(
     comments: bool = False,
     wrapped: bool = False,
 ) -> Rows:
-    """Read the rows of a table with these column names; the first of its lines is line ``first_line`` of the file.
+    """Read the rows of a table with the columns ``names``; ``lines[0]`` is line ``first_line`` of the file ``path``.
 
     Blank lines are not rows; with ``comments``, lines that start with # are not rows. If ``delimiter`` is None, any
     number of blanks separates cells. If ``wrapped``, a row may run over several lines (LAS 2 with WRAP YES).
 
     A column is float64, masked where cells are empty. It is int64 if all cells are whole numbers and one is too large
     to be exact in float64, and text if a cell is not a number. Raises InputError with file and line if there is no row,
-    or a row has another width.
+    a row has another width, or a quote is not closed.
     """
 
     def is_row(line: str) -> bool:
@@ -91,7 +91,7 @@ def read_rows(
 
 
 def _block(lines: list[str], delimiter: str | None) -> Array | None:
-    """Return the rows as one float64 array by one call of NumPy, or None if NumPy refuses them."""
+    """Return the rows as one float64 array (rows, columns), or None if NumPy refuses them."""
     try:
         return np.loadtxt(lines, dtype=np.float64, delimiter=delimiter, comments=None, ndmin=2)
     except ValueError:
@@ -99,7 +99,7 @@ def _block(lines: list[str], delimiter: str | None) -> Array | None:
 
 
 def _fast(kept: list[str], delimiter: str | None, width: int) -> list[Array] | None:
-    """Read all columns by NumPy, masked where cells are empty; return None if NumPy cannot read the rows."""
+    """Return all columns, read by NumPy, masked where cells are empty; None if NumPy cannot read the rows exactly."""
     block, filled = _block(kept, delimiter), False
     if block is None and delimiter is not None:
         text = "\n".join(kept)
@@ -170,7 +170,7 @@ def _wrapped(path: Path, kept: list[str], line_of: Callable[[int], int], names: 
 
 
 def column_of(cells: list[str]) -> Array:
-    """Return a column of numbers, masked where cells are empty. If any other cell is no number, return text."""
+    """Return cells as numbers, masked where cells are empty, or as text if a cell is neither empty nor a number."""
     every = "".join(cells)
     try:
         if not every.isascii() or "_" in every:

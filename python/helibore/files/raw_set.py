@@ -65,9 +65,9 @@ class Channel:
 
     Notes
     -----
-    ``stored`` is the array, or a function that loads it and needs ``shape`` and ``is_text``; a mask marks empty cells.
-    ``nulls`` are numbers that mean no value. ``nan_is_missing`` is False for a format that has its own mark for empty
-    cells; in such a format a NaN is a computed value (see ``odd_row``).
+    ``stored`` is the array, or a function that loads the array; with a function, state ``shape`` and ``is_text``. A
+    mask of the array marks empty cells. ``nulls`` are numbers that mean no value. ``nan_is_missing`` is False for a
+    format that has its own mark for empty cells; in such a format a NaN is a computed value (see ``odd_row``).
     """
 
     name: str
@@ -112,7 +112,7 @@ class Channel:
 
     @property
     def odd_row(self) -> int | None:
-        """The first row with an infinity, or with a NaN in a format that does not write empty cells as NaN."""
+        """The first row with an infinity, or with a NaN if the format does not write empty cells as NaN; else None."""
         return self._cleaned[2]
 
     def __repr__(self) -> str:
@@ -120,9 +120,10 @@ class Channel:
 
 
 def clean(values: Array, nulls: tuple[float, ...], nan_is_missing: bool = True) -> tuple[Array, int, int | None]:
-    """Return numbers with nulls and infinities as NaN, the number of missing cells, and the `Channel.odd_row`.
+    """Return the cleaned values, the number of missing cells, and the `Channel.odd_row`.
 
-    The numbers are copied only if a number is replaced or converted.
+    Nulls and infinities become NaN; values that are neither numbers nor text become text. Float64 and float32 values
+    are copied only if one of them is replaced.
     """
     kind = values.dtype.kind
     if kind in "OSUMm":
@@ -186,7 +187,7 @@ class RawSet:
     remarks
         Every assumption made and every flaw met while reading, as sentences.
     line_of
-        For a text file, a function that returns the line of a row, counted from 1; else None.
+        A function that returns the line of a row in a text file or sheet, counted from 1; None for other formats.
     """
 
     path: Path
@@ -230,7 +231,7 @@ class RawSet:
         return len(self.channels)
 
     def place(self, row: int) -> str:
-        """Return where a row stands in the file: its line in a text file, else its row counted from 0."""
+        """Return where a row stands in the file: "line 8" in a text file or sheet, else "row 7", counted from 0."""
         return f"line {self.line_of(row)}" if self.line_of else f"row {row}"
 
     def input_error(

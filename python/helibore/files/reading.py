@@ -14,11 +14,11 @@ READERS = {
     "lis": ("lis", "read"), "json": ("json_log", "read"), "witsml": ("witsml_log", "read"),
     "parquet": ("columnar", "read_parquet"), "npz": ("columnar", "read_npz"),
 }  # fmt: skip
-"""The file and the function that read a format; a file is imported when it is needed."""
+"""For each format, the module of this folder and its function that read it. A module is imported at its first use."""
 
 
 LIBRARIES = {".las": "lasio", ".dlis": "dlisio", ".lis": "dlisio", ".xlsx": "python_calamine", ".parquet": "pyarrow"}
-"""For each format that NumPy and Python cannot read, by the usual ending of its files: the library that reads it."""
+"""The library that reads a format, by the usual ending of the format's files. Other formats need no library."""
 
 
 def ending_of(address: str) -> str:
@@ -33,7 +33,7 @@ def check_library(ending: str) -> None:
 
 
 def read_file(path: Path, nulls: tuple[float, ...], header_line: int | None = None) -> RawFile:
-    """Return the sets of a file; ``header_line`` is for tables."""
+    """Read a file of any format. ``nulls`` mean no value; only tables may have a ``header_line``."""
     if path.is_dir():
         raise IsADirectoryError(f"{path}: is a directory")
     source = InputFile(path, nulls, header_line)

@@ -63,7 +63,7 @@ def _sheet(source: InputFile, name: str, sheet: list[list[Any]]) -> RawSet:
 
 
 def _find_header(rows: list[list[str]]) -> int | None:
-    """Find the first row of two names or more with numbers in the row below; a row of units may stand between."""
+    """Return the index of the first row of two names or more above a row of numbers; units may stand between them."""
     for at, row in enumerate(rows[:HEADING_ROWS]):
         names = [position for position, cell in enumerate(row) if cell and not is_number(cell)]
         below = rows[at + 1 : at + 3]

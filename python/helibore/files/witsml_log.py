@@ -26,7 +26,7 @@ NESTING = 32
 """Greatest depth of nested elements; WITSML needs 6."""
 
 KEPT = ("trajectoryStation", "logCurveInfo")
-"""Elements whose children are kept until the element ends; children of other elements are freed one by one."""
+"""Elements whose children are kept until the element itself ends; children of other elements are freed one by one."""
 
 CHILDREN = 10_000
 """Greatest number of elements within one of ``KEPT``; WITSML has about 60."""
@@ -43,7 +43,7 @@ STATION = (
 
 
 class Checked(io.RawIOBase):
-    """Read the bytes of an XML file and check each piece before the parser gets it."""
+    """The bytes of an XML file as a stream that checks each piece before the parser gets it."""
 
     def __init__(self, source: InputFile, stream: BinaryIO) -> None:
         self._source = source
@@ -72,7 +72,7 @@ class Checked(io.RawIOBase):
 
 
 class LogBuilder:
-    """A log under construction; its header holds name, indexCurve and nullValue among others."""
+    """A log under construction; its header holds name, indexCurve, nullValue and other elements of the log."""
 
     kind = "log"
 
@@ -189,7 +189,10 @@ def read(source: InputFile) -> RawFile:
 
 
 def _elements(source: InputFile, stream: BinaryIO) -> Iterator[tuple[list[str], ET.Element]]:
-    """Yield (path of local names, element) at every end tag; the caller frees the elements that it has used."""
+    """Yield (path of local names, element) at every end tag; where a log or trajectory starts, add "start" to its path.
+
+    An element is freed after it is yielded, but an element within one of ``KEPT`` is freed with that one.
+    """
     path: list[str] = []
     parents: list[ET.Element] = []
     inside = 0
