@@ -1,4 +1,7 @@
-"""The header of a log: company, well, field and more, as the files that the log is made from state them."""
+"""The header of a log: company, well, field and more, as the files that the log is made from state them.
+
+``helibore.files.las`` reads the header of a LAS file, and ``helibore.files.log_writing`` writes it from these entries.
+"""
 
 from __future__ import annotations
 
