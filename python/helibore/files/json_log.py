@@ -51,7 +51,7 @@ def _read(source: InputFile) -> RawFile:
     logs = tree if isinstance(tree, list) else [tree]
     if not logs or not all(isinstance(log, dict) and "curves" in log and "data" in log for log in logs):
         raise source.error('not JSON Well Log Format: each log must hold "header", "curves" and "data"')
-    names = unique([str((log.get("header") or {}).get("name") or "log") for log in logs])
+    names = unique([_header(log).get("name") or "log" for log in logs])
     readers = [partial(_log, source, name, log) for name, log in zip(names, logs, strict=True)]
     return RawFile("JSON Well Log Format", readable_sets(readers))
 
@@ -71,6 +71,13 @@ def _parse(source: InputFile) -> Any:
         raise source.error(f"{cut}{error.msg} (character {error.colno})", error.lineno) from error
     except (RecursionError, ValueError) as error:  # nested too deep, or an integer of thousands of digits
         raise source.error(f"not sensible JSON ({type(error).__name__})") from error
+
+
+def _header(log: dict[str, Any]) -> dict[str, str]:
+    """Return the header of one log as texts, without null entries; a header that is no JSON object counts as empty."""
+    header = log.get("header")
+    stated = header.items() if isinstance(header, dict) else ()
+    return {str(key): str(value) for key, value in stated if value is not None}
 
 
 def _log(source: InputFile, name: str, log: dict[str, Any]) -> RawSet:
@@ -96,9 +103,7 @@ def _log(source: InputFile, name: str, log: dict[str, Any]) -> RawSet:
     for curve, label, cells in zip(curves, labels, columns, strict=True):
         unit, described = (str(curve.get(key) or "") for key in ("unit", "description"))
         channels.append(Channel(label, unit, described, _column(source, label, curve, cells), source.nulls))
-    header = log.get("header")
-    header = {str(key): str(value) for key, value in header.items()} if isinstance(header, dict) else {}
-    return RawSet(source.path, name, channels, len(rows), labels[0], header)
+    return RawSet(source.path, name, channels, len(rows), labels[0], _header(log))
 
 
 NUMBERS = {int, float, type(None)}

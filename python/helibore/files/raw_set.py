@@ -241,7 +241,7 @@ class RawSet:
         return file_error(self.path, rule, None if row is None else self.place(row), column, value)
 
     def numbers(self, name: str) -> Floats:
-        """Return a channel as float64 (read-only).
+        """Return a channel as float64 (read-only); an empty cell of a text column is NaN.
 
         Raises
         ------
@@ -249,17 +249,19 @@ class RawSet:
             ``w.csv, line 3, column GR = 'x': is not a number``: the first cell of a text column that is no number.
         """
         channel = self[name]
+        values = channel.values
         if channel.is_text:
-            for row, cell in enumerate(channel.values.ravel()):
+            values = np.where(values == "", "nan", values)
+            for row, cell in enumerate(values.ravel()):
                 try:
-                    to_float(cell or "nan")
+                    to_float(cell)
                 except ValueError:
                     text, rule = cell.strip(), "is not a number"
                     if text.replace(",", "").lstrip("-").isdigit():
                         rule += ": a decimal comma? Decimals must have a point"
-                    row //= max(1, channel.values[:1].size)
+                    row //= max(1, values[:1].size)
                     raise self.input_error(rule, row, name, repr(text[:40])) from None
-        return channel.values.astype(np.float64, copy=False)
+        return values.astype(np.float64, copy=False)
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.name!r}: {len(self.channels)} channels x {self.rows} rows>"

@@ -75,6 +75,18 @@ def test_bad_json(tmp_path: Path, tree: Any, rule: str) -> None:
     refused(json_file(tmp_path, tree), rule)
 
 
+@pytest.mark.parametrize("header", ["W", [1], None, {"name": None}])
+def test_a_header_without_entries_counts_as_empty(tmp_path: Path, header: Any) -> None:
+    one = hb.open(json_file(tmp_path, [{"header": header, "curves": [curve("A")], "data": [[1]]}])).set()
+    assert (one.name, one.header) == ("log", {})
+
+
+@pytest.mark.parametrize("blank", ["", None])
+def test_an_empty_cell_of_a_text_column_is_nan_among_numbers(tmp_path: Path, blank: str | None) -> None:
+    log = log_of([curve("A"), curve("B", valueType="string")], [[1, "1.5"], [2, blank]])
+    np.testing.assert_array_equal(hb.open(json_file(tmp_path, log)).set().numbers("B"), [1.5, np.nan])
+
+
 def test_large_json_is_refused_unread(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("helibore.files.json_log.SIZE_LIMIT", 1000)
     refused(json_file(tmp_path, "[" + " " * 2000 + "]"), "more than 0 MiB of JSON")
