@@ -203,7 +203,8 @@ def _elements(source: InputFile, stream: BinaryIO) -> Iterator[tuple[list[str], 
             parents.append(element)
             inside = inside + 1 if any(kept in path for kept in KEPT) else 0
             if inside > CHILDREN:
-                raise source.error(f"more than {CHILDREN:,} elements in one {path[2]}")
+                kept = next(name for name in path if name in KEPT)
+                raise source.error(f"more than {CHILDREN:,} elements in one {kept}")
             if len(path) == 1 and name not in ("logs", "trajectorys", "log", "trajectory"):
                 rule = f"<{name}> is no WITSML 1.x document of logs or trajectories (<logs> or <trajectorys>)"
                 raise source.error(rule)
