@@ -11,7 +11,7 @@ from helibore.base.errors import InputError
 
 @dataclass(frozen=True)
 class Address:
-    """An address of kind ``tcp``, ``listen``, ``serial``, ``file``, ``https`` or ``host`` (the program)."""
+    """An address of kind ``tcp``, ``listen``, ``serial``, ``file``, ``https`` or ``host`` (the calling program)."""
 
     kind: str
     host: str = ""

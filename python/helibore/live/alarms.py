@@ -78,7 +78,7 @@ class _NoRedirects(urllib.request.HTTPRedirectHandler):
 
 
 class _Known(urllib.request.HTTPHandler, urllib.request.HTTPSHandler):
-    """Appends each connection that it makes to ``made``."""
+    """Opens connections to the webhook and appends each to ``made``, so that a slow request can be ended."""
 
     def __init__(self, made: list[http.client.HTTPConnection]) -> None:
         super().__init__()
@@ -158,7 +158,11 @@ def receiver(limits: AlarmLimits) -> str:
 
 @dataclass
 class Refused:
-    """Samples of one source that were refused since its last usable sample: their times, monotonic ns, and reasons."""
+    """The samples of one source that were refused since its last usable sample.
+
+    ``first`` and ``last`` are the first and last check that found some, monotonic ns; ``reasons`` counts them by
+    outcome; ``before`` counts all samples up to the last check by outcome.
+    """
 
     before: Counter[str]
     first: int = 0
@@ -238,7 +242,7 @@ class Alarms:
             self._changed.extend((int(start), int(stop)) for start, stop in change.ranges)
 
     def check(self) -> None:
-        """Begin each alarm whose cause exists, and end each alarm whose cause is gone."""
+        """Begin each alarm whose cause exists, and end each alarm whose cause is gone; ``failure`` never ends."""
         wall, now = self._live.clock()
         drift, self._drift = wall - now - self._drift, wall - now
         if abs(drift) > self._limits.clock * SECOND:
@@ -264,7 +268,7 @@ class Alarms:
                 self._end(alarm, wall, f"after {(now - alarm.monotonic) / SECOND:.1f} s: ")
 
     def _hang_up(self) -> None:
-        """End a request to the webhook that takes too long; urllib limits only the time for each piece of an answer."""
+        """End a request to the webhook that takes over SECONDS; urllib limits only the time for each piece of it."""
         if (posting := self._posting) and time.monotonic() - posting[0] > SECONDS:
             for connection in posting[1]:
                 if (link := connection.sock) is not None:  # it may have no socket yet, or none any more
@@ -272,7 +276,7 @@ class Alarms:
                         socket.socket.shutdown(link, socket.SHUT_RDWR)
 
     def begin(self, rule: str, text: str, source: str = "") -> None:
-        """Begin an alarm, unless it has begun already."""
+        """Begin an alarm, unless one of the same rule and source has begun already."""
         alarm = Alarm(rule, source, *self._live.clock(), text)
         with self._lock:
             if self._active.setdefault((rule, source), alarm) is not alarm:
@@ -347,7 +351,7 @@ class Alarms:
         return found
 
     def _items_lacking(self, reader: SourceReader) -> str:
-        """Return what is missing (frames, or items of a sample), and which unmapped items came; "" if none is."""
+        """Return which items of a sample never came (or that no frame came) and which others did; "" if all came."""
         source, caliper = reader.source, reader.source.caliper
         if not isinstance(source, WitsSource) or not reader.total("bytes"):
             return ""
@@ -366,12 +370,12 @@ class Alarms:
         return f"no frame had {', '.join(lacking)}; items that came and are not mapped: {listed or 'none'}"
 
     def _depth_jumps(self) -> dict[str, tuple[int, str]]:
-        """Return the count and the latest text of the jumps of depth of each source."""
+        """Return, for each source with jumps of depth, their number and the text of the latest jump."""
         events = (event for event in self._live.model.events.latest if event.rule == "depth_jump")
         return {event.source: (event.count, event.newest.text) for event in events}
 
     def _of_depth(self, now: int) -> dict[tuple[str, str], str]:
-        """Compare the bit depth, or without it the number of vertices, with its value when it last moved."""
+        """Find whether samples come although the bit depth (without one: the number of vertices) does not change."""
         model, limit = self._live.model, int(self._limits.standing * SECOND)
         bit = model.rig.tracks["bit_depth"].value[-1:].tolist()
         position = bit[0] if bit else float(len(self._live.wall))
@@ -401,7 +405,7 @@ class Alarms:
         return found
 
     def _measure(self, now: int) -> None:
-        """Compare the median diameter of each changed turn with the bit diameter."""
+        """Hold an alarm ``tight`` or ``washout`` if the median diameter of a changed turn is beyond its limit."""
         wall, limits = self._live.wall, self._limits
         sectors, bit = wall.settings.sectors, self._live.model.configuration.wall["bit_diameter"]
         for start, stop in [self._changed.popleft() for _ in range(len(self._changed))]:

@@ -20,9 +20,9 @@ from helibore.live.journal import ARCHIVE, content, first_wall, header_of, paths
 
 
 def old_segments(folder: Path, before: int | None = None) -> list[Path]:
-    """Return the segments that both checkpoints contain; never the last one.
+    """Return the segments whose records both checkpoints contain, but never the last segment.
 
-    If ``before`` is given (ns since 1970), return only those whose records were all received before it.
+    If ``before`` is given (ns since 1970), return only the segments whose records were all received before that time.
 
     Raises
     ------
@@ -49,12 +49,12 @@ def old_segments(folder: Path, before: int | None = None) -> list[Path]:
 def archive(
     folder: Path, *, remove: bool = False, before: int | None = None, report: Callable[[Path], None] = lambda _: None
 ) -> list[Path]:
-    """Archive or ``remove`` the `old_segments`; return their former paths, and ``report`` each when it is done.
+    """Archive or ``remove`` the `old_segments`; return their former paths, and call ``report`` after each segment.
 
     Raises
     ------
     InputError
-        As `old_segments`, or if an archived segment does not have the bytes of the original, which then stays.
+        As `old_segments`, or if an archived segment does not have the bytes of the original; the original then stays.
     OSError
         If the disk refuses.
     """

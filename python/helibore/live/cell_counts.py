@@ -1,8 +1,9 @@
 """A limit on the samples that a wall keeps of one source near each vertex, so that memory is bounded by the hole.
 
-a cell of the wall          | 4 3 | 8 1 |       two parts around the hole, four along it; each part keeps the first
-(one vertex, one quad)      | 0 2 | 5 5 |       ``most`` / 8 samples (rounded up) of each source; later samples are only
-                            | . . | . . |       counted, as "crowded"
+a cell of the wall          | 4 3 |     two parts around the hole, four along it, each with its number of samples; each
+(one vertex, one quad)      | 0 2 |     part keeps the first ``most`` / 8 samples (rounded up) of each source; later
+                            | 7 1 |     samples are only counted, as "crowded"
+                            | 5 5 |
 """
 
 from __future__ import annotations
@@ -48,7 +49,7 @@ class CellCounts:
         self._counts = dict(zip(counted[0].tolist(), counted[1], strict=True))
 
     def take(self, depth: npt.NDArray[np.float64], toolface: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
-        """Return which samples, in order of arrival, are kept."""
+        """Count these samples, given in order of arrival, and return which of them are kept."""
         if not self._most:
             return np.ones(len(depth), bool)
         part = np.floor(depth / self._along).astype(np.int64) * self._around

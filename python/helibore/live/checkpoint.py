@@ -46,7 +46,7 @@ def position(path: Path) -> int:
 
 
 def write(folder: Path, sequence: int, facts: dict[str, Any], state: Any) -> Path:
-    """Write a checkpoint of a ``packed`` state, then delete all but the last two."""
+    """Write a checkpoint of a ``packed`` state and ``facts``, then delete all but the two newest checkpoints."""
     contents, arrays = state
     text = json.dumps({"format": FORMAT, "version": VERSION, **facts, "sequence": sequence, "state": contents})
 
@@ -65,14 +65,14 @@ def write(folder: Path, sequence: int, facts: dict[str, Any], state: Any) -> Pat
 
 
 def read(path: Path, salt: int, *, only_facts: bool = False) -> tuple[dict[str, Any], Arrays]:
-    """Return the facts and the arrays of a checkpoint; if ``only_facts``, check the sums of the arrays instead.
+    """Return the facts and the arrays of a checkpoint; if ``only_facts``, the checksums are checked and no array read.
 
     Raises
     ------
     InputError
         If the file is damaged, of another version, or of another journal.
     FileNotFoundError
-        If a later checkpoint has replaced it meanwhile.
+        If newer checkpoints have replaced the file meanwhile.
     """
     try:
         with zipfile.ZipFile(path) as archive:
@@ -93,9 +93,10 @@ def read(path: Path, salt: int, *, only_facts: bool = False) -> tuple[dict[str, 
 
 
 def usable(folder: Path, salt: int, stop: int) -> Iterator[tuple[Path, dict[str, Any], Arrays] | InputError]:
-    """Yield the checkpoints of records before ``stop``, the newest first, or an error for each that is not usable.
+    """Yield path, facts and arrays of each checkpoint, the newest first, or an error for each that is not usable.
 
-    A checkpoint of later records is renamed: it contains lost records, and new records get the numbers of these.
+    A checkpoint that contains records from ``stop`` on is renamed, because these records are lost and new records get
+    their numbers.
     """
     for path in reversed(paths(folder)):
         if position(path) > stop:
@@ -109,7 +110,7 @@ def usable(folder: Path, salt: int, stop: int) -> Iterator[tuple[Path, dict[str,
 
 
 def packed(value: Any) -> tuple[Any, Arrays]:
-    """Return a value as JSON and arrays; of an object, the attributes that its ``STATE`` names."""
+    """Return a value as JSON and arrays; of an object with a ``STATE``, only the attributes that this names."""
     arrays: Arrays = []
     return _packed(value, arrays), arrays
 
@@ -135,7 +136,10 @@ def _packed(value: Any, arrays: Arrays) -> Any:
 
 
 def unpack(value: Any, packed: Any, arrays: Arrays) -> Any:
-    """Return the value of ``packed``; an object with a ``STATE``, alone or in a dictionary, is restored in place."""
+    """Return the value that was ``packed``.
+
+    If ``value`` is an object with a ``STATE``, or a dictionary of such objects, these objects are restored in place.
+    """
     if not isinstance(packed, dict):
         return packed
     (kind, of), *more = packed.items()

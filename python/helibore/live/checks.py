@@ -42,7 +42,7 @@ def with_values(value: Any, recorded: Any) -> Any:
     """Return a copy of ``value`` that holds the values of ``recorded``, which was read from JSON.
 
     A field of a table or dataclass that ``recorded`` lacks keeps its value. A dict has the keys of ``recorded``;
-    keys that ``value`` has come first, in the order of ``value``. A list of another length is that of ``recorded``.
+    keys that ``value`` has come first, in the order of ``value``. Of lists of unequal length, ``recorded`` is returned.
     """
     if isinstance(value, Table):
         names = type(value).model_fields.keys() & recorded.keys()
@@ -114,7 +114,7 @@ def joined_place(*parts: str | int) -> str:
 
 
 def _table_at(model: type[Table], location: Sequence[str | int]) -> type[Table]:
-    """Return the table that contains the setting at ``location``."""
+    """Return the class of the table at ``location`` within ``model``; without a location, ``model`` itself."""
     parts = list(location)
     while parts:
         annotation = model.model_fields[str(parts.pop(0))].annotation

@@ -37,7 +37,7 @@ class ModelClock:
         self.began = 0
 
     def begin_session(self, wall: int, monotonic: int) -> int:
-        """Begin a session; return by how many ns the wall clock is behind the model's last time, or 0."""
+        """Begin a session; return by how many ns the wall clock is behind the model's latest time, or 0."""
         self._anchor = max(wall, self.now)
         self._start = monotonic
         self._drift = wall - self._anchor
@@ -53,7 +53,7 @@ class ModelClock:
         return times
 
     def jumps(self, wall: npt.NDArray[np.int64], times: npt.NDArray[np.int64]) -> list[tuple[int, int]]:
-        """Return the first record after each change of the wall clock of JUMP or more, and the change, ns."""
+        """Return (index of the next record, change in ns) for each time that the wall clock was set (see `JUMP`)."""
         drift, found, start = wall - times, [], 0
         while len(late := (np.abs(drift[start:] - self._drift) >= JUMP).nonzero()[0]):
             start += int(late[0])

@@ -175,7 +175,7 @@ def _wall(entries: Any) -> dict[str, Any]:
 
 
 class Configuration(Table):
-    """Everything a live wall needs to know before the first byte: the whole file.
+    """All settings of a live wall: one checked configuration file.
 
     Attributes
     ----------
@@ -216,13 +216,13 @@ class Configuration(Table):
                     raise InputError(f"layers.{name}", "no source maps pass_number", repr(kind))
 
     def meaning(self) -> str:
-        """Return as JSON the settings that affect the wall, which excludes those of the transport."""
+        """Return as JSON the settings that affect the wall (not those of transport, journal, alarms ...)."""
         meaning = self.model_dump(include={"wall", "layers", "passes", "path", "depth", "samples"})
         meaning["sources"] = {name: source.meaning() for name, source in self.sources.items()}
         return json.dumps(meaning, sort_keys=True, default=asdict)
 
     def with_meaning(self, meaning: str) -> Configuration:
-        """Return this configuration with the values of a recorded ``meaning``, also where the defaults have changed."""
+        """Return this configuration with the values of a ``meaning`` from a journal, whose defaults may be older."""
         recorded = BEFORE_THEY_EXISTED | json.loads(meaning)
         known = {"wall", "path", "layers", "passes", "depth", "samples"} & recorded.keys()
         values = {name: with_values(getattr(self, name), recorded[name]) for name in known}

@@ -30,11 +30,11 @@ from helibore.live.pass_rules import DRILL, REAM, RESCAN, TRIP, UNKNOWN, PassRul
 Times = npt.NDArray[np.int64]
 Values = npt.NDArray[np.float64]
 DEEP_ENOUGH = 100.0
-"""Metres. The unit of smaller depths is not checked: a sensor high above the bit could have the ratio by chance."""
+"""Metres. The unit of smaller depths is not checked: a sensor high above the bit may be at bit depth / 3.28."""
 
 
 class QuantityHistory:
-    """Entries (time, order, value) of one quantity in order of arrival; each frame has a larger ``order``."""
+    """Entries (time, order, value) of one quantity as they arrived; ``order`` is the number of their frame."""
 
     STATE = ("_time", "_order", "_value")
 
@@ -60,7 +60,7 @@ class QuantityHistory:
             column.append(of[known])
 
     def before(self, order: Times) -> Times:
-        """Return the index of the last entry at or before each frame; -1 if there is no such entry."""
+        """Return the index of the latest entry in or before each frame ``order``; -1 if there is no such entry."""
         return self.order.searchsorted(order, side="right") - 1
 
     def forget(self, count: int) -> None:
@@ -109,7 +109,10 @@ class RigHistory:
         self._off_bottom.append(off)
 
     def _latest(self, name: str, order: Times, time: Times | None = None) -> Values:
-        """Return the last value at or before each frame; NaN if there is none, or if it is stale at ``time``."""
+        """Return the latest value of a quantity in or before each frame ``order``; NaN without one.
+
+        If ``time`` is given, a value that is stale at that time is NaN, too.
+        """
         track = self.tracks[name]
         if not len(track.value):
             return np.full(len(order), np.nan)
@@ -120,7 +123,7 @@ class RigHistory:
         return values
 
     def _turning(self, order: Times, time: Times) -> Times:
-        """Return 1 if the string turns, 0 if it does not, -1 if that is not known."""
+        """Return for each frame 1 if the string turns, 0 if it does not, -1 if no fresh rotation is known."""
         rotation = self._latest("rotation", order, time)
         return np.where(np.isnan(rotation), -1, (rotation >= self._rules.rotating).astype(np.int64))
 
@@ -134,7 +137,8 @@ class RigHistory:
         time
             Time of each measurement, ns.
         order
-            Number of the frame that contained the measurement; -1: it was made before (latency), and ``time`` decides.
+            Number of the frame that contained the measurement; -1 if it was made before its frame (latency), so that
+            ``time`` decides.
         depth
             The sensor's depth if it was sent; NaN if it must be computed from the bit depth.
         offset
@@ -163,13 +167,16 @@ class RigHistory:
         return np.where(sent, depth, found - offset), kind, flags, sent | ready
 
     def _bit_before(self, time: Times, order: Times) -> Times:
-        """Return the bit depth entry at or before each measurement; -1 if there is none."""
+        """Return the index of the latest bit depth entry when each measurement was made; -1 if there is no such entry.
+
+        That is the latest entry in or before frame ``order`` or, if ``order`` is -1, at or before ``time``.
+        """
         bit = self.tracks["bit_depth"]
         at: Times = np.where(order >= 0, bit.before(order), np.searchsorted(bit.time, time, side="right") - 1)
         return at
 
     def _across_jump(self, time: Times, at: Times) -> npt.NDArray[np.bool_]:
-        """Return which measurements were made while the bit depth jumped, after entry ``at``."""
+        """Return which measurements were made between bit depth entries ``at`` and ``at + 1``, if depth jumps there."""
         bit = self.tracks["bit_depth"]
         low, high = np.maximum(at, 0), np.minimum(at + 1, len(bit.value) - 1)
         jumps = np.abs(bit.value[high] - bit.value[low]) > self._limits.jump
@@ -177,7 +184,7 @@ class RigHistory:
         return across
 
     def _wrong_depth(self, depth: Values, known: npt.NDArray[np.bool_], at: Times) -> npt.NDArray[np.bool_]:
-        """Return which sent depths are below the hole, or seem to have another unit than the bit depth."""
+        """Return which sent depths are below the hole, if its depth is known, or have another unit than bit depth."""
         at = np.maximum(at, 0)
         has_hole = known & np.isfinite(self._reached.values[at])
         in_feet = unit_differs(depth, self.tracks["bit_depth"].value[at])
@@ -186,7 +193,7 @@ class RigHistory:
         return wrong
 
     def depth_rule(self, row: np.void) -> str:
-        """Return why a pending row, with the depth that it was given, has the flag RANGE."""
+        """Return the reason why a pending row has the flag RANGE at the depth that `place` gave it."""
         depth = float(row["depth"])
         if self._limits.outside(np.array(depth)):
             return f"depth {depth:g} m: {self._limits.rule()}"
@@ -200,7 +207,10 @@ class RigHistory:
         return f"depth {depth:g} m: lies below the hole, which is {hole:g} m deep"
 
     def _from_bit(self, time: Times, at: Times, now: int) -> tuple[Values, npt.NDArray[np.bool_]]:
-        """Return the bit depth at ``time``, between entries ``at`` and ``at + 1`` (or NaN), and whether it is final."""
+        """Return the bit depth at ``time``, interpolated between entries ``at`` and ``at + 1``, and if it is final.
+
+        It is NaN where it cannot be interpolated, and final where later entries cannot change it.
+        """
         bit = self.tracks["bit_depth"]
         gap = int(self._rules.max_depth_gap * SECOND)
         last = len(bit.value) - 1

@@ -58,14 +58,14 @@ def _steps(last: float, depth: Values) -> Values:
 
 
 def unit_differs(depth: Values | float, known: Values | float) -> npt.NDArray[np.bool_]:
-    """Return whether a depth and a known one have the ratio of feet to metres, either way."""
+    """Return whether a depth and a known depth have the ratio of feet to metres or of metres to feet."""
     ratio = depth / np.maximum(known, 1e-9)
     differs: npt.NDArray[np.bool_] = (np.abs(ratio / FOOT - 1) < NEAR) | (np.abs(ratio * FOOT - 1) < NEAR)
     return differs
 
 
 def unit_rule(depth: float, known: float) -> str:
-    """Return what is wrong with a depth for which `unit_differs`."""
+    """Return which unit was read as the other, for two depths whose `unit_differs`."""
     return f"it seems that {'feet were read as metres' if depth > known else 'metres were read as feet'}"
 
 
@@ -97,7 +97,7 @@ class LastDepth:
         return abs(depth - other) <= self.limits.jump
 
     def _has_other_unit(self, depth: float) -> bool:
-        """Return whether a depth that jumps seems to have another unit."""
+        """Return whether a depth that jumps seems to have another unit; if so, remember it as refused."""
         if self._near(depth, self._other_unit) or unit_differs(depth, self._last):
             self._other_unit = depth
             return True
@@ -113,7 +113,7 @@ class LastDepth:
 
 
 class Steps(LastDepth):
-    """Checks bit or hole depths: a value that jumps is not used, but the next value is used if it is near that one."""
+    """Checks bit or hole depths. A value that jumps is not used; the value after it is used if both are near."""
 
     STATE = (*LastDepth.STATE, "_rejected")
 
@@ -122,7 +122,7 @@ class Steps(LastDepth):
         self._rejected = np.nan
 
     def take(self, values: Values) -> tuple[npt.NDArray[np.int64], dict[int, str]]:
-        """Return the rows of wrong values, and by row the texts to report about new levels of depth."""
+        """Return the indices of wrong values, and by index the text to report about a new level, used or refused."""
         wrong = self.limits.outside(values)
         known = np.isfinite(values) & ~wrong
         levels: dict[int, str] = {}
@@ -155,7 +155,7 @@ class HeldSample(LastDepth):
         self._held: Rows | None = None
 
     def forget(self) -> None:
-        """Use the next depth without a check; the held sample is not confirmed any more."""
+        """Use the next depth without a check; the held sample is refused, because nothing can confirm it any more."""
         super().forget()
         if self._held is not None:
             self._held = self._held.copy()

@@ -3,9 +3,9 @@
     gap at 10:02:11    gap at 10:02:12    ...    gap at 14:55:02     ->    one event: 37 times, the first, the last
 
 Every occurrence is counted. Events with the same source and rule are joined, so that many events take no more memory
-than a few. The time of an event is the time at which its bytes were received, so a replay reports the same events. It
-reads many records together, so it may report their events in another order, and another one of a rule last. Wrong bytes
-stay in the journal at the place that the event names.
+than a few. The time of an event is the time at which its bytes were received, so a replay reports the same events. A
+replay reads many records together, so it may report their events in another order, and another event of a rule last.
+Wrong bytes stay in the journal at the place that the event names.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class Event:
     count
         How often the event happened.
     last
-        The event of the last occurrence; None if this event is the last one.
+        The event of the latest occurrence; None if that is this event.
     """
 
     wall: int
@@ -85,11 +85,11 @@ class Event:
 
     @property
     def newest(self) -> Event:
-        """The event of the last occurrence."""
+        """The event of the latest occurrence."""
         return self.last or self
 
     def and_then(self, more: Event) -> Event:
-        """Return one event for this event and a later one."""
+        """Return this event joined with a later event of its rule and source: the sum of counts, the later as last."""
         return replace(self, count=self.count + more.count, last=more.newest)
 
     def __str__(self) -> str:
@@ -101,7 +101,7 @@ class Event:
 
 
 def gather(events: list[Event], more: Iterable[Event]) -> None:
-    """Add events to a list; it holds at most LISTED of one rule of one source, and the last counts all that follow."""
+    """Add events to a list. It holds at most LISTED of one rule of one source; the last of these counts later ones."""
     places: dict[tuple[str, str], list[int]] = {}
     for place, event in enumerate(events):
         places.setdefault((event.source, event.rule), []).append(place)
@@ -157,7 +157,7 @@ class EventBook:
 
     @property
     def latest(self) -> list[Event]:
-        """All events so far, one for each rule of each source; the latest is at the end."""
+        """All events so far, joined to one for each rule of each source; the one that happened latest is at the end."""
         with self._lock:
             return list(self._joined.values())
 
@@ -173,7 +173,7 @@ class EventBook:
             _add(self._new, self._places, event)
 
     def report_rows(self, rows: Sequence[int] | npt.NDArray[np.int64], describe: Callable[[int], Event]) -> None:
-        """Report an event for each row; ``describe`` is called only for the listed events and for the last one."""
+        """Report an event for each row; ``describe`` is called only for the first LISTED rows and for the last row."""
         for row in rows[: LISTED - 1]:
             self.report(describe(int(row)))
         if len(rest := rows[LISTED - 1 :]):

@@ -40,7 +40,7 @@ class SetAside:
 
 
 def export_bytes(folder: Path, number: int, file: BinaryIO, report: Report = lambda _: None) -> int:
-    """Write all bytes of one source, as it sent them, and return their count."""
+    """Write all bytes of the source with this number in the journal, as it sent them, and return their count."""
     total = 0
     for segment in segments(folder):
         of = (segment.records["kind"] == journal.BYTES) & (segment.records["source"] == number)
@@ -108,7 +108,7 @@ def quarantine(folder: Path, model: Model) -> list[SetAside]:
 
 
 def sessions(folder: Path) -> list[tuple[int, str]]:
-    """Return receive time (ns since 1970) and configuration of each session, and of each change within a session."""
+    """Return (receive time in ns since 1970, configuration) of each session and each later change of configuration."""
     found, last = [], ("", "")
     for segment in segments(folder):
         for row, header in headers(segment):

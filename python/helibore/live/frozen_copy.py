@@ -144,7 +144,7 @@ def _copied(live: Live) -> tuple[FrozenCopy, dict[str, Rows]]:
 
 
 def _meets(image: SectorImage, wall: Wall) -> bool:
-    """Return whether the image covers over a turn of the wall without its end turns, and so surely a quad."""
+    """Return whether the image covers more than a turn between the wall's end turns, and so surely one of its quads."""
     pitch = wall.settings.pitch
     ends = sorted((wall.start_depth, wall.start_depth + len(wall) / wall.settings.sectors * pitch))
     top, bottom = image.depth[0] - image.reach, image.depth[-1] + image.reach

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 
 class GrowingArray:
-    """The entries are ``values``, a view. An append that needs room moves the entries to an array of twice the size.
+    """An array with the entries ``values``, a view. An append that needs room moves them to an array of twice the size.
 
     room  [ forgotten | values        | free     ]
     """

@@ -51,14 +51,14 @@ class ImageRows:
             return start, stop
 
     def set_step(self, step: float) -> None:
-        """Set the step from now on; first delete the rows that later ones replace with the step so far."""
+        """Set the step from now on; first delete the rows that later rows replace under the step so far."""
         with self._lock:
             if step != self.step:
                 self._make_room(0)
                 self.step = step
 
     def _make_room(self, more: int) -> None:
-        """Delete the rows that later ones replace, and make buffers that are half free."""
+        """Delete the rows that later rows replace, and make buffers with room for ``more`` rows that are half free."""
         rows = [column[: self._kept] for column in self._columns]
         if self.step:
             latest = np.sort(_latest(self._columns[1][: self._kept], self.step))
@@ -101,7 +101,7 @@ class ImageRows:
 
 
 def sorted_rows(depth: Floats, values: Floats, step: float = 0.0) -> tuple[Floats, Floats]:
-    """Sort rows in order of arrival by depth; return copies, only the latest row of each depth or step of depth."""
+    """Return rows, given in order of arrival, by depth; copies, only the latest row of each depth or step of depth."""
     latest = _latest(depth, step)
     return depth[latest], values[latest]
 

@@ -158,7 +158,7 @@ def number_of(path: Path) -> int:
 
 
 def content(path: Path, size: int = -1) -> tuple[bytes, str]:
-    """Return the first ``size`` bytes of a segment (-1: all), and what is wrong with the file of an archived one.
+    """Return the first ``size`` bytes of a segment (-1: all), and what is wrong with an archived segment's file, or "".
 
     A damaged archived segment gives the bytes of the pieces (`PIECE`) that can be decompressed. A segment that is
     archived while it is being read is read from the archive.
@@ -251,7 +251,7 @@ def first_wall(path: Path) -> int:
 
 
 def segment_of(folder: Path, sequence: int) -> int:
-    """Return the number of the segment that holds record ``sequence``, or of an earlier segment."""
+    """Return the number of the segment that holds record ``sequence``; of an earlier one if that has no header."""
     for path in reversed(all_paths(folder) if sequence else []):
         header = header_of(path)
         if header and header.sequence <= sequence:
@@ -452,7 +452,7 @@ class Journal:
             return self._sequence - 1, wall, monotonic
 
     def _take_back(self, payload: bytes) -> None:
-        """Remove the last record. The next sync may succeed without its pages, so the record must be written again."""
+        """Remove the record that was just appended and not synced; a later sync may succeed without its pages."""
         with self._lock:
             self._stop -= RECORD_HEADER + len(payload)
             self._sequence -= 1

@@ -66,7 +66,7 @@ WINDOW_RECORDS = 8192
 LOG_AGAIN = 60.0
 """Seconds until the log repeats a rule of the same source."""
 LOGGED_EACH = "alarm_", "address"
-"""Beginnings of rule names. The log has their events, and those without a source, at most once a second."""
+"""Beginnings of rule names. The log repeats these rules, and rules without a source, after a second."""
 
 
 class Stored(NamedTuple):
@@ -148,7 +148,7 @@ class Live:
         self.model.events.log = self._log
 
     def _opening(self, configuration: Configuration) -> bytes:
-        """Return the session header for ``configuration``."""
+        """Return the session header for ``configuration``, the payload of an OPENED record."""
         header = {"session": self._session, "meaning": configuration.meaning(), "configuration": configuration.text}
         return json.dumps(header).encode()
 
@@ -167,7 +167,7 @@ class Live:
         return self.draw([self.store_change(configuration)])
 
     def store_change(self, configuration: Configuration) -> Stored:
-        """Store the change to ``configuration`` as `reconfigure` does, but pass the result to `draw` yourself."""
+        """Store the change to ``configuration``; unlike after `reconfigure`, the caller passes the result to `draw`."""
         now = changed_to(configuration, self.configuration, self.journal.folder if self.journal else None)
         stamped = self._stamp(0, 0, self._opening(now), journals.OPENED)
         self.configuration = now
@@ -175,7 +175,7 @@ class Live:
         return Stored(*stamped)
 
     def _restore(self) -> None:
-        """Restore the newest usable checkpoint; report each that is not usable."""
+        """Restore the newest usable checkpoint; report each newer checkpoint that is not usable."""
         assert self.journal is not None
         for left in self.journal.folder.glob(".checkpoint-*.part"):  # of a process that was killed
             left.unlink()
@@ -340,7 +340,7 @@ class Live:
         return update
 
     def connected(self, source: str, connection: int, peer: str) -> Update:
-        """Record, for events, that ``source`` connected to ``peer``; ``connection`` is the caller's number."""
+        """Store that ``source`` connected to ``peer``, for an event; ``connection`` is the caller's number."""
         return self._store(self._number(source), connection, peer.encode(), journals.CONNECTED)
 
     def closed(self, source: str, connection: int) -> Update:
@@ -572,9 +572,9 @@ def _require_finite(name: str, values: npt.NDArray[np.float64]) -> None:
 
 
 def read_into(model: Model, folder: FilePath, report: Callable[[Segment], None] = lambda _: None) -> Iterator[Update]:
-    """Pass a journal's records to ``model``, from its ``next_sequence`` on, one window at a time.
+    """Pass a journal's records to ``model``, from its ``next_sequence`` on, and yield the update of each window.
 
-    Report damage and missing segments.
+    Events report damage and missing segments; ``report`` is called with each segment after it is read.
     """
     expected = 1 if not model.next_sequence else None
     for segment in segments(folder, segment_of(folder, model.next_sequence)):
@@ -594,7 +594,7 @@ def read_into(model: Model, folder: FilePath, report: Callable[[Segment], None] 
 
 
 def windows(records: Rows) -> Iterator[tuple[int, int]]:
-    """Yield row ranges of at most WINDOW_RECORDS records and WINDOW_BYTES bytes; a longer record is alone."""
+    """Yield row ranges of at most WINDOW_RECORDS records and WINDOW_BYTES bytes, or of one record with more bytes."""
     ends = np.cumsum(records["length"].astype(np.int64))
     start = 0
     while start < len(records):

@@ -50,7 +50,8 @@ class Chunk:
 class Reading:
     """Columns of one chunk. Triples and image rows name the row of their frame in ``time`` and ``order``.
 
-    ``pass_number`` is the number in force at each frame; NO_NUMBER: none.
+    ``images`` has (image, row of the frame, depth, values, flags) for each image. ``pass_number`` is the number in
+    force at each frame; NO_NUMBER: none.
     """
 
     time: Integers
@@ -143,7 +144,7 @@ class SourceReader:
         return readings
 
     def _finish(self, chunk: Chunk) -> Reading:
-        """Return the columns that the end of the connection, at the first record of ``chunk``, completes."""
+        """End the connection, at the first record of ``chunk``; return the columns of the frame that this completes."""
         reading = self._columns(self._parser.finish(), chunk, np.array([np.iinfo(np.int64).max]))
         self._add_counts()
         self._parser, self._ends, self._walls, self._held = self._new_parser(), [], [], bytearray()
@@ -185,7 +186,7 @@ class SourceReader:
 
     @property
     def connection(self) -> int:
-        """Number of the last connection; 0 before the first."""
+        """Number of the latest connection; 0 before the first."""
         return max(self._connection, 0)
 
     def _add_counts(self) -> None:
@@ -193,7 +194,7 @@ class SourceReader:
             self.counts[name] += count
 
     def total(self, name: str) -> int:
-        """Return a parser count over all connections."""
+        """Return the parsers' count ``name``, such as "frames", summed over all connections."""
         return self.counts[name] + self._parser.counts[name]
 
     def _columns(self, batch: wits.Batch, chunk: Chunk, ends: Integers) -> Reading:
@@ -259,7 +260,7 @@ class SourceReader:
         return self._event(int(reading.wall[frame]), rule, text, batch.line_of(row, frame), int(item["offset"]))
 
     def _report_invalid(self, bad: Integers, batch: wits.Batch, reading: Reading, values: Values) -> None:
-        """Report the items ``bad``, which are not numbers, and invalid pass numbers, frame by frame."""
+        """Report the items ``bad``, which are not numbers, and invalid pass numbers, in order of their frames."""
         wrong = self._wrong_numbers(values)
         if not len(bad) and not len(wrong):
             return
@@ -373,9 +374,9 @@ class SourceReader:
         return scaled
 
     def _pass_numbers(self, values: Values, states: npt.NDArray[np.uint8], flags: Integers) -> Integers:
-        """Return the pass number of each frame: its own, or the last one before, up to a null or a wrong number.
+        """Return the pass number of each frame: its own or, if it states none, the latest number before it.
 
-        The number of a late or repeated frame applies to that frame only.
+        A null or wrong number gives NO_NUMBER. The number of a late or repeated frame applies to that frame only.
         """
         item = self.source.items.pass_number
         if item is None:
@@ -422,7 +423,7 @@ class SourceReader:
         reading.triples = np.column_stack([depth, toolface, radius])
 
     def _judge_unit(self, toolface: Values, reading: Reading, frame: Integers) -> None:
-        """Report the first toolfaces if, read as radians, they cover more than half a turn and at most one turn."""
+        """Report that toolfaces seem to be radians, if the first ones in radians cover over half a turn, at most one."""
         caliper = self.source.caliper
         if not isinstance(caliper, WitsCaliper) or caliper.toolface_unit or len(self._toolfaces) == FIRST_TOOLFACES:
             return
