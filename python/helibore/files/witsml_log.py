@@ -189,9 +189,10 @@ def read(source: InputFile) -> RawFile:
 
 
 def _elements(source: InputFile, stream: BinaryIO) -> Iterator[tuple[list[str], ET.Element]]:
-    """Yield (path of local names, element) at every end tag; where a log or trajectory starts, add "start" to its path.
+    """Yield (path, element) at every end tag; path has the local names from the root to the element.
 
-    An element is freed after it is yielded, but an element within one of ``KEPT`` is freed with that one.
+    Where a log or trajectory starts, yield its path with "start" added. An element is freed after it is yielded, but
+    an element within one of ``KEPT`` is freed with that one.
     """
     path: list[str] = []
     parents: list[ET.Element] = []

@@ -56,7 +56,7 @@ LATEST = 4e9
 LARGEST_TOOLFACE = 1e6
 """Degrees: a toolface with a larger absolute value is wrong."""
 MOST_SET_ASIDE = 10_000
-"""The most records that were set aside whose numbers and reasons are kept."""
+"""The model keeps the numbers and reasons of at most this many records that were set aside."""
 LARGEST_RADIUS = 10.0
 """Metres: a larger radius from a host is wrong."""
 USABLE, OUTSIDE = "usable", "outside"
@@ -75,7 +75,7 @@ class Model:
     layouts
         The layout of each image whose layout is known.
     records, wall_time, next_sequence
-        Number of records taken, without session headers; receive time (ns since 1970) and number + 1 of the last one.
+        Number of records taken, without session headers; receive time (ns since 1970) and number + 1 of the latest.
     passes
         The log that decides the pass of each sample and lists the passes so far.
     stretches
@@ -213,7 +213,8 @@ class Model:
     def reconfigure(self, configuration: Configuration, since: str, sequence: int) -> None:
         """Read the records from here on with another configuration; walls, images and path go on.
 
-        ``session_header.py`` has checked that the journal can change to this configuration.
+        ``since`` and ``sequence`` are UTC and number of the record that changes it. ``session_header.py`` has checked
+        that the journal can change to this configuration.
         """
         before, self.configuration = self.configuration, configuration
         self.stretches.append({"utc": since, "record": str(sequence), "configuration": configuration.text,
@@ -244,7 +245,7 @@ class Model:
         self._set_limits()
 
     def _set_limits(self) -> None:
-        """Set what follows from the configuration and from all sources so far."""
+        """Set the longest latency so far, the step of images and the limits near a vertex from the configuration."""
         latencies = [image.latency for image in self._image_list]
         latencies += [one.caliper.latency for one in self.configuration.sources.values() if one.caliper]
         self._longest_latency = max(self._longest_latency, int(max(latencies, default=0.0) * SECOND))
@@ -302,7 +303,7 @@ class Model:
         self, source: int, rows: npt.NDArray[np.int64], records: Rows, payloads: list[bytes],
         times: npt.NDArray[np.int64], update: Update,
     ) -> list[Rows]:  # fmt: skip
-        """Pass one source's records to its reader, one connection at a time."""
+        """Pass one source's records to its reader, one connection at a time; return the pending rows that it reads."""
         reader = self.readers[source]
         name = reader.source.name
         found: list[Rows] = []
@@ -398,7 +399,7 @@ class Model:
         self, rows: npt.NDArray[np.int64], records: Rows, payloads: list[bytes], times: npt.NDArray[np.int64],
         update: Update,
     ) -> list[Rows]:  # fmt: skip
-        """Read what the host pushed with its depths: add stations and image rows, and return samples."""
+        """Read what the host pushed with its depths: add stations and image rows; return samples as pending rows."""
         found: list[Rows] = []
         for row in rows.tolist():
             with self._set_aside(records[row], "what the host pushed"):
@@ -547,7 +548,7 @@ class Model:
             self._count(sources[(flags & int(flag)) != 0], str(flag.name))
 
     def _before_start(self, name: str, depth: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
-        """Return which samples lie before the first vertex of a layer, out of its reach."""
+        """Return which samples lie before the first vertex of a layer by more than ``max_distance``."""
         settings = self.layers[name].settings
         start, reach = settings.start_depth, settings.max_distance
         if start is None or reach is None:
@@ -558,7 +559,7 @@ class Model:
     def _report_outside(
         self, rows: Rows, depth: npt.NDArray[np.float64], outside: list[tuple[str, npt.NDArray[np.int64]]]
     ) -> None:
-        """Report samples before the start of a layer, by layer and in order of arrival, as at a replay."""
+        """Report samples before the start of a layer, by layer and then in order of arrival, as a replay does."""
         if not outside:
             return
         names = [name for name, of in outside for _ in of]
@@ -589,7 +590,7 @@ class Model:
     def _depth_gaps(
         self, of: tuple[str, int], depth: npt.NDArray[np.float64], rows: npt.NDArray[np.int64]
     ) -> list[tuple[int, str]]:
-        """Return (row, text) for each sample that follows a gap longer than `gap_reach`; ``of``: layer and source."""
+        """Return (row, text) for each sample that follows a gap longer than `gap_reach`; ``of`` is layer and source."""
         limit = self.layers[of[0]].settings.gap_reach
         deepest = np.maximum.accumulate(np.concatenate([[self._deepest.get(of, -np.inf)], depth]))
         jumps = np.flatnonzero(np.isfinite(deepest[:-1]) & (np.diff(deepest) > limit))
@@ -614,7 +615,7 @@ class Model:
 
 
 def depth_items(source: Source | None) -> object:
-    """Return the items that state the depths of a source's samples; None: they follow from the bit depth."""
+    """Return the items that state the depths of a source's samples; none, if the depths follow from the bit depth."""
     return source.caliper.depth if source and source.caliper else None
 
 

@@ -3,10 +3,10 @@
     wire       . . 1 1 1 1 2 2 2       number from the source; ".": it sends no number
     string     d d d d r r r r r       drill, rescan: from bit depth and rotation (depth.py)
     pass       d d d d d d r r r       the number decides; an event reports the two samples that differ
-               |-| |-----| |---|       runs, one row each: the passes of one source in order
+               |-| |-----| |---|       the runs of one source, each with its number and pass
 
 The runs of each source are in order of arrival, so they do not depend on how the stream was cut into packets. The
-latest 10,000 are kept.
+latest 10,000 runs are kept.
 """
 
 from __future__ import annotations
@@ -135,7 +135,7 @@ class PassLog:
     def add(
         self, source: Integers, number: Integers, kind: Integers, time: Integers, depth: npt.NDArray[np.float64]
     ) -> None:
-        """Count samples whose pass is decided."""
+        """Add samples to the runs of their sources; ``kind`` is the pass that `decide` returned."""
         for who in sorted(set(source.tolist())):
             if not (source == source[0]).all():
                 rows = np.flatnonzero(source == who)

@@ -1,6 +1,6 @@
 """Rules for the pass of a sample: the settings of ``[passes]``, and the meaning of pass numbers from the wire.
 
-    [passes]                      when the bit is on bottom and the string turns: the pass from its motion (depth.py)
+    [passes]                      the limits by which the string's motion decides the pass (depth.py)
 
     [source.mwd.items]
     pass_number = "0812"          the sender counts its passes: 0710, 0812, 0912 or any other item
@@ -32,7 +32,7 @@ PASSES = ("drill", "ream", "rescan", "trip", "unknown")
 DRILL, REAM, RESCAN, TRIP, UNKNOWN = range(len(PASSES))
 NO_NUMBER = -1
 LARGEST = 32767
-"""Pass numbers are of the wire's type S, two bytes."""
+"""The largest pass number, which is of the wire's type S (two bytes)."""
 
 TABLES = ("passes", "events", "survey")
 """Files of the snapshot in addition to those of layers and images."""
@@ -77,7 +77,10 @@ class PassNumbers(Table):
         self._derive(listed=dict(sorted(listed.items())))
 
     def kind(self, number: int) -> int | None:
-        """Return the pass that ``number`` means; UNKNOWN if it is not listed, None if it has no meaning."""
+        """Return the pass that ``number`` means; None if the string's motion decides (no number, or 0 and not listed).
+
+        Any other number that is not listed means UNKNOWN or, if no number is listed, RESCAN (1: DRILL).
+        """
         if number == NO_NUMBER:
             return None
         if not self.listed:
@@ -109,7 +112,7 @@ def layer_of(names: list[str]) -> Layer:
 
 
 def read_layers(layers: dict[str, list[str]]) -> dict[str, list[str]]:
-    """Check the table ``layers`` and return it, with the layer ``main``."""
+    """Check the table ``layers`` and return it; the default layer ``main`` is added if the table has none."""
     for name, kinds in layers.items():
         if not can_be_file(name):
             raise InputError(name, f"its name {RULE}", repr(kinds))

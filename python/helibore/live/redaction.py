@@ -44,7 +44,7 @@ def _letters(text: str) -> Units:
 
 
 def _written(character: str) -> list[Units]:
-    """Return the ways to write a character."""
+    """Return the ways to write a character, each as regular expressions for its consecutive bytes."""
     code, raw = ord(character), character.encode()
     ways = [[AMPERSAND]] if character == "&" else [[re.escape(bytes([byte])) for byte in raw]]
     if code > 127:
@@ -75,7 +75,7 @@ def _whole(ways: list[Units]) -> bytes:
 
 
 def _begun(ways: list[Units]) -> bytes:
-    """Return an expression for the beginnings of a character."""
+    """Return an expression for the first byte or more of a character, written in any of the ``ways``."""
     found = []
     for units in ways:
         nested = b""

@@ -50,7 +50,10 @@ def back_off(failures: int, longest: float, draw: Callable[[], float] = random.r
 
 
 def _is_elsewhere(source: Source, used: Source) -> bool:
-    """Whether a source must be connected again; a store has no link to break, so any changed setting counts."""
+    """Whether a source must be connected again after its settings changed from ``used``.
+
+    A store has no link to break, so any changed setting counts.
+    """
     return source.address != used.address or (isinstance(source, StoreSource) and source != used)
 
 
@@ -245,7 +248,7 @@ class Server:
             self._begin(source, one)
 
     def _begin(self, source: Source, one: Opener) -> None:
-        """Start the thread of a source."""
+        """Start the thread that opens a source with ``one`` and reads it."""
         self.openers[source.name] = one
         follow = functools.partial(self._follow, source, one, self._threads.get(source.name))
         self._threads[source.name] = thread = self.thread(source.name, follow)
@@ -259,7 +262,7 @@ class Server:
         return following
 
     def _change_if_due(self) -> None:
-        """Begin the next configuration at its time or hole depth."""
+        """Change to each following configuration whose time or hole depth is reached."""
         depth = self.live.model.rig.tracks["hole_depth"].value[-1:].tolist()
         with self._changing, contextlib.suppress(JournalFullError):  # tried again
             while (plan := self.live.configuration.next) and plan.is_due(

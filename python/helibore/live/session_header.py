@@ -118,12 +118,12 @@ def sources_of(folder: FilePath, last: Configuration | None, name: str | None = 
 
 
 def numbers_of(folder: FilePath, last: Configuration) -> dict[str, int]:
-    """Return the number in the journal of each source, of all sessions and of ``last``."""
+    """Return the numbers that the sources of all sessions and of ``last`` have in the journal."""
     return {name: number for number, name in enumerate(_texts(folder, last), 1)}
 
 
 def _texts(folder: FilePath, last: Configuration | None) -> dict[str, str]:
-    """Return for each source the last configuration that has it, in the order of the numbers in the model."""
+    """Return for each source the text of the latest configuration that has it, in the order of the sources' numbers."""
     texts = dict[str, str]()
     for header in (*_of_checkpoint(folder), *(one for segment in segments(folder) for one in _headers(segment))):
         names = sorted(json.loads(header["meaning"])["sources"])
@@ -203,7 +203,7 @@ def _lasting(meaning: dict[str, Any]) -> dict[str, Any]:
 
 
 def _difference(begun: Any, now: Any, place: str = "") -> str:
-    """Return the first setting that differs, with both values."""
+    """Return the first setting that differs between two meanings, as "PLACE = NOW, was BEGUN"."""
     if isinstance(begun, dict) and isinstance(now, dict):
         for name in sorted(begun.keys() | now.keys(), key=lambda name: (name != "wall", name)):
             if begun.get(name) != now.get(name):

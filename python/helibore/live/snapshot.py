@@ -1,7 +1,7 @@
 """Export a live wall as files of one moment: walls, mesh, logs, images, survey, passes, events.
 
     main.wall       settings, samples, vertices, survey, images: hb.load opens it     one file a layer
-    main.las        (or main.csv) measurements of every turn, means of images         one file a layer of over a turn
+    main.las        (or main.csv) measurements of every turn, means of images         of each layer longer than a turn
     main.glb        the wall along the path; without a path, straight and vertical    unless the path is too short
     image-GR.csv    depth_m, GR[1], GR[2] ...                                         one file an image
     survey.csv      depth_m, inclination_deg, azimuth_deg
@@ -78,7 +78,7 @@ def _put_in_place(beside: Path, target: Path, of: FrozenCopy) -> list[Path]:
 
 
 def _manifest(target: Path) -> tuple[int, dict[str, int]]:
-    """Return number and files of the previous export; names that are not files in the folder are left out."""
+    """Return number and files (name: size) of the previous export; names that cannot be its files are left out."""
     try:
         found = json.loads((target / MANIFEST).read_text(encoding="utf-8"))
         files = {name: int(size) for name, size in found["files"].items() if _is_own(target, name)}

@@ -109,7 +109,7 @@ def _length(value: object, info: Any) -> Item:
 
 
 def _curve(kind: str) -> PlainValidator:
-    """Return the reader of a mnemonic; curves are numbered in the order in which they are first named."""
+    """Return the validator that makes a mnemonic an `Item`; curves are numbered in the order of their first use."""
 
     def number(mnemonic: object, info: Any) -> Item:
         if not isinstance(mnemonic, str) or not mnemonic:
@@ -381,7 +381,7 @@ class Source(Table):
         return meaning
 
     def with_meaning(self, recorded: dict[str, Any]) -> Source:
-        """Return this source with the values of a recorded meaning that follow from defaults."""
+        """Return this source with those values of a recorded meaning that may have followed from older defaults."""
         names = {"nulls", "limits", "caliper", "images"} & recorded.keys()
         return self.model_copy(update={name: with_values(getattr(self, name), recorded[name]) for name in names})
 
@@ -495,7 +495,7 @@ def read_source(name: str, entries: dict[str, Any], bit_diameter: float, referen
 
 
 def _run(first: Item, name: str, given: int, members: int = 1) -> list[Item]:
-    """Return ``given`` times ``members`` consecutive items from ``first``; ``name`` is the setting."""
+    """Return ``given`` times ``members`` consecutive items from ``first``; an error names the setting ``name``."""
     if not given:
         raise InputError(name, "must be set: a whole number")
     count = given * members

@@ -1,6 +1,6 @@
 """Convert a store's answers to columns in core units, as ``mapping.py`` does for frames.
 
-    journal bytes -> answers -> rows behind the last index -> cells by unit -> triples, image rows, rig, stations
+    journal bytes -> answers -> rows after the last index -> cells by unit -> triples, image rows, rig, stations
 
 A row is skipped if its index is not after the last index, because a store sends the row at ``startIndex`` again. A
 curve is INVALID, with an event, if its unit is missing or unknown, measures another quantity, or is not the unit of the
@@ -37,7 +37,7 @@ class StoreReader(SourceReader):
     Attributes
     ----------
     last
-        Index of the last row read, as (text, unit); the next query starts there. None before the first row.
+        Index of the latest row read, as (text, unit); the next query starts there. None before the first row.
     """
 
     STATE = (

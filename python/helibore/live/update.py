@@ -63,7 +63,7 @@ def joined_ranges(ranges: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
 
 
 def joined(first: Change | None, second: Change) -> Change:
-    """Return one Change for two consecutive ones."""
+    """Return one Change for those of two consecutive appends to a wall."""
     if first is None:
         return second
     return Change(

@@ -112,7 +112,7 @@ class Parser:
         return Batch(*self._core.feed(chunk))
 
     def finish(self) -> Batch:
-        """Return the frames that the end of the stream completes (without a line end, too), and begin a new stream."""
+        """Return the frames that the end of the stream completes (its last line needs no end); begin a new stream."""
         return Batch(*self._core.finish())
 
     @property

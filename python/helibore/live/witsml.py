@@ -52,7 +52,7 @@ class LogRows:
 
 
 def log_query(uids: tuple[str, str, str], start: tuple[str, str] | None) -> str:
-    """Return the query for a log's rows from ``start`` on: (index, unit), unit "" for a time. None: from its first."""
+    """Return the query for a log's rows from ``start`` on: (index, unit), with unit "" for a time; None: all rows."""
     within = ""
     if start is not None and start[1]:
         within = f"<startIndex uom={quoteattr(start[1])}>{escape(start[0])}</startIndex>"
@@ -112,10 +112,10 @@ def _short(text: str) -> str:
 
 
 def _elements(text: str, whole: str = "") -> Iterator[tuple[list[str], ET.Element]]:
-    """Yield (path of local names, element) at every end tag.
+    """Yield (path, element) at every end tag of an XML text; path has the local names from the root to the element.
 
-    Then the element is deleted, unless it is inside an element named ``whole``; kept elements would take 24 times the
-    size of a log.
+    After it is yielded, an element is deleted, unless it is inside an element named ``whole``, because all elements of
+    a log together would take 24 times its size.
     """
     if match := FORBIDDEN.search(text):
         raise ValueError(f"<!{match[1].upper()} ...>: document types and entities are refused")
