@@ -159,12 +159,12 @@ def view(
         What toolface 0 of the wall is, if it has no `path`: the page then names the sides of the hole. None: what its
         images say, if it has some.
     picks_file
-        Where the page saves what is picked on it: `Picks.save`. ``wall.picks`` has the picks in any case. If its
-        folder cannot be written, the page says so, and that *Download* keeps the picks.
+        The file in which the page saves picks, as `Picks.save` does. ``wall.picks`` has the picks in any case. If the
+        file's folder cannot be written, the page says so, and that *Download* keeps the picks.
     beside
-        Other walls by name (wells, or passes of the same one), where the wall reaches: their radius over bit size as
-        images in the colours of the wall's own, C1 and C2 as curves. Without `template` the page begins with the radius
-        images of the wall and of the first three others side by side.
+        Other walls by name (other wells, or passes of the same well). Where `wall` reaches, the page offers their
+        radius over bit size as images in the colours of the wall's own, and their C1 and C2 as curves. Without
+        `template` the page begins with the radius images of `wall` and of the first three others side by side.
     criteria
         Criteria of the zones; None: the usual ones.
     well
@@ -230,7 +230,10 @@ def view(
 
 
 def of_other(wall: ViewedWall, name: str, other: Wall) -> tuple[Attribute, npt.ArrayLike, list[ScalarCurve]]:
-    """Return the radius of another wall over its bit size at the quads of a wall, metres, and its C1 and C2."""
+    """Return an attribute of ``wall`` with the values that ``other`` has there, and the C1 and C2 of ``other``.
+
+    The values are the radius of ``other`` above that of its bit, in metres.
+    """
     own = wall.vertices(0, len(wall))
     over = own.radius - 0.5 * wall.settings.bit_diameter
     limit = symmetric_limit(over, MILLIMETRE)  # one colour means one size in all walls
@@ -241,7 +244,7 @@ def of_other(wall: ViewedWall, name: str, other: Wall) -> tuple[Attribute, npt.A
 
 
 def _side_by_side(names: list[str]) -> Template:
-    """Return a template with the wall's own radius, then at most three of the others."""
+    """Return a template with the wall's own radius, the first three of the images ``names``, and the caliper."""
     images = [TemplateTrack("image", name) for name in ("Radius", *names[:3])]
     return Template("mm", None, (*images, TemplateTrack("caliper")))
 
@@ -270,7 +273,7 @@ def attributes_of(wall: Any) -> dict[str | Attribute, npt.ArrayLike]:
 
 
 def even_rows(image: SectorImage, pitch: float) -> tuple[float, float] | None:
-    """Return the upper edge of the first row and the height of a row, if rows are even and at least a turn high."""
+    """Return upper edge of the first row and height of a row, if rows are even and at least a turn high, else None."""
     step = float(np.median(np.diff(image.depth))) if image.depth.size > 1 else 0.0
     if step < pitch * (1 - 1e-6):
         return None  # the wall does not have all rows of the image

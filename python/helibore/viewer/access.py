@@ -1,9 +1,9 @@
 """Who may ask the server anything, and what a browser may do with the answers.
 
-If the viewer has a token, the token must match. Without a token, the Host header must be one of ours, so that a page
-elsewhere cannot reach us through its own name for 127.0.0.1. The Origin, if a browser sends one, must be ours in either
-case. A browser hides why a websocket failed to open, so a websocket with a wrong token is opened and then closed with
-the reason.
+If the viewer has a token, a request must have the same token. Without a token, the Host header must be a name of the
+viewer, so that a page elsewhere cannot reach it through a name of its own for 127.0.0.1. In either case the Origin, if
+a browser sends one, must be the viewer's. A browser hides why a websocket failed to open, so a websocket with a wrong
+token is opened and then closed with the reason.
 """
 
 from __future__ import annotations

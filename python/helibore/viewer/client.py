@@ -35,7 +35,7 @@ class Client:
         self.mark(FRAMES_LEVEL, 0, len(scene.frames.centre))
 
     def mark(self, level: int, start: int, stop: int) -> None:
-        """Note that [start, stop) of a level changed; kept only for the tiles that the page holds."""
+        """Note that vertices or frames [start, stop) of a level changed, if the page holds a tile that shows them."""
         if stop <= start:
             return
         if level == FRAMES_LEVEL:
@@ -63,7 +63,7 @@ class Client:
                 self._request((1, tile))
 
     def acknowledge(self, sequence: int) -> None:
-        """Note that the page has applied a message."""
+        """Note that the page has applied message ``sequence``."""
         if self.unacknowledged.pop(sequence, None) is None:
             raise BadMessageError(f"ack {sequence}: no such message is waiting for one")
 
@@ -108,7 +108,7 @@ class Client:
             self.pending[key] = union([*self.pending.get(key, []), (start, stop)], MOST_PENDING)
 
     def _priority(self, key: Key) -> float:
-        """Send frames first, then the tiles near the focus, the overview, the other tiles."""
+        """Return the rank by which frames are sent first, then the tiles near the focus, the overview, other tiles."""
         if key[0] == FRAMES_LEVEL:
             return -1
         return OVERVIEW_PRIORITY if key[0] == 1 else abs(key[1] - self.subscription.focus)

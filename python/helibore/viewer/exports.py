@@ -28,7 +28,7 @@ MOST_ROWS = 2_000_000
 FARTHEST = 1e6  # metres: beyond any wall, but vertex numbers stay finite
 ROWS_A_CHUNK = 256
 SCALES = 10, 10_000
-"""Scales of paper: a finer one would need a roll of paper, a coarser one would show nothing."""
+"""Least and greatest N of a scale 1:N; a finer scale would need a roll of paper, a coarser one would show nothing."""
 
 
 def vertex(scene: Scene, k: int) -> dict[str, Any]:
@@ -61,14 +61,14 @@ def vertex(scene: Scene, k: int) -> dict[str, Any]:
 
 
 def curve_bytes(curve: ScalarCurve) -> bytes:
-    """Return a curve for the page: f64 its first depth, then f32 x n depths from there, f32 x n values."""
+    """Return a curve for the page: its first depth as f64, n depths minus this as f32, n values as f32."""
     first = curve.depth[:1] if curve.depth.size else np.zeros(1)
     columns = (curve.depth - first, curve.values)
     return first.astype("<f8").tobytes() + b"".join(column.astype("<f4").tobytes() for column in columns)
 
 
 def section_ends(query: Mapping[str, str]) -> tuple[float, float]:
-    """Return the two depths of the section that a request asks for."""
+    """Return ``start`` and ``stop`` of a request's section, metres, as it states them; the order is free."""
     for name in ("start", "stop"):
         if name not in query:
             raise InputError(name, "missing; ask for ?start=DEPTH&stop=DEPTH in metres")

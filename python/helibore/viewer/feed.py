@@ -115,7 +115,7 @@ class Feed:
         return bool(self._threads) and all(thread.is_alive() for thread in self._threads)
 
     def update(self, change: Any = None, attributes: Mapping[str, npt.ArrayLike] | None = None) -> None:
-        """Note what an append changed; None: anything may have. New attributes come as whole columns."""
+        """Note what an append changed; if ``change`` is None, compare everything. ``attributes`` are whole columns."""
         columns = {name: self._column(name, values) for name, values in (attributes or {}).items()}
         ranges = [(0, len(self._wall))] if change is None else [tuple(part) for part in change.ranges]
         before = self._shape.sectors + 1 if columns else 0  # a quad gets its value with its last vertex
@@ -127,7 +127,7 @@ class Feed:
             self._changed.notify_all()
 
     def set_path(self, path: Path | None) -> None:
-        """Replace the path; only frames are sent."""
+        """Place the wall along another path; pages receive only the new path's frames, not the wall again."""
         self._check_path(path)
         with self._changed:
             self.path = self.scene.path = path
@@ -135,7 +135,7 @@ class Feed:
             self._changed.notify_all()
 
     def set_attribute(self, name: str, values: npt.ArrayLike) -> None:
-        """Replace the values of a named attribute: one per quad, or fewer if the wall has grown since."""
+        """Replace an attribute's values: one per quad, or fewer if the wall has grown since they were made."""
         column = self._column(name, values, shorter=True)
         with self._changed:
             self._values[name] = column
@@ -191,7 +191,7 @@ class Feed:
         self._choose_ranges()
 
     def _choose_ranges(self) -> None:
-        """Choose the ends of the colours from the whole wall; from `FEW_TURNS` turns of it, they are final."""
+        """Choose the ends of the colours from the whole wall; once it has `FEW_TURNS` turns, they are final."""
         few, ranges = FEW_TURNS * self._shape.sectors, dict(self.scene.state.ranges)
         if "over" not in self._chosen:
             read, bit = self._wall.vertices(0, len(self._wall)), self._shape.bit_diameter / 2
@@ -212,7 +212,7 @@ class Feed:
             self.scene.update_state(ranges=ranges)
 
     def _find_zones(self) -> None:
-        """Find the zones of the wall as it is now."""
+        """Find zones, interpolated vertices and logs of the wall as it is now, and set them in the scene."""
         if self._shape.basis == "gauge" or len(self._wall) < self._shape.sectors:
             return
         wall = getattr(self._wall, "_state", lambda: self._wall)()  # copies samples and finds gaps only once
@@ -308,7 +308,7 @@ def frames_on_path(shape: WallShape, path: Path | None, first: int, stop: int) -
 
 
 def _attribute(key: str | Attribute) -> Attribute:
-    """Return the attribute with its colour map."""
+    """Return the attribute that ``key`` is or names; without a colour map, it gets the usual one."""
     attribute = key if isinstance(key, Attribute) else Attribute(key)
     return replace(attribute, color_map=attribute.color_map or customary_map(attribute.name, attribute.unit))
 

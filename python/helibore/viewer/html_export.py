@@ -61,13 +61,13 @@ def html_export(
 
 
 def _curves(scene: Scene, address: str) -> list[str]:
-    """Return the names of the curves that the page shows."""
+    """Return the names of the scene's curves that a page at this ``address`` shows."""
     shown = parse_qs(address.removeprefix("#")).get("curves", [""])[0].split("~")
     return [name for name in shown if name in scene.curves]
 
 
 def _page(files: Mapping[str, str]) -> tuple[str, str]:
-    """Return the page's HTML before and after its script, with style in it."""
+    """Return the page's HTML before and after its script, with its style and a content-security policy inside."""
     policy = f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
     page = files["index.html"]
     for old, new in (

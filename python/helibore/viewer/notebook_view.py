@@ -152,7 +152,7 @@ class _Frame:
         self.received: asyncio.Queue[MutableMapping[str, Any]] = asyncio.Queue()
 
     async def accept(self) -> None:
-        """Do nothing: a frame that opens is there."""
+        """Do nothing, because a frame that has sent its opening is connected."""
 
     async def close(self, code: int, reason: str) -> None:
         self._widget.send({"view": self._view, "close": code, "reason": reason})

@@ -18,8 +18,8 @@ The bytes are little endian; every array starts at a multiple of its item size.
     | total u32    | sequence u32    | time f64      |
     +--------------+-----------------+---------------+
 
-The radii of the first pass are left out of a WRITE where all equal the radii: then `level` has the bit NO_FIRST, and a
-texel is radius, nearest distance, state; two zero bytes follow an odd number of them.
+A WRITE whose radii all equal those of the first pass leaves out the latter. Its `level` then has the bit NO_FIRST, a
+texel is radius, nearest distance, state, and two zero bytes follow an odd number of texels.
 
 A WRITE sets `count` vertices of a tile from `first` on. `first` is 0 at the start of the tile, whose halo (the first
 sectors + 1 vertices of the next tile) belongs to it. A WRITE can be repeated: a new quad, a changed one and a resent

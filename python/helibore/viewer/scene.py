@@ -106,8 +106,8 @@ class WallShape:
 class PathFrames:
     """The path of the hole: one frame every `FRAME_STEP` metres of depth, from start_depth on.
 
-    centre (n, 3) is north, east, down in metres; high and right (n, 3) are the directions of toolface 0 and 90. Not
-    `surveyed`: there is no path, and the hole is drawn straight down.
+    centre (n, 3) is north, east, down in metres; high and right (n, 3) are the directions of toolface 0 and 90. If not
+    `surveyed`, there is no path, and the hole is drawn straight down.
     """
 
     centre: Floats

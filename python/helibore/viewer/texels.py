@@ -34,7 +34,7 @@ class Vertices:
 
 
 def pack_vertices(vertices: Vertices, radius_unit: float) -> Texels:
-    """Return the texels (n, 4) of vertices: radius, first-pass radius, nearest distance, state. 0: no radius."""
+    """Return the texels (n, 4) of vertices: radius (0 if missing), first-pass radius, nearest distance, state."""
     radius = numbers(vertices.radius)
     texels = np.zeros((radius.size, TEXEL), np.uint16)
     there = np.isfinite(radius)

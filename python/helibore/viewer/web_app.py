@@ -125,7 +125,7 @@ class WebApp:
         return [*files, Route("/healthz", self.health), *begun, WebSocketRoute("/ws", self.serve)]
 
     def begin(self, loop: asyncio.AbstractEventLoop) -> None:
-        """Serve in a loop from now on."""
+        """Serve in the event loop ``loop`` from now on."""
         self.loop, self.scene.on_change = loop, self.wake
 
     @contextlib.asynccontextmanager
@@ -326,7 +326,7 @@ class _Connection:
                 self.wake.clear()
 
     async def _send_text(self) -> None:
-        """Send the handshake to a new page or for a new wall, and the state if it changed."""
+        """Send the handshake to a new page or for a new wall, and the state and the picks if they changed."""
         texts = []
         with self.scene.lock:
             if self.scene.begun and (self.client is None or self.client.session != self.scene.session):
@@ -382,7 +382,7 @@ class _Connection:
 
 
 async def _body(request: Request, most: int) -> bytes:
-    """Return what a page sends; refuse more than ``most`` bytes."""
+    """Return the body of a page's request; refuse more than ``most`` bytes."""
     body = bytearray()
     async for chunk in request.stream():
         body += chunk
@@ -392,7 +392,7 @@ async def _body(request: Request, most: int) -> bytes:
 
 
 def _file_name(what: str, query: Any, ending: str) -> str:
-    """Return a file's name, with the depths of its section if they are numbers."""
+    """Return the name of a download (``section-1200.0-1300.0.csv``), without depths if the query states none."""
     try:
         return f"{what}-{'-'.join(f'{depth:.1f}' for depth in exports.section_ends(query))}.{ending}"
     except ValueError:
