@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
@@ -69,10 +70,17 @@ def curve_bytes(curve: ScalarCurve) -> bytes:
 
 def section_ends(query: Mapping[str, str]) -> tuple[float, float]:
     """Return ``start`` and ``stop`` of a request's section, metres, as it states them; the order is free."""
-    for name in ("start", "stop"):
-        if name not in query:
-            raise InputError(name, "missing; ask for ?start=DEPTH&stop=DEPTH in metres")
-    return float(query["start"]), float(query["stop"])
+    start, stop = (_end(query, name) for name in ("start", "stop"))
+    return start, stop
+
+
+def _end(query: Mapping[str, str], name: str) -> float:
+    if name not in query:
+        raise InputError(name, "missing; ask for ?start=DEPTH&stop=DEPTH in metres")
+    with contextlib.suppress(ValueError):
+        if math.isfinite(depth := float(query[name])):
+            return depth
+    raise InputError(name, "must be a finite number of metres", query[name][:20])
 
 
 def print_scale(query: Mapping[str, str]) -> int | None:
@@ -87,8 +95,6 @@ def print_scale(query: Mapping[str, str]) -> int | None:
 
 def vertices_between(scene: Scene, start: float, stop: float) -> tuple[float, float]:
     """Return the places on the helix, in vertices, of two depths in either order; the smaller place is first."""
-    if not (math.isfinite(start) and math.isfinite(stop)):
-        raise InputError(f"start = {start}, stop", "must be finite", str(stop))
     shape = scene.shape
     depths = (max(-FARTHEST, min(depth, FARTHEST)) for depth in (start, stop))
     first, last = sorted((depth - shape.start_depth) / shape.pitch * shape.sectors for depth in depths)

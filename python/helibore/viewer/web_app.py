@@ -226,7 +226,7 @@ class WebApp:
             return await self._change_picks(lambda picks: picks.remove_key(key))
         try:
             pick = pick_of(json.loads(await _body(request, MOST_TEXT)))
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             return PlainTextResponse(f"{error}\n", 400)
         return await self._change_picks(lambda picks: picks.put(pick))
 

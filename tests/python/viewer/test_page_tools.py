@@ -246,7 +246,7 @@ def test_an_export_opens_from_disk_and_asks_nothing(browser: Any, viewer: Any, t
 def test_an_export_is_bounded_and_says_what_is_wrong(viewer: Any) -> None:
     for query, text in (
         ("start=1000", "stop: missing"),
-        ("start=nan&stop=3", "must be finite"),
+        ("start=nan&stop=3", "must be a finite number"),
         ("start=5000&stop=6000", "the wall does not reach there"),
     ):
         with pytest.raises(urllib.error.HTTPError) as refused:

@@ -220,7 +220,7 @@ def test_one_vertex_and_a_section_as_text(client: TestClient, feed: Any) -> None
     assert lines[-1].split(",")[3:6] == ["", "", ""], "a vertex without a sample has no radius, not zero"
     assert client.get("/api/section.csv?start=1").text.startswith("stop: missing;")
     assert client.get("/api/section.csv?start=1e308&stop=9e307").text.count("\n") == 1, "beyond the wall: no vertex"
-    assert client.get("/api/section.csv?start=nan&stop=2").text == "start = nan, stop = 2.0: must be finite\n"
+    assert client.get("/api/section.csv?start=nan&stop=2").text == "start = nan: must be a finite number of metres\n"
 
 
 def test_a_corrected_path_sends_frames_only(client: TestClient, feed: Any) -> None:
@@ -419,6 +419,7 @@ def test_a_pick_that_breaks_a_rule_or_cannot_be_saved_changes_nothing(client: Te
     refused = client.put("/api/pick", json=pick | {"toolface": 400})
     assert (refused.status_code, refused.text) == (400, "toolface = 400: must be 0 to 360\n")
     assert client.put("/api/pick", content="{").status_code == 400
+    assert client.put("/api/pick", content="[" * 8000).status_code == 400
     assert client.put("/api/pick", content="x" * 9000).text == "body: must be at most 8192 bytes\n"
     assert client.post("/api/picks.csv", content="a,b\n").status_code == 400
     feed.scene.picks_file = "/nowhere/a.picks.csv"
@@ -440,6 +441,14 @@ def test_a_print_has_the_scale_that_the_page_asks_for(client: TestClient, feed: 
         refused = client.get(f"/api/print.pdf?start=1001&stop=1004&scale={scale}")
         rule = f"scale = {scale}: must be a whole number from 10 to 10000, 200 for 1:200\n"
         assert (refused.status_code, refused.text) == (400, rule)
+
+
+@pytest.mark.parametrize("path", ["summary", "section.csv", "export.html", "print.pdf"])
+def test_an_end_of_a_section_that_is_no_depth_is_refused(client: TestClient, feed: Any, path: str) -> None:
+    feed.scene.draw_pages = lambda *_: b"%PDF"
+    for end in ("nan", "-inf", "x"):
+        refused = client.get(f"/api/{path}?start=1001&stop={end}")
+        assert (refused.status_code, refused.text) == (400, f"stop = {end}: must be a finite number of metres\n")
 
 
 def enclosed_address(answer: str) -> str:
