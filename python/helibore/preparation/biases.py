@@ -1,4 +1,4 @@
-"""Find the bias of each arm in each pass: the amount by which its radii are too large.
+"""Find the bias of each arm in each pass: the amount by which the arm's radii are too large.
 
     radius = level(depth) + shape(sector) + wall(cell) + by_pass[pass] + by_arm[arm] + by_both[pass, arm] + noise
 
@@ -50,8 +50,8 @@ class Bias:
     by_pass: Floats  # (p,); NaN for passes of which no bias is known
     by_arm: Floats  # (a,); NaN for arms that cannot be separated from the hole's shape
     by_both: Floats  # the remaining bias of each arm in each pass, (p, a)
-    estimate: Floats  # best estimate of their sums, (p, a)
-    sigma: Floats  # its standard deviation, (p, a)
+    estimate: Floats  # best estimate of the whole bias of each arm in each pass, (p, a)
+    sigma: Floats  # standard deviation of the estimate, (p, a)
     # What is subtracted, (p, a): the estimate; NaN where its deviation exceeds 0.127 mm, for an arm that drifts and
     # cannot be compared with a steady arm, and where less than half of an arm's samples can be compared.
     table: Floats
@@ -59,7 +59,7 @@ class Bias:
     part: Integers  # passes and arms of one number can be compared, and share one zero, (p, a)
     drift: Floats  # from least to largest bias over the passes that can be compared, (a,); NaN for fewer than two
     drift_sigma: Floats  # its standard deviation, (a,)
-    drift_ends: Integers  # rows of these two passes, (a, 2)
+    drift_ends: Integers  # rows of the passes with the least and the largest bias, (a, 2)
     noise: float  # metres: robust deviation of a sample from its cell after correction
 
     def at(self, pass_number: npt.ArrayLike, arm: npt.ArrayLike | None = None) -> Floats:
@@ -226,13 +226,13 @@ def find_bias(
 
 
 def _indicators(of: Integers) -> Floats:
-    """Return a column for each number, with 1 in the rows that have this number."""
+    """Return a column for each distinct number, with 1 in the rows that have this number, 0 in the others."""
     columns: Floats = (of[:, None] == np.unique(of)).astype(np.float64)
     return columns
 
 
 def _parts(joined: Mask) -> Integers:
-    """Return the number of each group's part; groups that are joined, directly or through others, are one part."""
+    """Return the part of each group, a number; groups that are joined, directly or through others, are one part."""
     size = len(joined)
     part = np.arange(size)
     for _ in range(size):
@@ -246,13 +246,16 @@ def _parts(joined: Mask) -> Integers:
 def _referred(
     found: Floats, covariance: Floats, passes: Integers, arms: Integers, samples: Integers, noise: float
 ) -> Bias:
-    """Choose the zero of every part whose differences are known, and split the sums into passes, arms and both."""
+    """Return the `Bias`: set the zero of each part (passes and arms that can be compared), and split into three terms.
+
+    ``found`` is the bias of every arm in every pass, up to a constant, and ``covariance`` is its covariance.
+    """
     shape, count = samples.shape, samples.ravel()
     arm, seen, variance = np.tile(np.arange(arms.size), passes.size), count > 0, covariance.diagonal()
     part = _parts(variance[:, None] + variance - 2.0 * covariance <= (2.0 * _KNOWN) ** 2)
     drift, drift_sigma, rms = np.full((3, arms.size), np.nan)
     drift_ends = np.zeros((arms.size, 2), dtype=np.int64)
-    for each in range(arms.size):  # within the part that has most of its samples
+    for each in range(arms.size):  # within the part that has most of the arm's samples
         mine = (arm == each) & seen
         mine &= part == np.argmax(np.bincount(part[mine], count[mine], 1))
         if np.count_nonzero(mine) > 1:
@@ -268,7 +271,7 @@ def _referred(
     known = np.zeros(count.size, dtype=bool)
     estimate, sigma = np.zeros((2, count.size))
     sizes = np.bincount(part, seen)
-    for each in [-1, *np.flatnonzero(sizes > 1).tolist()] if seen.any() else ():  # -1: all, for those without a part
+    for each in [-1, *np.flatnonzero(sizes > 1).tolist()] if seen.any() else ():  # -1: all, for those alone in a part
         mine = (part == each) | (each < 0)
         zero = mine & seen & steady[arm]
         sure = bool(zero.any())
@@ -313,7 +316,9 @@ def arm_sides(arm: npt.ArrayLike, toolface: npt.ArrayLike, sides: int = 8) -> In
 
 
 class _Walls:
-    """The walls: a level for each row of cells, and level + slope * aside for each cell; aside is -1 to 1 across it.
+    """The wall in cells: a level for each row of cells, and in each cell a further level + slope * aside.
+
+    ``aside`` runs from -1 to 1 across the cell.
 
     Weighted least squares eliminates levels and slopes from the equations of the groups (passes and arms) and sectors.
     The expected roughness pulls the level of a cell to 0, and the expected steepness pulls its slope to 0. Otherwise
@@ -335,7 +340,7 @@ class _Walls:
         self.compared = (np.bincount(self.cell_of, minlength=cells.size) > 1)[self.spot]
 
     def weigh(self, weight: Floats, deviation: float, rough: float) -> None:
-        """Set the weights and the deviation of the samples, and the deviation of the walls of the cells."""
+        """Set the weights and ``deviation`` of samples, and how far cells depart from level and shape (``rough``)."""
         self.weight = weight
         self.sum_1, self.sum_t = self._sum(np.ones(weight.size)), self._sum(self.aside)
         self.own_1, self.own_tt = self.sum_1 + (deviation / rough) ** 2, self._sum(self.aside**2)
@@ -347,18 +352,18 @@ class _Walls:
         return np.bincount(self.spot, self.weight * values, self.row_of.size).astype(np.float64, copy=False)
 
     def _fitted(self, radius: Floats) -> tuple[Floats, Floats]:
-        """Return the level of each cell, and the wall at every sample."""
+        """Fit ``radius`` cell by cell; return the level of each cell, and the fitted wall at every sample."""
         r, rt = self._sum(radius), self._sum(radius * self.aside)
         level = (self.own_tt * r - self.sum_t * rt) / self.determinant
         slope = (self.own_1 * rt - self.sum_t * r) / self.determinant
         return level, level[self.spot] + slope[self.spot] * self.aside
 
     def eliminated(self, radius: Floats) -> tuple[Floats, Floats]:
-        """Return the normal equations of the groups and sectors alone.
+        """Return matrix and right-hand side of the normal equations of the groups and sectors alone.
 
         A cell contributes diag(a) - (a b) S^-1 (a b)' to the equations of its groups. Here a and b are the sums of w
-        and w t of each group in the cell, and S is the 2 x 2 matrix of the sums over the cell. Level and sector of the
-        cell get the sums of this over the groups. Then the level of each row of cells is also eliminated.
+        and w * aside of each group in the cell, and S is the 2 x 2 matrix of the sums over the cell. The row and the
+        sector of the cell get the sums of this over the groups. Then the level of each row of cells is eliminated.
         """
         groups, sectors, cell, group, rows = (
             self.groups,
@@ -404,14 +409,17 @@ class _Walls:
         return total
 
     def residual(self, radius: Floats, found: Floats) -> tuple[Floats, float]:
-        """Return the residual of each radius, and the deviation of the cells from level and shape, metres."""
+        """Return each radius less the fit with ``found``, and the deviation of cells from level and shape, metres."""
         level = (self.row_rest - self.coupling @ found) / self.row_left
         rest = radius - found[self.group] - found[self.groups + self.sector] - level[self.row]
         cells, fitted = self._fitted(rest)
         return rest - fitted, float(np.sqrt((np.square(cells) + self.variance).sum() / max(cells.size, 1)))
 
     def scores(self, residual: Floats, stretch: Integers) -> Floats:
-        """Return the gradients of the groups and sectors by interval of depth, (stretches, groups + sectors)."""
+        """Return the sum of the weighted residuals of each group and sector in each interval ``stretch`` of depth.
+
+        The shape is (stretches, groups + sectors).
+        """
         count, force = int(stretch.max(initial=-1)) + 1, self.weight * residual
         return np.hstack([
             _table(stretch, self.group, force, count, self.groups),
@@ -426,7 +434,7 @@ def _table(row: Integers, column: Integers, weights: Floats, rows: int, columns:
 
 
 def rows_of(name: str, numbers: Integers, known: Integers) -> Integers:
-    """Return the index of each number in ``known``, which is sorted."""
+    """Return the index of each number in ``known``, which is sorted; another number is an error at ``name``."""
     row = np.minimum(np.searchsorted(known, numbers), max(known.size - 1, 0))
     there = known[row] == numbers if known.size else np.zeros(numbers.size, dtype=bool)
     require(name, numbers, there, f"is not among {known.tolist()}")

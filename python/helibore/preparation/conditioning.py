@@ -72,8 +72,8 @@ def spikes(
            difference of those two
         2  no sample next to it in its own turn, or next to its toolface in the turn before or after, is within half
            the tolerance of it
-        3  of the samples more than three turns away, in its 10 degrees, the nearest in depth is farther than 5 cm or
-           not within the tolerance of it
+        3  no sample more than three turns away is among the four before and the four after it, by depth, in its 10
+           degrees; or the nearest of them is farther than 5 cm in depth, or not within the tolerance of it
 
     The tolerance is ``threshold`` times a deviation. The deviation of a turn is 1.4826 times the median distance of its
     samples from the medians of their neighbours; the median of a hundred turns counts.
@@ -131,7 +131,7 @@ def spikes(
 class _Rings:
     """Samples sorted by turn and toolface: the samples of a turn form a ring."""
 
-    reach, used = 3, 6  # turns to either side, and neighbours compared of those next to the toolface in them
+    reach, used = 3, 6  # turns to either side, and how many of the samples next to the toolface in them are compared
 
     def __init__(self, angle: Floats, radius: Floats, turn: Integers) -> None:
         self.angle, self.radius = angle, radius
@@ -140,7 +140,10 @@ class _Rings:
         self.key = ring * 360.0 + angle
 
     def _next_to(self, at: Integers, step: int) -> tuple[Integers, Mask]:
-        """Return the two samples next to the toolface, ``step`` turns away, (n, 2), and whether that turn exists."""
+        """Return the two samples ``step`` turns away from each sample ``at`` and next to its toolface, (n, 2).
+
+        Also return whether that turn exists, (n,).
+        """
         ring = np.searchsorted(self.turns, self.turns[self.ring[at]] + step)
         ring = np.minimum(ring, self.turns.size - 1)
         there = self.turns[ring] == self.turns[self.ring[at]] + step
@@ -149,7 +152,10 @@ class _Rings:
         return self.first[ring, None] + pair, there
 
     def neighbours(self, at: Integers) -> tuple[Floats, Floats, Floats, Floats]:
-        """Return the number of neighbours in other turns, their median, second smallest and second largest radius."""
+        """Return the number of neighbours of each sample ``at`` in other turns, and radii of these neighbours.
+
+        The radii are the median, the second smallest and the second largest.
+        """
         pairs = [self._next_to(at, step) for step in range(-self.reach, self.reach + 1) if step]
         candidates = np.concatenate([pair for pair, _ in pairs], axis=1)
         gap = np.abs((self.angle[candidates] - self.angle[at, None] + 180.0) % 360.0 - 180.0)
@@ -166,9 +172,10 @@ class _Rings:
         return number.astype(np.float64), middle, values[row, np.minimum(1, last)], values[row, np.maximum(last - 1, 0)]
 
     def deviation(self, middle: Floats) -> Floats:
-        """Return the robust deviation from the neighbours' medians, metres: that of the median turn of a hundred turns.
+        """Return for each sample the robust deviation of radii from ``middle``, the median of their neighbours, metres.
 
-        A turn through a breakout has a larger median distance, which is due to shape and not to noise.
+        It is that of the median turn of a hundred turns. A turn through a breakout has a larger median distance, which
+        is due to shape and not to noise.
         """
         off = np.nan_to_num(np.abs(self.radius - middle), nan=np.inf)
         off = off[np.lexsort((off, self.ring))][self.first + (self.count - 1) // 2]
@@ -179,7 +186,10 @@ class _Rings:
         return deviation
 
     def supported(self, at: Integers, tolerance: Floats) -> Mask:
-        """Return whether each agrees with a sample next to it: in its turn, or at its toolface in a turn beside it."""
+        """Return whether each sample ``at`` agrees with one next to it in its turn, or in the turn before or after.
+
+        In the turn before or after, the samples next to its toolface count.
+        """
         first, count = self.first[self.ring[at]], self.count[self.ring[at]]
         agrees = np.zeros(at.size, dtype=bool)
         for step in (-1, 1):
@@ -191,7 +201,10 @@ class _Rings:
         return agrees
 
     def repeated(self, at: Integers, depth: Floats, tolerance: Floats) -> Mask:
-        """Return whether each agrees with the sample of another time that is nearest in depth, at most 5 cm away."""
+        """Return whether each sample ``at`` agrees with one more than three turns away, at most 5 cm away in depth.
+
+        That is the nearest in depth among the four samples before and the four after in the same 10 degrees.
+        """
         cell = np.floor(self.angle / 10.0)
         order = np.lexsort((depth, cell))
         place = np.empty(order.size, dtype=np.int64)
@@ -208,7 +221,7 @@ class _Rings:
 
 
 def _runs_of(values: Integers) -> tuple[Integers, Integers, Integers, Integers]:
-    """Return the distinct values of a sorted column, where each begins, its count, and the index of a row's value."""
+    """Return the distinct values of a sorted column, where each begins, its count, and which of them each row has."""
     different, first, count = np.unique(values, return_index=True, return_counts=True)
     return different, first, count, np.repeat(np.arange(different.size), count)
 
@@ -272,7 +285,7 @@ def repeated_rows(*columns: npt.ArrayLike) -> Step:
 
 
 def share_of_repeats(depth: Floats, toolface: Floats, radius: Floats, *, most: int = 1 << 15) -> float:
-    """Return the share of rows that equal an earlier row, from about ``most`` rows, chosen by their hashes."""
+    """Return the share of rows that equal an earlier row, judged by about ``most`` rows, chosen by their hashes."""
     odd = np.uint64(0x9E3779B97F4A7C15)
     bits = [values.copy().view(np.uint64) for values in (depth, toolface, radius)]
     place = (bits[0] ^ (bits[1] << np.uint64(1))) * odd
@@ -345,9 +358,9 @@ def saturated(radius: npt.ArrayLike, depth: npt.ArrayLike) -> Step:
 def closed_stretches(readings: Readings) -> tuple[float, list[tuple[int, int, int, int]]]:
     """Find the runs of rows in which all arms stay closed, and the ramps on which they close before and open after.
 
-    The closed radius is the least, over all rows, of what the largest arm reads. If half of the rows do not read at
-    least 10 mm more, there is no stretch. A stretch has 20 rows or more within 2 mm of the closed radius. A ramp is
-    where the largest arm reads more from row to row, away from the closed stretch.
+    Each row counts by its largest radius. The closed radius is the least of these. If half of the rows are not at least
+    10 mm larger, there is no stretch. A stretch has 20 rows or more within 2 mm of the closed radius. On a ramp the
+    radius grows from row to row, away from the closed stretch.
 
     Returns
     -------
@@ -374,9 +387,9 @@ def closed_stretches(readings: Readings) -> tuple[float, list[tuple[int, int, in
 
 
 def disagreements(readings: Readings, apart: float = 0.0025, rows: int = 10) -> list[str]:
-    """Return a sentence for each two calipers that look in one direction and differ by more than ``apart`` metres.
+    """Return a sentence for each pair of calipers that look in one direction and differ by more than ``apart`` metres.
 
-    Runs of ``rows`` rows or more count. Raises InputError if two calipers differ in half of the rows that both have.
+    Runs of ``rows`` rows or more count. Raises InputError if a pair differs in half of the rows that both have.
     """
     place = [(sensor.mounting, sensor.offset) for sensor in readings.sensors]
     lines = {}

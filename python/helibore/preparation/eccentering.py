@@ -24,8 +24,8 @@ missing, harmonics become hard to tell from an offset, and the stated covariance
 
 A second fit allows odd harmonics as large as those of a washout. If the samples show such harmonics, or cannot exclude
 them because much of the circle is missing, the two models are mixed. Then the wall may have a first harmonic of its
-own, which reduces the offset, the covariance includes both models and the difference between them, and less of the
-offset is corrected (``Centres.one_sided``, ``Centres.share``).
+own, which makes the offset smaller. The covariance includes both models and the difference between them, and less of
+the offset is corrected (``Centres.one_sided``, ``Centres.share``).
 
 Harmonics do not fit a wall with steps; 32 samples a turn in breakouts with upright edges leave an error of 0.6 mm. So a
 rough turn is fitted twice more: as an oval with two opposite steps, and as an oval with one step. All edges are tried,
@@ -57,10 +57,10 @@ from helibore.preparation.turn_fits import Shape, TurnFits, estimate, powers
 __all__ = ["Centres", "Shape", "find_centres", "recentre", "turn_positions"]
 
 _SAMPLES_AT_ONCE = 1 << 16
-_EXCESS = 0.8  # 2/3 would make the bound three deviations; more, as the mean radius about a wrong axis is too small
+_EXCESS = 0.8  # 2/3 would make the bound 3 deviations; more, because the mean radius about a wrong axis is too small
 _FASTEST_WHIRL = 100.0  # degrees a turn
 _SHAPE_HARMONICS = 8
-_SHOWN = 0.7  # least share of the wave that the centres predict; with less, the motion is another one
+_SHOWN = 0.7  # least share that the samples show of the wave that the centres predict; with less, the centres are wrong
 _MOTION_ROUNDS = 2  # of fits in which the samples follow the centre from turn to turn
 
 
@@ -219,7 +219,7 @@ def find_centres(
 
 
 def _fit(result: Centres, reach: Complexes, shape: Shape) -> Floats:
-    """Fit all turns, some thousands at once; ``reach`` are their samples, turn by turn.
+    """Fit all turns into ``result``, some thousands at once; ``reach`` are the samples as x + i y, turn by turn.
 
     Returns the mean radius of each turn without its steps, (t,) m.
     """
@@ -241,15 +241,15 @@ def _fit(result: Centres, reach: Complexes, shape: Shape) -> Floats:
 
 
 def _widen(covariance: Floats, deviation: Floats) -> None:
-    """Add an uncertainty with the same ``deviation``, (t,) metres, in all directions."""
+    """Add to the covariances of centres an uncertainty with the same ``deviation``, (t,) metres, in all directions."""
     covariance[:, [0, 1], [0, 1]] += np.square(deviation)[:, None]
 
 
 def _moving(turns: Integers, centre: Complexes, place: Floats, row: Integers) -> Complexes:
-    """Return the tool's centre at places along the turns, on the cubic through the middles of the four turns around.
+    """Return the tool's centre at each sample's ``place`` along the turns, on the cubic through the four turns around.
 
-    Beside a gap, it lies on the line through two turns; if one of these is missing, it is the centre of the sample's
-    own turn, ``row``.
+    The cubic goes through the centres in the middles of the turns. Beside a gap, a line goes through two turns; if one
+    of these is missing, the result is the centre of the sample's own turn, ``row``.
     """
     line, bend = _line_and_bend(turns, centre, place)
     curve = np.where(np.isfinite(bend), line + bend, line)
@@ -260,7 +260,7 @@ def _moving(turns: Integers, centre: Complexes, place: Floats, row: Integers) ->
 def _motion_deviation(turns: Integers, centre: Complexes) -> Floats:
     """Return the deviation of the centre due to its motion during the turn, (t,) metres.
 
-    It is half the distance of the cubic from the line, halfway to the next turn; the largest of the turns around.
+    It is half the distance of the cubic from the line, halfway to the next turn; the largest over five turns counts.
     """
     bend = np.abs(_line_and_bend(turns, centre, turns + 1.0)[1])
     around = np.pad(np.nan_to_num(0.5 * bend), 2)
@@ -342,7 +342,10 @@ def _contradicted(centres: Centres, reach: Complexes, place: Floats, row: Intege
 
 
 def _line_and_bend(turns: Integers, centre: Complexes, place: npt.NDArray[np.floating]) -> tuple[Complexes, Complexes]:
-    """Return the line through the turns before and after each place, and what the cubic adds; NaN if one is missing."""
+    """Return the centre at each place on the line through the turns before and after, and what the cubic adds.
+
+    Both are NaN where a turn that they need is missing.
+    """
     middle = np.floor(place - 0.5).astype(np.int64)
     part = place - 0.5 - middle
     around = []

@@ -67,12 +67,12 @@ def observe(
     readings, track
         Readings of one file or more; depth and toolface by time, or None if each file has its own.
     report
-        List that receives a (step, sentence) for each kind of sample left out and for doubtful times and toolfaces;
-        ``counts`` of the samples has the numbers of those left out.
+        List that receives a (step, sentence) for each kind of sample left out and for doubtful times and toolfaces.
+        ``counts`` of the result has the number of samples left out for each reason.
     offset, latency
         Metres and seconds to add to the offset and latency of every sensor.
     dropped
-        Earlier steps and the number of values that each of them dropped, for the error.
+        Earlier steps and the number of values that each of them dropped, for the error message.
     """
     report = [] if report is None else report
     found = []

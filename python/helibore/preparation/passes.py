@@ -44,7 +44,7 @@ def number_passes(depth: npt.ArrayLike, reversal: float = 5.0) -> Integers:
     Returns
     -------
     ndarray
-        (n,) int64 from 0; the sample at a turning point (the last, if several are equal) ends its pass.
+        (n,) int64 from 0. The sample at a turning point ends its pass; if several are equally deep, the last one does.
     """
     track = finite_column("depth", depth)
     if not reversal > 0:

@@ -75,7 +75,7 @@ class Preparation:
         close and open. This needs the bit size; without a bit size such rows are only reported. Not used with
         ``closed``.
     closed
-        Radius that the arms read when the caliper is closed; rows where no arm reads over 2 mm more are dropped.
+        Radius that the arms read when the caliper is closed. A row is dropped if no arm reads over 2 mm more than this.
     stuck
         Readings of an arm are dropped if it stays at one value over this many rows while other arms move.
     least_radius, greatest_radius
@@ -178,7 +178,7 @@ class Prepared:
 
     caliper: Caliper
     report: tuple[tuple[str, str], ...]  # (step, sentence) for what was dropped, corrected or assumed, in order
-    counts: dict[str, int]  # rows, readings or samples dropped, by name of the step; samples "kept"
+    counts: dict[str, int]  # rows, readings or samples dropped, by step or reason; "kept": the samples left
     pass_number: Integers | None = None  # of each sample of ``caliper``, -1: not numbered; None: nothing states passes
     centres: Centres | None = None  # the tool's centre in each of t turns
     centre_depth: Floats | None = None  # mean depth of these turns, (t,) m
@@ -317,7 +317,7 @@ class _Pipeline:
         return replace(one, radii=tuple(radii))
 
     def _opened(self, one: Readings) -> Readings:
-        """Return the readings without the rows in which all arms are closed well inside the bit, or close or open."""
+        """Return the readings without the rows in which all arms close, are closed well inside the bit, or open."""
         level, found = conditioning.closed_stretches(one)
         if self.bit_diameter is not None and level + INSIDE_BIT > 0.5 * self.bit_diameter:
             return one  # not closed: a casing, or the hole itself
@@ -328,8 +328,8 @@ class _Pipeline:
             ramps += f", open until {one.depth[end - 1]:.1f} m" if end > last else ""
             done = f"{end - begin:,} rows dropped"
             if self.bit_diameter is None or not self.settings.drop_closed:
-                done = "kept, although closed arms read so" + (
-                    "" if self.bit_diameter else "; without a bit size, it may be casing"
+                done = "kept, although the arms may be closed" + (
+                    "" if self.bit_diameter else "; without a bit size, this may be casing"
                 )
             else:
                 dropped[begin:end] = True
@@ -461,11 +461,11 @@ class _Pipeline:
         return turned[samples.row[mine]], "rotation"
 
     def _of_row(self, columns: Sequence[npt.NDArray[Number]]) -> npt.NDArray[Number]:
-        """Return a column of each file at every sample's row."""
+        """Return for each sample the value of its file's column at its row."""
         return self._at(columns, self.samples.row)
 
     def _at(self, columns: Sequence[npt.NDArray[Number]], place: Integers) -> npt.NDArray[Number]:
-        """Return the value of each file's column at every sample's place in its file."""
+        """Return for each sample the value of its file's column at the index ``place``."""
         starts = np.cumsum([0, *(column.size for column in columns[:-1])])
         return np.concatenate(columns)[starts[self.samples.file] + place]
 
@@ -473,7 +473,7 @@ class _Pipeline:
         return sorted({name for one in self.readings for name in one.channels})
 
     def _arm(self) -> Integers:
-        """Return the wall channel of each sample; channels with one name have one number in all files."""
+        """Return the number of each sample's wall channel; channels with one name have one number in all files."""
         names = self._arm_names()
         columns = [np.array([names.index(name) for name in one.channels])[one.arm] for one in self.readings]
         return self._at(columns, self.samples.sensor).astype(np.int64)

@@ -37,9 +37,7 @@ class Readings:
     radii: tuple[Floats, ...]  # metres, a column for each sensor
     arm: Integers  # index into ``channels`` for each sensor, (p,)
     channels: tuple[str, ...]  # names of the wall channels
-    across: tuple[
-        bool, ...
-    ]  # whether a sensor's radius is half a diameter, which does not show where the tool was, (p,)
+    across: tuple[bool, ...]  # whether a sensor's radius is half a diameter, which hides the tool's offset, (p,)
     time: Floats | None = None  # seconds
     pass_number: Integers | None = None  # -1 where a row has no number; None where the log numbers no passes
     reference: str = ""  # what toolfaces count from: north, high-side, automatic; "": the wall's own reference

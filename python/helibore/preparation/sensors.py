@@ -124,8 +124,8 @@ class Samples:
     radius: Floats  # metres from the tool's axis
     time: Floats | None  # when they were measured, seconds; None for depth-indexed readings
     sensor: Integers  # which sensor each sample is from
-    row: Integers  # and which of its readings
-    file: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))  # of which readings; empty until joined
+    row: Integers  # which row of the readings each sample is from
+    file: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))  # which file it is from; or empty
     pass_number: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))  # empty until numbered
     counts: dict[str, int] = field(default_factory=dict)  # readings taken, and readings dropped by reason
 

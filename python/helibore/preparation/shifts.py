@@ -42,11 +42,11 @@ class Shifts:
     passes: Integers  # sorted
     shift: Floats  # to add to the depths of the pass; 0 of a held pass and where no shift was found
     correlation: Floats  # with the others at the shift; 1 of a held pass, NaN if less than 10 m overlap
-    before: Floats  # the same if only this pass is not shifted
-    found: Mask  # whether the pass is held, or has one clear peak of at least 0.4 within 2 m
+    before: Floats  # the correlation if only this pass is not shifted
+    found: Mask  # whether the pass is held, or the correlation has one clear peak of at least 0.4 within 2 m
     sigma: Floats  # standard deviation of the shift, from the peak's curvature; 0 of a held pass, NaN without a peak
-    second: Floats  # shift of the second-best peak; NaN where there is none
-    second_correlation: Floats  # the correlation there
+    second: Floats  # shift at the second-best peak of the correlation; NaN where there is none
+    second_correlation: Floats  # the correlation at this second-best peak
 
     def at(self, pass_number: npt.ArrayLike) -> Floats:
         """Return the shift of each sample, (n,) m, new, to add to the depth. Raises InputError for an unknown pass."""
@@ -179,9 +179,9 @@ def _mean(profiles: Floats) -> Floats:
 
 
 def _correlations(profile: Floats, others: Floats, most: int, enough: int) -> tuple[Floats, Integers]:
-    """Return Pearson's correlation at shifts of -most ... most grid steps, and steps of overlap, (2 most + 1,) each.
+    """Return the correlation of two profiles at shifts of -most to most grid steps, and their overlap, (2 most + 1,).
 
-    The correlation is NaN where too few steps overlap.
+    The overlap is a number of steps. Pearson's correlation is NaN where fewer than ``enough`` steps overlap.
     """
     curve = np.full(2 * most + 1, np.nan)
     overlap = np.zeros(2 * most + 1, dtype=np.int64)
@@ -198,7 +198,10 @@ def _correlations(profile: Floats, others: Floats, most: int, enough: int) -> tu
 
 
 class _Peak(NamedTuple):
-    """Shift and its deviation in grid steps, the correlation there, the second-best peak, and whether it counts."""
+    """The best peak of a correlation curve, and the second best: shifts and deviation in grid steps, and correlations.
+
+    ``found`` is whether there is such a peak; if not, only ``correlation`` may be known.
+    """
 
     shift: float = 0.0
     sigma: float = np.nan
@@ -209,10 +212,10 @@ class _Peak(NamedTuple):
 
 
 def _peak(curve: Floats, most: int, overlap: Integers) -> _Peak:
-    """Return the top of the parabola through the best three steps within ``most``, and the best peak beside it.
+    """Return the highest peak of the correlation ``curve`` within ``most`` steps of its middle, and the best other one.
 
-    The shift's variance is (1 - c^2) / (n c |c''|) for n independent steps of overlap, plus the square of `_GRID`; one
-    step in four is independent.
+    The peak is the top of a parabola through three steps. The variance of its shift is (1 - c^2) / (n c |c''|) plus the
+    square of `_GRID`; c is the correlation, and n the number of independent steps of overlap, one step in four.
     """
     middle = curve.size // 2
     inside = curve[middle - most : middle + most + 1]

@@ -29,23 +29,23 @@ from helibore.base.errors import InputError
 _REJECT = 6.0  # biweight: samples beyond so many deviations have no weight; harmless to Gaussian noise
 _NOISE_SAMPLES = 4.0  # how many samples the expected noise is worth beside those of the turn
 _ONE_SIDED = 4.0  # |a_1 / a_3| of a box of 150 deg; three times this covers nearly any one-sided wall
-_STRANGE = 3.0  # what a rejected sample costs beside the bounded loss: its chance is one in twenty over 0.1 m
+_STRANGE = 3.0  # added to the bounded loss of a rejected sample: its chance is one in twenty, spread over 0.1 m
 _SMOOTH = 8  # harmonics of a wall beside its steps
 _ROUNDS, _ROUNDS_TOGETHER = 32, 8
 _CONVERGED = 5e-7  # m: far below the best standard deviation
-_STEP_DEPTHS = np.array([0.03, 0.003])  # m: expected of a step, and of how two opposite ones differ
+_STEP_DEPTHS = np.array([0.03, 0.003])  # m: expected depth of a step; expected difference of two opposite steps
 _STATE = ("centre", "terms", "free", "noise")  # state that one round passes on to the next
 
-_CLOSED, _OPEN = 0.64, 0.72  # of the third harmonic of a washout left open: it counts from here on, and fully
-_ROUGH, _OVAL = 1.5, 2.0  # expected deviations: steps are searched where an oval leaves more, or is more oval
-_ODDS = 8.0  # logarithm of the odds that steps have to overcome, beside the number of their sectors
+_CLOSED, _OPEN = 0.64, 0.72  # `TurnFits.left_open` from which on a one-sided wall counts, and counts fully
+_ROUGH, _OVAL = 1.5, 2.0  # in expected noise: steps are searched if an oval's residuals, or its ovality, exceed this
+_ODDS = 8.0  # logarithm of the odds against steps, beside that of the number of sectors
 _LIKELY = 1e-6  # a model with less weight is left out
 
 _CELLS = 240  # around the hole, for the search for steps
 _PAIR_WIDTHS = range(10, 61, 2)  # cells that each of two opposite steps may take
 _SINGLE_WIDTHS = range(20, 141, 4)
 _SEARCH_HARMONICS = 4
-_SAME = 1e-9  # gains that differ by less are those of the same samples
+_SAME = 1e-9  # share by which gains of the same samples may differ
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,10 @@ def powers(z: Complexes, order: int) -> Complexes:
 
 
 def normal_equations(weight: Floats, value: Floats, table: Complexes, starts: Integers) -> tuple[Floats, Floats]:
-    """Return sum(w x x'), (t, P, P), and sum(w x v), (t, P), of every turn, from ``powers(z, 2 H)``."""
+    """Return sum(w x x'), (t, P, P), and sum(w x v), (t, P), over the samples of every turn.
+
+    w is the weight, v the value; ``table`` is ``powers(z, 2 H)``.
+    """
     order = (len(table) - 1) // 2
     moments = np.add.reduceat(weight * table, starts, axis=1)
     matrix = np.empty((starts.size, 2 * order + 1, 2 * order + 1))
@@ -121,7 +124,7 @@ def normal_equations(weight: Floats, value: Floats, table: Complexes, starts: In
 
 
 def projections(value: Floats, table: Complexes, starts: Integers) -> Floats:
-    """Return sum(x v), (t, 2 H + 1), of every turn, from ``powers(z, H)``."""
+    """Return sum(x v), (t, 2 H + 1), over the samples of every turn; v is the value, ``table`` is ``powers(z, H)``."""
     sums = np.add.reduceat(value * table, starts, axis=1)
     side = np.empty((starts.size, 2 * len(table) - 1))
     side[:, 0] = sums[0].real
@@ -130,7 +133,7 @@ def projections(value: Floats, table: Complexes, starts: Integers) -> Floats:
 
 
 def evaluate(terms: Floats, table: Complexes, turn: Integers) -> Floats:
-    """Return x' terms at every sample, (n,), for one series of terms a turn, (t, P)."""
+    """Return the value of each turn's series, x' ``terms``, at the samples of that turn, (n,); terms are (t, P)."""
     values: Floats = terms[turn, 0]
     coefficients = terms[:, 1::2] - 1j * terms[:, 2::2]
     for k in range(coefficients.shape[1]):
@@ -139,7 +142,7 @@ def evaluate(terms: Floats, table: Complexes, turn: Integers) -> Floats:
 
 
 def leverage(matrix: Floats, table: Complexes, turn: Integers) -> Floats:
-    """Return x' B x at every sample, (n,), for one symmetric matrix B per turn, (t, P, P).
+    """Return x' B x at every sample, (n,); ``matrix`` is one symmetric matrix B per turn, (t, P, P).
 
     With v = (z^-H ... z^H) and x = U v it is v' (U' B U) v, a Fourier series of order 2 H. Its terms of one power of z
     lie on one antidiagonal of U' B U.
@@ -190,7 +193,7 @@ class TurnFits:
         self.table: Complexes = np.empty((0, reach.size), dtype=np.complex128)
 
     def solve(self, rounds: int = _ROUNDS) -> None:
-        """Fit all turns for a few rounds, then only those that still move."""
+        """Fit all turns for a few rounds, then only the turns whose centres still move."""
         for _ in range(min(rounds, _ROUNDS_TOGETHER)):
             moving = self._move() > _CONVERGED
             if not moving.any():
@@ -203,7 +206,7 @@ class TurnFits:
             self._move()
 
     def only(self, chosen: Mask) -> TurnFits:
-        """Return some of the turns, to be solved again or as they are."""
+        """Return the fits of the ``chosen`` turns in their present state; they can be solved again."""
         kept = chosen[self.turn]
         part = TurnFits(self.reach[kept], self.count[chosen], self.shape, self.steps[:, kept])
         for name in (*_STATE, "inverse"):
@@ -213,7 +216,7 @@ class TurnFits:
         return part
 
     def plain(self, steps: Floats | None = None) -> TurnFits:
-        """Fit the same turns from their present centres with an oval wall, perhaps with steps.
+        """Fit the same turns from their present centres with an oval wall, and ``steps`` if given.
 
         No sample is rejected in the first rounds, because samples in a step would have weight 0 before it is fitted.
         """
@@ -233,7 +236,7 @@ class TurnFits:
         return wide
 
     def look(self) -> None:
-        """Compute each sample's distance from the hole's axis and the powers of its direction, at these centres."""
+        """Compute each sample's distance from the hole's axis and powers of its direction, with the present centres."""
         wall = self.centre[self.turn] + self.reach
         self.distance = np.abs(wall)
         self.table = powers(wall / self.distance, 2 * self.shape.harmonics)
@@ -258,7 +261,7 @@ class TurnFits:
         return np.abs(move)
 
     def normal_equations(self) -> tuple[Floats, Floats]:
-        """Return matrix and right-hand side of waves and steps together."""
+        """Return the matrix and the right-hand side of the normal equations, for harmonics and steps together."""
         waves, side = normal_equations(self.weight, self.distance, self.table, self.starts)
         if not len(self.steps):
             return waves, side
@@ -276,14 +279,14 @@ class TurnFits:
         return matrix, np.concatenate(sides, axis=1)
 
     def _wall(self, terms: Floats) -> Floats:
-        """Return the value of waves and steps at every sample."""
+        """Return the sum of harmonics and steps at every sample, with these ``terms`` of each turn."""
         values = evaluate(terms[:, : self.waves], self.table, self.turn)
         for k, step in enumerate(self.steps):
             values += terms[self.turn, self.waves + k] * step
         return values
 
     def leverage(self) -> Floats:
-        """Return x' B x at every sample, where x are its waves and steps."""
+        """Return x' B x at every sample: x are its harmonics and steps, B is the inverse normal matrix of its turn."""
         first = self.waves
         hat = leverage(self.inverse[:, :first, :first], self.table, self.turn)
         for k, step in enumerate(self.steps):
@@ -307,7 +310,7 @@ class TurnFits:
             self.noise = variance**0.5
 
     def covariance(self) -> Floats:
-        """Return the covariance of (x, y): the posterior, the jackknife and the odd excess."""
+        """Return the covariance of each centre, (t, 2, 2): posterior, jackknife and excess of odd harmonics, added."""
         covariance: Floats = self.inverse[:, 1:3, 1:3] * (self.noise**2)[:, None, None]
         hat = self.weight * self.leverage()
         left_out = self.weight * self.residual / np.maximum(1.0 - hat, 0.05)
@@ -333,7 +336,7 @@ class TurnFits:
         return share
 
     def one_sided(self) -> tuple[Complexes, Floats]:
-        """Return centre and covariance if the wall also has a first harmonic; the tool measured only the sum of both.
+        """Return centre and covariance if the wall also has a first harmonic; the fit found the sum of both.
 
         With deviations s of the wall's harmonic and r of the centre, the centre is r^2 / (r^2 + s^2) of the sum.
         """
@@ -344,9 +347,10 @@ class TurnFits:
         return self.centre * part, covariance
 
     def evidence(self) -> Floats:
-        """Return the log-probability of the samples under this model, (t,), up to a constant common to all models.
+        """Return the logarithm of the probability of each turn's samples under this model, (t,), less a constant.
 
-        Laplace's approximation: the biweight's bounded loss, the prior of the terms, and the posterior volume.
+        The constant is the same for all models. By Laplace's approximation, the probability depends on the bounded loss
+        of the residuals, the prior of the terms, and the volume of the posterior.
         """
         noise, expected = self.noise, self.shape.noise
         outside = np.clip(1.0 - np.square(self.residual / (_REJECT * noise[self.turn])), 0.0, None)
@@ -389,8 +393,8 @@ def fit_steps(smooth: TurnFits, opposite: bool) -> tuple[TurnFits, Floats]:
 
     The gain of a sector is what the weighted squares of the residuals lose when D is fitted with all else. With sums
     over cells of 1.5 degrees, added up around the hole, the gains take as many passes as the fit has terms. The cells
-    are laid by the second harmonic of the turn, so that turned samples give turned sectors. Opposite steps have one
-    depth, except for a small difference, which is also fitted.
+    begin at the direction of the turn's second harmonic, so that rotated samples give rotated sectors. Opposite steps
+    have one depth, except for a small difference, which is also fitted.
 
     Returns
     -------
@@ -443,7 +447,10 @@ def cell_sums(fits: TurnFits, where: Floats, cell: Integers, cells: int) -> Floa
 
 
 def best_sectors(sums: Floats, widths: range, least: float) -> tuple[Integers, Integers, Integers]:
-    """Return first cell and width of the narrowest sector of the greatest gain, and the width of the widest, (t,)."""
+    """Return first cell and width of the narrowest sector with the greatest gain, and the width of the widest, (t,).
+
+    Sectors that hold the same samples have the same gain; widths are in cells.
+    """
     turns, cells, _ = sums.shape
     around = np.concatenate([np.zeros((turns, 1, sums.shape[2])), sums, sums[:, : widths.stop]], axis=1)
     running = np.cumsum(around, axis=1)
@@ -482,7 +489,7 @@ class Estimate:
     inliers: Floats
 
     def blend(self, turns: Integers, other: Estimate, weight: Floats) -> None:
-        """Replace each of these ``turns`` by a mean with the same turn of ``other``, which has this ``weight``."""
+        """Mix ``other``, which has one row for each of these ``turns``, into them; ``weight`` is that of ``other``."""
         w = weight[:, None, None]
         between = w * (1.0 - w) * _squares(other.centre - self.centre[turns])
         for field in fields(self):
@@ -505,7 +512,7 @@ def estimate(fits: TurnFits) -> Estimate:
     known = np.maximum(some.evidence(), plain.only(rough).evidence())
     for opposite in (True, False):
         model, added = fit_steps(some, opposite)
-        sectors = np.square(some.count) / (4.0 if opposite else 2.0)  # that hold different samples
+        sectors = np.square(some.count) / (4.0 if opposite else 2.0)  # how many hold different samples
         evidence = model.evidence() - np.log(sectors) - _ODDS
         known = np.logaddexp(known, evidence)
         weight = np.exp(evidence - known)
@@ -535,7 +542,7 @@ def _estimate(fits: TurnFits, added: Floats) -> Estimate:
 
 
 def _squares(apart: Complexes) -> Floats:
-    """Return d d' of every turn, (t, 2, 2)."""
+    """Return d d' of every turn's vector d = (x, y), given as x + i y, (t, 2, 2)."""
     vector = np.stack([apart.real, apart.imag], axis=1)
     squares: Floats = vector[:, :, None] * vector[:, None, :]
     return squares

@@ -345,8 +345,8 @@ def test_closed_arms_and_their_opening_are_dropped_without_being_asked() -> None
     (line,) = [line for label, line in prepare(arms(**down).readings(), bit_diameter=bit).report if label == "closed"]
     assert line == f"{stretch}, close from 116.9 m: 62 rows dropped"
     for settings, size, done in (
-        (Preparation(), None, "kept, although closed arms read so; without a bit size, it may be casing"),
-        (Preparation(drop_closed=False), bit, "kept, although closed arms read so"),
+        (Preparation(), None, "kept, although the arms may be closed; without a bit size, this may be casing"),
+        (Preparation(drop_closed=False), bit, "kept, although the arms may be closed"),
     ):
         kept = prepare(arms(**columns).readings(), settings, bit_diameter=size)
         assert ("closed", f"{stretch}, open until 116.9 m: {done}") in kept.report
