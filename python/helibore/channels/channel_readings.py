@@ -33,7 +33,7 @@ UNSTATED = {
     units.ANGLE: "deg, since a value is beyond 2 pi (no unit stated)",
     units.TIME: "s, as no unit is stated",
 }
-"""The unit of a channel whose unit is not stated, by what it measures."""
+"""What `note` says in place of the unit of a channel that states none, by what the channel measures."""
 
 WITH_TIME = re.compile(r"(\S+[T ]\d[\d:.]*) ?(Z|UTC|[+-]\d\d(?::?\d\d)?)?")
 """A date with a time of day, and perhaps its zone."""
@@ -155,7 +155,7 @@ def _angles(log_set: RawSet, arm: Role, width: int, turning: bool) -> list[float
             raise log_set.input_error(rule, column=arm.channel)
         return [arm.first + arm.step * sector for sector in range(width)]
     if arm.angle is None and not turning:
-        rule = "no toolface: name the toolface channel, or the angle of this one, by an option or in a map"
+        rule = "no toolface: name the toolface channel, or the angle of this channel, by an option or in a map"
         raise log_set.input_error(rule, column=arm.channel)
     if arm.angle is not None and not turning and not arm.confirmed and arm.turns:
         rule = "an arm pair that turns with the tool needs a toolface: name its channel in a map"
@@ -166,7 +166,7 @@ def _angles(log_set: RawSet, arm: Role, width: int, turning: bool) -> list[float
 
 
 def _arm_names(log_set: RawSet, role: Role, width: int) -> list[str]:
-    """Return the arm of each value in a row; sectors too few for an image are arms, each with its own name."""
+    """Return the name of the arm of each value in a row; sectors too few for an image are arms of their own."""
     if not 1 < width < IMAGE_ROW:
         return [role.channel] * width
     members = log_set[role.channel].member_names
@@ -174,14 +174,14 @@ def _arm_names(log_set: RawSet, role: Role, width: int) -> list[str]:
 
 
 def bit_of_channel(log_set: RawSet, roles: RoleMap) -> float | None:
-    """Return the median of the bit-diameter channel, metres."""
+    """Return the median of the bit-diameter channel, metres; None if there is no such channel, unit or value."""
     role = roles.one("bit-diameter")
     known = plausibility.present(column(log_set, role)) if role is not None and role.unit else np.empty(0)
     return float(np.median(known)) if known.size else None
 
 
 def _time(log_set: RawSet, roles: RoleMap) -> Floats | None:
-    """Return times in seconds: as stated, or since 1970 if the file holds dates; dates without a time zone are UTC."""
+    """Return the times of all rows in seconds, since 1970 if they are dates; dates without a time zone are UTC."""
     role = roles.one("time")
     if role is None:
         return None
@@ -230,7 +230,7 @@ def _passes(log_set: RawSet, roles: RoleMap) -> Integers | None:
 
 
 def _high_side(log_set: RawSet, roles: RoleMap) -> Mask | None:
-    """Return which rows count from the high side, by the words of the toolface-reference channel."""
+    """Return which rows count from the high side, by the words of the toolface-reference channel; None without one."""
     role = roles.one("toolface-reference")
     if role is None:
         return None

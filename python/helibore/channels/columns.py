@@ -1,6 +1,7 @@
-"""Turn channels with roles into a column in metres, degrees or seconds, a survey or a sector image.
+"""Turn channels with roles into a survey, a sector image, or a column in metres, degrees or seconds.
 
-Rows without a value are left out and counted. ``readings`` makes the columns that a wall is built from.
+A survey or an image leaves out rows that lack a value, and counts them. ``channel_readings`` makes the readings that a
+wall is built from.
 """
 
 from __future__ import annotations
@@ -99,9 +100,8 @@ class RawSectorImage:
 def column(log_set: RawSet, role: Role, option: str = "its option") -> Floats:
     """Return a channel in metres, degrees or seconds. A unit that is missing or does not fit is an error.
 
-    ``option`` is the option of the command line that the error names.
-
-    Angles without a unit are degrees if one of them is beyond 2 pi; times without a unit are seconds.
+    ``option`` is the option of the command line that the error names. Angles without a unit are degrees if one of them
+    is beyond 2 pi. A ``time`` without a unit is in seconds.
     """
     kind = ROLES[role.role]
     values = log_set.numbers(role.channel)
@@ -140,7 +140,7 @@ def needed(log_set: RawSet, roles: RoleMap, role: str) -> Role:
 
 
 def about_names(log_set: RawSet) -> str:
-    """Return the remarks that explain why no name fits: the table has no header, or names repeat."""
+    """Return, as text, the remarks that explain why no name fits: the table has no header, or names repeat."""
     return "".join(f"; {remark}" for remark in log_set.remarks if NO_HEADER in remark or "columns are named" in remark)
 
 

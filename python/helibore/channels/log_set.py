@@ -23,7 +23,7 @@ from helibore.trajectory.survey import Survey
 
 
 class LogSet(RawSet):
-    """Channels with one index, sector columns joined into images: a LAS data section, a DLIS frame, a table.
+    """Channels with one index, such as a LAS data section, a DLIS frame or a table; sector columns are one image.
 
     Attributes are those of a `RawSet`; an image takes the place of its first column.
     """

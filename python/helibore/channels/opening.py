@@ -1,4 +1,4 @@
-"""``hb.open``: a log file of any format as channels by name."""
+"""``hb.open`` reads a log file of any format; its channels are looked up by their names."""
 
 from __future__ import annotations
 

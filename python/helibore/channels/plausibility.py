@@ -1,4 +1,4 @@
-"""Check the values of a channel against its role: each error names the channel, the number and the rule.
+"""Check the values of a channel against its role; each error names the channel, the number and the rule.
 
     median radius 0.216 m                          an 8.5 in bit: looks like a diameter
     toolface between 0 and 6.28, stated in deg     looks like radians
@@ -48,7 +48,7 @@ def lengths(log_set: RawSet, role: Role, values: Floats, bit_diameter: float | N
         raw = median / units.factor(role.unit, units.LENGTH)
         fits = [name for name in ("m", "cm", "mm", "in", "ft") if low <= raw * units.factor(name, units.LENGTH) <= high]
         likely = f" (would fit {' or '.join(fits)})" if fits else ""
-        rule = f"median {median:.3g} m after reading {role.unit}: no {role.role} of a borehole{likely}"
+        rule = f"median {median:.3g} m if the unit is {role.unit}: no {role.role} of a borehole{likely}"
         raise log_set.input_error(rule, column=role.channel)
     if role.role == "diameter":
         if bit_diameter is not None and not role.confirmed and abs(2.0 * median / bit_diameter - 1.0) < 0.25:

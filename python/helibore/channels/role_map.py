@@ -1,4 +1,4 @@
-"""The role map: a TOML file that overrides guessed roles, printed by ``helibore inspect`` ready to edit.
+"""The role map, a TOML file that replaces guessed roles of channels; ``helibore inspect`` prints one, ready to edit.
 
     set = "MAIN"                       # which set of the file; left out if the file has one set
     [channels."pfc1_x_in"]
@@ -6,10 +6,10 @@
     unit = "in"
     angle = 0.0                        # degrees from the toolface (radius, diameter)
     offset = 1.2                       # metres up the string, from where the depth is counted to this sensor
-    latency = 0.5                      # seconds from its measurement to its time stamp
-    first = 11.25                      # images: angle of the first sector; of a radius image, of its centre
+    latency = 0.5                      # seconds from a measurement to its time stamp
+    first = 11.25                      # images: angle of the first sector; in a radius image, of the sector's centre
     step = 22.5                        # images: angle from one sector to the next
-    reference = "north"                # toolface: counts from north, high-side or automatic (by inclination)
+    reference = "north"                # toolface: what it counts from: north, high-side, or automatic (by inclination)
 
 A channel that the map does not name keeps its guessed role. A role that the map states is confirmed: the checks for
 likely mistakes are skipped.
@@ -65,7 +65,7 @@ def write_map(roles: RoleMap, with_set: bool = True, warning: str = "") -> str:
 
 
 def _without_role(roles: RoleMap) -> list[str]:
-    """Return channels without a role, as entries to fill in if the set cannot be used as it is, or else as names."""
+    """Return lines on the channels without a role: their names, or, if the set lacks a role, entries to fill in."""
     rest = [role for role in roles if role.role == "none"]
     if not rest:
         return []
@@ -103,7 +103,11 @@ def read_map(path: str | Path, file: LogFile) -> RoleMap:
 
 
 def overlay(roles: RoleMap, log_set: RawSet, entries: dict[str, Any], place: str, why: str = "the map") -> RoleMap:
-    """Return the roles, replaced where they have an entry; ``place`` names the map in errors, ``why`` in reasons."""
+    """Return the roles, replaced where a channel has an entry; ``place`` names the map in errors.
+
+    A replaced role has the reason ``why``. If an entry gives a role that only one channel can have, a channel with the
+    same guessed role loses it.
+    """
     changed = dict(roles.roles)
     for name, entry in entries.items():
         if name not in log_set:

@@ -44,7 +44,7 @@ SINGLE = (
     "depth", "time", "toolface", "inclination", "azimuth", "tvd", "north", "east", "bit-diameter", "pass",
     "toolface-reference",
 )  # fmt: skip
-"""Roles that only one channel of a set can have: the channel that fits the earliest of the patterns below."""
+"""Roles that only one channel of a set can have; the channel that fits the earliest of the patterns below gets it."""
 
 WALL = ("radius", "diameter", "radius-image", "travel-time")
 """Roles whose values are wall points."""
@@ -107,7 +107,7 @@ class Role:
     unit: str = ""  # of the values; "" if it is not known
     angle: float | None = None  # of a radius or diameter: its direction, degrees from the toolface; None: not known
     first: float | None = None  # of an image: angle of its first sector, degrees; None: not stated
-    step: float | None = None  # from one sector of an image to the next
+    step: float | None = None  # of an image: angle from one sector to the next, degrees; None: not stated
     offset: float = 0.0  # of a wall channel: metres up the string from where the depth is counted to its sensor
     latency: float = 0.0  # seconds from the measurement of this sensor to its time stamp
     reference: str = ""  # of a toolface: what it counts from, one of REFERENCES; "": what the wall's counts from
@@ -198,9 +198,9 @@ def _fits(channel: Channel, kind: str) -> bool:
 
 
 def _single_roles(log_set: RawSet, roles: dict[str, Role]) -> None:
-    """Assign each role of a single channel (depth, time, toolface ...) to the channel that fits it best.
+    """Assign each role of `SINGLE` (depth, time, toolface ...) to the channel that fits it best.
 
-    The reasons of the other channels that fit name that channel.
+    The other channels that fit get no role, and their reasons name the channel that has it.
     """
     inclined = any(one.is_text and re.fullmatch(r"incl?|inclination|devi?|deviation", stem(one)) for one in log_set)
     for role, name, described in PATTERNS:

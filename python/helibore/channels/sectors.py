@@ -107,7 +107,7 @@ def _image(name: str, members: list[Channel]) -> Channel:
 
 
 def _axis(members: list[Channel]) -> SectorAxis | None:
-    """Return the members' own angles as one axis; its step is NaN if they are not evenly spaced."""
+    """Return the members' angles as one axis; its step is NaN if they are uneven. None if a member has no angle."""
     angles = [member.axis.first for member in members if member.axis is not None]
     units = {member.axis.unit for member in members if member.axis is not None}
     if len(angles) < len(members) or len(units) != 1:

@@ -275,7 +275,7 @@ HEADER = "md_m,tf_deg,radius_m\n"
         ("# only\n\n", {}, "c.csv, line 3: no header and no rows within 500 lines"),
         (HEADER, {}, "c.csv, line 1: no rows below the header"),
         ("md_m,radius_m\n1,0.1\n", {}, "c.csv, column radius_m: no toolface: name the toolface channel, or the angle "
-         "of this one, by an option or in a map"),
+         "of this channel, by an option or in a map"),
         (HEADER + "1,2,3\n", {"radius": ["cal:in"]},
          "c.csv, column 'cal': not in the file, which has md_m, tf_deg, radius_m"),
         ("md,tf_deg,radius_m\n1,2,3\n", {}, "c.csv, column md: unit missing: state it in a map "
@@ -303,7 +303,7 @@ HEADER = "md_m,tf_deg,radius_m\n"
          "--radius-range drops such radii (Python: least_radius); if the number of the file means no value, --absent "
          "NUMBER says so (Python: nulls of hb.open)"),
         (HEADER + "1,2,8.5\n", {},
-         "c.csv, column radius_m: median 8.5 m after reading m: no radius of a borehole (would fit cm or in)"),
+         "c.csv, column radius_m: median 8.5 m if the unit is m: no radius of a borehole (would fit cm or in)"),
         (HEADER + "1,2,-999.25\n2,,0.1\n", {}, "c.csv: no row has depth, toolface and a radius (1 values missing in "
          "tf_deg, 1 values missing in radius_m)"),
     ],
@@ -370,7 +370,7 @@ def test_an_arm_named_without_an_angle_keeps_the_angle_that_is_known(tmp_path: P
     found = read(path, diameter=["cal_y_in"])
     assert found.toolface.tolist() == [110.0, 290.0]
     bare = written(tmp_path, "md_m,cal_x_in,cal_y_in\n10,8.5,8.6\n", "bare.csv")
-    rule = "bare.csv, column cal_y_in: no toolface: name the toolface channel, or the angle of this one"
+    rule = "bare.csv, column cal_y_in: no toolface: name the toolface channel, or the angle of this channel"
     with pytest.raises(ValueError, match=re.escape(rule)):  # an arm pair turns with the tool
         read(bare, diameter=["cal_y_in"])
 

@@ -69,8 +69,8 @@ def made(columns: dict[str, Any]) -> LogSet:
          "f.las, column cal_x: an arm pair that turns with the tool needs a toolface: name its channel in a map; of "
          "a tool that does not turn, state the angle of each pair: --diameter cal_x@0"),
         ({"TF__deg": None}, {},
-         "f.las, column radius: no toolface: name the toolface channel, or the angle of this one, by an option or in a "
-         "map"),
+         "f.las, column radius: no toolface: name the toolface channel, or the angle of this channel, by an option or "
+         "in a map"),
         ({"pass": np.arange(N) + 0.5}, {}, "f.las, row 0, column pass: 0.5: a pass is a whole number"),
         ({"time": np.array(["2020-01-01T00:00:00"] * 7 + ["2020-01-01T00:00:00-0330"])}, {},
          "f.las, row 7, column time: '2020-01-01T00:00:00-0330' has a time zone, unlike the dates above: all must, or "

@@ -192,7 +192,7 @@ def radius(metres: float) -> Channel:
     ("channels", "rule"),
     [
         ((DEPTH, TURN, radius(0.2159)), "column radius: median 0.216: looks like a diameter"),
-        ((DEPTH, TURN, radius(108.0)), "median 108 m after reading m: no radius of a borehole (would fit mm)"),
+        ((DEPTH, TURN, radius(108.0)), "median 108 m if the unit is m: no radius of a borehole (would fit mm)"),
         ((DEPTH, TURN, channel("radius", "", np.full(40, 0.1))), "column radius: unit missing: state it in a map"),
         ((DEPTH, TURN, radius(np.nan)), "column radius: every value is missing"),
         (
@@ -235,7 +235,7 @@ def radius(metres: float) -> Channel:
         ),
         (
             (DEPTH, TURN, channel("diameter", "mm", np.full(40, 8.5))),
-            "median 0.0085 m after reading mm: no diameter of a borehole (would fit cm or in)",
+            "median 0.0085 m if the unit is mm: no diameter of a borehole (would fit cm or in)",
         ),
     ],
 )

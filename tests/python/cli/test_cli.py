@@ -160,7 +160,7 @@ def test_upwards(folder: Path, tmp_path: Path) -> None:
          "radii (Python: least_radius); if the number of the file means no value, --absent NUMBER says so (Python: "
          "nulls of hb.open)"),
         ("md_m,rb_deg,r\n1,2,8.5\n", ["--radius", "r:m"],
-         "c.csv, column r: median 8.5 m after reading m: no radius of a borehole (would fit cm or in)"),
+         "c.csv, column r: median 8.5 m if the unit is m: no radius of a borehole (would fit cm or in)"),
         ("md_m,rb_deg,r\n", ["--radius", "r:m"], "c.csv, line 1: no rows below the header"),
         ("md_m,rb_deg,r\n1,2,-9999\n", ["--radius", "r:m"], "c.csv, column r: every value is missing"),
         ("", [], "c.csv: empty: 0 bytes"),
