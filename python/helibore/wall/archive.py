@@ -1,4 +1,4 @@
-"""The archive of a wall, to reopen it: `Wall.save` and `hb.load`.
+"""The archive of a wall: `Wall.save` writes it, and `hb.load` reopens the wall from it.
 
 The archive is a zip file of uncompressed NumPy arrays, which ``np.load`` and any zip program open without helibore:
 

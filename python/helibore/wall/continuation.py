@@ -10,9 +10,10 @@ because no sample lies between the arms. The likelihood of the samples can:
     of kriging: Wendland's C2 function of distance / range, and a nugget
     restricted likelihood: the constants are integrated out; all blocks share the variance that maximises it
 
-The best long covariance is chosen if its likelihood exceeds that of the best short one by more than `LEAST_GAIN` nats a
-block. On holes of known shape, right choices gained 36 or more and wrong choices lost (bench/accuracy/known_holes.py).
-A shape that turns with the tool cannot be distinguished from a shape that does not turn.
+A covariance is long if its angular scale is in `LONG`, and short if it is in `SHORT`. The best long covariance is
+chosen if its likelihood exceeds that of the best short one by more than `LEAST_GAIN` nats a block. On holes of known
+shape, right choices gained 36 or more and wrong choices lost (bench/accuracy/known_holes.py). A shape that turns with
+the tool cannot be distinguished from a shape that does not turn.
 """
 
 from __future__ import annotations
@@ -103,7 +104,7 @@ def _likelihoods(samples: Columns, rng: np.random.Generator) -> Iterator[tuple[t
 
 
 def _blocks(depth: Floats, rng: np.random.Generator) -> np.ndarray:
-    """Return the rows of the samples of each block, (blocks, samples)."""
+    """Return the rows of random samples from random blocks of the hole, (blocks, samples); empty if samples are few."""
     length = min(_BLOCK_LENGTH, float(np.ptp(depth)))
     first = rng.uniform(depth[0], depth[-1] - length, _BLOCKS) if depth[-1] - length > depth[0] else depth[:1]
     ends = np.searchsorted(depth, [first, first + length])

@@ -126,8 +126,8 @@ def estimate_left_out(
     settings
         Settings of the wall.
     box
-        (m,) metres and (m,) degrees: samples within this distance above or below the row and within this angle beside
-        the row are also left out. None: only samples at the position of the row are left out.
+        (m,) metres and (m,) degrees: samples within this distance above or below the sample of the row, and within this
+        angle beside it, are also left out. None: only samples at its position are left out.
     trial
         (m,) metres: initial radii; one estimate is made from them, without iteration. None: the method iterates.
     nuggets

@@ -27,7 +27,7 @@ MEASURED = "measured"
 class WallState:
     """Copies of a wall's arrays, named as in `Wall`; ``sample_columns`` are depth, toolface, radius and time, if any.
 
-    ``sums``: for each vertex, the sums from which its uncertainty is computed; () without `Settings.sigma`.
+    ``sums`` holds for each vertex the sums from which its uncertainty is computed; () without `Settings.sigma`.
     """
 
     settings: Settings

@@ -63,7 +63,7 @@ class Candidate:
     alone: float  # root mean square error of the samples left out alone, metres; their noise is included
     box: float  # root mean square error of the samples left out with their boxes, metres
     gain_alone: float = 0.0  # mean square error of the first candidate less that of this candidate, in standard errors
-    gain_box: float = 0.0
+    gain_box: float = 0.0  # the same for samples left out with their boxes
 
     @property
     def name(self) -> str:
@@ -105,7 +105,7 @@ class Tuning:
 
     @property
     def gain(self) -> float:
-        """Share, 0 to 1, by which the best candidate reduces the error of the boxes."""
+        """Share by which the best candidate reduces `Candidate.box`, at most 1; negative if its error is larger."""
         before = self.candidates[0].box
         return 1.0 - self.best.box / before if before > 0 else 0.0
 

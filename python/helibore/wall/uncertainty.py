@@ -59,7 +59,7 @@ class Calibration:
     def sigma(self, sums: tuple[Floats, ...]) -> Floats:
         """Return the standard uncertainty of estimates, metres; NaN beyond ``reach``.
 
-        ``sums``: W, S and the mean squares of the distances along and around the hole.
+        ``sums`` are W, S and the mean squares of the distances along and around the hole.
         """
         square_weights, scatter, along, across = sums
         share = (self.quantile / NORMAL_95) ** 2
@@ -106,7 +106,8 @@ class _Fit(NamedTuple):
 def _fit(squares: Floats, weights: Floats, changes: Floats, near: _Fit | None = None) -> _Fit:
     """Find the likeliest tau^2, c and powers for squared errors with Student's t, by damped Fisher scoring.
 
-    ``changes``: (2, n) logarithms of S and D. The search starts from the fit ``near``, or from three shares of tau^2.
+    ``changes`` are the logarithms of S and D, (2, n). The search starts from the fit ``near``; without one, it starts
+    from each of three values of tau^2.
     """
     usual, middle = np.log(np.median(squares) / _MEDIAN_SQUARE), changes.mean(axis=1, keepdims=True)
     terms = np.vstack([np.ones((1, squares.size)), changes - middle])
@@ -149,7 +150,7 @@ def _fit(squares: Floats, weights: Floats, changes: Floats, near: _Fit | None = 
 def wall_sigma(wall: WallState, threads: int) -> Floats:
     """Return the standard uncertainty at each vertex, for `Wall.sigma`. ``wall`` must have its ``sums``.
 
-    A wall that is round by assumption has none: its samples around the hole are copies of one reading, or of bit size.
+    It is NaN if the wall is round by assumption: the samples around the hole are copies of one reading, or of bit size.
     """
     if wall.basis != "azimuthal":
         return np.full(wall.radius.size, np.nan)

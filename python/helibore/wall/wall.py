@@ -130,7 +130,7 @@ class Wall:
 
     @property
     def basis_text(self) -> str:
-        """The basis in words; they mention the arms of the caliper if samples were appended with their arm numbers."""
+        """The basis in words, which mention the arms of the caliper if samples were appended with arm numbers."""
         return basis_text(self._basis, bool(self._arms))
 
     def append(
