@@ -32,7 +32,7 @@ def numbers(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDA
 
 
 def are_dates(values: npt.ArrayLike) -> bool:
-    """Whether these are moments (datetime64, or datetime objects)."""
+    """Return whether these are moments (datetime64, or datetime objects)."""
     array = np.asarray(values)
     kind = array.dtype.kind
     return kind == "M" or (kind == "O" and any(isinstance(of, datetime.datetime) for of in array.flat))

@@ -1,6 +1,6 @@
-"""Axes and lobes around a circle, which breakouts of a wall and breakouts of an image share.
+"""Axes and lobes around a circle, for breakouts of a wall and breakouts of an image.
 
-Axes have no sense of direction: 1 and 179 degrees are 2 apart. Their mean and spread are Mardia's:
+Axes have no sense of direction: 1 and 179 degrees are 2 apart. Their mean and spread, with weights L, are Mardia's:
 
     mean = 1/2 atan2(sum L sin 2a, sum L cos 2a)     R = |sum L exp(2 i a)| / sum L     s = 1/2 sqrt(-2 ln R)
 """
@@ -35,7 +35,7 @@ class Axes:
     weight: float  # the sum of the weights (lengths)
 
     def spread(self, what: str, unit: str, decimals: int) -> str:
-        """Return the deviation as text, such as "s.d. 4.0 deg"; without one "1 zone" (the count and ``what``)."""
+        """Return the deviation as text, such as "s.d. 4.0 deg"; if it is NaN, the count and ``what``, as "1 zone"."""
         if math.isnan(self.deviation):
             return f"{self.count} {what}{'s' * (self.count != 1)}"
         return f"s.d. {self.deviation:.{decimals}f}{unit}"
@@ -56,9 +56,9 @@ def axial_mean(axes: Floats, weights: Floats | None = None) -> Axes:
 
 
 def lobe_of(height: Floats, toolface: float, start: float, floor: float | None, level: float = 0.0) -> BreakoutLobe:
-    """Return the lobe of a mean section within a quarter turn of a toolface.
+    """Return the lobe of a mean section within a quarter turn of ``toolface``; its first ``height`` lies at ``start``.
 
-    ``floor`` is the height at which its opening is measured; None: ``level`` times the greatest height.
+    ``floor`` is the height at which the opening is measured; None: ``level`` times the greatest height.
     """
     step = 360 / height.size
     first = math.ceil((toolface - 90 - start) / step)

@@ -51,11 +51,11 @@ def ink_on(color: str) -> str:
 
 
 FILL_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINITION["fills"].items()}
-"""The same for fills of caliper track and cross-section: from bit to the least diameter (over), from there or from bit
-to the greatest (partly over), from the least diameter to bit (under)."""
+"""Colours of fills in the caliper track and the cross-section, on a light ground: "over" is from bit to the least
+diameter, "partly over" from there (or from bit) to the greatest diameter, "under" from the least diameter to bit."""
 
 PICK_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINITION["picks"].items()}
-"""The same for the classes of picks."""
+"""Colours of the classes of picks, on a light ground."""
 
 DIP_TITLES: dict[str, str] = {kind: _DEFINITION["dips"][kind] for kind in ("true", "apparent")}
 """Titles of dips, on page and paper: true ones, and those relative to the hole."""
@@ -141,9 +141,9 @@ class ColorScale:
         return 1 - share if self.reverse else share
 
     def colors(self, values: Floats) -> Colors:
-        """Return (..., 4) uint8 red, green, blue, 255 of values of any shape; missing ones are `MISSING`."""
+        """Return the colour of each value, (..., 4) uint8: red, green, blue and 255; missing values are `MISSING`."""
         if self.log:
-            check_positive(values)  # of all, so that an error names the place
+            check_positive(values)  # all at once, so that an error names the place
         table, flat = _table_with_missing(self.color_map), np.ravel(values)
         colors = np.empty((flat.size, 4), dtype=np.uint8)
         for first in range(0, flat.size, _BLOCK):

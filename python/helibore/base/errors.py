@@ -61,7 +61,7 @@ def check_names(prefix: str, names: Iterable[str], known: Collection[str]) -> No
 
 
 def check_ending(path: str | PathLike[str], endings: Collection[str], why: str = "") -> str:
-    """Return the ending of a file's name in lower case; an InputError lists those that are known."""
+    """Return which of ``endings`` a file's name has, in capitals or not; if none, an InputError lists them."""
     for ending in endings:
         if str(path).lower().endswith(ending):
             return ending
@@ -93,7 +93,10 @@ class MissingExtraError(ImportError):
 
 @contextmanager
 def needs(library: str, extra: str) -> Iterator[None]:
-    """Turn an ImportError for a library of an extra into a `MissingExtraError`; an empty name is the module's."""
+    """Turn an ImportError for a library of an extra into a `MissingExtraError`.
+
+    If ``library`` is empty, the error names the module that is missing.
+    """
     try:
         yield
     except ImportError as error:

@@ -1,4 +1,4 @@
-"""Columns of a data frame by what they hold: pandas, Polars, Arrow, xarray, or a dict of columns.
+"""Take the columns of depth, radius and so on from a data frame: pandas, Polars, Arrow, xarray, or a dict of columns.
 
 rows = frame_rows(frame, {"depth": ("MD", LENGTH), "radius": ("CAL", LENGTH)}, {"radius": "in"})
 with rows.named():                  radius[2] = -25.3746: ...   ->   CAL[3] = -999 in: ...
@@ -23,7 +23,7 @@ from helibore.base.units import TIME, factor
 OPTIONAL = ("time", "arm")
 """Roles that a table need not have."""
 WAYS = {"fetchall": "df()", "collect": "collect()", "read_all": "read_all()"}
-"""How a DuckDB relation, a lazy frame or an Arrow reader becomes a data frame, by a method that only it has."""
+"""A method that only a DuckDB relation, a lazy frame or an Arrow reader has, and its call that makes a data frame."""
 
 
 @dataclass(frozen=True)

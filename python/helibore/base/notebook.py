@@ -20,12 +20,12 @@ from helibore.base.colors import ColorScale, colors_of, usual_scale
 from helibore.base.errors import InputError
 
 _WIDTH, _HEIGHT = 72, 120
-"""Cells of a map and pixels of a curve, at most."""
+"""The most cells of a map, across and down; pictures are twice as many pixels wide and high."""
 _TABLE = "border-collapse:collapse;margin:.3em 0 0;background:none;color:inherit;font-size:inherit"
 
 
 def card(title: str, numbers: Mapping[str, str], picture: str) -> str:
-    """Return a card of the title, a table of numbers by name, and a picture to its left."""
+    """Return a card as HTML: a picture, and to its right the title above a table of the numbers by name."""
     cell = 'style="text-align:left;padding:0 .8em 0 0;border:0;background:none'
     rows = "".join(
         f'<tr style="background:none"><td {cell};opacity:.7">{escape(name)}</td><td {cell}">{escape(text)}</td></tr>'
@@ -38,7 +38,7 @@ def card(title: str, numbers: Mapping[str, str], picture: str) -> str:
 
 
 def map_picture(values: Floats, scale: ColorScale | None, label: str) -> str:
-    """Return a picture of values by row (down) and column, each (rows, columns); grey where missing.
+    """Return a picture of values, (rows, columns), as HTML, with the first row on top; missing values are grey.
 
     Without a scale, colours run from the least value to the greatest.
 
@@ -70,9 +70,9 @@ def usual_picture(values: Floats, name: str, unit: str, label: str) -> str:
 
 
 def curve_picture(across: Floats, down: Floats, label: str, equal: bool = False) -> str:
-    """Return a picture of a curve, ``down`` growing downwards; it breaks where a value is missing.
+    """Return a picture of a curve as HTML, ``down`` growing downwards; the curve breaks where a value is missing.
 
-    ``equal``: both axes have one scale, as for a path.
+    If ``equal``, both axes have one scale, as for a path.
     """
     rows = np.linspace(0, max(across.size - 1, 0), min(across.size, 4 * _HEIGHT)).astype(int)
     points = np.column_stack([across[rows], down[rows]])

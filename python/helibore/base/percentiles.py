@@ -28,7 +28,7 @@ Parts = Callable[[], Iterable[Floats]]
 def percentiles(parts: Parts, shares: Sequence[float]) -> list[float]:
     """Return percentiles, linear between two numbers as `numpy.percentile`, of finite numbers of at least 0.
 
-    ``shares`` are from 0 to 100; NaN where there is no number.
+    ``shares`` are from 0 to 100. If there is no number, all percentiles are NaN.
     """
     count = sum(part.size for part in parts())
     if not count:
@@ -41,7 +41,10 @@ def percentiles(parts: Parts, shares: Sequence[float]) -> list[float]:
 
 
 def _of_ranks(parts: Parts, ranks: Integers, count: int, bits: int, begin: int) -> Floats:
-    """Return the numbers of some ranks of the ``count`` with bits that, without the last ``bits``, are ``begin``."""
+    """Return the numbers of some ranks, from 0, among the ``count`` numbers whose first bits are ``begin``.
+
+    ``bits`` is how many bits follow these first bits.
+    """
 
     def those() -> Iterator[Keys]:
         for part in parts():

@@ -11,7 +11,7 @@ PIECE = 1 << 18
 
 
 def pieces(span: slice, size: int = PIECE) -> Iterator[slice]:
-    """Return a range, cut into pieces of at most so many numbers."""
+    """Yield a range in pieces of at most ``size`` numbers."""
     for start in range(span.start, span.stop, size):
         yield slice(start, min(start + size, span.stop))
 

@@ -32,8 +32,9 @@ class Settings:
         Toolface of vertex 0, degrees, within 1e6 of 0.
     first_vertex, stop_vertex
         The wall is a stretch of the helix, from ``first_vertex``, a multiple of ``sectors``, up to but without
-        ``stop_vertex``, which replaces ``stop_depth``; None: to the last sample. ``start_depth`` must be given. The
-        stretch has the bits of the whole wall if it has all samples within `Wall.reach`.
+        ``stop_vertex``, which replaces ``stop_depth``; None: to the last sample. If ``first_vertex`` is not 0,
+        ``start_depth`` must be given. The stretch has the bits of the whole wall if it has all samples within
+        `Wall.reach`.
     neighbors
         V, the number of nearest samples that a vertex is estimated from; 1 to 256, with kriging 1 to 64. None: 8, with
         kriging 16.
@@ -113,7 +114,7 @@ class Settings:
 
 
 def _checked(name: str, value: Any) -> float | int | bool | str:
-    """Return the value of a setting as its type; an integer must fit the core's."""
+    """Return the value of a setting, converted to the type of this setting; an integer must fit into 32 bits."""
     if name == "estimator":
         if value not in ("inverse-distance", "kriging"):
             raise InputError(name, "must be 'inverse-distance' or 'kriging'", repr(value))

@@ -29,7 +29,7 @@ _DECIMALS = {"m": 6, "m3": 7, "deg": 2, "s": 2, "": 5}
 
 @dataclass(frozen=True, eq=False)
 class LogColumn:
-    """One log: a column of a table of logs, or one to save with them: ``logs.save("well.las", more=[column])``.
+    """One log: a column of a table of logs, or a log to save with others by ``logs.save("well.las", more=[column])``.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ class LogColumn:
 
 
 class Tabular(ABC):
-    """What `table` returns, for pandas and for all that reads Arrow: ``polars.DataFrame(logs)``, DuckDB."""
+    """A class with a `table` that pandas and all that reads Arrow can take: ``polars.DataFrame(logs)``, DuckDB."""
 
     __slots__ = ()
 
@@ -107,14 +107,14 @@ class Tabular(ABC):
         table, fields, arrays = self.table(), {}, []
         for of in table:
             fields[of.mnemonic] = arrow.Schema(arrow.float64(), metadata={"unit": of.unit} if of.unit else None)
-            there = ~np.isnan(of.values)  # a missing value is null, so that means leave it out
+            there = ~np.isnan(of.values)  # a missing value is null, so that a mean leaves it out
             validity = None if there.all() else np.packbits(there, bitorder="little")
             arrays.append(arrow.c_array_from_buffers(fields[of.mnemonic], table.rows, [validity, of.values.copy()]))
         batch = arrow.c_array_from_buffers(arrow.struct(fields), table.rows, [None], children=arrays)
         return CArrayStream.from_c_arrays([batch], batch.schema).__arrow_c_stream__(requested_schema)
 
     def __iter__(self) -> Iterator[Any]:
-        """Have ``pandas.DataFrame(logs)`` ask for an array, so that its error says what makes a data frame."""
+        """Refuse ``pandas.DataFrame(logs)`` by the error of `__array__`, which says what makes a data frame."""
         self.__array__()
 
     def __array__(self, *_: Any, **__: Any) -> NoReturn:
@@ -129,7 +129,10 @@ class LogTable(Tabular):
     """
 
     writer: ClassVar[Callable[[LogTable, str | os.PathLike[str]], None]]
-    """Writes a table to a file by its ending. The package sets it: the formats of files lie above the tables."""
+    """The function that writes a table to a file in the format of the file's ending.
+
+    The package sets it, because the formats of files lie in a folder above this one.
+    """
 
     def __init__(self, columns: Sequence[LogColumn], facts: Mapping[str, str]) -> None:
         if not columns:
@@ -176,7 +179,7 @@ class LogTable(Tabular):
 
 
 def columns_of(*rows: Any) -> list[LogColumn]:
-    """Return columns of rows (mnemonic, unit, description, numbers[, decimals])."""
+    """Return a `LogColumn` for each of ``rows``: (mnemonic, unit, description, numbers[, decimals])."""
     return [
         LogColumn(mnemonic, unit, description, np.array([*values], dtype=np.float64), *decimals)
         for mnemonic, unit, description, values, *decimals in rows

@@ -1,4 +1,4 @@
-"""A file of TOML as tables."""
+"""Read a TOML file."""
 
 from __future__ import annotations
 

@@ -88,7 +88,7 @@ class DarkLobe:
 
     toolface: float  # of its middle, weighted by darkness, [0, 360), degrees from the image's reference
     opening: float  # the angle over which the mean row is dark, degrees
-    relative: float  # its least value as a share of the row's median
+    relative: float  # the least value of the mean row within the lobe, as a share of the median
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ def image_scale(
     log: bool | None = None,
     limits: tuple[float, float] | None = None,
 ) -> ColorScale:
-    """Return the colours of a whole image, the same on paper, on the viewer's page and in notebooks."""
+    """Return the colour scale of a whole image, the same on paper, on the viewer's page and in notebooks."""
     return usual_scale(image.values, image.name, image.unit, color_map, log, limits)
 
 

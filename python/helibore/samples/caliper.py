@@ -51,7 +51,7 @@ ROUND = 16
 
 
 def basis_text(basis: Basis, arms: bool = False) -> str:
-    """Return what files, pictures and summaries say of a basis; ``arms``: the arm of each sample is known."""
+    """Return what files, pictures and summaries say of a basis; ``arms`` is whether the arm of each sample is known."""
     return "radius measured by the arms of a caliper" if arms else BASIS_TEXT[basis]
 
 
@@ -213,7 +213,7 @@ class Caliper(Tabular):
         cls, table: Any, depth: str, toolface: str, diameters: Mapping[str, float], time: str | None,
         units: Mapping[str, str] | None,
     ) -> Caliper:  # fmt: skip
-        """Return both ends of each diameter of a table."""
+        """Return the samples at both ends of each diameter of a table."""
         if not (diameters and isinstance(diameters, Mapping)):
             rule = 'must be the angle of the arms by column, degrees: {"CAL1": 0, "CAL2": 90}'
             raise InputError("diameters", rule, repr(diameters))
@@ -319,7 +319,7 @@ class Caliper(Tabular):
 
     @cached_property
     def repeated(self) -> int:
-        """Number of samples that equal an earlier sample in every column; they count again, unless there are times."""
+        """Number of samples that equal an earlier one in all columns but ``arm``; without a time, they count again."""
         columns = [of for of in (self.depth, self.toolface, self.radius, self.time) if of is not None]
         order = np.lexsort(columns)
         same = np.logical_and.reduce([of[order[1:]] == of[order[:-1]] for of in columns])

@@ -98,7 +98,7 @@ def helix_of(wall: WallLike) -> Helix:
 
 
 def whole_helix(wall: WallLike) -> Helix:
-    """Return the helix of which a wall is a part; its vertices have the same depths, bit for bit, as the whole wall."""
+    """Return the helix of which a wall is a part; its depths of vertices have the same bits as on the whole wall."""
     settings: Any = wall.settings
     helix, first = helix_of(wall), getattr(settings, "first_vertex", 0)
     return helix._replace(start_depth=settings.start_depth, first=first) if first else helix

@@ -26,7 +26,7 @@ SURFACE = 0.001
 
 @dataclass(frozen=True)
 class TrueDepth:
-    """True depths along a path; ``down`` is their zero in the path's coordinates."""
+    """True depths along a path; ``down`` is where they are 0, in the path's coordinates, metres."""
 
     path: Path
     name: str
