@@ -143,8 +143,8 @@ void Search::run(const Samples& samples, const Helix& helix, Index group, Index 
     if (rules_.windowed)
         window_reach(samples, scratch.windows, span, result);
     else {
-        // Rounded outwards; missing_square (too few samples, no limit) is longer than any hole.
-        reach = std::sqrt(reach) * (1.0 + 1e-6);
+        // Rounded outwards; without a limit, any sample may change a vertex that has too few.
+        reach = reach < kernel::missing_square / 2 ? std::sqrt(reach) * (1.0 + 1e-6) : no_limit;
         result.shallow = span.shallow - reach;
         result.deep = span.deep + reach;
     }

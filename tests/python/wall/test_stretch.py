@@ -73,6 +73,13 @@ def test_a_stretch_has_the_bits_of_the_whole(of: dict[str, Any], seed: int, gap:
         assert alone.reach(first, stop) == (shallow, deep)
 
 
+@pytest.mark.parametrize("max_distance", [None, 1.0])
+def test_the_reach_of_too_few_samples_is_infinite_without_a_limit(max_distance: float | None) -> None:
+    wall = hb.Wall(bit_diameter=0.2, sectors=K, max_distance=max_distance)
+    wall.append([100.0, 101.0], [0.0, 5.0], [0.1, 0.1])
+    assert [math.isinf(depth) for depth in wall.reach(0, K)] == [max_distance is None] * 2
+
+
 def test_appends_to_a_stretch_report_numbers_of_the_whole(tmp_path: Path) -> None:
     columns = samples(5, 400, 6.0, 0.0)
     of: dict[str, Any] = {"bit_diameter": 0.2, "sectors": K, "start_depth": 100.0, "max_distance": 0.3, "threads": 1}
