@@ -90,6 +90,7 @@ class Feed:
         self._closed = threading.Event()
         self._threads: list[threading.Thread] = []
         self._zones: Classification | None = None
+        self._ends = (math.nan, math.nan)  # of the wall when its zones were found
         self._grown = threading.Event()  # the wall has changed since its zones were found, or they were never found
         self._grown.set()
         self._finding = threading.Lock()
@@ -217,7 +218,7 @@ class Feed:
             return
         wall = getattr(self._wall, "_state", lambda: self._wall)()  # copies samples and finds gaps only once
         with self._finding:
-            self._zones = found = classify(wall, self._criteria)
+            found = self._classify(wall)
         measured = getattr(wall, "measured", None) if self._shape.basis == "azimuthal" else None
         if measured is not None:
             self.scene.set_interpolated(np.isfinite(wall.radius) & ~measured)
@@ -232,11 +233,23 @@ class Feed:
             self._logged += 1
             self.scene.set_curves(curves_of(found.logs), self._logged)
 
+    def _classify(self, wall: Any) -> Classification:
+        """Measure the turns of a wall and find its zones."""
+        self._ends = helix_of(wall).ends(len(wall.radius))
+        self._zones = classify(wall, self._criteria)
+        return self._zones
+
     def _summarize(self, start: float, stop: float) -> dict[str, Any]:
-        """Return the figures of `Wall.summary` that the page shows of a section; a missing number is None."""
+        """Return the figures of `Wall.summary` that the page shows of a section; a missing number is None.
+
+        They are those of the part of the section that lies in the wall as it was when its turns were measured; the ends
+        ``start`` and ``stop`` are those of this part, since the wall grows on.
+        """
         with self._finding:  # the first zones of a long wall take a second
-            self._zones = self._zones or classify(self._wall, self._criteria)
-        summary = summarize(self._wall, start, stop, zones=self._zones)
+            zones = self._zones or self._classify(self._wall)
+            top, bottom = self._ends
+        start, stop = (min(max(end, top), bottom) for end in (start, stop))
+        summary = summarize(self._wall, start, stop, zones=zones)
         names = ("start", "stop", "volume", "excess", "whole_turns", "incomplete_turns", "washed_out", "without_radius")
         values = {name: float(getattr(summary, name)) for name in (*names, "coverage", "mean_diameter")}
         values |= {name: getattr(summary, name).value for name in ("least_diameter", "greatest_diameter")}

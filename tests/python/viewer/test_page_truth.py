@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -177,11 +178,32 @@ def test_a_measured_wall_has_no_banner_and_the_figures_of_its_summary(browser: A
         screen.settle()
         assert screen.readout()["Radius"] == "–", "a cursor at a depth alone is on no quad, whose data could lack"
         screen.keyboard.press("f")
-        assert screen.is_visible("#follow")
         viewer.scene.update_state(ended=True)  # a saved wall: it begins with its worst zone and follows nothing
         screen.until("!window.__wall.app.view.follow")
         assert screen.evaluate("window.__wall.app.view.middle") == pytest.approx(cursor)
         assert not screen.is_visible("#follow")
+        screen.close()
+
+
+def test_the_figures_of_a_growing_wall_stand_under_the_depths_that_they_are_of(browser: Any) -> None:
+    wall = MadeWall(64 * 150)
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1010&sec=30&follow=1", (1366, 768), drawn=False)
+        screen.until("window.__wall.app.summary")
+        screen.settle()
+        assert not screen.is_visible("#follow"), "nothing has come"
+        assert "end of data, 1015.0 m" in ink_texts(screen)
+        for turns in (30, 17):  # its turns are measured every 2 s at most
+            viewer.update(wall.grow(64 * turns))
+            end = wall.depth[-1]
+            screen.until(f"window.__wall.app.store.end > {end - 0.001}")
+            screen.settle()
+            start, stop = map(float, screen.inner_text("#sectionTitle").removesuffix(" m").split("–"))
+            metres = float(re.search(r"of ([0-9.]+) m,", screen.inner_text("#section")).group(1))  # type: ignore[union-attr]
+            assert stop - start == pytest.approx(metres, abs=0.11)
+            assert stop <= end + 0.05
+            assert screen.inner_text("#follow") == "Following"
+            assert f"data to {end:.1f} m, not measured yet" in ink_texts(screen)
         screen.close()
 
 

@@ -59,6 +59,21 @@ def next_bytes(socket: Any) -> bytes:
     return found
 
 
+def test_figures_of_a_section_end_where_the_turns_were_measured() -> None:
+    wall = MadeWall(64 * 20)
+    feed = Feed(wall, path=None, attributes={}, well="")
+    found = feed.scene.summarize
+    assert found is not None
+    parts = {(999, 1005): (1000, 1002), (1001, 1001.55): (1001, 1001.55), (1003, 1004): (1002, 1002)}
+    for section, ends in parts.items():
+        for _ in range(2):  # the second time it has grown since
+            summary = found(*section)
+            assert (summary["start"], summary["stop"]) == pytest.approx(ends, abs=0.01)
+            metres = summary["whole_turns"] + summary["incomplete_turns"]
+            assert metres == pytest.approx(ends[1] - ends[0], abs=0.01)
+            wall.grow(64)
+
+
 class Talk:
     """A page's half of the conversation: acknowledges every binary message."""
 

@@ -530,8 +530,6 @@ export class App {
     if (byId('polar').clientHeight) drawPolar(byId('polar'), look, turned, quantityOf(this.quantities, 'over'));
     write('turn', figures);
     if (NARROW.matches) writeBrief(look, this.read, store.basis === 'azimuthal' ? figures : []);
-    const [start, stop] = [Math.max(view.top, store.span[0]), Math.min(view.bottom, store.span[1])];
-    byId('sectionTitle').textContent = stop > start ? showSpan(start, stop, view.units) : '';
     this.summarize();
     this.writeSummary();
     this.alarms.write(view);
@@ -625,8 +623,12 @@ export class App {
     else this.redraw();
   }
 
+  // The figures below the log, under the depths that they are of: a wall that grows is ahead of its figures.
   writeSummary() {
-    write('section', sectionText(this.store, this.summary, this.view.units));
+    const { store, view, summary } = this;
+    const [start, stop] = summary ? [summary.start, summary.stop] : [Math.max(view.top, store.span[0]), Math.min(view.bottom, store.span[1])];
+    byId('sectionTitle').textContent = stop > start ? showSpan(start, stop, view.units) : '';
+    write('section', stop > start ? sectionText(store, summary, view.units) : [['Section', 'no data']]);
     writeRig(this);
   }
 

@@ -6,7 +6,7 @@ import { drawColours, POINT, valueText } from './color_bar.js';
 import { BOLD, fitting, FONT, HEAD, imageRects, label, PALETTES, SMALL, tracksEnd, yOf } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
 import { DENSE, hatched, line, OUTSIDE, SPARSE } from './strokes.js';
-import { depthNumber, depthUnit, LENGTHS, unitOf } from './units.js';
+import { depthNumber, depthUnit, LENGTHS, showDepth, unitOf } from './units.js';
 import { ticks } from './view.js';
 import { drawZones, letterZones } from './zones.js';
 
@@ -128,18 +128,21 @@ function letters(ink, view, known, left, width, palette, reference) {
   });
 }
 
-const NOT_YET = ['not measured yet', 'no data yet'];
-
-// The stretches of the section above and below the wall, in pixels, with the words for them. Where a wall still grows,
-// nothing is measured yet.
+// The stretches of the section above and below the wall, in pixels, with the words for them: where the data begin and end.
+// Where a wall still grows, nothing is measured yet.
 /** @param {Look} look @param {Rect} rect */
 export function outside({ view, store, growing }, rect) {
   const [shallow, deep] = store.span;
   const down = store.levels[0].pitch > 0;
   const bottom = rect.top + rect.height;
+  /** @param {number} depth @param {boolean} drilled @param {string} end */
+  const words = (depth, drilled, end) => {
+    const at = showDepth(depth, view.units, 1);
+    return growing && drilled ? [`data to ${at}, not measured yet`, `data to ${at}`, 'not measured yet', 'no data yet'] : [`${end} of data, ${at}`, `${end} of data`];
+  };
   return [
-    { from: rect.top, to: Math.min(bottom, yOf(view, rect, shallow)), edge: 1, words: growing && !down ? NOT_YET : ['start of data'] },
-    { from: Math.max(rect.top, yOf(view, rect, deep)), to: bottom, edge: 0, words: growing && down ? NOT_YET : ['end of data'] },
+    { from: rect.top, to: Math.min(bottom, yOf(view, rect, shallow)), edge: 1, words: words(shallow, !down, 'start') },
+    { from: Math.max(rect.top, yOf(view, rect, deep)), to: bottom, edge: 0, words: words(deep, down, 'end') },
   ].filter(({ from, to }) => to - from >= 2);
 }
 

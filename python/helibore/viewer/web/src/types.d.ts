@@ -117,6 +117,7 @@ interface Handlers {
 }
 interface Template { scale?: number; units: Units; tracks: { kind: string; name: string; names: string[]; width: number | null }[] }
 interface Summary {
+  start: number; stop: number; // of what the figures are of
   volume: number; excess: number | null; coverage: number | null; whole_turns: number; incomplete_turns: number; washed_out: number | null; without_radius: number | null;
   mean_diameter: number; least_diameter: number; greatest_diameter: number;
 }

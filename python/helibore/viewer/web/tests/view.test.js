@@ -243,13 +243,13 @@ test('on a phone tadpoles stand beside the image, in place of the caliper', () =
 
 test('above and below the wall the tracks say why nothing is there', () => {
   const rect = { left: 0, top: 80, width: 100, height: 200 };
-  const at = (top, growing, pitch = 0.1) => outside({ view: { top, bottom: top + 20 }, store: { span: [1000, 1030], levels: [{ pitch }] }, growing }, rect)
+  const at = (top, growing, pitch = 0.1) => outside({ view: { top, bottom: top + 20, units: 'mm' }, store: { span: [1000, 1030], levels: [{ pitch }] }, growing }, rect)
     .map(({ from, to, words }) => [Math.round(from), Math.round(to), words[0]]);
   assert.deepEqual(at(1005, true), []);
-  assert.deepEqual(at(995, true), [[80, 130, 'start of data']]);
-  assert.deepEqual(at(1015, true), [[230, 280, 'not measured yet']]);
-  assert.deepEqual(at(1015, false), [[230, 280, 'end of data']]);
-  assert.deepEqual(at(995, true, -0.1), [[80, 130, 'not measured yet']], 'a wall that grows upwards');
-  assert.deepEqual(at(1015, true, -0.1), [[230, 280, 'end of data']]);
-  assert.deepEqual(at(1040, false), [[80, 280, 'end of data']], 'past the wall');
+  assert.deepEqual(at(995, true), [[80, 130, 'start of data, 1000.0 m']]);
+  assert.deepEqual(at(1015, true), [[230, 280, 'data to 1030.0 m, not measured yet']]);
+  assert.deepEqual(at(1015, false), [[230, 280, 'end of data, 1030.0 m']]);
+  assert.deepEqual(at(995, true, -0.1), [[80, 130, 'data to 1000.0 m, not measured yet']], 'a wall that grows upwards');
+  assert.deepEqual(at(1015, true, -0.1), [[230, 280, 'end of data, 1030.0 m']]);
+  assert.deepEqual(at(1040, false), [[80, 280, 'end of data, 1030.0 m']], 'past the wall');
 });
