@@ -523,6 +523,7 @@ export class App {
       this.toSay = false;
       byId('spoken').textContent = spokenText(this);
     }
+    byId('follow').hidden = !look.growing;
     byId('readTitle').textContent = view.pinned ? 'Cursor (held)' : 'Cursor';
     const turned = turnAt(store, view, cursor?.depth ?? view.middle);
     const figures = turnText(look, turned, (m, digits) => showLength(m, view.units, digits ?? (view.units === 'mm' ? 1 : 3)));
