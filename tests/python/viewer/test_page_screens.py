@@ -53,6 +53,24 @@ def test_tabs_show_one_panel_each_within_the_screen(browser: Any, size: tuple[in
         screen.close()
 
 
+@pytest.mark.parametrize("size", [(390, 844), (768, 1024)])
+def test_every_tab_is_about_the_section_of_the_log_at_any_scale(browser: Any, size: tuple[int, int]) -> None:
+    section = "(({ top, length }) => [top, length])(window.__wall.app.view)"
+    with hb.view(MadeWall(64_000)) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1050", size, drawn=False)
+        screen.settle()
+        assert screen.evaluate("window.__wall.app.paper") == 200
+        top, length = screen.evaluate(section)
+        for tab in ("3d", "section", "zones", "section", "log"):
+            screen.click(f"#tabs button[value='{tab}']")
+            screen.settle()
+            assert screen.evaluate(section) == [top, length], tab
+            if tab == "section":
+                assert screen.inner_text("#sectionTitle") == f"{top:.1f}–{top + length:.1f} m"
+        assert screen.evaluate("window.__wall.app.paper") == 200
+        screen.close()
+
+
 def test_a_tab_without_zones_says_so(browser: Any) -> None:
     caliper = hb.Caliper.gauge(2000.0, 2010.0, 0.216)
     with hb.view(hb.reconstruct(caliper, bit_diameter=0.216, sectors=16)) as viewer:

@@ -541,12 +541,15 @@ export class App {
     lamp(this);
   }
 
+  // Lay the tracks out anew. In another window they keep a scale of paper; another tab shows the same section.
   resize() {
+    const { tab } = this.arrangement;
+    const sameTab = document.body.dataset.tab === (tab ?? '');
+    const paper = this.store && this.rects && !this.view.rig && sameTab && tab !== 'section' && tab !== 'zones' ? this.paper : undefined;
+    document.body.dataset.tab = tab ?? '';
     const { clientWidth: width, clientHeight: height } = byId('stage');
-    const paper = this.store && this.rects && !this.view.rig ? this.paper : undefined;
     this.arranged = JSON.stringify(this.arrangement);
     this.rects = layout(width, height, this.arrangement);
-    document.body.dataset.tab = this.arrangement.tab ?? '';
     this.gpu?.resize(width, height);
     this.painted = '';
     const { pane: wall } = this.rects;
