@@ -280,7 +280,11 @@ def test_the_straightened_hole_stands_off_the_page_and_trouble_keeps_its_colour(
         image, hole = (screen.pixels(name)[..., :3].astype(float) for name in ("image", "wall"))
         middle, bit = hole.shape[1] // 2, int(0.2 * hole.shape[1])
         gauge = hole[len(hole) // 4, middle - bit + 3 : middle + bit - 3]
-        assert np.ptp(gauge, axis=1).max() < 30, "gauge hole is grey"
+        assert np.ptp(gauge, axis=1).max() < 35, "gauge hole is pale"
+        tint, neutral = gauge.mean(axis=0), image[len(image) // 4, 40]
+        assert abs(tint / tint.max() - neutral / neutral.max()).max() < 0.15, (
+            "in the hue of the middle of the colour bar"
+        )
         apart = abs(gauge.mean(axis=1) - page)
         assert apart[: bit // 4].min() > 20, "its edge"
         assert apart[bit:].min() > 20, "the half that is cut open"

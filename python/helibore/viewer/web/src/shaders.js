@@ -71,13 +71,15 @@ vec3 colourOf(float v, int row) {
   float t = clamp((v - ends.x) / (ends.y - ends.x), 0.0, 1.0);
   return texelFetch(colours, ivec2(int(t * 255.0 + 0.5), 0), 0).rgb;
 }
-// Light on a body, 0 to 1: its form is a grey in the room that a colour leaves, so that hues stay and full colours are those
-// of the colour bar. On the dark page light is added, on the light page shadow is taken off: bit size has the page's colour
-// and would not be seen. A map without a colour of the page has little of it.
+// Light on a body, 0 to 1. Full colours stay as they are on the colour bar; pale ones show the form and keep their hue: on the
+// dark page light makes them lighter, on the light page shadow darker, since bit size has the page's colour and would not be
+// seen. A map without a colour of the page has little of it.
 vec3 lit(vec3 colour, float light) {
+  float most = max(colour.r, max(colour.g, colour.b)), least = min(colour.r, min(colour.g, colour.b));
   vec3 c = colour * (0.86 + 0.14 * light);
-  float most = max(c.r, max(c.g, c.b)), least = min(c.r, min(c.g, c.b));
-  return dark ? c + form * (0.14 + 0.22 * light) * (1.0 - most) : c - form * 0.34 * (1.0 - light) * least;
+  if (!dark) return c * (1.0 - form * 0.34 * (1.0 - light) * least);
+  float pale = form * (1.0 - most) * sqrt(least / max(most, 0.01));
+  return c * (1.0 + pale * (0.32 + 0.48 * light)) + pale * (0.08 + 0.13 * light);
 }
 // A provisional radius is dotted until later samples settle it.
 vec3 dotted(vec3 colour, int k) {
