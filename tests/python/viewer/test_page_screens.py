@@ -71,6 +71,22 @@ def test_every_tab_is_about_the_section_of_the_log_at_any_scale(browser: Any, si
         screen.close()
 
 
+def test_the_read_out_of_a_phone_says_why_a_value_is_missing(browser: Any) -> None:
+    wall = MadeWall(30_000)
+    said = "Object.fromEntries([...briefMore.children].map((e, i, all) => [e.textContent, all[i + 1]?.textContent]))"
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1020&sec=20", (390, 844), drawn=False)
+        rows = {}
+        for cursor in (None, {"depth": 1020, "toolface": 10}, {"depth": 1012.3, "toolface": 10}):
+            screen.evaluate("(cursor) => window.__wall.app.view.point(cursor, true)", cursor)
+            screen.settle()
+            rows[str(cursor and cursor["depth"])] = screen.evaluate(said)
+        assert (rows["None"]["Over bit"], rows["None"]["TVD"]) == ("tap image", "no survey")
+        assert rows["1020"]["Over bit"].endswith(" mm")
+        assert [rows["1012.3"][name] for name in ("Cmin", "Cmax", "Over bit")] == ["no data"] * 3
+        screen.close()
+
+
 def test_a_tab_without_zones_says_so(browser: Any) -> None:
     caliper = hb.Caliper.gauge(2000.0, 2010.0, 0.216)
     with hb.view(hb.reconstruct(caliper, bit_diameter=0.216, sectors=16)) as viewer:

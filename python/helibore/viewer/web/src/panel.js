@@ -3,7 +3,7 @@
 import { MAPS, fitRange, histogram, scaling, valuesInView } from './color.js';
 import { inkOn, PALETTES } from './layout.js';
 import { recall, remember } from './memory.js';
-import { CUTS } from './path.js';
+import { CUTS, noTvd } from './path.js';
 import { sized } from './polar.js';
 import { CLIPPED, INTERPOLATED, PROVISIONAL, RESCANNED, SUPPORT_MASK } from './protocol.js';
 import { scaleLength } from './tracks.js';
@@ -185,8 +185,14 @@ export function writeBrief({ view, zones, path, store }, read, figures) {
   byId('briefZone').hidden = !zone;
   byId('briefZone').textContent = zone ? `${LETTERS[zone.kind]} ${zoneText(zone, view.units)}` : '';
   if (zone) byId('briefZone').style.borderColor = PALETTES[view.theme].zones[zone.kind];
-  const over = store.basis === 'gauge' ? store.attributes.slice(0, 3).map(({ name }) => [name, values[name]]) : [['Over bit', values['Over bit radius']]];
-  write('briefMore', [...figures.filter(([name]) => /^Cm/.test(name)).map(([name, size]) => [name.slice(0, 4), size]), ...over, ['TVD', showDepth(path.tvd(depth), view.units)]]);
+  const lacks = typeof view.cursor?.toolface === 'number' ? 'no data' : 'tap image'; // a depth alone is on no quad
+  const over = store.basis === 'gauge' ? store.attributes.slice(0, 3).map(({ name }) => [name, name]) : [['Over bit', 'Over bit radius']];
+  const tvd = path.tvd(depth);
+  write('briefMore', [
+    ...figures.filter(([name]) => /^Cm/.test(name)).map(([name, size]) => [name.slice(0, 4), size === '–' ? 'no data' : size]),
+    ...over.map(([name, of]) => [name, values[of] === '–' ? lacks : values[of]]),
+    ['TVD', Number.isNaN(tvd) ? path.whyNoTvd(depth) || noTvd(path) : showDepth(tvd, view.units)],
+  ]);
 }
 
 // What the figures of a section count.
