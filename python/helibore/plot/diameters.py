@@ -1,6 +1,7 @@
 """Diameters along the hole for the caliper track, one row a turn, or fewer rows than turns.
 
-A row of several turns holds their mean, least and greatest diameter, so that a washout of a single turn stays visible.
+A row of several turns holds their least diameter and greatest C1 and C2, so that a washout of a single turn stays
+visible, and the means of the others.
 Logs for files are in ``helibore.logs.turn_logs``.
 """
 
@@ -60,8 +61,8 @@ def thinned(turns: Diameters, top: float, bottom: float, rows: int) -> Diameters
     sizes = np.diff(np.append(first, count))
     found = {name: np.add.reduceat(columns[name], first) / sizes for name in ("depth", "coverage")}
     found["least"] = np.fmin.reduceat(columns["least"], first)
-    found["greatest"] = np.fmax.reduceat(columns["greatest"], first)
-    for name in ("area", "c1", "c2", "d0", "d90"):  # only in rows in which at least half of the turns are whole
+    found |= {name: np.fmax.reduceat(columns[name], first) for name in ("greatest", "c1", "c2")}
+    for name in ("area", "d0", "d90"):  # only in rows in which at least half of the turns are whole
         there = np.isfinite(columns[name])
         total = np.add.reduceat(np.where(there, columns[name], 0.0), first)
         known = np.add.reduceat(there.astype(np.float64), first)

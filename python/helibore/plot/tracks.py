@@ -172,7 +172,10 @@ class DepthTrack:
 
 
 class CaliperTrack:
-    """Diameters against bit size: orange from bit to the least, pale to the greatest; blue if the least is under bit.
+    """Diameters against bit size: orange from bit to C2, pale from there to C1; blue from the least to bit.
+
+    C1, C2 and the least diameter decide the kind of a zone. Of a turn with a missing radius, the greatest diameter that
+    is there takes the place of C1.
 
     Parameters
     ----------
@@ -232,9 +235,9 @@ class CaliperTrack:
             sheet.line((at, at + 3.6), (row, row), linewidth=0.9, **CURVES[name])
             sheet.text(at + 4.2, row, self.names.get(name, name), 5.2, within=5.2)
         row += 3.5
-        self._fill_key(sheet, x + 1, row, "over", "bit to least" if self.basis == "azimuthal" else "over bit")
+        self._fill_key(sheet, x + 1, row, "over", "bit to C2" if self.basis == "azimuthal" else "over bit")
         if self.basis == "azimuthal":
-            self._fill_key(sheet, x + 21, row, "partly over", "to greatest")
+            self._fill_key(sheet, x + 21, row, "partly over", "C2 to C1")
         low, high = (f"{limit:g}" for limit in self.limits)
         sheet.text(x + 0.6, y + HEAD - 2.2, low, SMALL)
         sheet.text(x + self.width - 0.6, y + HEAD - 2.2, high, SMALL, ha="right")
@@ -256,7 +259,7 @@ class CaliperTrack:
         turns = thinned(self.turns, stretch.top, stretch.bottom, 2 * sheet.pixels(stretch.height))
         scale = LENGTHS[self.unit]
         area, least, greatest = turns.area / scale, turns.least / scale, turns.greatest / scale
-        inner, outer = np.maximum(least, self.bit), np.maximum(greatest, self.bit)
+        inner, outer = np.fmax(turns.c2 / scale, self.bit), np.maximum(greatest, self.bit)
         for left, right, fill in (
             (np.minimum(least, self.bit), self.bit, "under"),
             (self.bit, inner, "over"),

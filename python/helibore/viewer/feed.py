@@ -232,6 +232,7 @@ class Feed:
         if len(found.logs):
             self._logged += 1
             self.scene.set_curves(curves_of(found.logs), self._logged)
+            self.scene.update_state(shape=found.logs.shape)
 
     def _classify(self, wall: Any) -> Classification:
         """Measure the turns of a wall and find its zones."""

@@ -61,9 +61,10 @@ def html_export(
 
 
 def _curves(scene: Scene, address: str) -> list[str]:
-    """Return the names of the scene's curves that a page at this ``address`` shows."""
+    """Return the names of the curves that the page shows, and of those that its caliper track is drawn from."""
     shown = parse_qs(address.removeprefix("#")).get("curves", [""])[0].split("~")
-    return [name for name in shown if name in scene.curves]
+    shown += ["DMIN", "C1", "C2", "C1TF"] if scene.state.shape == "arms" else []
+    return [name for name in scene.curves if name in shown]
 
 
 def _page(files: Mapping[str, str]) -> tuple[str, str]:

@@ -23,6 +23,7 @@ from helibore.base.errors import InputError
 from helibore.logs.curves import ScalarCurve
 from helibore.logs.picks import Picks
 from helibore.logs.template import Template
+from helibore.logs.turn_logs import Shape
 from helibore.samples.caliper import BASIS_TEXT, Basis
 from helibore.trajectory.references import Reference
 from helibore.trajectory.survey import Path
@@ -132,6 +133,7 @@ class RunState:
     # Ends of the colours by quantity, metres or the attribute's unit, from the whole wall; final once that is long.
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     zones: tuple[Mapping[str, Any], ...] = ()  # JSON objects, in order of depth
+    shape: Shape = "wall"  # whose diameters the zones are judged by: `helibore.logs.turn_logs.Logs.shape`
     prints: bool = False  # whether `Scene.draw_pages` is set
     # What the live feed warns of, "rule source: cause"; a page shows each until its user silences it.
     alarms: tuple[str, ...] = ()
@@ -220,7 +222,8 @@ class Scene:
             self.frames = PathFrames(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3)), surveyed=False)
             self.settled = 0
             self.history = History()
-            self.state, self.curves = replace(self.state, true_depth=None, ranges={}, zones=(), curves=()), {}
+            self.curves = {}
+            self.state = replace(self.state, true_depth=None, ranges={}, zones=(), shape="wall", curves=())
             self.begun = True
         self.on_change()
 

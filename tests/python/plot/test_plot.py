@@ -74,7 +74,7 @@ def test_a_log_says_all_that_a_reader_must_know(wall: hb.Wall) -> None:
     for needed in (
         "A well", "A run", "2,000.00 to 2,022.00 m MD (22.0 m)", "8.504 in (216.0 mm)", "1:40, 25 mm on paper a metre",
         "from the high side, clockwise looking downhole", "radius measured by an azimuthal caliper",
-        "Diameter [in]", "bit size 8.504 in", "by area", "under bit", "bit to least", "to greatest", "C1", "C2",
+        "Diameter [in]", "bit size 8.504 in", "by area", "under bit", "bit to C2", "C2 to C1", "C1", "C2",
         "Radius − bit/2 [in]", "GR [gAPI]", "RES [ohm.m]", "logarithmic", "16 sectors, static", "Depth", "MD [m]",
         "missing: no value, or not sampled there", "Cross sections, looking downhole", "tube × ", "shape × ",
         "coloured by radius", "rings each",

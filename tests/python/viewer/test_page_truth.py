@@ -53,7 +53,7 @@ def test_of_a_gauge_hole_only_the_images_are_shown_as_measured(browser: Any) -> 
         assert not screen.is_visible("#zonesCard")
         texts = ink_texts(screen)
         assert "GR [gAPI]" in texts
-        assert not [text for text in texts if text.startswith(("Caliper", "Cmin", "Cmax", "bit ", "Over bit"))]
+        assert not [text for text in texts if text.startswith(("Caliper", "C1", "C2", "least", "bit ", "Over bit"))]
         assert screen.evaluate("window.__wall.app.rects.caliper.width") == 0
         assert screen.evaluate("window.__wall.app.quantities.map(({ id }) => id)") == ["GR"]
         section = screen.inner_text("#section")
@@ -139,7 +139,38 @@ def test_an_average_caliper_has_a_size_and_no_shape(browser: Any) -> None:
         assert not screen.is_visible("#crossSection")
         texts = ink_texts(screen)
         assert "mean, shape not measured" in texts
-        assert not {"Cmin", "Cmax"} & set(texts)
+        assert not {"C1", "C2"} & set(texts)
+        screen.close()
+
+
+@pytest.mark.parametrize("arms", [4, 32])
+def test_track_section_and_zones_say_the_diameters_of_the_logs(browser: Any, arms: int) -> None:
+    """Of a tool with few arms they are those of its arms, between which the wall is rounder than the hole."""
+    depth = np.repeat(np.arange(2000, 2010, 0.05), arms)
+    around = np.array([0, 60, 180, 240]) if arms == 4 else np.arange(arms) * 360 / arms
+    toolface = (np.tile(around, depth.size // arms) + 4 * depth) % 360
+    radius = 0.115 + 0.018 * np.cos(np.radians(2 * toolface)) * (np.abs(depth - 2005) < 3)
+    arm = np.tile(np.arange(arms) % 2, depth.size // arms) if arms == 4 else None
+    wall = hb.reconstruct(hb.Caliper(depth, toolface, radius, arm=arm), bit_diameter=BIT)
+    logs, K = wall.logs(), wall.settings.sectors
+    assert logs.shape == ("arms" if arms == 4 else "wall")
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, "#md=2005&sec=8", (1366, 768))
+        screen.until("window.__wall.app.zones.length")
+        screen.until(f"Boolean(window.__wall.app.curves.byArms) === {str(arms == 4).lower()}")
+        screen.settle()
+        assert {"C1", "C2", "least, under bit"} <= set(ink_texts(screen))
+        by_turn = wall.radius[: len(logs) * K].reshape(-1, K)
+        of_wall = (by_turn + np.roll(by_turn, -K // 2, axis=1)).min(axis=1)
+        rounder = np.where(np.abs(logs.depth - 2005) < 2, np.abs(logs.least_diameter - of_wall), 0)
+        row = int(np.nanargmax(rounder))
+        assert (rounder[row] > 1e-3) == (arms == 4)
+        screen.evaluate(f"window.__wall.app.view.point({{ depth: {logs.depth[row]}, toolface: null }}, true)")
+        screen.settle()
+        said = screen.evaluate("[...document.querySelectorAll('#turn > *')].map((e) => e.textContent)")
+        sizes = [float(text.split()[0]) for text in said[1:6:2]]
+        assert [text.split()[0] for text in said[:6:2]] == ["C1", "C2", "Least"]
+        assert sizes == pytest.approx([1000 * one[row] for one in (logs.c1, logs.c2, logs.least_diameter)], abs=0.06)
         screen.close()
 
 

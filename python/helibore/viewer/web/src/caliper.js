@@ -1,21 +1,24 @@
-// The caliper track: smallest and largest diameter of every turn (green, blue lines), bit size dashed. Orange fills from bit
-// to the smallest diameter, pale orange to the largest; blue fills from the smallest diameter to bit. Turns without a
-// diameter are hatched; turns interpolated between arms are hatched sparsely.
+// The caliper track: the diameters by which zones are judged. C1 is a line, C2 a dashed one, bit size black dashes. Orange
+// fills from bit to C2, pale orange from there to C1; blue fills from the least diameter to bit. Turns without a diameter are
+// hatched; turns interpolated between arms are hatched sparsely.
 
+import { rowAt } from './curves.js';
 import { BOLD, HEAD, label, PALETTES, SMALL } from './layout.js';
 import { niceStep } from './lod.js';
 import { hatched, line, SPARSE } from './strokes.js';
 import { tileTurns } from './turns.js';
 import { LENGTHS } from './units.js';
 
-// Returns the smallest Cmin and the largest Cmax of the turns under each pixel row, as {min, max, seen, between}. `seen`
-// is 0 beyond the wall; `between` is 1 where a turn is mostly interpolated between arms.
+// Returns the least diameter and the greatest C1 and C2 of the turns under each pixel row, as {min, max, c2, seen, between};
+// of a turn with a missing radius, the least and the greatest diameter that are known. `seen` is 0 beyond the wall; `between`
+// is 1 where a turn is mostly interpolated between arms. If the server takes the shape from the arms, so does this.
 /** @param {Look} look */
-export function profile({ store, view, imagePieces, rects }) {
+export function profile({ store, view, imagePieces, rects, arms }) {
   const { height } = rects.image;
   const rows = Math.ceil(height);
-  const [min, max] = [0, 1].map(() => new Float32Array(rows).fill(NaN));
+  const [min, max, c2] = [0, 1, 2].map(() => new Float32Array(rows).fill(NaN));
   const [seen, between] = [0, 1].map(() => new Uint8Array(rows));
+  const found = { min, max, c2, seen, between };
   const perRow = (view.bottom - view.top) / height;
   for (const { tile, top, bottom } of imagePieces) {
     const turns = tileTurns(store, tile, view.pass === 'first');
@@ -28,12 +31,22 @@ export function profile({ store, view, imagePieces, rects }) {
       for (let row = first; row <= Math.min(Math.max(...ends), tile.level.rows - 1, last - 1); row++) {
         seen[y] = 1;
         between[y] |= turns.between[row];
-        if (!(turns.min[row] >= min[y])) min[y] = turns.min[row];
-        if (!(turns.max[row] <= max[y])) max[y] = turns.max[row];
+        if (!arms) widen(found, y, turns, row);
       }
+      if (!arms || !seen[y]) continue;
+      const [start, stop] = [y * perRow - Math.abs(pitch) / 2, (y + 1) * perRow + Math.abs(pitch) / 2].map((down) => rowAt(arms.depth, view.top + down));
+      for (let row = start; row < stop; row++) widen(found, y, arms, row);
     }
   }
-  return { min, max, seen, between };
+  return found;
+}
+
+// Widen the place y by a turn; what is missing is passed over.
+/** @param {Profile} found @param {number} y @param {Pick<TileTurns | Arms, 'min' | 'max' | 'c2'>} turns @param {number} row */
+function widen({ min, max, c2 }, y, turns, row) {
+  if (!(min[y] <= turns.min[row]) && !Number.isNaN(turns.min[row])) min[y] = turns.min[row];
+  if (!(max[y] >= turns.max[row]) && !Number.isNaN(turns.max[row])) max[y] = turns.max[row];
+  if (!(c2[y] >= turns.c2[row]) && !Number.isNaN(turns.c2[row])) c2[y] = turns.c2[row];
 }
 
 // The lines of the scale, from its low to its high end: round numbers of a unit of which `per` make a metre. They enclose the
@@ -56,7 +69,7 @@ export function drawCaliper(ink, look) {
   const bit = 2 * store.bitRadius;
   const found = profile(look);
   if (!rect.width) return found; // nothing measured it
-  const { min, max, seen, between } = found;
+  const { min, max, c2, seen, between } = found;
   const grid = scaleFor(bit, found, LENGTHS[view.units].scale);
   const [low, high] = [grid[0], grid[grid.length - 1]];
   /** @param {number} diameter */
@@ -72,11 +85,11 @@ export function drawCaliper(ink, look) {
     const py = rect.top + y;
     if (min[y] < bit) band(ink, x(min[y]), x(bit), py, palette.fills.under);
     if (max[y] > bit) band(ink, x(bit), x(max[y]), py, palette.fills['partly over']);
-    if (min[y] > bit) band(ink, x(bit), x(min[y]), py, palette.fills.over);
+    if (c2[y] > bit) band(ink, x(bit), x(c2[y]), py, palette.fills.over);
   }
   runs(between, (y) => between[y], (start, tall) => hatched(ink, rect.left, rect.top + start, rect.width, tall, palette, SPARSE));
-  curve(ink, rect, min, x, palette.min);
-  curve(ink, rect, max, x, palette.max);
+  curve(ink, rect, c2, x, palette.max, ACROSS);
+  curve(ink, rect, max.map((value, y) => (Number.isNaN(c2[y]) ? NaN : value)), x, palette.max);
   line(ink, x(bit), rect.top, x(bit), rect.top + rect.height, palette.ink, [5, 4]);
   ink.restore();
   ink.strokeStyle = palette.line;
@@ -100,10 +113,13 @@ function runs({ length }, isIn, draw) {
   }
 }
 
-/** @param {Ink} ink @param {Rect} rect @param {Float32Array} values @param {(value: number) => number} x @param {string} colour */
-function curve(ink, rect, values, x, colour) {
+export const ACROSS = [3, 2]; // dashes of C2, as in print
+
+/** @param {Ink} ink @param {Rect} rect @param {Float32Array} values @param {(value: number) => number} x @param {string} colour @param {number[]} [dash] */
+function curve(ink, rect, values, x, colour, dash = []) {
   ink.strokeStyle = colour;
   ink.lineWidth = 1.4;
+  ink.setLineDash(dash);
   ink.beginPath();
   let drawing = false;
   for (let y = 0; y < values.length; y++) {
@@ -114,6 +130,7 @@ function curve(ink, rect, values, x, colour) {
     }
   }
   ink.stroke();
+  ink.setLineDash([]);
 }
 
 /** @param {Ink} ink @param {Look} look @param {Rect} rect @param {number[]} ends @param {(value: number) => number} x @param {Palette} palette */
@@ -125,8 +142,16 @@ function head(ink, { view, store }, { left, width }, [low, bit, high], x, palett
   label(ink, slim ? `Cal. ${unit}` : `Caliper [${unit}]`, left + 2, 11, { colour: palette.ink, font: BOLD });
   if (store.basis === 'average') label(ink, 'mean, shape not measured', left + 2, 29, { colour: palette.max, font: SMALL });
   else {
-    label(ink, 'Cmin', left + 2, 29, { colour: palette.min, font: BOLD });
-    label(ink, 'Cmax', left + width - 2, slim ? 43 : 29, { colour: palette.max, align: 'right', font: BOLD });
+    const from = ['C1', 'C2'].map((name, i) => {
+      const at = left + 2 + (i * width) / 2;
+      label(ink, name, at, 28, { colour: palette.max, font: BOLD });
+      const start = at + ink.measureText(name).width + 3;
+      line(ink, start, 28, Math.min(start + 24, left + ((i + 1) * width) / 2 - 3), 28, palette.max, i ? ACROSS : [], 1.4);
+      return at;
+    });
+    ink.fillStyle = palette.fills.under;
+    ink.fillRect(from[0], 38, 12, 8);
+    label(ink, slim ? 'least' : 'least, under bit', from[0] + 16, 42, { colour: palette.soft, font: SMALL });
   }
   label(ink, show(low), left + 2, HEAD - 25, { colour: palette.soft, font: SMALL });
   label(ink, show(high), left + width - 2, HEAD - 25, { colour: palette.soft, align: 'right', font: SMALL });

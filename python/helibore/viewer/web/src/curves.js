@@ -11,6 +11,7 @@ import { toTemplate } from './template.js';
 import { LENGTHS, showValue } from './units.js';
 
 const SAVE = '\n'; // no curve has this name
+const OF_ARMS = ['DMIN', 'C1', 'C2', 'C1TF'];
 const AGAIN = 5000; // milliseconds between two requests for a curve that grows
 const GAP = 10; // usual steps of depth; a curve ends where its rows are farther apart
 /** @type {['max' | 'min' | 'pin' | 'ink', number[]][]} */
@@ -56,6 +57,8 @@ export class Curves {
   held = new Map();
   /** @type {Map<string, number>} */
   asked = new Map();
+  /** @type {Arms | null} */
+  byArms = null;
 
   /** @param {App} app */
   constructor(app) {
@@ -80,6 +83,17 @@ export class Curves {
 
   get shown() {
     return this.app.view.curves.map((name) => this.offered.find((one) => one.name === name)).filter((one) => one !== undefined);
+  }
+
+  // The diameters by which the server judges a wall of few arms, once they have come; null for other walls.
+  /** @returns {Arms | null} */
+  get arms() {
+    if (this.app.shape !== 'arms') return (this.byArms = null);
+    for (const one of this.offered) if (OF_ARMS.includes(one.name)) this.ask(one);
+    const [min, max, c2, axis] = OF_ARMS.map((name) => this.held.get(name)?.values);
+    const depth = this.held.get(OF_ARMS[0])?.depth;
+    if (depth && min && max && c2 && axis && [max, c2, axis].every(({ length }) => length === depth.length)) this.byArms = { depth, min, max, c2, axis };
+    return this.byArms;
   }
 
   list() {

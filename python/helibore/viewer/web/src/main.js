@@ -64,6 +64,7 @@ export class App {
   /** @type {number | null} */
   newest = null;
   ended = false;
+  shape = 'wall'; // whose diameters the zones are judged by: the wall's, or those of a tool with few arms
   prints = false; // the server draws sections on paper
   /** @type {number | null} */
   opened = null; // the top of the section that a saved wall began with
@@ -236,8 +237,8 @@ export class App {
   }
 
   /** @param {State} state */
-  takeState({ begun, sources, bit_depth: bit, newest, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false }) {
-    Object.assign(this, { sources, lost });
+  takeState({ begun, sources, bit_depth: bit, newest, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false, shape = 'wall' }) {
+    Object.assign(this, { sources, lost, shape });
     if (!begun) return this.say('waiting', `${this.store ? 'The server was started again; this is the picture from before. ' : ''}Waiting for the first samples.${sources ? ` ${sources}` : ''}`);
     this.alarms.take(this.zonesBefore, zones, !this.contents && !ended && (newest !== null || (this.lastWrite !== null && this.zones.length > 0)), alarms);
     this.zones = this.zonesBefore = zones;
@@ -404,6 +405,7 @@ export class App {
       notes: this.notes.kept,
       zones: this.zones,
       growing: this.growing,
+      arms: this.curves.arms,
       glow: (tile) => (this.replay.past ? [] : this.glow.on(tile, now)),
     };
     /** @type {Look[]} */
@@ -525,7 +527,7 @@ export class App {
     }
     byId('follow').hidden = !look.growing;
     byId('readTitle').textContent = view.pinned ? 'Cursor (held)' : 'Cursor';
-    const turned = turnAt(store, view, cursor?.depth ?? view.middle);
+    const turned = turnAt(store, view, cursor?.depth ?? view.middle, look.arms);
     const figures = turnText(look, turned, (m, digits) => showLength(m, view.units, digits ?? (view.units === 'mm' ? 1 : 3)));
     byId('crossTitle').textContent = `Cross-section at ${showDepth(cursor?.depth ?? view.middle, view.units)}`;
     if (byId('polar').clientHeight) drawPolar(byId('polar'), look, turned, quantityOf(this.quantities, 'over'));

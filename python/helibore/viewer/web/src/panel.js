@@ -189,7 +189,7 @@ export function writeBrief({ view, zones, path, store }, read, figures) {
   const over = store.basis === 'gauge' ? store.attributes.slice(0, 3).map(({ name }) => [name, name]) : [['Over bit', 'Over bit radius']];
   const tvd = path.tvd(depth);
   write('briefMore', [
-    ...figures.filter(([name]) => /^Cm/.test(name)).map(([name, size]) => [name.slice(0, 4), size === '–' ? 'no data' : size]),
+    ...figures.filter(([name]) => /^C\d/.test(name)).map(([name, size]) => [name.slice(0, 2), size === '–' ? 'no data' : size]),
     ...over.map(([name, of]) => [name, values[of] === '–' ? lacks : values[of]]),
     ['TVD', Number.isNaN(tvd) ? path.whyNoTvd(depth) || noTvd(path) : showDepth(tvd, view.units)],
   ]);

@@ -1,15 +1,18 @@
 // The cross-section at the cursor: one turn of the wall, looking down the hole, high side (or north) up.
-// Bit circle dashed, rings at round radii, smallest and largest diameter with their directions. Between bit and wall it has
+// Bit circle dashed, rings at round radii, C1 and C2 across the hole. Between bit and wall it has
 // the colours of the image of the radius over the bit; dotted and pale where it is interpolated between arms; a band of 95 %
 // if the wall has its uncertainty; kept sections behind. The view sets the shape's exaggeration, and the picture states it.
 
 import { lookup, themed } from './color.js';
 import { pen, pixelRatio } from './device.js';
+import { ACROSS } from './caliper.js';
+import { rowAt } from './curves.js';
 import { BOLD, FONT, fitting, label, PALETTES, SMALL } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
 import { attributeOf, measure, turn, unmeasured } from './turns.js';
 import { niceStep } from './lod.js';
 import { wrap360 } from './helix.js';
+import { line } from './strokes.js';
 import { LENGTHS, showSigned } from './units.js';
 import { FIRST, RADIUS } from './protocol.js';
 import { MEASURES, zoneAt } from './zones.js';
@@ -23,13 +26,19 @@ const PALE = 0.4; // of a colour where the wall is interpolated
 /** @typedef {{ x: number, y: number, reach: number }} Middle */
 
 // The turn at a depth: {k, radii, sigma, between, measured, level}, from the wall; without radii where the page has not
-// received that part of the wall.
-/** @param {Store} store @param {View} view @param {number} depth */
-export function turnAt(store, view, depth) {
+// received that part of the wall. The diameters are those of the arms where they give the shape.
+/** @param {Store} store @param {View} view @param {number} depth @param {Arms | null} arms */
+export function turnAt(store, view, depth, arms) {
   const level = store.levels[0];
   const k = Math.max(0, level.turnAt(depth));
   const radii = turn(store, level, k, view.pass === 'first' ? FIRST : RADIUS);
-  return { k, radii, sigma: attributeOf(store, level, k, 'sigma'), between: unmeasured(level, k), measured: measure(radii), level };
+  const measured = measure(radii);
+  if (arms && measured.share) {
+    const row = rowAt(arms.depth, depth - Math.abs(level.pitch) / 2);
+    const maxAt = Math.round((wrap360(arms.axis[row] - level.toolface(k)) / 360) * radii.length) % radii.length || 0;
+    Object.assign(measured, { min: arms.min[row], c1: arms.max[row], c2: arms.c2[row], maxAt });
+  }
+  return { k, radii, sigma: attributeOf(store, level, k, 'sigma'), between: unmeasured(level, k), measured, level };
 }
 
 // Direction on the dial, clockwise from the top of the picture, of the j-th vertex of a turn.
@@ -49,7 +58,7 @@ export function drawPolar(canvas, look, found, over) {
   const shape = view.shape || 1;
   /** @param {number} r */
   const exaggerated = (r) => Math.max(0.1 * R, R + (r - R) * shape);
-  const kept = view.pins.map((pin) => turnAt(store, view, pin));
+  const kept = view.pins.map((pin) => turnAt(store, view, pin, null));
   const widest = Math.max(R, ...[found, ...kept].map(({ measured }) => measured.radiusMax || R));
   const { scale: per } = LENGTHS[view.units];
   const step = niceStep((R / 3 / shape) * per) / per;
@@ -168,27 +177,18 @@ function band(ink, { radii, sigma }, place, colour) {
   ink.globalAlpha = 1;
 }
 
-// Cmin and Cmax across the hole, named at the lines where there is room: one in the right half, one in the lower.
+// C1 and C2 across the hole, as in the caliper track, named at the lines where there is room.
 /** @param {Ink} ink @param {Turn} turn @param {Placing} place @param {Middle} middle @param {Palette} palette */
 function diameters(ink, { radii, measured }, place, { x, y, reach }, palette) {
   const K = radii.length;
-  /** @type {[string, number, string, (end: Pair) => number][]} */
-  const both = [['Cmax', measured.maxAt, palette.max, ([across]) => across], ['Cmin', measured.minAt, palette.min, ([, down]) => down]];
-  for (const [, at, colour] of both) {
-    const far = (at + Math.floor(K / 2)) % K;
-    if (Number.isNaN(radii[at]) || Number.isNaN(radii[far])) return;
-    ink.beginPath();
-    ink.moveTo(...place(radii[at], at));
-    ink.lineTo(...place(radii[far], far));
-    ink.strokeStyle = colour;
-    ink.lineWidth = 1.4;
-    ink.stroke();
-  }
+  if (Number.isNaN(measured.c1)) return;
+  const both = [measured.maxAt, Math.round(measured.maxAt + K / 4)].map((at) => [at, at + Math.floor(K / 2)].map((j) => place(radii[j % K], j % K)));
+  both.forEach(([a, b], i) => line(ink, ...a, ...b, palette.max, i ? ACROSS : [], 1.4));
   if (reach < ROOM) return;
-  for (const [name, at, colour, side] of both) {
-    const ends = [at, (at + Math.floor(K / 2)) % K].map((j) => place(radii[j], j)).sort((a, b) => side(b) - side(a));
-    label(ink, name, x + 0.5 * (ends[0][0] - x), y + 0.5 * (ends[0][1] - y), { colour, align: 'center', font: BOLD, halo: palette.panel, yields: true });
-  }
+  both.forEach((ends, i) => {
+    const [ex, ey] = ends[0][i] > ends[1][i] ? ends[0] : ends[1];
+    label(ink, `C${i + 1}`, x + 0.62 * (ex - x), y + 0.62 * (ey - y), { colour: palette.max, align: 'center', font: BOLD, halo: palette.panel, yields: true });
+  });
 }
 
 // What lies at the top of the picture and, clockwise, at its other sides.
@@ -223,10 +223,10 @@ export function turnText(look, found, show) {
   /** @param {number} j */
   const axis = (j) => `${(dial(look, depth, found, j) % 180).toFixed(0)}°`;
   const equivalent = 2 * Math.sqrt(measured.area / Math.PI);
-  const known = !Number.isNaN(measured.min);
   return [
-    [known ? `Cmin at ${axis(measured.minAt)}` : 'Cmin', show(measured.min)],
-    [known ? `Cmax at ${axis(measured.maxAt)}` : 'Cmax', show(measured.max)],
+    [Number.isNaN(measured.c1) ? 'C1' : `C1 at ${axis(measured.maxAt)}`, show(measured.c1)],
+    ['C2', show(measured.c2)],
+    ['Least', show(Number.isNaN(measured.c1) ? NaN : measured.min)],
     ['Area diameter', show(equivalent)],
     ...certainty(found.sigma, show),
     ['Turn measured', `${(100 * (1 - found.between.reduce((sum, one) => sum + one, 0) / found.between.length)).toFixed(0)} %`],

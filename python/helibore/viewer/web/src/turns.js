@@ -1,21 +1,22 @@
 // A turn of the wall as a caliper sees it: sectors radii around the hole.
 //
-//   diameter(j) = r(j) + r(j + K/2)          smallest and largest over j: Cmin, Cmax, and where they point
+//   diameter(j) = r(j) + r(j + K/2)          smallest and largest over j
+//   C1, C2      = the largest diameter, and diameter(j + K/4) at a right angle to it: zones are judged by them
 //   area        = (1/2) sum r^2 2 pi / K     exact in the angle; a polygon through the points would be too small
 //
-// A turn with a missing radius has no area, and no diameter there; nothing is filled in. Volumes and zones of the wall come
-// from the server.
+// A turn with a missing radius has no area, no C1 and no C2, and no diameter there; nothing is filled in. Volumes and zones
+// of the wall come from the server.
 
 import { FIRST, INTERPOLATED, RADIUS, STATE, TEXEL } from './protocol.js';
 
 const TAU = 2 * Math.PI;
 
-// Of radii (NaN missing), evenly spaced: {min, max, minAt, maxAt, area, radiusMin, radiusMax, share}; at = index.
+// Of radii (NaN missing), evenly spaced: {min, max, c1, c2, maxAt, area, radiusMin, radiusMax, share}; at = index.
 /** @param {Floats} radii */
 export function measure(radii) {
   const K = radii.length;
   const half = K / 2;
-  const out = { min: NaN, max: NaN, minAt: 0, maxAt: 0, area: NaN, radiusMin: NaN, radiusMax: NaN, share: 0 };
+  const out = { min: NaN, max: NaN, c1: NaN, c2: NaN, maxAt: 0, area: NaN, radiusMin: NaN, radiusMax: NaN, share: 0 };
   let square = 0;
   let known = 0;
   for (let j = 0; j < K; j++) {
@@ -28,11 +29,16 @@ export function measure(radii) {
     if (j >= half) continue;
     const across = opposite(radii, j, half);
     if (Number.isNaN(across)) continue;
-    if (!(r + across >= out.min)) [out.min, out.minAt] = [r + across, j];
+    if (!(r + across >= out.min)) out.min = r + across;
     if (!(r + across <= out.max)) [out.max, out.maxAt] = [r + across, j];
   }
   out.share = known / K;
-  if (known === K) out.area = (square / 2) * (TAU / K);
+  if (known < K) return out;
+  out.area = (square / 2) * (TAU / K);
+  out.c1 = out.max;
+  const quarter = Math.floor(out.maxAt + K / 4);
+  const [a, b] = [quarter, quarter + 1].map((j) => radii[j % K] + opposite(radii, j % K, half));
+  out.c2 = a + ((K % 4) / 4) * (b - a);
   return out;
 }
 
@@ -75,14 +81,15 @@ export function unmeasured(level, k) {
   });
 }
 
-// Cmin and Cmax of every turn of a tile, and whether most of it is interpolated between arms; kept with the tile until it changes.
+// The least and the greatest diameter of every turn of a tile, its C2, and whether most of it is interpolated between arms; kept with
+// the tile until it changes.
 /** @param {Store} store @param {Tile} tile @param {boolean} [first] */
 export function tileTurns(store, tile, first = false) {
   const pass = first ? 'first' : 'latest';
   const kept = tile.turns[pass];
   if (kept?.version === tile.version) return kept;
   const { sectors, rows } = tile.level;
-  const [min, max] = [0, 1].map(() => new Float64Array(rows).fill(NaN));
+  const [min, max, c2] = [0, 1, 2].map(() => new Float64Array(rows).fill(NaN));
   const between = new Uint8Array(rows);
   const radii = new Float64Array(sectors);
   const column = first ? FIRST : RADIUS;
@@ -94,7 +101,7 @@ export function tileTurns(store, tile, first = false) {
       if (tile.texels[at + STATE] & INTERPOLATED) interpolated++;
     }
     between[row] = 2 * interpolated > sectors ? 1 : 0;
-    ({ min: min[row], max: max[row] } = measure(radii));
+    ({ min: min[row], max: max[row], c2: c2[row] } = measure(radii));
   }
-  return (tile.turns[pass] = { version: tile.version, min, max, between });
+  return (tile.turns[pass] = { version: tile.version, min, max, c2, between });
 }

@@ -63,16 +63,16 @@ interface Zone { kind: ZoneKind; start: number; stop: number; measure: number; s
 interface MapRow { means: (number | undefined)[]; between: boolean[]; most: number; lacks: boolean }
 interface Strip { version: number; id: string; pass: Pass; values: Float32Array; enlarged: Float32Array; lacks: Uint8Array }
 interface RowFigures { version: number; values: Float64Array }
-interface TileTurns { version: number; min: Float64Array; max: Float64Array; between: Uint8Array }
-interface Profile { min: Float32Array; max: Float32Array; seen: Uint8Array; between: Uint8Array }
-interface Measured { min: number; max: number; minAt: number; maxAt: number; area: number; radiusMin: number; radiusMax: number; share: number }
+interface TileTurns { version: number; min: Float64Array; max: Float64Array; c2: Float64Array; between: Uint8Array }
+interface Profile { min: Float32Array; max: Float32Array; c2: Float32Array; seen: Uint8Array; between: Uint8Array }
+interface Measured { min: number; max: number; c1: number; c2: number; maxAt: number; area: number; radiusMin: number; radiusMax: number; share: number }
 type Placing = (radius: number, sector: number) => Pair;
 interface Turn { k: number; radii: Float64Array; sigma: Float64Array; between: Uint8Array; measured: Measured; level: Level }
 
 // What one frame shows; `quantity` is the one that was asked for, with the ends of its colours in this frame.
 interface Look {
   store: Store; view: View; path: Path; rects: Rects; bitDepth: number | null; asked: Quantity; quantity: Quantity; imagePieces: Piece[]; wallPieces: Piece[];
-  imageRect: Rect; wallRect: Rect; background: number; dark: boolean; notes: Note[]; zones: Zone[]; growing: boolean; glow: (tile: Tile) => number[][];
+  imageRect: Rect; wallRect: Rect; background: number; dark: boolean; notes: Note[]; zones: Zone[]; growing: boolean; arms: Arms | null; glow: (tile: Tile) => number[][];
 }
 interface Looks extends Look { images: Look[] } // the first image, and those beside it
 
@@ -94,6 +94,7 @@ type Drag = { act: 'box'; from: Aim } | { act: 'sine'; from: Aim } | { act: 'mov
 
 // Curves along the hole.
 interface CurveOffer { name: string; unit: string; low: number; high: number; log: boolean; version: number }
+interface Arms { depth: Float64Array; min: Float32Array; max: Float32Array; c2: Float32Array; axis: Float32Array } // diameters by the arms of a tool that has few, turn by turn
 interface CurveValues { depth: Float64Array; values: Float32Array; step: number }
 
 // Messages.
@@ -103,7 +104,7 @@ interface Handshake {
 }
 interface State {
   begun: boolean; sources: string; bit_depth: number | null; newest: number | null; now: number; ended: boolean; true_depth: Vector | null; ranges: Record<string, Pair>;
-  zones: Zone[]; curves?: [string, string, number, number, boolean][]; curves_version?: number; alarms?: string[]; lost?: string[]; prints?: boolean;
+  zones: Zone[]; curves?: [string, string, number, number, boolean][]; curves_version?: number; alarms?: string[]; lost?: string[]; prints?: boolean; shape?: string;
 }
 interface Message { type: number; live: boolean; level: number; mask: number; tile: number; first: number; count: number; total: number; sequence: number; time: number }
 interface Write extends Message { type: 1; texels: Uint16Array; columns: { attribute: number; values: Float32Array }[] }
