@@ -51,8 +51,8 @@ def ink_on(color: str) -> str:
 
 
 FILL_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINITION["fills"].items()}
-"""Colours of fills in the caliper track and the cross-section, on a light ground: "over" is from bit to C2, "partly over"
-from there (or from bit) to C1, "under" from the least diameter to bit."""
+"""Colours of fills in the caliper track and the cross-section, on a light ground: "over" is from bit to C2,
+"partly over" from there (or from bit) to C1, "under" from the least diameter to bit."""
 
 PICK_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINITION["picks"].items()}
 """Colours of the classes of picks, on a light ground."""
