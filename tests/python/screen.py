@@ -78,6 +78,18 @@ READ = """([name, strip]) => {
 }"""
 
 
+# Of every visible list: what the browser would make it wide with its chosen text alone, less what it is.
+WIDER_THAN_ITS_BOX = """[...document.querySelectorAll('select')].filter((e) => e.checkVisibility()).map((e) => {
+  const copy = e.cloneNode(false);
+  copy.append(new Option(e.selectedOptions[0]?.text ?? ''));
+  e.after(copy);
+  copy.style = 'position: absolute; width: max-content; min-width: 0; max-width: none; flex: none';
+  const wide = copy.getBoundingClientRect().width - e.getBoundingClientRect().width;
+  copy.remove();
+  return [e.id, wide];
+}).filter(([, wide]) => wide > 0.5)"""
+
+
 class Chromium:
     """A browser process that several connections share."""
 
@@ -156,6 +168,21 @@ class Screen:
             if a["left"] < b["right"] and b["left"] < a["right"] and a["top"] < b["bottom"] and b["top"] < a["bottom"]
         ]
 
+    def cut_selects(self) -> list[tuple[str, float]]:
+        """Return the visible lists whose chosen text is wider than their box, in pixels."""
+        found: list[tuple[str, float]] = self.page.evaluate(WIDER_THAN_ITS_BOX)
+        return found
+
+    def struck(self, canvas: str) -> list[tuple[str, list[float]]]:
+        """Return the texts on a canvas that a line strikes; not those on a ground of their own, nor lines of a grid."""
+        labels, strokes = self.page.evaluate(
+            f"(({{ labels, strokes }}) => [labels, strokes])(document.getElementById('{canvas}'))"
+        )
+        assert strokes
+        return [
+            (one["text"], line) for one in labels if not one.get("ground") for line in strokes if _crosses(line, one)
+        ]
+
     def pixels(self, name: str) -> np.ndarray:
         got = self.page.evaluate(READ, [name, None])
         bytes_ = base64.b64decode(got["text"])
@@ -173,3 +200,17 @@ class Screen:
     def close(self) -> None:
         self.page.close()
         assert self.errors == []
+
+
+def _crosses(line: list[float], box: dict[str, float]) -> bool:
+    """Whether a line passes through the inside of a box."""
+    x0, y0, x1, y1 = line
+    ends = [0.0, 1.0]  # the part of the line that is inside
+    for start, run, low, high in ((x0, x1 - x0, box["left"], box["right"]), (y0, y1 - y0, box["top"], box["bottom"])):
+        if run == 0:
+            if not low < start < high:
+                return False
+            continue
+        a, b = sorted(((low - start) / run, (high - start) / run))
+        ends = [max(ends[0], a), min(ends[1], b)]
+    return ends[0] < ends[1]

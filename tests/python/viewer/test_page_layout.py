@@ -66,6 +66,7 @@ def test_no_text_touches_another_or_leaves_its_canvas(
             labels = screen.evaluate(f"document.getElementById('{canvas}').labels")
             assert len(labels) > 4
             assert screen.touching(canvas) == [], canvas
+            assert screen.struck(canvas) == [], canvas
             wide, tall = screen.evaluate(
                 f"(({{clientWidth, clientHeight}}) => [clientWidth, clientHeight])(document.getElementById('{canvas}'))"
             )
@@ -147,12 +148,8 @@ def check_controls(screen: Screen, size: tuple[int, int]) -> None:
            .filter((e) => e.offsetParent && !e.closest('#zones')) // the list of zones scrolls
            .map((e) => {
              const { left, top, right, bottom } = e.getBoundingClientRect();
-             const ink = document.createElement('canvas').getContext('2d');
-             ink.font = getComputedStyle(e).font;
-             const words = e.tagName === 'SELECT' ? [...e.options].map((o) => o.text) : [];
-             const longest = Math.max(0, ...words.map((text) => ink.measureText(text).width));
-             const cut = e.tagName === 'SELECT' ? longest + 22 - e.clientWidth : e.scrollWidth - e.clientWidth;
-             return { name: e.id || e.textContent, left, top, right, bottom, cut };
+             const cut = Math.max(e.scrollWidth - e.clientWidth, e.scrollHeight - e.clientHeight);
+             return { name: e.id || e.textContent, left, top, right, bottom, cut: e.tagName === 'SELECT' ? 0 : cut };
            })"""
     )
     assert len(controls) > 15
@@ -161,6 +158,7 @@ def check_controls(screen: Screen, size: tuple[int, int]) -> None:
         assert apart, (a["name"], b["name"])
     assert [c["name"] for c in controls if c["left"] < 0 or c["right"] > size[0] or c["bottom"] > size[1]] == []
     assert [(c["name"], c["cut"]) for c in controls if c["cut"] > 1] == []
+    assert screen.cut_selects() == []
 
 
 BOXES = """[...document.querySelectorAll('#wallHead > *')].filter((e) => e.offsetWidth).map((e) => {

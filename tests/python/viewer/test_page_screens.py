@@ -14,6 +14,7 @@ import helibore as hb
 
 pytestmark = NEEDS_BROWSER
 
+LONG = "volve_F-12_2010_pfcs_xy_caliper"
 OUTSIDE = """[...document.querySelectorAll('button, select, input, canvas, p, dt, dd')]
   .filter((e) => e.checkVisibility() && !e.closest('aside, #zones, .unseen'))
   .map((e) => [e.id || e.textContent, e.getBoundingClientRect()])
@@ -24,9 +25,12 @@ OUTSIDE = """[...document.querySelectorAll('button, select, input, canvas, p, dt
 @pytest.mark.parametrize("size", [(390, 844), (820, 1180)])
 def test_tabs_show_one_panel_each_within_the_screen(browser: Any, size: tuple[int, int]) -> None:
     wall = MadeWall(30_000)
-    with hb.view(wall, path=curved_path(), attributes=gamma_and_resistivity(wall), well="Made-1 T2") as viewer:
+    with hb.view(wall, path=curved_path(), attributes=gamma_and_resistivity(wall), well=LONG) as viewer:
         screen = Screen(browser, viewer.url, "#md=1020&sec=30", size, drawn=False)
         screen.until("window.__wall.app.zones.length")
+        assert screen.inner_text("#well") == screen.get_attribute("#well", "title") == LONG
+        cut = "[well, lampText].filter((e) => e.scrollHeight > e.clientHeight + 1 || e.scrollWidth > e.clientWidth + 1)"
+        assert screen.evaluate(f"{cut}.map((e) => e.id)") == []
         shown = {"log": "#ink", "3d": "#ink", "section": "#turn", "zones": "#zones"}
         for tab, panel in shown.items():
             screen.click(f"#tabs button[value='{tab}']")
@@ -37,6 +41,15 @@ def test_tabs_show_one_panel_each_within_the_screen(browser: Any, size: tuple[in
             widths = screen.evaluate("(({ image, wall }) => [image.width, wall.width])(window.__wall.app.rects)")
             assert (widths[0] > 150, widths[1] > 150) == (tab != "3d", tab == "3d")
             assert screen.touching("ink") == []
+            assert screen.struck("ink") == []
+            assert screen.cut_selects() == []
+            letters = [one for one in screen.evaluate("ink.labels") if one["text"] in ("W", "B") and one["left"] < 80]
+            strip = screen.evaluate("(({ axis }) => [axis.left, axis.left + 14])(window.__wall.app.rects)")
+            assert all(strip[0] <= one["left"] and one["right"] <= strip[1] for one in letters)
+            assert letters or tab not in ("log", "3d")
+            if tab == "section":
+                assert screen.struck("polar") == []
+                assert {"C1", "C2", "bit"} <= {one["text"] for one in screen.evaluate("polar.labels")}
             texts = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
             assert tab not in ("log", "3d") or "Over bit radius [mm]" in texts
             if tab == "3d":

@@ -5,7 +5,7 @@
 import { rowAt } from './curves.js';
 import { BOLD, HEAD, label, PALETTES, SMALL } from './layout.js';
 import { niceStep } from './lod.js';
-import { hatched, line, SPARSE } from './strokes.js';
+import { edges, hatched, line, sharp, SPARSE } from './strokes.js';
 import { tileTurns } from './turns.js';
 import { LENGTHS } from './units.js';
 
@@ -92,8 +92,7 @@ export function drawCaliper(ink, look) {
   curve(ink, rect, max.map((value, y) => (Number.isNaN(c2[y]) ? NaN : value)), x, palette.max);
   line(ink, x(bit), rect.top, x(bit), rect.top + rect.height, palette.ink, [5, 4]);
   ink.restore();
-  ink.strokeStyle = palette.line;
-  ink.strokeRect(rect.left + 0.5, rect.top + 0.5, rect.width - 1, rect.height - 1);
+  edges(ink, sharp(rect), palette.line);
   head(ink, look, rect, [low, bit, high], x, palette);
   return found;
 }

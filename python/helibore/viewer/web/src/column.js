@@ -4,10 +4,10 @@
 import { BAR, drawColourBar } from './color_bar.js';
 import { planeDepth } from './dips.js';
 import { columnScale } from './gpu.js';
-import { BOLD, fitting, HEAD, label, PALETTES, SMALL, within, yOf } from './layout.js';
+import { BOLD, fitting, HEAD, label, LANE, PALETTES, SMALL, within, yOf } from './layout.js';
 import { byId } from './panel.js';
 import { CUTS, leftEdge } from './path.js';
-import { hatched, line, OUTSIDE } from './strokes.js';
+import { edges, hatched, line, OUTSIDE, sharp } from './strokes.js';
 import { outside } from './tracks.js';
 import { showSigned, unitOf } from './units.js';
 import { LETTERS } from './zones.js';
@@ -20,6 +20,7 @@ export function drawColumn(ink, look) {
   const middle = rect.left + rect.width / 2;
   const bit = store.bitRadius * perMetre;
   const bottom = rect.top + rect.height;
+  const right = rect.left + rect.width + (store.basis === 'gauge' ? 0 : LANE);
   for (const { from, to } of outside(look, rect)) hatched(ink, middle - bit, from, 2 * bit, to - from, palette, OUTSIDE);
   for (const x of [middle - bit, middle + bit]) line(ink, x, rect.top, x, bottom, palette.ink, DASHES);
   if (bitDepth !== null && bitDepth > view.top && bitDepth < view.bottom) bitGlyph(ink, middle, yOf(view, rect, bitDepth), bit, Math.sign(store.levels[0].pitch), palette);
@@ -27,13 +28,11 @@ export function drawColumn(ink, look) {
     const [a, b] = [Math.max(rect.top, yOf(view, rect, start)), Math.min(bottom, yOf(view, rect, stop))];
     if (b <= a) continue;
     ink.fillStyle = palette.zones[kind];
-    ink.fillRect(rect.left + rect.width - 7, a, 5, Math.max(2, b - a));
+    ink.fillRect(right - 7, a, 5, Math.max(2, b - a));
     const y = (a + b) / 2;
-    if (y > rect.top + 8 && y < bottom - 8) label(ink, `${LETTERS[kind]} ${showSigned(measure, view.units, view.units === 'mm' ? 0 : 1).split(' ')[0]}`, rect.left + rect.width - 11, y, { colour: palette.ink, halo: palette.paper, align: 'right', font: BOLD, yields: true, margin: 3 });
+    if (y > rect.top + 8 && y < bottom - 8) label(ink, `${LETTERS[kind]} ${showSigned(measure, view.units, view.units === 'mm' ? 0 : 1).split(' ')[0]}`, right - 11, y, { colour: palette.ink, align: 'right', font: BOLD, yields: true, margin: 3 });
   }
-  ink.strokeStyle = palette.line;
-  ink.lineWidth = 1;
-  ink.strokeRect(rect.left + 0.5, rect.top + 0.5, rect.width - 1, rect.height - 1);
+  edges(ink, sharp({ ...rect, width: right - rect.left }), palette.line);
   if (view.rig) return;
   heads(ink, look, middle, bit, palette);
   const y = HEAD - 9;
@@ -43,41 +42,41 @@ export function drawColumn(ink, look) {
     label(ink, 'bit', rect.left + 28, y, { colour: palette.soft, font: SMALL });
   }
   const unit = unitOf({ length: true }, view.units);
-  if (zones.length) label(ink, clear ? `zones, ${unit}` : unit, rect.left + rect.width - 2, y, { colour: palette.soft, align: 'right', font: SMALL });
+  if (zones.length) label(ink, clear ? `zones, ${unit}` : unit, right - 2, y, { colour: palette.soft, align: 'right', font: SMALL });
   const across = `× ${times < 10 ? times.toPrecision(2) : times.toFixed(0)}`;
   /** @param {string} about @param {string} turns */
   const factors = (about, turns) => [across, store.basis === 'gauge' ? '' : `shape × ${shape}${about}`, view.median > 1 ? `median ${turns.replace('%', String(view.median))}` : ''].filter(Boolean).join(', ');
   const made = store.basis === 'gauge' ? ['not measured, drawn at bit size, across ', 'not measured, across ', 'not measured, '] : ['across ', 'across ', ''];
   const seen = `seen from ${facing(look)}`;
   const scales = [made[0] + factors(' about bit', 'of % turns'), made[1] + factors('', 'of %'), made[2] + factors('', '%')];
-  const left = writeLines(ink, rect, [['Hole, straightened', 'Hole'], [`${seen}, right half cut away`, seen], scales], palette);
+  const name = ['Hole, straightened', 'Hole'];
+  const ways = [[name, [`${seen}, right half cut away`], scales], [name, [seen], ['right half cut away'], scales], [name, [seen], scales]].map((lines) => inRows(ink, { ...rect, width: right - rect.left }, lines));
+  const written = ways.find((lines) => lines.every(Boolean)) ?? ways[2];
+  written.forEach((one, i) => one && label(ink, one.text, rect.left + 2, one.y, i ? { colour: palette.soft, font: SMALL } : { colour: palette.ink, font: BOLD }));
   ink.font = SMALL;
   if (!rects.image.width) drawColourBar(ink, look, bottom + BAR / 2);
-  else if (left.includes(scales)) label(ink, fitting(ink, scales, rect.width - 4), rect.left + 2, bottom + 11, { colour: palette.soft });
+  else if (!written[written.length - 1]) label(ink, fitting(ink, scales, right - rect.left - 4), rect.left + 2, bottom + 11, { colour: palette.soft });
 }
 
 const DASHES = [8, 3, 2, 3]; // of the bit
 const ROWS = [11, 27, 42, 57]; // of words in the head, above the letters
 
-// Write lines beside the controls of the hole and below them, each in the first of its texts that fits and leaves rows for the
-// lines after it. Returns the lines for which there is no room.
-/** @param {Ink} ink @param {Rect} rect @param {string[][]} lines @param {Palette} palette */
-function writeLines(ink, rect, lines, palette) {
+// Lines beside the controls of the hole and below them, each in the first of its texts that fits and leaves rows for the lines
+// after it; null for a line without room.
+/** @param {Ink} ink @param {Rect} rect @param {string[][]} lines */
+function inRows(ink, rect, lines) {
   const controls = byId('wallHead');
   const shown = /** @type {HTMLElement[]} */ ([...controls.children]).filter((one) => one.offsetWidth);
   const beside = Math.min(rect.width, ...shown.map((one) => one.offsetLeft)) - 10;
   const rows = ROWS.map((y) => ({ y, room: y - 8 < controls.offsetHeight ? beside : rect.width - 4 }));
-  return lines.filter((texts, i) => {
+  return lines.map((texts, i) => {
     ink.font = i ? SMALL : BOLD;
     for (const text of texts) {
       const { width } = ink.measureText(text);
       const at = rows.findIndex(({ room }, row) => width <= room && rows.length - row >= lines.length - i);
-      if (at < 0) continue;
-      label(ink, text, rect.left + 2, rows[at].y, { colour: i ? palette.soft : palette.ink });
-      rows.splice(0, at + 1);
-      return false;
+      if (at >= 0) return { text, y: rows.splice(0, at + 1)[at].y };
     }
-    return true;
+    return null;
   });
 }
 

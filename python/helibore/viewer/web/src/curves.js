@@ -6,7 +6,7 @@ import { scaling } from './color.js';
 import { BOLD, fitting, label, PALETTES, SMALL, within, yOf } from './layout.js';
 import { byId, options } from './panel.js';
 import { save } from './saving.js';
-import { line } from './strokes.js';
+import { edges, line, sharp } from './strokes.js';
 import { toTemplate } from './template.js';
 import { LENGTHS, showValue } from './units.js';
 
@@ -144,9 +144,7 @@ export class Curves {
       const held = this.held.get(one.name);
       if (held?.depth.length) within(ink, rect, () => trace(ink, one, held, rect, view, palette[colour], dash));
     });
-    ink.strokeStyle = palette.line;
-    ink.lineWidth = 1;
-    ink.strokeRect(rect.left + 0.5, rect.top + 0.5, rect.width - 1, rect.height - 1);
+    edges(ink, sharp(rect), palette.line);
   }
 
   // Name, line and ends of the i-th curve: under each other for one or two curves, else in one line, as far as there is room;

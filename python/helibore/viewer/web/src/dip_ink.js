@@ -7,7 +7,7 @@ import { columnCurve } from './column.js';
 import { planeDepth, wallPoint } from './dips.js';
 import { BOLD, HEAD, imageRects, label, PALETTES, SMALL, within, yOf } from './layout.js';
 import { leftEdge } from './path.js';
-import { line } from './strokes.js';
+import { edges, line, sharp } from './strokes.js';
 
 const TAIL = 12; // pixels from the middle of a tadpole's head: the first and the last line of the track are so far inside it
 /** @type {Record<PlaneKind, number[]>} */
@@ -167,8 +167,7 @@ function tadpoles(ink, { view, path }, rect, { kept, current, selected }, palett
   ink.fillStyle = palette.panel;
   ink.fillRect(left, top, width, height);
   for (const degrees of dips.lines) line(ink, x(degrees), top, x(degrees), top + height, palette.grid);
-  ink.strokeStyle = palette.line;
-  ink.strokeRect(left + 0.5, top + 0.5, width - 1, height - 1);
+  edges(ink, sharp(rect), palette.line);
   const title = (path.surveyed ? dips.true : dips.apparent).split(/ (?=dip)/); // in two lines: the track is narrow
   title.forEach((words, i) => label(ink, words, left + 2, 11 + 16 * i, { colour: palette.ink, font: BOLD }));
   for (const degrees of dips.lines) label(ink, String(degrees), x(degrees), HEAD - 9, { colour: palette.soft, align: 'center', font: SMALL, yields: true, margin: 2 });

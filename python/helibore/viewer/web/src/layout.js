@@ -6,6 +6,7 @@
 // A user changes width and order of the tracks after the depth.
 
 import definition from '../../../base/color_maps.json' with { type: 'json' };
+import { strikes } from './strokes.js';
 
 export const HEAD = 80;
 const FOOT = 20;
@@ -14,6 +15,7 @@ const DIPS = { desk: 84, phone: 70 }; // on a phone no wider than the caliper
 const NARROWEST = 64; // pixels of a track
 const PANE = { straight: 212, path: 330 }; // that the hole has at least, with its controls above it in two lines
 const COLUMN = 1100; // pixels that the straightened hole is wide at most
+export const LANE = 58; // pixels beside it for the sizes of the zones, so that none stands on the hole
 const PHONE = 600; // a narrower stage has room for the image and the caliper alone
 
 /** @param {number} value @param {number} least @param {number} most */
@@ -34,7 +36,7 @@ export function layout(width, height, { dips = false, measured = true, rig = fal
     left += w + (name === 'axis' || !w ? 0 : 6);
   }
   rects.pane = { left: left + 4, width: tab && tab !== '3d' ? 0 : Math.max(60, width - left - 4), top: 0, height };
-  rects.wall = straight ? { ...body, left: left + 4, width: Math.max(0, Math.min(COLUMN, rects.pane.width - 4)) } : rects.pane;
+  rects.wall = straight ? { ...body, left: left + 4, width: Math.max(0, Math.min(COLUMN, rects.pane.width - 4 - (measured ? LANE : 0))) } : rects.pane;
   return rects;
 }
 
@@ -122,22 +124,34 @@ export function within(ink, { left, top, width, height }, draw) {
 }
 
 // Draw a text, on a halo if a colour for it is given. The canvas keeps the box of every text until the next frame (`sized`
-// deletes the boxes). If `yields` is set, the text is not drawn where its box would touch the box of another text.
+// deletes the boxes). If `near` has places, from (x, y), the text is drawn at the first of them where it keeps clear of the texts
+// and lines that were drawn before. If `yields` is set, it is not drawn where there is none, or without `near` where its box, and
+// `margin` pixels around it, would touch the box of another text.
 /**
- * @typedef {{ colour: string, halo?: string, align?: CanvasTextAlign, baseline?: CanvasTextBaseline, font?: string | null, yields?: boolean, margin?: number }} Lettering
+ * @typedef {{ colour: string, halo?: string, align?: CanvasTextAlign, baseline?: CanvasTextBaseline, font?: string | null, near?: Pair[], yields?: boolean, margin?: number }} Lettering
  * @param {Ink} ink
  * @param {string} text
- * @param {number} x
- * @param {number} y
+ * @param {number} left
+ * @param {number} top
  * @param {Lettering} lettering
  */
-export function label(ink, text, x, y, { colour, halo, align = 'left', baseline = 'middle', font = null, yields = false, margin = 0 }) {
+export function label(ink, text, left, top, { colour, halo, align = 'left', baseline = 'middle', font = null, near = [], yields = false, margin = 0 }) {
   if (font) ink.font = font;
   ink.textAlign = align;
   ink.textBaseline = baseline;
-  const box = boxOf(ink, text, x, y, margin);
-  if (yields && ink.canvas.labels.some((other) => touch(box, other))) return;
-  ink.canvas.labels.push(box);
+  const { labels, strokes } = ink.canvas;
+  const at = boxOf(ink, text, left, top);
+  /** @type {(of: Pair, margin: number) => Box} */
+  const box = ([dx, dy], wide) => ({ text, left: at.left + dx - wide, right: at.right + dx + wide, top: at.top + dy - wide, bottom: at.bottom + dy + wide });
+  /** @type {(of: Pair) => boolean} */
+  const alone = (place) => !labels.some((other) => touch(box(place, margin), other));
+  /** @type {(of: Pair) => boolean} */
+  const clear = (place) => !strokes.some((stroke) => strikes(stroke, box(place, 1)));
+  const place = near.find((one) => alone(one) && clear(one)) ?? (near.length ? [] : [HERE]).find(alone);
+  if (yields && !place) return;
+  const [dx, dy] = place ?? near[0] ?? HERE;
+  const [x, y] = [left + dx, top + dy];
+  labels.push(box([dx, dy], 0));
   if (halo) {
     ink.lineJoin = 'round';
     ink.lineWidth = 3;
@@ -158,10 +172,13 @@ export function fitting(ink, texts, width) {
   return text;
 }
 
-/** @param {Ink} ink @param {string} text @param {number} x @param {number} y @param {number} margin */
-function boxOf(ink, text, x, y, margin) {
+/** @type {Pair} */
+const HERE = [0, 0];
+
+/** @param {Ink} ink @param {string} text @param {number} x @param {number} y */
+function boxOf(ink, text, x, y) {
   const { actualBoundingBoxLeft: left, actualBoundingBoxRight: right, actualBoundingBoxAscent: up, actualBoundingBoxDescent: down } = ink.measureText(text);
-  return { text, left: x - left - margin, right: x + right + margin, top: y - up - margin, bottom: y + down + margin };
+  return { left: x - left, right: x + right, top: y - up, bottom: y + down };
 }
 
 /** @param {Box} a @param {Box} b */
@@ -169,4 +186,5 @@ export const touch = (a, b) => a.left < b.right && b.left < a.right && a.top < b
 
 export const FONT = '12px "DejaVu Sans", "Segoe UI", system-ui, sans-serif';
 export const SMALL = '11px "DejaVu Sans", "Segoe UI", system-ui, sans-serif';
+export const SMALL_BOLD = `600 ${SMALL}`;
 export const BOLD = '600 12px "DejaVu Sans", "Segoe UI", system-ui, sans-serif';

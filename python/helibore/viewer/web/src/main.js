@@ -30,6 +30,7 @@ import { PlainImage } from './plain_image.js';
 import { Replay } from './replay.js';
 import { RECENT, recent, writeRig } from './rig.js';
 import { bindSaving } from './saving.js';
+import { edges, sharp } from './strokes.js';
 import { drawPolar, sized, turnAt, turnText } from './polar.js';
 import { fromTemplate } from './template.js';
 import { coverage, Store } from './tiles.js';
@@ -505,9 +506,7 @@ export class App {
     drawAxisLabels(ink, look);
     if (this.straight && this.rects.wall.width) drawColumn(ink, look);
     else if (this.gpu && this.rects.wall.width && !this.straight) drawWallInk(ink, look, this.gpu, calipers);
-    ink.strokeStyle = PALETTES[this.view.theme].line;
-    ink.lineWidth = 1;
-    for (const rect of imageRects(this.rects)) ink.strokeRect(rect.left - 0.5, rect.top - 0.5, rect.width + 1, rect.height + 1);
+    for (const one of imageRects(this.rects)) edges(ink, sharp(one, -1), PALETTES[this.view.theme].line);
   }
 
   /** @param {Look} look */

@@ -6,7 +6,7 @@ import { lookup, scaling, themed } from './color.js';
 import { pen } from './device.js';
 import { label, PALETTES, SMALL } from './layout.js';
 import { rowOf } from './map_rows.js';
-import { hatched, line, OUTSIDE } from './strokes.js';
+import { edges, hatched, line, OUTSIDE, pointer } from './strokes.js';
 import { depthNumber, depthUnit } from './units.js';
 import { drawZones } from './zones.js';
 
@@ -49,11 +49,9 @@ export class DepthMap {
     drawZones(ink, zones, y, rect.left + 2 + WIDE, 3, [rect.top, rect.top + rect.height], palette);
     const [shallow, deep] = store.span;
     for (const [from, to] of [[a, shallow], [deep, b]]) if (y(to) - y(from) >= 2) hatched(ink, rect.left + 2, y(from), WIDE, y(to) - y(from), palette, OUTSIDE);
-    ink.strokeStyle = palette.line;
-    ink.lineWidth = 1;
-    ink.strokeRect(rect.left + 2.5, rect.top + 0.5, rect.width - 5, rect.height - 1);
+    edges(ink, { left: rect.left + 2.5, top: rect.top + 0.5, width: rect.width - 5, height: rect.height - 1 }, palette.line);
     label(ink, 'well', rect.left + 3, 11, { colour: palette.soft, font: SMALL });
-    label(ink, `MD ${depthUnit(view.units)}`, rect.left + 3, 29, { colour: palette.soft, font: SMALL });
+    if (rect.width > 50) label(ink, `MD ${depthUnit(view.units)}`, rect.left + 3, 29, { colour: palette.soft, font: SMALL });
     label(ink, depthNumber(a, view.units, 0), rect.left + rect.width / 2, rect.top - 9, { colour: palette.soft, align: 'center', font: SMALL });
     const size = Math.max(6, y(view.bottom) - y(view.top));
     const middle = (y(view.top) + y(view.bottom)) / 2;
@@ -61,14 +59,11 @@ export class DepthMap {
     const tall = Math.max(4, Math.min(rect.top + rect.height - 1, middle + size / 2) - upper);
     ink.fillStyle = palette.grid;
     ink.fillRect(rect.left, upper, rect.width, tall);
-    ink.strokeStyle = palette.ink;
-    ink.lineWidth = 2;
-    ink.strokeRect(rect.left + 1, upper, rect.width - 2, tall);
+    edges(ink, { left: rect.left + 1, top: upper, width: rect.width - 2, height: tall }, palette.ink, 2);
     for (const { depth } of notes) line(ink, rect.left + rect.width - 9, y(depth), rect.left + rect.width, y(depth), palette.pin);
     if (view.cursor) line(ink, rect.left, y(view.cursor.depth), rect.left + rect.width, y(view.cursor.depth), palette.ink);
-    const bit = bitDepth === null ? NaN : y(bitDepth);
-    if (bitDepth !== null) label(ink, '◀', rect.left + rect.width, bit, { colour: palette.ink, align: 'right', font: SMALL });
-    label(ink, depthNumber(b, view.units, 0), rect.left + rect.width / 2, rect.top + rect.height - (rect.top + rect.height - bit < 20 ? 22 : 8), { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL });
+    if (bitDepth !== null) pointer(ink, rect.left + rect.width - 8, y(bitDepth), 9, palette.ink);
+    label(ink, depthNumber(b, view.units, 0), rect.left + rect.width / 2, rect.top + rect.height + 10, { colour: palette.soft, align: 'center', font: SMALL });
   }
 
   // Make the picture of the well anew only when the overview, the colours or the ends changed.

@@ -19,11 +19,13 @@ import { MEASURES, zoneAt } from './zones.js';
 
 const CERTAIN = 1.96; // standard deviations that enclose 95 %
 const EDGE = 16; // pixels around the outer ring, for the letters
+const ANGLES = 31; // the same at its sides, for angles
 const ROOM = 60; // pixels of a radius that has room for the names of the diameters
+const CHORDS = 48; // of a circle
 const PALE = 0.4; // of a colour where the wall is interpolated
 
-// The middle of the picture and the outer ring around it, in pixels.
-/** @typedef {{ x: number, y: number, reach: number }} Middle */
+// The middle of the picture, the outer ring around it, and the room at its sides, in pixels.
+/** @typedef {{ x: number, y: number, reach: number, side: number }} Middle */
 
 // The turn at a depth: {k, radii, sigma, between, measured, level}, from the wall; without radii where the page has not
 // received that part of the wall. The diameters are those of the arms where they give the shape.
@@ -64,9 +66,10 @@ export function drawPolar(canvas, look, found, over) {
   const step = niceStep((R / 3 / shape) * per) / per;
   const outer = Math.ceil(widest / step - 1e-9) * step;
   const inner = Math.round((R - R / 2 / shape) / step) * step;
-  const reach = Math.max(10, Math.min(width, height) / 2 - EDGE);
+  const side = leftEdge(look.path, view.cut, depth).known ? EDGE : ANGLES;
+  const reach = Math.max(10, Math.min(width / 2 - side, height / 2 - EDGE));
   /** @type {Middle} */
-  const middle = { x: width / 2, y: height / 2, reach };
+  const middle = { x: width / 2, y: height / 2, reach, side };
   const scale = reach / exaggerated(outer);
   /** @type {(turnFound: Turn, at: number) => Placing} */
   const placeOn = (turnFound, at) => {
@@ -90,7 +93,9 @@ export function drawPolar(canvas, look, found, over) {
   const { cursor } = view;
   if (cursor && cursor.toolface !== null) hand(ink, look, /** @type {Aim} */ (cursor), found, scale, exaggerated, width, height, palette);
   corners(ink, middle, `${Number((outer * per).toFixed(3))} ${LENGTHS[view.units].unit}`, view.shape, palette);
-  label(ink, 'bit', middle.x + R * scale * 0.7 - 10, middle.y + R * scale * 0.7 - 8, { colour: palette.soft, align: 'center', font: SMALL, yields: true, margin: 4 });
+  /** @type {Pair[]} */
+  const near = [12, 15, 19].flatMap((out) => [135, 120, 150, 105, 165, 225, 240, 210, 45, 30, 60].map((at) => /** @type {Pair} */ ([(R * scale - out) * Math.sin((at * Math.PI) / 180), -(R * scale - out) * Math.cos((at * Math.PI) / 180)])));
+  label(ink, 'bit', middle.x, middle.y, { colour: palette.soft, align: 'center', font: SMALL, halo: palette.panel, near, yields: true });
 }
 
 // Between bit and wall, each sector in the colour that the image has for its radius.
@@ -130,6 +135,9 @@ function hand(ink, look, { depth, toolface }, { level, k, radii }, scale, exagge
 
 /** @param {Ink} ink @param {Middle} middle @param {number} radius @param {string} colour @param {number} lineWidth */
 function circle(ink, { x, y }, radius, colour, lineWidth) {
+  /** @type {Pair[]} */
+  const around = Array.from({ length: CHORDS + 1 }, (_, i) => [x + radius * Math.cos((2 * Math.PI * i) / CHORDS), y + radius * Math.sin((2 * Math.PI * i) / CHORDS)]);
+  around.slice(1).forEach((end, i) => ink.canvas.strokes.push([...around[i], ...end]));
   ink.beginPath();
   ink.arc(x, y, radius, 0, 2 * Math.PI);
   ink.strokeStyle = colour;
@@ -145,6 +153,7 @@ function outline(ink, found, place, colour, lineWidth) {
     const [a, b] = [j, (j + 1) % K].map((i) => (Number.isNaN(found.radii[i]) ? null : place(found.radii[i], i)));
     if (!a || !b) continue;
     const edge = found.between[j] || found.between[(j + 1) % K] ? dotted : measured;
+    ink.canvas.strokes.push([...a, ...b]);
     edge.moveTo(a[0], a[1]);
     edge.lineTo(b[0], b[1]);
   }
@@ -187,26 +196,29 @@ function diameters(ink, { radii, measured }, place, { x, y, reach }, palette) {
   if (reach < ROOM) return;
   both.forEach((ends, i) => {
     const [ex, ey] = ends[0][i] > ends[1][i] ? ends[0] : ends[1];
-    label(ink, `C${i + 1}`, x + 0.62 * (ex - x), y + 0.62 * (ey - y), { colour: palette.max, align: 'center', font: BOLD, halo: palette.panel, yields: true });
+    const [along, far] = [[ex - x, ey - y], Math.hypot(ex - x, ey - y)];
+    /** @type {Pair[]} */
+    const near = [0.62, 0.45, 0.8, 0.3, 0.95, -0.62, -0.45, -0.8, -0.3].flatMap((share) => [1, -1].map((side) => /** @type {Pair} */ ([share * along[0] - (side * 14 * along[1]) / far, share * along[1] + (side * 14 * along[0]) / far])));
+    label(ink, `C${i + 1}`, x, y, { colour: palette.max, align: 'center', font: BOLD, halo: palette.panel, near, yields: true });
   });
 }
 
 // What lies at the top of the picture and, clockwise, at its other sides.
 /** @param {Ink} ink @param {Middle} middle @param {Look} look @param {number} depth @param {Palette} palette */
-function letters(ink, { x, y, reach }, { view, path }, depth, palette) {
+function letters(ink, { x, y, reach, side }, { view, path }, depth, palette) {
   const known = leftEdge(path, view.cut, depth).known;
   const names = !known ? ['0°', '90°', '180°', '270°'] : CUTS[view.cut].reference === 'up' ? ['U', 'R', 'D', 'L'] : ['N', 'E', 'S', 'W'];
   names.forEach((name, i) => {
     const [dx, dy] = [[0, -1], [1, 0], [0, 1], [-1, 0]][i];
     const align = /** @type {const} */ (['center', 'right', 'center', 'left'])[i];
-    label(ink, name, x + dx * (reach + EDGE - 2), y + dy * (reach + EDGE / 2), { colour: palette.ink, align, font: known ? BOLD : SMALL, halo: palette.panel });
+    label(ink, name, x + dx * (reach + side - 2), y + dy * (reach + EDGE / 2), { colour: palette.ink, align, font: known ? BOLD : SMALL, halo: palette.panel });
   });
 }
 
 // What the picture shows: which way it looks, the radius of the outer ring, the exaggeration.
 /** @param {Ink} ink @param {Middle} middle @param {string} ring @param {number} shape @param {Palette} palette */
-function corners(ink, { x, y, reach }, ring, shape, palette) {
-  const [half, above] = [reach + EDGE - 2, reach + EDGE / 2 + 1];
+function corners(ink, { x, y, reach, side }, ring, shape, palette) {
+  const [half, above] = [reach + side - 2, reach + EDGE / 2 + 1];
   ink.font = SMALL;
   label(ink, fitting(ink, ['down hole', ''], half - 9), x - half, y - above, { colour: palette.soft });
   label(ink, fitting(ink, [`radius ${ring}`, ring], half - 9), x + half, y - above, { colour: palette.soft, align: 'right' });
@@ -249,6 +261,7 @@ export function sized(canvas) {
   if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
   const ink = pen(canvas);
   canvas.labels = [];
+  canvas.strokes = [];
   ink.setTransform(ratio, 0, 0, ratio, 0, 0);
   ink.font = FONT;
   return { ink, width, height };

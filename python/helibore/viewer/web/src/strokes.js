@@ -1,7 +1,10 @@
-// The two strokes that every panel draws with: a line, dashed or not, and the hatching of what is not measured.
+// The strokes that every panel draws with: a line, dashed or not, the edges of a rectangle, and the hatching of what is not
+// measured. The canvas keeps lines and edges until the next frame, so that texts keep clear of them; the pale lines of a grid
+// (their colours have an opacity) may pass below a text.
 
 /** @param {Ink} ink @param {number} x0 @param {number} y0 @param {number} x1 @param {number} y1 @param {string} colour @param {number[]} [dash] @param {number} [width] */
 export function line(ink, x0, y0, x1, y1, colour, dash = [], width = 1.2) {
+  if (colour.length < 9) ink.canvas.strokes.push([x0, y0, x1, y1]);
   ink.strokeStyle = colour;
   ink.lineWidth = width;
   ink.setLineDash(dash);
@@ -10,6 +13,43 @@ export function line(ink, x0, y0, x1, y1, colour, dash = [], width = 1.2) {
   ink.lineTo(x1, y1);
   ink.stroke();
   ink.setLineDash([]);
+}
+
+/** @param {Ink} ink @param {Rect} rect @param {string} colour @param {number} [width] */
+export function edges(ink, { left, top, width: wide, height }, colour, width = 1) {
+  const [right, bottom] = [left + wide, top + height];
+  ink.canvas.strokes.push([left, top, right, top], [right, top, right, bottom], [left, bottom, right, bottom], [left, top, left, bottom]);
+  ink.strokeStyle = colour;
+  ink.lineWidth = width;
+  ink.strokeRect(left, top, wide, height);
+}
+
+// The edge that is drawn half a pixel inside a track, so that it is sharp; `side` -1: outside it.
+/** @param {Rect} rect @param {number} [side] */
+export const sharp = ({ left, top, width, height }, side = 1) => ({ left: left + side / 2, top: top + side / 2, width: width - side, height: height - side });
+
+// A triangle with its tip at (x, y), `length` pixels long to the right, or to the left if that is negative.
+/** @param {Ink} ink @param {number} x @param {number} y @param {number} length @param {string} colour */
+export function pointer(ink, x, y, length, colour) {
+  ink.fillStyle = colour;
+  ink.beginPath();
+  for (const [dx, dy] of [[length, -5], [0, 0], [length, 5]]) ink.lineTo(x + dx, y + dy);
+  ink.fill();
+}
+
+// Does a stroke pass through a box?
+/** @param {Stroke} stroke @param {Box} box */
+export function strikes([x0, y0, x1, y1], box) {
+  let [from, to] = [0, 1]; // the part of the stroke that is inside
+  for (const [start, run, low, high] of [[x0, x1 - x0, box.left, box.right], [y0, y1 - y0, box.top, box.bottom]]) {
+    if (run === 0) {
+      if (start <= low || start >= high) return false;
+      continue;
+    }
+    const [a, b] = [(low - start) / run, (high - start) / run];
+    [from, to] = [Math.max(from, Math.min(a, b)), Math.min(to, Math.max(a, b))];
+  }
+  return from < to;
 }
 
 export const DENSE = { step: 5, fill: 0.35, rising: true }; // no data

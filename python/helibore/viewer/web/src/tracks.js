@@ -5,12 +5,13 @@ import { Q_ATTRIBUTE } from './color.js';
 import { drawColours, POINT, valueText } from './color_bar.js';
 import { BOLD, fitting, FONT, HEAD, imageRects, label, PALETTES, SMALL, tracksEnd, yOf } from './layout.js';
 import { CUTS, leftEdge, noTvd } from './path.js';
-import { DENSE, hatched, line, OUTSIDE, SPARSE } from './strokes.js';
+import { DENSE, hatched, line, OUTSIDE, pointer, SPARSE } from './strokes.js';
 import { depthNumber, depthUnit, LENGTHS, showDepth, unitOf } from './units.js';
 import { ticks } from './view.js';
-import { drawZones, letterZones } from './zones.js';
+import { drawZones, letterZones, STRIP } from './zones.js';
 
 const APART = 58; // pixels between two depths that are labelled
+const APART_ACROSS = 12; // pixels between two values of the colours, also of the next image
 
 /** @param {Ink} ink @param {Look} look */
 export function drawAxis(ink, { view, rects, zones }) {
@@ -20,7 +21,7 @@ export function drawAxis(ink, { view, rects, zones }) {
   const { values, step } = ticks(view.top, view.bottom, rect.height, APART, LENGTHS[view.units].depth.scale);
   ink.fillStyle = palette.panel;
   for (const ground of [rects.caliper, rects.curves]) if (ground) ink.fillRect(ground.left, ground.top, ground.width, ground.height);
-  drawZones(ink, zones, (depth) => yOf(view, rect, depth), rect.left, 12, [rect.top, rect.top + rect.height], palette);
+  drawZones(ink, zones, (depth) => yOf(view, rect, depth), rect.left, STRIP, [rect.top, rect.top + rect.height], palette);
   ink.lineWidth = 1;
   for (let depth = Math.ceil(view.top / (step / 5)) * (step / 5); depth <= view.bottom; depth += step / 5) {
     const y = Math.round(yOf(view, rect, depth)) + 0.5;
@@ -43,7 +44,7 @@ export const scaleLength = ({ height }, scale) => height * PIXEL * scale; // met
 export function drawAxisLabels(ink, { view, path, rects, zones }) {
   const palette = PALETTES[view.theme];
   const rect = rects.axis;
-  letterZones(ink, zones, (depth) => yOf(view, rect, depth), rect.left, 12, [rect.top, rect.top + rect.height], palette);
+  letterZones(ink, zones, (depth) => yOf(view, rect, depth), rect.left, [rect.top, rect.top + rect.height], palette);
   const end = rect.left + rect.width - 12;
   const unit = depthUnit(view.units);
   label(ink, `MD ${unit}`, end, 11, { colour: palette.ink, align: 'right', font: BOLD });
@@ -83,19 +84,21 @@ export function drawImageHead(ink, look) {
   letters(ink, view, known, left, width, palette, path.surveyed ? cut.reference : 'none');
 }
 
-// The colours with their values at the ends, in the middle and, if there is room, halfway to it.
+// The colours with their values: at the ends, in the middle and halfway to it, as far as there is room.
 /** @param {Ink} ink @param {Look} look @param {number} left @param {number} width @param {Palette} palette */
 function bar(ink, look, left, width, palette) {
   drawColours(ink, look, left, 20, width);
-  /** @param {number} share */
-  const text = (share) => valueText(look, share);
   ink.font = SMALL;
-  const room = [0, 0.25, 0.5, 0.75, 1].every((share) => 4 * (ink.measureText(text(share)).width + 8) < width);
-  for (const share of [0, 1, 0.5, ...(room ? [0.25, 0.75] : [])]) {
-    const x = left + share * width;
-    const align = share === 0 ? 'left' : share === 1 ? 'right' : 'center';
-    label(ink, text(share), x + (share - 0.5) * (align === 'center' ? 0 : 2 * POINT), 37, { colour: palette.ink, align, font: SMALL, yields: align === 'center', margin: align === 'center' ? 3 : 0 });
-  }
+  /** @param {number} share */
+  const at = (share) => {
+    const text = valueText(look, share);
+    const wide = ink.measureText(text).width;
+    const start = share === 0 ? 0 : share === 1 ? width - wide : share * width - wide / 2;
+    return { share, text, start, end: start + wide };
+  };
+  const ways = [[0, 0.25, 0.5, 0.75, 1], [0, 0.5, 1], [0, 1]].map((shares) => shares.map(at).filter(({ text }) => text));
+  const shown = ways.find((values) => values.every(({ start }, i) => !i || start - values[i - 1].end >= APART_ACROSS)) ?? ways[2];
+  for (const { share, text } of shown) label(ink, text, left + share * width, 37, { colour: palette.ink, align: share === 0 ? 'left' : share === 1 ? 'right' : 'center', font: SMALL });
 }
 
 /** @param {Ink} ink @param {Look} look @param {number} left @param {Palette} palette */
@@ -178,7 +181,7 @@ export function drawCursor(ink, look) {
     const y = Math.round(yOf(view, rect, depth)) + 0.5;
     line(ink, rects.image.left, y, right, y, palette.pin, [3, 3]);
   }
-  if (!view.cursor && !view.rig) pointer(ink, rect, Math.round(yOf(view, rect, view.middle)) + 0.5, palette); // the section's depth
+  if (!view.cursor && !view.rig) pointer(ink, rect.left + rect.width, Math.round(yOf(view, rect, view.middle)) + 0.5, -9, palette.ink); // the section's depth
   if (!view.cursor || view.cursor.depth < view.top || view.cursor.depth > view.bottom) return;
   const y = Math.round(yOf(view, rect, view.cursor.depth)) + 0.5;
   lineOnHalo(ink, rect.left + rect.width, y, right, y, palette);
@@ -196,14 +199,6 @@ export function drawCursor(ink, look) {
 function lineOnHalo(ink, x0, y0, x1, y1, palette) {
   line(ink, x0, y0, x1, y1, palette.panel, [], 3.6);
   line(ink, x0, y0, x1, y1, palette.ink);
-}
-
-/** @param {Ink} ink @param {Rect} rect @param {number} y @param {Palette} palette */
-function pointer(ink, { left, width }, y, palette) {
-  ink.fillStyle = palette.ink;
-  ink.beginPath();
-  for (const [x, dy] of [[-9, -5], [0, 0], [-9, 5]]) ink.lineTo(left + width + x, y + dy);
-  ink.fill();
 }
 
 // The depth of the cursor, and the true depth under it if that is known, on a flag that points to the cursor's line.
@@ -227,5 +222,5 @@ function flag(ink, { view, path }, { left, top, width, height }, y, palette) {
     ink.font = i ? SMALL : BOLD;
     ink.fillText(text, right - 8, upper + 8 + 15 * i);
   });
-  ink.canvas.labels.push({ text: texts.join(' '), left: from, right, top: upper - 2, bottom: upper + tall + 2 });
+  ink.canvas.labels.push({ text: texts.join(' '), left: from, right, top: upper - 2, bottom: upper + tall + 2, ground: true });
 }

@@ -1,6 +1,6 @@
 // Zones of the wall as the server found them (washout, breakout, key seat, undergauge): strips, list, and jumps by severity.
 
-import { BOLD, inkOn, label } from './layout.js';
+import { inkOn, label, SMALL_BOLD } from './layout.js';
 import { showSigned } from './units.js';
 
 export const LETTERS = { washout: 'W', breakout: 'B', 'key seat': 'K', undergauge: 'U' };
@@ -34,6 +34,8 @@ export function jump(zones, depth, step) {
 /** @param {Zone | null} zone @param {Units} units */
 export const zoneText = (zone, units) => (zone ? `${zone.kind} ${showSigned(zone.measure, units, units === 'mm' ? 0 : 1)}` : 'none');
 
+export const STRIP = 14; // pixels of the strip beside the depths: as wide as the widest letter
+
 // A strip of all zones, `width` wide from `left`; `y` maps a depth, `ends` bound it.
 /** @param {Ink} ink @param {Zone[]} zones @param {(depth: number) => number} y @param {number} left @param {number} width @param {Pair} ends @param {Palette} palette @param {typeof fill} [draw] */
 export function drawZones(ink, zones, y, left, width, [top, bottom], palette, draw = fill) {
@@ -51,8 +53,8 @@ function fill(ink, kind, left, top, width, height, palette) {
   ink.fillRect(left, top, width, height);
 }
 
-// The letters of the same strip, if there is room; they give way to other texts.
-/** @param {Ink} ink @param {Zone[]} zones @param {(depth: number) => number} y @param {number} left @param {number} width @param {Pair} ends @param {Palette} palette */
-export const letterZones = (ink, zones, y, left, width, ends, palette) => drawZones(ink, zones, y, left, width, ends, palette, (_, kind, x, top, wide, tall) => {
-  if (tall > 16) label(ink, LETTERS[kind], x + wide / 2, top + tall / 2, { colour: inkOn(palette.zones[kind]), align: 'center', font: BOLD, yields: true });
+// The letters of the strip beside the depths, if there is room; they give way to other texts.
+/** @param {Ink} ink @param {Zone[]} zones @param {(depth: number) => number} y @param {number} left @param {Pair} ends @param {Palette} palette */
+export const letterZones = (ink, zones, y, left, ends, palette) => drawZones(ink, zones, y, left, STRIP, ends, palette, (_, kind, x, top, wide, tall) => {
+  if (tall > 16) label(ink, LETTERS[kind], x + wide / 2, top + tall / 2, { colour: inkOn(palette.zones[kind]), align: 'center', font: SMALL_BOLD, yields: true });
 });

@@ -113,7 +113,7 @@ test('a kept pick is the plane that was fitted', () => {
 test('a tadpole of any dip and azimuth is whole in its track, whose title says which dip it is', () => {
   const rect = { left: 100, top: 80, width: 84, height: 400 };
   const [xs, texts] = [[], []];
-  const ink = new Proxy({ canvas: { labels: [] }, measureText: (text) => ({ actualBoundingBoxLeft: 6, actualBoundingBoxRight: 7 * text.length - 6, actualBoundingBoxAscent: 4, actualBoundingBoxDescent: 4 }) }, {
+  const ink = new Proxy({ canvas: { labels: [], strokes: [] }, measureText: (text) => ({ actualBoundingBoxLeft: 6, actualBoundingBoxRight: 7 * text.length - 6, actualBoundingBoxAscent: 4, actualBoundingBoxDescent: 4 }) }, {
     get: (of, name) => of[name] ?? { lineTo: (x) => xs.push(x), moveTo: (x) => xs.push(x), fillText: (text) => texts.push(text) }[name] ?? (() => {}),
     set: () => true,
   });
@@ -132,7 +132,7 @@ test('a tadpole of any dip and azimuth is whole in its track, whose title says w
 test('below the tracks stands how to begin, as far as there is room, until something is picked', () => {
   const said = (width, kept = []) => {
     const texts = [];
-    const ink = new Proxy({ canvas: { labels: [] }, measureText: (text) => ({ width: 7 * text.length }), fillText: (text) => texts.push(text) }, { get: (of, name) => of[name] ?? (() => {}), set: () => true });
+    const ink = new Proxy({ canvas: { labels: [], strokes: [] }, measureText: (text) => ({ width: 7 * text.length }), fillText: (text) => texts.push(text) }, { get: (of, name) => of[name] ?? (() => {}), set: () => true });
     drawLegend(ink, { view: { theme: 'light', top: 0, bottom: 1 }, rects: { axis: { left: 60, top: 80, height: 400 }, pane: { left: 60 + width } } }, { kept, boxes: [] }, ['a long text', 'short']);
     return texts;
   };
