@@ -248,11 +248,11 @@ def test_4k_shows_more_in_larger_text_and_the_pointer_hits(browser: Any) -> None
         screen = Screen(browser, viewer.url, "#md=1020&sec=20", (3840, 2160), drawn=False)
         image = screen.evaluate("window.__wall.app.rects.image")
         stage = screen.evaluate("document.getElementById('stage').getBoundingClientRect().toJSON()")
-        assert stage["width"] > 2900
-        assert screen.evaluate("window.__wall.app.rects.image.height") > 1100
+        assert stage["width"] > 2800
+        assert screen.evaluate("window.__wall.app.rects.image.height") > 1000
         screen.mouse.move(
-            stage["left"] + 1.5 * (image["left"] + image["width"] / 2),
-            stage["top"] + 1.5 * (image["top"] + image["height"] / 2),
+            stage["left"] + 1.75 * (image["left"] + image["width"] / 2),
+            stage["top"] + 1.75 * (image["top"] + image["height"] / 2),
         )
         screen.until("window.__wall.app.view.cursor")
         cursor = screen.evaluate("window.__wall.app.view.cursor")
