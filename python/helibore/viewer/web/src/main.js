@@ -535,7 +535,7 @@ export class App {
     this.summarize();
     this.writeSummary();
     this.alarms.write(view);
-    listZones(this.zones, view, this.alarms, (zone) => this.showZone(zone), !NARROW.matches || view.tab !== 'zones' ? '' : store.basis === 'gauge' ? 'Zones need a caliper' : `No zone${this.newest === null ? '' : ' so far'}, by the criteria`);
+    listZones(this.zones, view, this.alarms, (zone) => this.showZone(zone), !NARROW.matches || !(view.tab === 'zones' || (view.tab === 'log' && store.basis === 'azimuthal')) ? '' : store.basis === 'gauge' ? 'Zones need a caliper' : `No zone${this.newest === null ? '' : ' so far'}, by the criteria`);
     if (byId('histogram').clientHeight) this.histogram.draw(look);
     reflect(view, look.quantity, this.rects.image);
     links(this, toAddress(this));
