@@ -96,7 +96,7 @@ def test_the_read_out_of_a_phone_says_why_a_value_is_missing(browser: Any) -> No
             rows[str(cursor and cursor["depth"])] = screen.evaluate(said)
         assert (rows["None"]["Over bit"], rows["None"]["TVD"]) == ("tap image", "no survey")
         assert rows["1020"]["Over bit"].endswith(" mm")
-        assert [rows["1012.3"][name] for name in ("Cmin", "Cmax", "Over bit")] == ["no data"] * 3
+        assert [rows["1012.3"][name] for name in ("C1", "C2", "Over bit")] == ["no data"] * 3
         screen.close()
 
 
