@@ -7,7 +7,9 @@ import socket
 import subprocess
 import sys
 import threading
+import urllib.error
 import urllib.request
+from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -125,19 +127,24 @@ def test_the_command_line_reads_a_played_rig(tmp_path):
          tmp_path / "j", "--snapshot", tmp_path / "now", "--metrics-port", str(metrics_port)],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE,
     ) as running:  # fmt: skip
-        played = CliRunner().invoke(cli, ["simulate", "--wits", f"tcp://127.0.0.1:{port}", "--to", "2002m", "--speed",
-                                          "0", *EM])  # fmt: skip
-        assert played.exit_code == 0, played.output
-        assert f"listen://127.0.0.1:{port}" in played.output
-        text, due = "", threading.Event()
-        for _ in range(200):
-            with urllib.request.urlopen(f"http://127.0.0.1:{metrics_port}/metrics") as page:
-                text = page.read().decode()
-            if "helibore_samples_drawn_total 0" not in text:
-                break
-            due.wait(0.05)
-        due.wait(0.5)
-        running.terminate()
+        try:
+            played = CliRunner().invoke(cli, ["simulate", "--wits", f"tcp://127.0.0.1:{port}", "--to", "2002m",
+                                              "--speed", "0", *EM])  # fmt: skip
+            assert played.exit_code == 0, played.output
+            assert f"listen://127.0.0.1:{port}" in played.output
+            text, due = "", threading.Event()
+            for _ in range(200):
+                with (
+                    suppress(urllib.error.URLError),  # the metrics are served only after the sources
+                    urllib.request.urlopen(f"http://127.0.0.1:{metrics_port}/metrics") as page,
+                ):
+                    text = page.read().decode()
+                if text and "helibore_samples_drawn_total 0" not in text:
+                    break
+                due.wait(0.05)
+            due.wait(0.5)
+        finally:
+            running.terminate()
         out, err = running.communicate(timeout=30)
     assert running.returncode == 0, err
     assert b"samples drawn" in out
