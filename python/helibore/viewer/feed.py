@@ -226,7 +226,8 @@ class Feed:
         for zone in found.zones:
             place = {"kind": zone.kind, "start": round(zone.start, 3), "stop": round(zone.stop, 3)}
             size = {"measure": round(zone.measure, 5), "severity": round(zone.severity, 3)}
-            zones.append(place | size)
+            side = {} if math.isnan(zone.toolface) else {"toolface": round(zone.toolface, 1)}
+            zones.append(place | size | side)
         if tuple(zones) != self.scene.state.zones:
             self.scene.update_state(zones=tuple(zones))
         if len(found.logs):

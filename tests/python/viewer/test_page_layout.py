@@ -212,6 +212,36 @@ def test_the_head_of_the_straightened_hole_says_what_is_seen(
     screen.close()
 
 
+def test_a_jump_turns_the_side_of_a_zone_to_the_front_until_the_user_turns_the_hole(browser: Any, viewer: Any) -> None:
+    screen = Screen(browser, viewer.url, "#md=1012&sec=12&cut=north", (1366, 768))
+    turn, kind = "window.__wall.app.view.turn", "zonesCard.querySelector('[aria-current]')?.innerText ?? ''"
+    screen.until("window.__wall.app.zones.length")
+    for _ in range(40):
+        screen.keyboard.press("n")
+        screen.settle()
+        if "breakout" in screen.evaluate(kind):
+            break
+        assert screen.evaluate(turn) == 0, "a washout has no side"
+    wall = screen.evaluate("window.__wall.app.rects.wall")
+    pixels = screen.pixels("wall")[..., :3].astype(int)
+    cut = int(pixels.shape[1] / 2 - 4), int(pixels.shape[1] / 2 + 4)
+    front = pixels[pixels.shape[0] // 2 - 4 : pixels.shape[0] // 2 + 4, cut[0] : cut[1]]
+    assert (front[..., 0] - front[..., 2]).mean() > 60, "orange: the breakout is in the middle"
+    turned = screen.evaluate(turn)
+    assert f"turn={turned}" in screen.address()
+    bar = screen.evaluate("document.getElementById('stage').getBoundingClientRect().top")
+    x, y = wall["left"] + wall["width"] / 2, bar + wall["top"] + wall["height"] / 3
+    screen.mouse.move(x, y)
+    screen.mouse.down()
+    screen.mouse.move(x + 80, y, steps=3)
+    screen.mouse.up()
+    assert screen.evaluate(turn) == pytest.approx((turned - 40) % 360)
+    screen.keyboard.press("n")
+    screen.settle()
+    assert screen.evaluate(turn) == pytest.approx((turned - 40) % 360)
+    screen.close()
+
+
 @pytest.mark.parametrize("size", SIZES)
 def test_the_same_depth_is_at_the_same_height_in_every_panel(browser: Any, viewer: Any, size: tuple[int, int]) -> None:
     screen = Screen(browser, viewer.url, "#md=1012&sec=24", size)

@@ -10,7 +10,7 @@ import { CUTS, leftEdge } from './path.js';
 import { edges, hatched, line, OUTSIDE, sharp } from './strokes.js';
 import { outside } from './tracks.js';
 import { showSigned, unitOf } from './units.js';
-import { LETTERS } from './zones.js';
+import { FRONT, LETTERS } from './zones.js';
 
 /** @param {Ink} ink @param {Look} look */
 export function drawColumn(ink, look) {
@@ -24,13 +24,15 @@ export function drawColumn(ink, look) {
   for (const { from, to } of outside(look, rect)) hatched(ink, middle - bit, from, 2 * bit, to - from, palette, OUTSIDE);
   for (const x of [middle - bit, middle + bit]) line(ink, x, rect.top, x, bottom, palette.ink, DASHES);
   if (bitDepth !== null && bitDepth > view.top && bitDepth < view.bottom) bitGlyph(ink, middle, yOf(view, rect, bitDepth), bit, Math.sign(store.levels[0].pitch), palette);
+  const cursor = view.cursor ? yOf(view, rect, view.cursor.depth) : NaN;
   for (const { kind, start, stop, measure } of zones) {
     const [a, b] = [Math.max(rect.top, yOf(view, rect, start)), Math.min(bottom, yOf(view, rect, stop))];
     if (b <= a) continue;
     ink.fillStyle = palette.zones[kind];
     ink.fillRect(right - 7, a, 5, Math.max(2, b - a));
-    const y = (a + b) / 2;
-    if (y > rect.top + 8 && y < bottom - 8) label(ink, `${LETTERS[kind]} ${showSigned(measure, view.units, view.units === 'mm' ? 0 : 1).split(' ')[0]}`, right - 11, y, { colour: palette.ink, align: 'right', font: BOLD, yields: true, margin: 3 });
+    const middleY = (a + b) / 2;
+    const y = Math.abs(middleY - cursor) < 9 ? cursor - 10 : middleY; // a jump puts the cursor's line there
+    if (y > rect.top + 8 && y < bottom - 8) label(ink, `${LETTERS[kind]} ${showSigned(measure, view.units, view.units === 'mm' ? 0 : 1).split(' ')[0]}`, right - 11, y, { colour: palette.ink, halo: palette.paper, align: 'right', font: BOLD, yields: true, margin: 3 });
   }
   edges(ink, sharp({ ...rect, width: right - rect.left }), palette.line);
   if (view.rig) return;
@@ -84,7 +86,7 @@ function inRows(ink, rect, lines) {
 /** @param {Look} look */
 function facing({ view, path }) {
   const { letters, offset } = CUTS[view.cut];
-  const quarter = ((((270 - view.turn) % 360) + 360) % 360) / 90; // from the left edge
+  const quarter = ((((FRONT - view.turn) % 360) + 360) % 360) / 90; // from the left edge
   if (!leftEdge(path, view.cut, view.middle).known) return `toolface ${Math.round(90 * quarter + offset) % 360}°`;
   const sides = Math.abs(quarter - Math.round(quarter)) < 0.2 ? letters[Math.round(quarter)] : `${letters[Math.floor(quarter)]}–${letters[Math.ceil(quarter)]}`;
   return sides + (path.assumed ? ' (assumed)' : '');

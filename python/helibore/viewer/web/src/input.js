@@ -67,7 +67,7 @@ export function bindTracks(app) {
       const cursor = cursorAt(app, x, y);
       return cursor && app.picking.drag(drag.pick, { depth: cursor.depth, toolface: cursor.toolface ?? drag.pick.from.toolface });
     }
-    if (drag.turn !== null && Math.abs(x - drag.x) > Math.abs(y - drag.y)) return app.view.choose({ turn: (((drag.turn - Math.round((x - drag.x) / 2)) % 360) + 360) % 360 });
+    if (drag.turn !== null && Math.abs(x - drag.x) > Math.abs(y - drag.y)) return app.view.turnTo(drag.turn - Math.round((x - drag.x) / 2), true);
     return app.view.show(drag.top - (y - drag.y) * perPixel, app.view.length, app.store);
   });
   /** @param {PointerEvent} event */

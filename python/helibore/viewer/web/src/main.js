@@ -24,7 +24,7 @@ import { DepthMap } from './map.js';
 import { drawNet } from './net.js';
 import { drawNotes, Notes } from './notes.js';
 import { applyTheme, byId, disableControls, fillSelects, Histogram, links, listZones, nameCuts, options, paperScale, readout, reflect, sectionText, showBasis, write, writeBrief } from './panel.js';
-import { Path } from './path.js';
+import { leftEdge, Path } from './path.js';
 import { Picking } from './picking.js';
 import { PlainImage } from './plain_image.js';
 import { Replay } from './replay.js';
@@ -38,7 +38,7 @@ import { drawAxis, drawAxisLabels, drawCursor, drawImageHead, drawOutside, scale
 import { LENGTHS, scaleOf, showDepth, showLength, showSpan } from './units.js';
 import { View } from './view.js';
 import { drawWallInk } from './wall_ink.js';
-import { bySeverity, jump } from './zones.js';
+import { bySeverity, jump, turnTowards } from './zones.js';
 
 const NARROW = window.matchMedia('(max-width: 999px)');
 const PHONE = window.matchMedia('(max-width: 599px)');
@@ -678,11 +678,13 @@ export class App {
   }
 
   /** @param {Zone} zone */
-  showZone({ start, stop }) {
-    const { view, store } = this;
+  showZone(zone) {
+    const { view, store, path } = this;
+    const { start, stop } = zone;
     const depth = (start + stop) / 2;
     if (start < view.top || stop > view.bottom) view.centre(depth, store);
     view.choose({ follow: false });
+    view.turnTo(turnTowards(zone, leftEdge(path, view.cut, depth).toolface, view.turn), false);
     view.point({ depth, toolface: null }, true);
   }
 

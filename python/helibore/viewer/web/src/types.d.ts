@@ -60,7 +60,7 @@ interface Cursor { depth: number; toolface: number | null }
 interface Aim { depth: number; toolface: number; image?: string } // a cursor on the image of this name
 interface Note { depth: number; text: string }
 type ZoneKind = 'washout' | 'breakout' | 'key seat' | 'undergauge';
-interface Zone { kind: ZoneKind; start: number; stop: number; measure: number; severity: number }
+interface Zone { kind: ZoneKind; start: number; stop: number; measure: number; severity: number; toolface?: number } // toolface: axis of a breakout, side of a key seat
 interface MapRow { means: (number | undefined)[]; between: boolean[]; most: number; lacks: boolean }
 interface Strip { version: number; id: string; pass: Pass; values: Float32Array; enlarged: Float32Array; lacks: Uint8Array }
 interface RowFigures { version: number; values: Float64Array }

@@ -29,6 +29,7 @@ class Settings {
   follow = true;
   camera = /** @type {keyof typeof CAMERAS} */ ('straight');
   turn = 0; // degrees that the straightened hole is turned, so that more of it is at the right
+  turned = false; // by hand
   tab = 'log'; // of a narrow screen
   rig = false; // large digits; follows the bit, whatever the user does
 }
@@ -99,6 +100,12 @@ export class View extends Settings {
   /** @param {boolean} dark */
   followTheme(dark) {
     if (!this.themeChosen) this.#change({ theme: dark ? 'dark' : 'light' });
+  }
+
+  // Turn the straightened hole. Once the user has turned it by hand, nothing else turns it.
+  /** @param {number} turn @param {boolean} byHand */
+  turnTo(turn, byHand) {
+    if (byHand || !this.turned) this.#change({ turn: ((turn % 360) + 360) % 360, turned: byHand });
   }
 
   nextCamera() {

@@ -7,6 +7,7 @@ export const LETTERS = { washout: 'W', breakout: 'B', 'key seat': 'K', undergaug
 // What `measure` is the extreme of, in short.
 export const MEASURES = { washout: 'C2 − bit', breakout: 'C1 − C2', 'key seat': 'height', undergauge: 'least − bit' };
 const NEAR = 1e-6;
+export const FRONT = 270; // degrees from the left edge of the image to the front of the straightened hole that is not turned
 
 // Worst first.
 /** @param {Zone[]} zones */
@@ -29,6 +30,20 @@ export function jump(zones, depth, step) {
   const sorted = bySeverity(zones);
   const at = sorted.findIndex(middleOf(depth));
   return sorted[at < 0 ? (step > 0 ? 0 : sorted.length - 1) : (at + step + sorted.length) % sorted.length] ?? null;
+}
+
+// How far the straightened hole is turned where the side of a zone is in front. Of the two sides of a breakout, the one that is
+// nearer counts. `left`: toolface at the left edge of the image; `before`: how far it is turned already.
+/** @param {Zone} zone @param {number} left @param {number} before */
+export function turnTowards({ kind, toolface }, left, before) {
+  if (toolface === undefined) return before;
+  /** @param {number} angle */
+  const around = (angle) => ((angle % 360) + 360) % 360;
+  const front = FRONT - toolface + left;
+  const [near, far] = [front, front + 180].map((turn) => around(Math.round(turn)));
+  /** @param {number} turn */
+  const away = (turn) => Math.abs(around(turn - before + 180) - 180);
+  return kind === 'breakout' && away(far) < away(near) ? far : near;
 }
 
 /** @param {Zone | null} zone @param {Units} units */

@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { bySeverity, jump, zoneAt, zoneText } from '../src/zones.js';
+import { bySeverity, jump, turnTowards, zoneAt, zoneText } from '../src/zones.js';
 
 const ZONES = [
   { kind: 'breakout', start: 10, stop: 12, measure: 0.03, severity: 1.2 },
@@ -34,4 +34,14 @@ test('a zone has a half-open range of depth, and a text with its sign', () => {
   assert.equal(zoneAt(ZONES, 12), null);
   assert.equal(zoneText(zoneAt(ZONES, 30.5), 'mm'), 'undergauge −10 mm');
   assert.equal(zoneText(null, 'in'), 'none');
+});
+
+test('the side of a zone comes to the front, of a breakout the nearer one; a zone all around turns nothing', () => {
+  const of = (kind, toolface, left, before) => turnTowards({ ...ZONES[0], kind, toolface }, left, before);
+  assert.equal(of('key seat', 180, 0, 0), 90);
+  assert.equal(of('key seat', 180, 30, 0), 120, 'the image begins at toolface 30');
+  assert.equal(of('breakout', 70, 0, 0), 20);
+  assert.equal(of('breakout', 70, 0, 180), 200);
+  assert.equal(of('breakout', 70, 0, 350), 20, 'around zero');
+  assert.equal(of('washout', undefined, 0, 77), 77);
 });
