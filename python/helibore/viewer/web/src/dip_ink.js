@@ -9,6 +9,7 @@ import { BOLD, HEAD, imageRects, label, PALETTES, SMALL, within, yOf } from './l
 import { leftEdge } from './path.js';
 import { edges, line, sharp } from './strokes.js';
 
+const GLOWS = [['#ff00d9', 'new'], ['#00d9ff', 'changed']]; // as in shaders.js
 const TAIL = 12; // pixels from the middle of a tadpole's head: the first and the last line of the track are so far inside it
 /** @type {Record<PlaneKind, number[]>} */
 const DASHES = { bed: [], fracture: [8, 4], 'healed fracture': [2, 4], 'induced fracture': [12, 3, 2, 3], fault: [] };
@@ -29,15 +30,22 @@ export function drawDips(ink, look, planes, gpu) {
 }
 
 // The legend below the tracks: symbol, colour and name of each class of pick in view, as many as there is room for. Before the
-// first pick: how to make it, the first of the texts that has room.
+// first pick: how to make it, the first of the texts that has room. While the wall grows, what glows comes first.
 /** @param {Ink} ink @param {Look} look @param {Planes} planes @param {string[]} start */
-export function drawLegend(ink, { view, rects: { axis, pane } }, { kept, boxes }, start) {
+export function drawLegend(ink, { view, growing, rects: { axis, pane } }, { kept, boxes }, start) {
   if (view.rig) return;
   const palette = PALETTES[view.theme];
   const shown = new Set([...kept, ...boxes].filter(({ depth }) => depth >= view.top && depth <= view.bottom).map(({ kind }) => kind));
   const y = axis.top + axis.height + 10;
   let x = axis.left + 8;
   ink.font = SMALL;
+  const glows = growing && x + 120 < pane.left ? GLOWS : [];
+  for (const [colour, name] of glows) {
+    ink.fillStyle = colour;
+    ink.fillRect(x - 4, y - 4, 9, 8);
+    label(ink, name, x + 9, y, { colour: palette.ink, font: SMALL });
+    x += 25 + ink.measureText(name).width;
+  }
   const first = kept.length + boxes.length ? undefined : start.find((text) => x + ink.measureText(text).width < pane.left);
   if (first) label(ink, first, x, y, { colour: palette.soft });
   for (const kind of /** @type {(keyof Palette['picks'])[]} */ (Object.keys(palette.picks))) {
