@@ -392,7 +392,7 @@ def test_the_cross_section_has_the_colour_of_the_image(browser: Any, theme: str,
         image = screen.pixels("image")
         colour = image[len(image) // 2, 100, :3].tolist()
         assert (colour[0] > colour[2] + 50) if over > 0 else (colour[2] > colour[0] + 50)
-        ring = np.pi * 80**2 * abs((BIT / 2 + over) ** 2 - (BIT / 2) ** 2) / 0.15**2  # 150 mm are 80 pixels
+        ring = np.pi * 64**2 * abs((BIT / 2 + over) ** 2 - (BIT / 2) ** 2) / 0.15**2  # 150 mm are 64 pixels
         assert screen.evaluate(ALIKE, colour) == pytest.approx(ring, rel=0.25)  # less its outlines
         screen.close()
 

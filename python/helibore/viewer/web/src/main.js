@@ -506,7 +506,7 @@ export class App {
     drawAxisLabels(ink, look);
     if (this.straight && this.rects.wall.width) drawColumn(ink, look);
     else if (this.gpu && this.rects.wall.width && !this.straight) drawWallInk(ink, look, this.gpu, calipers);
-    for (const one of imageRects(this.rects)) edges(ink, sharp(one, -1), PALETTES[this.view.theme].line);
+    for (const one of imageRects(this.rects)) if (one.width) edges(ink, sharp(one, -1), PALETTES[this.view.theme].line);
   }
 
   /** @param {Look} look */

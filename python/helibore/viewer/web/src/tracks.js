@@ -174,7 +174,7 @@ export function drawCursor(ink, look) {
   if (bitDepth !== null && bitDepth >= view.top && bitDepth <= view.bottom) {
     const y = yOf(view, rect, bitDepth);
     line(ink, rect.left + rect.width, y, right, y, palette.ink, [6, 4]);
-    label(ink, '▼ bit', rects.image.left + 4, y - 8, { colour: palette.ink, halo: palette.paper, font: BOLD });
+    label(ink, '▼ bit', rects.image.left + (rects.image.width ? 4 : 12), y - 8, { colour: palette.ink, halo: palette.paper, font: BOLD });
   }
   for (const depth of view.pins) {
     if (depth < view.top || depth > view.bottom) continue;
