@@ -1,4 +1,4 @@
-// The extension module helibore._core: one register_* function for each class, each in a file of its own.
+// The extension module helibore._core: one register_* function for each part of the core, each in a file of its own.
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 

@@ -1,4 +1,4 @@
-// One function for each class the extension exposes.
+// One function for each part of the core that the extension exposes.
 #pragma once
 
 #include <pybind11/pybind11.h>

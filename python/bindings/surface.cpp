@@ -9,7 +9,7 @@ namespace helibore::bindings {
 
 namespace {
 
-// An array of n rows, not yet written. NumPy's allocator uses huge pages, so the first write is cheap.
+// The rows of a new array, not yet written. NumPy's allocator uses huge pages, so the first write is cheap.
 template <class Row, class Number>
 std::span<Row> rows_in(py::array_t<Number>& array) {
     return {reinterpret_cast<Row*>(array.mutable_data()), static_cast<std::size_t>(array.shape(0))};

@@ -214,7 +214,7 @@ void stations() {
     CHECK(found.refused ==
           (std::vector<std::string>{
               "station at nan m: depth must be finite", "station at 2e+07 m: depth must lie in -10000000 to 10000000 m",
-              "station at 10 m: inclination 190, azimuth 0: must be in [0, 180], [-360, 360]",
+              "station at 10 m: inclination 190, azimuth 0: must lie in 0 to 180 and -360 to 360 degrees",
               "station at 20 m: depth[1] = 20: the hole turns by 180 deg since depth[0] = 10, so the arc between "
               "them is not known: must be less than 180",
               "station at 10 m: depth[1] = 10.000000001: must be 1e-6 m or more below depth[0] = 10",

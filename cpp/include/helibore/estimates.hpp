@@ -1,4 +1,4 @@
-// Estimates of the radius at points. Samples near a point can be left out of its estimate. They are used for
+// Estimates of the radius at points. Samples near a point can be left out of its estimate. The estimates are used for
 // cross-validation, and for the sums from which the uncertainty of a radius is computed.
 #pragma once
 

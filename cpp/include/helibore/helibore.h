@@ -22,8 +22,8 @@
    there is not enough room, the call returns HB_BUFFER_TOO_SMALL and fills nothing: call with 0 and NULL first, or with
    the room that you have.
 
-   Quantities are metres and degrees. NaN in an output means no value. Vertices, quads and toolfaces are those of
-   wall.hpp and surface.hpp. The host's floating-point state (traps, rounding) does not matter and stays as it is.
+   Quantities are metres and degrees. NaN in an output means no value. Vertices, quads and toolfaces are as in wall.hpp
+   and surface.hpp. The host's floating-point state (traps, rounding) does not matter and stays as it is.
    Nothing is printed or left running, and nothing is called back but the runner that a host has given. */
 #ifndef HELIBORE_H
 #define HELIBORE_H
@@ -66,9 +66,9 @@ HB_API const char* HB_CALL hb_last_error(void);
 /* Close a handle of any kind. */
 HB_API int32_t HB_CALL hb_close(int64_t handle);
 
-/* Sets the host's threads for later calls of this thread; NULL: use the library's own threads again. `run` calls
-   job(context, worker) once for each worker in [0, workers), on any threads, and returns when all these calls have
-   returned. A worker needs 64 KB of stack at most; runner.hpp says more. */
+/* Later calls of this thread do their work by `run`, on the host's threads; NULL: on the library's own threads again.
+   `run` calls job(context, worker) once for each worker in [0, workers), on any threads, and returns when all these
+   calls have returned. A worker needs 64 KB of stack at most; runner.hpp says more. */
 typedef void(HB_CALL* hb_job)(void* context, int32_t worker);
 typedef void(HB_CALL* hb_run)(void* host, int32_t workers, hb_job job, void* context);
 HB_API int32_t HB_CALL hb_use_runner(hb_run run, void* host);
@@ -135,22 +135,22 @@ typedef struct hb_wall_state {
     int64_t vertices;
     int64_t samples;
     int64_t settled;    /* vertices below this no longer change while the hole only gets deeper */
-    double start_depth; /* of vertex 0; NaN while there is none */
+    double start_depth; /* of vertex 0; NaN while neither the settings nor a sample give it */
 } hb_wall_state;
 
 typedef struct hb_change {
     uint32_t size;
     int32_t reserved;
-    int64_t ranges; /* what hb_ranges needs: ranges of vertices that are new or whose values changed */
+    int64_t ranges; /* number of ranges of vertices that are new or whose values changed: the room for hb_ranges */
     int64_t settled;
     int64_t accepted;  /* samples taken */
-    int64_t redundant; /* samples dropped: equal to another */
+    int64_t redundant; /* samples dropped: equal to another in depth, time, toolface and radius */
 } hb_change;
 
 /* An empty wall; *wall is its handle. */
 HB_API int32_t HB_CALL hb_wall_create(const hb_settings* settings, int64_t* wall);
 
-/* n samples. time may be NULL: either all samples of a wall have a time or none has. change may be NULL. */
+/* Appends n samples. time may be NULL: either all samples of a wall have a time or none has. change may be NULL. */
 HB_API int32_t HB_CALL hb_wall_append(int64_t wall, int64_t n, const double* depth, const double* toolface,
                                       const double* radius, const double* time, hb_change* change);
 
@@ -175,7 +175,7 @@ HB_API int32_t HB_CALL hb_wall_read(int64_t wall, int32_t column, int64_t start,
 /* One column of all samples kept, in canonical order: HB_DEPTH, HB_TOOLFACE, HB_RADIUS or HB_TIME. */
 HB_API int32_t HB_CALL hb_wall_samples(int64_t wall, int32_t column, int64_t* count, double* values);
 
-/* Values of n samples, in the order of hb_wall_samples, interpolated at the *count vertices. */
+/* Interpolates the values of the n samples, in the order of hb_wall_samples, at all vertices: *count values. */
 HB_API int32_t HB_CALL hb_wall_interpolate(int64_t wall, int64_t n, const double* samples, int64_t* count,
                                            double* values);
 
@@ -184,8 +184,9 @@ HB_API int32_t HB_CALL hb_wall_interpolate(int64_t wall, int64_t n, const double
 #define HB_LOG_COLUMNS 18
 HB_API int32_t HB_CALL hb_wall_logs(int64_t wall, int64_t window, int64_t* turns, double* values);
 
-/* The vertices [start, stop) that have a radius, along a path (0: straight down): north, east, down of each; quads of
-   four rows each; for each row its vertex of the helix (vertex_index, may be NULL). */
+/* The surface between the vertices [start, stop) that have a radius, along a path (0: straight down). vertices: north,
+   east and down of each; vertex_index, which may be NULL: the number of each on the helix. quads: four rows of vertices
+   for each. */
 HB_API int32_t HB_CALL hb_wall_surface(int64_t wall, int64_t path, int64_t start, int64_t stop, int64_t* vertex_count,
                                        double* vertices, int64_t* vertex_index, int64_t* quad_count, int64_t* quads);
 
@@ -195,8 +196,8 @@ HB_API int32_t HB_CALL hb_wall_surface(int64_t wall, int64_t path, int64_t start
 HB_API int32_t HB_CALL hb_path_create(const hb_path_settings* settings, int64_t n, const double* depth,
                                       const double* inclination, const double* azimuth, int64_t* path);
 
-/* At n depths: positions of three numbers, and frames of nine (towards toolface 0 and 90, tangent). Either may be
-   NULL. */
+/* The path at n depths: positions of three numbers, and frames of nine (directions towards toolface 0 and 90, tangent).
+   Either may be NULL. */
 HB_API int32_t HB_CALL hb_path_read(int64_t path, int64_t n, const double* depth, double* position, double* frame);
 
 /* --- a well while it is drilled ---------------------------------------------------------------------------------- */
@@ -217,17 +218,17 @@ HB_API int32_t HB_CALL hb_live_append_samples(int64_t live, int64_t n, const dou
 HB_API int32_t HB_CALL hb_live_append_stations(int64_t live, int64_t n, const double* depth, const double* inclination,
                                                const double* azimuth);
 
-/* n rows of `sectors` values. name and unit are UTF-8. */
+/* Appends n rows of `sectors` values to the image of this name. name and unit are UTF-8. */
 HB_API int32_t HB_CALL hb_live_append_image(int64_t live, const char* name, const char* unit, int64_t n,
                                             int32_t sectors, const double* depth, const double* values);
 
 /* What changed since the last poll. hb_ranges then has the ranges. */
 HB_API int32_t HB_CALL hb_live_poll(int64_t live, hb_update* update);
 
-/* Event `index` of the last poll: *count bytes with the 0 at its end. */
+/* The text of event `index` of the last poll: *count bytes with the 0 at its end. */
 HB_API int32_t HB_CALL hb_live_event(int64_t live, int64_t index, int64_t* count, char* text);
 
-/* All rows of an image by depth: *rows depths, *rows times *sectors values. */
+/* All rows of an image, sorted by depth: *rows depths, *rows times *sectors values. */
 HB_API int32_t HB_CALL hb_live_image(int64_t live, const char* name, int32_t* sectors, int64_t* rows, double* depth,
                                      double* values);
 
@@ -241,11 +242,13 @@ HB_API int32_t HB_CALL hb_live_path(int64_t live, int64_t* path);
 HB_API int32_t HB_CALL hb_wits_create(int64_t* parser);
 
 /* Takes n bytes; n = 0 ends the stream. *items: the number of items in the frames that these bytes complete. *events:
-   how often a rule of wits.hpp was broken. */
+   the number of times that these bytes break a Rule of wits.hpp. Either may be NULL. */
 HB_API int32_t HB_CALL hb_wits_feed(int64_t parser, int64_t n, const char* bytes, int64_t* items, int64_t* events);
 
-/* The items of the last hb_wits_feed: number of the frame from 0, record and item as RRII, value (NaN if the text is
-   no number), offset and length of its text in the stream. Each array may be NULL. */
+/* The *count items in the frames that the last hb_wits_feed completed. frame: the number of the item's frame, 0 for the
+   first frame of the parser. code: record and item as RRII, 108 for item 08 of record 01. value: NaN if its text is
+   empty, no number, or a number that means no value, such as -999.25. offset and length: where its text lies in all
+   bytes that were fed. Each array may be NULL. */
 HB_API int32_t HB_CALL hb_wits_items(int64_t parser, int64_t* count, int64_t* frame, int32_t* code, double* value,
                                      int64_t* offset, int32_t* length);
 

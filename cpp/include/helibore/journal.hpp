@@ -1,5 +1,5 @@
-// The records of a journal: how one is written, and how the intact ones are found again in bytes that may be damaged or
-// cut. It works on bytes in memory only; the caller reads and writes files.
+// Writes the records of a journal, and finds intact records again in bytes that may be damaged or cut. All bytes are in
+// memory; the caller reads and writes files.
 //
 //   0     4       8         16       24         32          36      38    40           44          48
 //   | HLBJ | length | sequence | wall ns | monotonic ns | connection | source | kind | payload crc | header crc |
@@ -36,7 +36,7 @@ struct Record {
 
 struct Scan {
     std::vector<Record> records;  // every intact record, in order
-    std::vector<Range> damage;    // byte ranges in between that hold none; the last may reach to the end
+    std::vector<Range> damage;    // byte ranges without an intact record; the last may reach to the end of the bytes
 };
 
 // CRC-32C (Castagnoli) of the bytes, continuing from `crc` (0 to begin).
@@ -45,7 +45,7 @@ std::uint32_t crc32c(std::string_view bytes, std::uint32_t crc = 0);
 // The header that makes `payload` a record. Throws InputError for a payload over longest_payload.
 std::array<char, header_size> seal(const Record& record, std::string_view payload, std::uint32_t salt);
 
-// The intact records of bytes[from, end), whose sequence numbers must grow. Linear in the bytes.
+// Finds the intact records of bytes[from, end), whose sequence numbers must grow. The work is linear in the bytes.
 Scan scan(std::string_view bytes, std::size_t from, std::uint32_t salt);
 
 }  // namespace helibore::journal

@@ -84,10 +84,12 @@ class Live {
     std::optional<Survey> survey() const;  // none until there are two stations
     std::optional<Path> path() const;
     std::vector<std::string> images() const;  // the names
-    // All rows sorted by depth; of several rows at one depth, only the latest. Throws InputError for an unknown name.
+    // All rows of an image, sorted by depth; of several rows at one depth, only the latest. Throws InputError for an
+    // unknown name.
     ImageArrays image(const std::string& name) const;
 
-    // Rows in order of arrival, such as those of Update::images. Throws InputError for rows that have not arrived.
+    // Rows of an image in order of arrival, such as those of Update::images. Throws InputError for rows that have not
+    // arrived.
     ImageArrays rows(const std::string& name, Range arrived) const;
 
   private:

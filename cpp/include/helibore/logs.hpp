@@ -45,10 +45,10 @@ struct TurnLogs {
     std::vector<double> mean, mean_square;        // of the radius
     std::vector<double> smallest, largest;        // radius
     std::vector<double> c1, c1_toolface, c2;      // toolface in [0, 180)
-    std::vector<double> least_diameter;           //
+    std::vector<double> least_diameter;           // the least one through the axis
     std::vector<double> diameter_0, diameter_90;  // across toolfaces 0 and 180, 90 and 270
     std::vector<double> centre_0, centre_90;      // of the area, from the axis towards toolfaces 0 and 90
-    std::vector<double> inscribed_diameter, inscribed_0, inscribed_90;  // and its centre
+    std::vector<double> inscribed_diameter, inscribed_0, inscribed_90;  // the diameter, and the centre from the axis
     std::vector<double> enclosing_diameter;
     // Root mean square of the radii in the window around the turn, minus a straight line along the hole in each sector;
     // each line takes two degrees of freedom. NaN where the window reaches beyond the ends or over a turn with a
@@ -59,7 +59,7 @@ struct TurnLogs {
 // The result does not depend on `threads`. Throws InputError on sectors < 3 or a window that is even or below 3.
 TurnLogs turn_logs(const Turns& turns, int threads = 1);
 
-// Vertices 0 to `count` of a helix: metres and degrees.
+// The first `count` vertices of a helix, metres and degrees.
 struct HelixVertices {
     double start_depth = 0.0;
     double start_toolface = 0.0;

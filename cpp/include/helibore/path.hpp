@@ -8,7 +8,7 @@
 //   minimum curvature    a circular arc from tangent to tangent
 //   radius of curvature  a curve on an upright cylinder: inclination linear in depth, azimuth linear in the horizontal
 //                        distance covered. Both its projections are circular arcs, and it passes through the
-//                        positions of the closed form; azimuth linear in depth would not.
+//                        positions of the closed form; a curve with azimuth linear in depth would not.
 // A path never changes. A longer survey gives a new path with the same bits down to its previous last station.
 // This header does not correct a survey (grid convergence, declination, sag) and computes no uncertainty.
 #pragma once
@@ -66,8 +66,8 @@ struct PathSettings {
     double extend = 0.0;             // metres that the path continues straight below the last station, provisionally
 };
 
-// Three unit vectors at right angles: towards toolface 0 (the high side, or north), towards toolface 90 (right of it,
-// looking downhole), and the tangent, downhole. A point of the wall lies at
+// Three unit vectors at right angles: towards toolface 0 (as the path's Reference says), towards toolface 90 (right of
+// toolface 0, looking downhole), and the tangent, downhole. A point of the wall lies at
 // position + radius (cos(toolface) frame[0] + sin(toolface) frame[1]).
 using Frame = std::array<Vector3, 3>;
 
@@ -133,7 +133,7 @@ class Stations {
     PathSettings settings_;
     std::vector<double> depth_, inclination_, azimuth_;
     std::unique_ptr<Segments> segments_;
-    std::size_t built_ = 0;  // segments_ holds the courses between so many of the first stations
+    std::size_t built_ = 0;  // segments_ holds the courses between the first built_ stations
     std::optional<Path> path_;
 };
 

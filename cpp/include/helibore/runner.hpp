@@ -1,6 +1,6 @@
 // The host's threads in place of the library's own.
 //
-//     const helibore::UseRunner use({run_on_my_pool, &pool});   // for the calls of this thread, as long as it lives
+//     const helibore::UseRunner use({run_on_my_pool, &pool});   // for the calls of this thread, as long as `use` lives
 //     wall.append(samples);
 #pragma once
 

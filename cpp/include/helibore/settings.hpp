@@ -45,7 +45,7 @@ struct Settings {
     Index first_vertex = 0;
     std::optional<Index> stop_vertex = {};
 
-    // Throws InputError that names the first setting that breaks its rule.
+    // Throws an InputError that names the first setting that breaks its rule.
     void validate() const;
 };
 

@@ -9,7 +9,7 @@
 // The helix of the radii must be that of the wall: take all four numbers from the wall, because the defaults fit only a
 // wall with default settings.
 //
-// Quads of vertex k, seen from the formation; depth downwards, toolface to the right for a positive pitch:
+// The quad of vertex k, seen from the formation; depth downwards, toolface to the right for a positive pitch:
 //
 //      k (a0) ---- k+1 (a1)        Order (a0, a1, b1, b0): counter-clockwise seen from the formation, so that the
 //        |            |            normal points away from the axis. With a negative pitch b lies above a, and the
@@ -61,7 +61,7 @@ struct SurfaceLayout {
     Index vertex_count = 0, quad_count = 0;
 };
 
-// Shell after shell from the wall outwards: vertices of shell 0, 1, ...; hexahedra between 0 and 1, 1 and 2, ...
+// From the wall outwards: the vertices of shell 0, 1, ...; the hexahedra between shells 0 and 1, 1 and 2, ...
 struct VolumeLayout {
     std::vector<std::vector<VertexRun>> shells;
     std::vector<std::vector<HexahedronRun>> layers;
@@ -71,7 +71,7 @@ struct VolumeLayout {
 // Throws InputError on sectors < 3, a pitch of 0 or not finite, or a radius that is neither above 0 nor NaN.
 SurfaceLayout surface_layout(const HelixRadii& radii);
 
-// `shells`: two or more, each with the radii of the same vertices as radii.radius; the first is that span itself.
+// `shells`: two or more, each with the radii of the same vertices as radii.radius; the first is radii.radius itself.
 // Throws InputError unless every shell lies beyond the shell before it, wherever both have a radius ("shells[0][17] =
 // 0.1 at depth 12.5: must lie beyond radius[17] = 0.11").
 VolumeLayout volume_layout(const HelixRadii& radii, std::span<const std::span<const double>> shells);
@@ -85,7 +85,7 @@ void place(const HelixRadii& radii, const Path& path, std::span<const VertexRun>
 void join(const HelixRadii& radii, const SurfaceLayout& layout, std::span<Quad> quads, int threads = 1);
 void join(const HelixRadii& radii, const VolumeLayout& layout, std::span<Hexahedron> hexahedra, int threads = 1);
 
-// Throws InputError that names the first hexahedron with a corner turned inside out ("shells[1] at vertex 7, depth
+// Throws an InputError that names the first hexahedron with a corner turned inside out ("shells[1] at vertex 7, depth
 // 12.5: ..."). With nested radii that happens only where the path bends more sharply than the shells are thick.
 void require_upright(const HelixRadii& radii, const VolumeLayout& layout, std::span<const Vector3> vertices,
                      std::span<const Hexahedron> hexahedra, int threads = 1);
@@ -96,8 +96,8 @@ std::vector<double> volumes(std::span<const Vector3> vertices, std::span<const H
 struct Surface {
     std::vector<Vector3> vertices;
     std::vector<Quad> quads;
-    std::vector<Index> vertex_index;  // the vertex of the helix each row of `vertices` is
-    std::vector<Index> quad_index;    // the vertex k that each quad belongs to
+    std::vector<Index> vertex_index;  // for each row of `vertices`, the number of the vertex on the helix
+    std::vector<Index> quad_index;    // for each quad, the vertex k that it belongs to
 };
 Surface surface_of(const HelixRadii& radii, const Path& path = {}, int threads = 1);
 

@@ -27,7 +27,7 @@ struct SampleColumns {
     std::span<const double> radius;
     std::span<const double> time = {};
 
-    // Throws InputError that names the first row that breaks a rule of its column: "toolface[17] = nan: must be
+    // Throws an InputError that names the first row that breaks a rule of its column: "toolface[17] = nan: must be
     // finite".
     void validate(int threads = 1) const;
 };
@@ -51,7 +51,7 @@ struct Change {
     Index redundant = 0;        // samples dropped: equal to another in depth, time, toolface and radius
 };
 
-// Two depths, metres.
+// The ends of an interval, metres.
 struct Depths {
     double shallow, deep;
 };
@@ -76,8 +76,8 @@ class Wall {
 
     Index size() const;          // vertices
     Index sample_count() const;  // samples kept
-    Index settled() const;
-    double start_depth() const;  // depth of the first vertex; NaN while there is none
+    Index settled() const;       // vertices below this no longer change while the hole only gets deeper
+    double start_depth() const;  // depth of the first vertex; NaN while neither the settings nor a sample give it
 
     // Copies of a range of vertices, or of all vertices; no append runs while they are made. Throws InputError if the
     // range reaches beyond the wall.
@@ -85,12 +85,12 @@ class Wall {
     VertexColumns vertices() const;
 
     // The depths between which samples decide the values of a range of vertices. A wall of all samples between them has
-    // the same bits there, whatever samples lie beyond. A depth is infinite if a vertex found too few samples, or if
-    // max_distance sets no limit.
+    // the same bits at these vertices, whatever samples lie beyond. A depth is infinite if a vertex found too few
+    // samples and max_distance sets no limit, or if its window is cut short by the end of the samples.
     Depths reach(Range range) const;
 
-    // Writes the radii of all vertices into the host's own memory. Returns size(), and writes nothing if `into` has
-    // another length: the wall may have grown since the host asked for its size.
+    // Writes the radii of all vertices into the host's own memory and returns size(). If `into` has another length, it
+    // writes nothing: the wall may have grown since the host asked for its size.
     [[nodiscard]] Index read_radius(std::span<double> into) const;
 
     // One column of all vertices.

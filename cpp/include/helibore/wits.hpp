@@ -1,7 +1,7 @@
 // Turns WITS level 0 text into rows of numbers: which item, what value, where the text stood in the stream.
 //
-//   &&            a frame begins            only a line that is exactly "&&" or "!!" is a delimiter, because
-//   01083650.40   record 01, item 08        text items may hold both ("2210Watch out!! kick")
+//   &&            a frame begins            only a line that is exactly "&&", "!!" or "!!&&" is a delimiter,
+//   01083650.40   record 01, item 08        because text items may hold both ("2210Watch out!! kick")
 //   !!            the frame ends
 //
 // The parser returns a frame when it has read the "!!" of the frame, never before, so the frames do not depend on how
@@ -44,10 +44,10 @@ inline constexpr std::size_t rule_count = 8;
 inline constexpr std::uint16_t null_value = 1;    // empty, or equal to one of the source's null numbers
 inline constexpr std::uint16_t not_a_number = 2;  // text, or a number that breaks the strict grammar
 
-// [+-] digits [. digits] [e [+-] digits], blanks around it ignored, finite. Not: nan, inf, 1_2, 1,5, 1e400, 1e-400,
-// 0x1p3.
+// A value is a number if its text is [+-] digits [. digits] [e [+-] digits], finite; blanks around the text do not
+// count. No numbers are: nan, inf, 1_2, 1,5, 1e400, 1e-400, 0x1p3.
 struct Item {
-    Index frame = 0;   // frames that this parser returned before this one
+    Index frame = 0;   // number of the item's frame: how many frames this parser returned before it
     Index offset = 0;  // of the value's text in the stream
     double value = 0;  // NaN when a flag is set
     std::int32_t length = 0;
@@ -73,7 +73,7 @@ struct Event {
 
 struct Batch {
     Index base = 0;    // stream offset of text[0]
-    std::string text;  // the stream from the first byte not returned before
+    std::string text;  // the next bytes of the stream, from the first that no earlier batch returned
     std::vector<Item> items;
     std::vector<Frame> frames;
     std::vector<Event> events;
@@ -100,11 +100,11 @@ class Parser {
     Parser(Parser&&) noexcept;
     Parser& operator=(Parser&&) noexcept;
 
-    // The frames that these bytes complete. If this throws std::bad_alloc, the parser has taken no byte.
+    // Returns the frames that these bytes complete. If it throws std::bad_alloc, the parser has taken no byte.
     Batch feed(std::string_view bytes);
 
-    // Ends the stream: a last "!!" without a line end still closes its frame. The parser is then ready for a new
-    // stream.
+    // Ends the stream, and returns what this completes: a last "!!" without a line end still closes its frame. The
+    // parser is then ready for a new stream.
     Batch finish();
 
     Counts counts() const;

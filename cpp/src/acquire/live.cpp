@@ -148,7 +148,7 @@ Update Live::append_image(const std::string& name, std::span<const double> depth
     if (depth.empty() ? !values.empty() : values.empty() || values.size() % depth.size() != 0)
         throw InputError(
             "values has " + std::to_string(values.size()) + " values, depth has " + std::to_string(depth.size()),
-            "must be as many for each depth");
+            "must be equally many for each depth");
     if (depth.empty()) return {};
     const std::size_t width = values.size() / depth.size();
     require(width <= 1000000, "sectors", static_cast<Index>(width), "must be at most 1000000");

@@ -241,8 +241,8 @@ Counts Parser::counts() const {
 
 namespace {
 
-// In the bytes, the held text and the items of the open frame follow this. Between two calls, all else is as in a new
-// parser.
+// The start of what state() returns; the held text and the items of the open frame follow it. Between two calls, all
+// else is as in a new parser.
 struct Saved {
     Counts counts;
     Index held_base, held, line_start, body_start, frame_line, frame_lines, items;

@@ -8,7 +8,7 @@
 
 namespace helibore {
 
-// Adds a range that starts where the last one does, or later.
+// Adds a range to the list; it must start where the last one starts, or later.
 inline void add_range(std::vector<Range>& ranges, Range range) {
     if (range.start >= range.stop) return;
     if (!ranges.empty() && range.start <= ranges.back().stop)

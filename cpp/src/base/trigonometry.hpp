@@ -10,8 +10,8 @@
 
 namespace helibore {
 
-// The whole number nearest to x, the even one of two, for |x| < 2^51. MinGW's std::nearbyint rounds as the host has set
-// the x87, which StandardArithmetic leaves alone.
+// The whole number nearest to x, for |x| < 2^51; the even one of two equally near. MinGW's std::nearbyint rounds as the
+// host has set the x87, which StandardArithmetic leaves alone.
 inline double nearest_whole(double x) {
     return (x + 0x1.8p52) - 0x1.8p52;
 }
@@ -35,7 +35,7 @@ inline SineCosine sine_cosine_within(double x, double rest = 0.0) {
     return {sine, most + (((1.0 - most) - half) + (z * c - x * rest))};
 }
 
-// The sine and cosine of an angle that is turned by a number of quarter turns.
+// The sine and cosine of an angle plus a number of quarter turns, from those of the angle.
 inline SineCosine turned(const SineCosine& of, int quarters) {
     switch (quarters & 3) {
         case 1:

@@ -372,7 +372,8 @@ int32_t hb_live_append_image(int64_t live, const char* name, const char* unit, i
         require_pointer("unit", unit);
         require(sectors >= 1 && sectors <= 1000000, "sectors", Index{sectors}, "must lie in 1 to 1000000");
         const auto depths = column("depth", depth, n);
-        require(n <= std::numeric_limits<Index>::max() / sectors, "n", Index{n}, "must be less");
+        const Index most = std::numeric_limits<Index>::max() / sectors;
+        require(n <= most, "n", Index{n}, "must be at most " + std::to_string(most));
         handle->live.append_image(name, depths, column("values", values, n * sectors), unit);
     });
 }

@@ -1,5 +1,5 @@
-// Values of an image on quads. Neighbouring quads lie between the same rows, so each row is found in steps from the
-// last.
+// Values of an image on quads. Neighbouring quads lie between the same rows, so the row of each is found in steps from
+// that of the previous quad.
 #include "helibore/image.hpp"
 
 #include <algorithm>
@@ -38,7 +38,8 @@ std::vector<Across> across_of(const ImageRows& image, std::span<const double> se
     return across;
 }
 
-// The last of the rising bounds at or above a depth, -1 for none, found in steps from that of the previous quad.
+// Finds the index of the last of the rising bounds that is not greater than a depth, or -1, in steps from that of the
+// previous quad.
 class Walk {
   public:
     Walk(std::span<const double> bounds, double depth)
@@ -56,7 +57,7 @@ class Walk {
     Index count_, row_;
 };
 
-// Fills values[k] with value_at(row, column, depth), column being the quad's place in its turn; NaN above all rows.
+// Fills values[k] with value_at(row, column, depth), where column is the quad's place in its turn; NaN above all rows.
 template <class ValueAt>
 std::vector<double> fill(std::span<const double> bounds, const QuadCentres& quads, int threads,
                          const ValueAt& value_at) {

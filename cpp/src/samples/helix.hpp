@@ -1,5 +1,5 @@
-// The uniform helix: vertex k lies at toolface (start + k 360/K) mod 360 and depth start + k pitch/K. A stretch of it
-// starts at vertex `first`; inside the wall its vertices count from 0, and keep the bits of the whole helix.
+// The uniform helix: vertex k lies at toolface (start + k 360/K) mod 360 and depth start + k pitch/K. A wall may be a
+// stretch of the helix, from vertex `first` on; inside the wall its vertices count from 0, and keep their bits.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ struct Helix {
     double start_toolface = 0.0;
     double pitch = 0.1;
     Index sectors = 64;
-    Index first = 0;  // of the whole helix, a multiple of `sectors`
+    Index first = 0;  // number of vertex 0 on the whole helix, a multiple of `sectors`
 
     double depth(Index k) const {
         return start_depth + static_cast<double>(first + k) * pitch / static_cast<double>(sectors);
@@ -30,7 +30,8 @@ struct Helix {
     double toolface(Index k) const {
         return wrap_toolface(start_toolface + static_cast<double>(k % sectors) * 360.0 / static_cast<double>(sectors));
     }
-    // floor(K (stop - start) / pitch) + 1 less `first`, or 0 if stop lies before. A double, as it may exceed an Index.
+    // The number of vertices down to `stop_depth`: floor(K (stop - start) / pitch) + 1 less `first`, or 0 if that is
+    // negative. A double, because it may exceed an Index.
     double count(double stop_depth) const {
         const double turns = static_cast<double>(sectors) * (stop_depth - start_depth) / pitch;
         return std::max(0.0, std::floor(turns) + 1.0 - static_cast<double>(first));

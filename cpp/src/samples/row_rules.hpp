@@ -1,5 +1,5 @@
-// The rules for every row of a batch: toolface and time finite, depth within 1e7 m of 0, radius above 0 and at most 2
-// m.
+// The rules for every row of a batch: toolface and time finite, depth within 1e7 m of 0, radius in metres above 0 and
+// at most 2.
 #pragma once
 
 #include "helibore/types.hpp"

@@ -37,7 +37,8 @@ struct Level {
     Index first, last;  // rows of the chunk
     std::vector<double> toolface;
     std::vector<std::uint16_t> row;
-    std::vector<std::uint16_t> starts;  // of parts of the circle, two for each row; the last is for rounding
+    // Where each part of the circle begins in the list; two parts for each row, one more for rounding, then the end.
+    std::vector<std::uint16_t> starts;
 
     std::size_t part(double of) const {
         return static_cast<std::size_t>(of * (static_cast<double>(starts.size() - 2) / 360.0));
@@ -46,7 +47,7 @@ struct Level {
     bool any_between(double low, double high) const {
         return low < 0.0 || high >= 360.0 || starts[part(low)] < starts[part(high) + 1];
     }
-    // Where a toolface is or would be.
+    // Where a toolface is in the list, or would be.
     std::ptrdiff_t position(double of) const {
         const auto begin = toolface.begin();
         return std::lower_bound(begin + starts[part(of)], begin + starts[part(of) + 1], of) - begin;
@@ -71,7 +72,7 @@ class ChunkToolfaces {
     double next_[parts + 2], previous_[parts + 2];
 };
 
-// What is computed of a chunk at its first use; several threads may ask for it at once.
+// A value that is computed from a chunk when it is first asked for; several threads may ask at once.
 template <class T>
 class FoundOnce {
   public:
@@ -208,9 +209,9 @@ class Samples {
     struct Undo {
         std::size_t first = 0;     // index of the first inserted chunk
         std::size_t inserted = 0;  // how many chunks were inserted
-        Chunks replaced;           // the chunks before, in their place
-        Index tail_count = 0;      // samples of the last replaced chunk
-        Index count = 0;           // all samples before
+        Chunks replaced;           // the chunks that were in their place
+        Index tail_count = 0;      // samples of the last replaced chunk, before the insertion
+        Index count = 0;           // all samples, before the insertion
     };
 
     Index size() const { return count_; }
@@ -225,7 +226,7 @@ class Samples {
     // Sorts the levels of the last full chunk, so that a search after many appends does not sort those of all chunks.
     void prepare_levels(int neighbors) const;
 
-    // Inserts the batch. Timed rows equal to an earlier one are dropped and added to batch.redundant. If it throws
+    // Inserts the batch. Timed rows equal to an earlier one are dropped and counted in batch.redundant. If it throws
     // std::bad_alloc, nothing has changed.
     Undo insert(SortedBatch& batch);
     void undo(Undo&& undo) noexcept;
@@ -233,15 +234,15 @@ class Samples {
     // Rank of a place and place of a rank, in canonical order.
     Index rank(Place place) const { return first_rank_[place.chunk] + place.offset; }
     Place place(Index rank) const;
-    // Number of samples with depth <= the given depth. `near` is the chunk that is looked at first; it is set to the
-    // chunk where the depth lies.
+    // Number of samples at this depth or above it. `near` is the index of the chunk that is looked at first; it is set
+    // to that of the chunk where the depth lies.
     Index count_to(double depth, std::size_t& near) const;
     double depth(Index rank) const;
     // Are there `neighbors` samples at this depth and toolface among the first `before` of the hole? Then no vertex
     // needs a further sample there. Looks into a few chunks only.
     bool repeats(double depth, double toolface, int neighbors, Index before) const;
-    // A place at the first sample with depth >= low, or less than `stride` samples before it in its chunk. It is found
-    // in steps from a hint that is near, or else by bisection.
+    // The place of the first sample with depth >= low, or of a sample less than `stride` before it in its chunk. It is
+    // found in steps from `hint` if that is in the same chunk, or else by bisection.
     Place step_to(double low, Place hint, Index stride) const;
 
   private:

@@ -210,10 +210,10 @@ void finish_streams() {
 #endif
 }
 
-// The next place of a bucket. Eight rows are collected and then written, one cache line for each column: with scattered
-// single stores the processor would fetch and write back each line several times.
+// The rows that are collected for a bucket. Eight rows are written at once, one cache line for each column: with
+// scattered single stores the processor would fetch and write back each line several times.
 struct Collected {
-    Index start, next;  // places in the chunks
+    Index start, next;  // places in the chunks of the first row and of the next row
     alignas(64) double rows[4][8];
 
     // Writes the rows collected since the last place that is a multiple of 8.
@@ -232,7 +232,7 @@ struct Collected {
     }
 };
 
-// Slab `which` of the rows [0, n) cut into `slabs` nearly equal ones.
+// The rows of slab `which`, if the rows [0, n) are cut into `slabs` nearly equal slabs.
 Range slab(Index n, int slabs, Index which) {
     return {n * which / slabs, n * (which + 1) / slabs};
 }

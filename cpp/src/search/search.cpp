@@ -150,7 +150,7 @@ void Search::run(const Samples& samples, const Helix& helix, Index group, Index 
     }
 }
 
-// The ranks of the samples in the windows of a group's vertices.
+// Finds the ranks of the samples in the windows of a group's vertices.
 void Search::find_windows(const Samples& samples, const kernel::Group& g, Index used, Windows& windows) const {
     const Index n = samples.size();
     windows.length = std::min(*settings_.window, n);
@@ -165,7 +165,7 @@ void Search::find_windows(const Samples& samples, const kernel::Group& g, Index 
     windows.deep = n == 0 ? 0.0 : samples.depth(windows.all.stop - 1);
 }
 
-// Where the windows lie in the list. Returns the least number of candidates that an active vertex has.
+// Finds where the windows lie in the list. Returns the least number of candidates that an active vertex has.
 Index Search::place_windows(const Windows& windows, const kernel::CandidateList& list, kernel::Group& g) const {
     if (!rules_.windowed) return list.count;
     Index least = list.count, first = 0, last = 0;

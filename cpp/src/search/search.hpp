@@ -38,10 +38,12 @@ class Search {
 
     // Which samples a group may use: all, or those in the windows of its vertices.
     struct Windows {
-        Index centered[kernel::lanes], first[kernel::lanes], length;  // ranks; first: moved to where samples are
-        Range all;                                                    // ranks of all windows together
-        double shallow, deep;                                         // depths of the first and last of them
-        std::size_t chunk = 0;                                        // near the last vertex
+        Index centered[kernel::lanes];  // rank at which the window of each vertex starts if the vertex is its middle
+        Index first[kernel::lanes];     // the same, moved so that the window lies within the samples
+        Index length;                   // samples in a window
+        Range all;                      // ranks of all windows together
+        double shallow, deep;           // depths of the first and last of these samples
+        std::size_t chunk = 0;          // where the last vertex that was looked up lies
     };
 
     // Memory of one worker: the list of candidates and the place of the previous group. Every group writes to it, so it
@@ -64,13 +66,13 @@ class Search {
         std::vector<unsigned char> keep;
         Samples::Place place;
         Windows windows;
-        std::vector<double> turns;  // from each vertex to its V nearest samples at level_depth so far, in order
+        std::vector<double> turns;  // angles from each vertex to its V nearest samples at level_depth so far, in order
         double level_depth = 0.0;
         double least_trial = 0.0;  // the least radius for which the levels in the list are valid
         double half_height = 0.0;  // of the first box of the next group; 0: not known yet
         double mean_square = 0.0;  // of the reach of previous groups
         double mean_height = 0.0;  // mean squared height that previous groups needed; 0: turns are not looked at
-        Index even = 0;            // groups to come that do not look at turns: the samples lay on many toolfaces
+        Index even = 0;            // how many next groups do not look at turns, as the samples lay on many toolfaces
     };
 
     // Searches vertices [8 group, 8 group + 8) of the helix; those from vertex_count on are left out.

@@ -1,4 +1,5 @@
-// Checks of what a caller hands to the functions that fill a layout: the helix, and runs that fit it and the memory.
+// Checks of what a caller hands to place() and join(): the helix, and the runs of a layout, which must fit the helix
+// and the memory.
 #pragma once
 
 #include <cmath>
@@ -38,8 +39,8 @@ inline const VertexRun& placed(const VertexRun& run) {
     return run;
 }
 
-// Throws InputError unless the runs are in order, do not overlap, and lie within the vertices of the helix and the rows
-// of the memory.
+// Throws InputError unless the runs of a layout are in order, do not overlap, take only vertices that `radii` has, and
+// fill only the `size` rows of the memory. The error calls the runs `name`, and the rows those of `memory`.
 template <class Run>
 void require_runs(const HelixRadii& radii, const std::string& name, std::span<const Run> runs, std::size_t size,
                   const char* memory) {
@@ -62,7 +63,7 @@ void require_runs(const HelixRadii& radii, const std::string& name, std::span<co
     }
 }
 
-// Throws InputError unless the corners of the quads are numbers that a layout of these radii can have.
+// Throws InputError unless the corners of the quads of run `i` are numbers that a layout can have.
 inline void require_corners(const std::string& name, Index i, const QuadRun& run) {
     for (const Index corner : {run.upper, run.lower})
         if (corner < -2 * largest_index || corner > 2 * largest_index)

@@ -42,7 +42,7 @@ constexpr double least_from_opposite = 1e-8;
 constexpr double least_across = 1e-12;
 constexpr double least_course = 1e-6;  // metres between two stations; the curvature stays finite
 
-// In errors, the first of `values` is entry `first` of its column.
+// Throws InputError unless all values lie in [low, high]; it calls the first of `values` entry `first` of its column.
 void require_between(const char* name, std::span<const double> values, double low, double high, Index first) {
     for (std::size_t i = 0; i < values.size(); ++i) {
         if (values[i] >= low && values[i] <= high) continue;
@@ -448,7 +448,7 @@ std::optional<double> Stations::take_one(double depth, double inclination, doubl
         const bool good = inclination >= 0.0 && inclination <= 180.0 && std::abs(azimuth) <= 360.0;
         if (!good)
             throw InputError("inclination " + short_text(inclination) + ", azimuth " + short_text(azimuth),
-                             "must be in [0, 180], [-360, 360]");
+                             "must lie in 0 to 180 and -360 to 360 degrees");
     } else {
         require_between("inclination", {&inclination, 1}, 0.0, 180.0, Index(at));
         require_between("azimuth", {&azimuth, 1}, -360.0, 360.0, Index(at));

@@ -39,7 +39,7 @@ void Settings::validate() const {
     require(first_vertex % sectors == 0, "first_vertex", first_vertex, "must be a multiple of sectors");
     require(first_vertex == 0 || start_depth, "first_vertex", first_vertex, "needs a start_depth");
     if (stop_vertex) require_within("stop_vertex", *stop_vertex, first_vertex + 1, Index{1} << 40);
-    require(!stop_vertex || !stop_depth, "stop_vertex", stop_vertex.value_or(0), "must not stand beside a stop_depth");
+    require(!stop_vertex || !stop_depth, "stop_vertex", stop_vertex.value_or(0), "must not be given with a stop_depth");
     require_within("neighbors", neighbors, 1,
                    estimator == Estimator::kriging ? kernel::max_kriged : kernel::max_neighbors);
     if (window) require(*window >= 1, "window", *window, "must be at least 1");

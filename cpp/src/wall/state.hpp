@@ -65,7 +65,7 @@ struct Wall::State {
     Vertices vertices;
     Index count = 0;
     Index settled = 0;
-    double far_end = std::numeric_limits<double>::quiet_NaN();  // of the samples, when `settled` was last computed
+    double far_end = std::numeric_limits<double>::quiet_NaN();  // depth of the last sample when `settled` was computed
     DirectRadii direct;
     std::vector<Search::Scratch> scratches;
 };

@@ -182,7 +182,7 @@ class Wall:
 
     @property
     def start_depth(self) -> float:
-        """Depth of the first vertex, metres; NaN if the wall has no vertices yet."""
+        """Depth of the first vertex, metres; NaN while neither the settings nor a sample give it."""
         return self._core.start_depth
 
     @property
@@ -321,8 +321,8 @@ class Wall:
         """Return the two depths, metres, between which samples affect the values of the vertices [start, stop).
 
         A wall of all samples between these depths has the same bits at these vertices; other samples do not matter. A
-        depth is infinite if a vertex has too few samples and `Settings.max_distance` is None. Raises InputError as
-        `vertices` does.
+        depth is infinite if a vertex has too few samples and `Settings.max_distance` is None, or if its
+        `Settings.window` is cut short by the end of the samples. Raises InputError as `vertices` does.
 
         Examples
         --------

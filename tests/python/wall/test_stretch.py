@@ -109,7 +109,7 @@ def test_appends_to_a_stretch_report_numbers_of_the_whole(tmp_path: Path) -> Non
         ({"first_vertex": 4, "start_depth": 1.0}, "first_vertex = 4: must be a multiple of sectors"),
         ({"first_vertex": 8}, "first_vertex = 8: needs a start_depth"),
         ({"stop_vertex": 0}, f"stop_vertex = 0: must lie in 1 to {2**40}"),
-        ({"stop_vertex": 8, "stop_depth": 2.0}, "stop_vertex = 8: must not stand beside a stop_depth"),
+        ({"stop_vertex": 8, "stop_depth": 2.0}, "stop_vertex = 8: must not be given with a stop_depth"),
     ],
 )
 def test_settings_of_a_stretch_that_break_a_rule(given_: dict[str, Any], text: str) -> None:

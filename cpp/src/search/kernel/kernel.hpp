@@ -121,7 +121,7 @@ struct Group {
     double window_first[lanes];  // window mode only: positions in [first, last) of the list count
     double window_last[lanes];
     double trial[lanes];      // the radius the next estimate starts from
-    double before[lanes];     // the one before it; once done, `trial` again unless the radius is the mean of both
+    double before[lanes];     // the previous trial radius; once done, `trial`, unless the radius is the mean of both
     double discarded[lanes];  // least squared distance, at `trial`, among candidates the list no longer holds
     double radius[lanes];
     double nearest[lanes];
@@ -129,7 +129,7 @@ struct Group {
     double iterations[lanes];
     double reach_square[lanes];   // largest squared distance at which one more sample would have changed an estimate
     double least_trial[lanes];    // the smallest radius that an estimate started from
-    double least_turn[lanes];     // degrees; no sample within Box::far has a smaller one, as far as is known
+    double least_turn[lanes];     // degrees: a lower bound of the angle to any sample within Box::far
     double height_square[lanes];  // largest squared height h that an estimate needed
     double active[lanes];         // 1 while the lane is not done, else 0
     Sums sums;                    // of lanes that are done and have neighbours
@@ -149,7 +149,7 @@ struct Box {
 // Which samples go into the list: those within half_width of the group's center; all, if half_width is 180 or more.
 struct Filter {
     double half_width;
-    bool wraps;  // is one of them across 0/360 from the center?
+    bool wraps;  // may one of them lie across 0/360 from the center?
 };
 
 enum class Verdict : int {

@@ -276,7 +276,7 @@ class Nearest {
     static constexpr float narrow_most = 3e38f;
     using Floats = typename P::Narrow;
 
-    // Returns the least.
+    // Computes the float keys of the n candidates from `first` on, and returns the least key.
     float fill_keys(const Group& g, int lane, double scale, std::int64_t first, int n) {
         double turn[lanes], along[lanes];
         turn_from(P(g.center), P::load(g.toolface)).store(turn);
