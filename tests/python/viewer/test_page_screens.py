@@ -47,6 +47,11 @@ def test_tabs_show_one_panel_each_within_the_screen(browser: Any, size: tuple[in
             strip = screen.evaluate("(({ axis }) => [axis.left, axis.left + 14])(window.__wall.app.rects)")
             assert all(strip[0] <= one["left"] and one["right"] <= strip[1] for one in letters)
             assert letters or tab not in ("log", "3d")
+            if tab == "3d":
+                end = screen.evaluate("(({ wall }) => wall.left + wall.width)(window.__wall.app.rects)")
+                sizes = [one for one in screen.evaluate("ink.labels") if re.match("[WB] [+]", one["text"])]
+                assert sizes
+                assert all(one["left"] > end for one in sizes), "beside the hole, not on it"
             if tab == "section":
                 assert screen.struck("polar") == []
                 assert {"C1", "C2", "bit"} <= {one["text"] for one in screen.evaluate("polar.labels")}

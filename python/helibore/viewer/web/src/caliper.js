@@ -80,13 +80,9 @@ export function drawCaliper(ink, look) {
   ink.rect(rect.left, rect.top, rect.width, rect.height);
   ink.clip();
   runs(seen, (y) => seen[y] && Number.isNaN(min[y]), (start, tall) => hatched(ink, rect.left, rect.top + start, rect.width, tall, palette));
-  for (let y = 0; y < min.length; y++) {
-    if (Number.isNaN(min[y])) continue;
-    const py = rect.top + y;
-    if (min[y] < bit) band(ink, x(min[y]), x(bit), py, palette.fills.under);
-    if (max[y] > bit) band(ink, x(bit), x(max[y]), py, palette.fills['partly over']);
-    if (c2[y] > bit) band(ink, x(bit), x(c2[y]), py, palette.fills.over);
-  }
+  fill(ink, rect.top, min, (size) => (size < bit ? [x(size), x(bit)] : null), palette.fills.under);
+  fill(ink, rect.top, max, (size) => (size > bit ? [x(bit), x(size)] : null), palette.fills['partly over']);
+  fill(ink, rect.top, c2, (size) => (size > bit ? [x(bit), x(size)] : null), palette.fills.over);
   runs(between, (y) => between[y], (start, tall) => hatched(ink, rect.left, rect.top + start, rect.width, tall, palette, SPARSE));
   curve(ink, rect, c2, x, palette.max, ACROSS);
   curve(ink, rect, max.map((value, y) => (Number.isNaN(c2[y]) ? NaN : value)), x, palette.max);
@@ -97,11 +93,17 @@ export function drawCaliper(ink, look) {
   return found;
 }
 
-/** @param {Ink} ink @param {number} a @param {number} b @param {number} y @param {string} colour */
-const band = (ink, a, b, y, colour) => {
+// Fill each row from one place to another, all rows at once, so that no seam is seen between them.
+/** @param {Ink} ink @param {number} top @param {Float32Array} sizes @param {(size: number) => Pair | null} ends @param {string} colour */
+function fill(ink, top, sizes, ends, colour) {
+  ink.beginPath();
+  sizes.forEach((size, y) => {
+    const [a, b] = ends(size) ?? [0, 0];
+    if (b > a) ink.rect(a, top + y, b - a, 1);
+  });
   ink.fillStyle = colour;
-  ink.fillRect(a, y, b - a, 1);
-};
+  ink.fill();
+}
 
 /** @param {Uint8Array} uint8Array @param {(y: number) => unknown} isIn @param {(start: number, tall: number) => void} draw */
 function runs({ length }, isIn, draw) {

@@ -4,7 +4,7 @@
 import { BAR, drawColourBar } from './color_bar.js';
 import { planeDepth } from './dips.js';
 import { columnScale } from './gpu.js';
-import { BOLD, fitting, HEAD, label, LANE, PALETTES, SMALL, within, yOf } from './layout.js';
+import { BOLD, fitting, HEAD, label, laneOf, PALETTES, SMALL, within, yOf } from './layout.js';
 import { byId } from './panel.js';
 import { CUTS, leftEdge } from './path.js';
 import { edges, hatched, line, OUTSIDE, sharp } from './strokes.js';
@@ -20,7 +20,7 @@ export function drawColumn(ink, look) {
   const middle = rect.left + rect.width / 2;
   const bit = store.bitRadius * perMetre;
   const bottom = rect.top + rect.height;
-  const right = rect.left + rect.width + (store.basis === 'gauge' ? 0 : LANE);
+  const right = rect.left + rect.width + laneOf(store.basis !== 'gauge', view.rig);
   for (const { from, to } of outside(look, rect)) hatched(ink, middle - bit, from, 2 * bit, to - from, palette, OUTSIDE);
   for (const x of [middle - bit, middle + bit]) line(ink, x, rect.top, x, bottom, palette.ink, DASHES);
   if (bitDepth !== null && bitDepth > view.top && bitDepth < view.bottom) bitGlyph(ink, middle, yOf(view, rect, bitDepth), bit, Math.sign(store.levels[0].pitch), palette);
@@ -32,7 +32,7 @@ export function drawColumn(ink, look) {
     ink.fillRect(right - 7, a, 5, Math.max(2, b - a));
     const middleY = (a + b) / 2;
     const y = Math.abs(middleY - cursor) < 9 ? cursor - 10 : middleY; // a jump puts the cursor's line there
-    if (y > rect.top + 8 && y < bottom - 8) label(ink, `${LETTERS[kind]} ${showSigned(measure, view.units, view.units === 'mm' ? 0 : 1).split(' ')[0]}`, right - 11, y, { colour: palette.ink, halo: palette.paper, align: 'right', font: BOLD, yields: true, margin: 3 });
+    if (!view.rig && y > rect.top + 8 && y < bottom - 8) label(ink, `${LETTERS[kind]} ${showSigned(measure, view.units, view.units === 'mm' ? 0 : 1).split(' ')[0]}`, right - 11, y, { colour: palette.ink, halo: palette.paper, align: 'right', font: BOLD, yields: true, margin: 3 });
   }
   edges(ink, sharp({ ...rect, width: right - rect.left }), palette.line);
   if (view.rig) return;

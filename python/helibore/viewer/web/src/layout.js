@@ -15,7 +15,9 @@ const DIPS = { desk: 84, phone: 70 }; // on a phone no wider than the caliper
 const NARROWEST = 64; // pixels of a track
 const PANE = { straight: 212, path: 330 }; // that the hole has at least, with its controls above it in two lines
 const COLUMN = 1100; // pixels that the straightened hole is wide at most
-export const LANE = 58; // pixels beside it for the sizes of the zones, so that none stands on the hole
+const LANE = 58; // pixels beside it for the sizes of the zones, so that none stands on the hole
+/** @param {boolean} measured @param {boolean} rig */
+export const laneOf = (measured, rig) => (measured && !rig ? LANE : 0);
 const PHONE = 600; // a narrower stage has room for the image and the caliper alone
 
 /** @param {number} value @param {number} least @param {number} most */
@@ -36,7 +38,7 @@ export function layout(width, height, { dips = false, measured = true, rig = fal
     left += w + (name === 'axis' || !w ? 0 : 6);
   }
   rects.pane = { left: left + 4, width: tab && tab !== '3d' ? 0 : Math.max(60, width - left - 4), top: 0, height };
-  rects.wall = straight ? { ...body, left: left + 4, width: Math.max(0, Math.min(COLUMN, rects.pane.width - 4 - (measured ? LANE : 0))) } : rects.pane;
+  rects.wall = straight ? { ...body, left: left + 4, width: Math.max(0, Math.min(COLUMN, rects.pane.width - 4 - laneOf(measured, rig))) } : rects.pane;
   return rects;
 }
 
