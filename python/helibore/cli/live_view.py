@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from helibore.base.errors import InputError
-from helibore.live.alarms import Alarm, is_connected
+from helibore.live.alarms import Alarm, clock_text, is_connected
 from helibore.live.live import Live
 from helibore.live.update import Update
 from helibore.samples.helix import helix_of
@@ -62,6 +62,7 @@ class Window:
         self._path_stop = float("inf")
         self._images: dict[str, int] = {}  # by image: how many of its rows the page shows
         self._images_due = 0.0
+        self._since: dict[str, tuple[str, str]] = {}  # state of each source, and since when, before the wall begins
 
     def follow(self, live: Live) -> None:
         """Make ``live`` the wall that the page shows."""
@@ -94,11 +95,13 @@ class Window:
         bit = live.model.rig.tracks["bit_depth"].value[-1:].tolist()
         known = {"bit_depth": bit[0] if bit else None, "newest": self._newest}
         known = {name: value for name, value in known.items() if value is not None}
-        words = tuple(str(alarm) for alarm in alarms)
         sources = live.configuration.sources
         states_of = ((name, state) for name, state in states.items() if name in sources)
         lost = tuple(name for name, state in states_of if not is_connected(sources[name], state))
-        self.scene.update_state(**known, sources=self._status_text(states, words), alarms=words, lost=lost)
+        text = "; ".join(f"{name}: {state}" for name, state in states.items())
+        if not self._feed:
+            text = self._waiting_text(states, alarms, lost)
+        self.scene.update_state(**known, sources=text, alarms=tuple(map(str, alarms)), lost=lost)
 
     def dead_thread(self) -> str:
         """Return the name of a thread of the page that has ended; "" if all its threads are running."""
@@ -157,17 +160,32 @@ class Window:
                     self._images[name] = rows
         self._images_due = time.monotonic() + max(IMAGES_SECONDS, 20 * (time.monotonic() - began))
 
-    def _status_text(self, states: Mapping[str, str], alarms: Sequence[str]) -> str:
-        """Return the states of the sources; before the wall begins, also how many samples have come, and the alarms."""
-        if self._feed:
-            return "; ".join(f"{name}: {state}" for name, state in states.items())
-        said = [f"{name}: {state}" for name, state in states.items() if not any(state in alarm for alarm in alarms)]
-        model = self._live.model
-        received, refused, waiting = model.counts["received"], model.counts["not drawn"], model.waiting
+    def _waiting_text(self, states: Mapping[str, str], alarms: Sequence[Alarm], lost: Sequence[str]) -> str:
+        """Return, in lines, what the sources do and since when, what came of them, what is wrong, and what to check."""
+        for name, state in states.items():
+            if self._since.get(name, ("", ""))[0] != state:
+                self._since[name] = state, clock_text(time.time_ns())
+        counts, waiting = self._live.model.counts, self._live.model.waiting
+        received, refused = counts["received"], counts["not drawn"]
         text = f"{received:,} samples received"
         text += f", {refused:,} refused" if refused else ""
         text += f", {waiting:,} wait for their depth" if waiting else ""
-        return ". ".join([*(["; ".join(said)] if said else []), text, *(f"ALARM: {alarm}" for alarm in alarms)]) + "."
+        unsaid = [alarm for alarm in alarms if alarm.source not in lost or alarm.rule not in ("lost", "no_data")]
+        lines = [f"{name}: {state}, since {self._since[name][1]}" for name, state in states.items()]
+        lines += [text, *(str(alarm) for alarm in unsaid), *self._advice(lost, received, waiting)]
+        return "\n".join(f"{line}." for line in lines)
+
+    def _advice(self, lost: Sequence[str], received: int, waiting: int) -> list[str]:
+        """Return what to check first: the connection, then what is sent, then its depth."""
+        for name in lost:
+            address = self._live.configuration.sources[name].address
+            if address.kind == "listen":
+                return [f"Check that the sender of {name} runs and sends to port {address.port} of this machine"]
+            place = f"{address.host}:{address.port}" if address.host else address.file
+            return [f"Check that {place} is on, sends, and can be reached from this machine"]
+        if not received:
+            return ["Check that the sender sends, and that the items of the configuration are those that it sends"]
+        return ["Check that the bit depth is sent"] if waiting else []
 
     def _span(self) -> tuple[float, float]:
         """Return the depths of the shallowest and the deepest vertex, metres."""

@@ -70,6 +70,12 @@ def local(wall: int) -> datetime.datetime:
     return datetime.datetime.fromtimestamp(wall / 1e9, datetime.UTC).astimezone()
 
 
+def clock_text(wall: int) -> str:
+    """Return a time, ns since 1970, as the clock shows it: UTC, and here where that differs."""
+    here = local(wall)
+    return f"{utc(wall)[11:19]} UTC" + (f", {here:%H:%M:%S} here" if here.utcoffset() else "")
+
+
 class _NoRedirects(urllib.request.HTTPRedirectHandler):
     """Makes a redirect an error, because a redirected POST would become a GET without the line."""
 
@@ -130,9 +136,7 @@ class Alarm:
 
     def __str__(self) -> str:
         what = f"{self.rule} {self.source}".strip().replace("_", " ")
-        here = local(self.wall)
-        of_here = f", {here:%H:%M:%S} here" if here.utcoffset() else ""
-        return f"{what}: {self.text}, since {utc(self.wall)[11:19]} UTC{of_here}"
+        return f"{what}: {self.text}, since {clock_text(self.wall)}"
 
 
 def receiver(limits: AlarmLimits) -> str:

@@ -40,22 +40,27 @@ def test_a_page_opened_before_the_first_sample_waits_and_then_shows_the_wall(bro
     server = PageServer(scene, host="127.0.0.1", port=0, token=None)
     scene.update_state(sources="mwd: listening. 0 samples received.")
     screen = Waiting(browser, server.url, f"{ADDRESS}&theme=dark", SIZE)
-    screen.until(f"{WORDS} === 'Waiting for the first samples. mwd: listening. 0 samples received.'")
+    screen.until(f"{WORDS} === 'Waiting for the first samples.\\nmwd: listening. 0 samples received.'")
     assert screen.is_visible("#connection")
-    assert screen.inner_text("#lampText") == "waiting for the first samples"
+    assert screen.inner_text("#lampText") == "waiting"
+    assert not any(screen.is_visible(part) for part in ("aside", "#foot", "#follow", "#rigOpen", "#pass"))
     assert screen.evaluate("document.documentElement.className") == "dark"
     scene.update_state(
         sources="mwd: connected to 127.0.0.1. 12 samples received, 12 wait for their depth.", bit_depth=1031.0
     )
     screen.until(f"{WORDS}.endsWith('12 samples received, 12 wait for their depth.')")
+    scene.update_state(lost=("mwd",))
+    screen.until("document.getElementById('lampText').textContent === 'mwd not connected'")
+    assert screen.evaluate("document.getElementById('lamp').className") == "lamp lost"
+    scene.update_state(lost=())
     for key in "f[hidrc1 p":
         screen.keyboard.press(key)
-    assert screen.evaluate("document.getElementById('wallHead').inert")
     feed = Feed(MadeWall(40_000), path=curved_path(), attributes={}, well="Made-1", scene=scene)
     feed.start()
     screen.until("window.__wall.ready")
     assert not screen.is_visible("#connection")
-    assert not screen.evaluate("document.getElementById('wallHead').inert")
+    assert screen.is_visible("aside")
+    assert screen.is_visible("#wallHead")
     assert screen.inner_text("#well") == "Made-1"
     screen.settle()
     screen.evaluate("window.__wall.app.view.choose({ theme: 'light' })")

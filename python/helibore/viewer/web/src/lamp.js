@@ -35,7 +35,11 @@ function troubleOf({ alarms: { feed }, lost }) {
 // Colour, text, and the one word of it that rig mode has room for.
 /** @param {App} app */
 export function lampWords({ status, words, store, alarms, lost, bitDepth, newest, ended, sources, lastWrite, replay, contents, view }) {
-  if (status === 'waiting') return ['late', store ? 'waiting for the new run, picture from before' : 'waiting for the first samples'];
+  if (status === 'waiting') {
+    const trouble = troubleOf({ alarms, lost });
+    const text = store ? 'waiting for the new run, picture from before' : 'waiting';
+    return [lost.length ? 'lost' : trouble || store ? 'late' : '', trouble || text];
+  }
   if (status !== 'live' || !store) return ['lost', words || 'connecting'];
   if (replay.past) return ['late', `replay, first pass, as at ${showClock(replay.past.moment)} · ${showCount(replay.past.vertices)} vertices`];
   if (contents) return ['', `export of ${showClock(contents.made)} · ${showCount(store.levels[0].size)} vertices in the well`];

@@ -240,7 +240,8 @@ export class App {
   /** @param {State} state */
   takeState({ begun, sources, bit_depth: bit, newest, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false, shape = 'wall' }) {
     Object.assign(this, { sources, lost, shape });
-    if (!begun) return this.say('waiting', `${this.store ? 'The server was started again; this is the picture from before. ' : ''}Waiting for the first samples.${sources ? ` ${sources}` : ''}`);
+    if (!begun) this.alarms.feed = [...alarms].reverse();
+    if (!begun) return this.say('waiting', `${this.store ? 'The server was started again; this is the picture from before. ' : ''}Waiting for the first samples.${sources ? `\n${sources}` : ''}`);
     this.alarms.take(this.zonesBefore, zones, !this.contents && !ended && (newest !== null || (this.lastWrite !== null && this.zones.length > 0)), alarms);
     this.zones = this.zonesBefore = zones;
     document.body.classList.toggle('saved', ended && newest === null);

@@ -81,11 +81,10 @@ export function applyTheme({ theme }) {
   document.documentElement.classList.toggle('dark', theme === 'dark');
 }
 
-// The controls of the wall are disabled until there is one.
+// The panels and controls of the wall are hidden until there is one.
 /** @param {boolean} on */
 export function disableControls(on) {
-  for (const part of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll('aside, #foot, #wallHead, #follow, #bar label, #pass'))) part.inert = on;
-  for (const id of ['wallHead', 'brief']) byId(id).hidden = on;
+  document.body.classList.toggle('empty', on);
 }
 
 export const tabs = () => /** @type {HTMLCollectionOf<HTMLButtonElement>} */ (byId('tabs').children);
