@@ -3,7 +3,7 @@
 import { MAPS, fitRange, histogram, scaling, valuesInView } from './color.js';
 import { inkOn, PALETTES } from './layout.js';
 import { recall, remember } from './memory.js';
-import { CUTS, noTvd } from './path.js';
+import { CUTS } from './path.js';
 import { sized } from './polar.js';
 import { CLIPPED, INTERPOLATED, PROVISIONAL, RESCANNED, SUPPORT_MASK } from './protocol.js';
 import { scaleLength } from './tracks.js';
@@ -190,7 +190,7 @@ export function writeBrief({ view, zones, path, store }, read, figures) {
   write('briefMore', [
     ...figures.filter(([name]) => /^C\d/.test(name)).map(([name, size]) => [name.slice(0, 2), size === '–' ? 'no data' : size]),
     ...over.map(([name, of]) => [name, values[of] === '–' ? lacks : values[of]]),
-    ['TVD', Number.isNaN(tvd) ? path.whyNoTvd(depth) || noTvd(path) : showDepth(tvd, view.units)],
+    ['TVD', Number.isNaN(tvd) ? path.whyNoTvd(depth) || (path.surveyed ? 'not known' : 'no survey') : showDepth(tvd, view.units)],
   ]);
 }
 

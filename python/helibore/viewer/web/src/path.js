@@ -93,10 +93,6 @@ export class Path {
   }
 }
 
-// Why no true depth is known at all.
-/** @param {Path} path */
-export const noTvd = ({ surveyed }) => (surveyed ? 'no TVD' : 'no survey');
-
 // The four ways to cut the wall open: what the left edge is, and the letters along the top from left to right.
 /** @type {Record<Cut, { reference: 'up' | 'north', offset: number, letters: string[], label: string }>} */
 export const CUTS = {

@@ -4,7 +4,7 @@
 import { Q_ATTRIBUTE } from './color.js';
 import { drawColours, POINT, valueText } from './color_bar.js';
 import { BOLD, fitting, FONT, HEAD, imageRects, label, PALETTES, SMALL, tracksEnd, yOf } from './layout.js';
-import { CUTS, leftEdge, noTvd } from './path.js';
+import { CUTS, leftEdge } from './path.js';
 import { DENSE, hatched, line, OUTSIDE, pointer, SPARSE } from './strokes.js';
 import { depthNumber, depthUnit, LENGTHS, showDepth, unitOf } from './units.js';
 import { ticks } from './view.js';
@@ -48,7 +48,7 @@ export function drawAxisLabels(ink, { view, path, rects, zones }) {
   const end = rect.left + rect.width - 12;
   const unit = depthUnit(view.units);
   label(ink, `MD ${unit}`, end, 11, { colour: palette.ink, align: 'right', font: BOLD });
-  label(ink, path.trueDepth ? `TVD ${unit}` : noTvd(path), end, 27, { colour: palette.soft, align: 'right', font: SMALL });
+  label(ink, path.trueDepth ? `TVD ${unit}` : path.surveyed ? 'no TVD' : 'no survey', end, 27, { colour: palette.soft, align: 'right', font: SMALL });
   const beside = rects.image.width && rects.image.left - end < 24; // the letters of the sides
   if (beside && path.assumed && leftEdge(path, view.cut, view.middle).known) label(ink, 'assumed', end + 2, HEAD - 11, { colour: palette.soft, align: 'right', font: SMALL, yields: true });
   if (!view.rig) label(ink, `1:${Number((view.length / scaleLength(rect, 1)).toPrecision(3))}`, end, 43, { colour: palette.soft, align: 'right', font: SMALL });
