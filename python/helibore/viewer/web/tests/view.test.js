@@ -72,7 +72,7 @@ test('the lamp says how far behind the bit the wall is, or how far the bit was l
   assert.equal(words(1049.99, 0.1)[1].split(' · ')[1], '0.0 m behind bit');
   assert.deepEqual(words(1050, 0.1, { newest: Date.now() / 1000 - 180 }), ['late', '3 min old · 0.0 m behind bit · mwd: waiting to connect', 'no new data']);
   assert.deepEqual(words(null, 0.1, { newest: null, ended: true }), ['', 'not live · 12\u2009345 vertices', 'not live'], 'whether it was saved is not known');
-  assert.deepEqual(words(1050, 0.1, { status: 'waiting', store: null }), ['late', 'waiting for the first samples']);
+  assert.deepEqual(words(1050, 0.1, { status: 'waiting', store: null }), ['', 'waiting']);
   assert.deepEqual(words(1050, 0.1, { status: 'lost', words: 'Connection lost, trying again' }), ['lost', 'Connection lost, trying again']);
 });
 
