@@ -7,6 +7,7 @@ import { showAge, showClock, showCount, showDepth } from './units.js';
 import { zoneAt, zoneText } from './zones.js';
 
 const LATE = 60; // seconds without a sample
+const LIFTED = 0.5; // metres: a bit depth that is some seconds old may lie so far within a wall that grows
 /** @type {Record<string, string>} */
 export const SIGNS = { live: '✓', late: '!', lost: '✕' };
 
@@ -61,7 +62,7 @@ export function lampWords({ status, words, store, alarms, lost, bitDepth, newest
 /** @param {Store} store @param {number} bitDepth @param {Units} units */
 function behind(store, bitDepth, units) {
   const ahead = (bitDepth - store.end) * Math.sign(store.levels[0].pitch);
-  return ahead > -0.05 ? `${showDepth(Math.max(0, ahead), units, 1)} behind bit` : `bit back ${showDepth(-ahead, units, 1)} in the wall`;
+  return ahead > -LIFTED ? `${showDepth(Math.max(0, ahead), units, 1)} behind bit` : `bit back ${showDepth(-ahead, units, 1)} in the wall`;
 }
 
 // The cursor in words, for screen readers.

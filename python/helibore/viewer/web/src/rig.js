@@ -6,11 +6,11 @@ import { byId } from './panel.js';
 import { depthNumber, depthUnit, LENGTHS, showAge, showDepth, showSigned, showSpan } from './units.js';
 import { bySeverity, MEASURES } from './zones.js';
 
-export const RECENT = 30; // metres of hole that "last" means
+export const RECENT = 30; // metres of hole that "last" means, if the wall is that long
 
 // Depths of the last metres of a wall, shallow first.
 /** @param {Store} store */
-export const recent = ({ end, levels: [{ pitch }] }) => [end - RECENT * Math.sign(pitch), end].sort((a, b) => a - b);
+export const recent = ({ span: [shallow, deep], levels: [{ pitch }] }) => (pitch > 0 ? [Math.max(shallow, deep - RECENT), deep] : [shallow, Math.min(deep, shallow + RECENT)]);
 
 /** @type {(zones: Zone[], ends: number[]) => Zone | null} */
 export function worstOf(zones, [top, bottom]) {
@@ -40,7 +40,8 @@ export function writeRig(app) {
   byId('rig').hidden = !view.rig;
   document.body.classList.toggle('rig', view.rig);
   if (!view.rig) return;
-  for (const at of document.getElementsByClassName('recent')) at.textContent = `last ${showDepth(RECENT, view.units, 0)}`;
+  const [top, bottom] = recent(store);
+  for (const at of document.getElementsByClassName('recent')) at.textContent = `last ${showDepth(bottom - top, view.units, 0)}`;
   const { scale, unit } = LENGTHS[view.units];
   /** @param {number | null | undefined} metres */
   const size = (metres) => (typeof metres === 'number' && Number.isFinite(metres) ? (metres * scale).toFixed(unit === 'mm' ? 0 : 2) : '–');
@@ -50,7 +51,7 @@ export function writeRig(app) {
   const measured = store.basis !== 'gauge' && summary?.mean_diameter;
   cell('rigSize', measured ? size(summary.mean_diameter) : '–', measured ? unit : '', measured
     ? `${size(summary.least_diameter)} to ${size(summary.greatest_diameter)}, bit ${size(2 * store.bitRadius)}` : `${store.basis === 'gauge' || summary ? 'not measured' : '…'}, bit ${size(2 * store.bitRadius)} ${unit}`);
-  const worst = worstOf(zones, recent(store));
+  const worst = worstOf(zones, [top, bottom]);
   /** @type {string[]} */
   const [number, inUnit = ''] = worst ? showSigned(worst.measure, view.units, unit === 'mm' ? 0 : 1).split(' ') : [store.basis === 'gauge' ? '–' : 'none', ''];
   cell('rigWorst', number, inUnit, worst ? `${worst.kind} ${showSpan(worst.start, worst.stop, view.units)}` : store.basis === 'gauge' ? 'not measured' : 'no zone');

@@ -20,9 +20,10 @@ test('rig mode says an alarm in short words, in two lines at most', () => {
 
 test('the worst zone of the last 30 m reaches into them, drilling down or up', () => {
   const zones = [zone('washout', 10, 20, 9), zone('breakout', 60, 71, 3), zone('washout', 80, 82, 2)];
-  const wall = (pitch) => ({ end: 100, levels: [{ pitch }] });
-  assert.deepEqual(recent(wall(0.1)), [70, 100]);
-  assert.deepEqual(recent(wall(-0.1)), [100, 130]);
+  const wall = (pitch, ...span) => ({ span, levels: [{ pitch }] });
+  assert.deepEqual(recent(wall(0.1, 10, 100)), [70, 100]);
+  assert.deepEqual(recent(wall(-0.1, 100, 190)), [100, 130]);
+  assert.deepEqual(recent(wall(0.1, 88, 100)), [88, 100], 'all of a shorter wall');
   assert.equal(worstOf(zones, [70, 100]), zones[1]);
   assert.equal(worstOf(zones, [71, 100]), zones[2]);
   assert.equal(worstOf(zones, [90, 100]), null);
