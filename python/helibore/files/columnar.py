@@ -127,7 +127,7 @@ def _dates_as_text(array: Array) -> Array:
 
 
 def own_unit(name: str, remarks: list[str]) -> str:
-    """Return the unit of a binary column with one of helibore's names (``depth`` ...) and add a remark; else ``""``."""
+    """Return the unit of a Parquet or NPZ column with a name of helibore's (``depth`` ...), with a remark; else ""."""
     unit = OWN_UNITS.get(name, "")
     if unit:
         remarks.append(f"{name}: no unit stated; a binary column of this name is taken as {unit}")

@@ -67,7 +67,7 @@ def dlisio_warnings() -> Iterator[set[str]]:
 
 
 def text_of(value: Any) -> str:
-    """Return an attribute as text; bytes that dlisio could not decode are read as Windows-1252."""
+    """Return an attribute of DLIS or LIS as text (None: ""); bytes that dlisio did not decode are Windows-1252."""
     if isinstance(value, bytes):
         return value.decode("cp1252", "replace")
     return "" if value is None else str(value)

@@ -123,8 +123,8 @@ def _dlis(table: LogTable, header: Mapping[str, str]) -> Callable[[BinaryIO], ob
 def _silent() -> Iterator[None]:
     """Silence dliswriter's progress bar and its warnings.
 
-    It warns about the unit m3, which RP66 V1 (appendix B) allows, and that a frame of one row has no spacing. A table
-    without rows is such a frame, because it is written as one row of nulls.
+    dliswriter warns about the unit m3, which RP66 V1 (appendix B) allows, and that a frame of one row has no spacing.
+    A table without rows is such a frame, because it is written as one row of nulls.
     """
     module: Any = importlib.import_module("dliswriter.file.writer")
     bar = module.progressbar

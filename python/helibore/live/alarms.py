@@ -235,7 +235,7 @@ class Alarms:
 
     @property
     def active(self) -> list[Alarm]:
-        """The alarms that have begun and not ended, in order."""
+        """The alarms that have begun and not ended, in the order in which they began."""
         with self._lock:
             return list(self._active.values())
 
@@ -409,7 +409,7 @@ class Alarms:
         return found
 
     def _measure(self, now: int) -> None:
-        """Hold an alarm ``tight`` or ``washout`` if the median diameter of a changed turn is beyond its limit."""
+        """Note the cause of an alarm ``tight`` or ``washout`` if the median diameter of a changed turn is beyond it."""
         wall, limits = self._live.wall, self._limits
         sectors, bit = wall.settings.sectors, self._live.model.configuration.wall["bit_diameter"]
         for start, stop in [self._changed.popleft() for _ in range(len(self._changed))]:

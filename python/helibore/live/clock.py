@@ -53,7 +53,7 @@ class ModelClock:
         return times
 
     def jumps(self, wall: npt.NDArray[np.int64], times: npt.NDArray[np.int64]) -> list[tuple[int, int]]:
-        """Return (index of the next record, change in ns) for each time that the wall clock was set (see `JUMP`)."""
+        """Return (index of the first record after it, its size in ns) for each jump of the wall clock (see `JUMP`)."""
         drift, found, start = wall - times, [], 0
         while len(late := (np.abs(drift[start:] - self._drift) >= JUMP).nonzero()[0]):
             start += int(late[0])

@@ -113,7 +113,7 @@ class LastDepth:
 
 
 class Steps(LastDepth):
-    """Checks bit or hole depths. A value that jumps is not used; the value after it is used if both are near."""
+    """Checks bit or hole depths. A value that jumps is not used; the next value is used if it lies near that value."""
 
     STATE = (*LastDepth.STATE, "_rejected")
 

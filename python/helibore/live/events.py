@@ -89,7 +89,7 @@ class Event:
         return self.last or self
 
     def and_then(self, more: Event) -> Event:
-        """Return this event joined with a later event of its rule and source: the sum of counts, the later as last."""
+        """Return this event joined with a later event of its rule and source; counts add up, the later is ``last``."""
         return replace(self, count=self.count + more.count, last=more.newest)
 
     def __str__(self) -> str:

@@ -423,7 +423,7 @@ class SourceReader:
         reading.triples = np.column_stack([depth, toolface, radius])
 
     def _judge_unit(self, toolface: Values, reading: Reading, frame: Integers) -> None:
-        """Report toolfaces that seem to be radians: the first ones, in radians, cover over half a turn, at most one."""
+        """Report that toolfaces seem to be radians if the first ones, read so, cover half a turn to a whole turn."""
         caliper = self.source.caliper
         if not isinstance(caliper, WitsCaliper) or caliper.toolface_unit or len(self._toolfaces) == FIRST_TOOLFACES:
             return

@@ -55,7 +55,7 @@ class StoreReader(SourceReader):
         self._reported_jump = self._reported_index = -np.inf
 
     def go_on_from(self, before: SourceReader) -> None:
-        """Take over the last index, the incomplete answer and the null value of the log as well."""
+        """Take over what `SourceReader` does, and the last index, the incomplete answer and the log's null value."""
         super().go_on_from(before)
         if isinstance(before, StoreReader):
             self.last, self._last_key, self._frames = before.last, before._last_key, before._frames

@@ -48,7 +48,7 @@ class Downloads:
 
 
 def encoded(chunks: Iterator[str]) -> Iterator[bytes]:
-    """Yield the chunks encoded, and sleep after each as long as it took, so a producer keeps half a core."""
+    """Yield the chunks as bytes; sleep after each as long as it took, so that a growing wall keeps half a core."""
     while True:
         began = time.monotonic()
         chunk = next(chunks, None)

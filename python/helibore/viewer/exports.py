@@ -62,14 +62,14 @@ def vertex(scene: Scene, k: int) -> dict[str, Any]:
 
 
 def curve_bytes(curve: ScalarCurve) -> bytes:
-    """Return a curve for the page: its first depth as f64, n depths minus this as f32, n values as f32."""
+    """Return a curve for the page: its first depth as f64, n depths relative to it as f32, n values as f32."""
     first = curve.depth[:1] if curve.depth.size else np.zeros(1)
     columns = (curve.depth - first, curve.values)
     return first.astype("<f8").tobytes() + b"".join(column.astype("<f4").tobytes() for column in columns)
 
 
 def section_ends(query: Mapping[str, str]) -> tuple[float, float]:
-    """Return ``start`` and ``stop`` of a request's section, metres, as it states them; the order is free."""
+    """Return the depths ``start`` and ``stop`` that a request states, metres; either may be the deeper one."""
     start, stop = (_end(query, name) for name in ("start", "stop"))
     return start, stop
 

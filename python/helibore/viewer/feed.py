@@ -104,7 +104,7 @@ class Feed:
         self._read([(0, len(wall))], wall.settled)
 
     def start(self) -> None:
-        """Start the thread that reads what `update` notes, and the one that finds the zones. They end before Python."""
+        """Start the threads that read what `update` notes and find the zones. Both end before Python does."""
         atexit.register(self.close)  # a thread that Python stops inside the core would abort the process
         for name, run in (("helibore-view-feed", self._run), ("helibore-view-zones", self._run_zones)):
             self._threads.append(threading.Thread(target=run, name=name, daemon=True))

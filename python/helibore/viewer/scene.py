@@ -44,7 +44,7 @@ class Attribute:
 
     ``low`` or ``high`` None: the ends follow from its values (percentiles 2 and 98; for the map "difference", even ends
     around 0). ``color_map`` "": the usual one of its name and unit.
-    ``rows``: the upper edge of a row and the height of all, metres, of an image that was measured in rows; the page
+    ``rows``: the upper edge of a row and the height of every row, metres, of an image measured in rows; the page
     draws these. None: it draws the quads.
     """
 

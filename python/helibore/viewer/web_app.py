@@ -136,7 +136,7 @@ class WebApp:
         self.loop = None
 
     def wake(self) -> None:
-        """Wake every connection because something changed; from any thread, at the cost of a flag."""
+        """Wake every connection because something changed; from any thread. Until they wake, more calls do nothing."""
 
         def wake_connections() -> None:
             self.wake_pending = False
