@@ -83,7 +83,7 @@ class _NoRedirects(urllib.request.HTTPRedirectHandler):
         return None
 
 
-class _Known(urllib.request.HTTPHandler, urllib.request.HTTPSHandler):
+class _RecordingHandler(urllib.request.HTTPHandler, urllib.request.HTTPSHandler):
     """Opens connections to the webhook and appends each to ``made``, so that a slow request can be ended."""
 
     def __init__(self, made: list[http.client.HTTPConnection]) -> None:
@@ -286,14 +286,14 @@ class Alarms:
             if self._active.setdefault((rule, source), alarm) is not alarm:
                 return
             self.counts[rule, source] += 1
-        self._tell(alarm, alarm.wall)
+        self._report(alarm, alarm.wall)
 
     def _end(self, alarm: Alarm, wall: int, ended: str) -> None:
         with self._lock:
             del self._active[alarm.rule, alarm.source]
         _, worst = self._worst.pop(alarm.rule, (0.0, alarm.text))
         said = alarm if worst == alarm.text else replace(alarm, text=f"{alarm.text}; the worst: {worst}")
-        self._tell(said, wall, ended)
+        self._report(said, wall, ended)
 
     def close(self) -> None:
         """End all alarms except a failure, and stop; each waiting line is tried once, for a few seconds in all."""
@@ -427,7 +427,7 @@ class Alarms:
                     self._held[rule, ""] = now, text
                     self._worst[rule] = max(self._worst.get(rule, (0.0, "")), (float(sign * over[turn]), text))
 
-    def _tell(self, alarm: Alarm, wall: int, ended: str = "") -> None:
+    def _report(self, alarm: Alarm, wall: int, ended: str = "") -> None:
         """Report that an alarm begins, or that it ``ended``, and queue the line for the command and the webhook."""
         self._live.report(f"alarm_{alarm.rule}" + ("_end" if ended else ""), ended + alarm.text, alarm.source)
         state = "ends" if ended else "begins"
@@ -483,7 +483,7 @@ class Alarms:
         try:
             made: list[http.client.HTTPConnection] = []
             self._posting = time.monotonic(), made
-            urllib.request.build_opener(_NoRedirects, _Known(made)).open(request, timeout=SECONDS).close()
+            urllib.request.build_opener(_NoRedirects, _RecordingHandler(made)).open(request, timeout=SECONDS).close()
         except urllib.error.HTTPError as error:
             error.close()
             raise
