@@ -146,8 +146,9 @@ def _radius(log_set: RawSet, arm: Role, bit: float | None, echo: Echo | None) ->
 def _angles(log_set: RawSet, arm: Role, width: int, turning: bool) -> list[float]:
     """Return the directions in which the sensors of one channel look, degrees from the toolface."""
     if width > 1 or arm.role == "radius-image":
-        if arm.first is None or arm.step is None:
-            rule = "the angles of its sectors are not stated: set first and step (degrees) in a map"
+        if arm.first is None or arm.step is None or np.isnan(arm.step):
+            stated = "not stated" if arm.first is None or arm.step is None else "uneven"
+            rule = f"the angles of its sectors are {stated}: set first and step (degrees) in a map"
             names = log_set[arm.channel].member_names if width < IMAGE_ROW else ()
             if names and arm.role == "radius-image":
                 each = " ".join(f"--radius {name}@{360 * at / width:g}" for at, name in enumerate(names))

@@ -262,8 +262,9 @@ def _image_role(channel: Channel) -> Role:
     if axis is not None and units.measures(axis.unit) == units.ANGLE:
         scale = units.factor(axis.unit, units.ANGLE)
         first = axis.first * scale if axis.first == axis.first else None
-        step = axis.step * scale if axis.step == axis.step else None
-        reason += f"; its axis starts at {axis.first:g} {axis.unit}, step {axis.step:g}"
+        step = None if axis.step is None else axis.step * scale
+        stated = "not stated" if axis.step is None else f"{axis.step:g}" if axis.step == axis.step else "uneven"
+        reason += f"; its axis starts at {axis.first:g} {axis.unit}, step {stated}"
     else:
         reason += "; the angle of its first sector is not stated"
     return Role(channel.name, role, reason, channel.unit, first=first, step=step)

@@ -123,7 +123,7 @@ def _frame(source: InputFile, name: str, frame: Any, parameters: dict[str, str])
 
 
 def _axis(channel: Any) -> SectorAxis | None:
-    """Return the axis of a channel that has exactly one, else None. First angle and step are NaN if not stated."""
+    """Return the axis of a channel that has exactly one, else None. An angle that is not stated is NaN."""
     axes = channel.axis
     if len(axes) != 1:
         return None
@@ -131,9 +131,11 @@ def _axis(channel: Any) -> SectorAxis | None:
     unit = text_of(axes[0].attic["COORDINATES"].units) if coordinates else ""
     try:
         first = float(coordinates[0]) if coordinates else float("nan")
-        step = float(spacing) if spacing is not None else float("nan")
+        step = None if spacing is None else float(spacing)
         if spacing is None and len(coordinates) > 1:
-            step = float(coordinates[1]) - float(coordinates[0])
+            steps = np.diff([float(coordinate) for coordinate in coordinates])
+            even = np.allclose(steps, steps[0], rtol=0.01, atol=0)  # files round their angles
+            step = float(steps[0]) if even else float("nan")
     except (TypeError, ValueError):
         return None
     return SectorAxis(first, step, unit)

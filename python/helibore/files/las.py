@@ -244,12 +244,12 @@ def _curves(source: InputFile, section: LasSection, remarks: list[str]) -> list[
 
 
 def _axis(form: str) -> SectorAxis | None:
-    """Return the first angle in an array format such as ``AF10.4;0deg;10ft``, with NaN as step; None without one."""
+    """Return the first angle in an array format such as ``AF10.4;0deg;10ft``, with no step; None without an angle."""
     parts = form.split(";")
     if len(parts) < 2 or not parts[0].strip().upper().startswith("A"):
         return None
     spacing = SPACING.match(parts[1])
-    return SectorAxis(float(spacing["value"]), np.nan, spacing["unit"]) if spacing else None
+    return SectorAxis(float(spacing["value"]), None, spacing["unit"]) if spacing else None
 
 
 def _set(

@@ -34,11 +34,11 @@ EXACT = 2**53
 class SectorAxis:
     """The angles of an image's sectors as the file states them: sector i is at ``first + i * step``.
 
-    ``unit`` is the unit as written; ``step`` is NaN where the file states no even step.
+    ``unit`` is the unit as written; ``step`` is None if the file states none, and NaN if the angles are uneven.
     """
 
     first: float
-    step: float
+    step: float | None
     unit: str
 
 

@@ -83,6 +83,28 @@ def test_image_without_a_stated_axis(tmp_path: Path) -> None:
             wall_samples(file)
 
 
+@pytest.mark.parametrize("last", [270.0, 240.0])
+def test_sectors_at_uneven_angles_are_refused(tmp_path: Path, last: float) -> None:
+    file = dliswriter.DLISFile()
+    logical = file.add_logical_file()
+    logical.add_origin("ORIGIN", file_set_number=1)
+    degrees = dliswriter.AttrSetup([0.0, 90.0, 180.0, last], units="deg")
+    axis = logical.add_axis("AZIMUTH", axis_id="AZIMUTH", coordinates=degrees)
+    depth = logical.add_channel("TDEP", data=np.arange(5.0), units="m")
+    radius = logical.add_channel("RADI", data=np.full((5, 4), 108.0), units="mm", axis=axis)
+    logical.add_frame("MAIN", channels=(depth, radius), index_type="BOREHOLE-DEPTH")
+    file.write(tmp_path / "w.dlis")
+    with hb.open(tmp_path / "w.dlis") as opened:
+        columns = opened.image("RADI")
+        if last == 270.0:
+            assert columns.sector_image(origin="edge", reference="north").values.shape == (5, 4)
+            return
+        with pytest.raises(ValueError, match=r"^RADI: 4 sectors, unevenly spaced: must be 90 around the hole$"):
+            columns.sector_image(origin="edge", reference="north")
+        with pytest.raises(ValueError, match=r"^w.dlis, column RADI: the angles of its sectors are uneven: set first"):
+            wall_samples(opened)
+
+
 def test_truncated_anywhere_is_refused(tmp_path: Path) -> None:
     write(tmp_path / "w.dlis", 36)
     whole = (tmp_path / "w.dlis").read_bytes()

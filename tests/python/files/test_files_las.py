@@ -172,7 +172,7 @@ def test_las3_uneven_angles_are_not_stated_as_even(tmp_path: Path) -> None:
     axis = hb.open(tmp_path / "w.las").set()["RADI"].axis
     assert axis is not None
     assert np.isnan(axis.step)
-    with pytest.raises(ValueError, match=r"column RADI: the angles of its sectors are not stated"):
+    with pytest.raises(ValueError, match=r"column RADI: the angles of its sectors are uneven"):
         hb.open(tmp_path / "w.las").readings()
 
 
