@@ -53,13 +53,15 @@ _QUANTITY = re.compile(
 _SUFFIXES = (
     re.compile(r"(?P<stem>.*\S)\s*\((?P<unit>[^()]+)\)\s*"),
     re.compile(r"(?P<stem>.*\S)\s*\[(?P<unit>[^\[\]]+)\]\s*"),
+    re.compile(r"(?P<stem>.*[^_\s])_(?P<unit>\d[^_]*_[^_]+)"),  # tdep_0.1_in
     re.compile(r"(?P<stem>.*[^_\s])_(?P<unit>[^_]+)"),
 )
+_BLANKS = str.maketrans("", "", " _")
 
 
 def canonical(unit: str) -> str:
     """Return the name this table uses for ``unit``: ``canonical("INCHES") == "in"``; InputError if it is not there."""
-    found = _NAMES.get(unit.lower().replace(" ", ""))
+    found = _NAMES.get(unit.lower().translate(_BLANKS))
     if found is None:
         raise InputError(f"unit '{unit}'", f"not known; known are {', '.join(_TABLE)}")
     return found
@@ -81,7 +83,7 @@ def factor(unit: str, kind: str) -> float:
 
 def measures(unit: str) -> str:
     """Return what a unit measures: length, angle, time or rotation; ``""`` for a unit that is not in the table."""
-    known = _NAMES.get(unit.lower().replace(" ", ""))
+    known = _NAMES.get(unit.lower().translate(_BLANKS))
     return _TABLE[known][0] if known else ""
 
 
@@ -92,7 +94,7 @@ def split(name: str, kind: str) -> tuple[str, str | None]:
     """
     for pattern in _SUFFIXES:
         match = pattern.fullmatch(name)
-        unit = _NAMES.get(match["unit"].lower().replace(" ", "")) if match else None
+        unit = _NAMES.get(match["unit"].lower().translate(_BLANKS)) if match else None
         if match and unit is not None and _TABLE[unit][0] == kind:
             return match["stem"], unit
     return name, None

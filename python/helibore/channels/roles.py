@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from helibore.base import units
-from helibore.files.headings import describe
+from helibore.files.headings import unit_in_name
 from helibore.files.raw_set import Channel, RawSet
 
 ROLES: dict[str, str] = {
@@ -186,7 +186,7 @@ def _none(channel: Channel, reason: str) -> Role:
 def stem(channel: Channel) -> str:
     """Return the channel's name in lower case without the unit at its end: ``pfc1_x_in`` -> ``pfc1_x``."""
     name = channel.name.lower()
-    unit = describe(channel.name).lower()
+    unit = unit_in_name(channel.name).lower()
     if unit and name.endswith(unit) and not name[: -len(unit)].endswith(("[", "(")):
         name = name[: -len(unit)].rstrip("_ ") or name
     return re.sub(r"\s*[\[(][^\])]*[\])]\s*$", "", name).strip()

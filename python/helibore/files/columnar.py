@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from helibore.base.errors import needs
-from helibore.files.headings import describe
+from helibore.files.headings import unit_in_name
 from helibore.files.input_file import InputFile, refuse_zip_bomb
 from helibore.files.raw_set import Array, Channel, RawFile, RawSet, SectorAxis, unique
 
@@ -58,7 +58,7 @@ def read_parquet(source: InputFile) -> RawFile:
             continue
         own = schema.field(position).metadata or {}
         unit = (own.get(b"unit") or own.get(b"uom") or b"").decode("utf-8", "replace")
-        unit = unit or describe(name) or own_unit(name, remarks)
+        unit = unit or unit_in_name(name) or own_unit(name, remarks)
         is_text = not number and not pa.types.is_null(kind)
         channels.append(Channel(name, unit, "", load, source.nulls, None, shape, is_text, nan_is_missing=False))
     return RawFile("parquet", [RawSet(source.path, "table", channels, rows, None, header, remarks)], file.close)
@@ -116,7 +116,7 @@ def read_npz(source: InputFile) -> RawFile:
         if array.ndim not in (1, 2) or array.dtype.kind not in "fiuUSb" or not (len(array) == rows or is_axis):
             remarks.append(f"{name}: shape {array.shape} of {array.dtype} does not fit {rows} rows; left out")
             continue
-        unit = describe(name) or ("" if array.dtype.kind in "US" else own_unit(name, remarks))
+        unit = unit_in_name(name) or ("" if array.dtype.kind in "US" else own_unit(name, remarks))
         channels.append(Channel(name, unit, "", array, source.nulls, axis, nan_is_missing=False))
     return RawFile("npz", [RawSet(source.path, "arrays", channels, rows, None, {}, remarks)])
 
@@ -142,5 +142,5 @@ def _axis_beside(array: Array, rows: int, arrays: dict[str, Array]) -> SectorAxi
         if other.shape == (array.shape[1],) and array.shape[1] != rows and other.dtype.kind in "fiu" and other.size > 1:
             steps = np.diff(other.astype(np.float64))
             even = np.allclose(steps, steps[0], rtol=1e-6, atol=1e-9)
-            return SectorAxis(float(other[0]), float(steps[0]) if even else float("nan"), describe(name))
+            return SectorAxis(float(other[0]), float(steps[0]) if even else float("nan"), unit_in_name(name))
     return None

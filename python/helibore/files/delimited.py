@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from helibore.base.errors import InputError
-from helibore.files.headings import describe, is_number, is_units_row
+from helibore.files.headings import is_number, is_units_row, unit_in_name
 from helibore.files.input_file import LINE_LIMIT, InputFile, decode
 from helibore.files.number_rows import NULL_TEXTS, read_rows, split_cells
 from helibore.files.raw_set import EXACT, Array, Channel, RawFile, RawSet, unique
@@ -72,7 +72,7 @@ def read(source: InputFile) -> RawFile:
         columns, line_of = found.columns, found.line_of
     channels = []
     for position, (name, values) in enumerate(zip(names, columns, strict=True)):
-        unit = layout.units[position] if layout.units else describe(layout.names[position])
+        unit = layout.units[position] if layout.units else unit_in_name(layout.names[position])
         channels.append(Channel(name, unit, "", values, source.nulls, nan_is_missing=False))
     rows = len(columns[0])
     comments = [remark.removeprefix(COMMENT).partition(":") for remark in layout.remarks if remark.startswith(COMMENT)]

@@ -25,14 +25,16 @@ BRACKETED = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\s*$")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
 
-def describe(name: str) -> str:
+def unit_in_name(name: str) -> str:
     """Return the unit at the end of a column name, as written there, or ``""`` if the name states no unit."""
     bracketed = BRACKETED.search(name)
     if bracketed and not bracketed[1].isdigit():
         return bracketed[1]
-    stem, mark, last = name.rpartition("_")
-    if mark and stem and last.lower() in SPELLINGS - AMBIGUOUS:
-        return last
+    parts = name.split("_")
+    endings = ("_".join(parts[at:]) for at in range(1, len(parts)) if any(parts[:at]))  # the longest first: 0.1_in
+    for ending in endings:
+        if ending.lower() in SPELLINGS - AMBIGUOUS:
+            return ending
     camel = re.search(r"[a-z](Deg|Rad)$", name)
     return camel[1].lower() if camel else ""
 

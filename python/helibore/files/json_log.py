@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from helibore.files.headings import describe
+from helibore.files.headings import unit_in_name
 from helibore.files.input_file import InputFile, decode, read_exactly
 from helibore.files.raw_set import Array, Channel, RawFile, RawSet, readable_sets, unique
 
@@ -170,6 +170,6 @@ def _well(source: InputFile, name: str, well: Any) -> RawSet:
             first = next(iter(lists))
             remarks.append(f"{label}: {len(cells)} values where {first} has {rows}; the channel is left out")
             continue
-        unit = header.get(WELL_UNITS[label], "") if label in WELL_UNITS else describe(label)
+        unit = header.get(WELL_UNITS[label], "") if label in WELL_UNITS else unit_in_name(label)
         channels.append(Channel(label, unit, "", _column(source, label, {}, cells), source.nulls))
     return RawSet(source.path, name, channels, rows, next(iter(lists)), header, remarks)

@@ -11,7 +11,7 @@ from functools import partial
 from typing import Any
 
 from helibore.base.errors import InputError, needs
-from helibore.files.headings import describe, is_number, is_units_row
+from helibore.files.headings import is_number, is_units_row, unit_in_name
 from helibore.files.input_file import InputFile, refuse_zip_bomb
 from helibore.files.number_rows import column_of
 from helibore.files.raw_set import Channel, RawFile, RawSet, readable_sets, unique
@@ -57,7 +57,8 @@ def _sheet(source: InputFile, name: str, sheet: list[list[Any]]) -> RawSet:
         remarks.append(f"sheet {name}: line {stop + 1} is empty: the rows below it are left out")
     channels = []
     for at, label in enumerate(unique(titles)):
-        unit, values = units[at] if units else describe(titles[at]), column_of([row[at] for row in rows[start:stop]])
+        unit = units[at] if units else unit_in_name(titles[at])
+        values = column_of([row[at] for row in rows[start:stop]])
         channels.append(Channel(label, unit, "", values, source.nulls, nan_is_missing=False))
     return RawSet(source.path, name, channels, stop - start, None, {}, remarks, lambda row: row + start + 1)
 

@@ -41,6 +41,8 @@ def test_factor(unit: str, kind: str, factor: float) -> None:
     [
         ("md_m", "length", "md", "m"),
         ("tdep_0.1in", "length", "tdep", "0.1in"),
+        ("tdep_0.1_in", "length", "tdep", "0.1in"),
+        ("pass_1_m", "length", "pass_1", "m"),
         ("pfc1_x_in", "length", "pfc1_x", "in"),
         ("Depth (ft)", "length", "Depth", "ft"),
         ("CAL[mm]", "length", "CAL", "mm"),

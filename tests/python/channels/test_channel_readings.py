@@ -158,7 +158,7 @@ def test_travel_time_image(tmp_path: Path) -> None:
         parse_options(one, guess(one), {}, {"travel-time": ["TT@30"]})
 
 
-LENGTHS = ["m", "cm", "mm", "ft", "ftUS", "in", "0.1in"]
+LENGTHS = ["m", "cm", "mm", "ft", "ftUS", "in", "0.1in", "0.1_in"]
 
 
 @settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
