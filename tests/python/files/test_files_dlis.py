@@ -93,7 +93,7 @@ def test_sectors_at_uneven_angles_are_refused(tmp_path: Path, last: float) -> No
     depth = logical.add_channel("TDEP", data=np.arange(5.0), units="m")
     radius = logical.add_channel("RADI", data=np.full((5, 4), 108.0), units="mm", axis=axis)
     logical.add_frame("MAIN", channels=(depth, radius), index_type="BOREHOLE-DEPTH")
-    file.write(tmp_path / "w.dlis")
+    file.write(tmp_path / "w.dlis", output_chunk_size=2**20)
     with hb.open(tmp_path / "w.dlis") as opened:
         columns = opened.image("RADI")
         if last == 270.0:
