@@ -38,7 +38,7 @@ RANGES = (0.3, 1.0, 3.0, 12.0, 30.0, 80.0)
 LEAST_LONG_RANGE = 12.0
 """Metres along the hole."""
 NUGGETS = (0.003, 0.02, 0.1, 0.4)
-_BLOCKS, _MOST_SAMPLES, _BLOCK_LENGTH, _POSITIONS = 60, 48, 10.0, 2000
+_BLOCKS, _FEWEST_SAMPLES, _MOST_SAMPLES, _BLOCK_LENGTH, _POSITIONS = 60, 8, 48, 10.0, 2000
 
 
 def find_continuation(samples: Columns, settings: Settings, seed: int) -> tuple[Settings | None, float]:
@@ -108,6 +108,6 @@ def _blocks(depth: Floats, rng: np.random.Generator) -> np.ndarray:
     length = min(_BLOCK_LENGTH, float(np.ptp(depth)))
     first = rng.uniform(depth[0], depth[-1] - length, _BLOCKS) if depth[-1] - length > depth[0] else depth[:1]
     ends = np.searchsorted(depth, [first, first + length])
-    count = min(_MOST_SAMPLES, int(np.median(ends[1] - ends[0])))
-    wide = [(low, high) for low, high in ends.T if high - low >= max(count, 8)]
+    count = min(_MOST_SAMPLES, max(_FEWEST_SAMPLES, int(np.median(ends[1] - ends[0]))))
+    wide = [(low, high) for low, high in ends.T if high - low >= count]
     return np.array([rng.choice(np.arange(low, high), count, replace=False) for low, high in wide])
