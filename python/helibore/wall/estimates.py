@@ -65,6 +65,8 @@ def choose_left_out(
     Raises InputError if there are too few samples for the ``purpose``, or if the settings have a window.
     """
     count = samples[0].size
+    if most < 1:
+        raise InputError("targets", "must be 1 or more", str(most))
     if settings.window is not None:
         rule = f"must be None {purpose}: samples are left out of the exact search"
         raise InputError("window", rule, str(settings.window))

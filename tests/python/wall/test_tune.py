@@ -161,6 +161,12 @@ BAD: list[tuple[int, dict[str, Any], str]] = [
 ]
 
 
+@pytest.mark.parametrize("targets", [0, -5])
+def test_at_least_one_sample_must_be_left_out(targets: int) -> None:
+    with pytest.raises(hb.InputError, match=exactly(f"targets = {targets}: must be 1 or more")):
+        hb.tune(caliper(), bit_diameter=BIT, targets=targets)
+
+
 @pytest.mark.parametrize(("count", "settings", "text"), BAD, ids=[text for *_, text in BAD])
 def test_bad_input(count: int, settings: dict[str, Any], text: str) -> None:
     with pytest.raises(hb.InputError, match=exactly(text)):
@@ -177,3 +183,12 @@ def test_equal_positions_and_a_constant_wall() -> None:
     together = hb.Caliper(np.ones(200), np.zeros(200), np.full(200, 0.11))
     with pytest.raises(hb.InputError, match=r"^samples: too few samples to tune: no sample has another"):
         hb.tune(together, bit_diameter=BIT)
+
+
+def test_a_hole_whose_samples_are_sparse_in_most_places_can_be_tuned() -> None:
+    """Most blocks of the hole hold one sample, and a constant and a covariance need more."""
+    rng = np.random.default_rng(0)
+    depth = np.sort([*rng.uniform(0, 200, 400), *np.arange(200, 1000, 9.0)])
+    samples = hb.Caliper(depth, rng.uniform(0, 360, depth.size), rng.normal(0.11, 3e-3, depth.size))
+    found = hb.tune(samples, bit_diameter=BIT, targets=50)
+    assert np.isfinite(found.continuation)
