@@ -172,10 +172,10 @@ def _unmeasured(wall: WallState) -> np.ndarray:
     """
     depth, toolface = wall.sample_columns[:2]
     ends = whole_helix(wall).depth(np.array([0, wall.radius.size - 1]))
-    intervals, parts = (
-        int(np.ceil(np.ptp(ends) / wall.settings.gap_reach)) + 1,
-        int(np.ceil(1080 / wall.settings.largest_gap)),
-    )
+    intervals = int(np.ceil(np.ptp(ends) / wall.settings.gap_reach)) + 1
+    parts = int(np.ceil(1080 / wall.settings.largest_gap))
+    if intervals * parts > depth.size:
+        return wall.angular_gap > wall.settings.largest_gap
     some = slice(None, None, max(1, depth.size // (20 * parts * intervals)))
     interval = np.floor((depth[some] - ends.min()) * (intervals / max(np.ptp(ends), 1e-9)))
     inside = (interval >= 0) & (interval < intervals)

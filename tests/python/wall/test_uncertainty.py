@@ -203,3 +203,10 @@ def test_a_wall_that_is_round_by_assumption_has_no_uncertainty() -> None:
             f"{len(logs)} of {len(logs)} rows have no sigma: average caliper: size measured, shape assumed round",
         )
     ]
+
+
+@pytest.mark.parametrize("setting", [{"gap_reach": 1e-8}, {"largest_gap": 1e-6}])
+def test_a_tiny_limit_of_gaps_needs_no_more_memory(setting: dict[str, float]) -> None:
+    """No gap of random toolfaces is that small, so sigma is missing; a table of all cells would take 50 GB."""
+    wall = hb.reconstruct(caliper(2000), bit_diameter=BIT, **setting)
+    np.testing.assert_array_equal(np.isnan(wall.sigma), wall.angular_gap > wall.settings.largest_gap)
