@@ -33,7 +33,7 @@ def values_at(wall: Any, depth: npt.ArrayLike, toolface: npt.ArrayLike) -> Point
     sector = np.mod(angle - helix.start_toolface, 360.0) * (helix.sectors / 360.0)
     around = np.rint(sector)
     turn = np.rint((where - helix.start_depth) / helix.pitch - around / helix.sectors)
-    vertex = (around + turn * helix.sectors).astype(np.int64)
+    vertex = np.clip(around + turn * helix.sectors, -1, count).astype(np.int64)
     there = (vertex >= 0) & (vertex < count)
     if not count:
         return PointValues(radius, radius, np.zeros(radius.size, np.int32), np.full(radius.size, 360.0))

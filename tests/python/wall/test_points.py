@@ -28,3 +28,10 @@ def test_beyond_the_wall_there_is_nothing() -> None:
         assert np.isnan(empty.nearest).all()
         assert (empty.support == 0).all()
         assert (empty.gap == 360).all()
+
+
+def test_far_beyond_the_wall_there_is_nothing_and_no_warning() -> None:
+    wall = hb.reconstruct(hb.Caliper([1.0, 2.0], [0, 90], [0.1, 0.1]), bit_diameter=0.2)
+    found = wall.at([1e300, -1e300], [0, 0])
+    assert np.isnan(found.nearest).all()
+    assert (found.gap == 360).all()
