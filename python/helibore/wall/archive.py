@@ -89,7 +89,7 @@ def opened(filename: str | os.PathLike[str]) -> Iterator[Members]:
                 yield Members(archive, path.stat().st_size)
         except (zipfile.BadZipFile, EOFError, NotImplementedError, RuntimeError, struct.error, zlib.error) as error:
             raise InputError(str(path), _reason(path, error)) from error
-        except (KeyError, TypeError) as error:
+        except (AttributeError, KeyError, OverflowError, TypeError) as error:
             raise InputError(str(path), f"not the archive of a wall: {error!r} in {_CONTENTS}") from error
         except InputError as error:
             raise error.within(str(path)) from error
@@ -200,7 +200,10 @@ class Members:
             content = _bytes_of(array)
             for start in range(0, len(content), _CHUNK):
                 chunk = content[start : start + _CHUNK]
-                chunk[:] = member.read(len(chunk))
+                read = member.read(len(chunk))
+                if len(read) < len(chunk):
+                    raise InputError("damaged", f"{name} is shorter than {shape}")
+                chunk[:] = read
             if member.read(1):  # reading to the end checks the CRC-32 of empty members, too
                 raise InputError("damaged", f"{name} is longer than {shape}")
         return array.astype(stored.newbyteorder("="), copy=False)

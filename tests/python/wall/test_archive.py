@@ -233,8 +233,22 @@ def test_newer_and_incomplete_archives_are_refused(tmp_path: Path) -> None:
     wall.save(path)
     rewritten(path, "samples/depth.npy", npy(wall.samples.depth.astype(np.float32)))
     refused(path, r"damaged: samples/depth is float32 \(4000,\)$")
+    rewritten(path, "samples/depth.npy", npy(wall.samples.depth)[:-8])
+    refused(path, r"damaged: samples/depth is shorter than \(4000,\)$")
+    rewritten(path, "samples/depth.npy", npy(wall.samples.depth) + b"x")
+    refused(path, r"damaged: samples/depth is longer than \(4000,\)$")
     rewritten(path, "samples/depth.npy", npy(np.array([{}], dtype=object)))
     refused(path, "damaged: samples/depth is object")
+
+
+@pytest.mark.parametrize(
+    "entries", [{"images": [1]}, {"attributes": 5}, {"basis": []}, {"settings": {"bit_diameter": 10**400}}]
+)
+def test_contents_of_the_wrong_kind_are_refused(tmp_path: Path, entries: dict[str, Any]) -> None:
+    path = tmp_path / "a.wall"
+    oval(300).save(path)
+    altered(path, **entries)
+    refused(path, r"not the archive of a wall: \w+Error\(.* in helibore\.json$")
 
 
 def test_values_that_this_version_would_not_make_are_refused_unless_asked_for(tmp_path: Path) -> None:
