@@ -9,6 +9,7 @@ vtk_xml.py and vtkhdf.py write the same mesh in two formats.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -20,6 +21,7 @@ from helibore.mesh.mesh import Mesh, quad_radius
 
 QUAD, HEXAHEDRON = 9, 12  # VTK File Formats, "Cell types"
 AXES = "x east, y north, z up"
+_NOT_IN_A_NAME = re.compile("[\x00-\x1f\ud800-\udfff\ufffe\uffff]")  # XML cannot hold these
 
 
 @dataclass(frozen=True)
@@ -60,6 +62,11 @@ def vtk_mesh(mesh: Mesh, origin: tuple[float, float, float], active: str | None 
         metadata.setdefault(f"unit of {name}", unit)
     if any(origin):
         metadata["origin"] = "north {!r}, east {!r}, down {!r} m".format(*map(float, origin))
+    for place, names in (("attributes", mesh.attributes), ("metadata", metadata)):
+        for name in names:
+            if not name or _NOT_IN_A_NAME.search(name):
+                rule = "a name in a VTK file must not be empty or contain characters that XML forbids"
+                raise InputError(f"{place}[{name!r}]", rule)
     k = mesh.vertex_index
     return VtkMesh(
         points=z_up(mesh.vertices, origin),
@@ -68,5 +75,5 @@ def vtk_mesh(mesh: Mesh, origin: tuple[float, float, float], active: str | None 
         point_values={"radius": mesh.radius, "depth": mesh.helix.depth(k), "toolface": mesh.helix.toolface(k)},
         cell_values={**own, **mesh.attributes},
         active=active or next(iter(own)),
-        metadata=metadata,
+        metadata={name: text.encode(errors="backslashreplace").decode() for name, text in metadata.items()},
     )
