@@ -35,10 +35,10 @@ _FRAME = ("axes", "origin", "helix", "toolface 0")  # what parts of one file mus
 
 def save_vtkhdf(path: Path, mesh: VtkMesh) -> None:
     """Write a mesh as a file of one part."""
-    for name in (*mesh.cell_values, *mesh.metadata):
-        if "/" in name or name in ("", "."):
-            rule = "a name in a VTKHDF file must not be empty, be '.' or contain '/'"
-            raise InputError(f"attributes[{name!r}]", rule)
+    for place, names in (("attributes", mesh.cell_values), ("metadata", mesh.metadata)):
+        for name in names:
+            if "/" in name or name == ".":
+                raise InputError(f"{place}[{name!r}]", "a name in a VTKHDF file must not be '.' or contain '/'")
     _write(path, _columns(mesh), mesh.metadata)
 
 
@@ -56,6 +56,8 @@ def append_mesh(mesh: Mesh, path: Path, origin: tuple[float, float, float]) -> N
     try:
         opened = _h5py().File(path, "r")
     except OSError as error:
+        if error.errno is not None:  # an error of the file system, for example because it is a folder
+            raise
         raise InputError(str(path), "not an HDF5 file, or a damaged one") from error
     with opened as file:
         if "VTKHDF" not in file:
@@ -115,7 +117,8 @@ def _require_alike(path: Path, group: h5py.Group, part: VtkMesh) -> None:
     if there != own:
         differ = ", ".join(sorted(name.partition("/")[2] for name in there ^ own))
         raise InputError(str(path), f"every part must have the same attributes; these are not in every part: {differ}")
-    for name, text in part.metadata.items():
-        before = group["FieldData"].get(name)
-        if before is not None and name in _FRAME and before[0].decode() != text:
-            raise InputError(str(path), f"was written with {name} = {before[0].decode()}, the part has {text}")
+    for name in _FRAME:
+        before, now = group["FieldData"].get(name), part.metadata.get(name, "none")
+        written = "none" if before is None else before[0].decode()
+        if written != now:
+            raise InputError(str(path), f"was written with {name} = {written}, the part has {now}")

@@ -213,8 +213,12 @@ def test_bad_saves_write_nothing(tmp_path: Path) -> None:
         made.save(tmp_path / "a.vtp", origin=(0, np.nan, 0))
     made.attributes["GR/1"] = made.attributes["RT"]
     with pytest.raises(
-        ValueError, match=r"attributes\['GR/1'\]: a name in a VTKHDF file must not be empty, be '\.' or contain '/'"
+        ValueError, match=r"attributes\['GR/1'\]: a name in a VTKHDF file must not be '\.' or contain '/'"
     ):
+        made.save(tmp_path / "a.vtkhdf")
+    del made.attributes["GR/1"]
+    made.metadata["km/h"] = "100"
+    with pytest.raises(ValueError, match=r"metadata\['km/h'\]: a name in a VTKHDF file must not be"):
         made.save(tmp_path / "a.vtkhdf")
     with pytest.raises(ValueError, match="the volume has no hexahedra to save"):
         hb.Wall(bit_diameter=0.2, sectors=16).volume().save(tmp_path / "a.vtu")
@@ -229,3 +233,40 @@ def test_names_that_xml_would_misread_come_back(tmp_path: Path) -> None:
     made.save(tmp_path / "a.vtu")
     mesh = pv.read(tmp_path / "a.vtu")
     assert [mesh.cell_data[name][0] for name in names] == [0, 1, 2]
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+@pytest.mark.parametrize("name", ["", "a\nb", "a\x01b", "a\x00b", "a\ud800b"])
+def test_names_that_no_vtk_file_can_hold_are_refused(tmp_path: Path, ending: str, name: str) -> None:
+    made = surface()
+    made.attributes[name] = np.zeros(len(made.quads))
+    text = f"attributes[{name!r}]: a name in a VTK file must not be empty or contain characters that XML forbids"
+    with pytest.raises(hb.InputError, match=f"^{re.escape(text)}$"):
+        made.save(tmp_path / f"a{ending}")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_a_file_name_that_is_not_utf_8_does_not_stop_a_save(tmp_path: Path, ending: str) -> None:
+    """Python gives such a name lone surrogates, and they cannot be encoded again."""
+    of = wall()
+    of.made_from = {"files": [b"run \xe4.las".decode(errors="surrogateescape")]}
+    of.surface().save(tmp_path / f"a{ending}")
+    note = str(pv.read(tmp_path / f"a{ending}").field_data["made_from"][0])
+    assert note == r'{"files": ["run \udce4.las"]}'
+
+
+@pytest.mark.parametrize(("first", "second"), [((0.0, 0.0, 0.0), UTM), (UTM, (0.0, 0.0, 0.0))])
+def test_a_part_with_another_origin_is_refused_also_if_one_has_none(tmp_path: Path, first: Any, second: Any) -> None:
+    path = tmp_path / "a.vtkhdf"
+    surface(stop=1001).append_to(path, origin=first)
+    before = path.read_bytes()
+    with pytest.raises(hb.InputError, match=r"a\.vtkhdf: was written with origin = (none|north .*), the part has "):
+        surface(start=1001).append_to(path, origin=second)
+    assert path.read_bytes() == before
+
+
+def test_a_folder_in_place_of_a_file_of_parts_is_an_error_of_the_file_system(tmp_path: Path) -> None:
+    (tmp_path / "a.vtkhdf").mkdir()
+    with pytest.raises(IsADirectoryError):
+        surface().append_to(tmp_path / "a.vtkhdf")
