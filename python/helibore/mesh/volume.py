@@ -115,8 +115,8 @@ class Volume(Mesh):
         if len(layers) != self.layers:
             raise InputError(f"{name} has values for {len(layers)} layers", f"must be {self.layers}")
         columns = [
-            np.full(self._whole, float(values))
-            if isinstance(values, (int, float))
+            np.full(self._whole, values, np.float64)
+            if np.ndim(values) == 0
             else column(f"{name}[{number}]", values, self._whole, "the whole wall's quads")
             for number, values in enumerate(layers)
         ]

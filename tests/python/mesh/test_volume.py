@@ -152,7 +152,9 @@ def test_each_layer_has_values_of_its_own() -> None:
     for layer, expected in enumerate([shallow, np.full(room, 20.0), -shallow]):
         own = volume.hex_layer == layer
         assert (values[own] == expected[volume.hex_index[own]]).all()
-    assert volume.attributes.units == {"RT": "ohm.m"}
+    volume.hang("of NumPy", [np.int64(3), np.float32(0.5), np.array(7.0)])
+    assert (volume.attributes["of NumPy"] == np.array([3.0, 0.5, 7.0])[volume.hex_layer]).all()
+    assert volume.attributes.units["RT"] == "ohm.m"
     assert volume.layers == 3
     assert np.array_equal(volume.radius[volume.vertex_shell == 2], np.full(sum(volume.vertex_shell == 2), 0.108 + 0.3))
     with pytest.raises(ValueError, match=r"^RT has values for 2 layers: must be 3$"):
