@@ -11,7 +11,21 @@ from helibore.base.errors import InputError
 
 @dataclass(frozen=True)
 class Address:
-    """An address of kind ``tcp``, ``listen``, ``serial``, ``file``, ``https`` or ``host`` (the calling program)."""
+    """An address of kind ``tcp``, ``listen``, ``serial``, ``file``, ``https`` or ``host`` (the calling program).
+
+    Attributes
+    ----------
+    host, port
+        For ``tcp``, ``listen`` and ``https``.
+    file
+        The path of the device or of the file.
+    baud
+        Baud rate of a serial port.
+    speed
+        Bytes a second that are read from a file; 0: as fast as possible.
+    url
+        The whole address of a store.
+    """
 
     kind: str
     host: str = ""
@@ -40,7 +54,7 @@ def read_address(text: object) -> Address:
     if text == "host":
         return Address("host")
     try:
-        parts = urlsplit(text)
+        parts = urlsplit(text, allow_fragments=False)  # a path may contain "#"
         query = {key: values[-1] for key, values in parse_qs(parts.query).items()}
         if parts.scheme in ("tcp", "listen") and parts.hostname and parts.port and not query:
             return Address(parts.scheme, host=parts.hostname, port=parts.port)
@@ -49,25 +63,19 @@ def read_address(text: object) -> Address:
             return Address("serial", file=parts.path, baud=baud)
         if parts.scheme == "file" and parts.path and set(query) <= {"speed"} and 0 <= speed < math.inf:
             return Address("file", file=parts.path, speed=speed)
-        if (
-            parts.scheme == "https"
-            and parts.hostname
-            and parts.username is None
-            and not (parts.fragment or parts.query)
-        ):
+        if parts.scheme == "https" and parts.hostname and parts.username is None and not ("#" in text or parts.query):
             return Address("https", host=parts.hostname, port=443 if parts.port is None else parts.port, url=text)
     except ValueError:  # the port, the host or a number is not valid
         pass
     scheme = text.partition(":")[0].lower()
     start, mark, _ = text.partition("?")
-    shown = text if scheme in ("serial", "file") or not mark else start + "?..."
+    is_local = scheme in ("serial", "file")
+    shown = text if is_local or not mark else start + "?..."
     rule = ("must be tcp://HOST:PORT, listen://HOST:PORT, serial:///DEVICE?baud=N, "
             "file:///PATH?speed=BYTES_A_SECOND, https://STORE or host")  # fmt: skip
-    if "@" in text:
-        rule, shown = (
-            "must not hold a user or password: give user and password_env",
-            f"{scheme}://..." if "://" in text else "...",
-        )
+    if "@" in text and not is_local:
+        shown = f"{scheme}://..." if "://" in text else "..."
+        rule = "must not hold a user or password" + (": give user and password_env" if scheme == "https" else "")
     elif scheme == "https" and mark:
         rule = "must not hold a query: it would be in the journal"
     elif scheme == "http":

@@ -57,6 +57,7 @@ def test_a_full_configuration_is_read_in_core_units():
         ("tcp://10.0.0.7:5001", Address("tcp", "10.0.0.7", 5001)),
         ("serial:///dev/ttyUSB0?baud=115200", Address("serial", file="/dev/ttyUSB0", baud=115200)),
         ("file:///x/y.wits?speed=960", Address("file", file="/x/y.wits", speed=960.0)),
+        ("file:///x/well#7@rig.wits", Address("file", file="/x/well#7@rig.wits")),
         ("host", Address("host")),
     ],
 )
@@ -72,6 +73,8 @@ def test_addresses(address, expected):
         ("https://store/x?token=a@s3cret", "'https://...': must not hold a user or password: "),
         ("https://rig:s3cret?@store/x", "'https://...': must not hold a user or password: "),
         ("tcp://10.0.0.7:1?token=s3cret", "'tcp://10.0.0.7:1?...': must be tcp://HOST:PORT, "),
+        ("tcp://rig:s3cret@10.0.0.7", "'tcp://...': must not hold a user or password"),
+        ("https://store/x#s3cret@store", "'https://...': must not hold a user or password: "),
     ],
 )
 def test_the_error_of_an_address_shows_no_secret(address, shown):
@@ -81,7 +84,9 @@ def test_the_error_of_an_address_shows_no_secret(address, shown):
     assert "s3cret" not in str(error.value)
 
 
-@pytest.mark.parametrize("address", ["file:///x?speed=-1", "file:///x?speed=nan", "serial:///dev/ttyS0?baud=0"])
+@pytest.mark.parametrize(
+    "address", ["file:///x?speed=-1", "file:///x?speed=nan", "file:///a@b?speed=x", "serial:///dev/ttyS0?baud=0"]
+)
 def test_a_speed_that_no_line_has_is_refused(address):
     with pytest.raises(ValueError, match=r"must be tcp://HOST:PORT, ") as error:
         parse(WALL + SOURCE.replace("tcp://127.0.0.1:9872", address))
