@@ -56,6 +56,13 @@ class Attribute:
     color_map: str = ""
     rows: tuple[float, float] | None = None
 
+    def __post_init__(self) -> None:
+        ends = [of for of in (self.low, self.high) if of is not None]
+        ordered = len(ends) < 2 or ends[0] < ends[1]
+        if not (ordered and all(math.isfinite(end) and (end > 0 or not self.log) for end in ends)):
+            rule = "must be finite, low below high, and above 0 if log"
+            raise InputError(f"attribute {self.name}: (low, high)", rule, str((self.low, self.high)))
+
     @classmethod
     def usual(cls, name: str, unit: str = "") -> Attribute:
         """Return an attribute with the usual colours of its name and unit, as `helibore.plot` draws an image."""

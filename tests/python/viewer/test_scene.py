@@ -299,6 +299,13 @@ def test_a_helix_that_cannot_be_drawn_is_refused(wrong: dict[str, object], text:
         WallShape(**(good | wrong))  # type: ignore[arg-type]
 
 
+@pytest.mark.parametrize("ends", [(np.nan, 1.0), (None, np.inf), (2.0, 1.0), (1.0, 1.0), (0.0, 1.0)])
+def test_colours_between_no_two_values_are_refused(ends: tuple[float | None, float]) -> None:
+    rule = "must be finite, low below high, and above 0 if log"
+    with pytest.raises(ValueError, match=rf"^attribute RES: \(low, high\) = \({ends[0]}, {ends[1]}\): {rule}$"):
+        Attribute("RES", "ohm.m", *ends, log=True)
+
+
 def test_writes_that_make_no_sense_are_refused() -> None:
     scene = begun()
     with pytest.raises(ValueError, match=r"^first = -1: must not be negative$"):
