@@ -113,7 +113,8 @@ def section_csv(scene: Scene, start: float, stop: float) -> Iterator[str]:
 
 
 def _chunks(scene: Scene, first: int, last: int) -> Iterator[str]:
-    names = "".join(f',"{a.name} [{a.unit}]"'.replace("\n", " ") for a in scene.shape.attributes)
+    titles = (f"{a.name} [{a.unit}]".replace("\n", " ").replace('"', '""') for a in scene.shape.attributes)
+    names = "".join(f',"{title}"' for title in titles)
     yield f"vertex,depth [m],toolface [deg],radius [m],first radius [m],nearest [m],support{names}\r\n"
     for start in range(first, last, ROWS_A_CHUNK):
         rows = (vertex(scene, k) for k in range(start, min(start + ROWS_A_CHUNK, last)))

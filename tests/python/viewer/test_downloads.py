@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import base64
+import csv
 import json
 import re
 import threading
@@ -73,6 +74,13 @@ def test_a_table_of_a_gauge_hole_has_no_radius_and_no_samples() -> None:
         k, _, _, *measured, gamma_ray = row.split(",")
         assert measured == ["", "", "", ""], "bit size is no measurement"
         assert float(gamma_ray) == int(k)
+
+
+def test_a_quote_in_the_name_of_an_attribute_does_not_split_its_column(wall: MadeWall) -> None:
+    scene = Feed(wall, path=None, attributes={'8" hole, top': np.ones(40_000)}, well="").scene
+    rows = list(csv.reader("".join(exports.section_csv(scene, 1001.0, 1001.1)).splitlines()))
+    assert rows[0][-1] == '8" hole, top []'
+    assert {len(row) for row in rows} == {8}
 
 
 @pytest.mark.parametrize("ends", [(-5.0, 3.0), (900.0, 999.0), (1100.0, 1200.0), (9e9, 8e9)])
