@@ -97,6 +97,8 @@ PORT_OPTION = "port, or 0 (--port; --view-port of helibore live)"
 
 
 def _bind(host: str, port: int) -> socket.socket:
+    if not 0 <= port <= 65535:
+        raise InputError("port", "must be from 0 to 65535", str(port))
     bound = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET, socket.SOCK_STREAM)
     bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
