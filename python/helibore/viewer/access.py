@@ -8,6 +8,7 @@ token is opened and then closed with the reason.
 
 from __future__ import annotations
 
+import contextlib
 import hmac
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
@@ -34,7 +35,8 @@ class AccessControl:
     """Checks Host, Origin and token, and sets the headers that keep other pages out."""
 
     def __init__(self, app: ASGIApp, token: str | None, hosts: tuple[str, ...]) -> None:
-        self.app, self.token, self.hosts = app, token, hosts
+        self.app, self.hosts = app, hosts
+        self.token = token or None  # an empty one would protect nothing, and would switch off the check of the host
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         async def with_headers(message: Any) -> None:
@@ -60,12 +62,18 @@ class AccessControl:
         if self.token is None and _without_port(host) not in self.hosts:
             return f"host {host[:60]!r}: this viewer answers to {', '.join(self.hosts)} only"
         origin = headers.get("origin")
-        if origin is not None and urlsplit(origin).netloc != host:
+        if origin is not None and _host_of(origin) != host:
             return f"origin {origin[:60]!r}: only the viewer's own page may connect"
         if self.token is None or (scope["type"] == "http" and scope["path"] in NEEDS_NO_TOKEN):
             return None
         given = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[0]
         return None if hmac.compare_digest(given.encode(), self.token.encode()) else NO_TOKEN
+
+
+def _host_of(origin: str) -> str | None:
+    with contextlib.suppress(ValueError):  # "http://[::1" has no host
+        return urlsplit(origin).netloc
+    return None
 
 
 def _without_port(host: str) -> str:

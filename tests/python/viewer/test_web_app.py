@@ -199,6 +199,17 @@ def test_a_foreign_host_or_origin_is_turned_away(client: TestClient) -> None:
         assert Talk(socket).hello["type"] == "handshake"
 
 
+def test_an_origin_that_is_no_address_is_turned_away(client: TestClient) -> None:
+    answer = client.get("/api/vertex/1", headers={"origin": "http://[::1"})
+    assert (answer.status_code, answer.text) == (403, "origin 'http://[::1': only the viewer's own page may connect\n")
+
+
+def test_an_empty_token_is_no_token(feed: Any) -> None:
+    """The page of another machine could otherwise reach the viewer by a name of its own for 127.0.0.1."""
+    with TestClient(application(feed.scene, token=""), base_url="http://evil.example") as client:
+        assert client.get("/api/vertex/1").status_code == 403
+
+
 def test_a_token_is_asked_for_where_one_is_set(feed: Any) -> None:
     with TestClient(application(feed.scene, token="s3cret"), base_url="http://rig") as client:
         assert client.get("/api/vertex/1").status_code == 403
@@ -367,6 +378,8 @@ def test_what_cannot_be_viewed_is_said() -> None:
         ValueError, match=r"^attribute GR has shape \(3,\): must be one value for each of 5000 vertices or 4935 quads$"
     ):
         hb.view(wall, attributes={"GR": [1, 2, 3]})
+    with pytest.raises(ValueError, match=r"^port = 70000: must be from 0 to 65535$"):
+        hb.view(wall, port=70_000)
     short = hb.Survey([990, 1002], [1, 1], [0, 0]).path()
     with pytest.raises(
         ValueError, match=r"^the wall lies from 1000\.00 to 1007\.81 m, the path from 990\.00 to 1002\.00 m: extend"
