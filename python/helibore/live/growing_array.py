@@ -9,9 +9,9 @@ import numpy.typing as npt
 
 
 class GrowingArray:
-    """An array with the entries ``values``, a view. An append that needs room moves them to an array of twice the size.
+    """An array with the entries ``values``; one thread may change it while others read ``values``.
 
-    room  [ forgotten | values        | free     ]
+    room  [ deleted | values | free ]      an append that needs more room moves the values to an array of twice the size
     """
 
     STATE = ("values",)
@@ -21,23 +21,26 @@ class GrowingArray:
 
     @property
     def values(self) -> npt.NDArray[Any]:
-        """The entries; an append does not change what was read before."""
-        return self._room[self._start : self._stop]
+        """The entries, a view; an append does not change a view that was read before."""
+        room, start, stop = self._held
+        return room[start:stop]
 
     @values.setter
     def values(self, values: npt.NDArray[Any]) -> None:
-        self._room, self._start, self._stop = values, 0, len(values)
+        self._held = values, 0, len(values)  # one assignment: another thread sees all of a change or nothing of it
 
     def append(self, values: npt.NDArray[Any]) -> None:
         """Append entries."""
-        if self._stop + len(values) > len(self._room):
-            held = self.values
-            self._room = np.empty(2 * (len(held) + len(values)), held.dtype)
-            self._room[: len(held)] = held
-            self._start, self._stop = 0, len(held)
-        self._room[self._stop : self._stop + len(values)] = values
-        self._stop += len(values)
+        room, start, stop = self._held
+        if stop + len(values) > len(room):
+            before = room[start:stop]
+            room = np.empty(2 * (len(before) + len(values)), before.dtype)
+            start, stop = 0, len(before)
+            room[:stop] = before
+        room[stop : stop + len(values)] = values
+        self._held = room, start, stop + len(values)
 
     def forget(self, count: int) -> None:
         """Delete the first ``count`` entries."""
-        self._start += count
+        room, start, stop = self._held
+        self._held = room, start + count, stop
