@@ -62,12 +62,12 @@ def nice_limits(values: Floats, always: float, least: float) -> tuple[float, flo
         least = least or 0.01 * max(abs(low), 0.001)
     if high - low < least:
         low, high = low - 0.5 * (least - high + low), high + 0.5 * (least - high + low)
-    step = 10.0 ** math.floor(math.log10((high - low) / 4))
-    step = next(step * mantissa for mantissa in (1, 2, 5, 10) if step * mantissa >= (high - low) / 5)
+    power = math.floor(math.log10((high - low) / 4))
+    step = next(10.0**power * mantissa for mantissa in (1, 2, 5, 10) if 10.0**power * mantissa >= (high - low) / 5)
     first, last = math.floor(low / step), math.ceil(high / step)
     first -= always <= first * step + 0.05 * (high - low)
     last += always >= last * step - 0.05 * (high - low)
-    return round(first * step, 9), round(last * step, 9)
+    return round(first * step, -power), round(last * step, -power)
 
 
 def curves_of(logs: Logs) -> list[ScalarCurve]:

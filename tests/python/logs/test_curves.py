@@ -31,6 +31,12 @@ def test_a_scale_has_round_ends_around_all_values(
     assert curve(values, **more).ends() == pytest.approx(ends)
 
 
+def test_the_ends_of_a_scale_are_round_numbers_of_any_size() -> None:
+    for size in (1e-15, 1e-9, 1.0, 1e15):  # a permeability in m2, a time in ns
+        ends = curve([size * value for value in (1, 2, 3, 4, 5)]).ends()
+        assert ends == pytest.approx((size, 5 * size), rel=1e-12, abs=0)
+
+
 def test_outliers_lie_beyond_a_logarithmic_scale() -> None:
     values = np.append(np.geomspace(2.0, 60.0, 995), [1e-3, 1e5, 1e5, 1e5, 1e5])
     assert ScalarCurve("RES", "ohm.m", np.arange(1000.0), values, log=True).ends() == (1.0, 100.0)
