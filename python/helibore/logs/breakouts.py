@@ -79,16 +79,22 @@ def axes_of_arms(axes: Axes) -> Axes:
 def lobes_of_arms(
     logs: Logs, turns: Integers, radius: Floats, start: float, both: bool
 ) -> tuple[float, float, tuple[BreakoutLobe, ...]]:
-    """Return what `lobes_of` returns, for a tool with few arms, from their diameters; openings are NaN."""
+    """Return what `lobes_of` returns, for a tool with few arms: from the diameters of the arms; openings are NaN.
+
+    The radii of the wall decide which of the two sides is the higher one.
+    """
     axes = logs.c1_toolface[turns]
     spread = axes_of_arms(axial_mean(axes))
     half, uneven = (logs.c1 - logs.c2)[turns] / 2, logs.uneven[turns] / 2
-    if both:
-        low, high = float(np.median(half - uneven)), float(np.median(half + uneven))
-        sides = (BreakoutLobe(spread.mean, np.nan, high), BreakoutLobe(spread.mean + 180, np.nan, low))
-        return spread.mean, spread.deviation, sides
+    low, high = float(np.median(half - uneven)), float(np.median(half + uneven))
     number = np.rint((axes - start) * (logs.sectors / 360)).astype(np.int64)
     around, every = rows(radius, turns, logs.sectors), np.arange(turns.size)
-    ends = [around[every, (number + add) % logs.sectors] for add in (0, logs.sectors // 2)]
-    toolface = spread.mean if np.nanmean(ends[0]) >= np.nanmean(ends[1]) else spread.mean + 180
-    return toolface, spread.deviation, (BreakoutLobe(toolface, np.nan, float(np.median(half + uneven))),)
+    first, second = (around[every, (number + add) % logs.sectors] for add in (0, logs.sectors // 2))
+    # The first end of an axis of 179 degrees lies near 180, on the other side than the mean of 179 and 1, which is 0.
+    difference = (first - second) * np.where(np.abs(axes - spread.mean) > 90, -1, 1)
+    near, far = (high, low) if np.nansum(difference) >= 0 else (low, high)
+    sides = (BreakoutLobe(spread.mean, np.nan, near), BreakoutLobe(spread.mean + 180, np.nan, far))
+    if both:
+        return spread.mean, spread.deviation, sides
+    side = sides[0] if near >= far else sides[1]
+    return side.toolface, spread.deviation, (side,)

@@ -177,6 +177,27 @@ def test_one_arm_that_reaches_out_is_a_key_seat_on_its_side() -> None:
     assert (zone.kind, zone.toolface) == ("key seat", 90.0)
 
 
+@pytest.mark.parametrize("larger", [0, 90, 180, 270])
+def test_the_larger_lobe_of_a_breakout_lies_on_its_own_side(larger: int) -> None:
+    def shape(_depth: np.ndarray, toolface: np.ndarray) -> np.ndarray:
+        off = np.abs((toolface - larger + 180) % 360 - 180)
+        return np.select([off < 20, off > 160], [0.138, 0.123], 0.108)
+
+    (zone,) = hb.reconstruct(four_arms(shape, turn=1e9), bit_diameter=BIT).zones().zones
+    heights = {round(lobe.toolface): lobe.height for lobe in zone.lobes}
+    assert heights == {larger: pytest.approx(0.030), (larger + 180) % 360: pytest.approx(0.015)}
+
+
+def test_a_key_seat_lies_on_its_side_also_if_most_axes_are_on_the_other_side_of_zero() -> None:
+    """The tool stands at 359.5 degrees over six tenths of each metre, and at 2.5 over the rest."""
+    depth = np.repeat(np.arange(0, 60, 0.05), 4)
+    arm = np.tile([0, 1, 2, 3], depth.size // 4)
+    toolface = (np.where(depth % 1 < 0.6, -0.5, 2.5) + 90 * arm) % 360
+    radius = np.where(np.abs((toolface + 180) % 360 - 180) < 20, 0.125, 0.108)
+    (zone,) = hb.reconstruct(hb.Caliper(depth, toolface, radius, arm=arm), bit_diameter=BIT).zones().zones
+    assert (zone.kind, zone.toolface) == ("key seat", pytest.approx(0.7, abs=0.2))
+
+
 def test_an_arm_without_readings_has_no_diameter_there() -> None:
     caliper = four_arms(ellipse, length=20.0)
     keep = (caliper.depth < 5) | (caliper.depth > 15) | np.isin(caliper.arm, (0, 2))
