@@ -32,17 +32,20 @@ def numbers(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDA
 
 
 def are_dates(values: npt.ArrayLike) -> bool:
-    """Return whether these are moments (datetime64, or datetime objects)."""
+    """Return whether ``values`` are dates: datetime64, or objects of which one or more are datetime objects."""
     array = np.asarray(values)
     kind = array.dtype.kind
     return kind == "M" or (kind == "O" and any(isinstance(of, datetime.datetime) for of in array.flat))
 
 
 def numbers_or_dates(values: npt.ArrayLike, *, dates: bool) -> Floats:
-    """Return ``values`` as float64; if ``dates``, moments become seconds since 1970, and missing moments NaN.
+    """Return ``values`` as float64; if ``dates``, dates become seconds since 1970. Masked and missing values are NaN.
 
-    If no moment has a time zone, all are UTC. If only some have a time zone, this raises an InputError.
+    If no date has a time zone, all are UTC. If only some have a time zone, this raises an InputError.
     """
+    if isinstance(values, np.ma.MaskedArray):
+        absent = np.ma.getmaskarray(values)
+        return np.where(absent, np.nan, numbers_or_dates(values.data, dates=dates))
     array = np.asarray(values)
     if dates and are_dates(array):
         array = array if array.dtype.kind == "M" else _in_utc(array)
@@ -53,7 +56,7 @@ def numbers_or_dates(values: npt.ArrayLike, *, dates: bool) -> Floats:
 
 
 def _in_utc(moments: Array) -> Array:
-    """Return objects as datetime64; None and NaT are missing."""
+    """Return an array of datetime objects as datetime64 in UTC; None and NaT become NaT."""
     there = [of if of == of else None for of in moments.tolist()]  # NaT is not itself
     for row, of in enumerate(there):
         if of is not None and not isinstance(of, datetime.datetime):
@@ -97,9 +100,10 @@ def finite_column(name: str, values: npt.ArrayLike, length: int | None = None, l
 
 
 def whole_column(name: str, values: npt.ArrayLike, length: int | None = None, like: str = "") -> Integers:
-    """Return a column of whole numbers as (n,) int64."""
+    """Return a column of whole numbers as (n,) int64; refuse fractions, and numbers that float64 may have rounded."""
     array = finite_column(name, values, length, like)
     require(name, array, np.floor(array) == array, "must be a whole number")
+    require(name, array, np.abs(array) < 2.0**53, "must be below 9007199254740992 in size")
     return array.astype(np.int64)
 
 
@@ -124,6 +128,6 @@ def sample_columns(
 
 
 def runs_of(mask: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Return first and last index (exclusive) of every run of values that are true."""
+    """Return (first, stop) of every run of values that are true; ``stop`` is the index after the last of them."""
     edges = np.flatnonzero(np.diff(mask, prepend=False, append=False)).reshape(-1, 2)
     return [(first, last) for first, last in edges.tolist()]

@@ -23,7 +23,8 @@ from helibore.base.units import TIME, factor
 OPTIONAL = ("time", "arm")
 """Roles that a table need not have."""
 WAYS = {"fetchall": "df()", "collect": "collect()", "read_all": "read_all()"}
-"""A method that only a DuckDB relation, a lazy frame or an Arrow reader has, and its call that makes a data frame."""
+"""For a DuckDB relation, a lazy frame and an Arrow reader: a method that shows which of them it is, and the call that
+makes a data frame of it."""
 
 
 @dataclass(frozen=True)
@@ -31,8 +32,9 @@ class FrameRows:
     """The complete rows of some columns of a data frame."""
 
     columns: dict[str, Floats]  # by role, in metres, degrees and seconds
-    complete: Mask  # (rows of the table,) which rows are complete
-    stated: dict[str, tuple[str, Floats, str]]  # by role: column, its values as in the table, " " and their unit
+    complete: Mask  # which rows of the table are complete, one value for each row of the table
+    # By role: the column's name, its values as in the table, and a blank with their unit ("" if no unit was given).
+    stated: dict[str, tuple[str, Floats, str]]
 
     @contextmanager
     def named(self) -> Iterator[None]:
@@ -55,22 +57,23 @@ class FrameRows:
 def frame_rows(
     table: Any, wanted: Mapping[str, tuple[str | None, str | None]], units: Mapping[str, str] | None
 ) -> FrameRows:
-    """Return the complete rows of some columns.
+    """Return the rows of a data frame in which no wanted column has a missing value.
 
     Parameters
     ----------
     table
-        ``table[name]`` is a column. A row with a missing value (NaN, null, one of `NULLS`) is left out.
+        ``table[name]`` is a column. A row with a missing value (NaN, null, masked, one of `NULLS`) is left out.
     wanted
-        For each role the name of its column (None for a time or an arm that is not wanted), and what its unit measures
-        (None for a role without a unit). A time may hold dates.
+        For each role: the name of its column (None: a time or an arm is not wanted), and the quantity that its unit
+        measures (None: the role has no unit). A time may hold dates.
     units
-        By role; None: metres, degrees and seconds.
+        The unit of each role whose column is not in metres, degrees or seconds; None: all columns are.
 
     Raises
     ------
     InputError
-        On a column that is missing, comes twice or does not hold numbers; on an unknown unit; if no row is complete.
+        If a column is missing, comes twice, does not hold numbers, has more than one dimension or has another length
+        than the first; if a unit is not known; if no row is complete.
     """
     units = units or {}
     for unknown in units:
@@ -99,6 +102,11 @@ def frame_rows(
             raise error.within(place) from error
         except (TypeError, ValueError) as error:
             raise InputError(place, "must be numbers") from error
+        if values.ndim != 1:
+            raise InputError(place, f"must be one-dimensional, not {values.ndim}-dimensional")
+        first, of, _ = next(iter(stated.values()), (str(name), values, ""))
+        if values.size != of.size:
+            raise InputError(f"{place} has {values.size} values, column {first!r} has {of.size}", "must be equal")
         if role in units and are_dates(column):
             raise InputError("units", f"column {name!r} is of dates, which have no unit ({role})")
         null = np.isin(values, NULLS)
@@ -124,7 +132,7 @@ def _refuse_no_frame(table: Any) -> None:
 
 
 def _way_from_index(table: Any, name: str) -> str:
-    """Return the advice to make a column of the index of a pandas table, if ``name`` may mean that index."""
+    """Return the advice to turn the index of a pandas table into a column, if ``name`` may mean the index; else ""."""
     index = getattr(table, "index", None)
     if index is None or type(index).__name__ in ("RangeIndex", "MultiIndex"):
         return ""

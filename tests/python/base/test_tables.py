@@ -145,6 +145,20 @@ def test_numbers_that_logs_write_for_no_value_are_missing():
     assert (made.depth.tolist(), made.left_out) == ([1.0, 4.0], 2)
 
 
+@pytest.mark.parametrize(("column", "fill"), [("R", 0.3), ("TF", 45.0), ("T", 5.0)])
+def test_a_masked_value_is_missing_whatever_lies_under_the_mask(column, fill):
+    frame: dict[str, object] = {"MD": [1.0, 2.0, 3.0], "TF": [0, 10, 20], "R": [0.1] * 3, "T": [1.0, 2.0, 3.0]}
+    frame[column] = np.ma.masked_array([0.1, fill, 0.1], mask=[False, True, False])
+    made = hb.Caliper.from_table(frame, depth="MD", toolface="TF", radius="R", time="T")
+    assert (made.depth.tolist(), made.left_out) == ([1.0, 3.0], 1)
+
+
+def test_a_masked_date_is_missing():
+    dates = np.ma.masked_array(np.arange(3).astype("M8[s]"), mask=[True, False, False])
+    frame = {"DEPTH": [1.0, 2.0, 3.0], "TOOLFACE": [0, 10, 20], "RADIUS": [0.1] * 3, "T": dates}
+    assert hb.Caliper.from_table(frame, time="T").time.tolist() == [1.0, 2.0]
+
+
 def test_null_of_integers_is_missing():
     frame = pl.DataFrame({"DEPTH": [1, 2, 3], "TOOLFACE": [0, None, 20], "RADIUS": [0.1, 0.1, 0.1], "T": [5, 6, 7]})
     made = hb.Caliper.from_table(frame, time="T")
@@ -171,6 +185,9 @@ def test_samples_go_round_by_a_data_frame(wall):
         ({"R": [0.1, 0.1, 0.1, 4.0]}, {}, "R[3] = 4: must be above 0 and at most 2 m"),
         ({"R": [4.0, np.nan, 4.2, -999]}, {"units": {"radius": "in"}},
          "R[3] = -999 in: must be above 0 and at most 2 m"),
+        ({"TF": [0, 1, 2]}, {}, "column 'TF' has 3 values, column 'MD' has 4: must be equal"),
+        ({"TF": 0.0}, {}, "column 'TF': must be one-dimensional, not 0-dimensional"),
+        ({"R": [[0.1, np.nan]] * 4}, {}, "column 'R': must be one-dimensional, not 2-dimensional"),
         ({"R": np.arange(4).astype("M8[s]")}, {}, "column 'R': must be numbers"),
         ({"T": np.arange(4).astype("m8[s]")}, {"time": "T"}, "column 'T': must be numbers"),
         ({"T": np.arange(4).astype("M8[s]")}, {"time": "T", "units": {"time": "s"}},

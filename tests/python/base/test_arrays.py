@@ -1,0 +1,30 @@
+"""Columns of callers: what is taken, what is refused, and by which words."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from helibore.base.arrays import whole_column
+from helibore.base.errors import InputError
+
+
+def test_whole_numbers_keep_their_value():
+    most = 2**53 - 1
+    made = whole_column("arm", [0, -most, most])
+    assert (made.dtype, made.tolist()) == (np.int64, [0, -most, most])
+
+
+@pytest.mark.parametrize(
+    ("values", "text"),
+    [
+        ([0.0, 1.5], "arm[1] = 1.5: must be a whole number"),
+        ([1e300, 0.0], "arm[0] = 1e+300: must be below 9007199254740992 in size"),
+        (np.array([0, 2**64 - 1], dtype=np.uint64), "arm[1] = 1.84467e+19: must be below 9007199254740992 in size"),
+        ([2**53 + 1], "arm[0] = 9.0072e+15: must be below 9007199254740992 in size"),  # float64 holds 2^53
+    ],
+)
+def test_a_number_that_is_not_whole_or_would_change_is_refused(values, text):
+    with pytest.raises(InputError) as error:
+        whole_column("arm", values)
+    assert str(error.value) == text
