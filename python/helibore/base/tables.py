@@ -1,4 +1,4 @@
-"""A table of logs: named columns on one depth, with units, descriptions, and facts about how they were made.
+"""A table of logs: named columns that share one column of depths, with units, descriptions, and facts on their making.
 
     table = wall.logs().table()          table["DEQ"].values, table["DEQ"].unit, table.facts["bit diameter"]
 
@@ -34,7 +34,7 @@ class LogColumn:
     Parameters
     ----------
     mnemonic
-        Short name in files: capital letters, digits and underscores.
+        Short name in files: capital letters, digits and underscores, of which the first is a letter.
     unit
         ``"m"``, ``"m3"``, ``"deg"``, ``"s"``, ``"gAPI"``; "" for a fraction or a code. ASCII.
     description
@@ -47,7 +47,7 @@ class LogColumn:
     Raises
     ------
     InputError
-        ``mnemonic = 'gamma ray': must be capital letters, digits and underscores``.
+        ``mnemonic = 'gamma ray': must be capital letters, digits and underscores, the first a letter``.
     """
 
     mnemonic: str
@@ -58,7 +58,8 @@ class LogColumn:
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"[A-Z][A-Z0-9_]*", self.mnemonic):
-            raise InputError("mnemonic", "must be capital letters, digits and underscores", repr(self.mnemonic))
+            rule = "must be capital letters, digits and underscores, the first a letter"
+            raise InputError("mnemonic", rule, repr(self.mnemonic))
         if not (self.description.isascii() and self.unit.isascii()):
             raise InputError(self.mnemonic, "unit and description must be ASCII")
         self.__dict__["values"] = column(self.mnemonic, self.values)
@@ -76,16 +77,20 @@ class LogColumn:
 
 
 class Tabular(ABC):
-    """A class with a `table` that pandas and all that reads Arrow can take: ``polars.DataFrame(logs)``, DuckDB."""
+    """Base of the classes that have a `table`. pandas takes their objects by `to_pandas`, and Polars, DuckDB and other
+    readers of Arrow streams take them directly: ``polars.DataFrame(logs)``.
+    """
 
     __slots__ = ()
 
     @abstractmethod
     def table(self) -> LogTable:
-        """Return the numbers with mnemonics, units and facts."""
+        """Return the object's numbers as columns with mnemonics and units, and the facts about them."""
 
     def to_pandas(self) -> DataFrame:
-        """Return `table` as a ``pandas.DataFrame``, one column a mnemonic; ``attrs`` holds ``units`` and ``facts``.
+        """Return `table` as a ``pandas.DataFrame``; its columns have the mnemonics as names.
+
+        ``attrs`` of the data frame holds the ``units`` by mnemonic, and the ``facts``.
 
         Raises
         ------
@@ -123,7 +128,7 @@ class Tabular(ABC):
 
 
 class LogTable(Tabular):
-    """Columns of equal length; the first is the depth, metres, which in logs strictly rises or falls. Mnemonics differ.
+    """Columns of equal length; no two have one mnemonic. The first is the depth, metres; it rises, or falls, in logs.
 
     ``facts`` say how the columns were made: ``{"bit diameter": "0.2159 m"}``. Every file states them.
     """
@@ -187,7 +192,7 @@ def columns_of(*rows: Any) -> list[LogColumn]:
 
 
 def refuse_table(value: object, place: str) -> None:
-    """Raise an InputError that says what to do if ``value`` is a data frame in place of samples."""
+    """If ``value`` is a data frame in place of samples, raise an InputError that says how to make samples of it."""
     if isinstance(value, dict) or hasattr(value, "columns"):
         rule = "is a data frame: hb.Caliper.from_table(frame, depth=..., ...) makes a caliper of it"
         raise InputError(place, rule, type(value).__name__)
