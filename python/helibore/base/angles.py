@@ -2,7 +2,7 @@
 
     -10 -> 350      360 -> 0      -1e-20 -> 0: its remainder is 360 - 1e-20, which rounds to 360
 
-Not here: differences of angles, which the core wraps to [-180, 180).
+This file does not wrap differences of angles; the core wraps them to [-180, 180).
 """
 
 from __future__ import annotations

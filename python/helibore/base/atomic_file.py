@@ -1,6 +1,7 @@
 """Write files whole or not at all: to a temporary file in the same folder, flushed to disk, then renamed.
 
-A reader sees the old file or the new one, never a part, even after a loss of power. Files that grow are not written so.
+A reader sees the old file or the new one, never a part, even after a loss of power. Files that grow, such as journals,
+are written by other code.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ def write_whole(path: str | os.PathLike[str], writer: Callable[[BinaryIO], objec
 
 
 def make_folder(folder: Path) -> None:
-    """Make a folder and its parents, where they are missing; after the return their names are on the disk itself."""
+    """Make a folder, and those of its parents that do not exist, and flush the names of the new folders to the disk."""
     missing = [one for one in (folder, *folder.parents) if not one.exists()]
     folder.mkdir(parents=True, exist_ok=True)
     for one in missing:
@@ -45,7 +46,7 @@ def make_folder(folder: Path) -> None:
 
 
 def sync_folder(folder: Path) -> None:
-    """Flush the names in a folder to the disk itself."""
+    """Flush the list of files of a folder to the disk, so that new and renamed files survive a loss of power."""
     descriptor = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(descriptor)

@@ -21,7 +21,7 @@ class BreakoutLobe:
 
     toolface: float  # direction of its weighted middle, [0, 360), degrees
     opening: float  # the angle over which it is higher than the floor, degrees; NaN if the tool has too few arms
-    height: float  # the greatest height over the circle of C2, metres; in an image the greatest darkness, a fraction
+    height: float  # in a wall: the greatest height above the circle of C2, metres; in an image: the greatest darkness
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Axes:
 
 
 def axial_mean(axes: Floats, weights: Floats | None = None) -> Axes:
-    """Return weighted mean and spread of axes in degrees."""
+    """Return weighted mean and spread of axes, which are in degrees; they are NaN if the weights do not sum above 0."""
     weight = np.ones(axes.size) if weights is None else weights
     total = float(weight.sum())
     if not total > 0:
@@ -56,9 +56,10 @@ def axial_mean(axes: Floats, weights: Floats | None = None) -> Axes:
 
 
 def lobe_of(height: Floats, toolface: float, start: float, floor: float | None, level: float = 0.0) -> BreakoutLobe:
-    """Return the lobe of a mean section within a quarter turn of ``toolface``; its first ``height`` lies at ``start``.
+    """Return the lobe of a mean section, searched within a quarter turn to either side of ``toolface``.
 
-    ``floor`` is the height at which the opening is measured; None: ``level`` times the greatest height.
+    The values of ``height`` are evenly spaced around the hole, and the first lies at the toolface ``start``. ``floor``
+    is the height at which the opening is measured; None: ``level`` times the greatest height of the lobe.
     """
     step = 360 / height.size
     first = math.ceil((toolface - 90 - start) / step)

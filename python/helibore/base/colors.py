@@ -35,7 +35,7 @@ def _rgb(text: str) -> tuple[int, int, int]:
 
 
 MISSING: tuple[int, int, int] = _rgb(_DEFINITION["missing"])
-"""Red, green, blue of a value that is missing: a grey that no map comes near."""
+"""Red, green and blue, 0 to 255, of a missing value: a grey that no map comes near."""
 
 
 ZONE_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINITION["zones"].items()}
@@ -43,7 +43,7 @@ ZONE_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINI
 
 
 def ink_on(color: str) -> str:
-    """Return "black" or "white", whichever is seen better on a colour (#rrggbb), by the contrast of WCAG 2."""
+    """Return "black" or "white": the one with more contrast, as WCAG 2 defines it, on a colour (#rrggbb)."""
     parts = [int(color[at : at + 2], 16) / 255 for at in (1, 3, 5)]
     linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
     luminance = 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
@@ -51,21 +51,23 @@ def ink_on(color: str) -> str:
 
 
 FILL_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINITION["fills"].items()}
-"""Colours of fills in the caliper track and the cross-section, on a light ground: "over" is from bit to C2,
-"partly over" from there (or from bit) to C1, "under" from the least diameter to bit."""
+"""Colours of the fills in the caliper track and the cross-section, on a light ground. "over" fills from the bit size to
+C2. "partly over" fills from C2, or from the bit size if C2 is smaller, to C1. "under" fills from the least diameter to
+the bit size."""
 
 PICK_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINITION["picks"].items()}
 """Colours of the classes of picks, on a light ground."""
 
 DIP_TITLES: dict[str, str] = {kind: _DEFINITION["dips"][kind] for kind in ("true", "apparent")}
-"""Titles of dips, on page and paper: true ones, and those relative to the hole."""
+"""Titles of true dips, and of apparent dips, which are relative to the hole; the page and prints show them."""
 
 DIP_LINES: tuple[int, ...] = tuple(_DEFINITION["dips"]["lines"])
-"""Degrees of the lines of a track of dips, from its first to its last."""
+"""The dips, degrees, at which a track of dips has lines, from its left edge to its right edge."""
 
 PERCENTILES = (2.0, 98.0)
+"""The usual percentiles at the ends of a static scale."""
 NEARLY_ALL = 99.8
-"""Percentile of the distance from bit size that the colours of a wall reach."""
+"""Percentile of the distances of a wall from bit size at which the colours of the wall end."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +76,7 @@ class ColorMap:
 
     label: str  # what it is for; menus show this text
     stops: tuple[tuple[int, int, int], ...]  # (red, green, blue) from the least value to the greatest, 0 to 255
-    safe: bool  # lightness alone shows the order of values: people with red-green colour blindness can read it
+    safe: bool  # whether people with red-green colour blindness can read it: lightness alone shows the order of values
 
 
 COLOR_MAPS: dict[str, ColorMap] = {
@@ -132,7 +134,10 @@ class ColorScale:
             raise InputError("limits", "must be above 0 on a log scale", str(ends))
 
     def share(self, values: Floats) -> Floats:
-        """Return how far along the scale each value lies, 0 to 1; NaN where missing. Same shape, a new array."""
+        """Return how far along the scale each value lies, 0 to 1, as a new array of the same shape; NaN where missing.
+
+        On a log scale, a value that is not above 0 raises an InputError.
+        """
         low, high = self.low, self.high
         if self.log:
             check_positive(values)
@@ -143,7 +148,7 @@ class ColorScale:
     def colors(self, values: Floats) -> Colors:
         """Return the colour of each value, (..., 4) uint8: red, green, blue and 255; missing values are `MISSING`."""
         if self.log:
-            check_positive(values)  # all at once, so that an error names the place
+            check_positive(values)  # before they are cut into blocks, so that an error names the place in ``values``
         table, flat = _table_with_missing(self.color_map), np.ravel(values)
         colors = np.empty((flat.size, 4), dtype=np.uint8)
         for first in range(0, flat.size, _BLOCK):
@@ -165,7 +170,7 @@ class ColorScale:
 
 
 _FINE = 1024
-_BLOCK = 1 << 16  # values coloured at a time: what is in between stays in the processor's cache
+_BLOCK = 1 << 16  # values coloured at a time, so few that intermediate arrays stay in the processor's cache
 
 
 @cache
@@ -190,9 +195,10 @@ def check_positive(values: Floats) -> None:
 def colors_of(
     values: Floats, limits: tuple[float, float] | None = None, color_map: str = "viridis", log: bool = False
 ) -> Colors:
-    """Colour values of any shape as `ColorScale.colors`, by default between the least and the greatest of them.
+    """Return the colours of values of any shape, as `ColorScale.colors` does.
 
-    Without limits, values that are all equal get the first colour.
+    Without ``limits``, the scale reaches from the least value to the greatest; if all values are equal, they get the
+    first colour.
     """
     if limits is not None:
         return ColorScale(*limits, color_map=color_map, log=log).colors(values)
@@ -211,11 +217,11 @@ def percentile_limits(
     Parameters
     ----------
     values
-        Numbers of any shape; NaN where missing.
+        Numbers of any shape; NaN and infinite values count as missing.
     percentiles
         Two in [0, 100], the first below the second; (0, 100) gives the least and the greatest.
     log
-        For a log scale: values must be above 0.
+        Whether the scale is logarithmic; all values must then be above 0.
 
     Raises
     ------
@@ -241,9 +247,9 @@ def percentile_limits(
 
 
 def symmetric_limit(values: Floats, unit: float) -> float:
-    """Return how far a scale centred on zero reaches: 1, 2, 3 or 5 times a power of ten of ``unit``, at least one unit.
+    """Return how far a scale centred on zero reaches: ``unit`` times 1, 2, 3 or 5 times a power of ten, 1 or more.
 
-    The scale holds 99.8 % of the values; NaN are left out.
+    It is the least such number within which 99.8 % of the values lie; missing values do not count.
     """
     there = np.abs(values[np.isfinite(values)])
     reach = max(float(np.percentile(there, NEARLY_ALL)) / unit, 1.0) if there.size else 1.0
@@ -259,10 +265,10 @@ def usual_scale(
     log: bool | None = None,
     limits: tuple[float, float] | None = None,
 ) -> ColorScale:
-    """Return the usual colours of a quantity.
+    """Return the usual scale of colours for a quantity.
 
-    By default, name and unit choose the map (`customary_map`), and the values choose the limits (`percentile_limits`).
-    A resistivity has a log scale.
+    By default the name and the unit decide the map (`customary_map`), the scale is logarithmic if that map is
+    "resistivity", and the values decide the limits (`percentile_limits`).
     """
     color_map = color_map or customary_map(name, unit)
     log = color_map == "resistivity" if log is None else log
@@ -276,7 +282,10 @@ def over_bit(
     limits: tuple[float, float] | None = None,
     unit: float = MILLIMETRE,
 ) -> tuple[Floats, ColorScale]:
-    """Return radii less half the bit size, in a unit of ``unit`` metres, and their colours, centred on 0."""
+    """Return radii less half the bit size, in a unit of ``unit`` metres, and a scale of colours for them.
+
+    Without ``limits``, the scale is centred on 0.
+    """
     over = (radius - 0.5 * bit_diameter) / unit
     limit = symmetric_limit(over, MILLIMETRE / unit)
     return over, ColorScale(*(limits or (-limit, limit)), color_map or "over-bit")

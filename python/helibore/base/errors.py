@@ -1,4 +1,4 @@
-"""The two errors that a user can correct: input that breaks a rule, and an extra that is not installed.
+"""The two errors that a user can correct: an input breaks a rule, or an extra of helibore is not installed.
 
     InputError("toolface[17]", "must be finite", "nan")     ->  toolface[17] = nan: must be finite
     InputError("well.las, line 12", "truncated")            ->  well.las, line 12: truncated
@@ -16,7 +16,7 @@ from os import PathLike
 
 
 class InputError(ValueError):
-    """Input that breaks a rule.
+    """An input breaks a rule.
 
     Attributes
     ----------
@@ -54,14 +54,17 @@ def check_choice(place: str, value: object, choices: Collection[object]) -> None
 
 
 def check_names(prefix: str, names: Iterable[str], known: Collection[str]) -> None:
-    """Raise an InputError that lists the known names for the first name that is not known, at ``prefix + name``."""
+    """Raise an InputError that lists the known names, at the place ``prefix + name``, for the first unknown name."""
     for name in names:
         if name not in known:
             raise InputError(f"{prefix}{name}", f"must be one of {', '.join(known)}")
 
 
 def check_ending(path: str | PathLike[str], endings: Collection[str], why: str = "") -> str:
-    """Return which of ``endings`` a file's name has, in capitals or not; if none, an InputError lists them."""
+    """Return which of ``endings`` a file's name has, in capitals or not; if it has none, an InputError lists them.
+
+    ``why`` follows that list in the error.
+    """
     for ending in endings:
         if str(path).lower().endswith(ending):
             return ending
@@ -69,7 +72,7 @@ def check_ending(path: str | PathLike[str], endings: Collection[str], why: str =
 
 
 def port_error(error: OSError, host: str, port: int, option: str) -> OSError:
-    """Return the error for an address that cannot be used; it names the address and the option to change."""
+    """Return the error for an address on which no server can start; it names the address and ``option`` to change."""
     reason = (error.strerror or str(error)).partition(" (while")[0]  # as socket.create_server repeats the address
     return OSError(error.errno, f"{host} port {port}: {reason}; give another {option}")
 
@@ -104,6 +107,6 @@ def needs(library: str, extra: str) -> Iterator[None]:
 
 
 def require_library(library: str, extra: str) -> None:
-    """Raise the `MissingExtraError` of a library that cannot be imported."""
+    """Import a library; raise a `MissingExtraError` if that fails."""
     with needs(library.replace("_", "-"), extra):
         __import__(library)

@@ -1,7 +1,7 @@
 """Cards for notebooks: a small picture of an object beside its key numbers, as self-contained HTML.
 
-All styles are inline and all colours of text and lines are the page's own, so that a saved notebook shows the same in
-light and dark. A card has less than 30 kB.
+All styles are inline, and text and lines have the colours of the page around them, so that a card can be read in a
+light and in a dark notebook. A card has less than 30 kB.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from helibore.base.colors import ColorScale, colors_of, usual_scale
 from helibore.base.errors import InputError
 
 _WIDTH, _HEIGHT = 72, 120
-"""The most cells of a map, across and down; pictures are twice as many pixels wide and high."""
+"""The most cells of a map, across and down. Every picture is 144 pixels wide and 240 high, two for each of them."""
 _TABLE = "border-collapse:collapse;margin:.3em 0 0;background:none;color:inherit;font-size:inherit"
 
 
@@ -70,9 +70,10 @@ def usual_picture(values: Floats, name: str, unit: str, label: str) -> str:
 
 
 def curve_picture(across: Floats, down: Floats, label: str, equal: bool = False) -> str:
-    """Return a picture of a curve as HTML, ``down`` growing downwards; the curve breaks where a value is missing.
+    """Return a picture of a curve as HTML; ``across`` grows to the right and ``down`` grows downwards.
 
-    If ``equal``, both axes have one scale, as for a path.
+    The curve is interrupted where a value is missing; if all are missing, the picture is "". If ``equal``, a metre is
+    as long across as down, as a path needs it.
     """
     rows = np.linspace(0, max(across.size - 1, 0), min(across.size, 4 * _HEIGHT)).astype(int)
     points = np.column_stack([across[rows], down[rows]])

@@ -1,8 +1,8 @@
-"""Percentiles of more numbers than fit in memory, from parts that are read several times.
+"""Percentiles of more numbers than fit in memory: the numbers come in parts, and all parts are read several times.
 
-Float64 numbers that are not negative have the same order as their bits. So a count by the first 16 bits gives the first
-16 bits of the percentile. Then only the numbers with these bits are sorted or, if they are too many, counted by the
-next 16 bits.
+Float64 numbers that are not negative have the same order as their bits. So a count of the numbers by their first 16
+bits gives the first 16 bits of the percentile. Then only the numbers that begin with these bits are sorted or, if they
+are too many, counted by their next 16 bits.
 """
 
 from __future__ import annotations
@@ -16,19 +16,20 @@ import numpy.typing as npt
 from helibore.base.arrays import Floats, Integers
 
 FEW = 1 << 20
-"""Numbers that are sorted at once."""
+"""Largest number of numbers that are sorted at once."""
 DIGITS = 16
 """Bits counted at a time."""
 
 Keys = npt.NDArray[np.uint64]
 Parts = Callable[[], Iterable[Floats]]
-"""Gives all numbers, part by part, each time it is called."""
+"""A function that yields all numbers, part by part, each time it is called."""
 
 
 def percentiles(parts: Parts, shares: Sequence[float]) -> list[float]:
-    """Return percentiles, linear between two numbers as `numpy.percentile`, of finite numbers of at least 0.
+    """Return percentiles of numbers, interpolated linearly between two numbers as `numpy.percentile` does.
 
-    ``shares`` are from 0 to 100. If there is no number, all percentiles are NaN.
+    The numbers must be finite and not negative (-0.0 is negative). ``shares`` are from 0 to 100. If there is no number,
+    all percentiles are NaN.
     """
     count = sum(part.size for part in parts())
     if not count:
@@ -41,9 +42,9 @@ def percentiles(parts: Parts, shares: Sequence[float]) -> list[float]:
 
 
 def _of_ranks(parts: Parts, ranks: Integers, count: int, bits: int, begin: int) -> Floats:
-    """Return the numbers of some ranks, from 0, among the ``count`` numbers whose first bits are ``begin``.
+    """Return the numbers that have these ``ranks``, sorted, among the ``count`` numbers whose first bits are ``begin``.
 
-    ``bits`` is how many bits follow these first bits.
+    The least number has rank 0. ``bits`` is how many bits follow the first bits.
     """
 
     def those() -> Iterator[Keys]:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 Range = tuple[int, int]
 
 PIECE = 1 << 18
-"""Numbers in a piece: they stay in the processor's cache, and take little memory."""
+"""Numbers in a piece: so few that they stay in the processor's cache and take little memory."""
 
 
 def pieces(span: slice, size: int = PIECE) -> Iterator[slice]:
@@ -17,9 +17,10 @@ def pieces(span: slice, size: int = PIECE) -> Iterator[slice]:
 
 
 def union(ranges: Iterable[Iterable[int]], most: int | None = None) -> list[Range]:
-    """Return the sorted ranges that cover all of ``ranges``. Ranges that touch are merged, empty ones removed.
+    """Return sorted ranges that cover all of ``ranges``. Ranges that touch are merged; empty ranges are removed.
 
-    ``most`` limits their number: the narrowest gaps are then also covered; of equal gaps, the first.
+    If there are more than ``most`` ranges, those with the narrowest gaps between them are merged too; of equal gaps,
+    the first is closed first.
     """
     found: list[list[int]] = []
     for start, stop in sorted((int(start), int(stop)) for start, stop in ranges):

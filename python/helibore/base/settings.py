@@ -1,4 +1,4 @@
-"""Settings of a wall: every vertex depends only on these settings and the samples."""
+"""The settings of a wall. The radius of every vertex depends only on these settings and on the samples."""
 
 from __future__ import annotations
 
@@ -16,18 +16,19 @@ _OPTIONAL = ("start_depth", "stop_depth", "window", "max_distance", "kriging_ran
 
 @dataclass(frozen=True, kw_only=True)
 class Settings:
-    """Settings of a wall; the method is Energies 2021, 14, 291.
+    """Settings of a wall; the method was published in Energies 2021, 14, 291.
 
     Attributes
     ----------
     bit_diameter
         Metres, 0.001 to 4; the first trial radius is half of it.
     sectors
-        K, vertices a turn; 3 or more.
+        K, the number of vertices in a turn; 3 or more.
     pitch
-        Metres a turn along the hole; negative for a well logged upwards.
+        Metres along the hole from one turn to the next; negative for a well logged upwards.
     start_depth, stop_depth
-        Depths of the ends of the helix, metres, within 1e7 of 0; None: the first and the last sample along it.
+        Depths at which the helix starts and stops, metres, within 1e7 of 0; None: the depths of the first and of the
+        last sample along the helix.
     start_toolface
         Toolface of vertex 0, degrees, within 1e6 of 0.
     first_vertex, stop_vertex
@@ -61,7 +62,7 @@ class Settings:
         covariance is Wendland's C2 function); at most half a turn counts. None: `helibore.reconstruct` takes four times
         the median distance of the 16th nearest sample; a live wall must be given a range.
     nugget
-        Variance of the noise over the variance of the shape, for kriging; at least 1e-6.
+        Variance of the noise divided by the variance of the shape, for kriging; at least 1e-6.
     sigma
         Keep with each vertex, while it is estimated, what `Wall.sigma` is computed from; `Wall.sigma` then need not
         estimate all vertices again. Radii do not depend on it.

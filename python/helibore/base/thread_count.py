@@ -1,6 +1,6 @@
 """Choose how many threads or processes to use: by default one for each processor that this process may use.
 
-The limit of a number of threads, and how they share work, is C++: ``cpp/src/base/threads.hpp``.
+The largest number that is allowed, and how threads share work, are defined in C++: ``cpp/src/base/threads.hpp``.
 """
 
 from __future__ import annotations
@@ -13,9 +13,9 @@ from helibore.base.errors import InputError
 
 
 def thread_count(count: int | None, name: str = "threads") -> int:
-    """Return ``count`` as an int, or for None the number of usable processors (of the affinity mask).
+    """Return ``count`` as an int; None: the number of processors that this process may use, by its affinity mask.
 
-    Raises InputError that names the argument unless it lies in 1 to the core's limit.
+    Raises an InputError with the place ``name`` if ``count`` is not an integer from 1 to the core's limit.
     """
     if count is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,6 +1,6 @@
 """Convert units. Only this file knows them: all other code uses metres, degrees, seconds and rpm.
 
-    core value = written value x factor(unit)          8.5 in -> 8.5 x 0.0254 m = 0.2159 m
+    value in metres = value as written x factor(unit)          8.5 in -> 8.5 x 0.0254 m = 0.2159 m
 
 The table holds unit names as real files write them (``M``, ``FT``, ``INCHES``, ``0.1 in``, ``DEGA`` ...), in upper or
 lower case. Other units are refused; nothing is guessed from the size of a number.
@@ -60,7 +60,10 @@ _BLANKS = str.maketrans("", "", " _")
 
 
 def canonical(unit: str) -> str:
-    """Return the name this table uses for ``unit``: ``canonical("INCHES") == "in"``; InputError if it is not there."""
+    """Return the name that the table uses for ``unit``: ``canonical("INCHES") == "in"``.
+
+    Raises an InputError if the table does not have the unit.
+    """
     found = _NAMES.get(unit.lower().translate(_BLANKS))
     if found is None:
         raise InputError(f"unit '{unit}'", f"not known; known are {', '.join(_TABLE)}")
@@ -68,10 +71,10 @@ def canonical(unit: str) -> str:
 
 
 def factor(unit: str, kind: str) -> float:
-    """Return the factor that turns a value in ``unit``, as files write it, into metres, degrees, seconds or rpm.
+    """Return the factor by which a value in ``unit`` becomes a value in metres, degrees, seconds or rpm.
 
-    ``kind`` is what the unit must measure: length, angle, time or rotation. An InputError says that the unit is not in
-    the table, or measures something else.
+    ``kind`` is what the unit must measure: length, angle, time or rotation. Raises an InputError if the table does not
+    have the unit, or if the unit measures something else.
     """
     unit = canonical(unit)
     measures, value, _ = _TABLE[unit]
@@ -88,9 +91,10 @@ def measures(unit: str) -> str:
 
 
 def split(name: str, kind: str) -> tuple[str, str | None]:
-    """Split the unit off a column's name: ``md_m``, ``Depth (ft)`` and ``CAL[in]`` give ``("md", "m")`` and so on.
+    """Return a column's name without the unit at its end, and this unit: ``md_m`` gives ``("md", "m")``.
 
-    The unit is a guess: a caller that uses it must report it. If no unit of this ``kind`` ends the name, it is None.
+    ``Depth (ft)`` and ``CAL[in]`` are split in the same way. The unit is a guess, so a caller that uses it must report
+    it. If the name does not end in a unit of this ``kind``, the result is the whole name and None.
     """
     for pattern in _SUFFIXES:
         match = pattern.fullmatch(name)
@@ -101,7 +105,10 @@ def split(name: str, kind: str) -> tuple[str, str | None]:
 
 
 def quantity(text: str, kind: str) -> float:
-    """Return ``8.5in``, ``12 1/4 in``, ``1/16in`` or a number without a unit in metres, degrees or seconds."""
+    """Convert a text such as ``8.5in``, ``12 1/4 in`` or ``1/16in`` to metres, degrees or seconds.
+
+    ``kind`` is what a unit must measure: length, angle or time. A number without a unit is taken as it is.
+    """
     match = _QUANTITY.fullmatch(text)
     if match is None:
         raise InputError(f"'{text}'", f"must be a number with a unit of {kind}, such as {_EXAMPLES[kind]}")
