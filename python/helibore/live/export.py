@@ -1,4 +1,4 @@
-"""Read a journal for other programs: the bytes of a source, a table of all values, and the records set aside."""
+"""Read a journal for other programs: the bytes of a source, a table of values, its sessions, and records set aside."""
 
 from __future__ import annotations
 
@@ -29,7 +29,17 @@ Report = Callable[[Segment], None]
 
 @dataclass(frozen=True, slots=True)
 class SetAside:
-    """A record that was set aside: its number, receive time, source, kind, reason, and bytes."""
+    """A record that was set aside.
+
+    Attributes
+    ----------
+    sequence, wall
+        Number and receive time (ns since 1970) of the record.
+    source, kind
+        Names of its source ("": the host, or the journal itself) and of its kind (see `KINDS`).
+    reason, payload
+        Why it was set aside, and its bytes.
+    """
 
     sequence: int
     wall: int
@@ -40,7 +50,11 @@ class SetAside:
 
 
 def export_bytes(folder: Path, number: int, file: BinaryIO, report: Report = lambda _: None) -> int:
-    """Write all bytes of the source with this number in the journal, as it sent them, and return their count."""
+    """Write all bytes that the journal has of the source with this number, and return how many these are.
+
+    For a WITS source these are the bytes that it sent; for a store, its answers as `helibore.live.witsml` frames them.
+    ``report`` is called with each segment after it is read.
+    """
     total = 0
     for segment in segments(folder):
         of = (segment.records["kind"] == journal.BYTES) & (segment.records["source"] == number)
@@ -51,9 +65,11 @@ def export_bytes(folder: Path, number: int, file: BinaryIO, report: Report = lam
 
 
 def export_csv(folder: Path, sources: dict[int, Source], file: TextIO, report: Report = lambda _: None) -> int:
-    """Write a table: one row for each WITS item of a whole frame and for each value that the host pushed.
+    """Write a table of the values in a journal: utc, source, connection, line, name and value in each row.
 
-    The columns are utc, source, connection, line, name, value. Answers of stores and images of the host are left out.
+    It has a row for each WITS item of a whole frame, and for each value of the samples and stations that the host
+    pushed. Answers of stores and images of the host are left out. ``report`` is called with each segment after it is
+    read.
 
     Returns
     -------
@@ -65,36 +81,38 @@ def export_csv(folder: Path, sources: dict[int, Source], file: TextIO, report: R
     rows, parsers = 0, dict[int, tuple[int, wits.Parser]]()
     for segment in segments(folder):
         for row, record in enumerate(segment.records):
-            kind, source, link = int(record["kind"]), int(record["source"]), int(record["connection"])
-            stamp = utc(int(record["wall"]))
-            if kind in COLUMNS and source == 0:
-                if len(segment.payload(row)) % (8 * len(COLUMNS[kind])):
+            kind, number, link = int(record["kind"]), int(record["source"]), int(record["connection"])
+            payload, source = segment.payload(row), sources.get(number)
+            found: list[tuple[int, int, str, str]] = []
+            if kind in COLUMNS and number == 0:
+                if len(payload) % (8 * len(COLUMNS[kind])):
                     continue  # it was set aside
-                values = np.frombuffer(segment.payload(row)).reshape(len(COLUMNS[kind]), -1)
-                found = [(0, name, f"{value:.9g}") for one in values.T.tolist()
+                values = np.frombuffer(payload).reshape(len(COLUMNS[kind]), -1)
+                found = [(link, 0, name, f"{value:.9g}") for one in values.T.tolist()
                          for name, value in zip(COLUMNS[kind], one, strict=True)]  # fmt: skip
-            elif kind == journal.BYTES and (of := sources.get(source)) and not isinstance(of, StoreSource):
-                if parsers.get(source, (-1,))[0] != link:
-                    parsers[source] = link, wits.Parser(of.nulls, *of.limits)
-                found = list(_items(parsers[source][1].feed(segment.payload(row))))
-            else:
-                continue
-            sender = sources[source].name if source else ""
-            writer.writerows([stamp, sender, link, line, name, value] for line, name, value in found)
+            elif kind in (journal.BYTES, journal.CLOSED) and source and not isinstance(source, StoreSource):
+                last = parsers.get(number, (link,))[0]
+                if last != link:  # its end is not in the journal
+                    found += _items(last, parsers.pop(number)[1].finish())
+                _, parser = parsers.setdefault(number, (link, wits.Parser(source.nulls, *source.limits)))
+                found += _items(link, parser.feed(payload) if kind == journal.BYTES else parser.finish())
+            stamp, sender = utc(int(record["wall"])), source.name if source else ""
+            writer.writerows([stamp, sender, *item] for item in found)
             rows += len(found)
         report(segment)
     return rows
 
 
-def _items(batch: wits.Batch) -> Iterator[tuple[int, str, str]]:
+def _items(connection: int, batch: wits.Batch) -> Iterator[tuple[int, int, str, str]]:
+    """Yield connection, line, name and text of each item."""
     for number, frame in enumerate(batch.frames):
         for row in range(int(frame["first"]), int(frame["first"] + frame["items"])):
             text = batch.text_of(row).decode("ascii", "backslashreplace")
-            yield batch.line_of(row, number), f"{batch.items['code'][row]:04d}", text
+            yield connection, batch.line_of(row, number), f"{batch.items['code'][row]:04d}", text
 
 
 def quarantine(folder: Path, model: Model) -> list[SetAside]:
-    """Return the records that ``model``, which has read the journal, set aside."""
+    """Return the records that ``model`` set aside when it read the journal."""
     found = []
     names = {number: name for name, number in model.numbers.items()}
     for segment in segments(folder):
@@ -108,7 +126,7 @@ def quarantine(folder: Path, model: Model) -> list[SetAside]:
 
 
 def sessions(folder: Path) -> list[tuple[int, str]]:
-    """Return (receive time in ns since 1970, configuration) of each session and each later change of configuration."""
+    """Return receive time (ns since 1970) and configuration text of each session and each change within a session."""
     found, last = [], ("", "")
     for segment in segments(folder):
         for row, header in headers(segment):
