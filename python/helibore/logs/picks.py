@@ -22,6 +22,7 @@ import os
 import secrets
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
+from numbers import Integral, Real
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -99,15 +100,22 @@ class Pick:
         check_choice("class", self.kind, CLASSES)
         for name, (low, high) in LIMITS.items():
             value = getattr(self, name)
-            if value is not None and not (isinstance(value, (int, float)) and low <= value <= high):
+            if name == "radius" and value is None:
+                continue
+            if not (isinstance(value, Real) and not isinstance(value, bool) and low <= value <= high):
                 raise InputError(name, f"must be {low:g} to {high:g}", str(value))
+            vars(self)[name] = float(value)
         if self.kind == BREAKOUT and not (self.height > 0 and self.opening > 0):
             raise InputError("breakout", "height and opening must be above 0")
-        if not (isinstance(self.points, int) and self.points >= 0):
+        if not (isinstance(self.points, Integral) and not isinstance(self.points, bool) and self.points >= 0):
             raise InputError("points", "must be a whole number", str(self.points))
+        vars(self)["points"] = int(self.points)
         for name, most in (("note", LONGEST_NOTE), ("image", LONGEST_NOTE), ("key", 32)):
-            if not isinstance(getattr(self, name), str) or len(getattr(self, name)) > most:
+            text = getattr(self, name)
+            if not isinstance(text, str) or len(text) > most:
                 raise InputError(name, f"must be a text of at most {most} characters")
+            if any("\ud800" <= character <= "\udfff" for character in text):  # no file can hold it
+                raise InputError(name, "must not hold half of a surrogate pair", ascii(text))
 
     @property
     def slopes(self) -> tuple[float, float]:
@@ -137,6 +145,8 @@ class Pick:
 
 def plane(kind: str, depth: float, dip: float, azimuth: float, path: Path) -> Pick:
     """Return the pick of a plane that crosses the path at a depth with a true dip and a dip azimuth, degrees."""
+    if not (math.isfinite(dip) and math.isfinite(azimuth)):
+        raise InputError(f"plane at {depth:g} m", f"dip {dip:g} and azimuth {azimuth:g} must be finite")
     steep, towards = math.radians(dip), math.radians(azimuth)
     normal = np.array([math.sin(steep) * math.cos(towards), math.sin(steep) * math.sin(towards), -math.cos(steep)])
     high, right, along = path.frame(np.array([depth]))[0] @ normal
@@ -242,7 +252,7 @@ class Picks(list[Pick]):
 
 
 def _parsed(row: Mapping[str, Any], path: Path | None, apparent: bool, line: str) -> Pick:
-    """Return the pick that a row of a table describes; without apparent dips, from its true dip and ``path``."""
+    """Return the pick that a row of a table describes; unless ``apparent``, from its true dip."""
 
     def number(column: str) -> float:
         try:
@@ -255,16 +265,17 @@ def _parsed(row: Mapping[str, Any], path: Path | None, apparent: bool, line: str
     numbers: dict[str, Any] = {
         name: number(column) for column, name in COLUMNS.items() if name not in TEXTS and row.get(column)
     }
+    points = numbers.get("points", 0.0)
+    numbers["points"] = int(points) if points.is_integer() else points
+    true_dip = None if apparent or texts.get("kind") == BREAKOUT else [number(column) for column in DIP]
     try:
-        if apparent:
-            points = numbers.get("points", 0.0)
-            return Pick(**texts, **{**numbers, "points": int(points) if points.is_integer() else points})
-        if path is None:
-            raise InputError(
-                "dip_deg", "a true dip needs the path of the wall: give --survey, or apparent_dip_deg and toolface_deg"
-            )
-        found = plane(texts["kind"], numbers["depth"], number(DIP[0]), number(DIP[1]), path)
-        return replace(found, note=texts.get("note", ""), image=texts.get("image", ""), key=texts["key"])
+        if true_dip is not None:
+            if path is None:
+                rule = "a true dip needs the path of the wall: give --survey, or apparent_dip_deg and toolface_deg"
+                raise InputError("dip_deg", rule)
+            found = plane(texts["kind"], numbers["depth"], *true_dip, path)
+            numbers |= {"apparent_dip": found.apparent_dip, "toolface": found.toolface}
+        return Pick(**texts, **numbers)
     except InputError as error:
         raise error.within(line) from error
     except (TypeError, KeyError) as error:

@@ -56,6 +56,10 @@ def test_without_a_path_or_beyond_it_a_dip_is_not_known() -> None:
         ({"toolface": "east"}, "toolface = east: must be 0 to 360"),
         ({"kind": "breakout"}, "breakout: height and opening must be above 0"),
         ({"points": 1.5}, "points = 1.5: must be a whole number"),
+        ({"points": True}, "points = True: must be a whole number"),
+        ({"depth": None}, "depth = None: must be -1e+06 to 1e+06"),
+        ({"apparent_dip": True}, "apparent_dip = True: must be 0 to 89.9"),
+        ({"note": "half an emoji \ud83d"}, r"note = 'half an emoji \ud83d': must not hold half of a surrogate pair"),
         ({"note": "x" * 81}, "note: must be a text of at most 80 characters"),
         ({"key": "x" * 33}, "key: must be a text of at most 32 characters"),
         (
@@ -69,6 +73,11 @@ def test_what_breaks_a_rule_is_refused(values: dict[str, object], text: str) -> 
     with pytest.raises(InputError) as error:
         pick_of({"kind": "bed", "depth": 1.0, "toolface": 0.0} | values)
     assert str(error.value) == text
+
+
+def test_numbers_of_numpy_are_numbers() -> None:
+    pick = Pick(kind="bed", depth=np.int64(2054), toolface=np.float32(140.5), points=np.int32(7))  # type: ignore[arg-type]
+    assert Picks.parse(Picks([pick]).table()) == [Pick(kind="bed", depth=2054.0, toolface=140.5, points=7)]
 
 
 def test_a_pick_without_a_depth_and_one_too_many_are_refused() -> None:
@@ -142,6 +151,27 @@ def test_true_dips_of_others_become_picks_on_a_path() -> None:
         Picks.parse(text)
     with pytest.raises(InputError, match=r"^line 1: must have the columns class, depth_m, dip_deg, dip_azimuth_deg$"):
         Picks.parse("DEPTH,DIP,AZI,TYPE\n", hole)
+
+
+def test_a_table_of_true_dips_keeps_its_other_columns_and_its_breakouts() -> None:
+    head = "class,depth_m,dip_deg,dip_azimuth_deg,radius_m,misfit_m,points,toolface_deg,height_m,opening_deg\n"
+    bed, box = Picks.parse(f"{head}bed,15,20,100,0.11,0.002,9,,,\nbreakout,20,,,,,,75,2,40\n", path(30.0, 60.0))
+    assert (bed.radius, bed.misfit, bed.points) == (0.11, 0.002, 9)
+    assert box == Pick(kind="breakout", depth=20.0, toolface=75.0, height=2.0, opening=40.0)
+
+
+@pytest.mark.parametrize(
+    ("dip", "azimuth", "error"),
+    [
+        ("inf", "10", "line 2: plane at 15 m: dip inf and azimuth 10 must be finite"),
+        ("10", "nan", "line 2: plane at 15 m: dip 10 and azimuth nan must be finite"),
+        ("", "10", "line 2, dip_deg = '': must be a number"),
+    ],
+)
+def test_a_true_dip_is_a_finite_number(dip: str, azimuth: str, error: str) -> None:
+    with pytest.raises(InputError) as raised:
+        Picks.parse(f"class,depth_m,dip_deg,dip_azimuth_deg\nbed,15,{dip},{azimuth}\n", path(30.0, 60.0))
+    assert str(raised.value) == error
 
 
 @pytest.mark.parametrize(
