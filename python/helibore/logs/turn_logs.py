@@ -440,7 +440,7 @@ def turn_logs(
     found["coverage"] = _coverage(wall, found["coverage"])
     found["wall_out_of_roundness"] = found["c1"] - found["least_diameter"]
     found |= {"uneven": np.full(turns, np.nan), "shape": "wall", "arm_diameter": ()}
-    if getattr(wall, "arms", None) is not None and found["coverage"].mean() < SEES_ALL_AROUND:
+    if turns and getattr(wall, "arms", None) is not None and found["coverage"].mean() < SEES_ALL_AROUND:
         found |= _from_arms(wall, depth, found)
     most, least = found["c1"], found["least_diameter"]
     ovality = (most - least) / (most + least)

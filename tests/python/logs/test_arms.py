@@ -223,6 +223,11 @@ def test_logs_without_a_row_warn_of_no_shape() -> None:
     assert logs.between(100, 200).warnings() == []
 
 
+def test_a_wall_of_arms_without_a_full_turn_has_no_logs_and_no_warning_of_numpy() -> None:
+    logs = hb.reconstruct(four_arms(ellipse, step=0.01, length=0.02), bit_diameter=BIT).logs()
+    assert (len(logs), logs.shape, logs.warnings()) == (0, "wall", [])
+
+
 def test_where_an_arm_is_missing_no_size_of_the_turn_is_stated() -> None:
     caliper = four_arms(ellipse, length=30.0)
     kept = ~((caliper.depth > 10) & (caliper.depth < 20) & (caliper.arm % 2 == 1))
