@@ -4,9 +4,10 @@
     wall.picks[0].dip(wall.path)                      # true dip and its azimuth, degrees
     wall.picks.save("f12.wall.picks.csv", wall.path)  # `hb.load("f12.wall")` reads it again
 
-A plane crosses the axis of the hole at ``depth``. In the frame of the hole at that depth, its equation is
+A plane crosses the axis of the hole at ``depth``. From that point x counts towards toolface 0, y towards toolface 90
+and z along the hole. The equation of the plane is
 
-    along = tan(apparent_dip) (cos(toolface) high side + sin(toolface) right)
+    z = tan(apparent_dip) (cos(toolface) x + sin(toolface) y)
 
 so on a hole of radius R it is a sinusoid of height 2 R tan(apparent_dip), deepest at ``toolface``. A breakout is a box
 ``height`` metres high and ``opening`` degrees wide on each of two opposite sides of the hole.
@@ -73,7 +74,8 @@ class Pick:
     misfit, points
         Root mean square misfit, along the hole, of the points that the plane was fitted to, and the number of points.
     height, opening, tilt
-        Of a breakout: its length, its width around the hole, and how far it leans from the axis, to the right.
+        Of a breakout: its length along the hole, its width around the hole, and the angle by which it leans from the
+        axis; if the angle is above 0, the deeper part of the breakout lies at greater toolfaces.
     note
         At most 80 characters.
     image
@@ -124,20 +126,24 @@ class Pick:
         return slope * math.cos(toolface), slope * math.sin(toolface)
 
     def reaches(self, top: float, bottom: float, bit_diameter: float) -> bool:
-        """Return whether a part of the sine or the box lies between two depths; without a radius, the bit's counts."""
+        """Return whether a part of the sine or box lies between two depths; a pick without radius has the bit's."""
         radius = 0.5 * bit_diameter if self.radius is None else self.radius
         tall = 0.5 * self.height if self.kind == BREAKOUT else radius * math.tan(math.radians(self.apparent_dip))
         return self.depth - tall <= bottom and self.depth + tall >= top
 
     def dip(self, path: Path | None) -> tuple[float, float]:
-        """Return true dip and dip azimuth of a plane, degrees; NaN without a path, beyond it, and for a breakout."""
+        """Return true dip and dip azimuth of a plane, degrees.
+
+        Both are NaN for a breakout, without a path, beyond its ends, and where toolface 0 is undefined (`Path.frame`).
+        The azimuth of a level plane is NaN.
+        """
         if path is None or self.kind == BREAKOUT or not path.start_depth <= self.depth <= path.stop_depth:
             return math.nan, math.nan
         try:
-            high, right, along = path.frame(np.array([self.depth]))[0]
-        except InputError:  # a vertical hole has no high side
+            zero, right, along = path.frame(np.array([self.depth]))[0]
+        except InputError:  # toolface 0 is undefined
             return math.nan, math.nan
-        normal = along - self.slopes[0] * high - self.slopes[1] * right
+        normal = along - self.slopes[0] * zero - self.slopes[1] * right
         north, east, down = normal if normal[2] <= 0 else -normal
         dip = math.degrees(math.atan2(math.hypot(north, east), -down))
         return dip, math.degrees(math.atan2(east, north)) % 360 if dip > 1e-3 else math.nan
@@ -149,10 +155,10 @@ def plane(kind: str, depth: float, dip: float, azimuth: float, path: Path) -> Pi
         raise InputError(f"plane at {depth:g} m", f"dip {dip:g} and azimuth {azimuth:g} must be finite")
     steep, towards = math.radians(dip), math.radians(azimuth)
     normal = np.array([math.sin(steep) * math.cos(towards), math.sin(steep) * math.sin(towards), -math.cos(steep)])
-    high, right, along = path.frame(np.array([depth]))[0] @ normal
+    zero, right, along = path.frame(np.array([depth]))[0] @ normal
     if abs(along) < 1e-6:
         raise InputError(f"plane at {depth:g} m", "is parallel to the hole")
-    slopes = -high / along, -right / along
+    slopes = -zero / along, -right / along
     return Pick(
         kind=kind, depth=depth, apparent_dip=math.degrees(math.atan(math.hypot(*slopes))),
         toolface=math.degrees(math.atan2(slopes[1], slopes[0])) % 360,
@@ -178,10 +184,10 @@ class Picks(list[Pick]):
         self.append(pick)
 
     def merge(self, others: Iterable[Pick]) -> tuple[list[Pick], list[Pick]]:
-        """Add the picks of another table; return those that were added, and those that replaced a pick with their key.
+        """Add the picks of another table; return the picks added, and the picks that replaced one with the same key.
 
-        A pick is left out if the pick with its key has the same row in a table, or if its key is new but a pick of the
-        same class is at the same place.
+        A pick is left out if this list has its key with the same row of the table. It is also left out if this list
+        does not have its key, but has a pick with the same values of the fields in `PLACE`.
         """
         places, index = {_cells(pick, PLACE) for pick in self}, {pick.key: at for at, pick in enumerate(self)}
         added, replaced = [], []
