@@ -11,6 +11,7 @@ psi from the direction of that centre, is ``R = e cos psi + sqrt(r^2 - e^2 sin^2
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -32,6 +33,9 @@ class Washout:
     enlargement: float
     roughness: float = 4.0
 
+    def __post_init__(self) -> None:
+        _require_below(self.start, self.stop)
+
 
 @dataclass(frozen=True)
 class Breakout:
@@ -46,6 +50,11 @@ class Breakout:
     opening: float
     enlargement: float
     roughness: float = 4.0
+
+    def __post_init__(self) -> None:
+        _require_below(self.start, self.stop)
+        if not self.opening > 0:
+            raise InputError("opening", "must be above 0", f"{self.opening:g}")
 
 
 @dataclass(frozen=True)
@@ -100,12 +109,17 @@ class Hole:
     _modes: Floats = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        if not self.stop > self.start:
-            raise InputError("stop", f"must be deeper than start = {self.start:g}", f"{self.stop:g}")
-        if not self.bit_diameter > 0:
-            raise InputError("bit_diameter", "must be above 0", f"{self.bit_diameter:g}")
-        if self.rugosity and not self.rugosity_length > 0:
-            raise InputError("rugosity_length", "must be above 0", f"{self.rugosity_length:g}")
+        _require_below(self.start, self.stop)
+        for name in ("bit_diameter", "spiral_length", "rugosity_length"):
+            if not getattr(self, name) > 0:
+                raise InputError(name, "must be above 0", f"{getattr(self, name):g}")
+        if not abs(self.spiral) < 0.5 * self.bit_diameter:
+            raise InputError("spiral", f"must be less than the radius of the bit, {0.5 * self.bit_diameter:g}",
+                             f"{self.spiral:g}")  # fmt: skip
+        for index, (above, bed) in enumerate(itertools.pairwise(self.beds), 1):
+            if not bed.depth >= above.depth:
+                raise InputError(f"beds[{index}].depth", f"must be {above.depth:g} or deeper, as beds[{index - 1}] is",
+                                 f"{bed.depth:g}")  # fmt: skip
         object.__setattr__(self, "_modes", self._roughness_modes())
 
     @classmethod
@@ -223,6 +237,11 @@ class Hole:
         length = self.rugosity_length * 8.0 ** rng.random(count)
         amplitude = np.full(count, self.rugosity * np.sqrt(2.0 / count))
         return np.column_stack([around, 2.0 * np.pi / length, 2.0 * np.pi * rng.random(count), amplitude])
+
+
+def _require_below(start: float, stop: float) -> None:
+    if not stop > start:
+        raise InputError("stop", f"must be deeper than start = {start:g}", f"{stop:g}")
 
 
 def _step(x: Floats) -> Floats:

@@ -142,7 +142,7 @@ def _check_lifts(hole: Hole, tool: Tool) -> None:
         if not (deepest <= lift.depth <= hole.stop):
             raise InputError(f"lifts[{index}].depth", f"must be in [{deepest:g}, {hole.stop:g}]", f"{lift.depth:g}")
         if not (0 < lift.length <= lift.depth - hole.start):
-            rule = f"must be above 0 and leave the tool below the top of the hole, {hole.start:g} m"
+            rule = f"must be above 0 and at most {lift.depth - hole.start:g}, so that the tool stays in the hole"
             raise InputError(f"lifts[{index}].length", rule, f"{lift.length:g}")
         deepest = lift.depth
 
