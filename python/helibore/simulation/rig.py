@@ -109,7 +109,7 @@ class Rig:
         self._draw = np.random.default_rng([seed, 11])
         half_way = start + (stop - start) / 2
         lifts = lift if isinstance(lift, tuple) else (Lift(half_way, lift),) if lift else ()
-        tool = Tool(sample_rate=rate or usual, lifts=lifts)
+        tool = Tool(sample_rate=usual if rate is None else rate, lifts=lifts)
         self.run = simulate(Hole.example(start, stop, bit_diameter=BIT_DIAMETER, seed=seed), tool, seed=seed)
         # The triples rounded as sent: toolface to 0.01 deg, depth to 0.1 mm, radius to 0.01 mm.
         toolface, radius = np.round(self.run.toolface, 2) % 360.0, np.round(self.run.radius * 1e3, 2) * 1e-3
@@ -222,7 +222,7 @@ def connect(address: str, seconds: float = 30.0) -> socket.socket:
     try:
         if found.kind == "tcp":
             return _connected(where, seconds)
-        listening = socket.create_server(where)
+        listening = socket.create_server(where, family=socket.AF_INET6 if ":" in found.host else socket.AF_INET)
     except OSError as error:
         raise port_error(error, *where, "address (--wits)") from error
     with listening:
@@ -238,8 +238,11 @@ def _connected(where: tuple[str, int], seconds: float) -> socket.socket:
     end = time.monotonic() + seconds
     while True:
         try:
-            return socket.create_connection(where, timeout=seconds)
+            connection = socket.create_connection(where, timeout=seconds)
         except ConnectionRefusedError:
             if time.monotonic() > end:
                 raise
             time.sleep(0.2)
+        else:
+            connection.settimeout(None)  # a receiver whose disk is full lets the sender wait
+            return connection

@@ -242,6 +242,29 @@ def test_an_address_that_is_taken_is_named():
     assert (result.exit_code, result.stderr) == (2, f"helibore: 127.0.0.1 port {port}: {rule}\n")
 
 
+def test_a_rig_waits_for_a_receiver_that_does_not_read():
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        link = connect(f"tcp://127.0.0.1:{listening.getsockname()[1]}", 0.1)
+        receiver = listening.accept()[0]
+    with link, receiver:
+        left = 30_000_000
+        sending = threading.Thread(target=link.sendall, args=(bytes(left),))
+        sending.start()
+        sending.join(0.5)
+        assert sending.is_alive(), "the buffers are full"
+        while left:
+            left -= len(receiver.recv(1 << 20))
+        sending.join()
+
+
+@pytest.mark.skipif(not socket.has_ipv6, reason="needs IPv6")
+def test_a_rig_listens_on_an_ipv6_address():
+    with socket.create_server(("::1", 0), family=socket.AF_INET6) as free:
+        port = free.getsockname()[1]
+    with pytest.raises(TimeoutError, match="nobody connected"):
+        connect(f"listen://[::1]:{port}", 0.01)
+
+
 def test_an_address_without_a_connection_is_named():
     port = free_port()
     with pytest.raises(ConnectionRefusedError) as refused:
