@@ -13,7 +13,7 @@ import socket
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -125,7 +125,6 @@ class Newcomer:
     connection: socket.socket
     peer: str
     parser: wits.Parser
-    since: float = field(default_factory=time.monotonic)
     sent: bytes = b""
 
 
