@@ -236,7 +236,7 @@ class WitsCaliper(CaliperTable):
             for name in columns:
                 raise InputError(name, "must not be set together with first")
             if sorted(self.order) not in (["depth", "radius", "toolface"], ["radius", "toolface"]):
-                rule = 'must name "toolface" and "radius" once each, and "depth" at most once'
+                rule = 'must name "toolface" and "radius" once each, "depth" at most once, and nothing else'
                 raise InputError("order", rule, repr(self.order))
             run = _run(self.first, "groups", self.groups, len(self.order))
             columns = {name: run[start :: len(self.order)] for start, name in enumerate(self.order)}

@@ -166,7 +166,7 @@ def test_what_is_only_transport_does_not_change_the_meaning():
         (
             WALL + SOURCE + CALIPER + 'first = "5010"\ngroups = 3\norder = ["radius"]\n',
             'source.rig.caliper.order = [\'radius\']: must name "toolface" and "radius" once each, '
-            'and "depth" at most once',
+            '"depth" at most once, and nothing else',
         ),
         (
             WALL + SOURCE + CALIPER + 'toolface = ["5010"]\nradius = ["5011"]\n',
