@@ -55,10 +55,17 @@ class StoreReader(SourceReader):
         self._reported_jump = self._reported_index = -np.inf
 
     def go_on_from(self, before: SourceReader) -> None:
-        """Take over what `SourceReader` does, and the last index, the incomplete answer and the log's null value."""
+        """Take over the reader that another configuration replaces, also its incomplete answer.
+
+        If the log is the same, its last index and its null value are taken over, too. Another log is read from its
+        first row on, because the last index of the old log says nothing of it.
+        """
         super().go_on_from(before)
-        if isinstance(before, StoreReader):
-            self.last, self._last_key, self._frames = before.last, before._last_key, before._frames
+        if not isinstance(before, StoreReader):
+            return
+        self._frames = before._frames
+        if _log_of(self._store) == _log_of(before._store):
+            self.last, self._last_key = before.last, before._last_key
             self._nulls = [*self.source.nulls, *before._nulls[len(before.source.nulls) :]]
 
     def read(self, chunk: Chunk) -> list[Reading]:
@@ -249,6 +256,10 @@ class StoreReader(SourceReader):
         reading = Reading(time, order, wall, np.array(numbers), self._connection)
         reading.stations, reading.station_frame = np.array(rows), np.arange(len(rows))
         return reading
+
+
+def _log_of(store: StoreSource) -> tuple[tuple[str, str, str] | None, str]:
+    return store.log.uids if store.log else None, store.index
 
 
 def reader_of(source: Source, events: EventBook, limits: DepthLimits) -> SourceReader:

@@ -473,6 +473,35 @@ def test_the_null_value_of_a_log_holds_when_the_depth_limits_change():
     assert (live.wall.sample_count, live.model.counts["flag NULL"]) == (2, 1)
 
 
+def log_answer(rows, mnemonics, units):
+    lists = f"<mnemonicList>{mnemonics}</mnemonicList><unitList>{units}</unitList>"
+    document = LOG.replace("HEADER", "").replace("ROWS", lists + "".join(f"<data>{row}</data>" for row in rows))
+    return witsml.framed("log", "whole", enveloped(document))
+
+
+@pytest.mark.parametrize(
+    ("index", "change"),
+    [
+        ("time", ('log = "l<1>", index = "time"', 'log = "l<1>", index = "depth"')),
+        ("depth", ('log = "l<1>"', 'log = "l<2>"')),
+    ],
+)
+def test_another_log_is_read_from_its_first_row(index, change):
+    """The last index of the old log says nothing of the new one: a time is later than every depth."""
+    text = CONFIGURATION.replace("URL", "https://store.example/witsml").replace('ca = "CA"\n', "")
+    text = text.replace('index = "depth"', f'index = "{index}"')
+    live = hb.Live(parse(text))
+    at = [f"2024-05-01T10:00:{i:02d}Z" if index == "time" else f"{110 + i / 10:.2f}" for i in range(5)]
+    rows = [f"{one},{i * 30},110,{110 + i / 10:.2f}" for i, one in enumerate(at)]
+    live.receive("store", log_answer(rows, "INDEX,TF,RAD,DBTM", f"{'s' if index == 'time' else 'm'},dega,mm,m"))
+    assert (live.wall.sample_count, live.model.readers[1].last[0]) == (5, at[-1])
+    live.reconfigure(parse(text.replace(*change)))
+    assert live.model.readers[1].last is None
+    rows = [f"{101 + i / 10:.2f},{i * 30},110" for i in range(7)]
+    assert live.receive("store", log_answer(rows, "DEPT,TF,RAD", "m,dega,mm")).events == []
+    assert live.wall.sample_count == 12
+
+
 def test_an_answer_is_stored_before_anything_looks_into_it(store, tmp_path, monkeypatch):
     store.rows, seen = grown(5), []
     real = witsml.read_answer
