@@ -162,9 +162,9 @@ def read_log(document: str) -> LogRows:
         if name == "data":
             log.rows.append(text)
         elif name == "mnemonicList":
-            log.mnemonics = [cell.strip() for cell in text.split(",")]
+            log.mnemonics = _cells(text)
         elif name == "unitList":
-            log.units = [cell.strip() for cell in text.split(",")]
+            log.units = _cells(text)
         elif name == "logCurveInfo":
             children = {child.tag.rpartition("}")[2]: (child.text or "").strip() for child in element}
             described.append((children.get("mnemonic", ""), children.get("unit", "")))
@@ -181,6 +181,10 @@ def read_log(document: str) -> LogRows:
         if (cells := row.count(",") + 1) != len(log.mnemonics):
             raise ValueError(f"row {number}: {cells} values for {len(log.mnemonics)} mnemonics")
     return log
+
+
+def _cells(text: str) -> list[str]:
+    return [cell.strip() for cell in text.split(",")] if text else []
 
 
 def read_stations(document: str) -> list[tuple[tuple[str, str], ...]]:

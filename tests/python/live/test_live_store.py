@@ -502,6 +502,16 @@ def test_another_log_is_read_from_its_first_row(index, change):
     assert live.wall.sample_count == 12
 
 
+def test_an_empty_list_of_units_or_mnemonics_is_read_from_the_description_of_the_curves():
+    curves = "".join(
+        f"<logCurveInfo><mnemonic>{name}</mnemonic><unit>{unit}</unit></logCurveInfo>"
+        for name, unit in (("A", "m"), ("B", "ft"))
+    )
+    for lists in ("<mnemonicList>A,B</mnemonicList><unitList/>", "<mnemonicList/><unitList></unitList>"):
+        log = witsml.read_log(f"<logs><log>{curves}<logData>{lists}<data>1,2</data></logData></log></logs>")
+        assert (log.mnemonics, log.units) == (["A", "B"], ["m", "ft"])
+
+
 def test_an_answer_is_stored_before_anything_looks_into_it(store, tmp_path, monkeypatch):
     store.rows, seen = grown(5), []
     real = witsml.read_answer
