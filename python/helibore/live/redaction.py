@@ -28,8 +28,12 @@ def check_password(place: str, password: str) -> None:
     Raises
     ------
     InputError
-        If it is shorter than 6 characters or has no ASCII letter.
+        If it is shorter than 6 characters, has no ASCII letter, or is not UTF-8 text.
     """
+    try:
+        password.encode()
+    except UnicodeEncodeError:  # os.environ holds a wrong byte as half of a surrogate pair
+        raise InputError(place, "the password must be UTF-8 text") from None
     if len(password) < SHORTEST or not set(password) & set(string.ascii_letters):
         rule = f"the password must have {SHORTEST} characters or more and a letter: it is redacted in every answer"
         raise InputError(place, rule)

@@ -6,6 +6,7 @@ import base64
 import html
 import json
 import logging
+import os
 import re
 import tracemalloc
 import urllib.parse
@@ -585,6 +586,14 @@ def test_a_password_that_is_not_set_is_an_error_at_the_start(store, tmp_path, mo
     polled = Polled(store, tmp_path, lambda text: text.replace("every", 'user = "u"\npassword_env = "NO_SUCH"\nevery'))
     with polled.live, pytest.raises(ValueError, match=r"source.store.password_env = 'NO_SUCH': is not set"):
         polled.server.start()
+
+
+def test_a_password_of_other_bytes_than_utf_8_is_an_error_without_the_password(store, tmp_path, monkeypatch):
+    monkeypatch.setitem(os.environb, b"STORE_PASSWORD", "geheimwört".encode("latin-1"))
+    polled = Polled(store, tmp_path, with_user)
+    with polled.live, pytest.raises(ValueError) as error:  # noqa: PT011 (the text is compared whole below)
+        polled.server.start()
+    assert str(error.value) == "source.store.password_env: the password must be UTF-8 text"
 
 
 def test_answers_come_out_of_the_journal_as_they_went_in_however_cut_and_damage_costs_its_own():
