@@ -395,7 +395,7 @@ class Live:
         return update
 
     def append_image(
-        self, name: str, depth: npt.ArrayLike, values: npt.NDArray[np.float64], unit: str = "", *,
+        self, name: str, depth: npt.ArrayLike, values: npt.ArrayLike, unit: str = "", *,
         origin: str | None = None, reference: str | None = None, direction: str = "clockwise",
         toolface_offset: float = 0.0,
     ) -> Update:  # fmt: skip
@@ -418,25 +418,29 @@ class Live:
             values, or a name that is not allowed in a file name. Then nothing is stored.
         """
         depths = column("depth", depth)
-        self._check_image(name, depths.size, values, unit)
+        rows = self._image_rows(name, depths.size, values, unit)
         layout = given_layout(origin, reference, direction, toolface_offset, self.configuration.path.reference)
         if layout and self.model.layouts.get(name, layout) != layout:
             raise ValueError(f"image '{name}': has another layout: {self.model.layouts[name]}")
         _require_finite("depth", depths)
-        head = json.dumps([name, values.shape[1], unit, *(astuple(layout) if layout else ())]).encode() + b"\n"
-        table = np.column_stack([depths, values]).astype(np.float64)
+        head = json.dumps([name, rows.shape[1], unit, *(astuple(layout) if layout else ())]).encode() + b"\n"
+        table = np.column_stack([depths, rows])
         update = Update()
         step = max((journals.LONGEST_PAYLOAD - len(head)) // (8 * table.shape[1]), 1)
         for start in range(0, max(len(table), 1), step):
             merge(update, self._store(0, 0, head + table[start : start + step].tobytes(), journals.IMAGE))
         return update
 
-    def _check_image(self, name: str, rows: int, values: npt.NDArray[np.float64], unit: str) -> None:
-        """Refuse values that are not an image, or that do not match the earlier rows of the image."""
+    def _image_rows(self, name: str, rows: int, values: npt.ArrayLike, unit: str) -> npt.NDArray[np.float64]:
+        """Return ``values`` as an array; refuse values that are no image or that do not match its earlier rows."""
         if any(image.name == name for source in self.configuration.sources.values() for image in source.images):
             raise ValueError(f"image '{name}': a source sends it already")
         if not can_be_file(name):
             raise ValueError(f"name = {name[:60]!r}: {RULE}")
+        try:
+            values = np.asarray(values, np.float64)
+        except (ValueError, TypeError) as error:
+            raise ValueError(f"values: must be numbers: {error}") from None
         if np.ndim(values) != 2 or len(values) != rows or values.shape[1] < 1:
             raise ValueError(f"values has shape {np.shape(values)}: must be ({rows}, sectors), 1 sector or more")
         if name in self.images and self.images[name].sectors != values.shape[1]:
@@ -445,6 +449,7 @@ class Live:
             raise ValueError(f"unit = '{unit}': image '{name}' has '{self.images[name].unit}'")
         for row, sector in np.argwhere(np.isinf(values))[:1].tolist():
             raise ValueError(f"values[{row}, {sector}] = {values[row, sector]}: must be finite, or NaN where missing")
+        return values
 
     def _number(self, source: str) -> int:
         if source not in self.model.numbers:

@@ -30,6 +30,8 @@ Values = npt.NDArray[np.float64]
 
 ABSENT, VALUE, NULL, INVALID = range(4)
 REMEMBERED, DIGEST_BYTES = 4096, 16
+LARGEST_TOOLFACE = 1e6
+"""Degrees: a toolface with a larger absolute value is wrong."""
 FIRST_TOOLFACES = 100
 """Number of toolfaces after which their unit is judged."""
 
@@ -410,13 +412,16 @@ class SourceReader:
             triple_flags[(found == INVALID).any(axis=0)] |= Flag.INVALID
         low, high = caliper.radius_range
         outside = (radius < low) | (radius > high)
-        triple_flags[outside | (np.abs(toolface) > 1e6)] |= Flag.RANGE
+        far = np.abs(toolface) > LARGEST_TOOLFACE
+        triple_flags[outside | far] |= Flag.RANGE
 
         def describe(row: int) -> Event:
             text = f"radius {radius[row]:g} m: must be in radius_range [{low:g}, {high:g}]"
+            if far[row]:
+                text = f"toolface {toolface[row]:g} deg: must be from {-LARGEST_TOOLFACE:g} to {LARGEST_TOOLFACE:g}"
             return self._event(int(reading.wall[frame[row]]), "range", text, int(reading.line[frame[row]]))
 
-        self._events.report_rows(outside.nonzero()[0], describe)
+        self._events.report_rows((outside | far).nonzero()[0], describe)
         self._judge_unit(toolface, reading, frame)
         toolface = wrapped(toolface + np.broadcast_to(caliper.toolface_offset, len(caliper.toolface))[group])
         reading.triple_frame, reading.triple_flags = frame, triple_flags

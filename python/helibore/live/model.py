@@ -32,7 +32,7 @@ from helibore.live.depth_limits import CONFIRMED_WITHIN, HeldSample
 from helibore.live.events import NEVER_DRAWN, Event, EventBook, Flag
 from helibore.live.image_rows import ImageRows
 from helibore.live.layout import Layout
-from helibore.live.mapping import Chunk, Reading, SourceReader
+from helibore.live.mapping import LARGEST_TOOLFACE, Chunk, Reading, SourceReader
 from helibore.live.pass_log import PassLog
 from helibore.live.pass_rules import NO_NUMBER, PASSES, layer_of
 from helibore.live.session_header import configuration_of, read_header
@@ -53,8 +53,6 @@ PENDING = np.dtype(
 
 LATEST = 4e9
 """Seconds since 1970: a sample with a time later than this (2096), or earlier than its negative, is wrong."""
-LARGEST_TOOLFACE = 1e6
-"""Degrees: a toolface with a larger absolute value is wrong."""
 MOST_SET_ASIDE = 10_000
 """The model keeps the numbers and reasons of at most this many records that were set aside."""
 LARGEST_RADIUS = 10.0
@@ -411,8 +409,19 @@ class Model:
         kind = int(record["kind"])
         if kind == journal.SAMPLES:
             depth, toolface, radius, stamp = np.frombuffer(payload).reshape(4, -1)
-            good = (np.isnan(stamp) | (np.abs(stamp) <= LATEST)) & (radius > 0) & (radius <= LARGEST_RADIUS)
-            wrong = ~(good & (np.abs(toolface) <= LARGEST_TOOLFACE) & np.isfinite(depth))
+            rules = (
+                ("depth", "m", depth, np.isfinite(depth), "must be finite"),
+                ("toolface", "deg", toolface, np.abs(toolface) <= LARGEST_TOOLFACE,
+                 f"must be from {-LARGEST_TOOLFACE:g} to {LARGEST_TOOLFACE:g}"),
+                ("radius", "m", radius, (radius > 0) & (radius <= LARGEST_RADIUS),
+                 f"must be above 0 and at most {LARGEST_RADIUS:g}"),
+                ("time", "s", stamp, np.isnan(stamp) | (np.abs(stamp) <= LATEST),
+                 f"must be from {-LATEST:g} to {LATEST:g}, in seconds since 1970"),
+            )  # fmt: skip
+            wrong = np.zeros(len(depth), bool)
+            for name, unit, values, right, rule in rules:
+                self._report_wrong(record, name, unit, values, ~right, rule)
+                wrong |= ~right
             stamp = np.where(wrong, np.nan, stamp)
             pending = np.zeros(len(depth), PENDING)
             pending["flags"] = np.where(wrong, int(Flag.RANGE), 0)
@@ -432,14 +441,24 @@ class Model:
                 self.layouts[name] = Layout(*layout)
             table = np.frombuffer(values).reshape(-1, sectors + 1)
             wrong = ~np.isfinite(table[:, 0]) | self.configuration.depth.outside(table[:, 0])
-            if wrong.any():
-                text = f"image {name}: depth {table[wrong, 0][0]:g} m: {self.configuration.depth.rule()}"
-                self._report(record, "range", text)
+            rule = self.configuration.depth.rule()
+            self._report_wrong(record, f"image {name}: depth", "m", table[:, 0], wrong, rule)
             table = table[~wrong]
             image = self._image(name, sectors, unit)
             start, stop = image.append(table[:, 0], table[:, 1:])
             update.images[name] = (update.images.get(name, (start, 0))[0], stop)
         return found
+
+    def _report_wrong(
+        self, record: np.void, name: str, unit: str, values: npt.NDArray[np.float64], wrong: npt.NDArray[np.bool_],
+        rule: str,
+    ) -> None:  # fmt: skip
+        """Report an event for each ``wrong`` value that a host pushed; they are not drawn."""
+        wall = int(record["wall"])
+        self.events.report_rows(
+            np.flatnonzero(wrong),
+            lambda row: Event(wall, "", 0, 0, -1, "range", f"{name} {values[row]:g} {unit}: {rule}"),
+        )
 
     def _place(self, now: int, update: Update) -> None:
         """Compute the depths of pending rows, draw the rows that are ready, and keep the others."""

@@ -73,6 +73,13 @@ def test_bad_values_are_flagged_told_and_cost_only_their_triple():
     ]
 
 
+def test_a_toolface_that_no_tool_has_gives_an_event():
+    live = Live(parse(SENT), clock=Clock())
+    live.receive("mwd", wits.frame([(5010, "-3000000"), (5011, "100.5"), (5012, "110")]))
+    assert [event.text for event in live.poll().events] == ["toolface -3e+06 deg: must be from -1e+06 to 1e+06"]
+    assert live.model.counts["flag RANGE"] == 1
+
+
 def test_a_cut_connection_costs_its_open_frame_only():
     live = Live(parse(SENT))
     live.connected("mwd", 1, "127.0.0.1:5")

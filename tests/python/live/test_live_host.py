@@ -78,6 +78,31 @@ def test_a_depth_that_is_no_number_costs_only_itself():
     assert live.images == {}
 
 
+@pytest.mark.parametrize(
+    ("samples", "reported"),
+    [
+        (([101.0, 101.1], [0.0, 10.0], [108.0, 0.11]), "radius 108 m: must be above 0 and at most 10"),
+        (([101.0, 101.1], [0.0, -2e6], [0.11, 0.11]), "toolface -2e+06 deg: must be from -1e+06 to 1e+06"),
+        (([101.0, 101.1], [0.0, 10.0], [0.11, 0.11], [1.0, 1e13]),
+         "time 1e+13 s: must be from -4e+09 to 4e+09, in seconds since 1970"),
+        (([101.0, 99e3], [0.0, 10.0], [0.11, 0.11]), "depth 99000 m: must be in depth_range [0, 15000]"),
+    ],
+)  # fmt: skip
+def test_a_pushed_sample_that_is_out_of_range_is_left_out_with_an_event(samples, reported):
+    live = Live(parse(live_pushes.CONFIGURATION))
+    update = live.append_samples(*samples)
+    assert [(event.rule, event.text) for event in update.events] == [("range", reported)]
+    assert live.wall.sample_count == 1
+
+
+def test_every_row_of_an_image_that_is_out_of_range_counts():
+    live = Live(parse(live_pushes.CONFIGURATION))
+    update = live.append_image("GR", [101.0, -5.0, 99e3], [[1, 2], [3, 4], [5, 6]])
+    rule = "must be in depth_range [0, 15000]"
+    assert [event.text for event in update.events] == [f"image GR: depth {at} m: {rule}" for at in (-5, 99000)]
+    assert live.images["GR"].arrays()[1].tolist() == [[1.0, 2.0]]
+
+
 LIES = {"origin": "edge", "reference": "high-side", "toolface_offset": 30.0}
 
 
@@ -126,6 +151,9 @@ def test_an_image_that_lies_otherwise_is_refused_and_not_stored(given, reported)
     [
         ("GR", np.ones((1, 0)), "values has shape (1, 0): must be (1, sectors), 1 sector or more"),
         ("GR", np.ones((2, 4)), "values has shape (2, 4): must be (1, sectors), 1 sector or more"),
+        ("GR", [[1.0], [2.0, 3.0]], "values: must be numbers: setting an array element with a sequence. The requested "
+         "array has an inhomogeneous shape after 1 dimensions. The detected shape was (2,) + inhomogeneous part."),
+        ("GR", [["a"]], "values: must be numbers: could not convert string to float: 'a'"),
         ("GR", np.array([[1.0, np.nan, -np.inf]]), "values[0, 2] = -inf: must be finite, or NaN where missing"),
         ("a\0b", np.ones((1, 4)), "name = 'a\\x00b': must be printable and at most 200 bytes, for files are named "
          "after it"),
