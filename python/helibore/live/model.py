@@ -611,11 +611,12 @@ class Model:
     ) -> list[tuple[int, str]]:
         """Return (row, text) for each sample that follows a gap longer than `gap_reach`; ``of`` is layer and source."""
         limit = self.layers[of[0]].settings.gap_reach
-        deepest = np.maximum.accumulate(np.concatenate([[self._deepest.get(of, -np.inf)], depth]))
-        jumps = np.flatnonzero(np.isfinite(deepest[:-1]) & (np.diff(deepest) > limit))
-        self._deepest[of] = float(deepest[-1])
+        ahead = np.copysign(1.0, self.layers[of[0]].settings.pitch)  # -1 for a wall that grows upwards
+        farthest = np.maximum.accumulate(np.concatenate([[self._deepest.get(of, -np.inf)], ahead * depth]))
+        jumps = np.flatnonzero(np.isfinite(farthest[:-1]) & (np.diff(farthest) > limit))
+        self._deepest[of] = float(farthest[-1])
         return [
-            (int(rows[jump]), f"layer {of[0]}: no samples from {deepest[jump]:.3f} m to {depth[jump]:.3f} m")
+            (int(rows[jump]), f"layer {of[0]}: no samples from {ahead * farthest[jump]:.3f} m to {depth[jump]:.3f} m")
             for jump in jumps.tolist()
         ]
 
