@@ -167,14 +167,17 @@ class SourceReader:
         else:
             before._add_counts()
         for name, steps in self._steps.items():
-            if name in before._steps and self.source.rig[name] == before.source.rig[name]:
+            if name in before._steps and self._is_same(before, self.source.rig[name], before.source.rig[name]):
                 before._steps[name].limits = steps.limits
                 self._steps[name] = before._steps[name]
-        if self.source.items.pass_number == before.source.items.pass_number:
+        if self._is_same(before, self.source.items.pass_number, before.source.items.pass_number):
             self._pass_number = before._pass_number
         self.counts = {name: before.counts.get(name, 0) for name in self.counts}
         self.watches |= {code: watch for code, watch in before.watches.items() if code in self.watches}
         self._connection, self._recent, self.seen = before._connection, before._recent, before.seen
+
+    def _is_same(self, before: SourceReader, item: Item | None, earlier: Item | None) -> bool:
+        return self.source.origin(item) == before.source.origin(earlier)
 
     @property
     def recent(self) -> bytes:

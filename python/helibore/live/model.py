@@ -224,7 +224,7 @@ class Model:
             old, self.readers[number] = self.readers.get(number), reader_of(source, self.events, configuration.depth)
             if old:
                 self.readers[number].go_on_from(old)
-            if number in self._held and depth_items(before.sources.get(name)) != depth_items(source):
+            if number in self._held and _depth_items(before.sources.get(name)) != _depth_items(source):
                 self._held[number].forget()
         for number in self.readers:
             self._held.setdefault(number, HeldSample(configuration.depth)).limits = configuration.depth
@@ -634,9 +634,9 @@ class Model:
             update.images[name] = (update.images.get(name, (start, 0))[0], stop)
 
 
-def depth_items(source: Source | None) -> object:
+def _depth_items(source: Source | None) -> object:
     """Return the items that state the depths of a source's samples; none, if the depths follow from the bit depth."""
-    return source.caliper.depth if source and source.caliper else None
+    return [source.origin(item) for item in source.caliper.depth] if source and source.caliper else []
 
 
 def _checksum(wall: WallState) -> int:

@@ -368,6 +368,10 @@ class Source(Table):
         mapped = [item.code for item in (*rig.values(), *number, *measured)]
         self._derive(name=context.name, rig=rig, images=images, measured=measured, mapped=mapped)
 
+    def origin(self, item: Item | None) -> object:
+        """Return what ``item`` is on the wire, to compare it with an item of an earlier configuration."""
+        return item
+
     def meaning(self) -> dict[str, Any]:
         """Return the settings that affect the wall, without those of the transport."""
         meaning: dict[str, Any] = {"name": self.name, "units": self.units, "nulls": self.nulls, "limits": self.limits,
@@ -475,6 +479,9 @@ class StoreSource(Source):
             raise InputError("", "log or trajectory must be set: what is polled")
         if self.curves and self.log is None:
             raise InputError("log", f"must be set: {self.curves[0].mnemonic} is a curve of it")
+
+    def origin(self, item: Item | None) -> object:
+        return self.curves[item.code - INDEX - 1] if item and item.code > INDEX else item
 
     def meaning(self) -> dict[str, Any]:
         curves = [{"mnemonic": curve.mnemonic, "kind": curve.kind} for curve in self.curves]

@@ -503,6 +503,17 @@ def test_another_log_is_read_from_its_first_row(index, change):
     assert live.wall.sample_count == 12
 
 
+def test_another_curve_is_not_compared_with_the_depth_that_the_old_curve_had():
+    text = CONFIGURATION.replace("URL", "https://store.example/witsml").replace('ca = "CA"\n', "")
+    text = text.replace('index = "depth"', 'index = "time"')
+    live = hb.Live(parse(text))
+    for second in (0, 2):
+        rows = [f"2024-05-01T10:00:{second + i:02d}Z,500,900" for i in range(2)]
+        assert live.receive("store", log_answer(rows, "T,DBTM,BITDEP", "s,m,m")).events == []
+        live.reconfigure(parse(text.replace("DBTM", "BITDEP")))
+    assert live.model.rig.tracks["bit_depth"].value.tolist() == [500.0, 500.0, 900.0, 900.0]
+
+
 def test_an_empty_list_of_units_or_mnemonics_is_read_from_the_description_of_the_curves():
     curves = "".join(
         f"<logCurveInfo><mnemonic>{name}</mnemonic><unit>{unit}</unit></logCurveInfo>"
