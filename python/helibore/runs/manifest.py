@@ -64,7 +64,8 @@ OF_A_FILE = {key: (*(each.name for each in fields(ImageInput if key == "image" e
 
 def path_part(well: str) -> str:
     """Return the name of a well as a part of a path: 15/9-F-1 becomes 15%2F9-F-1, which data set readers decode."""
-    return quote(well, safe="")
+    part = quote(well, safe="")
+    return part if part.strip(".") else part.replace(".", "%2E")  # "." and ".." are other folders
 
 
 @dataclass(frozen=True)

@@ -1,13 +1,18 @@
-"""One well of many: what the catalogue says of it."""
+"""One well of many: what the catalogue says of it, and which files are its own."""
 
 from __future__ import annotations
 
+from pathlib import Path
+from urllib.parse import unquote
+
 import numpy as np
+import pytest
 
 import helibore as hb
 from helibore.logs.turn_logs import NO_UNCERTAINTY
+from helibore.runs.manifest import Job, read_jobs
 from helibore.runs.run_settings import RunSettings
-from helibore.runs.well import catalogue_row
+from helibore.runs.well import catalogue_row, reprocess_well
 
 
 def test_the_catalogue_says_that_a_tool_with_few_arms_measured() -> None:
@@ -21,3 +26,24 @@ def test_the_catalogue_says_that_a_tool_with_few_arms_measured() -> None:
         "a tool with few arms measured 6 % of the turns; the wall between its arms is interpolated, and C1, C2, "
         f"ovality and zones are the arms'; {NO_UNCERTAINTY}"
     )
+
+
+@pytest.mark.parametrize("name", [".", "..", "..."])
+def test_a_well_named_by_dots_stays_in_its_own_folders(tmp_path: Path, name: str) -> None:
+    """A well that fails deletes its files: with the folder of another well, it deleted that well's files."""
+    k = np.arange(2000)
+    rows = np.column_stack([1000 + k * 0.001, k * 37.0 % 360, np.full(k.size, 0.11)])
+    np.savetxt(tmp_path / "c.csv", rows, "%.5f", ",", header="md_m,tf_deg,radius_m", comments="")
+    head = 'output = "out"\n[defaults]\ncaliper = { file = "c.csv" }\n[defaults.wall]\nbit_diameter = 0.216\n'
+    wells = f'[[well]]\nname = "B"\n[[well]]\nname = "{name}"\n'
+    (tmp_path / "m.toml").write_text(head + wells)
+    for job in read_jobs(tmp_path / "m.toml"):
+        assert reprocess_well(job)["made"]
+    assert unquote(Job(name, {}, "").key) == name
+    files = {file for file in (tmp_path / "out").rglob("*") if file.is_file()}
+    own = {file for file in files if Job(name, {}, "").key in str(file)}
+    (tmp_path / "m.toml").write_text(f"{head}{wells}[well.wall]\nstart_depth = 9000.0\n")
+    with pytest.raises(hb.InputError, match="no samples below 9000 m"):
+        reprocess_well(read_jobs(tmp_path / "m.toml")[1])
+    assert own
+    assert {file for file in (tmp_path / "out").rglob("*") if file.is_file()} == files - own
