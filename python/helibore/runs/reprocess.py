@@ -14,7 +14,7 @@ import time
 import uuid
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 from urllib.parse import unquote
@@ -110,7 +110,7 @@ def reprocess(
     client
         A Dask client, or the address of a scheduler; None: a cluster on this machine, with one worker a processor.
     output
-        Folder of the results at any fsspec address, in place of the manifest's.
+        Folder of the results at any fsspec address, in place of that of the manifest or of the jobs.
     workers
         Without a client: how many processes work on this machine; None: one a processor.
     progress
@@ -136,7 +136,10 @@ def reprocess(
     >>> hb.reprocess("manifest.toml").failed                    # doctest: +SKIP
     {'A-7': 'A-7.parquet: truncated or damaged Parquet'}
     """
-    jobs = read_jobs(jobs, output) if isinstance(jobs, str | Path) else list(jobs)
+    if isinstance(jobs, str | Path):
+        jobs = read_jobs(jobs, output)
+    else:
+        jobs = [replace(job, output=output or job.output) for job in jobs]
     if not jobs:
         raise InputError("jobs", "must be at least one")
     if client is None:

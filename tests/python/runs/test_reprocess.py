@@ -534,6 +534,10 @@ def test_all_wells_on_dask(field: Path, tmp_path: Path, client: Any) -> None:
     before = content(tmp_path)
     again = hb.reprocess(jobs, client)
     assert (again.done, sorted(again.skipped)) == ([], ["15/9-F 1", "B"])
+    elsewhere = hb.reprocess(jobs[1:2], client, output=str(tmp_path / "elsewhere"))
+    assert elsewhere.done == ["B"]
+    assert (tmp_path / "elsewhere" / "wells" / "B" / "B.wall").is_file()
+    shutil.rmtree(tmp_path / "elsewhere")
     assert content(tmp_path) == before
     duckdb = pytest.importorskip("duckdb")
     count = duckdb.sql(f"SELECT well, count(*) FROM '{tmp_path}/logs/*/*.parquet' GROUP BY well ORDER BY well")
