@@ -154,9 +154,12 @@ class Run:
 
     @property
     def name(self) -> str:
-        """The name of the first source file, without endings, or "Gauge hole"."""
+        """The name of the first source file without its ending (``well.csv.gz`` has one), or "Gauge hole"."""
         source = self.settings.archive or self.settings.average or next(iter(self.settings.caliper), None)
-        return source.file.name.split(".")[0] if source is not None else "Gauge hole"
+        if source is None:
+            return "Gauge hole"
+        name = source.file.name
+        return Path(name[:-3] if name.lower().endswith(".gz") else name).stem
 
 
 def repeat(settings: RunSettings | str | os.PathLike[str], threads: int | None = None) -> Run:
@@ -177,7 +180,8 @@ def reopen(settings: RunSettings) -> Run:
     for each in settings.inputs:
         now = files.checksum(each.file).result()
         if now != each.blake2b:
-            rule = f"its BLAKE2b is {now}, the settings have {each.blake2b}; only the same file repeats the run"
+            stated = each.blake2b or "none"
+            rule = f"its BLAKE2b is {now}, the settings have {stated}; only the same file repeats the run"
             raise InputError(str(each.file), f"has changed since the run: {rule}")
     for one in settings.inputs:
         if isinstance(one, Input):
@@ -401,7 +405,7 @@ def no_samples(name: str, ends: tuple[float, float], settings: Settings) -> Inpu
 def interval(settings: Settings) -> tuple[float, float]:
     """Return the shallow and the deep end of the wall that the settings state, metres; infinite if not stated."""
     ends = (settings.start_depth, settings.stop_depth)
-    top, bottom = ends if settings.pitch > 0 else ends[::-1]
+    top, bottom = ends[::-1] if settings.pitch < 0 else ends
     return -np.inf if top is None else top, np.inf if bottom is None else bottom
 
 

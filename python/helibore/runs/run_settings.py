@@ -26,11 +26,11 @@ from typing import Any, get_type_hints
 
 from helibore._core import __version__
 from helibore.base.atomic_file import write_whole
-from helibore.base.errors import InputError
+from helibore.base.errors import InputError, check_choice
 from helibore.base.nulls import NULLS
 from helibore.base.settings import Settings
 from helibore.base.toml_file import read_toml
-from helibore.channels.roles import Role, RoleMap
+from helibore.channels.roles import ROLES, Role, RoleMap
 from helibore.preparation.conditioning import Echo
 from helibore.preparation.prepare import Preparation
 
@@ -47,6 +47,10 @@ class Input:
     set: str | None = None  # None where the file has no sets
     channel: tuple[Role, ...] = ()
     header_line: int | None = None  # the line of a table's column names, if it was stated
+
+    def __post_init__(self) -> None:
+        for role in self.channel:
+            check_choice(f"channel {role.channel}: role", role.role, ROLES)
 
     @property
     def roles(self) -> RoleMap:
@@ -93,7 +97,7 @@ class PathSettings:
 
     method: str = "minimum-curvature"
     reference: str | None = None
-    head: tuple[float, ...] = (0.0, 0.0, 0.0)
+    head: tuple[float, float, float] = (0.0, 0.0, 0.0)
     extend: float = 0.0
 
 

@@ -15,8 +15,8 @@ from command import run
 import helibore as hb
 from helibore.files.table_writing import write_table
 from helibore.preparation.passes import difference
-from helibore.runs.run import add_images, checksum, preparation_lines, repeat
-from helibore.runs.run_settings import Output, read_settings, settings_file, write_settings
+from helibore.runs.run import OpenFiles, Run, add_images, checksum, preparation_lines, repeat
+from helibore.runs.run_settings import Input, Output, RunSettings, read_settings, settings_file, write_settings
 from helibore.simulation.tool import Hole, Lift, Tool, simulate
 
 
@@ -31,6 +31,15 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     np.savez(folder / "c.npz", **columns)
     (folder / "s.csv").write_text("md_m,incl_deg,azim_deg\n1990,5,40\n2010,7,50\n")
     return folder
+
+
+@pytest.mark.parametrize(
+    ("file", "name"),
+    [("a.csv.gz", "a"), ("run.1.csv", "run.1"), ("15.9-F-12.LAS.GZ", "15.9-F-12"), ("a", "a"), (".a.wall", ".a")],
+)
+def test_a_run_has_the_name_of_its_file_without_the_ending(file: str, name: str) -> None:
+    settings = RunSettings(archive=Input(Path("folder.1") / file))
+    assert Run(settings, OpenFiles(())).name == name
 
 
 def test_two_images_of_one_name_are_both_kept() -> None:
@@ -146,8 +155,10 @@ def test_options_do_not_go_with_settings(folder: Path, tmp_path: Path) -> None:
         ("recentre = false", "recentre = 0", "preparation.recentre = 0: must be true or false"),
         ('bias = "none"', 'bias = "tool"', "preparation: bias = 'tool': must be one of none, arm, side"),
         ("head = [\n    0.0,\n    0.0,\n    0.0,\n]", "head = 3", "path.head = 3: must be a list"),
+        ("head = [\n    0.0,\n    0.0,\n    0.0,\n]", "head = [1.0]", "path.head = [1.0]: must be a list of 3"),
         ("[wall]", "[wail]", "wail: must be one of helibore, verb, nulls"),
         ("[[caliper]]", "[caliper]", ""),
+        ('role = "toolface"', 'role = "tf"', "caliper 1: channel toolface: role = 'tf': must be one of depth, time"),
         ('role = "radius"', 'roll = "radius"', "caliper 1.channel 4.roll: must be one of"),
         ("bit_diameter = 0.216", "", "wall.bit_diameter: is missing"),
         ("nulls", "nulls = [1", "not TOML"),
