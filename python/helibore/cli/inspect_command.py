@@ -133,5 +133,4 @@ def short(value: float) -> str:
 
 def share(channel: Channel) -> str:
     """Return the number of missing values of a channel, and their percentage of all its values."""
-    total = channel.values.size
-    return f"{channel.missing:,} ({100 * channel.missing / total:.2g} %)" if channel.missing and total else "0"
+    return f"{channel.missing:,} ({100 * channel.missing / channel.values.size:.3g} %)" if channel.missing else "0"
