@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from helibore.cli.outputs import OUTPUT
+from helibore.cli.lines import counts_line
+from helibore.cli.outputs import OUTPUT, check_file
 from helibore.cli.quantities import FILE, FOLDER
 from helibore.cli.wall_options import opt, section
 
@@ -93,7 +94,8 @@ def verify(folder: Path) -> None:
             click.echo(str(error))
             lost += 1
     if lost:
-        raise InputError(str(folder), f"{lost} places are damaged, {records:,} records are intact")
+        places = f"{lost} places are damaged" if lost > 1 else "1 place is damaged"
+        raise InputError(str(folder), f"{places}, {records:,} records are intact")
     click.echo(f"{folder}: {records:,} records are intact")
 
 
@@ -119,8 +121,7 @@ def replay(folder: Path, configuration: Path | None, output: Path | None) -> Non
         click.echo(str(event))
     if output:
         snapshot(live, output)
-    counts, where = live.model.counts, f"; written to {output}" if output else ""
-    click.echo(f"{counts['drawn']:,} samples drawn, {counts['not drawn']:,} not, {len(live.wall):,} vertices{where}")
+    click.echo(counts_line(live) + (f"; written to {output}" if output else ""))
 
 
 @journal.command()
@@ -182,17 +183,17 @@ def export(folder: Path, configuration: Path | None, output: Path, source: str |
     from helibore.live.export import export_bytes, export_csv
     from helibore.live.session_header import sources_of
 
+    check_file(output, (".csv", ".wits"))
     sources = sources_of(folder, load(configuration) if configuration else None, source)
-    if output.suffix not in (".csv", ".wits"):
-        raise InputError(str(output), "must end in .csv or .wits")
-    if output.suffix == ".wits" and len(sources) > 1:
+    wits = output.suffix.lower() == ".wits"
+    if wits and len(sources) > 1:
         names = ", ".join(one.name for one in sources.values())
         raise InputError("--source", f"must be one of {names}: a .wits file has one source")
     counts = []
 
     def write(file: Any) -> None:
         with _progress(folder) as step:
-            if output.suffix == ".wits":
+            if wits:
                 counts.append(export_bytes(folder, next(iter(sources)), file, step))
             else:
                 text = io.TextIOWrapper(file, "utf-8", newline="", write_through=True)
@@ -200,7 +201,7 @@ def export(folder: Path, configuration: Path | None, output: Path, source: str |
                 text.detach()
 
     write_whole(output, write)
-    click.echo(f"{output}: {counts[0]:,} {'bytes' if output.suffix == '.wits' else 'rows'}")
+    click.echo(f"{output}: {counts[0]:,} {'bytes' if wits else 'rows'}")
 
 
 @journal.command()

@@ -14,6 +14,7 @@ from helibore.cli.quantities import facts_in
 
 if TYPE_CHECKING:
     from helibore.images.image_breakouts import ImageBreakouts
+    from helibore.live.live import Live
     from helibore.logs.annulus import Annulus
     from helibore.logs.summary import Extreme, WallSummary
     from helibore.logs.turn_logs import Logs
@@ -58,6 +59,18 @@ def summary_lines(found: WallSummary, cells: str = "") -> Lines:
 def trust_lines(found: WallSummary) -> Lines:
     """Return the warnings of a summary, such as that of a tool with few arms, as lines."""
     return [("warning", text) for text in found.warnings]
+
+
+def counts_line(live: Live) -> str:
+    """Return a text on what became of the samples of a live wall, and on the size of its layer ``main``.
+
+    Each sample whose depth is known, or will never be known, is in one of three counts: drawn in a layer; refused by a
+    flag; in no layer, since no layer takes its pass, it lies before the wall, or enough samples lie around it.
+    """
+    counts, waiting = live.model.counts, live.model.waiting
+    text = f"{counts['drawn']:,} samples drawn, {counts['not drawn']:,} refused, {counts['kept apart']:,} in no layer"
+    text += f", {waiting:,} samples and image rows wait for their depth" if waiting else ""
+    return f"{text}; {len(live.wall):,} vertices"
 
 
 def _shape_lines(found: WallSummary) -> Lines:

@@ -62,6 +62,7 @@ def live(
     (kill -HUP), CONFIGURATION is read again, and its changes apply to later bytes.
     """
     importlib.import_module("helibore.live.checks")  # imported first: its error names the extra that is missing
+    from helibore.cli.lines import counts_line
     from helibore.cli.live_check import described
     from helibore.cli.live_log import logged
     from helibore.cli.live_metrics import Access, MetricsServer
@@ -103,9 +104,7 @@ def live(
             _snapshot(running, target)
         if server.failure is not None:
             raise server.failure
-        counts = running.model.counts
-        click.echo(f"{counts['drawn']:,} samples drawn, {counts['not drawn']:,} not, {len(running.wall):,} vertices; "
-                   f"journal {where}")  # fmt: skip
+        click.echo(f"{counts_line(running)}; journal {where}")
 
 
 def _window(well: str, port: int, access: Access) -> Window:

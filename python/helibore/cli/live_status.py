@@ -52,7 +52,7 @@ def metrics(server: Server) -> str:
     received, drawn = model.counts["received"], model.counts["drawn"]
     family("samples_received", "counter", "Samples whose depth is known, or will never be known.", [((), received)])
     family("samples_drawn", "counter", "Samples drawn in a layer.", [((), drawn)])
-    family("samples_waiting", "gauge", "Samples whose depth is not known yet.", [((), model.waiting)])
+    family("samples_waiting", "gauge", "Samples and image rows whose depth is not known yet.", [((), model.waiting)])
     flags = [((str(flag.name).lower(),), float(model.counts[f"flag {flag.name}"])) for flag in Flag]
     family("samples_flagged", "counter", "Samples with a flag.", flags, "flag")
     passes = [((name,), float(model.counts[f"pass {name}"])) for name in PASSES]
@@ -172,9 +172,9 @@ class Page:
             table.add_row("pass", f"{run.name}{called}", run.source or "host", f"{run.samples:,} samples")
         drawn = model.counts["drawn"]
         table.add_row(
-            "drawn", f"{drawn:,} ({self._rate('drawn', drawn):,.0f}/s)", "not drawn", f"{model.counts['not drawn']:,}"
+            "drawn", f"{drawn:,} ({self._rate('drawn', drawn):,.0f}/s)", "refused", f"{model.counts['not drawn']:,}"
         )
-        table.add_row("kept apart", f"{model.counts['kept apart']:,}", "waiting for depth", f"{model.waiting:,}")
+        table.add_row("in no layer", f"{model.counts['kept apart']:,}", "waiting for depth", f"{model.waiting:,}")
         latency = server.latency
         table.add_row(
             "latency", f"{1e3 * latency.quantile(0.5):.1f} ms", "p99", f"{1e3 * latency.quantile(0.99):.1f} ms"

@@ -86,12 +86,31 @@ def test_replay_with_a_corrected_configuration(folder, tmp_path):
         SENT.replace('order = ["toolface", "depth"', 'toolface_offset = 90.0, order = ["toolface", "depth"')
     )
     before = run("replay", folder)
-    assert before.splitlines()[-1] == f"600 samples drawn, 0 not, {len(Live.replay(folder).wall)} vertices"
+    vertices = len(Live.replay(folder).wall)
+    assert before.splitlines()[-1] == f"600 samples drawn, 0 refused, 0 in no layer; {vertices:,} vertices"
     assert "aside: set aside what the host pushed of record" in before
     run("replay", folder, "-c", corrected, "-o", tmp_path / "out")
     toolface = hb.load(tmp_path / "out" / "main.wall").samples.toolface
     expected = (sent_rows()[:, 0] + 90.0) % 360
     assert np.allclose(np.sort(toolface), np.sort(expected))
+
+
+def test_the_counts_of_samples_add_up(folder, tmp_path):
+    """Samples before the start of the wall by more than their reach, 1 m, are in no layer."""
+    ranged = SENT.replace('order = ["toolface"', 'radius_range = [0.05, 0.12], order = ["toolface"')
+    (tmp_path / "c.toml").write_text(ranged.replace("start_depth = 100.0", "start_depth = 102.0"))
+    _, depth, radius = sent_rows().T
+    refused = radius > 0.12
+    drawn = ~refused & (depth >= 101.0)
+    counts = f"{drawn.sum()} samples drawn, {refused.sum()} refused, {(~refused & ~drawn).sum()} in no layer; "
+    assert run("replay", folder, "-c", tmp_path / "c.toml").splitlines()[-1].startswith(counts)
+    assert min(drawn.sum(), refused.sum(), (~refused & ~drawn).sum()) > 20
+
+
+def test_an_export_may_have_an_ending_in_capitals(folder, tmp_path):
+    run("export", folder, "-o", tmp_path / "small.csv")
+    run("export", folder, "-o", tmp_path / "LARGE.CSV")
+    assert (tmp_path / "LARGE.CSV").read_bytes() == (tmp_path / "small.csv").read_bytes()
 
 
 def test_a_recorded_configuration_that_cannot_be_read_stops_no_replay_with_another(folder, tmp_path, monkeypatch):
@@ -178,7 +197,7 @@ def test_a_restart_goes_on_after_the_segments_of_the_first_configuration_are_rem
 @pytest.mark.parametrize(
     ("arguments", "text"),
     [
-        (("export", "FOLDER", "-o", "x.txt"), "helibore: x.txt: must end in .csv or .wits\n"),
+        (("export", "FOLDER", "-o", "x.txt"), "helibore: x.txt: the ending must be one of .csv, .wits\n"),
         (("export", "FOLDER", "-o", "x.csv", "--source", "rig"), "helibore: source = 'rig': must be one of mwd\n"),
         (("list", "EMPTY"), "helibore: EMPTY: holds no journal (no file 000001.hbj)\n"),
         (("verify", "EMPTY"), "helibore: EMPTY: holds no journal (no file 000001.hbj)\n"),
