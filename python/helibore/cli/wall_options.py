@@ -213,12 +213,12 @@ def open_run(options: dict[str, Any], terminal: Terminal, outputs: Sequence[Path
     with terminal.stage("read", "Opening files"):
         if repeated is not None:
             settings = read_settings(repeated)
-            _check_outputs(outputs, [repeated, *(each.file for each in settings.inputs)], settings_file)
+            more = {"image": settings.image + _images(options), "scalar": settings.scalar + _scalars(options)}
+            with_more = replace(settings, **more)
+            _check_outputs(outputs, [repeated, *(each.file for each in with_more.inputs)], settings_file)
             run = reopen(settings)
             run.files.header_lines |= _header_lines(options, ())
-            run.settings = replace(
-                settings, image=settings.image + _images(options), scalar=settings.scalar + _scalars(options)
-            )  # fmt: skip
+            run.settings = with_more
         else:
             run = Run(*_opened(options), tune=options["tune"])
             _check_outputs(outputs, [each.file for each in run.settings.inputs], settings_file)
@@ -559,7 +559,7 @@ def _image(text: str) -> ImageInput:
 
     reference = next((word for word in ("north", "high-side") if text.endswith(f":{word}")), None)
     parts = (text.removesuffix(f":{reference}") if reference else text).rsplit(":", 2)
-    if len(parts) != 3 or parts[2] not in ("centre", "edge"):
+    if len(parts) != 3 or not all(parts) or parts[2] not in ("centre", "edge"):
         forms = "FILE:CHANNEL:ORIGIN or FILE:CHANNEL:ORIGIN:REFERENCE; ORIGIN is centre or edge, REFERENCE"
         raise click.UsageError(f"--image {text}: must be {forms} north or high-side")
     return ImageInput(Path(parts[0]), parts[1], parts[2], reference=reference)

@@ -47,6 +47,26 @@ def test_absent_numbers_come_beside_the_usual_ones(tmp_path: Path) -> None:
     assert tomllib.loads((tmp_path / "a.ply.toml").read_text())["nulls"] == [-999.25, -9999.0, -9999.25, -999.2]
 
 
+def test_an_image_added_to_a_repeated_run_is_never_written_over(tmp_path: Path) -> None:
+    k, gamma = np.arange(2000), tmp_path / "g.csv"
+    around = np.column_stack([1000 + k * 0.001, k * 37.0 % 360, np.full(k.size, 0.11)])
+    np.savetxt(tmp_path / "c.csv", around, "%.5f", ",", header="md_m,tf_deg,radius_m", comments="")
+    rows = np.column_stack([np.arange(1000, 1002, 0.1), np.full((20, 8), 50.0)])
+    np.savetxt(gamma, rows, "%.5f", ",", header=",".join(["md_m", *(f"GR{n}_gAPI" for n in range(8))]), comments="")
+    wall, before = tmp_path / "w.wall", gamma.read_bytes()
+    assert run("mesh", tmp_path / "c.csv", "--bit-diameter", "8.5in", "-o", wall).exit_code == 0
+    for source in (wall, f"{wall}.toml"):
+        result = run("logs", source, "--image", f"{gamma}:GR:edge", "-o", gamma)
+        text = f"helibore: {gamma}: would be written over {gamma}, which it is made from\n"
+        assert (result.exit_code, result.stderr, gamma.read_bytes()) == (2, text, before)
+
+
+@pytest.mark.parametrize("image", [":GR:edge", "g.csv::edge", "g.csv:GR", "g.csv:GR:top"])
+def test_an_image_needs_file_channel_and_origin(image: str) -> None:
+    result = run("mesh", "--gauge", "--bit-diameter", "8.5in", "--image", image, "-o", "w.ply")
+    assert f"--image {image}: must be FILE:CHANNEL:ORIGIN" in result.stderr
+
+
 COLUMNS = ("--diameter", "CALX@0", "--diameter", "CALY@90", "--bit-diameter", "8.5in")
 
 
