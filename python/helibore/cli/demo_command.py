@@ -21,7 +21,7 @@ DEPTH_SCALE, DPI = 250, 120
 @section(
     "Options",
     opt("-o --output", "Folder to write to.", type=FOLDER, default="."),
-    opt("--seed", "Seed of the simulated hole.", type=int, default=0),
+    opt("--seed", "Seed of the simulated hole.", type=click.IntRange(0), default=0),
     QUIET,
 )
 def demo(output: Path, seed: int, quiet: bool) -> None:

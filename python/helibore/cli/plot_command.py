@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from helibore.base import units
 from helibore.cli.lines import Lines, trust_lines
@@ -154,7 +155,14 @@ def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Ru
     _scale(options["scale"]), _looks(options)  # refuses wrong ones before the work
     run = open_run(options, terminal, (options["output"],))
     options = own_options(run, verb, options)
-    scale, looks = _scale(options["scale"]), _looks(options)
+    scale, looks, unit, template = _scale(options["scale"]), _looks(options), options["unit"], None
+    if options["template"] is not None:
+        if click.get_current_context().get_parameter_source("unit") is ParameterSource.COMMANDLINE:
+            raise click.UsageError("--unit: does not go with --template, which states the units")
+        from helibore.logs.template import Template
+
+        template = Template.load(options["template"])
+        scale, unit = scale or template.scale, template.units
     from helibore.runs.run import make_wall
 
     make_wall(run, options["threads"], terminal.stage)
@@ -175,7 +183,8 @@ def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Ru
         "looks": looks,
         "reference": run.reference,
         "left": float(options["left"]),
-        "unit": options["unit"],
+        "unit": unit,
+        "template": template,
         "curves": tuple(name for name in options["curves"] or ("C1", "C2") if name != "none"),
         "polar": () if options["no_polar"] else options["polar"] or None,
         "body": () if options["no_body"] else options["body"] or None,
@@ -184,12 +193,6 @@ def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Ru
         "beside": walls_beside(options),
         "criteria": criteria_of(run.wall, options),
     }
-    if options["template"] is not None:
-        from helibore.logs.template import Template
-
-        template = Template.load(options["template"])
-        drawing |= {"template": template, "unit": template.units}
-        drawing["scale"] = scale or template.scale
     return run, options, drawing
 
 
@@ -237,7 +240,10 @@ def _looks(options: dict[str, Any]) -> dict[str, Look]:
         looks[name]["color_map"] = value
     for text in options["dynamic"]:
         name, value = split_pair("dynamic", text)
-        looks[name]["window"] = units.quantity(value, units.LENGTH)
+        try:
+            looks[name]["window"] = units.quantity(value, units.LENGTH)
+        except ValueError as error:
+            raise click.UsageError(f"--dynamic {text}: {error}") from None
     for option, log in (("logs", True), ("linear", False)):
         for name in options[option]:
             looks[name]["log"] = log

@@ -48,7 +48,7 @@ PLAYED = ("start", "stop", "lifts", "seed", "wits", "telemetry", "speed", "fault
     opt("--noise", "Standard deviation of the radius.", type=LENGTH, default="0.5mm"),
     opt("--missing", "Share of samples that never arrive.", type=float, default=0.0),
     opts("--lift lifts", "Lift the tool and scan again.", type=LIFT),
-    opt("--seed", "Seed of the hole; another seed makes another hole.", type=int, default=0),
+    opt("--seed", "Seed of the hole; another seed makes another hole.", type=click.IntRange(0), default=0),
     opt("--format ending", "Format of the samples.", type=click.Choice(["csv", "csv.gz", "npz"]), default="csv"),
     QUIET,
 )

@@ -44,5 +44,6 @@ def criteria_of(wall: Wall, options: dict[str, Any]) -> Criteria:
                 raise click.UsageError(f"--criterion {text}: needs a unit, such as {value}in or {value}mm")
             found[name] = float(value) if name in shares else units.quantity(value, units.LENGTH)
         except ValueError as error:
-            raise click.UsageError(f"--criterion {text}: {error}") from None
+            rule = "must be a number from 0 to 1" if name in shares else error
+            raise click.UsageError(f"--criterion {text}: {rule}") from None
     return Criteria.scaled(wall.settings.bit_diameter, **found) if options["scaled"] else Criteria(**found)

@@ -109,6 +109,25 @@ def test_options_of_a_drawing_are_arguments_of_the_plot(monkeypatch: pytest.Monk
     assert {name: seen[name] for name in expected} == expected
 
 
+@pytest.mark.parametrize(
+    ("arguments", "error"),
+    [
+        (("simulate", "s", "--seed", "-1"), "Invalid value for '--seed': -1 is not in the range x>=0."),
+        (("mesh", "--gauge", "--from", "1", "--to", "2", "--pitch", "0", "-o", "w.ply"), "pitch = 0: must be finite"),
+        (("plot", "w.wall", "--dynamic", "GR=wide", "-o", "w.png"), "--dynamic GR=wide: 'wide': must be a number with"),
+        (("plot", "w.wall", "--unit", "ft", "--template", "t.toml", "-o", "w.png"), "--unit: does not go with --temp"),
+        (("logs", "w.wall", "--criterion", "symmetry=x", "-o", "w.las"), "--criterion symmetry=x: must be a number f"),
+    ],
+)
+@pytest.mark.usefixtures("folder")
+def test_an_error_names_the_option(arguments: tuple[str, ...], error: str) -> None:
+    hb.reconstruct(hb.Caliper([0.0, 1.0], [0.0, 180.0], [0.1, 0.1]), bit_diameter=0.2, sectors=8).save("w.wall")
+    Path("t.toml").write_text('units = "mm"\n')
+    size = () if arguments[0] != "mesh" else ("--bit-diameter", "8.5in")
+    result = run(*arguments, *size)
+    assert (result.exit_code, result.stderr.startswith(f"helibore: {error}")) == (2, True), result.stderr
+
+
 def test_options_of_a_simulation_are_arguments_of_the_library(tmp_path: Path) -> None:
     values = {"sample_rate": 5.0, "rotation": 90.0, "stick_slip": 0.2, "advance": 30.0, "noise": 1e-3, "missing": 0.1}
     given = [word for name, value in (values | {"noise": "1mm"}).items()
