@@ -91,13 +91,18 @@ def turns_between(wall: Wall, start: float, stop: float) -> Stretched:
 
 
 def exaggeration(one: Stretched, bit_diameter: float) -> tuple[float, float]:
-    """Return the factors tube and shape, from `STEPS`, that give a body the usual slenderness and visible relief."""
+    """Return the factors tube and shape, from `STEPS`, that give a body the usual slenderness and visible relief.
+
+    The narrowest place keeps a radius above 0 as drawn: with a larger shape the body would turn inside out.
+    """
     length = one.depth[1] - one.depth[0]
-    relief = float(np.nanmax(np.abs(one.radius - 0.5 * bit_diameter)))
+    over = one.radius - 0.5 * bit_diameter
+    relief, narrow = float(np.nanmax(np.abs(over))), float(np.nanmin(over))
     tube = _nearest_step(length / SLENDER / bit_diameter)
     if relief < LEAST_RELIEF:
         return tube, 1.0
-    return tube, min(_nearest_step(0.45 * bit_diameter / relief), MOST_SHAPE)
+    most = min(_nearest_step(0.45 * bit_diameter / relief), MOST_SHAPE)
+    return tube, max((step for step in STEPS if step <= most and 0.5 * bit_diameter + step * narrow > 0), default=1.0)
 
 
 def _nearest_step(value: float) -> float:
