@@ -10,9 +10,11 @@ Every function returns matplotlib figures. ``content`` decides what is shown.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from helibore.base.errors import InputError, check_choice
 from helibore.plot.content import Body, Content, Drawing, content_of
 from helibore.plot.cross_sections import HEIGHT, WIDTH, draw_section, key_text, largest_shown
 from helibore.plot.header import draw_footer, draw_header, footer_height, header_height
@@ -33,6 +35,8 @@ PAPERS = {"a4": (210.0, 297.0), "a3": (297.0, 420.0)}
 NARROWEST = 210.0
 STUB = 40.0
 """Least length of the log on the last page, millimetres."""
+LEAST_LENGTH = 1.0
+"""Least length of the log on any page, millimetres."""
 BODY = 130.0
 """Millimetres of height of a shaded body."""
 OVERVIEW_BODY, LEAST, TIES = 96.0, 130.0, 10.0
@@ -88,13 +92,29 @@ def pages(wall: Wall, paper: str | tuple[float, float] = "a4", **options: Any) -
         As in `log`.
     paper
         ``"a4"``, ``"a3"``, or width and height in millimetres. It becomes wider if the tracks need it.
+
+    Returns
+    -------
+    list of matplotlib.figure.Figure
+        One for each page.
+
+    Raises
+    ------
+    InputError
+        As `log`; on another name of a paper, and on a paper whose height has no room for the tracks.
     """
     return pages_of(content_of(wall, Drawing(**options)), paper)
 
 
 def pages_of(content: Content, paper: str | tuple[float, float]) -> list[Figure]:
     """Draw ``content`` on pages of a size, as `pages` describes."""
+    if isinstance(paper, str):
+        check_choice("paper", paper, PAPERS)
     width, height = PAPERS[paper] if isinstance(paper, str) else paper
+    least = 2 * MARGIN + header_height(content) + HEAD + LEAST_LENGTH + footer_height(content)
+    if not (math.isfinite(width) and least <= height < math.inf):
+        rule = f"must be finite, and at least {math.ceil(least)} mm high for the header, the heads and the foot"
+        raise InputError("paper", rule, f"{width:g} x {height:g} mm")
     width = max(width, _width(content))
     free = height - MARGIN - footer_height(content)
     parts = _divided(content, free - MARGIN - HEAD)

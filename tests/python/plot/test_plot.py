@@ -26,7 +26,7 @@ from helibore.plot.header import SIDES_TEXT, header_height, sentence
 from helibore.plot.html_report import page
 from helibore.plot.log import MARGIN, _divided
 from helibore.plot.paper import MM
-from helibore.plot.solid import exaggeration, most_relief, turns_between
+from helibore.plot.solid import Stretched, exaggeration, most_relief, turns_between
 from helibore.plot.tracks import HATCH, HATCH_BYTES, HEAD, ImageTrack
 from helibore.simulation.tool import Hole, Tool, simulate
 from helibore.wall.interpolation import on_quads
@@ -252,6 +252,20 @@ def test_pages_cover_the_interval_once_at_one_scale(wall: hb.Wall) -> None:
     assert [end for _, end in ends[:-1]] == [round(end) for _, end in ends[:-1]]  # at a line with a number
 
 
+@pytest.mark.parametrize(
+    ("paper", "message"),
+    [
+        ("letter", r"^paper = 'letter': must be one of a4, a3$"),
+        ((210.0, 60.0), r"^paper = 210 x 60 mm: must be finite, and at least 11\d mm high"),
+        ((210.0, -60.0), r"^paper = 210 x -60 mm: must be finite, and"),
+        ((math.nan, 297.0), r"^paper = nan x 297 mm: must be finite, and"),
+    ],
+)
+def test_paper_without_room_for_the_tracks_is_refused(wall: hb.Wall, paper: Any, message: str) -> None:
+    with pytest.raises(hb.InputError, match=message):
+        plot.pages(wall, paper, dpi=40, polar=(), body=())
+
+
 def test_a_gap_is_grey_in_every_track(wall: hb.Wall) -> None:
     figure = plot.log(wall, dpi=60, polar=(), body=())
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -328,6 +342,15 @@ def test_lines_and_limits_keep_their_promises(start: float, length: float, scale
     low, high = nice_limits(np.array([start, start + length]), start, 0.1)
     assert low < start
     assert high >= start + 0.99 * length
+
+
+@given(st.floats(0.02, 3.0))
+def test_a_narrow_place_is_not_drawn_inside_out(share: float) -> None:
+    radius = np.full((20, 16), 0.5 * BIT)
+    radius[5] *= share
+    _, shape = exaggeration(Stretched(0, radius, (0.0, 2.0), 0.0), BIT)
+    assert 1 <= shape <= 10
+    assert (0.5 * BIT + shape * (radius - 0.5 * BIT)).min() > 0
 
 
 def test_the_body_is_the_stretch_with_most_relief(wall: hb.Wall) -> None:
