@@ -86,7 +86,7 @@ INFINITE[1, 2] = np.inf
          "cement: 1 m between 1000 and 1001 m have a missing radius or are narrower than the casing; choose an "
          "interval without gaps, or take `total` for the rest"),
         (lambda: wall().logs().annulus(0.1).cement(excess=-0.1), "excess = -0.1: must be finite and not negative"),
-        (lambda: wall().logs().annulus(0.1).cement(top=2000.0), "cement: no row between 2000 and inf m"),
+        (lambda: wall().logs().annulus(0.1).cement(top=2000.0), "cement: no row between 2000 and 1001.84 m"),
         (lambda: gap().logs().annulus(0.1).cement(top=1000.0, bottom=1006.0),
          "cement: 3.1 m between 1000 and 1006 m have a missing radius or are narrower than the casing; choose an "
          "interval without gaps, or take `total` for the rest"),
