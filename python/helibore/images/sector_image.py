@@ -22,11 +22,11 @@ import numpy.typing as npt
 from helibore import _core
 from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Integers, column
-from helibore.base.errors import InputError
+from helibore.base.errors import InputError, check_choice
 from helibore.base.notebook import card, usual_picture
 from helibore.base.thread_count import thread_count
 from helibore.images.image_breakouts import ImageBreakouts, ImageCriteria, find_breakouts
-from helibore.samples.helix import WallLike
+from helibore.samples.helix import WallLike, quad_room
 from helibore.trajectory.references import REFERENCES, Reference, defined, onto_path
 from helibore.trajectory.survey import Path
 
@@ -38,18 +38,19 @@ FINE = 360
 """Least number of sectors of an image that was turned, so that no border moves by more than half a degree."""
 
 REACH = 0.75
-"""Default reach of a row in median spacings; uneven rows then meet, and one absent row leaves a gap."""
+"""Default reach of a row, in median spacings: rows that are somewhat uneven still meet, and an absent row leaves a gap.
+"""
 
 
 class SectorImage:
-    """Rows of evenly spaced sectors around the hole.
+    """Values by depth, in rows of evenly spaced sectors around the hole.
 
     Parameters
     ----------
     depth
         (n,) metres, in any order, no two alike. Copied.
     values
-        (n, S) one row a depth, one column a sector, S at least 1; NaN where missing. Copied.
+        (n, S), one row for each depth and one column for each of S sectors, S at least 1; NaN where missing. Copied.
     name, unit
         Name and unit of the values.
     origin
@@ -64,7 +65,7 @@ class SectorImage:
     offset
         Toolface of sector 1's origin, degrees.
     reach
-        The greatest distance above and below its depth that a row covers, metres; None: 0.75 of the median spacing.
+        How far above and below its depth a row reaches at most, metres; None: 0.75 of the median spacing of the rows.
 
     Attributes
     ----------
@@ -76,8 +77,9 @@ class SectorImage:
     Raises
     ------
     InputError
-        On two rows of one depth (``depth[4] = 1000: already the depth of row 3``), shapes that do not fit, infinite or
-        only missing values, an unknown word, and one row without a reach.
+        If two rows have one depth (``depth[4] = 1000: already the depth of row 3``), there is no row, a depth, the
+        offset or the reach is not finite, the reach is not above 0, shapes do not fit, a value is infinite, all values
+        are missing, a word is unknown, or a single row has no reach.
     """
 
     def __init__(
@@ -93,9 +95,9 @@ class SectorImage:
         offset: float = 0.0,
         reach: float | None = None,
     ) -> None:
-        _one_of("origin", origin, get_args(Origin))
-        _one_of("reference", reference, REFERENCES)
-        _one_of("direction", direction, get_args(Direction))
+        check_choice("origin", origin, get_args(Origin))
+        check_choice("reference", reference, REFERENCES)
+        check_choice("direction", direction, get_args(Direction))
         if not math.isfinite(offset):
             raise InputError("offset", "must be finite", str(offset))
         self.name, self.unit = name, unit
@@ -127,12 +129,12 @@ class SectorImage:
 
     @property
     def sectors(self) -> int:
-        """S, number of sectors a row."""
+        """S, the number of sectors in a row."""
         return int(self.values.shape[1])
 
     @property
     def toolface(self) -> Floats:
-        """(S,) toolface of each sector's centre, degrees in [0, 360); owned."""
+        """The toolface of each sector's centre, (S,) degrees in [0, 360), a new array."""
         number = np.arange(self.sectors, dtype=np.float64) + (0.0 if self.origin == "centre" else 0.5)
         way = 1 if self.direction == "clockwise" else -1
         return wrapped(self.offset + way * number * (360 / self.sectors))
@@ -145,7 +147,7 @@ class SectorImage:
         Raises
         ------
         InputError
-            On a negative value, since dark is a share of the row's median; on an image of gamma.
+            If a value is negative, since "dark" is a share of the row's median; if the image is one of gamma rays.
 
         Examples
         --------
@@ -160,8 +162,8 @@ class SectorImage:
         """Turn the image into the reference of a path, which is what the toolfaces of its wall count from.
 
         Every row is turned by the angle between the two references at its depth, and cut into at least `FINE` sectors.
-        A sector gets the value of the cell that holds its centre (``method="cell"``), or a value that is linear between
-        the centres of cells.
+        A sector gets the value of the cell that holds its centre (``method="cell"``), or a value interpolated linearly
+        between the centres of cells (``"linear"``).
 
         Returns
         -------
@@ -171,10 +173,10 @@ class SectorImage:
         Raises
         ------
         InputError
-            If no row with a value lies where the path has both references, or if the image's reference is that of
-            another path, which is not known.
+            If no row with a value lies where the path has both references, if the image's reference is
+            "parallel-transport", which is that of another path and not known, or if the method is unknown.
         """
-        _one_of("method", method, get_args(Method))
+        check_choice("method", method, get_args(Method))
         if self.reference == "parallel-transport":
             rule = "its toolface 0 follows another path, which is not known, so the image cannot be turned"
             raise InputError(f"image {self.name!r}", rule)
@@ -196,7 +198,7 @@ class SectorImage:
         return SectorImage(self.depth, values, self.name, self.unit, **new)
 
     def on(self, wall: WallLike, method: Method = "cell") -> Floats:
-        """Return one value for every quad that the whole wall has room for.
+        """Return one value for every quad that the wall's helix has room for, whether a surface has the quad or not.
 
         Parameters
         ----------
@@ -204,10 +206,10 @@ class SectorImage:
             The wall on whose helix the quads lie; its radii play no part. If the wall's path has another reference, the
             values are those of ``image.onto(wall.path)``.
         method
-            ``"cell"``: the value of the cell that holds the quad's centre; a centre on a border takes the next cell,
-            which is deeper or has the next number. ``"linear"``: linear in depth between rows and, periodically, in
-            toolface between sector centres; NaN if one of these cells is missing, above the first row and below the
-            last.
+            ``"cell"``: the value of the cell that holds the quad's centre; a centre on a border belongs to the deeper
+            cell, or to the cell with the next number. ``"linear"``: interpolated linearly in depth between two rows,
+            and in toolface between two sector centres; NaN if one of these four cells is missing, above the first row
+            and below the last.
 
         Returns
         -------
@@ -217,14 +219,15 @@ class SectorImage:
         Raises
         ------
         InputError
-            If no quad's centre lies within the image's depths, or the method is not known.
+            If no quad's centre lies within reach of the image's rows, the method is unknown, or the image cannot be
+            turned (`onto`).
         """
-        _one_of("method", method, get_args(Method))
+        check_choice("method", method, get_args(Method))
         path: Path | None = getattr(wall, "path", None)
         if path is not None and path.reference != self.reference:
             return self.onto(path, method).on(wall, method)
         K, pitch = wall.settings.sectors, wall.settings.pitch
-        count = max(wall.radius.size - K - 1, 0)
+        count = quad_room(wall.radius.size, K)
         if not count:
             return np.empty(0)
         self._check_meets(wall, count)
@@ -269,7 +272,7 @@ class SectorImage:
 
 
 def _around(rows: Floats, place: Floats, method: Method) -> Floats:
-    """Return the value of each row at positions around the hole, in sectors from the centre of the first sector."""
+    """Return the values of each row at places around the hole, counted in sectors from the centre of sector 1."""
     low = np.floor(place + 0.5 if method == "cell" else place)
     first = low.astype(np.int64) % rows.shape[1]
     values: Floats = np.take_along_axis(rows, first, axis=1)
@@ -279,14 +282,8 @@ def _around(rows: Floats, place: Floats, method: Method) -> Floats:
     return values
 
 
-def _one_of(name: str, word: str, known: tuple[str, ...]) -> None:
-    if word not in known:
-        *others, last = (repr(each) for each in known)
-        raise InputError(name, f"must be {', '.join(others)} or {last}", repr(word))
-
-
 def _order(depths: Floats) -> Integers:
-    """Return the rows from the shallowest to the deepest."""
+    """Return the indices of the rows from the shallowest to the deepest; refuse equal and infinite depths."""
     if not depths.size:
         raise InputError("depth", "must have at least one row")
     wrong = np.flatnonzero(~np.isfinite(depths))

@@ -248,9 +248,9 @@ def test_a_wall_without_quads_takes_no_values() -> None:
 @pytest.mark.parametrize(
     ("changed", "text"),
     [
-        ({"origin": "center"}, "origin = 'center': must be 'centre' or 'edge'"),
-        ({"reference": "top"}, "reference = 'top': must be 'high-side', 'north' or 'parallel-transport'"),
-        ({"direction": "left"}, "direction = 'left': must be 'clockwise' or 'counterclockwise'"),
+        ({"origin": "center"}, "origin = 'center': must be one of centre, edge"),
+        ({"reference": "top"}, "reference = 'top': must be one of high-side, north, parallel-transport"),
+        ({"direction": "left"}, "direction = 'left': must be one of clockwise, counterclockwise"),
         ({"offset": math.nan}, "offset = nan: must be finite"),
         ({"depth": [1, math.nan]}, "depth[1] = nan: must be finite"),
         ({"depth": [3, 3]}, "depth[1] = 3: already the depth of row 0"),
@@ -273,7 +273,7 @@ def test_an_image_elsewhere_and_an_unknown_method_are_refused() -> None:
     image = SectorImage([1, 2], [[1, 2], [3, 4]], "GR", origin="edge", reference="north")
     with pytest.raises(ValueError, match=r"image 'GR' reaches from 0.25 to 2.75 m: no quad of the wall, 1000.05 to "):
         image.on(helix())
-    with pytest.raises(ValueError, match=r"method = 'cubic': must be 'cell' or 'linear'"):
+    with pytest.raises(ValueError, match=r"method = 'cubic': must be one of cell, linear$"):
         image.on(helix(start=1.0), "cubic")  # type: ignore[arg-type]
 
 
