@@ -8,11 +8,11 @@ clockwise. So at one depth, one angle turns one reference into another::
     north to high side:  a = atan2(-sin A, cos I cos A);   the usual "subtract the azimuth" is exact only at I = 0
 
 A wall has one reference from top to bottom. The high side has no meaning where the hole is vertical, and it swings
-about where the hole is nearly vertical; north has no meaning where the hole runs level north or south. So a well from
-vertical to horizontal needs the **parallel-transport** reference. It starts as north, and down the hole it turns with
-the tangent but never about it (the rotation-minimising frame; Bishop, Am. Math. Monthly 82 (1975) 246). A straight line
-drawn along the wall keeps its angle, whatever the tool called that angle. In a well that builds at one azimuth A the
-high side lies at toolface A all the way down. The angle at a depth depends only on the path above that depth.
+about where the hole is nearly vertical; north has no meaning where the hole is horizontal and points north or south. So
+a well from vertical to horizontal needs the **parallel-transport** reference. It starts as north, and down the hole it
+turns with the tangent but never about it (the rotation-minimising frame; Bishop, Am. Math. Monthly 82 (1975) 246). A
+straight line drawn along the wall keeps its angle, whatever angles the tool measured. In a well that builds at one
+azimuth A the high side lies at toolface A all the way down. The angle at a depth depends only on the path above it.
 
 Not supported: magnetic declination and grid convergence (north is the north of the survey), and toolfaces measured
 from the dipping magnetic field itself.
@@ -58,16 +58,16 @@ def reference_of(wall: Any) -> Reference | None:
 
 
 def reference_assumed(wall: Any) -> bool:
-    """Return whether toolfaces of a wall are only assumed to count from its reference, because no file states it."""
+    """Return whether the toolfaces of a wall are only assumed to count from its reference: no file states what from."""
     return bool(getattr(wall, "made_from", {}).get("toolface") == ASSUMED)
 
 
 def from_high_side(inclination: npt.ArrayLike, low: float = 4.0, high: float = 6.0) -> Mask:
-    """Return which samples count from the high side, (n,) bool for `onto_path`, if the tool switches by inclination.
+    """Return which toolfaces count from the high side if the tool switches by inclination: (n,) bool for `onto_path`.
 
-    A tool counts from north until the inclination rises to ``high``, and then from the high side until the inclination
-    falls to ``low`` (degrees). A series that starts between the two starts with the reference of the nearer limit.
-    ``inclination``, (n,) degrees, finite, is that of each sample in order of time.
+    Such a tool counts from north until the inclination rises to ``high`` degrees, and then from the high side until the
+    inclination falls to ``low`` degrees. If the first inclination lies between the two, the tool starts with the
+    reference of the nearer limit. ``inclination`` is that of each sample in order of time, (n,) degrees, finite.
     """
     inclined = finite_column("inclination", inclination)
     if not 0 <= low <= high:
@@ -82,7 +82,7 @@ def from_high_side(inclination: npt.ArrayLike, low: float = 4.0, high: float = 6
 
 
 def defined(path: FramedPath, depth: npt.ArrayLike, high_side: bool) -> Mask:
-    """Return where the path's reference and the high side (or north, by ``high_side``) are both defined, (n,) bool."""
+    """Return at which depths two references are defined, (n,) bool: the path's, and the high side or else north."""
     north, east, down = path.tangent(finite_column("depth", depth)).T
     sine = {"high-side": np.hypot(north, east), "north": np.hypot(east, down)}
     own = sine["high-side" if high_side else "north"]
@@ -111,7 +111,7 @@ def onto_path(toolface: npt.ArrayLike, depth: npt.ArrayLike, path: FramedPath, h
     if undefined.any():
         at = int(np.argmax(undefined))
         tag = "the high side" if np.broadcast_to(high_side, angle.shape)[at] else "north"
-        rule = "vertical" if tag == "the high side" else "level north or south"
-        raise InputError(f"toolface[{at}] at depth {where[at]:g}", f"{tag} is undefined where the hole runs {rule}")
+        rule = "vertical" if tag == "the high side" else "horizontal and points north or south"
+        raise InputError(f"toolface[{at}] at depth {where[at]:g}", f"{tag} is undefined where the hole is {rule}")
     ahead, aside = (square * frame[:, 0]).sum(axis=1), (square * frame[:, 1]).sum(axis=1)
     return wrapped(angle + np.degrees(np.arctan2(aside, ahead)))

@@ -131,7 +131,7 @@ class Survey:
         return made
 
     def dogleg(self) -> Floats:
-        """Angle between the directions of each two neighbouring stations, degrees, (n - 1,) float64."""
+        """Return the angle between the directions of each two neighbouring stations, degrees, (n - 1,) float64."""
         return self._core.dogleg()
 
     def path(
@@ -152,10 +152,10 @@ class Survey:
             cylinders, inclination linear in depth and azimuth linear in the horizontal distance covered.
         reference
             What toolface 0 points to: ``"high-side"`` (undefined where the hole is vertical), ``"north"`` (undefined
-            where the hole runs level north or south) or ``"parallel-transport"``. That starts as north at the first
-            station (as the high side, if the station lies within 45 degrees of level north or south), and down the hole
-            it turns with the tangent but never about it. It is defined everywhere. `helibore.trajectory.references`
-            turns toolfaces into it.
+            where the hole is horizontal and points north or south) or ``"parallel-transport"``. A parallel-transport
+            reference starts as north at the first station (as the high side, if the hole there points within 45 degrees
+            of horizontal north or south), and down the hole it turns with the tangent but never about it. It is defined
+            everywhere. `helibore.trajectory.references` turns toolfaces into it.
         head
             North, east and down of the first station, metres. A map position (UTM) goes here.
         extend
@@ -213,7 +213,7 @@ class Path:
         return f"Path({self.method}, {self.reference}, {self.start_depth:g} to {self.stop_depth:g} m)"
 
     def position(self, depth: npt.ArrayLike) -> Floats:
-        """North, east and down at each depth, metres.
+        """Return north, east and down of the path at each depth, metres.
 
         Parameters
         ----------
@@ -232,7 +232,10 @@ class Path:
         return _shaped(self._core.position(_depths(depth)), depth)
 
     def tangent(self, depth: npt.ArrayLike) -> Floats:
-        """Unit vector downhole at each depth: (n, 3) float64 (north, east, down), or (3,); errors as `position`."""
+        """Return the unit vector (north, east, down) that points downhole at each depth, (n, 3) float64.
+
+        For one number the result is (3,). Raises the errors of `position`.
+        """
         return _shaped(self._core.tangent(_depths(depth)), depth)
 
     def frame(self, depth: npt.ArrayLike) -> Floats:
@@ -247,19 +250,20 @@ class Path:
         Raises
         ------
         InputError
-            As `position`, and where the reference is undefined: the high side within 0.00006 degrees of vertical, north
-            within the same angle of level north or south.
+            As `position`, and where the reference is undefined: the high side if the hole is within 0.00006 degrees of
+            vertical, north if it points within the same angle of horizontal north or south.
         """
         return _shaped(self._core.frame(_depths(depth)), depth)
 
     def north_to_high_side(self, depth: npt.ArrayLike) -> Floats:
-        """Degrees to add to a toolface from north to count it from the high side at ``depth`` (m, (n,)), in [0, 360).
+        """Return the angle to add to a toolface from north, so that it counts from the high side, at each depth.
 
-        ``atan2(-sin A, cos I cos A)``, exact; the usual "subtract the azimuth" is 6.9 degrees off at I = 48, A = 248.
+        It is ``atan2(-sin A, cos I cos A)`` at inclination I and azimuth A, which is exact; the usual "subtract the
+        azimuth" is 6.9 degrees off at I = 48, A = 248.
 
         Returns
         -------
-        (n,) float64; shape () for one number.
+        (n,) float64, degrees in [0, 360); shape () for one number.
 
         Raises
         ------
@@ -278,7 +282,7 @@ def _shaped(rows: Floats, depth: npt.ArrayLike) -> Floats:
 
 
 def checked_path(path: Path | None) -> Path | None:
-    """Return ``path`` if it is a `Path` or None; the error for a survey says how to make a path from it."""
+    """Return ``path`` if it is a `Path` or None; else raise an InputError, which says how a survey gives a path."""
     if path is None or isinstance(path, Path):
         return path
     how = ": survey.path() is one" if isinstance(path, Survey) else ""
@@ -286,6 +290,6 @@ def checked_path(path: Path | None) -> Path | None:
 
 
 def core_path(path: Path | None) -> _core.Path:
-    """Return the path for the core; None: straight down from (0, 0, 0), toolface 0 to the north."""
+    """Return the core's object of a path; None: of a path straight down from (0, 0, 0) with toolface 0 to the north."""
     path = checked_path(path)
     return _core.Path() if path is None else path._core

@@ -1,4 +1,4 @@
-"""True vertical depth of a measured depth, if the survey gives it; depth below sea level, if the datum is known.
+"""Convert measured depths to true vertical depths if the survey gives them, and, by the elevation, to TVDSS.
 
     zero of depths  ---- 0 ----+            TVD    down from the zero of depths (rotary table, kelly bushing)
            elevation           |
@@ -26,11 +26,11 @@ SURFACE = 0.001
 
 @dataclass(frozen=True)
 class TrueDepth:
-    """True depths along a path; ``down`` is where they are 0, in the path's coordinates, metres."""
+    """True depths along a path."""
 
     path: Path
-    name: str
-    down: float
+    name: str  # "TVD" or "TVDSS"
+    down: float  # the "down" of the path's coordinates at which the true depth is 0, metres
 
     def at(self, depth: Floats) -> Floats:
         """Return the true depths of measured depths, metres; NaN beyond the ends of the path."""
@@ -41,15 +41,20 @@ class TrueDepth:
 
 
 def true_depth(path: Path | None, elevation: float | None) -> TrueDepth | None:
-    """Return the true depths of a path. If they are not known, return None; raise InputError for an ``elevation``."""
-    surface = path is not None and abs(path.start_depth) <= SURFACE
-    known = path is not None and (surface or path.head[2] != 0)
-    if path is None or not known:
-        if elevation is None:
-            return None
-        needs = (
-            "a wall with a path whose survey begins at depth 0, or whose head says the true depth of its first station"
+    """Return the true vertical depths of a path; with ``elevation``, metres, those below sea level.
+
+    If they are not known, return None; but if an ``elevation`` is given, raise an InputError.
+    """
+    if path is not None and abs(path.start_depth) <= SURFACE:
+        zero = path.head[2]
+    elif path is not None and path.head[2] != 0:
+        zero = 0.0
+    elif elevation is None:
+        return None
+    else:
+        rule = (
+            "depth below sea level needs a wall with a path whose survey begins at depth 0, or whose head gives the "
+            "true depth of its first station"
         )
-        raise InputError("elevation", f"depth below sea level needs {needs}", f"{elevation:g}")
-    zero = path.head[2] if surface else 0.0
+        raise InputError("elevation", rule, f"{elevation:g}")
     return TrueDepth(path, "TVD", zero) if elevation is None else TrueDepth(path, "TVDSS", zero + elevation)
