@@ -1,4 +1,4 @@
-"""Find breakouts in an image: dark sectors on opposite sides of the hole. The radius may show them less, or not at all.
+"""Find breakouts in an image: dark sectors on opposite sides of the hole. Radii may show less of them, or nothing.
 
     relative = value / median of its row         dark: relative < ``dark``
 
@@ -9,7 +9,7 @@
 Broken rock scatters the pulse of an acoustic televiewer, and mud fills the gap between broken rock and the buttons of a
 pad. Both tools therefore read low in a breakout, long before its lobes are an inch deep. `ImageCriteria` sets how dark,
 wide, opposite and long the arcs must be; every output states these criteria. An image shows where a breakout is and how
-wide it opens. Only the radius shows how deep it is (``zones``).
+wide it opens. Only radii show how deep it is (``zones``).
 
 The search does not find joints and beds, which are sinusoids. A decentred tool can cause narrow dark bands that the
 search takes for breakouts.
@@ -38,9 +38,9 @@ class ImageCriteria:
     least_opening: float = 10.0  # degrees: a narrower dark arc is ignored
     most_opening: float = 100.0  # degrees: a wider dark arc is ignored
     opposite: float = 30.0  # degrees: the angle between two arcs may differ from half a turn by this much
-    least_length: float = 0.05  # metres of hole that make a breakout
-    least_rows: int = 2  # rows with two dark arcs that make a breakout
-    join: float = 0.02  # metres: a smaller gap does not part a breakout, if the axes agree within ``opposite``
+    least_length: float = 0.05  # metres: a shorter stretch of hole is no breakout
+    least_rows: int = 2  # number of rows with two opposite dark arcs that make a breakout
+    join: float = 0.02  # metres: a gap up to this does not part a breakout, if the axes agree within ``opposite``
 
     def __post_init__(self) -> None:
         check_not_negative(vars(self))
@@ -98,7 +98,7 @@ class ImageBreakout:
     start: float  # measured depths, metres, start above stop
     stop: float
     toolface: float  # of its axis, [0, 180), degrees from the image's reference
-    deviation: float  # standard deviation of the rows' axes about it, degrees (axial, Mardia); NaN of one row
+    deviation: float  # standard deviation of the rows' axes about it, degrees (axial, Mardia); NaN if it has one row
     lobes: tuple[DarkLobe, DarkLobe]  # the one at ``toolface`` first
 
     @property
@@ -116,7 +116,7 @@ class ImageBreakouts:
     criteria: ImageCriteria
 
     def axis(self) -> Axes:
-        """Return mean axis and spread, weighted by length; NaN if there are no breakouts."""
+        """Return the mean axis of the breakouts and their spread, weighted by length; NaN if there are none."""
         return axial_mean(np.array([of.toolface for of in self.zones]), np.array([of.length for of in self.zones]))
 
     def facts(self) -> dict[str, str]:
@@ -181,7 +181,10 @@ def find_breakouts(image: SearchedImage, criteria: ImageCriteria | None = None) 
 
 
 def _relative(image: SearchedImage) -> tuple[Floats, Floats]:
-    """Return the values divided by their row's median (NaN where missing), and the toolfaces, both clockwise."""
+    """Return the values divided by the median of their row, and the toolfaces of the sectors, both clockwise.
+
+    Values are NaN where they are missing, and in rows whose median is 0. A negative value raises an InputError.
+    """
     values, toolface = image.values, image.toolface
     wrong = np.argwhere(values < 0)
     if wrong.size:
@@ -211,7 +214,10 @@ def _arcs(dark: Mask) -> tuple[Integers, Integers, Integers]:
 
 
 def _paired(row: Integers, middle: Floats, rows: int, opposite: float) -> Mask:
-    """Return the rows with two arcs half a turn apart, within ``opposite`` degrees."""
+    """Return which rows have two arcs whose middles are half a turn apart, give or take ``opposite`` degrees.
+
+    ``row`` and ``middle`` are the row and the middle, degrees, of each arc.
+    """
     found = np.zeros(rows, dtype=np.bool_)
     most = int(np.bincount(row).max()) if row.size else 0
     for apart in range(1, most):

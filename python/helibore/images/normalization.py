@@ -20,6 +20,7 @@ from helibore.base.errors import InputError
 from helibore.images.sector_image import SectorImage
 
 WINDOW = 1.0
+"""Metres: the usual length of the sliding window."""
 
 
 def image_scale(
@@ -33,11 +34,12 @@ def image_scale(
 
 
 def sliding_window(depth: npt.ArrayLike, values: npt.ArrayLike, window: float = WINDOW, log: bool = False) -> Floats:
-    """Normalise rows of values, (n, S) or (n,), each by the window around the row (dynamic normalisation).
+    """Normalise each row of values, (n, S) or (n,), by the values in a window around the row (dynamic normalisation).
 
-    ``depth`` is (n,) metres, rising; half of ``window`` (metres) lies above and half below each row, ends included.
-    ``log`` normalises logarithms. The result has the shape of ``values`` and is 0 to 1. It is 0.5 at the window's mean,
-    0 and 1 two standard deviations from the mean, 0.5 where a window is constant, and NaN where the value is missing.
+    ``depth`` is (n,) metres, rising. Half of ``window``, metres, lies above and half below each row; rows at its ends
+    belong to it. If ``log``, the logarithms of the values are normalised. The result is 0 to 1 and has the shape of
+    ``values``: 0.5 for the mean of the window, 0 and 1 for values two standard deviations or more below and above it,
+    0.5 if all values of the window are equal, and NaN where a value is missing.
     """
     depths = column("depth", depth)
     shape = np.shape(values)

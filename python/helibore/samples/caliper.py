@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from numbers import Real
-from typing import Any, Literal, get_args
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -27,7 +27,7 @@ from helibore.base.arrays import (
     sample_columns,
     whole_column,
 )
-from helibore.base.errors import InputError
+from helibore.base.errors import InputError, check_choice
 from helibore.base.frames import frame_rows
 from helibore.base.notebook import card, usual_picture
 from helibore.base.tables import LogColumn, LogTable, Tabular
@@ -46,8 +46,9 @@ BASIS_TEXT: dict[Basis, str] = {
 """Each basis in words."""
 
 LARGEST_RADIUS = 2.0
+"""Metres."""
 ROUND = 16
-"""Number of samples around the hole that replace a diameter without a direction."""
+"""Number of samples around the hole that are made from one diameter without a direction."""
 
 
 def basis_text(basis: Basis, arms: bool = False) -> str:
@@ -57,12 +58,11 @@ def basis_text(basis: Basis, arms: bool = False) -> str:
 
 def check_basis(basis: str) -> None:
     """Raise an InputError that lists the allowed words unless ``basis`` is one of them."""
-    if basis not in BASIS_TEXT:
-        raise InputError("basis", f"must be one of {', '.join(get_args(Basis))}", repr(basis))
+    check_choice("basis", basis, BASIS_TEXT)
 
 
 COLUMNS = {"depth": LENGTH, "toolface": ANGLE, "radius": LENGTH, "time": TIME, "arm": None}
-"""The columns of samples, and the quantity that the unit of each measures."""
+"""The columns of samples, and what the unit of each column measures; None: the column has no unit."""
 
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)
@@ -150,9 +150,9 @@ class Caliper(Tabular):
         ----------
         table
             ``table[name]`` is a column of numbers. A time column may hold dates, which become seconds since 1970; dates
-            without a time zone are UTC. A row with a missing value (NaN, null, or -999.25, -9999 or -9999.25, which
-            mean a missing value in log files) is left out; ``left_out`` of the caliper counts such rows. Equal rows
-            count once if there is a ``time``. Without a time each of them counts, which changes radii; `repeated`
+            without a time zone are UTC. A row with a missing value (NaN, null, masked, or -999.25, -9999 or -9999.25,
+            which mean a missing value in log files) is left out; ``left_out`` of the caliper counts such rows. Equal
+            rows count once if there is a ``time``. Without a time each of them counts, which changes radii; `repeated`
             counts the repeated rows, and ``frame.drop_duplicates()`` of pandas drops them.
         depth, toolface, radius, time, arm
             Names of the columns; radius, not diameter.
@@ -168,11 +168,11 @@ class Caliper(Tabular):
         Raises
         ------
         InputError
-            On a column that the table does not have or that does not hold numbers, an unknown unit, a table without a
-            complete row, and as `Caliper`, with the table's column, row and value: ``CAL1[5] = -999 in: must be above 0
-            and at most 4 m``. On a median above 2 m (diameters: 4 m) without a unit. On 5 radii or more whose median is
-            0.5 % below to 3 % above the diameter of a bit of 7.875, 8.375, 8.5, 8.75, 9.5, 9.875, 10.625 or 12.25 in,
-            unless twice the median is as near to a bit of 16 or 17.5 in.
+            On a column that the table does not have, that does not hold numbers or has another length than the others,
+            an unknown unit, a table without a complete row, and as `Caliper`, with the table's column, row and value:
+            ``CAL1[5] = -999 in: must be above 0 and at most 4 m``. On a median above 2 m (diameters: 4 m) without a
+            unit. On 5 radii or more whose median is 0.5 % below to 3 % above the diameter of a bit of 7.875, 8.375,
+            8.5, 8.75, 9.5, 9.875, 10.625 or 12.25 in, unless twice the median is as near to a bit of 16 or 17.5 in.
 
         Examples
         --------
@@ -319,7 +319,10 @@ class Caliper(Tabular):
 
     @cached_property
     def repeated(self) -> int:
-        """Number of samples that equal an earlier one in all columns but ``arm``; without a time, they count again."""
+        """Number of samples that equal an earlier sample in depth, toolface, radius and time.
+
+        In a wall they count once; but if the samples have no time, they count again.
+        """
         columns = [of for of in (self.depth, self.toolface, self.radius, self.time) if of is not None]
         order = np.lexsort(columns)
         same = np.logical_and.reduce([of[order[1:]] == of[order[:-1]] for of in columns])

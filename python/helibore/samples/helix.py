@@ -30,7 +30,7 @@ class HelixSettings(Protocol):
 
 
 class WallLike(Protocol):
-    """The part of a wall that a surface needs; `helibore.Wall` has it."""
+    """What surfaces, volumes, images and logs need of a wall; `helibore.Wall` is one."""
 
     @property
     def settings(self) -> HelixSettings: ...
@@ -66,7 +66,7 @@ class Helix(NamedTuple):
         return min(self.start_depth, last), max(self.start_depth, last)
 
     def between(self, start: float, stop: float, vertices: int) -> slice:
-        """Return the slice of the first ``vertices`` vertices whose depth lies in [start, stop], metres."""
+        """Return which vertices, of a wall of this many ``vertices``, have depths in [start, stop], metres: a slice."""
         sign = math.copysign(1.0, self.pitch)
         low, high = (start, stop) if sign > 0 else (-stop, -start)
 
@@ -82,7 +82,7 @@ class Helix(NamedTuple):
 
 
 def quad_room(vertices: int, sectors: int) -> int:
-    """Return the number of quads between ``vertices`` vertices."""
+    """Return the number of quads between ``vertices`` vertices of a helix with this many ``sectors`` in a turn."""
     return max(vertices - sectors - 1, 0)
 
 
@@ -98,7 +98,10 @@ def helix_of(wall: WallLike) -> Helix:
 
 
 def whole_helix(wall: WallLike) -> Helix:
-    """Return the helix of which a wall is a part; its depths of vertices have the same bits as on the whole wall."""
+    """Return the whole helix of which a wall may be a stretch (``first_vertex``).
+
+    The depths of the wall's vertices on it have the same bits as those of the whole wall.
+    """
     settings: Any = wall.settings
     helix, first = helix_of(wall), getattr(settings, "first_vertex", 0)
     return helix._replace(start_depth=settings.start_depth, first=first) if first else helix
@@ -111,7 +114,7 @@ def basis_of(wall: WallLike) -> Basis:
 
 
 def basis_text_of(wall: WallLike) -> str:
-    """Return the basis of a wall in words."""
+    """Return the basis of a wall in words; a wall without ``basis_text`` gets the usual words for its basis."""
     text: str = getattr(wall, "basis_text", basis_text(basis_of(wall)))
     return text
 
@@ -119,7 +122,8 @@ def basis_text_of(wall: WallLike) -> str:
 def vertex_range(helix: Helix, count: int, start: float | None, stop: float | None) -> tuple[int, int]:
     """Return the half-open range of vertices whose depth lies in [start, stop), whichever way the helix grows.
 
-    Raises InputError if an end is not finite, the ends are not in order, or no vertex lies in the interval.
+    None is no bound on that side. Raises InputError if a bound is not finite, ``stop`` is not greater than ``start``,
+    or no vertex lies in the interval.
     """
     for name, bound in (("start", start), ("stop", stop)):
         if bound is not None and not math.isfinite(bound):
@@ -143,11 +147,11 @@ def vertex_range(helix: Helix, count: int, start: float | None, stop: float | No
 
 
 def expand_ranges(ranges: Integers) -> Integers:
-    """Return all numbers of half-open ranges, in order."""
+    """Return all integers in half-open ranges [start, stop), (m, 2), in order."""
     return np.concatenate([np.arange(start, stop) for start, stop in ranges] or [np.arange(0)])
 
 
 def numbered(ranges: Sequence[Integers]) -> Integers:
-    """Return, for each number in all ``ranges``, the index of the ranges from which the number comes."""
+    """Return for each integer in several arrays of half-open ranges, in order, which array holds it: 0, 1 and so on."""
     counts = [int((of[:, 1] - of[:, 0]).sum()) for of in ranges]
     return np.repeat(np.arange(len(counts)), counts)
