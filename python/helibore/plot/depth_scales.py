@@ -69,12 +69,12 @@ class Lines:
 
     def major(self, top: float, bottom: float) -> Sequence[float]:
         """Return the depths of the thick lines from ``top`` to ``bottom``, metres."""
-        return _multiples(self.coarse, top, bottom)
+        return multiples(self.coarse, top, bottom)
 
     def minor(self, top: float, bottom: float) -> Sequence[float]:
         """Return the depths of the thin lines from ``top`` to ``bottom``, metres, without those of thick lines."""
         every = round(self.coarse / self.fine)
-        return [depth for depth in _multiples(self.fine, top, bottom) if round(depth / self.fine) % every]
+        return [depth for depth in multiples(self.fine, top, bottom) if round(depth / self.fine) % every]
 
     def label(self, depth: float) -> str:
         """Return the number at a thick line, in ``unit``; ``depth`` is in metres."""
@@ -82,7 +82,8 @@ class Lines:
         return f"{depth / self.unit.metres:.{digits}f}"
 
 
-def _multiples(step: float, top: float, bottom: float) -> list[float]:
+def multiples(step: float, top: float, bottom: float) -> list[float]:
+    """Return the multiples of ``step`` from ``top`` to ``bottom``, both included."""
     first, last = math.ceil(top / step - 1e-9), math.floor(bottom / step + 1e-9)
     return [round(at * step, 9) for at in range(first, last + 1)]
 

@@ -15,9 +15,8 @@ import math
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from helibore._core import __version__
 from helibore.base.arrays import runs_of
@@ -30,9 +29,11 @@ from helibore.logs.turn_logs import NO_UNCERTAINTY, TOOLFACE_0
 from helibore.logs.zone_criteria import MEASURES
 from helibore.logs.zones import SIZES
 from helibore.plot.content import Drawing, content_of
+from helibore.plot.depth_scales import multiples
 from helibore.plot.diameters import Diameters
 from helibore.plot.header import HEADER, facts, measured_text, sentence, toolface_text
-from helibore.plot.paper import MM
+from helibore.plot.log import pages_of
+from helibore.plot.paper import MM, rendered
 from helibore.plot.tracks import LENGTHS
 from helibore.plot.zone_list import criteria_text
 from helibore.trajectory.references import reference_assumed
@@ -179,8 +180,11 @@ def intervals(content: Content) -> list[WallSummary]:
     steps = (mantissa * 10.0**power for power in range(-1, 5) for mantissa in (1, 2, 5))
     unit = content.drawing.depth_unit.metres
     step = next(unit * step for step in steps if length / (unit * step) <= ROWS)
-    cuts = [content.top, *np.arange(math.floor(content.top / step + 1) * step, content.bottom - 1e-6, step)]
-    return [content.summary(float(a), float(b)) for a, b in zip(cuts, [*cuts[1:], content.bottom], strict=True)]
+    between = [
+        cut for cut in multiples(step, content.top, content.bottom) if content.top + 1e-6 < cut < content.bottom - 1e-6
+    ]
+    ends = [content.top, *between, content.bottom]
+    return [content.summary(a, b) for a, b in pairwise(ends)]
 
 
 def _summary(content: Content) -> str:
@@ -209,9 +213,6 @@ def _summary(content: Content) -> str:
 
 
 def _pictures(content: Content) -> str:
-    from helibore.plot.log import pages_of
-    from helibore.plot.paper import rendered
-
     figures = []
     for at, figure in enumerate(pages_of(content, PAPER), 1):
         words = f"Log of {content.drawing.title or 'the wall'}, part {at}: depth, caliper, images at 1:{content.scale}"

@@ -10,6 +10,7 @@ import re
 from html.parser import HTMLParser
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -40,6 +41,20 @@ def wall() -> hb.Wall:
     )
     made.images["GR"] = hb.SectorImage(run.gamma_depth, run.gamma, "GR", "gAPI", origin="edge", reference="high-side")
     return made
+
+
+@pytest.mark.parametrize("unit", [1.0, 0.3048])
+@pytest.mark.parametrize("length", [2.0, 20.0, 100.0])
+def test_no_row_of_the_table_of_diameters_is_empty(unit: float, length: float) -> None:
+    """Whatever multiple of the unit an interval starts at, its first row does not end there."""
+    for tenths in range(20000, 20500):
+        top = tenths / 10 * unit
+        content = SimpleNamespace(top=top, bottom=top + length * unit, summary=lambda start, stop: (start, stop))
+        content.drawing = SimpleNamespace(depth_unit=SimpleNamespace(metres=unit))
+        rows: Any = intervals(content)  # type: ignore[arg-type]
+        assert min(stop - start for start, stop in rows) > 0.01 * unit
+        assert [stop for _, stop in rows[:-1]] == [start for start, _ in rows[1:]]
+        assert (rows[0][0], rows[-1][1]) == (content.top, content.bottom)
 
 
 class Balanced(HTMLParser):
