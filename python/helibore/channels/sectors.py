@@ -112,7 +112,4 @@ def _axis(members: list[Channel]) -> SectorAxis | None:
     units = {member.axis.unit for member in members if member.axis is not None}
     if len(angles) < len(members) or len(units) != 1:
         return None
-    step = (angles[-1] - angles[0]) / (len(angles) - 1)
-    # Files round their angles (2.8125 deg is written 2.81): errors up to half a percent of a sector are allowed.
-    even = all(abs(angle - angles[0] - sector * step) <= 0.005 * abs(step) for sector, angle in enumerate(angles))
-    return SectorAxis(angles[0], step if even else np.nan, units.pop())
+    return SectorAxis.of_angles(angles, units.pop())

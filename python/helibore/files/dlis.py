@@ -3,8 +3,8 @@
     frame row = [FRAMENO, index, channel (scalar), channel (K sectors), ...]      DIMENSION, AXIS, UNITS per channel
 
 All rows of a frame are read once, when a caller first asks for a value. Reading one channel at a time would read the
-file again and again (18 minutes instead of 0.6, dlisio issue 436). dlisio already reverses DIMENSION and AXIS into C
-order. A channel with more than one axis becomes (n, all elements), with a remark.
+file again and again (18 minutes instead of 0.6 minutes, dlisio issue 436). dlisio already reverses DIMENSION and AXIS
+into C order. A channel with more than one dimension becomes (n, all elements), with a remark.
 """
 
 from __future__ import annotations
@@ -46,19 +46,18 @@ def read(source: InputFile) -> RawFile:
 
 @contextmanager
 def damage_named(source: InputFile, what: str = "") -> Iterator[None]:
-    """Turn an error of dlisio (RuntimeError, ValueError, OSError, EOFError) into an InputError that names ``what``."""
+    """Turn any error of dlisio into an InputError that names the file and ``what`` (a frame, a log, a format)."""
     try:
         yield
     except InputError:
         raise
     except Exception as error:
-        reason = (str(error).strip().splitlines() or [type(error).__name__])[0]
-        raise source.error(f"{what or 'DLIS'}: truncated or damaged ({reason})") from error
+        raise source.damaged(f"{what or 'DLIS'}: truncated or damaged", error) from error
 
 
 @contextmanager
 def dlisio_warnings() -> Iterator[set[str]]:
-    """Collect dlisio's warnings, for example of text that is not UTF-8, in a set that is filled at the block's end."""
+    """Collect dlisio's warnings, such as one on text that is not UTF-8, in a set that is filled when the block ends."""
     remarks: set[str] = set()
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -74,7 +73,10 @@ def text_of(value: Any) -> str:
 
 
 def _parameters(logical: Any) -> dict[str, str]:
-    """Return the parameters of a logical file by name, numbers with their unit; damaged parameters are left out."""
+    """Return the parameters of a logical file by name, as text; a number is followed by its unit.
+
+    Damaged parameters are left out.
+    """
     found = {}
     for parameter in logical.parameters:
         with suppress(Exception):  # a damaged parameter does not keep the frames from being read
@@ -123,19 +125,19 @@ def _frame(source: InputFile, name: str, frame: Any, parameters: dict[str, str])
 
 
 def _axis(channel: Any) -> SectorAxis | None:
-    """Return the axis of a channel that has exactly one, else None. An angle that is not stated is NaN."""
+    """Return the axis of a channel that has exactly one axis of numbers, else None.
+
+    A first angle that is not stated is NaN; a step that is neither stated nor known from the coordinates is None.
+    """
     axes = channel.axis
     if len(axes) != 1:
         return None
     coordinates, spacing = axes[0].coordinates, axes[0].spacing
     unit = text_of(axes[0].attic["COORDINATES"].units) if coordinates else ""
     try:
-        first = float(coordinates[0]) if coordinates else float("nan")
-        step = None if spacing is None else float(spacing)
         if spacing is None and len(coordinates) > 1:
-            steps = np.diff([float(coordinate) for coordinate in coordinates])
-            even = np.allclose(steps, steps[0], rtol=0.01, atol=0)  # files round their angles
-            step = float(steps[0]) if even else float("nan")
+            return SectorAxis.of_angles([float(coordinate) for coordinate in coordinates], unit)
+        first = float(coordinates[0]) if coordinates else float("nan")
+        return SectorAxis(first, None if spacing is None else float(spacing), unit)
     except (TypeError, ValueError):
         return None
-    return SectorAxis(first, step, unit)

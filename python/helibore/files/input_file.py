@@ -22,14 +22,19 @@ from typing import Any, BinaryIO, cast
 from helibore.base.errors import InputError
 
 LINE_LIMIT = 1 << 20
-"""Longest line (bytes) that `lines` yields, and the step in which text is read; `pieces` and `text` notice a longer
-line at the latest at four times this length."""
+"""Longest line (bytes) that `lines` yields, and the step in which text is read.
+
+`pieces` and `text` may read a line of up to four times this length; they refuse any longer line.
+"""
 
 HEAD = 1 << 16
 """Number of bytes at the start of a file that decide its format."""
 
 PIECE = 1 << 21
-"""Step (bytes) in which a table is unpacked. A table's header must lie within the first step."""
+"""Step (bytes) in which a packed table is unpacked, or a table that is not UTF-8 is decoded.
+
+It must not be less than the 2 MiB in which `delimited` looks for the header.
+"""
 
 TEXT_LIMIT = 1 << 30
 """Largest text (bytes) of a format that is read whole (LAS)."""
@@ -70,7 +75,7 @@ def file_error(
 
 
 class Gunzip(io.RawIOBase):
-    """A gzip stream that refuses bombs, and whose errors name the file."""
+    """The unpacked bytes of a gzip file; gzip bombs are refused, and errors name the file."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -147,10 +152,14 @@ class InputFile:
             if rest:
                 yield rest
 
+    def damaged(self, what: str, error: BaseException, column: str | None = None) -> InputError:
+        """Return an InputError that says what is damaged, with the first line of the error of a library."""
+        reason = (str(error).strip().splitlines() or [type(error).__name__])[0]
+        return self.error(f"{what} ({reason})", column=column)
+
     def error(
         self, rule: str, line: int | str | None = None, column: str | None = None, value: str | None = None
     ) -> InputError:
-        """Return a `file_error` that names this file."""
         return file_error(self.path, rule, line, column, value)
 
     def line_too_long(self, line: int | None) -> InputError:
@@ -159,8 +168,9 @@ class InputFile:
     def text(self) -> tuple[str, str]:
         """Return the whole text and a remark on its encoding ('' for UTF-8).
 
-        Valid UTF-8 is read as UTF-8. Other text is read as Windows-1252, with a remark. If a line of other text is
-        UTF-8 beyond ASCII, the encodings are mixed; the text is refused, because neither encoding fits all of it.
+        A text that is UTF-8 throughout is read as UTF-8, any other text as Windows-1252, with a remark. A text of which
+        only some lines are UTF-8 with characters beyond ASCII mixes encodings. It is refused, because neither encoding
+        fits all of it.
         """
         pieces: list[bytes] = []
         with self.stream() as stream:
@@ -218,7 +228,7 @@ def read_exactly(stream: BinaryIO, size: int) -> bytes:
 
 
 def refuse_zip_bomb(source: InputFile) -> None:
-    """Refuse a zip archive that unpacks to far more than its size."""
+    """Refuse a zip archive that unpacks to more than ``GZIP_FREE`` bytes and ``GZIP_RATIO`` times its packed size."""
     with zipfile.ZipFile(source.path) as archive:
         unpacked = sum(entry.file_size for entry in archive.infolist())
         packed = max(1, sum(entry.compress_size for entry in archive.infolist()))

@@ -2,8 +2,9 @@
 
     RawFile  --sets-->  RawSet  --channels-->  Channel: name, unit as written, shape (n,) or (n, K), values
 
-A channel loads its values at their first use. Null values (declared by the file or in common use), empty cells and
-infinities become NaN and are counted. ``helibore.channels`` decides what a channel means.
+A channel cleans its values at their first use, and loads them then if its format allows. Null values (declared by the
+file or in common use), empty cells and infinities become NaN and are counted. ``helibore.channels`` decides what a
+channel means.
 """
 
 from __future__ import annotations
@@ -26,20 +27,34 @@ from helibore.files.input_file import file_error
 
 Array = npt.NDArray[Any]
 
+TEXT_KINDS = "OSUMm"
+"""Kinds of NumPy arrays whose values become text: texts, dates, durations and objects."""
+
 EXACT = 2**53
-"""Integers beyond this are not exact in float64 (time in nanoseconds) and stay integers."""
+"""A column of integers with one beyond this stays integers, because float64 would round it (time in nanoseconds)."""
 
 
 @dataclass(frozen=True)
 class SectorAxis:
     """The angles of an image's sectors as the file states them: sector i is at ``first + i * step``.
 
-    ``unit`` is the unit as written; ``step`` is None if the file states none, and NaN if the angles are uneven.
+    ``unit`` is the unit as written. ``first`` is NaN if the file does not state it; ``step`` is None if the file does
+    not state it, and NaN if the angles are uneven.
     """
 
     first: float
     step: float | None
     unit: str
+
+    @classmethod
+    def of_angles(cls, angles: Sequence[float], unit: str) -> SectorAxis:
+        """Return the axis of two or more sectors, from the angle of each.
+
+        Files round their angles (2.8125 deg is written 2.81), so each angle may be off by half a percent of a sector.
+        """
+        step = (angles[-1] - angles[0]) / (len(angles) - 1)
+        even = all(abs(angle - angles[0] - sector * step) <= 0.005 * abs(step) for sector, angle in enumerate(angles))
+        return cls(angles[0], step if even else float("nan"), unit)
 
 
 @dataclass(eq=False, repr=False)
@@ -65,9 +80,10 @@ class Channel:
 
     Notes
     -----
-    ``stored`` is the array, or a function that loads the array; with a function, state ``shape`` and ``is_text``. A
-    mask of the array marks empty cells. ``nulls`` are numbers that mean no value. ``nan_is_missing`` is False for a
-    format that has its own mark for empty cells; in such a format a NaN is a computed value (see ``odd_row``).
+    ``stored`` is the array, or a function that loads the array. ``shape`` and ``is_text`` follow from an array; with a
+    function, the caller states them. A mask of the array marks empty cells. ``nulls`` are numbers that mean no value.
+    ``nan_is_missing`` is False for a format that has its own mark for empty cells; in such a format a NaN is a computed
+    value (see ``odd_row``).
     """
 
     name: str
@@ -84,11 +100,11 @@ class Channel:
     def __post_init__(self) -> None:
         self.unit, self.description = self.unit.strip(), self.description.strip()
         if isinstance(self.stored, np.ndarray):
-            self.shape, self.is_text = self.stored.shape, self.stored.dtype.kind in "OSU"
+            self.shape, self.is_text = self.stored.shape, self.stored.dtype.kind in TEXT_KINDS
 
     @property
     def member_names(self) -> tuple[str, ...]:
-        """Names of the members."""
+        """Names of the columns that form an image; ``()`` for any other channel."""
         return tuple(member.name for member in self.members)
 
     @cached_property
@@ -99,9 +115,10 @@ class Channel:
 
     @property
     def values(self) -> Array:
-        """The values, loaded at the first call and kept (read-only): float64, float32 as stored, or text.
+        """The values, read-only: float64, float32 if the file stores float32, or text.
 
-        Integers become float64 unless one is too large to be exact. A null is NaN; an empty text is "".
+        They are loaded and cleaned at the first call, and kept. Integers become float64, but a column with an integer
+        beyond 2**53 keeps its integers. A missing number is NaN; a missing text is "".
         """
         return self._cleaned[0]
 
@@ -112,7 +129,7 @@ class Channel:
 
     @property
     def odd_row(self) -> int | None:
-        """The first row with an infinity, or with a NaN if the format does not write empty cells as NaN; else None."""
+        """The first row with an infinity, or with a NaN if ``nan_is_missing`` is False; None without such a row."""
         return self._cleaned[2]
 
     def __repr__(self) -> str:
@@ -122,12 +139,12 @@ class Channel:
 def clean(values: Array, nulls: tuple[float, ...], nan_is_missing: bool = True) -> tuple[Array, int, int | None]:
     """Return the cleaned values, the number of missing cells, and the `Channel.odd_row`.
 
-    Nulls and infinities become NaN; values that are neither numbers nor text become text. Float64 and float32 values
-    are copied only if one of them is replaced.
+    Nulls, masked cells and infinities become NaN. Dates, durations and objects become text. Integers become float64; if
+    one is beyond 2**53, all stay as they are. Float64 and float32 values are copied only if one of them is replaced.
     """
     kind = values.dtype.kind
-    if kind in "OSUMm":
-        text = np.array(["" if cell is None else str(cell) for cell in values.ravel()], dtype=np.str_)
+    if kind in TEXT_KINDS:
+        text = np.array([_text(cell) for cell in values.ravel()], dtype=np.str_)
         return text.reshape(values.shape), int(np.count_nonzero(text == "")), None
     if kind in "iu" and values.size and max(abs(int(values.max())), abs(int(values.min()))) > EXACT:
         return np.array(values), 0, None
@@ -150,8 +167,21 @@ def clean(values: Array, nulls: tuple[float, ...], nan_is_missing: bool = True) 
     return numbers.view(), missing, first
 
 
+def _text(cell: Any) -> str:
+    """Return a cell as text: "" for None and for a missing date (NaT); bytes are UTF-8, or else Windows-1252."""
+    if isinstance(cell, bytes):
+        try:
+            return cell.decode()
+        except UnicodeDecodeError:
+            return cell.decode("cp1252", "replace")
+    return "" if cell is None or cell != cell else str(cell)
+
+
 def unique(names: list[str]) -> list[str]:
-    """Return ``names``, with every repeated name numbered ``NAME:1``, ``NAME:2`` ... in file order."""
+    """Return ``names`` in their order, with each repeated name numbered: ``NAME:1``, ``NAME:2`` ...
+
+    A number is left out if another channel has the name that it would give.
+    """
     repeated = {name for name, count in Counter(names).items() if count > 1}
     taken = set(names) - repeated
     seen = dict.fromkeys(repeated, 0)
@@ -179,11 +209,11 @@ class RawSet:
     channels
         In file order.
     index
-        Name of the index channel; None if the format states no index.
+        Name of the index channel; None if the file states no index.
     rows
         The number of rows.
     header
-        What else the file states (well name, null value, azimuth reference ...), as text.
+        What else the file states (well name, null value, azimuth reference ...): text by name.
     remarks
         Every assumption made and every flaw met while reading, as sentences.
     line_of
@@ -216,7 +246,7 @@ class RawSet:
             raise KeyError(f"{self.path.name}: no channel {name!r}; it holds {', '.join(self.names)}") from None
 
     def channel(self, name: str) -> Channel:
-        """Return a channel as ``log_set[name]`` does, or raise an InputError that lists the channels."""
+        """Return a channel as ``log_set[name]`` does, but raise an InputError, not a KeyError, for an unknown name."""
         if name not in self:
             raise InputError(self.path.name, f"no channel {name!r}; it holds {', '.join(self.names)}")
         return self[name]
@@ -237,7 +267,7 @@ class RawSet:
     def input_error(
         self, rule: str, row: int | None = None, column: str | None = None, value: str | None = None
     ) -> InputError:
-        """Return an InputError that names the file, the row and column if they are known, the value and the rule."""
+        """Return an InputError that names the file, the rule, and the row, column and value if they are given."""
         return file_error(self.path, rule, None if row is None else self.place(row), column, value)
 
     def numbers(self, name: str) -> Floats:
@@ -246,7 +276,7 @@ class RawSet:
         Raises
         ------
         InputError
-            ``w.csv, line 3, column GR = 'x': is not a number``: the first cell of a text column that is no number.
+            If a cell of a text column is not a number: ``w.csv, line 3, column GR = 'x': is not a number``.
         """
         channel = self[name]
         values = channel.values
@@ -277,12 +307,12 @@ class RawFile:
 
 
 def readable_sets(readers: Iterable[Callable[[], RawSet]]) -> list[RawSet]:
-    """Read the sets of a file; a damaged or empty set is left out, and the other sets have a remark about it.
+    """Read the sets of a file. A set that raises an InputError is left out, and each other set gets a remark about it.
 
     Raises
     ------
     InputError
-        The error of the first set, if no set can be read.
+        If no set can be read: the error of the first set.
     """
     sets: list[RawSet] = []
     errors: list[InputError] = []
