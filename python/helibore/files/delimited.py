@@ -4,10 +4,10 @@
     depth_m,toolface_deg,radius_mm       the header; the next line may state the units
     1000.0,12.5,108.1
 
-``number_rows`` reads tables below 2 MiB. If pyarrow is installed, it reads larger tables with all cores. If pyarrow
-refuses a table, ``number_rows`` reads it or names the bad line. An empty cell is a missing value; NaN and infinities
-count as computed numbers. Decimal commas and columns separated by blanks are refused. Units come from the header
-(``helibore.files.headings``).
+``number_rows`` reads tables of up to 2 MiB. If pyarrow is installed, it reads larger tables with all cores. If pyarrow
+refuses a table, or takes numbers for text, ``number_rows`` reads the table or names the bad line. An empty cell is a
+missing value; NaN and infinities count as computed numbers. Decimal commas and columns separated by blanks are refused.
+Units come from the units row below the header if there is one, else from the column names (``headings``).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ import numpy as np
 from helibore.base.errors import InputError
 from helibore.files.headings import is_number, is_units_row, unit_in_name
 from helibore.files.input_file import LINE_LIMIT, InputFile, decode
-from helibore.files.number_rows import NULL_TEXTS, read_rows, split_cells
+from helibore.files.number_rows import NULL_TEXTS, column_of, read_rows, split_cells
 from helibore.files.raw_set import EXACT, Array, Channel, RawFile, RawSet, unique
 
 DELIMITERS = (",", "\t", ";", "|")
@@ -38,6 +38,9 @@ NO_HEADER = "numbers, so there is no header"
 """Part of the remark on a table without a header."""
 
 COMMENT = "comment: "
+"""Start of the remark on a comment line above the header."""
+
+_AROUND_COMMENT = " #\t"
 
 FEWEST_SECTORS = 4
 """The least number of columns that can form an image."""
@@ -67,8 +70,10 @@ def read(source: InputFile) -> RawFile:
     columns = None if whole else _by_pyarrow(source, layout, head, "cp1252" if remark else "utf8")
     line_of = _line_finder(source, layout)
     if columns is None:
-        lines = (head if whole else source.text()[0]).split("\n")[layout.skip :]
-        found = read_rows(source.path, lines, layout.skip + 1, names, layout.delimiter)
+        text, found_later = (head, "") if whole else source.text()
+        if found_later and not remark:  # bytes that are not UTF-8 stand below the head
+            layout.remarks.append(found_later)
+        found = read_rows(source.path, text.split("\n")[layout.skip :], layout.skip + 1, names, layout.delimiter)
         columns, line_of = found.columns, found.line_of
     channels = []
     for position, (name, values) in enumerate(zip(names, columns, strict=True)):
@@ -81,7 +86,10 @@ def read(source: InputFile) -> RawFile:
 
 
 def _head_text(source: InputFile) -> tuple[str, str, bool]:
-    """Return the whole lines of the first 2 MiB, the remark on the encoding, and whether this is the whole file."""
+    """Return the whole lines in the first 2 MiB of the file, a remark on their encoding, and whether they are the file.
+
+    The remark is "" for UTF-8.
+    """
     with source.stream() as stream:
         head = stream.read(2 * LINE_LIMIT)
         more = bool(stream.read(1))
@@ -96,7 +104,10 @@ def _head_text(source: InputFile) -> tuple[str, str, bool]:
 
 
 def find_layout(source: InputFile, head: str) -> TableLayout:
-    """Find delimiter, header and units row in the first lines of a file. Raise an InputError if it is no table."""
+    """Find delimiter, header and units row in the first lines of a file.
+
+    Raise an InputError if the file is no table, or if ``source.header_line`` is not a line with text.
+    """
     remarks = []
     lines = head.split("\n", HEADING_LINES)[:HEADING_LINES]
     start, header_line = 0, source.header_line
@@ -106,7 +117,7 @@ def find_layout(source: InputFile, head: str) -> TableLayout:
             rule = f"must be the line of the column names, within the first {HEADING_LINES}"
             raise InputError(f"{source.path.name}: header_line", rule, str(header_line))
     while header_line is None and start < len(lines) and lines[start].lstrip()[:1] in ("", "#"):
-        if comment := lines[start].strip(" #\t"):
+        if comment := lines[start].strip(_AROUND_COMMENT):
             remarks.append(f"{COMMENT}{comment}")
         start += 1
     rows = [line for line in lines[start:] if line.strip()]
@@ -131,21 +142,23 @@ def find_layout(source: InputFile, head: str) -> TableLayout:
 def _without_header(lines: list[str], start: int, delimiter: str, width: int, remarks: list[str]) -> TableLayout:
     """Return the layout of a table without a header.
 
-    The last comment line with ``width`` cells names its columns; without one, they are named by number.
+    The last comment line above the rows that has ``width`` names, two or more, names the columns. If there is no such
+    comment line, the columns are named by number.
     """
     for line in reversed(lines[:start]):
         names = [cell.strip() for cell in split_cells(line.strip().lstrip("#"), delimiter)]
         if len(names) == width and width > 1 and all(names):
-            remarks = [remark for remark in remarks if remark != f"{COMMENT}{line.strip(' #')}"]
+            remarks = [remark for remark in remarks if remark != f"{COMMENT}{line.strip(_AROUND_COMMENT)}"]
             return TableLayout(delimiter, names, None, start, [*remarks, "the header is a comment line"])
     remarks = [*remarks, f"line {start + 1}: {NO_HEADER}: columns are named by their number"]
     return TableLayout(delimiter, [f"column {number}" for number in range(1, width + 1)], None, start, remarks)
 
 
 def _delimiter(source: InputFile, rows: list[str], line: int) -> str:
-    """Return the delimiter that splits each of the first rows into the same number of cells, at least two.
+    """Return the delimiter that splits each of the first 20 rows into the same number of cells, at least two.
 
-    Without one, return the delimiter that splits the header into most cells, or a comma for one column of numbers.
+    If no delimiter does this, return the delimiter that splits the header into most cells, or a comma for one column of
+    numbers under a name. If no delimiter splits the header, raise an InputError for any other file.
     """
     sample = rows[:20]
     widths = {mark: [len(split_cells(row, mark)) for row in sample] for mark in DELIMITERS}
@@ -157,7 +170,7 @@ def _delimiter(source: InputFile, rows: list[str], line: int) -> str:
         return even[0]
     likely = max(DELIMITERS, key=lambda mark: widths[mark][0])
     if widths[likely][0] > 1:
-        return likely  # rows of different widths: the careful reader names the bad row
+        return likely  # rows of different widths: number_rows names the bad row
     if len(sample) > 1 and len(rows[0].split()) > 1:
         raise source.error("columns are separated by blanks: must be comma, tab, semicolon or |", line)
     if len(sample) > 1 and max(max(width) for width in widths.values()) > 1:
@@ -168,7 +181,7 @@ def _delimiter(source: InputFile, rows: list[str], line: int) -> str:
 
 
 def _by_pyarrow(source: InputFile, layout: TableLayout, head: str, encoding: str) -> list[Array] | None:
-    """Read the columns with pyarrow; return None if pyarrow is not installed or cannot read the table.
+    """Read the columns with pyarrow. Return None if pyarrow is not installed or does not read the table as we do.
 
     The first 2 MiB decide the types of the columns, so that the types do not depend on how pyarrow cuts the table.
     """
@@ -182,6 +195,9 @@ def _by_pyarrow(source: InputFile, layout: TableLayout, head: str, encoding: str
         if not sample.num_rows:
             return None
         types = {name: _column_type(pa, sample.column(name)) for name in sample.column_names}
+        for column in sample.columns:  # a null text after a blank, or 1.#QNAN, makes text of a column of numbers
+            if column.type == pa.string() and column_of(column.fill_null("").to_pylist()).dtype.kind != "U":
+                return None
         if encoding == "utf8" and not source.compressed:
             table = _rows(csv, str(source.path), layout, layout.skip, types)
         else:
@@ -216,9 +232,10 @@ def _rows(csv: Any, content: Any, layout: TableLayout, skip: int, types: dict[st
 
 
 def _copied(pa: ModuleType, text: bytes) -> Any:
-    """Copy the text into memory that pyarrow owns. If a Python object holds the text, pyarrow's threads call Python.
+    """Copy the text into memory that pyarrow owns.
 
-    The threads still call Python after an error, and abort a process that ends at that time.
+    If a Python object held the text, pyarrow's threads would call Python to free it. They would do so even after an
+    error, and abort a process that ends at that time.
     """
     memory = pa.BufferOutputStream()
     memory.write(text)
@@ -228,7 +245,10 @@ def _copied(pa: ModuleType, text: bytes) -> Any:
 def _unpacked(
     pa: ModuleType, csv: Any, source: InputFile, layout: TableLayout, encoding: str, types: dict[str, Any]
 ) -> Any:
-    """Read a table that must be unpacked or decoded. A second thread parses a piece while this one unpacks the next."""
+    """Read a table that must be unpacked or decoded.
+
+    A second thread parses a piece while this thread unpacks the next piece.
+    """
     parts: list[Future[Any]] = []
     with ThreadPoolExecutor(1) as beside:
         for piece in source.pieces():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import re
 import threading
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -331,6 +332,76 @@ def test_dates_of_an_archive_of_arrays_are_times(tmp_path: Path) -> None:
     one = hb.open(tmp_path / "a.npz")
     np.testing.assert_array_equal(one.readings().time, [1704067200.0, np.nan, 1704067201.5])
     assert one.set().remarks == []
+
+
+def test_parquet_columns_of_one_name_keep_their_own_values(tmp_path: Path) -> None:
+    arrays = [pa.array([value, value]) for value in (1.0, 2.0, 3.0)]
+    parquet.write_table(pa.Table.from_arrays(arrays, names=["a", "b", "a"]), tmp_path / "t.parquet")
+    one = hb.open(tmp_path / "t.parquet").set()
+    assert {channel.name: channel.values.tolist() for channel in one} == {"a:1": [1, 1], "b": [2, 2], "a:2": [3, 3]}
+
+
+def test_parquet_decimals_and_booleans_are_numbers(tmp_path: Path) -> None:
+    columns = {
+        "depth_m": pa.array(["1.5", None, "2.5"]).cast(pa.decimal128(9, 3)), "on": [True, None, False],
+        "none": pa.nulls(3), "flags": [[True, None], [False, True], [True, True]],
+    }  # fmt: skip
+    parquet.write_table(pa.table(columns), tmp_path / "t.parquet")
+    one = hb.open(tmp_path / "t.parquet").set()
+    np.testing.assert_array_equal(one["depth_m"].values, [1.5, np.nan, 2.5])
+    np.testing.assert_array_equal(one["on"].values, [1, np.nan, 0])
+    np.testing.assert_array_equal(one["flags"].values, [[1, np.nan], [0, 1], [1, 1]])
+    assert [(channel.missing, channel.is_text, channel.odd_row) for channel in one] == [
+        (1, False, None), (1, False, None), (3, False, None), (1, False, None),
+    ]  # fmt: skip
+
+
+def test_bytes_are_text_and_dates_without_a_value_are_missing(tmp_path: Path) -> None:
+    when = np.array(["2024-01-01", "NaT"], "M8[s]")
+    np.savez(tmp_path / "a.npz", depth_m=[1.0, 2], note=np.array(["µ".encode(), b""]), when=when)
+    table = pa.table({"depth_m": [1.0, 2], "note": ["µ".encode(), None], "when": when})
+    parquet.write_table(table, tmp_path / "a.parquet")
+    for ending in ("npz", "parquet"):
+        one = hb.open(tmp_path / f"a.{ending}").set()
+        assert one["note"].values.tolist() == ["µ", ""]
+        assert one["when"].values[0].startswith("2024-01-01T00:00:00")
+        assert [channel.missing for channel in one] == [0, 1, 1]
+
+
+@pytest.mark.parametrize("sectors", [72, 100, 128])
+def test_rounded_angles_beside_an_image_are_even(tmp_path: Path, sectors: int) -> None:
+    angles = (np.arange(sectors) * (360 / sectors)).astype(np.float32)
+    np.savez(tmp_path / "a", depth_m=[1.0, 2], image=np.ones((2, sectors)), angle_deg=angles)
+    axis = hb.open(tmp_path / "a.npz")["image"].axis
+    assert axis is not None
+    assert axis.step == pytest.approx(360 / sectors, rel=1e-6)
+    angles[3] += 1.0
+    np.savez(tmp_path / "a", depth_m=[1.0, 2], image=np.ones((2, sectors)), angle_deg=angles)
+    axis = hb.open(tmp_path / "a.npz")["image"].axis
+    assert axis is not None
+    assert np.isnan(axis.step)
+
+
+def test_a_member_of_an_archive_that_is_no_array_is_refused(tmp_path: Path) -> None:
+    with zipfile.ZipFile(tmp_path / "a.npz", "w") as archive:
+        archive.writestr("x.npy", "hello")
+    refused(tmp_path / "a.npz", "a.npz: damaged archive of arrays (x is not an array)")
+
+
+@pytest.mark.parametrize("cell", [" NULL", "n/a ", "1.#QNAN", " 7.5 ", "-"])
+def test_a_large_table_has_the_numbers_of_a_small_one(tmp_path: Path, cell: str) -> None:
+    text = "a,b\n" + f"1,{cell}\n1,2\n" * 3
+    small = hb.open(write(tmp_path, text))["b"]
+    large = hb.open(write(tmp_path, text + "1,2\n" * 600_000))["b"]
+    assert not large.is_text
+    np.testing.assert_array_equal(large.values[:6], small.values)
+    assert (large.missing, large.odd_row) == (small.missing, small.odd_row)
+
+
+def test_windows_encoding_far_down_is_remarked(tmp_path: Path) -> None:
+    one = hb.open(write(tmp_path, b"a,note\n" + b"1,x\n" * 600_000 + b"2,\xb0\n")).set()
+    assert one["note"].values[-1] == "°"
+    assert one.remarks == ["not UTF-8 (line 600002): read as Windows-1252"]
 
 
 def test_npz(tmp_path: Path) -> None:
