@@ -1,11 +1,11 @@
-"""Read WITSML 1.4.1.1 (and 1.3.1.1) logs and trajectories as a stream.
+"""Read WITSML 1.4.1.1 (and 1.3.1.1) logs and trajectories as a stream; each becomes one RawSet.
 
-    <logs><log>  <logCurveInfo><mnemonic/><unit/></logCurveInfo> ...     one RawSet a log
-                 <logData><mnemonicList/><unitList/><data>1,2,3</data> ...
-    <trajectorys><trajectory> <trajectoryStation><md uom="m"/><incl uom="rad"/><azi/> ...   one RawSet a trajectory
+    <logs><log>  <logCurveInfo><mnemonic/><unit/><nullValue/></logCurveInfo> ...
+                 <logData><mnemonicList/><unitList/><data>1,2,"a text, with a comma"</data> ...
+    <trajectorys><trajectory> <trajectoryStation><md uom="m"/><incl uom="rad"/><azi/> ...
 
-Units are read from ``uom`` and kept as written (radians stay radians). Any document type or entity declaration is
-refused before the parser gets it. There are limits to the length of a text, the nesting and the elements of a station.
+Units are kept as written (radians stay radians). Any document type or entity declaration is refused before the parser
+gets it. The length of a text, the depth of nesting, and the number of elements in a station or curve are limited.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from typing import BinaryIO
 
 from helibore.base.errors import InputError
 from helibore.files.input_file import LINE_LIMIT, InputFile
-from helibore.files.number_rows import column_of
+from helibore.files.number_rows import column_of, split_cells
 from helibore.files.raw_set import Channel, RawFile, RawSet, readable_sets, unique
 
 NESTING = 32
 """Greatest depth of nested elements; WITSML needs 6."""
 
 KEPT = ("trajectoryStation", "logCurveInfo")
-"""Elements whose children are kept until the element itself ends; children of other elements are freed one by one."""
+"""Elements whose children are kept until the element itself ends; other elements are freed at once."""
 
 CHILDREN = 10_000
 """Greatest number of elements within one of ``KEPT``; WITSML has about 60."""
@@ -43,7 +43,7 @@ STATION = (
 
 
 class Checked(io.RawIOBase):
-    """The bytes of an XML file as a stream that checks each piece before the parser gets it."""
+    """The bytes of an XML file as a stream that checks each piece before the parser gets the piece."""
 
     def __init__(self, source: InputFile, stream: BinaryIO) -> None:
         self._source = source
@@ -52,7 +52,8 @@ class Checked(io.RawIOBase):
         self._since_tag = 0
         encoding = ENCODING.match(source.head.removeprefix(b"\xef\xbb\xbf"))
         if encoding and encoding[1].lower() not in ENCODINGS:
-            raise source.error(f"encoding {encoding[1].decode()}: must be UTF-8 or ISO-8859-1", 1)
+            rule = "must be UTF-8, US-ASCII, ISO-8859-1 or Windows-1252"
+            raise source.error(f"encoding {encoding[1].decode()}: {rule}", 1)
 
     def readable(self) -> bool:
         return True
@@ -72,13 +73,16 @@ class Checked(io.RawIOBase):
 
 
 class LogBuilder:
-    """A log under construction; its header holds name, indexCurve, nullValue and other elements of the log."""
+    """Values of one log, collected while the file is read.
+
+    ``header`` holds the texts of name, indexCurve, nullValue and other elements of the log.
+    """
 
     kind = "log"
 
     def __init__(self) -> None:
         self.header: dict[str, str] = {}
-        self.curves: dict[str, tuple[str, str]] = {}  # mnemonic -> unit, description
+        self.curves: dict[str, dict[str, str]] = {}  # mnemonic -> unit, curveDescription, nullValue ...
         self.mnemonics: list[str] = []
         self.units: list[str] = []
         self.rows: list[list[str]] = []
@@ -89,7 +93,7 @@ class LogBuilder:
         if parent == "log" and name not in ("logCurveInfo", "logData"):
             self.header[name] = text
         if name == "data" and parent == "logData":
-            self.rows.append(text.split(","))
+            self.rows.append(split_cells(text, ","))
             element.clear()
         elif name == "mnemonicList":
             self.mnemonics = [cell.strip() for cell in text.split(",")]
@@ -97,7 +101,7 @@ class LogBuilder:
             self.units = [cell.strip() for cell in text.split(",")]
         elif name == "logCurveInfo":
             curve = {child.tag.rpartition("}")[2]: (child.text or "").strip() for child in element}
-            self.curves[curve.get("mnemonic", "")] = (curve.get("unit", ""), curve.get("curveDescription", ""))
+            self.curves[curve.get("mnemonic", "")] = curve
             element.clear()
 
     def raw_set(self, source: InputFile, name: str) -> RawSet:
@@ -110,25 +114,30 @@ class LogBuilder:
             if len(row) != len(mnemonics):
                 rule = f"{len(row)} values where {len(mnemonics)} curves are listed"
                 raise source.error(f"{place}, row {number}: {rule}")
-        nulls, null = source.nulls, self.header.get("nullValue")
-        if null:
-            try:
-                nulls = (*nulls, float(null))
-            except ValueError:
-                raise source.error("is not a number", f"{place}: nullValue", value=repr(null[:40])) from None
+        common = source.nulls + _null(source, place, self.header)
         channels = []
         for position, label in enumerate(unique(mnemonics)):
-            unit, described = self.curves.get(mnemonics[position], ("", ""))
-            unit = self.units[position] if self.units else unit
+            curve = self.curves.get(mnemonics[position], {})
+            unit = self.units[position] if self.units else curve.get("unit", "")
             column = column_of([row[position].strip() for row in self.rows])
-            channels.append(Channel(label, unit, described, column, nulls))
+            nulls = common + _null(source, f"{place}: {label}", curve)
+            channels.append(Channel(label, unit, curve.get("curveDescription", ""), column, nulls))
         index, labels = self.header.get("indexCurve", ""), [channel.name for channel in channels]
         index = index if index in labels else labels[0]
         return RawSet(source.path, name, channels, len(self.rows), index, self.header)
 
 
+def _null(source: InputFile, place: str, stated: dict[str, str]) -> tuple[float, ...]:
+    """Return the number of a nullValue of a log or curve, or none."""
+    null = stated.get("nullValue")
+    try:
+        return (float(null),) if null else ()
+    except ValueError:
+        raise source.error("is not a number", f"{place}: nullValue", value=repr(str(null)[:40])) from None
+
+
 class TrajectoryBuilder:
-    """A trajectory under construction: for each station, (value, uom) by element name."""
+    """Values of one trajectory, collected while the file is read: for each station, (value, uom) by element name."""
 
     kind = "trajectory"
 
@@ -191,8 +200,8 @@ def read(source: InputFile) -> RawFile:
 def _elements(source: InputFile, stream: BinaryIO) -> Iterator[tuple[list[str], ET.Element]]:
     """Yield (path, element) at every end tag; path has the local names from the root to the element.
 
-    Where a log or trajectory starts, yield its path with "start" added. An element is freed after it is yielded, but
-    an element within one of ``KEPT`` is freed with that one.
+    At the start tag of a log or trajectory, yield its path with "start" added. Each element is freed after it is
+    yielded, except those within an element of ``KEPT``: these are freed together with the element of ``KEPT``.
     """
     path: list[str] = []
     parents: list[ET.Element] = []
