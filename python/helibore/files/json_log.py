@@ -2,7 +2,7 @@
 
 One RawSet for each log. A curve with ``dimensions`` K > 1 holds arrays of K values and becomes an (n, K) channel.
 
-The ISCWSA standard wells have another form, which gives one set for each well: {"wells": {name: {"MD": [...],
+The ISCWSA standard wells have another form; one RawSet is made for each well: {"wells": {name: {"MD": [...],
 "IncDeg": [...], "header": {"depth_unit": ...}}}}. A JSON file is read into memory as a whole, so its size is limited.
 """
 
@@ -23,10 +23,13 @@ from helibore.files.input_file import InputFile, decode, read_exactly
 from helibore.files.raw_set import Array, Channel, RawFile, RawSet, readable_sets, unique
 
 SIZE_LIMIT = 1 << 28
-"""Largest JSON text (bytes) that is read; the parser needs about ten times as much memory."""
+"""Largest JSON text (bytes) that is read; the parser needs about ten times its size in memory."""
 
 EMPTY_FREE, EMPTY_RATIO = 1 << 20, 200
-"""An array curve may have ``EMPTY_FREE`` cells, and ``EMPTY_RATIO`` more for each value that it holds."""
+"""A curve of arrays may have ``EMPTY_FREE`` cells, and ``EMPTY_RATIO`` more for each cell that the file writes out.
+
+A null in place of an array stands for K empty cells, so a small file could otherwise fill the memory.
+"""
 
 WELL_UNITS = {"MD": "depth_unit", "TVD": "depth_unit", "N": "surface_unit", "E": "surface_unit"}
 """For each column of a standard well, the key of the well's header that states the unit."""
@@ -35,7 +38,7 @@ WELL_UNITS = {"MD": "depth_unit", "TVD": "depth_unit", "N": "surface_unit", "E":
 def read(source: InputFile) -> RawFile:
     """Open a file in JSON Well Log Format, or a JSON file of the ISCWSA standard wells."""
     collecting = gc.isenabled()
-    gc.disable()  # repeated scans of the tree of lists take a third of the time of a large log
+    gc.disable()  # else a third of the time to read a large log goes into scans of its tree of lists
     try:
         return _read(source)
     finally:
@@ -155,7 +158,10 @@ def _floats(source: InputFile, name: str, cells: Sequence[Any]) -> Array:
 
 
 def _well(source: InputFile, name: str, well: Any) -> RawSet:
-    """Return the set of one standard well, an object of equally long lists and a header that states their units."""
+    """Return the set of one standard well: an object of lists, and a header that states their units.
+
+    A list of another length than the first is left out, with a remark.
+    """
     if not isinstance(well, dict) or not isinstance(well.get("header", {}), dict):
         raise source.error(f"well {name!r}: must be an object of columns")
     header = {str(key): str(value) for key, value in well.get("header", {}).items()}
@@ -163,6 +169,8 @@ def _well(source: InputFile, name: str, well: Any) -> RawSet:
     if not lists:
         raise source.error(f"well {name!r}: holds no columns")
     rows = len(next(iter(lists.values())))
+    if not rows:
+        raise source.error(f"well {name!r}: no rows")
     channels = []
     remarks = []
     for label, cells in lists.items():

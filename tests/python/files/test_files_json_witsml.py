@@ -67,6 +67,7 @@ def log_of(curves: Any, data: Any) -> list[dict[str, Any]]:
         (log_of([curve("A", dimensions=0.5)], [[1]]), "column A: dimensions = 0.5: must be a whole number"),
         (log_of([curve("A")], [[10**400]]), "column A: holds a whole number too large"),
         ({"wells": {"W": {"header": {}}}}, "well 'W': holds no columns"),
+        ({"wells": {"W": {"MD": [], "IncDeg": []}}}, "well 'W': no rows"),
         ({"wells": {"W": 3}}, "well 'W': must be an object of columns"),
         ({"wells": {}}, "JSON wells: holds no channels"),
     ],
@@ -156,6 +157,18 @@ def test_witsml_log(tmp_path: Path) -> None:
     assert hb.open(xml_file(tmp_path, plain)).set()["DEPT"].values.tolist() == [1, 2, 3]
 
 
+def test_a_curve_of_a_witsml_log_has_its_own_null_value(tmp_path: Path) -> None:
+    text = LOG.replace("<unit>api</unit>", "<unit>api</unit><nullValue>50</nullValue>").replace(",3,", ",50,")
+    one = hb.open(xml_file(tmp_path, text)).set()
+    assert one["DEPT"].values.tolist() == [1, 2, 50]
+    assert one["GR"].missing == 3
+
+
+def test_a_comma_in_a_quoted_text_of_a_witsml_log_does_not_split_it(tmp_path: Path) -> None:
+    one = hb.open(xml_file(tmp_path, LOG.replace("<data>,3,-77", '<data>"on, off",3,-77'))).set()
+    assert one["TIME"].values[2] == "on, off"
+
+
 @pytest.mark.parametrize(
     ("old", "new", "rule"),
     [
@@ -167,10 +180,11 @@ def test_witsml_log(tmp_path: Path) -> None:
         ("<data>,3,-77</data>", "<data>,x,-77</data>", "row 2, column DEPT = 'x': is not a number"),
         ("<data>,3,-77</data>", "<data>,3,-77</date>", "mismatched tag"),
         ("unitless,ft,gAPI", "ft,gAPI", "2 units for 3 mnemonics"),
-        ('encoding="UTF-8"', 'encoding="UTF-7"', "line 1: encoding UTF-7: must be UTF-8 or ISO-8859-1"),
+        ("UTF-8", "UTF-7", "line 1: encoding UTF-7: must be UTF-8, US-ASCII, ISO-8859-1 or Windows-1252"),
         ("<nameWell>W</nameWell>", "<a>" * 40 + "</a>" * 40, "elements nested deeper than 32"),
         ("<nameWell>W</nameWell>", "<nameWell>&W;</nameWell>", "undefined entity"),
         ("-77</nullValue>", "x</nullValue>", "log 'run 1': nullValue = 'x': is not a number"),
+        ("api</unit>", "api</unit><nullValue>y</nullValue>", "log 'run 1': GR: nullValue = 'y': is not a number"),
     ],
 )
 def test_bad_witsml(tmp_path: Path, old: str, new: str, rule: str) -> None:
