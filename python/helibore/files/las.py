@@ -29,11 +29,13 @@ from helibore.files.raw_set import Channel, RawFile, RawSet, SectorAxis, readabl
 
 # MNEM.UNIT  VALUE : DESCRIPTION {FORMAT} | ASSOCIATION          (LAS 3.0 file structure, pages 8 to 10)
 ITEM = re.compile(r"^\s*(?P<name>[^.:]*?)\s*\.(?P<unit>\S*)(?P<rest>.*)$")
+DATA = re.compile(r"A[^_]*$|LOG_DATA|.*_DATA(\[\d+\])?$")
+"""Kinds of the sections of LAS 3 that hold rows: ~A and ~ASCII, ~Log_Data, ~Core_Data[1] ..."""
 FORMAT = re.compile(r"\{\s*(?P<format>[^{}]*)\}")
 DATED = re.compile(r"(?:[DMY]{1,4}[/.-]){2}[DMY]{2,4}(?P<date>\d\S*)", re.IGNORECASE)
 """A date that follows its format without a blank, where the unit should stand: ``DATE.DD/MM/YYYY21/05/2007``."""
 INDEX = ("STRT", "STOP", "STEP", "NULL")
-"""Header items that are kept as numbers without their unit: the range of the index, and the null value of the rows."""
+"""Header items that are kept without their unit: the range of the index, and the null value of the rows."""
 
 # One angle of an array member: {AF10.4;0deg} or {AF10.4; 2.5 deg}.
 SPACING = re.compile(r"^\s*(?P<value>[+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(?P<unit>\S*)\s*$")
@@ -49,7 +51,7 @@ class LasSection:
 
     @property
     def kind(self) -> str:
-        """Return the title up to the first blank or bar, in upper case: ``LOG_DATA[1]``."""
+        """The title up to the first blank or bar, in upper case: ``LOG_DATA[1]``."""
         return re.split(r"[\s|]", self.title.strip(), maxsplit=1)[0].upper()
 
 
@@ -80,7 +82,10 @@ def read(source: InputFile) -> RawFile:
 
 
 def find_sections(source: InputFile, text: str) -> list[LasSection]:
-    """Split the text at the lines that start with ~. Comments are kept, because errors name line numbers."""
+    """Split the text at the lines that start with ~, or with blanks, ~ and a letter.
+
+    Comments are kept, because errors name line numbers.
+    """
     sections: list[LasSection] = []
     for number, line in enumerate(text.split("\n"), 1):
         if line.startswith("~") or (line.lstrip().startswith("~") and line.lstrip()[1:2].isalpha()):
@@ -116,7 +121,7 @@ def _items(section: LasSection, units: bool = False) -> dict[str, str]:
 
 
 def _las2(source: InputFile, sections: list[LasSection], version: dict[str, str], remarks: list[str]) -> list[RawSet]:
-    """Return the one set of a LAS 2 file; lasio reads the header, and ``number_rows`` reads the rows."""
+    """Return the one set of a LAS 2 file. lasio reads the header, and ``number_rows`` reads the rows."""
     data = _section(source, sections, "A")
     if data is not sections[-1]:
         last = sections[-1]
@@ -182,7 +187,7 @@ def _null(text: str | None) -> tuple[float, ...]:
 
 
 def _las3(source: InputFile, sections: list[LasSection], version: dict[str, str], remarks: list[str]) -> list[RawSet]:
-    """Return one set for each data section of a LAS 3 file that holds rows."""
+    """Return one set for each data section of a LAS 3 file that can be read."""
     well = _items(_section(source, sections, "W"))
     stated: dict[str, str] = {}
     for section in sections:
@@ -193,11 +198,7 @@ def _las3(source: InputFile, sections: list[LasSection], version: dict[str, str]
     if delimiter == "?":
         place = f"line {sections[0].line}: DLM"
         raise source.error("must be SPACE, COMMA or TAB", place, value=repr(version["DLM"]))
-    tables = [
-        section
-        for section in sections
-        if section.kind.startswith(("A", "LOG_DATA")) or re.search(r"_DATA(\[\d+\])?$", section.kind)
-    ]
+    tables = [section for section in sections if DATA.match(section.kind)]
     if not tables:
         raise source.error("truncated: no data section (~Log_Data or ~ASCII)", sections[-1].line)
 
@@ -226,7 +227,10 @@ def _definition(source: InputFile, sections: list[LasSection], data: LasSection)
 
 
 def _curves(source: InputFile, section: LasSection, remarks: list[str]) -> list[LasCurve]:
-    """Return the columns that a definition section defines; it names members of an array ``NAME[1]``, with an angle."""
+    """Return the columns that a definition section defines.
+
+    The members of an array are columns named ``NAME[1]``, ``NAME[2]`` ..., each perhaps with its angle.
+    """
     curves: list[LasCurve] = []
     for number, line in enumerate(section.lines, section.line + 1):
         if not line.strip() or line.lstrip().startswith("#"):
@@ -244,7 +248,10 @@ def _curves(source: InputFile, section: LasSection, remarks: list[str]) -> list[
 
 
 def _axis(form: str) -> SectorAxis | None:
-    """Return the first angle in an array format such as ``AF10.4;0deg;10ft``, with no step; None without an angle."""
+    """Return the angle in the format of an array member, such as ``AF10.4;0deg;10ft``, as an axis without a step.
+
+    Return None if the format states no angle.
+    """
     parts = form.split(";")
     if len(parts) < 2 or not parts[0].strip().upper().startswith("A"):
         return None
@@ -256,7 +263,10 @@ def _set(
     source: InputFile, name: str, data: LasSection, curves: list[LasCurve], delimiter: str | None, well: dict[str, str],
     remarks: list[str], wrapped: bool = False,
 ) -> RawSet:  # fmt: skip
-    """Read the rows of a data section into a set with one channel for each curve; ``well`` states the null value."""
+    """Read the rows of a data section into a set with one channel for each curve.
+
+    ``well`` becomes the header of the set; its item NULL, if there is one, is the null value of the rows.
+    """
     names = [curve.name for curve in curves]
     rows = read_rows(source.path, data.lines, data.line + 1, names, delimiter, comments=True, wrapped=wrapped)
     nulls = source.nulls + _null(well.get("NULL"))
@@ -268,7 +278,10 @@ def _set(
 
 
 def _check_range(log_set: RawSet, well: dict[str, str], units_of: dict[str, str]) -> None:
-    """Compare STRT, STOP and the index unit of the header with the rows, and add a remark for each difference."""
+    """Add a remark for each difference between STRT or STOP of the header and the first or last row.
+
+    A difference of unit is also remarked, if one of the two units is not known. An index of text is not compared.
+    """
     index = log_set[str(log_set.index)]
     if index.is_text:
         return

@@ -296,3 +296,16 @@ def test_an_old_version_and_a_section_after_the_rows_are_reported(tmp_path: Path
     assert "LAS 1.2: read as LAS 2.0; value and description are swapped in its ~Well section" in one.remarks
     one = hb.open(las2(tmp_path, rows + "~Other\n4 5 6\n")).set()
     assert (one.rows, one.remarks) == (3, ["line 18: ~OTHER follows the data section; its lines are not rows"])
+
+
+def test_only_data_sections_of_las_3_are_sets(tmp_path: Path) -> None:
+    path = tmp_path / "w.las"
+    path.write_text(
+        "~Version\nVERS. 3.0 :\nWRAP. NO :\nDLM. COMMA :\n~Well\nNULL. -999.25 :\n~Analysis_Parameter\nA. 1 : x\n"
+        "~Analysis_Definition\nDEPT.M : {F}\nSW.V/V : {F}\n~Analysis_Data | Analysis_Definition\n1,0.5\n"
+        "~Curve\nDEPT.M : {F}\nGR.GAPI : {F}\n~ASCII | Curve\n1,50\n"
+    )
+    file = hb.open(path)
+    assert [(one.name, one.names, one.remarks) for one in file.sets] == [
+        ("Analysis_Data", ("DEPT", "SW"), []), ("Ascii", ("DEPT", "GR"), []),
+    ]  # fmt: skip
