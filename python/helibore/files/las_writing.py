@@ -1,10 +1,10 @@
-"""Write a table of logs as LAS 2.0: the sections of the header, then one line a depth. ``las.py`` reads LAS.
+"""Write a table of logs as LAS 2.0: the sections of the header, then one line for each depth. ``las.py`` reads LAS.
 
 ~Version     VERS, WRAP
-~Well        STRT, STOP, STEP, NULL, what is known of the hole (LAS_WELL), PROG
+~Well        STRT, STOP, STEP, NULL, the entries of the header (LAS_WELL; empty if not known), PROG
 ~Curve       mnemonic, unit and description of every log
-~Parameter   facts: bit size, basis, windows ...
-~A           the logs; -999.25 where missing
+~Parameter   the facts of the table: bit size, basis, windows ...
+~A           the logs; -999.25 where a value is missing
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ NULL = -999.25
 LAS_WELL = {"company": "COMP", "well": "WELL", "field": "FLD", "location": "LOC", "service": "SRVC", "run": "RUN",
             "date": "DATE", "datum": "DATUM", "kb": "EKB", "gl": "EGL", "bit": "BS", "mud": "MUD",
             "remarks": "REM"}  # fmt: skip
-"""Mnemonics (LAS ~Well, DLIS parameters) of the entries of `helibore.channels.log_header`."""
+"""For each entry of `helibore.channels.log_header`, its mnemonic in LAS (~Well) and DLIS (parameters)."""
 
 _STEP_DECIMALS = 5
 
 
 def las_text(table: LogTable, header: Mapping[str, str]) -> str:
-    """Return the file as text, by LAS 2.0 (CWLS); header and facts stand in the value field, before the colon."""
+    """Return a LAS 2.0 file as text. Entries of the header that are not in `LAS_WELL` are left out."""
     texts = [column.texts(f"{NULL:.2f}") for column in table]
     widths = [max(map(len, column), default=0) for column in texts]
     first, last = (texts[0][0], texts[0][-1]) if table.rows else (f"{NULL:.2f}",) * 2
@@ -40,7 +40,7 @@ def las_text(table: LogTable, header: Mapping[str, str]) -> str:
         "~Well Information",
         _las_line("STRT", table.depth.unit.upper(), first, "First depth"),
         _las_line("STOP", table.depth.unit.upper(), last, "Last depth"),
-        _las_line("STEP", table.depth.unit.upper(), _las_step(depth), "Step; 0 where no even step fits the decimals"),
+        _las_line("STEP", table.depth.unit.upper(), _las_step(depth), "Step; 0 if the steps are uneven"),
         _las_line("NULL", "", f"{NULL:.2f}", "Missing"),
         *(_las_line(LAS_WELL[name], *_unit_and_value(known.get(name, "")), name.capitalize()) for name in LAS_WELL),
         _las_line("PROG", "", "helibore", "Made by"),
@@ -61,7 +61,7 @@ def _las_line(mnemonic: str, unit: str, value: str, description: str) -> str:
 
 
 def _unit_and_value(text: str) -> tuple[str, str]:
-    """Return unit and value of a fact such as "0.216 m" for a LAS header; a fact without a unit gets the unit ""."""
+    """Return unit and value of a fact such as "0.216 m". Any other text is a value on one line, with the unit ""."""
     quantity = re.fullmatch(r"([-+.\deE]+) (m|mm|in|ft|m3|deg|s)", text)
     return (quantity[2].upper(), quantity[1]) if quantity else ("", one_line(text))
 
@@ -79,5 +79,5 @@ def mnemonic_of(name: str) -> str:
 
 
 def one_line(text: str) -> str:
-    """Return the text on one line, with ; for every colon, because colons and line breaks separate fields in LAS."""
+    """Return the text on one line, with ; in place of each colon: a LAS line ends its value at a colon."""
     return " ".join(text.replace(":", ";").split())

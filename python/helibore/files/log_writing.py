@@ -1,6 +1,6 @@
-"""Write tables of logs to files: LAS 2.0 (``las_writing``), CSV, Parquet through pyarrow, DLIS through dliswriter.
+"""Write tables of logs to files: LAS 2.0 (``las_writing``), CSV, Parquet (through pyarrow), DLIS (through dliswriter).
 
-    save_table(wall.logs().table(), "well.las")          the ending decides the format
+    save_table(wall.logs().table(), "well.las")          the ending of the name decides the format
 
             missing values           facts (bit size, basis, windows ...)
     .las    -999.25                  ~Parameter
@@ -8,8 +8,8 @@
     .parquet  null                   metadata of the schema
     .dlis   -999.25                  parameters; channels have units and long names
 
-Files are written whole or not at all. ``hb.open`` reads them back. ``helibore.channels.log_header``
-names the entries of a header that `LAS_WELL` writes.
+Files are written whole or not at all. ``hb.open`` reads them back. LAS and DLIS are ASCII: any other character of a
+header or fact becomes "?". ``helibore.channels.log_header`` reads the entries of a header from other files.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def save_table(
     well
         Name of the well, for the formats that have a place for it.
     header
-        What else is known of the hole, by name: company, field, location, date ... (`helibore.channels.log_header`).
+        What else is known of the hole, by the names of `LAS_WELL`: company, field, location, date ...
 
     Raises
     ------
@@ -73,7 +73,7 @@ def check_format(filename: str | os.PathLike[str]) -> str:
 
 
 def _las(table: LogTable, header: Mapping[str, str]) -> Callable[[BinaryIO], object]:
-    content = las_text(table, header).encode("ascii", "replace")
+    content = _ascii(las_text(table, header)).encode()
     return lambda file: file.write(content)
 
 
@@ -110,7 +110,7 @@ def _dlis(table: LogTable, header: Mapping[str, str]) -> Callable[[BinaryIO], ob
     import dliswriter
 
     def write(file: BinaryIO) -> None:
-        """Write to a temporary file first, because dliswriter takes a file's name, not an open file."""
+        # dliswriter takes the name of a file, not an open file.
         with tempfile.TemporaryDirectory() as folder, _silent():
             path = Path(folder) / "logs.dlis"
             _dlis_file(dliswriter, table, header).write(path, output_chunk_size=2**24)
@@ -123,8 +123,8 @@ def _dlis(table: LogTable, header: Mapping[str, str]) -> Callable[[BinaryIO], ob
 def _silent() -> Iterator[None]:
     """Silence dliswriter's progress bar and its warnings.
 
-    dliswriter warns about the unit m3, which RP66 V1 (appendix B) allows, and that a frame of one row has no spacing.
-    A table without rows is such a frame, because it is written as one row of nulls.
+    dliswriter warns about the unit m3, although RP66 V1 (appendix B) allows it. It also warns that a frame of one row
+    has no spacing; a table without rows is written as one row of nulls.
     """
     module: Any = importlib.import_module("dliswriter.file.writer")
     bar = module.progressbar
@@ -137,12 +137,14 @@ def _silent() -> Iterator[None]:
 
 
 def _dlis_file(dliswriter: Any, table: LogTable, header: Mapping[str, str]) -> Any:
+    header = {name: _ascii(text) for name, text in header.items()}
     file = dliswriter.DLISFile()
     logical = file.add_logical_file()
     known = {"well_name": header.get("well"), "company": header.get("company"), "field_name": header.get("field")}
     logical.add_origin("ORIGIN", file_set_number=1, creation_time=None, product="helibore", **known)
-    facts = {LAS_WELL[name]: (name, text) for name, text in header.items() if name not in ("well", "company", "field")}
-    facts |= {mnemonic_of(name): (name, text) for name, text in table.facts.items()}
+    others = [name for name in LAS_WELL if name in header and name not in ("well", "company", "field")]
+    facts = {LAS_WELL[name]: (name, header[name]) for name in others}
+    facts |= {mnemonic_of(name): (_ascii(name), _ascii(text)) for name, text in table.facts.items()}
     for mnemonic, (name, text) in facts.items():
         logical.add_parameter(mnemonic, long_name=name, values=[text])
     channels = []
@@ -152,3 +154,7 @@ def _dlis_file(dliswriter: Any, table: LogTable, header: Mapping[str, str]) -> A
         channels.append(channel)
     logical.add_frame("LOGS", channels=channels, index_type="BOREHOLE-DEPTH")
     return file
+
+
+def _ascii(text: str) -> str:
+    return text.encode("ascii", "replace").decode()

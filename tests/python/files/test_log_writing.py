@@ -14,6 +14,7 @@ import pytest
 import helibore as hb
 from helibore.base import atomic_file
 from helibore.base.tables import LogColumn, LogTable
+from helibore.channels.log_header import log_header
 from helibore.files.log_writing import save_table
 from helibore.logs.turn_logs import Logs
 
@@ -118,6 +119,17 @@ def test_dlisio_reads_the_dlis_back_and_nothing_is_printed(
         assert (channel.units, channel.long_name) == ("m3", "Volume of the hole in this row")
         assert file.origins[0].well_name == "A-1"
         assert {of.name: of.values[0] for of in file.parameters}["BIT_DIAMETER"] == "0.2159 m"
+
+
+@pytest.mark.parametrize("ending", ["las", "dlis"])
+def test_letters_beyond_ascii_become_question_marks(tmp_path: Path, ending: str) -> None:
+    pytest.importorskip("dliswriter")
+    table = LogTable([LogColumn("DEPT", "m", "Depth", np.array([1.0, 2.0]))], {"basis": "målt"})
+    save_table(table, tmp_path / f"w.{ending}", header={"well": "Ødegård", "mud": "Ø", "country": "Norge"})
+    with hb.open(tmp_path / f"w.{ending}") as file:
+        header = log_header([file.set().header])
+        assert (header["well"], header["mud"]) == ("?deg?rd", "?")
+        assert file.set().header["BASIS"] == "m?lt"
 
 
 def test_csv_states_the_facts_and_leaves_missing_cells_empty(logs: Logs, tmp_path: Path) -> None:
