@@ -1,8 +1,9 @@
 """Read XLSX workbooks, mostly surveys, through python-calamine: one set for each sheet.
 
-Well 15/9-F-12                          lines above the header are left out
-MD (m)   Incl (deg)   Azim (deg)        the header: the first row of two names or more with numbers below it
-100.0          0.50        31.20        rows, up to the first empty row
+Well 15/9-F-12                          rows above the header are left out
+MD (m)   Incl (deg)   Azim (deg)        the header: the first row of two names or more with numbers below two of them;
+                                        the next row may state the units
+100.0          0.50        31.20        rows, up to the first empty row; a remark says if others follow
 """
 
 from __future__ import annotations
@@ -31,7 +32,7 @@ def read(source: InputFile) -> RawFile:
     except BaseException as error:  # a panic in calamine's Rust code is not an Exception
         if isinstance(error, KeyboardInterrupt | SystemExit):
             raise
-        raise source.error(f"truncated or damaged workbook ({str(error).splitlines()[0]})") from error
+        raise source.damaged("truncated or damaged workbook", error) from error
     return RawFile("xlsx", readable_sets(partial(_sheet, source, name, rows) for name, rows in sheets.items()))
 
 
@@ -64,7 +65,10 @@ def _sheet(source: InputFile, name: str, sheet: list[list[Any]]) -> RawSet:
 
 
 def _find_header(rows: list[list[str]]) -> int | None:
-    """Return the index of the first row of two names or more above a row of numbers; units may stand between them."""
+    """Return the index of the header: two names or more, with numbers below two of them; None without such a row.
+
+    A row of units may stand between the names and the numbers.
+    """
     for at, row in enumerate(rows[:HEADING_ROWS]):
         names = [position for position, cell in enumerate(row) if cell and not is_number(cell)]
         below = rows[at + 1 : at + 3]
@@ -77,6 +81,6 @@ def _find_header(rows: list[list[str]]) -> int | None:
 
 def _text(cell: Any) -> str:
     """Return a cell as text: numbers with all digits, dates as ISO 8601."""
-    if isinstance(cell, float | int) and not isinstance(cell, bool):
-        return repr(int(cell)) if cell == int(cell) else repr(cell)
+    if isinstance(cell, float):
+        return repr(int(cell)) if cell.is_integer() else repr(cell)
     return cell.isoformat() if hasattr(cell, "isoformat") else str(cell).strip()

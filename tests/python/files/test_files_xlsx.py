@@ -105,6 +105,18 @@ def test_a_word_among_numbers_is_named_with_its_row(tmp_path: Path) -> None:
         one.survey()
 
 
+def test_a_number_too_large_for_a_float_is_missing(tmp_path: Path) -> None:
+    book = workbook(tmp_path / "w.xlsx", S=[["MD (m)", "Incl (deg)"], [1, 2], [2.5, 1e308]])
+    with zipfile.ZipFile(book) as old:
+        members = {name: old.read(name).replace(b"1e+308", b"1E999") for name in old.namelist()}
+    with zipfile.ZipFile(book, "w") as new:
+        for name, content in members.items():
+            new.writestr(name, content)
+    one = hb.open(book).set()
+    assert one["MD (m)"].values.tolist() == [1, 2.5]
+    assert (one["Incl (deg)"].missing, one["Incl (deg)"].odd_row) == (1, 1)
+
+
 def test_damaged_packages_are_refused(tmp_path: Path) -> None:
     path = workbook(tmp_path / "s.xlsx", S=SURVEY)
     whole = path.read_bytes()
