@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 
-# Spellings of units that may end a name after "_" or stand in a row of units; compared in lower case.
+# Spellings of units, in lower case, that may end a name after "_" or stand in a row of units.
 _SPELLED = """
     m mm cm km ft ftus in inch inches feet foot meter meters metre metres 0.1in 0.1_in 1/64in um
     deg degree degrees dega rad radian radians grad gon
@@ -19,10 +19,10 @@ _SPELLED = """
 """
 SPELLINGS = frozenset(_SPELLED.split())
 AMBIGUOUS = frozenset({"min", "v", "h", "pa", "grad", "second", "minute", "hour", "day", "days", "seconds", "hz"})
-"""Spellings that are a unit only in a row of units, and mean something else at the end of a name: ``radius_min``."""
+"""Spellings that are a unit in a row of units, but may mean something else at the end of a name: ``radius_min``."""
 
 BRACKETED = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\s*$")
-NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
 
 def unit_in_name(name: str) -> str:
@@ -40,18 +40,21 @@ def unit_in_name(name: str) -> str:
 
 
 def is_number(cell: str) -> bool:
-    """Return whether a cell is a finite decimal number (not ``nan``, ``inf``, ``1_000`` or ``0x1f``)."""
+    """Return whether a cell is a decimal number in ASCII digits (not ``nan``, ``inf``, ``1_000`` or ``0x1f``)."""
     return NUMBER.fullmatch(cell.strip()) is not None
 
 
 def to_float(cell: str) -> float:
-    """Return a cell as a number. Unlike ``float``, it refuses ``1_000`` and digits of other scripts."""
+    """Return a cell as a number, as ``float`` does, but refuse ``1_000`` and digits of other scripts."""
     if "_" in cell or not cell.isascii():
         raise ValueError(cell)
     return float(cell)
 
 
 def is_units_row(cells: list[str]) -> bool:
-    """Return whether a row holds at least one known unit, perhaps in brackets, and else only units, dashes, blanks."""
+    """Return whether each cell of a row is a known unit, a dash or blank, and at least one is a unit.
+
+    A unit may stand in brackets.
+    """
     spellings = [cell.strip("()[] -").lower() for cell in cells]
     return any(spellings) and all(not spelling or spelling in SPELLINGS for spelling in spellings)

@@ -1,6 +1,7 @@
 """Read LIS79 tapes through dlisio: one RawSet for each data format specification (a pass) of each logical file.
 
-Only the channels with the fewest samples per row are read; a remark names the channels with more samples.
+A row may hold several samples of one channel. Only the channels with the fewest samples in a row are read; a remark
+names each channel with more samples.
 """
 
 from __future__ import annotations

@@ -3,7 +3,7 @@
     fast      every cell a number or empty, every row of one width     one call of numpy.loadtxt
     careful   everything else                                          cell by cell; an error names its line and column
 
-The careful reader runs only where the fast reader fails. Both give the same bits.
+The careful reader runs only if the fast reader fails. Both give the same bits.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ WINDOWS_NAN = re.compile(r"-?1\.#\w+")
 """Not-a-number and infinity as old programs on Windows wrote them: 1.#QNAN, -1.#IND, 1.#INF."""
 
 RUN_TOGETHER = re.compile(r"(?<=\d)-(?=\d)")
-"""Writers of fixed columns leave no blank before a wide negative number: 12.3400-999.2500."""
+"""The place where two numbers meet: a writer of fixed columns leaves no blank before a wide number, 12.34-999.25."""
 
 WHOLE = re.compile(r"-?[0-9]{1,19}")
 
@@ -59,11 +59,12 @@ def read_rows(
     """Read the rows of a table with the columns ``names``; ``lines[0]`` is line ``first_line`` of the file ``path``.
 
     Blank lines are not rows; with ``comments``, lines that start with # are not rows. If ``delimiter`` is None, any
-    number of blanks separates cells. If ``wrapped``, a row may run over several lines (LAS 2 with WRAP YES).
+    number of blanks separates cells; but if the first lines hold commas and too few blanks, commas separate cells. If
+    ``wrapped``, a row may run over several lines (LAS 2 with WRAP YES).
 
     A column is float64, masked where cells are empty. It is int64 if all cells are whole numbers and one is too large
-    to be exact in float64, and text if a cell is not a number. Raises InputError with file and line if there is no row,
-    a row has another width, or a quote is not closed.
+    to be exact in float64, and text if a cell is neither empty nor a number. An InputError names the file and line if
+    there is no row, a row has another number of cells than there are names, or a quote is not closed.
     """
 
     def is_row(line: str) -> bool:
@@ -99,7 +100,10 @@ def _block(lines: list[str], delimiter: str | None) -> Array | None:
 
 
 def _fast(kept: list[str], delimiter: str | None, width: int) -> list[Array] | None:
-    """Return all columns, read by NumPy, masked where cells are empty; None if NumPy cannot read the rows exactly."""
+    """Return all columns, read by NumPy and masked where cells are empty.
+
+    Return None if NumPy does not read the rows, finds another number of columns, or cannot hold a number exactly.
+    """
     block, filled = _block(kept, delimiter), False
     if block is None and delimiter is not None:
         text = "\n".join(kept)
@@ -123,7 +127,7 @@ def _fast(kept: list[str], delimiter: str | None, width: int) -> list[Array] | N
 def _cells(
     path: Path, kept: list[str], line_of: Callable[[int], int], width: int, delimiter: str | None, remarks: list[str]
 ) -> list[list[str]]:
-    """Split every row into as many cells as there are columns."""
+    """Split every row into as many cells as there are columns; an InputError names a row that has more or fewer."""
     rows: list[list[str]] = []
     cut_rows = 0
     for line in kept:
@@ -147,7 +151,7 @@ def _cells(
 
 
 def split_cells(line: str, delimiter: str | None) -> list[str]:
-    """Split one line into cells; a delimiter between quotes belongs to its cell."""
+    """Split one line into cells. A delimiter between quotes is text of a cell."""
     if '"' in line:
         text = line.strip() if delimiter is None else line
         with suppress(csv.Error):  # a cell of more than 128 KiB
@@ -170,7 +174,10 @@ def _wrapped(path: Path, kept: list[str], line_of: Callable[[int], int], names: 
 
 
 def column_of(cells: list[str]) -> Array:
-    """Return cells as numbers, masked where cells are empty, or as text if a cell is neither empty nor a number."""
+    """Return cells as numbers, masked where cells are empty, or as text if a cell is neither empty nor a number.
+
+    The numbers are float64, or int64 as `read_rows` describes.
+    """
     every = "".join(cells)
     try:
         if not every.isascii() or "_" in every:

@@ -16,13 +16,12 @@ READERS = {
 }  # fmt: skip
 """For each format, the module of this folder and its function that read it. A module is imported at its first use."""
 
-
 LIBRARIES = {".las": "lasio", ".dlis": "dlisio", ".lis": "dlisio", ".xlsx": "python_calamine", ".parquet": "pyarrow"}
 """The library that reads a format, by the usual ending of the format's files. Other formats need no library."""
 
 
 def ending_of(address: str) -> str:
-    """Return the ending of a file in lower case, without .gz."""
+    """Return the ending of a file's name or address in lower case; ``.gz`` at the end is ignored."""
     return Path(address.lower().removesuffix(".gz")).suffix
 
 
@@ -33,7 +32,7 @@ def check_library(ending: str) -> None:
 
 
 def read_file(path: Path, nulls: tuple[float, ...], header_line: int | None = None) -> RawFile:
-    """Read a file of any format. ``nulls`` mean no value; only tables may have a ``header_line``."""
+    """Read a file of any format. ``nulls`` are numbers that mean no value; only tables may have a ``header_line``."""
     if path.is_dir():
         raise IsADirectoryError(f"{path}: is a directory")
     source = InputFile(path, nulls, header_line)
