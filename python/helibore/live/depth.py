@@ -184,7 +184,11 @@ class RigHistory:
         return across
 
     def _wrong_depth(self, depth: Values, known: npt.NDArray[np.bool_], at: Times) -> npt.NDArray[np.bool_]:
-        """Return which sent depths are below the hole, if its depth is known, or have another unit than bit depth."""
+        """Return which sent depths are wrong; before the first hole depth, none is.
+
+        A depth is wrong if it is more than ``beyond_hole`` below the hole, or if it is greater than DEEP_ENOUGH and
+        seems to have another unit than the bit depth.
+        """
         at = np.maximum(at, 0)
         has_hole = known & np.isfinite(self._reached.values[at])
         in_feet = unit_differs(depth, self.tracks["bit_depth"].value[at])
@@ -204,10 +208,11 @@ class RigHistory:
         known, hole = bit.value[max(at, 0)], self._reached.values[max(at, 0)]
         if unit_differs(depth, known):
             return f"depth {depth:g} m: the bit is at {known:g} m: {unit_rule(depth, known)}"
-        return f"depth {depth:g} m: lies below the hole, which is {hole:g} m deep"
+        rule = f"lies more than {self._limits.beyond_hole:g} m below the hole"
+        return f"depth {depth:g} m: {rule}, which is {hole:g} m deep"
 
     def _from_bit(self, time: Times, at: Times, now: int) -> tuple[Values, npt.NDArray[np.bool_]]:
-        """Return the bit depth at ``time``, interpolated between entries ``at`` and ``at + 1``, and if it is final.
+        """Return the bit depth at ``time``, interpolated from entries ``at`` and ``at + 1``, and whether it is final.
 
         It is NaN where it cannot be interpolated, and final where later entries cannot change it.
         """

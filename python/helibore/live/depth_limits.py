@@ -22,7 +22,7 @@ CONFIRMED_WITHIN = 600 * SECOND
 """A jump of samples counts only if the next sample confirms it within this time."""
 FOOT = units.factor("ft", units.LENGTH)
 NEAR = 0.02
-"""Two depths have different units if their ratio is that of feet to metres within this share."""
+"""Share within which the ratio of two depths must be that of feet to metres, or the reverse, to suggest other units."""
 Values = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.void]
 
@@ -113,7 +113,11 @@ class LastDepth:
 
 
 class Steps(LastDepth):
-    """Checks bit or hole depths. A value that jumps is not used; the next value is used if it lies near that value."""
+    """Checks bit or hole depths.
+
+    A value that jumps is not used. The next value is used if it lies near that value, which confirms the jump, unless
+    it seems to have another unit.
+    """
 
     STATE = (*LastDepth.STATE, "_rejected")
 
@@ -122,7 +126,10 @@ class Steps(LastDepth):
         self._rejected = np.nan
 
     def take(self, values: Values) -> tuple[npt.NDArray[np.int64], dict[int, str]]:
-        """Return the indices of wrong values, and by index the text to report about a new level, used or refused."""
+        """Return the indices of the values that must not be used, and texts to report, by index.
+
+        There is a text for each value that confirms a jump, and for each value that seems to have another unit.
+        """
         wrong = self.limits.outside(values)
         known = np.isfinite(values) & ~wrong
         levels: dict[int, str] = {}
@@ -159,13 +166,14 @@ class HeldSample(LastDepth):
         super().forget()
         if self._held is not None:
             self._held = self._held.copy()
-            self._held["flags"] |= int(Flag.RANGE)
+            self._held["flags"][0] |= int(Flag.RANGE)  # the rows after it have no usable depth anyway
 
     def take(self, rows: Rows) -> tuple[Rows, list[int], dict[int, str]]:
-        """Return the rows to place, in order of arrival; which of them jump unconfirmed; and texts to report by row.
+        """Return the rows to place, in order of arrival; the indices of those whose jump the next row did not confirm.
 
-        Rows whose jump was not confirmed, or whose depth seems to have another unit, get the flag RANGE. If the last
-        row with a usable depth jumps, it is held for the next call, with the rows after it.
+        The third result has texts to report, by index: one for each row that confirms a jump, and for each row whose
+        depth seems to have another unit. A row whose jump was not confirmed, or with another unit, gets the flag
+        RANGE. If the last row with a usable depth jumps, it is held for the next call, with the rows after it.
         """
         if self._held is not None:
             rows = np.concatenate([self._held, rows])

@@ -20,6 +20,9 @@ from helibore import Live
 from helibore.live import live as live_module
 from helibore.live import wits
 from helibore.live.configuration import parse
+from helibore.live.depth_limits import DepthLimits, HeldSample
+from helibore.live.events import Flag
+from helibore.live.model import PENDING
 
 
 def test_depth_is_the_bit_depth_when_it_was_measured_less_the_offset():
@@ -261,3 +264,14 @@ def test_a_level_of_bit_depth_outlives_a_change_of_other_items():
     value = live.model.rig.tracks["bit_depth"].value
     np.testing.assert_allclose(value[np.isfinite(value)], [500.0, 500.3])
     assert live.model.events.counts["rig", "depth_jump"] == 4, "of bit and hole"
+
+
+def test_only_the_sample_that_jumped_is_refused_when_nothing_can_confirm_its_jump_any_more():
+    """The rows that are held with it keep their own reasons."""
+    rows = np.zeros(5, PENDING)
+    rows["depth"] = [100.0, 101.0, 500.0, 102.0, 103.0]
+    rows["flags"] = [0, 0, 0, Flag.NULL, Flag.DUPLICATE]
+    held = HeldSample(DepthLimits())
+    assert len(held.take(rows)[0]) == 2
+    held.forget()
+    assert held.take(rows[:1])[0]["flags"].tolist() == [Flag.RANGE, Flag.NULL, Flag.DUPLICATE, 0]

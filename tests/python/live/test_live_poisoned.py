@@ -224,6 +224,6 @@ def test_feet_read_as_metres_are_named(tmp_path):
     assert texts == [
         "depth 6558.4 m: the bit is at 2000 m: it seems that feet were read as metres",
         "depth 6558.4 m: the bit is at 2000 m: it seems that feet were read as metres",
-        "depth 2500 m: lies below the hole, which is 2000 m deep",
-        "depth 2500 m: lies below the hole, which is 2000 m deep",
+        "depth 2500 m: lies more than 10 m below the hole, which is 2000 m deep",
+        "depth 2500 m: lies more than 10 m below the hole, which is 2000 m deep",
     ]
