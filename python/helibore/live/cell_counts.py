@@ -1,9 +1,9 @@
 """A limit on the samples that a wall keeps of one source near each vertex, so that memory is bounded by the hole.
 
-a cell of the wall          | 4 3 |     two parts around the hole, four along it, each with its number of samples; each
-(one vertex, one quad)      | 0 2 |     part keeps the first ``most`` / 8 samples (rounded up) of each source; later
-                            | 7 1 |     samples are only counted, as "crowded"
-                            | 5 5 |
+a cell of the wall          | 4 3 |     A cell has two parts around the hole and four along it. The numbers count the
+(one vertex, one quad)      | 0 2 |     samples of one source that the wall keeps in each part: the first ``most`` / 8,
+                            | 7 1 |     rounded up. The wall does not keep later samples; the model only counts them,
+                            | 5 5 |     as "crowded".
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ import numpy.typing as npt
 
 PARTS_AROUND, PARTS_ALONG = 2, 4
 CHUNK = 4096
-LARGEST = 65_535
 
 
 class CellCounts:
@@ -24,7 +23,7 @@ class CellCounts:
     sectors, pitch
         As in `Wall`.
     most
-        Samples of a cell that are kept, rounded up to a multiple of 8; 0: all.
+        As in `set_most`.
     """
 
     STATE = ("counted",)
@@ -35,12 +34,12 @@ class CellCounts:
         self._counts: dict[int, npt.NDArray[np.uint16]] = {}
 
     def set_most(self, most: int) -> None:
-        """Set how many samples of a cell are kept from now on."""
-        self._most = min(-(-most // (PARTS_AROUND * PARTS_ALONG)), LARGEST)
+        """Set how many samples of a cell are kept from now on: ``most``, rounded up to a multiple of 8; 0: all."""
+        self._most = -(-most // (PARTS_AROUND * PARTS_ALONG))
 
     @property
     def counted(self) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.uint16]]:
-        """Numbers of the chunks of parts that have samples (n,), and the counts of their parts (n, CHUNK)."""
+        """The counts (n, CHUNK) of the parts in each chunk that has samples, after the numbers of these chunks (n,)."""
         chunks = np.array(list(self._counts), np.int64)
         return chunks, np.array(list(self._counts.values()), np.uint16).reshape(-1, CHUNK)
 

@@ -1,9 +1,9 @@
 """The model's time: it never goes back, even if someone sets the wall clock.
 
-    time = anchor + (monotonic - monotonic at the anchor)        one anchor a session
+    time = anchor + (monotonic - monotonic at the anchor)
 
-A session begins when the journal is opened. Its anchor is the wall clock at that moment, or the model's last time if
-that is later.
+A session begins when the journal is opened. Each session has one anchor: the wall clock at that moment, or the model's
+last time if that is later.
 """
 
 from __future__ import annotations

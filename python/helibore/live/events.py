@@ -57,7 +57,8 @@ class Event:
     source, connection
         Source and connection of its bytes; ``""`` and 0 for the journal and the host.
     line, offset
-        Line of the connection's stream, from 1 (for a store: row of the answer), and byte; 0 and -1: no line, no byte.
+        Line of the connection's stream, from 1 (for a store: row of the answer), or 0 without a line; byte of the
+        stream, or -1 without a byte.
     rule
         Kind of the event; source and rule together are the key of its counter.
     text
@@ -89,7 +90,7 @@ class Event:
         return self.last or self
 
     def and_then(self, more: Event) -> Event:
-        """Return this event joined with a later event of its rule and source; counts add up, the later is ``last``."""
+        """Return this event joined with a later event of its rule and source; the counts are added."""
         return replace(self, count=self.count + more.count, last=more.newest)
 
     def __str__(self) -> str:
@@ -121,12 +122,14 @@ def _add(events: list[Event], places: dict[tuple[str, str], list[int]], event: E
 class EventBook:
     """Counts every event, joins the events of one rule of one source, and returns each new event once.
 
-    May be used from several threads.
+    Several threads may use it at the same time.
 
     Attributes
     ----------
+    log
+        Called with each event when it is reported, in the thread that reports it; None: nothing is called.
     recorded
-        As `latest`, by source and rule, but only events that records caused; a replay reports them again.
+        By source and rule, the events that records caused, joined as in `latest`; a replay reports them again.
     """
 
     STATE = ("recorded",)
