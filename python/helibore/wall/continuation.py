@@ -4,11 +4,12 @@ Such tools have few arms, or send few samples by telemetry.
 
 If the shape continues (a breakout, a key seat, an oval hole), the wall between two arms is known from samples at the
 same toolface, metres above or below: kriging with a large angular scale uses them. Cross-validation cannot decide this,
-because no sample lies between the arms. The likelihood of the samples can:
+because no sample lies between the arms. The likelihood of the samples can decide it:
 
-    blocks of at most 48 samples over 10 m; in each the radius is a constant and a Gaussian process with the covariance
-    of kriging: Wendland's C2 function of distance / range, and a nugget
-    restricted likelihood: the constants are integrated out; all blocks share the variance that maximises it
+    Up to 60 random blocks of the hole, each 10 m long, give 8 to 48 samples each. In a block the radius is a constant
+    plus a Gaussian process with the covariance of kriging: Wendland's C2 function of distance / range, and a nugget.
+    The likelihood is the restricted one: the constants of the blocks are integrated out. All blocks share one variance,
+    the one that maximises the likelihood.
 
 A covariance is long if its angular scale is in `LONG`, and short if it is in `SHORT`. The best long covariance is
 chosen if its likelihood exceeds that of the best short one by more than `LEAST_GAIN` nats a block. On holes of known
@@ -33,10 +34,10 @@ from helibore.wall.estimates import MOST_UNMEASURED, Columns
 LEAST_GAIN = 8.0
 """Nats a block by which the log-likelihood of a long covariance must exceed that of a short one."""
 SHORT, LONG = (1.0, 2.0, 4.0, 8.0), (64.0, 200.0, 400.0)
-"""Angular scales."""
+"""Angular scales of the short covariances, and of the long ones."""
 RANGES = (0.3, 1.0, 3.0, 12.0, 30.0, 80.0)
 LEAST_LONG_RANGE = 12.0
-"""Metres along the hole."""
+"""Metres along the hole: a covariance with a shorter range is not long."""
 NUGGETS = (0.003, 0.02, 0.1, 0.4)
 _BLOCKS, _FEWEST_SAMPLES, _MOST_SAMPLES, _BLOCK_LENGTH, _POSITIONS = 60, 8, 48, 10.0, 2000
 
@@ -47,7 +48,8 @@ def find_continuation(samples: Columns, settings: Settings, seed: int) -> tuple[
     Returns
     -------
     settings
-        None if the shape does not continue, or if the tool measures half of the turns or more.
+        None if the shape does not continue, if the tool measures half of the turns or more, if all radii are equal, or
+        if no block has enough samples.
     gain
         Log-likelihood of the best long covariance less that of the best short one, nats a block; NaN if they were not
         compared.

@@ -1,7 +1,7 @@
 """Estimate the radius at samples that are left out, from the other samples: for cross-validation and uncertainty.
 
 The core finds the neighbours of each point and estimates its radius by the method of the wall. A sample is left out
-alone, or together with all samples in a box around it. The box is as large as the empty box around a random vertex of
+alone, or together with all samples in a box around it. The box is as large as the empty box around a random place on
 the wall.
 """
 
@@ -24,7 +24,8 @@ MOST_UNMEASURED = 0.5
 """Share of the turns; a tool that leaves a larger share unmeasured has few arms, or sends few samples."""
 _MOST_BOX_DEPTH = 1.0
 FEW_BOXES = 200
-"""This many boxes are enough for an uncertainty. `tune` makes one for each target, so that its choice hardly varies."""
+"""Number of boxes that is enough for an uncertainty. `tune` makes one for each target, so that its choice hardly varies
+with the boxes."""
 
 Columns = tuple[Floats, Floats, Floats]
 Boxes = tuple[Floats, Floats]
@@ -62,7 +63,8 @@ def choose_left_out(
 
     At most ``boxes`` of the boxes are different.
 
-    Raises InputError if there are too few samples for the ``purpose``, or if the settings have a window.
+    Raises InputError if ``most`` is below 1, if there are fewer than `FEWEST_SAMPLES` samples, or if the settings have
+    a window. ``purpose`` is the words of these errors for what the samples are needed for: "to tune".
     """
     count = samples[0].size
     if most < 1:
@@ -80,7 +82,7 @@ def choose_left_out(
 def empty_boxes(
     samples: Columns, settings: Settings, count: int, rng: np.random.Generator, different: int = FEW_BOXES
 ) -> Boxes:
-    """Return half the height (m) and half the width (degrees) of the empty boxes around random vertices of the wall.
+    """Return half the height (m) and half the width (degrees) of the empty boxes around random places on the wall.
 
     Half the height is the distance in depth to the nearest sample within half a sector of angle, at most 1 m. (With a
     limit of 0.5 m, samples of the same arm, with the same bias, would be too close.) Half the width is the angle to the
@@ -128,8 +130,8 @@ def estimate_left_out(
     settings
         Settings of the wall.
     box
-        (m,) metres and (m,) degrees: samples within this distance above or below the sample of the row, and within this
-        angle beside it, are also left out. None: only samples at its position are left out.
+        (m,) metres and (m,) degrees: for each row, samples within this distance above or below its sample, and within
+        this angle beside it, are also left out. None: only samples at its position are left out.
     trial
         (m,) metres: initial radii; one estimate is made from them, without iteration. None: the method iterates.
     nuggets

@@ -51,8 +51,9 @@ def load(filename: str | os.PathLike[str], threads: int | None = None, recompute
     Raises
     ------
     InputError
-        If the file is not an archive, is truncated, damaged or of a newer version, or if this version computes other
-        values than the saved values. The error names the file and the reason.
+        If the file is not an archive, is truncated, damaged or of a newer version, if this version computes other
+        values than the saved ones, or if FILENAME.picks.csv is not a table of picks. The error names the file and the
+        reason.
     OSError
         If the file cannot be read.
     """

@@ -25,8 +25,9 @@ MEASURED = "measured"
 
 @dataclass(frozen=True, eq=False)
 class WallState:
-    """Copies of a wall's arrays, named as in `Wall`; ``sample_columns`` are depth, toolface, radius and time, if any.
+    """Copies of a wall's arrays at one moment, named as in `Wall`; path, images and attributes are those of the wall.
 
+    ``sample_columns`` are depth, toolface, radius and, if samples have times, time; () if they were not copied.
     ``sums`` holds for each vertex the sums from which its uncertainty is computed; () without `Settings.sigma`.
     """
 

@@ -3,9 +3,11 @@
 Each candidate estimates some samples from the others, twice:
 
     alone   only the sample itself is left out; this shows what noise does where samples are dense
-    box     all samples in a box around it are left out; this shows what gaps do. The box is as large as the empty box
-            around a random vertex of the wall (angle to the nearest sample within half a pitch; depth to the nearest
-            sample within half a sector)
+    box     all samples in a box around it are left out; this shows what gaps do
+
+The box is as large as the empty box around a random place on the wall. Half its width is the angle from this place to
+the nearest sample within half a pitch of its depth. Half its height is the distance in depth to the nearest sample
+within half a sector of its toolface, at most 1 m.
 
 If a tool leaves most of each turn unmeasured, there are no samples between its arms to leave out. In this case the
 likelihood of the samples first decides whether the shape of the hole continues along it (`helibore.wall.continuation`).
@@ -44,7 +46,8 @@ from helibore.wall.wall import Wall
 TUNED = ("estimator", "neighbors", "angular_scale", "kriging_range", "nugget")
 """The settings that a candidate may change."""
 TUNED_ALONG = frozenset((*TUNED, "max_distance"))
-"""The same settings and one more, for a hole whose shape continues along it (`helibore.wall.continuation`)."""
+"""The settings that a candidate may change if the shape of the hole continues along it. If the caller fixes one of
+them, `tune` does not try this candidate (`helibore.wall.continuation`)."""
 ANGULAR_SCALES = (0.5, 1.0, 2.0, 4.0, 8.0)
 NUGGETS = (0.003, 0.02, 0.1, 0.4)
 _CLIP = 12.0
@@ -81,16 +84,17 @@ class Tuning:
     Attributes
     ----------
     settings
-        The best settings, for ``hb.reconstruct(caliper, **vars(tuning.settings))``.
+        The chosen settings, for ``hb.reconstruct(caliper, **vars(tuning.settings))``.
     best
-        The candidate with these settings.
+        The chosen candidate, which has these settings.
     candidates
         All candidates; the first has the settings without tuning.
     targets
         Number of samples that were left out.
     continuation
         For a tool that leaves most of each turn unmeasured: the log-likelihood of a shape that continues along the hole
-        less that of a shape that does not, nats a block (`helibore.wall.continuation`). NaN if they were not compared.
+        less that of a shape that does not, nats a block (`helibore.wall.continuation`). NaN if they were not compared,
+        also because the caller fixed one of `TUNED_ALONG`.
     """
 
     best: Candidate
@@ -100,12 +104,12 @@ class Tuning:
 
     @property
     def settings(self) -> Settings:
-        """The settings of the best candidate."""
+        """The settings of the chosen candidate."""
         return self.best.settings
 
     @property
     def gain(self) -> float:
-        """Share by which the best candidate reduces `Candidate.box`, at most 1; negative if its error is larger."""
+        """Share by which the chosen candidate reduces `Candidate.box`, at most 1; negative if its error is larger."""
         before = self.candidates[0].box
         return 1.0 - self.best.box / before if before > 0 else 0.0
 
@@ -180,10 +184,10 @@ def tune(
     caliper
         The samples of the hole.
     bit_diameter, **fixed
-        Settings that all candidates share, as in `Settings`. `tune` tries values of ``estimator``, ``angular_scale``
-        and ``nugget`` if they are not given.
+        Settings that all candidates share, as in `Settings`. Of ``estimator``, ``neighbors``, ``angular_scale``,
+        ``kriging_range`` and ``nugget``, `tune` chooses those that are not given.
     targets
-        Number of samples to leave out.
+        Number of samples to leave out, 1 or more; all samples if there are fewer.
     threads
         None: all cores. The result does not depend on it.
     seed
@@ -194,12 +198,14 @@ def tune(
     Tuning
         The chosen candidate has the least error in gaps, among those that are better than the settings without tuning
         by more than two standard errors, both alone and in gaps. If there is no such candidate, the settings without
-        tuning are chosen. If the shape of the hole continues along it, the settings for that are chosen instead.
+        tuning are chosen. If the tool leaves most of each turn unmeasured and the shape of the hole continues along it,
+        the settings for such a hole are chosen instead, unless one of `TUNED_ALONG` is given.
 
     Raises
     ------
     InputError
-        As `Wall`; ``samples = 37: too few samples to tune: must be at least 100``.
+        As `Wall`; if ``window`` or ``targets`` breaks its rule; if there are too few samples: ``samples = 37: too few
+        samples to tune: must be at least 100``.
     """
     refuse_table(caliper, "caliper")
     settings = Settings(bit_diameter=bit_diameter, **fixed)

@@ -6,12 +6,12 @@
     S   mean square of the differences between the radii used and the estimate; it shows how much the wall changes
     D   mean square of the distances to the samples used; distances around the hole are multiplied by the stretch
 
-Samples are left out with boxes as large as the empty boxes around vertices (`choose_left_out`). tau, c, a, b and the
-stretch maximise the likelihood of the errors, by Student's t with 5 degrees of freedom. The variance of an error is
-that of the estimate plus the noise tau^2 of the sample itself. q is the 95 % quantile of the errors divided by their
-standard deviations. So the true radius lies within 1.96 sigma of the wall with 95 % probability, at places like those
-of the left-out samples. Sigma is NaN at places that are farther from the samples used than 98 % of the left-out samples
-are, and in gaps of the turn (`Wall.angular_gap` above `Settings.largest_gap`).
+Samples are left out with boxes as large as the empty boxes around random places (`choose_left_out`). tau, c, a, b and
+the stretch maximise the likelihood of the errors, by Student's t with 5 degrees of freedom. The variance of an error is
+that of the estimate plus the noise tau^2 of the sample itself. q is the 95 % quantile of the absolute errors, each
+divided by its standard deviation. So the true radius lies within 1.96 sigma of the wall with 95 % probability, at
+places like those of the left-out samples. Sigma is NaN at places that are farther from the samples used than 98 % of
+the left-out samples are, and in gaps of the turn (`Wall.angular_gap` above `Settings.largest_gap`).
 
 If a tool leaves more than half of the turns unmeasured (few arms, telemetry), samples are too far apart to separate
 noise from shape. Then tau^2 (1 + W) replaces tau^2 W.
@@ -71,7 +71,7 @@ class Calibration:
 
 
 def calibrate(samples: Columns, settings: Settings, threads: int = 1) -> Calibration:
-    """Calibrate the uncertainty of a wall with these settings and samples. At least 100 samples are needed."""
+    """Calibrate the uncertainty of a wall with these settings and samples; for errors see `choose_left_out`."""
     rows, boxes = choose_left_out(samples, settings, TARGETS, 0, "for an uncertainty")
     found = estimate_left_out(samples, rows, settings, boxes, threads, trial=samples[2][rows])
     known = np.isfinite(found.radius)
@@ -79,10 +79,8 @@ def calibrate(samples: Columns, settings: Settings, threads: int = 1) -> Calibra
         raise InputError("samples", "too few samples for an uncertainty: no sample has another within max_distance")
     squares = np.maximum((found.radius - samples[2][rows])[known] ** 2, _SMALLEST)
     weights, scatter, along, across = (of[known] for of in found[3:7])
-    scatter, distances = (
-        np.maximum(scatter, _SMALLEST),
-        [np.maximum(along + of * across, _SMALLEST) for of in _STRETCHES],
-    )
+    scatter = np.maximum(scatter, _SMALLEST)
+    distances = [np.maximum(along + of * across, _SMALLEST) for of in _STRETCHES]
     fits: list[_Fit] = []
     for distance in distances:  # each fit starts from the result of the previous one
         fits.append(_fit(squares, weights, np.log([scatter, distance]), fits[-1] if fits else None))
@@ -167,8 +165,8 @@ def _unmeasured(wall: WallState) -> np.ndarray:
     """Return whether each vertex lies in a gap of the turn above `Settings.largest_gap`.
 
     In most walls no vertex does, and a part of the samples is enough to show this. The depths are divided into
-    intervals no longer than `Settings.gap_reach`, and the turn into parts of a third of the largest gap. If each part
-    of each interval has a sample, no gap is longer than two parts.
+    intervals no longer than `Settings.gap_reach`, and the turn into parts no wider than a third of the largest gap. If
+    each part of each interval has a sample, no gap is longer than two parts.
     """
     depth, toolface = wall.sample_columns[:2]
     ends = whole_helix(wall).depth(np.array([0, wall.radius.size - 1]))

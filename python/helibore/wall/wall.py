@@ -1,4 +1,4 @@
-"""The wall: radius at every vertex of a uniform helix, batch or live.
+"""The wall: the radius of the hole at every vertex of a uniform helix. Samples come in one batch, or live.
 
     wall = hb.reconstruct(caliper, bit_diameter=0.216)     # an empty Wall and one append
     change = wall.append(depth, toolface, radius)          # more samples, anywhere in the hole
@@ -63,14 +63,15 @@ class Wall:
     instruction_set
         'automatic', or one of 'plain', 'avx2' and 'avx512' to force it (for tests: all give the same bits).
     basis
-        What the samples are, as in `Caliper`; surfaces, files and pictures of the wall state it.
+        What the radii of the samples are, as in `Caliper`; surfaces, files and pictures of the wall state it.
 
     Attributes
     ----------
     path
         The `Path` of the hole, or None. Surfaces and volumes follow it unless they are given another path, or None.
     images
-        `SectorImage` by name. Every surface has them as attributes, turned into the reference of the wall's path.
+        `SectorImage` by name. Every surface has them as attributes. If an image counts its angles from another
+        reference than the wall's path, it is turned.
     attributes
         `WallAttributes`: other values, one for each quad of the wall. Every surface also has them.
     made_from
@@ -83,13 +84,14 @@ class Wall:
     Raises
     ------
     InputError
-        On a setting that breaks its rule: ``pitch = 0: must be finite and not 0``.
+        On a setting that breaks its rule (``pitch = 0: must be finite and not 0``), and on the estimator 'kriging'
+        without a ``kriging_range``.
 
     Notes
     -----
-    A wall has vertices as soon as it has a sample. It may be used from several threads; calls take effect one after
-    another. Every array it returns is a copy. A wall can be copied and pickled; the copy has the same bits, now and
-    after further appends.
+    A wall has vertices as soon as a sample lies at or beyond the start of its helix. It may be used from several
+    threads; calls take effect one after another. Every array it returns is a copy. A wall can be copied and pickled;
+    the copy has the same bits, now and after further appends.
     """
 
     def __init__(
@@ -157,14 +159,18 @@ class Wall:
         Raises
         ------
         InputError
-            As `Caliper`. The wall then keeps its state, bit for bit.
+            As `Caliper`; if only the new samples or only the earlier ones have times; if the wall would have more
+            vertices than ``most_vertices``. The wall then keeps its state, bit for bit.
         """
         columns = sample_columns(depth, toolface, radius, time)
-        own: list[Any] = [] if arm is None else [None if of is None else of.copy() for of in columns]
-        arms = Caliper(*own, arm=arm) if own else None
+        arms = None
+        if arm is not None:
+            copies: list[Any] = [None if of is None else of.copy() for of in columns]
+            arms = Caliper(*copies, arm=arm)
         with self._growing:
             change = Change(*self._core.append(*columns))
-            self._keep_arms(arms)
+            if arms is not None:
+                self._arms.append(arms)
         return change
 
     def __len__(self) -> int:
@@ -231,7 +237,8 @@ class Wall:
 
         With 95 % probability the true radius is within 1.96 sigma. NaN if the vertex is farther from samples than the
         calibration covers, or in a gap of the turn larger than `Settings.largest_gap`; and everywhere if the shape is
-        assumed round (`basis`). Raises InputError if there are fewer than 100 samples.
+        assumed round (`basis`). For other walls, raises InputError if there are fewer than 100 samples, if no sample
+        has another within ``max_distance``, or if ``window`` is set.
         """
         return wall_sigma(self._with_sums(self._state()), self._threads)
 
@@ -270,13 +277,9 @@ class Wall:
         if len(self._arms) < 2:
             return self._arms[0] if self._arms else None
         names = ("depth", "toolface", "radius", "time", "arm")
-        columns: dict[str, Any] = {name: [getattr(each, name) for each in self._arms] for name in names}
+        columns = {name: [getattr(each, name) for each in self._arms] for name in names}
         joined: dict[str, Any] = {name: None if of[0] is None else np.concatenate(of) for name, of in columns.items()}
         return Caliper(**joined)
-
-    def _keep_arms(self, arms: Caliper | None) -> None:
-        if arms is not None:
-            self._arms.append(arms)
 
     def at(self, depth: npt.ArrayLike, toolface: npt.ArrayLike) -> PointValues:
         """Return radius, nearest distance, support and angular gap at points, as `helibore.wall.points.PointValues`.
@@ -284,7 +287,12 @@ class Wall:
         Parameters
         ----------
         depth, toolface
-            Metres and degrees, numbers or (m,), finite.
+            Metres and degrees, finite: two numbers, or two arrays of m values.
+
+        Raises
+        ------
+        InputError
+            If a value is not finite or the lengths differ.
 
         Examples
         --------
@@ -322,7 +330,8 @@ class Wall:
 
         A wall of all samples between these depths has the same bits at these vertices; other samples do not matter. A
         depth is infinite if a vertex has too few samples and `Settings.max_distance` is None, or if its
-        `Settings.window` is cut short by the end of the samples. Raises InputError as `vertices` does.
+        `Settings.window` is cut short by the end of the samples. An empty range gives (inf, -inf). Raises InputError as
+        `vertices` does.
 
         Examples
         --------
@@ -345,12 +354,13 @@ class Wall:
         Parameters
         ----------
         values
-            (m,) one per sample; NaN where missing.
+            (m,) one value for each sample; NaN where it is missing.
         caliper
             The samples in the order of ``values``, as they were appended. None: the values are in the order of
             `samples`.
         on
-            'quads': the mean of each quad's four corners, as `attributes` takes them; 'vertices': one per vertex.
+            'quads': one value for each quad, the mean of its four corners, as `attributes` takes them; 'vertices': one
+            value for each vertex.
 
         Returns
         -------
@@ -361,7 +371,7 @@ class Wall:
         Raises
         ------
         InputError
-            If lengths differ or ``caliper`` does not hold the samples of this wall.
+            If lengths differ, ``caliper`` does not hold the samples of this wall, or ``on`` is another word.
 
         Examples
         --------
@@ -390,7 +400,7 @@ class Wall:
         start, stop
             Depths, metres; None: the ends of the wall. The surface holds the quads of the vertices with depths in
             [start, stop), so that surfaces of neighbouring intervals meet without overlap or gap. These quads reach one
-            turn beyond ``stop``.
+            turn beyond the end towards which the helix grows: ``stop``, or ``start`` if the pitch is negative.
 
         Raises
         ------
@@ -453,7 +463,8 @@ class Wall:
         samples, arms, self.path, images, attributes, units, self.made_from, picks = state
         if samples:
             self.append(*samples)
-        self._keep_arms(arms)
+        if arms is not None:
+            self._arms.append(arms)
         self.images.update(images)
         for name, (start_depth, values) in attributes.items():
             self.attributes.restore(name, start_depth, values)
@@ -481,7 +492,8 @@ class Wall:
 
         The archive holds settings, samples, vertices, `path`, `images`, `attributes` and `made_from`. The reopened wall
         has the same bits, now and after further appends. `helibore.wall.archive` describes the file. `picks`, if there
-        are any, are written to FILENAME.picks.csv, which `helibore.load` also reads.
+        are any, are written to FILENAME.picks.csv, which `helibore.load` also reads; a wall without picks leaves such a
+        file as it is.
 
         Parameters
         ----------
@@ -517,7 +529,8 @@ class Wall:
 
         ``rugosity_window`` is the metres of hole over which rugosity is computed; it is rounded to an odd number of
         turns, for example to 9 turns for 1 m at a pitch of 0.1 m. If ``threads`` is None, there are as many as the wall
-        uses. ``sigma`` adds the uncertainty of diameters and volumes.
+        uses. If ``sigma`` is True, the logs have the uncertainty of diameters and volumes, and this raises an
+        InputError as `sigma` does.
         """
         from helibore.logs.turn_logs import turn_logs
 
