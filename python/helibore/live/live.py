@@ -581,10 +581,11 @@ def read_into(model: Model, folder: FilePath, report: Callable[[Segment], None] 
 
     Events report damage and missing segments; ``report`` is called with each segment after it is read.
     """
-    expected = 1 if not model.next_sequence else None
-    for segment in segments(folder, segment_of(folder, model.next_sequence)):
-        if expected is not None and segment.number > expected:
-            text = f"segments {expected} to {segment.number - 1} are missing"
+    expected = segment_of(folder, model.next_sequence)
+    for segment in segments(folder, expected):
+        if segment.number > expected:
+            last = segment.number - 1
+            text = f"segments {expected} to {last} are missing" if expected < last else f"segment {last} is missing"
             model.report(segment.wall_before(0), "journal", text, recorded=True)
         expected = segment.number + 1
         first = int(np.searchsorted(segment.records["sequence"], model.next_sequence))

@@ -276,6 +276,22 @@ def test_records_that_a_checkpoint_contains_are_not_read_again(tmp_path, monkeyp
     assert len(read) < 20
 
 
+@pytest.mark.parametrize(("lost", "text"), [((1, 2, 3), "segments 1 to 3 are missing"), ((2,), "segment 2 is missing")])
+def test_segments_that_are_lost_after_a_checkpoint_are_reported(tmp_path, lost, text):
+    with opened(tmp_path) as live:
+        live.append_samples([100.0], [0.0], [0.11])
+        live.checkpoint()
+        for number in range(1, 40):
+            live.append_samples(100 + np.arange(100) / 1e3, np.arange(100) * 3.0, np.full(100, 0.11 + number / 1e6))
+    for path in checkpoint.paths(tmp_path)[1:]:
+        path.unlink()
+    for number in lost:
+        journal.paths(tmp_path)[0].with_name(f"{number:06d}.hbj").unlink()
+    with Live(CONFIGURATION, tmp_path) as live:
+        assert 0 < live.wall.sample_count < 3901
+        assert text in [event.text for event in live.poll().events if event.rule == "journal"]
+
+
 def test_only_two_checkpoints_are_kept_and_one_is_due_after_each_segment(tmp_path):
     live = opened(tmp_path)
     assert not live.checkpoint_due
