@@ -1,8 +1,8 @@
 """Named values on cells, such as gamma, resistivity or the difference of two passes, separate from the geometry.
 
-    surface.attributes["GR"] = image.on(wall)       # one value a quad, with a unit:
-    surface.attributes.units["GR"] = "gAPI"
-    wall.attributes["GR"] = values                  # for the whole wall; every surface made of it has them
+    surface.attributes["GR"] = image.on(wall)       # one value for each quad
+    surface.attributes.units["GR"] = "gAPI"         # and its unit, if it is known
+    wall.attributes["GR"] = values                  # for the whole wall; every surface made from it has the values
 
 Missing values are NaN.
 """
@@ -50,14 +50,15 @@ class _NamedValues(MutableMapping[str, Floats]):
 class Attributes(_NamedValues):
     """Named values, one for each cell (quad or hexahedron) of a mesh; (cells,) float64, copied and read-only.
 
-    An assignment may also give one value for every cell of the whole wall; those of cells not in the mesh are dropped.
+    An assignment may also give one value for each cell that the whole wall has room for; the values of cells that are
+    not in the mesh are dropped. Raises InputError on another number of values.
 
     Attributes
     ----------
     units
         Unit by name, if it is known; files state it.
     index
-        For each cell, its number among the cells of the whole wall.
+        For each cell, its number among the cells that the whole wall has room for.
     """
 
     def __init__(self, cell: str, index: Integers | range, whole: int) -> None:
@@ -67,8 +68,8 @@ class Attributes(_NamedValues):
     def __setitem__(self, name: str, values: npt.ArrayLike) -> None:
         array, cells = column(f"attributes[{name!r}]", values), len(self.index)
         if array.size not in (cells, self._whole):
-            whole = f" (or {self._whole}, one for each of the whole wall)" if self._whole != cells else ""
-            rule = f"must be {cells}, one a {self._cell}{whole}"
+            whole = f", or {self._whole}, one for each that the whole wall has room for" if self._whole != cells else ""
+            rule = f"must be {cells}, one for each {self._cell}{whole}"
             raise InputError(f"attributes[{name!r}] has {array.size} values", rule)
         self._keep(name, array.copy() if array.size == cells else array[self.index])
 
@@ -77,7 +78,8 @@ class WallAttributes(_NamedValues):
     """Named values of a wall; value k is that of the quad at vertex k. They are float64, copied and read-only.
 
     A wall that grows keeps the values; later quads have NaN. Values belong to the helix on which they were set: if a
-    shallower sample moves the start of the helix, set them again.
+    later sample moves the start of the helix, `Wall.surface` refuses the values until they are set again. An assignment
+    of another number of values raises InputError.
 
     Attributes
     ----------
@@ -94,7 +96,7 @@ class WallAttributes(_NamedValues):
         start, quads = self._helix()
         array = column(f"attributes[{name!r}]", values)
         if array.size != quads:
-            rule = f"must be {quads}, one a quad of the wall"
+            rule = f"must be {quads}, one for each quad of the wall"
             raise InputError(f"attributes[{name!r}] has {array.size} values", rule)
         self.restore(name, start, array.copy())
 
@@ -113,12 +115,12 @@ class WallAttributes(_NamedValues):
         Raises
         ------
         InputError
-            If the helix has moved since the values were set, or the wall has fewer quads than values.
+            If the start of the helix has moved since the values were set, or the wall has fewer quads than values.
         """
         start, values = self._starts[name], self._values[name]
         if start != start_depth and not (math.isnan(start) and math.isnan(start_depth)):
             moved = f"when the wall began at {start:g} m; it begins at {start_depth:g} m now"
-            raise InputError(f"attributes[{name!r}] was set {moved}", "set it anew")
+            raise InputError(f"attributes[{name!r}] was set {moved}", "set it again")
         if values.size > quads:
             raise InputError(f"attributes[{name!r}] has {values.size} values", f"the wall has {quads} quads")
         return np.concatenate([values, np.full(quads - values.size, np.nan)])

@@ -36,11 +36,15 @@ _ARRAY_BUFFER, _ELEMENT_ARRAY_BUFFER = 34962, 34963  # 3.6.2.1
 
 
 def check_size(file: Path, quads: int, attributes: int) -> None:
-    """Refuse a mesh too large for a GLB; a quad takes 4 corners of position, colour and attributes, and 6 indices."""
+    """Raise an InputError for a mesh too large for a GLB.
+
+    A quad takes 4 corners, each with position, colour and attributes, and 6 indices.
+    """
     size = quads * (4 * (12 + 4 + 4 * attributes) + 24) + (1 << 20)
     if size > LARGEST:
         limit = f"{quads:,} quads take {size / 1e9:.1f} GB, and a GLB holds at most {LARGEST / 1e9:.1f}"
-        raise InputError(str(file), f"{limit}; save .vtkhdf, or fewer sectors, a larger pitch or a shorter interval")
+        advice = "save .vtkhdf, or make fewer quads by fewer sectors, a larger pitch or a shorter interval"
+        raise InputError(str(file), f"{limit}; {advice}")
 
 
 def write_glb(
@@ -51,7 +55,9 @@ def write_glb(
     attributes: Mapping[str, Floats],
     extras: Mapping[str, Any],
 ) -> None:
-    """Write quads, (q, 4) int64 rows of ``positions``, each in one colour, (q, 4) uint8 sRGB with alpha; q > 0.
+    """Write quads, (q, 4) int64 rows of ``positions``, each in one colour.
+
+    ``colors`` are (q, 4) uint8 sRGB with alpha; q must be above 0.
 
     Positions, (n, 3) north, east, down in metres, are written as (east, up, -north): glTF is Y up and right-handed
     (3.4). Quads share no vertices, because glTF has colours at vertices only, and a shared vertex would mix the colours
@@ -60,8 +66,8 @@ def write_glb(
     middle. There is no material, because with a material trimesh takes the colours for part of a texture.
 
     Attributes, (q,) float64 each, become float32 vertex attributes of the application, ``_GR`` for ``GR`` (3.7.2.1).
-    Missing values are -999.25, because glTF forbids NaN (3.6.2.2); the mesh's extras state this number. ``extras`` are
-    further JSON values of the mesh's extras.
+    Missing values, and values that float32 cannot hold, become -999.25, because glTF forbids NaN (3.6.2.2); the mesh's
+    extras state this number. ``extras`` are further JSON values of the mesh's extras.
     """
     middle, local = np.empty(3), np.empty((len(positions), 3), dtype="<f4")
     for axis, (of, sign) in enumerate(((1, 1.0), (2, -1.0), (0, -1.0))):
@@ -112,7 +118,7 @@ class _View:
 
     name: str
     of: Callable[[slice], Array]  # returns its values at a block of quads
-    bytes: int  # size for each quad
+    bytes: int  # of each quad
     shape: str
     number: int  # type of its components
     more: dict[str, Any]  # further entries of its accessor

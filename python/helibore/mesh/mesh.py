@@ -1,6 +1,6 @@
-"""What surfaces and volumes share, which is all that the writers of files know of a mesh.
+"""What surfaces and volumes have in common. The writers of files use nothing else of a mesh.
 
-The metadata of a mesh are texts by name, the same in every format that holds texts:
+The metadata of a mesh are texts by name. Every format that holds texts has the same:
 {"made by": "helibore 0.1.0", "basis": "radius measured ...", "helix": "64 sectors, pitch 0.1 m, ...", ...}
 """
 
@@ -40,7 +40,7 @@ class Mesh:
 
     @cached_property
     def vertex_index(self) -> Integers:
-        """The vertex of the wall that each row of ``vertices`` is, or lies over, (n,) int64."""
+        """For each row of ``vertices``, the vertex of the wall that it is or lies over, (n,) int64."""
         return np.concatenate([expand_ranges(ranges) for ranges in self._ranges])
 
     @cached_property
@@ -62,13 +62,13 @@ class Mesh:
 def quad_radius(mesh: Mesh) -> Floats:
     """Return the mean radius of the corners of each quad, metres, (q,) float64."""
     total: Floats = mesh.radius[mesh.cells[:, 0]]
-    for corner in (1, 2, 3):  # one after another, since all four at once would take 32 bytes a quad
+    for corner in (1, 2, 3):  # one after another, since all four at once would take 32 bytes for each quad
         total += mesh.radius[mesh.cells[:, corner]]
     return total / 4
 
 
 def triangles(mesh: Mesh) -> Integers:
-    """Return two triangles a quad, (2 q, 3) int64."""
+    """Return two triangles for each quad, (2 q, 3) int64."""
     return mesh.cells[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
 
 

@@ -1,4 +1,4 @@
-"""Write surfaces and volumes to files in the format of the ending. trimesh writes OBJ and STL, h5py writes VTKHDF.
+"""Write surfaces and volumes to files; the ending chooses the format. trimesh writes OBJ and STL, h5py writes VTKHDF.
 
 GLB, PLY and VTK's XML are written without a library, because trimesh takes three times as long for GLB, and its PLY
 holds neither quads nor float64 (``vtk_xml`` gives the reason for VTK).
@@ -39,7 +39,7 @@ SURFACE_ENDINGS = (".glb", ".ply", ".obj", ".stl", ".vtu", ".vtp", ".vtkhdf")
 VOLUME_ENDINGS = (".vtu", ".vtkhdf")
 """Endings of the files that `Volume.save` writes."""
 _PLY_CORNERS = ("corner_count", "vertex_indices")
-_STL_TOLERANCE = 1e-3  # metres a vertex may move
+_STL_TOLERANCE = 1e-3  # metres that float32 may move a vertex
 
 
 def save_surface(
@@ -95,7 +95,7 @@ def _write_vtk(mesh: Mesh, path: Path, origin: tuple[float, float, float], activ
 
 
 def _quad_values(mesh: Mesh, color_by: str | None) -> Floats:
-    """Return the values, one a quad, that colour a mesh: those of ``color_by``, or else the radius."""
+    """Return the values that colour a mesh, one for each quad: those of ``color_by``; if it is None, the radius."""
     if color_by is None or (color_by == "radius" and "radius" not in mesh.attributes):
         return quad_radius(mesh)
     return mesh.attributes[color_by]

@@ -1,11 +1,11 @@
 """The wall in space: a surface of quads along the path, which is a frozen copy with attributes.
 
     surface = wall.surface(path)                   # the wall along a survey's path
-    surface.attributes["GR"] = image.on(wall)      # one value a quad
+    surface.attributes["GR"] = image.on(wall)      # one value for each quad
     surface.save("well.glb", color_by="GR")
 
-Vertices are (north, east, down). Where the wall has no radius there is no vertex, and no quad touches the gap, so a
-mesh never holds NaN. ``vertex_index`` and ``quad_index`` tell which vertex of the wall each row belongs to.
+Vertices are (north, east, down). Where the wall has no radius there is no vertex, and no quad touches the gap, so no
+vertex is NaN. ``vertex_index`` and ``quad_index`` tell which vertex of the wall each row belongs to.
 """
 
 from __future__ import annotations
@@ -47,15 +47,16 @@ class Surface(Mesh):
         (k, k+1, k+1+K, k+K) for vertex k of a helix with K sectors that grows downwards; (k, k+K, k+1+K, k+1) for a
         helix that grows upwards.
     attributes
-        `Attributes`, one value a quad.
+        `Attributes`: named values, one for each quad.
     basis
         What the wall is made from, as in `Caliper`; files state it.
     helix
         Where vertices lie along and around the hole.
     metadata
-        Texts by name that files carry: what the wall is made from, how it was placed. You can add texts.
+        Texts by name for the files: what the wall is made from, and how it was placed. You can add texts.
     vertex_index, radius
-        The vertex of the wall that each row of ``vertices`` is, (n,) int64; and its radius, metres, (n,) float64.
+        For each row of ``vertices``, the vertex of the wall that it is, (n,) int64, and its radius, metres, (n,)
+        float64.
     """
 
     def __init__(
@@ -83,7 +84,7 @@ class Surface(Mesh):
         return quad_radius(self)
 
     def triangles(self) -> Integers:
-        """Return two triangles a quad, (2 q, 3) int64, both cut from the quad's first corner to its third.
+        """Return two triangles for each quad, (2 q, 3) int64; the cut goes from the quad's first corner to its third.
 
         Quad i gives the triangles 2 i and 2 i + 1, which face outwards.
         """
@@ -149,7 +150,9 @@ class Surface(Mesh):
         Raises
         ------
         InputError
-            On an ending, attribute or map that is not known, a surface without quads, and for .stl as above.
+            On an ending, attribute or colour map that is not known; a surface without quads; limits that are not two
+            finite numbers in order; with ``log``, limits or values that are not above 0; an origin that is not finite;
+            for .stl as above; for .glb, above 4.3 GB; an attribute's name that the format cannot hold.
         OSError
             If the file cannot be written; an existing file then does not change.
         MissingExtraError
@@ -160,20 +163,23 @@ class Surface(Mesh):
     def append_to(self, filename: str | os.PathLike[str], origin: Point = (0.0, 0.0, 0.0)) -> None:
         """Add this surface as a further part to a .vtkhdf file, or begin the file.
 
-        Surfaces of neighbouring intervals meet without overlap or gap, so a file with all of these surfaces holds the
-        whole wall. The part is added to a copy, which then replaces the file; a reader never sees half a part.
+        Surfaces of neighbouring intervals meet without overlap or gap, so a file with the surfaces of all intervals
+        holds the whole wall. The part is added to a copy, which then replaces the file; a reader never sees half a
+        part. The file keeps the metadata of its first part.
 
         Parameters
         ----------
         filename
-            Ends in .vtkhdf; a file of `save` or of `append_to`, with the same attributes and origin.
+            Ends in .vtkhdf; a new file, or one that `save` or `append_to` wrote with the same attributes, origin, helix
+            and reference of the toolface.
         origin
             As for `save`.
 
         Raises
         ------
         InputError
-            On another ending, on other attributes than those of the earlier parts, and on files of other programs.
+            On another ending, a surface without quads, a part that does not fit to the earlier parts, and files of
+            other programs.
         OSError, MissingExtraError
             As `save`.
         """

@@ -48,15 +48,16 @@ class Volume(Mesh):
         (h, 8) int64 rows of ``vertices``: the inner quad, then the outer quad over it (VTK's order, positive volume).
         The layer next to the wall comes first.
     attributes
-        `Attributes`, one value a hexahedron.
+        `Attributes`: named values, one for each hexahedron.
     helix
         Where vertices lie along and around the hole.
     basis
         What the wall is made from, as in `Caliper`.
     metadata
-        Texts by name that files carry: what the wall is made from, how it was placed. You can add texts.
+        Texts by name for the files: what the wall is made from, and how it was placed. You can add texts.
     vertex_index, radius
-        The vertex of the wall that each row of ``vertices`` lies on or over, (n,) int64; and the radius there, metres.
+        For each row of ``vertices``, the vertex of the wall that it is or lies over, (n,) int64, and the radius there,
+        metres, (n,) float64.
     """
 
     def __init__(
@@ -83,17 +84,17 @@ class Volume(Mesh):
 
     @cached_property
     def vertex_shell(self) -> Integers:
-        """The shell each row of ``vertices`` lies on, 0 = the wall, (n,) int64."""
+        """For each row of ``vertices``, the shell on which it lies, 0 = the wall, (n,) int64."""
         return numbered(self._ranges)
 
     @cached_property
     def hex_index(self) -> Integers:
-        """The vertex k of the wall whose quad each hexahedron stands on, (h,) int64."""
+        """For each hexahedron, the vertex k of the wall on whose quad it stands, (h,) int64."""
         return np.concatenate([expand_ranges(ranges) for ranges in self._layer_ranges])
 
     @property
     def hex_layer(self) -> Integers:
-        """The layer each hexahedron lies in, 0 = next to the wall, (h,) int64."""
+        """For each hexahedron, the layer in which it lies, 0 = next to the wall, (h,) int64."""
         return numbered(self._layer_ranges)
 
     def hang(self, name: str, layers: Sequence[npt.ArrayLike | float], unit: str = "") -> None:
@@ -152,16 +153,19 @@ class Volume(Mesh):
         Raises
         ------
         InputError
-            On another ending, a volume without hexahedra, an origin that is not finite.
+            On another ending, a volume without hexahedra, an origin that is not finite, or an attribute's name that the
+            format cannot hold.
         OSError
             If the file cannot be written; an existing file then does not change.
+        MissingExtraError
+            If the extra that .vtkhdf needs is not installed.
         """
         save_volume(self, FilePath(filename), origin)
 
     def append_to(self, filename: str | os.PathLike[str], origin: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
         """Add this volume as a part to ``filename``, a .vtkhdf file, or begin the file.
 
-        ``filename`` and ``origin`` are as for `Surface.append_to`.
+        Parameters and errors are those of `Surface.append_to`.
         """
         append_mesh(self, FilePath(filename), origin)
 

@@ -26,7 +26,7 @@ _NOT_IN_A_NAME = re.compile("[\x00-\x1f\ud800-\udfff\ufffe\uffff]")  # XML canno
 
 @dataclass(frozen=True)
 class VtkMesh:
-    """The content of a file; ``active`` names the cell values that programs show first."""
+    """The content of a VTK file; ``active`` names the cell values that programs show first."""
 
     points: Floats
     corners: Array
@@ -54,7 +54,10 @@ def z_up(vertices: Floats, origin: tuple[float, float, float] = (0.0, 0.0, 0.0))
 
 
 def vtk_mesh(mesh: Mesh, origin: tuple[float, float, float], active: str | None = None) -> VtkMesh:
-    """Return a mesh with its attributes in VTK's layout; ``active`` names the cell values that programs show first."""
+    """Return a mesh with its attributes in VTK's layout. Raises InputError on a name that XML cannot hold.
+
+    ``active`` names the cell values that programs show first; None: the radius of a surface, the layer of a volume.
+    """
     own: dict[str, Array]
     own = {"radius": quad_radius(mesh)} if mesh.layer is None else {"layer": mesh.layer.astype(np.int32)}
     metadata = {**mesh.described(), "axes": AXES}

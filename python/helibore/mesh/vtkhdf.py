@@ -5,9 +5,9 @@
       Points, Connectivity, Offsets, Types                      all parts, one behind the other
       PointData/radius ...   CellData/GR ...   FieldData/basis ...
 
-Connectivity and Offsets count from 0 in each part. Surfaces of neighbouring intervals meet without overlap or gap, so a
-file with all of them holds the whole wall. HDF5 writes to memory, and the result then replaces the file: a reader sees
-the old parts or the new ones. HDF5 never writes to the disk, because it can end the program if the disk is full.
+Connectivity and Offsets count from 0 in each part. HDF5 writes to memory, and the result then replaces the file: a
+reader sees the file before or after the new part. HDF5 never writes to the disk, because it can end the program if the
+disk is full.
 Layout: "VTKHDF file format" (Kitware), 2.2.
 """
 
@@ -79,7 +79,7 @@ def _h5py() -> Any:
 
 
 def _columns(mesh: VtkMesh) -> dict[str, Array]:
-    """Return the arrays of a part by name; in a file, the arrays of all parts stand one behind the other."""
+    """Return the arrays of a part by name. In a file, those of all parts stand one behind the other."""
     count, corners = mesh.corners.shape
     return {
         "NumberOfPoints": np.array([len(mesh.points)]),

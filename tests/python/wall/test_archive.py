@@ -167,7 +167,7 @@ def test_surfaces_have_the_images_and_attributes_of_their_wall() -> None:
     wall.append([999.0], [0.0], [0.1])
     with pytest.raises(ValueError, match=r"was set when the wall began at 1000 m; it begins at 999 m now"):
         wall.surface()
-    with pytest.raises(ValueError, match=r"attributes\['x'\] has 3 values: must be \d+, one a quad of the wall"):
+    with pytest.raises(ValueError, match=r"attributes\['x'\] has 3 values: must be \d+, one for each quad of the wall"):
         wall.attributes["x"] = [1, 2, 3]
 
 
