@@ -120,7 +120,7 @@ def _glb(mesh: Mesh, positions: Floats, color_by: str | None, paint: Paint) -> W
 def _lines(mesh: Mesh) -> list[str]:
     """Return the metadata as ASCII lines for the comments of PLY and OBJ."""
     metadata = {"axes": f"{AXES}, metres", **mesh.described()}
-    return [f"helibore: {name}: {ascii(text)[1:-1]}" for name, text in metadata.items()]
+    return [f"helibore: {ascii(name)[1:-1]}: {ascii(text)[1:-1]}" for name, text in metadata.items()]
 
 
 def _ply(mesh: Mesh, positions: Floats, color_by: str | None, paint: Paint) -> Writer:

@@ -217,6 +217,26 @@ def test_obj_keeps_map_coordinates(tmp_path):
     assert (mesh.faces == well.triangles()).all()
 
 
+@pytest.mark.parametrize("ending", [".obj", ".ply"])
+@pytest.mark.parametrize("name", ["Größe", "two\nlines"])
+def test_a_comment_is_one_line_of_ascii_whatever_the_name_of_its_text(tmp_path, ending, name):
+    well = surface()
+    well.metadata[name] = "x"
+    well.save(tmp_path / f"well{ending}")
+    lines = (tmp_path / f"well{ending}").read_bytes().splitlines()
+    assert sum(line.endswith(b"helibore: %s: x" % ascii(name)[1:-1].encode()) for line in lines) == 1
+    mesh = trimesh.load_mesh(tmp_path / f"well{ending}", process=False)
+    assert len(mesh.faces) == 2 * len(well.quads)
+
+
+def test_a_unit_of_an_attribute_with_any_name_does_not_stop_an_obj(tmp_path):
+    well = surface()
+    well.attributes["Δr"] = np.zeros(len(well.quads))
+    well.attributes.units["Δr"] = "m"
+    well.save(tmp_path / "well.obj")
+    assert b"unit of \\u0394r: m" in (tmp_path / "well.obj").read_bytes()
+
+
 def test_stl_is_refused_where_float32_would_move_the_wall_and_taken_from_an_origin(tmp_path):
     well = surface(UTM)
     with pytest.raises(ValueError, match=r"STL holds float32, which would move vertices by up to 0\.25 m: .* origin="):
