@@ -22,12 +22,15 @@ from helibore.live.journal import ARCHIVE, content, first_wall, header_of, paths
 def old_segments(folder: Path, before: int | None = None) -> list[Path]:
     """Return the segments whose records both checkpoints contain, but never the last segment.
 
-    If ``before`` is given (ns since 1970), return only the segments whose records were all received before that time.
+    If ``before`` is given (ns since 1970), return only the segments that were complete at that time: the first record
+    of the next segment was received then or earlier.
 
     Raises
     ------
     InputError
-        If the journal has no two checkpoints that can be read.
+        If ``folder`` holds no journal, or if the journal does not have two checkpoints that can be read.
+    FileNotFoundError
+        If newer checkpoints have replaced one meanwhile.
     """
     found, positions = paths(folder), []
     if not found:
@@ -56,7 +59,7 @@ def archive(
     InputError
         As `old_segments`, or if an archived segment does not have the bytes of the original; the original then stays.
     OSError
-        If the disk refuses.
+        As `old_segments`, if the disk refuses, or if another process has just archived a segment.
     """
     done = old_segments(folder, before)
     for path in done:

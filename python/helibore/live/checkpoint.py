@@ -37,7 +37,7 @@ Arrays = list[Any]
 
 def paths(folder: Path) -> list[Path]:
     """Return the checkpoints of a journal, the newest last."""
-    return sorted(path for path in folder.glob("checkpoint-*.zip") if path.stem[11:].isdigit())
+    return sorted((path for path in folder.glob("checkpoint-*.zip") if path.stem[11:].isdigit()), key=position)
 
 
 def position(path: Path) -> int:
@@ -46,7 +46,19 @@ def position(path: Path) -> int:
 
 
 def write(folder: Path, sequence: int, facts: dict[str, Any], state: Any) -> Path:
-    """Write a checkpoint of a ``packed`` state and ``facts``, then delete all but the two newest checkpoints."""
+    """Write a checkpoint and return its path; then delete all but the two newest checkpoints.
+
+    Parameters
+    ----------
+    folder
+        The folder of the journal.
+    sequence
+        The number of the first record that the checkpoint does not contain.
+    facts
+        What `read` returns beside the arrays: at least the ``salt`` of the journal; JSON.
+    state
+        The result of `packed`.
+    """
     contents, arrays = state
     text = json.dumps({"format": FORMAT, "version": VERSION, **facts, "sequence": sequence, "state": contents})
 
@@ -65,7 +77,9 @@ def write(folder: Path, sequence: int, facts: dict[str, Any], state: Any) -> Pat
 
 
 def read(path: Path, salt: int, *, only_facts: bool = False) -> tuple[dict[str, Any], Arrays]:
-    """Return the facts and the arrays of a checkpoint; if ``only_facts``, the checksums are checked and no array read.
+    """Return the facts and the arrays of a checkpoint.
+
+    If ``only_facts``, the list of arrays is empty: all checksums of the file are checked, but no array is decoded.
 
     Raises
     ------
@@ -93,7 +107,7 @@ def read(path: Path, salt: int, *, only_facts: bool = False) -> tuple[dict[str, 
 
 
 def usable(folder: Path, salt: int, stop: int) -> Iterator[tuple[Path, dict[str, Any], Arrays] | InputError]:
-    """Yield path, facts and arrays of each checkpoint, the newest first, or an error for each that is not usable.
+    """Yield path, facts and arrays of each checkpoint, the newest first; for one that is not usable, an error instead.
 
     A checkpoint that contains records from ``stop`` on is renamed, because these records are lost and new records get
     their numbers.
@@ -110,7 +124,7 @@ def usable(folder: Path, salt: int, stop: int) -> Iterator[tuple[Path, dict[str,
 
 
 def packed(value: Any) -> tuple[Any, Arrays]:
-    """Return a value as JSON and arrays; of an object with a ``STATE``, only the attributes that this names."""
+    """Return a value as JSON and arrays; an object with a ``STATE`` becomes the attributes that its ``STATE`` names."""
     arrays: Arrays = []
     return _packed(value, arrays), arrays
 

@@ -10,8 +10,9 @@ prefix of a segment is valid::
 
 Segments of format 1 have their second header at 32; they are read and continued, and new segments have format 2.
 
-The journal does not use SQLite. Here, writing a record is one ``pwritev`` at the end of a file; there is no index to
-corrupt and no checkpoint that delays the reader of a socket. Damage destroys only the records that it touches.
+The journal does not use SQLite. It writes a record with one ``pwritev`` at the end of a file. It has no index that can
+be corrupted, and it never stops to reorganise its file while a socket waits. Damage destroys only the records that it
+touches.
 
 After :meth:`Journal.append` returns, the operating system has the bytes, and they survive the end of the process (kill
 -9). A power cut or a system crash can destroy the records after the last :meth:`Journal.sync`: with ``sync_interval`` =
@@ -70,7 +71,8 @@ class Segment:
     records
         Structured (n,): sequence, wall, monotonic (ns), offset, length (of the payload), connection, source, kind.
     damage
-        Byte ranges [start, stop) that hold no intact record; an empty range at the end if the bytes after it are lost.
+        Byte ranges [start, stop) that hold no intact record. If ``error`` is not "", the last range is empty: the bytes
+        after it are lost.
     text
         The whole file.
     error
@@ -114,13 +116,15 @@ class Recovery:
     Attributes
     ----------
     last_sequence
-        Number of the last record; -1 without one.
+        The next record gets the number after this one. It is the number of the last record; a larger number if the
+        last segment has no intact record; -1 in a new journal.
     cut_bytes
-        Number of bytes of torn tails, which were set aside.
+        Number of bytes at the ends of segments that were no whole record, and were moved to files ``*.torn``.
     notes
-        One line for each torn tail.
+        One line for each such end.
     damage
-        One line for each damaged range before the end of the last segment; the range stays in the file.
+        One line for each other damaged range of the last segment; the range stays in the file. `segments` returns the
+        damage of all segments.
     """
 
     last_sequence: int = -1
@@ -141,7 +145,7 @@ class _Header(NamedTuple):
 
 def paths(folder: Path) -> list[Path]:
     """Return the segment files of a journal in order, without those in its archive."""
-    return sorted(path for path in folder.glob("*.hbj") if path.stem.isdigit())
+    return sorted((path for path in folder.glob("*.hbj") if path.stem.isdigit()), key=number_of)
 
 
 def all_paths(folder: Path) -> list[Path]:
@@ -158,7 +162,7 @@ def number_of(path: Path) -> int:
 
 
 def content(path: Path, size: int = -1) -> tuple[bytes, str]:
-    """Return the first ``size`` bytes of a segment (-1: all), and what is wrong with an archived segment's file, or "".
+    """Return the first ``size`` bytes of a segment (-1: all), and what is wrong with its file if it is archived, or "".
 
     A damaged archived segment gives the bytes of the pieces (`PIECE`) that can be decompressed. A segment that is
     archived while it is being read is read from the archive.
@@ -215,15 +219,27 @@ def segments(folder: str | os.PathLike[str], first: int = 1) -> Iterator[Segment
 
 
 def salt_of(found: list[Path]) -> int:
-    """Return the random number that all segments of a journal share, from the first intact header."""
-    for path in reversed(found):  # the archived ones last
+    """Return the random number that all segments of a journal share, from the last segment with an intact header.
+
+    Raises
+    ------
+    InputError
+        If no segment has an intact header, or if one has a newer version.
+    """
+    for path in reversed(found):  # the archived ones, which must be decompressed, come last
         if header := header_of(path):
             return header.salt
     raise InputError(str(found[0].parent), "no segment has an intact header")
 
 
 def header_of(path: Path) -> _Header | None:
-    """Return the header of a segment; None if no copy is intact, or if the segment was deleted meanwhile."""
+    """Return the header of a segment; None if no copy is intact, or if the segment was deleted meanwhile.
+
+    Raises
+    ------
+    InputError
+        If the header has a newer version.
+    """
     with contextlib.suppress(FileNotFoundError):
         return _intact_header(content(path, RECORDS_START)[0], path)
     return None
@@ -251,7 +267,7 @@ def first_wall(path: Path) -> int:
 
 
 def segment_of(folder: Path, sequence: int) -> int:
-    """Return the number of the segment that holds record ``sequence``; of an earlier one if that has no header."""
+    """Return the number of the last segment that begins, by its header, with record ``sequence`` or earlier; else 1."""
     for path in reversed(all_paths(folder) if sequence else []):
         header = header_of(path)
         if header and header.sequence <= sequence:
@@ -285,14 +301,15 @@ class Journal:
     segment_bytes
         A segment that has reached this size is followed by a new one.
     sync_interval
-        Seconds between the caller's calls of :meth:`sync` (0: every append syncs).
+        0: every append is synced before it returns. Otherwise the caller calls :meth:`sync` about once in so many
+        seconds.
     clock
         Returns (wall ns, monotonic ns).
 
     Raises
     ------
     ValueError
-        If another process writes this journal, or it cannot be read.
+        If another process writes this journal, if no segment has an intact header, or if one has a newer version.
     OSError
         If the folder cannot be written.
     """
@@ -349,7 +366,7 @@ class Journal:
             self.recovery.last_sequence = self._sequence - 1
             self._begin_segment()
             return
-        self._salt, self._number = salt_of(found), int(found[-1].stem)
+        self._salt, self._number = salt_of(found), number_of(found[-1])
         text = found[-1].read_bytes()
         header = _intact_header(text, found[-1])
         records, damage = _core.journal_scan(text, header.records_start if header else RECORDS_START, self._salt)
@@ -374,7 +391,8 @@ class Journal:
     def _first_sequence(self) -> int:
         """Return a sequence number after all others, for a journal whose last segment has no intact record."""
         last = [segment.records["sequence"] for segment in segments(self.folder)]
-        return max((int(numbers[-1]) + 1 for numbers in last if len(numbers)), default=0) + (1 << 32)
+        after = max((int(numbers[-1]) + 1 for numbers in last if len(numbers)), default=0)
+        return after + (1 << 32)  # more than the records that were lost
 
     def _set_aside(self, path: Path, stop: int) -> None:
         """Cut ``path`` at ``stop``; keep the bytes after it in a separate file."""
@@ -406,7 +424,7 @@ class Journal:
         self._number, self._path, self._file, self._stop = self._number + 1, path, file, RECORDS_START
 
     def append(self, source: int, connection: int, payload: bytes, kind: int = BYTES) -> tuple[int, int, int]:
-        """Store ``payload``; after the return it survives the end of the process.
+        """Store a record with ``payload``; after the return, the record survives the end of the process.
 
         Returns
         -------
@@ -416,7 +434,8 @@ class Journal:
         Raises
         ------
         JournalFullError
-            If the disk refuses the record, or its sync if every append is synced. No part of the record remains.
+            If the disk refuses the record, or its sync if every append is synced; or if the file of the segment was
+            deleted. No part of the record remains.
         ValueError
             If the payload is over 1 MiB.
         """
@@ -482,7 +501,7 @@ class Journal:
         Raises
         ------
         JournalFullError
-            If the disk refuses; the next call tries again.
+            If the disk refuses, or the file of the segment was deleted or replaced; the next call tries again.
         """
         with self._syncing:
             self._sync()

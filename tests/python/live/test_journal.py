@@ -191,6 +191,18 @@ def test_a_last_segment_without_records_does_not_reuse_sequence_numbers(tmp_path
     assert stored(tmp_path) == [*rows, (5, 5, b"after")]
 
 
+def test_segments_are_in_order_also_when_their_numbers_have_seven_digits(tmp_path):
+    with Journal(tmp_path, segment_bytes=1) as j:
+        j._number = 999_997
+        for number in range(4):
+            j.append(1, 1, bytes([number]))
+    assert [path.stem for path in journal.paths(tmp_path)] == ["000001", "999998", "999999", "1000000", "1000001"]
+    with Journal(tmp_path, segment_bytes=1) as j:
+        j.append(1, 1, b"after")
+        assert j.segment == 1_000_002
+    assert [payload for _, _, payload in stored(tmp_path)] == [b"\0", b"\1", b"\2", b"\3", b"after"]
+
+
 def test_refusals(tmp_path):
     with pytest.raises(ValueError, match=r": holds no journal \(no file 000001\.hbj\)$"):
         list(segments(tmp_path))

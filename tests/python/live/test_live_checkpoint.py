@@ -307,6 +307,12 @@ def test_only_two_checkpoints_are_kept_and_one_is_due_after_each_segment(tmp_pat
     live.close()
 
 
+def test_the_checkpoint_with_the_greatest_number_is_the_newest(tmp_path):
+    for sequence in (999_999_999_999, 1_000_000_000_000, 1_000_000_000_001):
+        checkpoint.write(tmp_path, sequence, {}, (None, []))
+    assert [checkpoint.position(path) for path in checkpoint.paths(tmp_path)] == [10**12, 10**12 + 1]
+
+
 def test_a_disk_that_refuses_a_checkpoint_leaves_the_one_before(tmp_path, monkeypatch):
     with Live(parse(SENT), tmp_path) as live:
         live.receive("mwd", FRAMES[0])
