@@ -97,7 +97,7 @@ def test_the_list_of_zones_shows_whole_rows_and_counts_the_others(
 ) -> None:
     screen = Screen(browser, viewer.url, "#md=1012&sec=24", size, drawn=False)
     screen.settle()
-    for key, where in ((None, "below"), ("N", "above")):  # the least of the zones
+    for key, where in ((None, "below"), ("p", "above")):  # the least of the zones
         if key:
             screen.keyboard.press(key)
             screen.settle()
@@ -107,7 +107,7 @@ def test_the_list_of_zones_shows_whole_rows_and_counts_the_others(
         assert whole == [row[1] for row in rows]
         assert sum(whole) >= least
         assert screen.inner_text("#zonesMore") == f"{len(rows) - sum(whole)} more {where}"
-        assert [current for *_, current in rows] == [False] * (len(rows) - 1) + [key == "N"]
+        assert [current for *_, current in rows] == [False] * (len(rows) - 1) + [key == "p"]
     assert whole[-1], "a jump shows the row of its zone"
     screen.close()
 

@@ -166,7 +166,7 @@ def test_an_address_shows_a_colleague_the_same_picture(browser: Any, viewer: Any
     first = Screen(browser, viewer.url, "#md=1012&sec=20&quantity=RES&cut=north&theme=dark&shape=3")
     first.settle()
     first.mouse.click(*place(first, 120, 1009.0))
-    first.keyboard.press("p")
+    first.keyboard.press("s")
     first.evaluate("window.__wall.app.setColours({ low: 2, high: 150, map: 'cividis', log: true })")
     first.settle()
     address = first.address()

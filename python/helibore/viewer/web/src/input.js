@@ -277,7 +277,8 @@ export function bindKeys(app) {
       else app.picking.undo();
     }
     if (typing || event.ctrlKey || event.metaKey || event.altKey || !app.store) return;
-    const act = KEYS[event.key] ?? (/^[1-9]$/.test(event.key) ? () => (app.picking.on ? app.picking.setClass(CLASSES[Number(event.key) - 1]) : app.setQuantity(app.quantities[Number(event.key) - 1]?.id)) : null);
+    const name = event.key.length === 1 ? event.key.toLowerCase() : event.key; // caps lock or not
+    const act = KEYS[name] ?? (/^[1-9]$/.test(event.key) ? () => (app.picking.on ? app.picking.setClass(CLASSES[Number(event.key) - 1]) : app.setQuantity(app.quantities[Number(event.key) - 1]?.id)) : null);
     if (!act || (/^(Enter| )$/.test(event.key) && /^(BUTTON|SUMMARY|A)$/.test(tagName))) return;
     event.preventDefault();
     act(app);
@@ -306,7 +307,6 @@ const KEYS = {
   i: ({ view }) => view.nextCamera(),
   t: ({ view }) => view.toggleTheme(),
   c: (app) => app.copy(),
-  p: (app) => app.keepSection(),
   r: (app) => app.replay.toggle(),
   d: (app) => app.picking.toggle(),
   b: (app) => app.notes.open(),
@@ -315,7 +315,8 @@ const KEYS = {
   a: (app) => app.alarms.silence(),
   g: () => byId('goTo').select(),
   n: (app) => app.jump(1),
-  N: (app) => app.jump(-1),
+  p: (app) => app.jump(-1),
+  s: (app) => app.keepSection(),
   Enter: (app) => app.picking.keep(),
   Backspace: (app) => (app.picking.selected ? app.picking.remove() : app.picking.undo()),
   Delete: (app) => app.picking.remove(),
