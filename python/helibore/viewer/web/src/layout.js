@@ -42,7 +42,7 @@ export function layout(width, height, { dips = false, measured = true, rig = fal
   return rects;
 }
 
-// On a narrow screen tadpoles replace the caliper track; the diameters at the cursor then stand above the log.
+// On a phone tadpoles replace the caliper track while dips are picked; the diameters at the cursor stand above the log.
 /** @param {number} width @param {boolean} measured @param {boolean} dips @returns {Record<string, number>} */
 function phone(width, measured, dips) {
   const caliper = measured && !dips ? Math.round(width * 0.19) : 0;

@@ -53,6 +53,9 @@ const ROOM_FOR_CURVES = 800; // pixels of a stage whose other tracks need not be
 const SUMMARY_WAIT = 250; // milliseconds that the section rests before its figures are requested
 const START = ['Pick dips (D), then drag along a bed on the image. Help (?) has the steps.', 'Pick dips (D); Help (?) has the steps'];
 const seconds = () => performance.now() / 1000;
+// A name that may be broken into lines behind its underscores, as it may behind hyphens.
+/** @param {string} name */
+const breakable = (name) => name.split(/(?<=_)/).flatMap((part) => [part, document.createElement('wbr')]);
 
 export class App {
   // The wall and its path, once the server has begun it; null before.
@@ -209,7 +212,7 @@ export class App {
     else this.view.usual(...this.usualTracks(handshake.curves ?? []));
     if (this.colours) Object.assign(this.quantity, this.colours);
     this.colours = null;
-    byId('well').textContent = handshake.well || 'helibore';
+    byId('well').replaceChildren(...breakable(handshake.well || 'helibore'));
     byId('well').title = handshake.well;
     document.title = handshake.well ? `${handshake.well} – helibore` : 'helibore';
     this.resize();
@@ -364,7 +367,16 @@ export class App {
   /** @returns {Arrangement} */
   get arrangement() {
     const { view, store, straight, picking } = this;
-    return { dips: picking.shown, measured: store?.basis !== 'gauge', rig: view.rig, straight, outside: Boolean(this.gpu) && !straight, curves: this.curves.shown.length, chosen: view.widths, order: view.order, beside: PHONE.matches || view.rig ? 0 : this.besides.length, tab: NARROW.matches && !view.rig ? view.tab : null };
+    const dips = picking.shown && (picking.on || !PHONE.matches || store.basis === 'gauge'); // a phone has room for the caliper or the dips
+    return { dips, measured: store?.basis !== 'gauge', rig: view.rig, straight, outside: Boolean(this.gpu) && !straight, curves: this.curves.shown.length, chosen: view.widths, order: view.order, beside: PHONE.matches || view.rig ? 0 : this.besides.length, tab: NARROW.matches && !view.rig ? view.tab : null };
+  }
+
+  // What the list of zones says if there is none. The banner of a wall without a caliper says enough, but not in the tab of zones.
+  get noZone() {
+    const { view, newest, store: { basis } } = this;
+    if (basis !== 'azimuthal' && NARROW.matches && view.tab !== 'zones') return '';
+    if (basis === 'gauge') return NARROW.matches ? 'Zones need a caliper' : '';
+    return `No zone${newest === null ? '' : ' so far'}, by the criteria`;
   }
 
   // Does the wall still grow, or is it replayed as it grew?
@@ -536,7 +548,7 @@ export class App {
     this.summarize();
     this.writeSummary();
     this.alarms.write(view);
-    listZones(this.zones, view, this.alarms, (zone) => this.showZone(zone), !NARROW.matches || !(view.tab === 'zones' || (view.tab === 'log' && store.basis === 'azimuthal')) ? '' : store.basis === 'gauge' ? 'Zones need a caliper' : `No zone${this.newest === null ? '' : ' so far'}, by the criteria`);
+    listZones(this.zones, view, this.alarms, (zone) => this.showZone(zone), this.noZone);
     if (byId('histogram').clientHeight) this.histogram.draw(look);
     reflect(view, look.quantity, this.rects.image);
     links(this, toAddress(this));

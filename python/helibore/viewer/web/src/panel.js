@@ -96,6 +96,7 @@ export function showBasis({ basis, basis_text: text, bit_diameter: size }) {
   byId('basis').hidden = basis === 'azimuthal';
   byId('basis').textContent = basis === 'gauge' ? `No caliper: the hole is drawn at bit size, ${bit}. Nothing measured its diameter, section, volume or washout.` : `${text[0].toUpperCase()}${text.slice(1)}.`;
   byId('crossSection').hidden = basis !== 'azimuthal';
+  for (const id of /** @type {const} */ (['shape', 'median'])) byId(id).hidden = basis === 'gauge';
 }
 
 // The scale of paper that the tracks have, if it is one of those offered.
@@ -154,9 +155,7 @@ export function readout({ store, view, path, quad }) {
   const dial = cursor ? path.dial(cursor.depth) : { up: null, north: null };
   /** @param {number | null} zero */
   const around = (zero) => (zero === null || typeof cursor?.toolface !== 'number' ? '–' : showAngle((((cursor.toolface - zero) % 360) + 360) % 360));
-  const gauge = store.basis === 'gauge';
-  const measured = gauge ? null : quad;
-  const { state = 0 } = measured ?? {};
+  const { state = 0 } = quad ?? {};
   /** @type {[number, string][]} */
   const all = [[RESCANNED, 're-scanned'], [PROVISIONAL, 'provisional'], [CLIPPED, 'off scale'], [INTERPOLATED, 'interpolated']];
   const marks = all.filter(([bit]) => state & bit).map(([, word]) => word);
@@ -165,11 +164,13 @@ export function readout({ store, view, path, quad }) {
     ['TVD', (cursor && Number.isNaN(tvd) && path.whyNoTvd(cursor.depth)) || showDepth(tvd, units)],
     ['Toolface', showAngle(cursor?.toolface ?? NaN)],
     [`From high side / north${path.assumed ? ', assumed' : ''}`, `${around(dial.up)} / ${around(dial.north)}`],
-    ['Radius', measured ? showLength(measured.radius, units) : !cursor ? '–' : gauge ? 'not measured' : cursor.toolface === null ? '–' : 'no data'],
-    ['Over bit radius', showSigned(measured ? measured.radius - store.bitRadius : NaN, units)],
-    ['Since first pass', measured && state & RESCANNED ? showSigned(measured.radius - measured.first, units) : '–'],
-    ['Nearest sample', showLength(measured?.nearest ?? NaN, units, units === 'mm' ? 1 : 3)],
-    ['Samples used', measured ? `${state & SUPPORT_MASK}${marks.length ? ` (${marks.join(', ')})` : ''}` : '–'],
+    ...(store.basis === 'gauge' ? [['Radius', 'not measured']] : [
+      ['Radius', quad ? showLength(quad.radius, units) : cursor && cursor.toolface !== null ? 'no data' : '–'],
+      ['Over bit radius', showSigned(quad ? quad.radius - store.bitRadius : NaN, units)],
+      ['Since first pass', quad && state & RESCANNED ? showSigned(quad.radius - quad.first, units) : '–'],
+      ['Nearest sample', showLength(quad?.nearest ?? NaN, units, units === 'mm' ? 1 : 3)],
+      ['Samples used', quad ? `${state & SUPPORT_MASK}${marks.length ? ` (${marks.join(', ')})` : ''}` : '–'],
+    ]),
     ...store.attributes.map(({ name, unit }, i) => [name, showQuantity({ unit, length: unit === 'm' }, store.attributeAt(i, cursor), units)]),
   ];
 }
@@ -261,7 +262,7 @@ function headOf(units) {
 function rowOf(zone, { units, theme }, isNew, show) {
   const row = document.createElement('button');
   row.type = 'button';
-  row.title = `${zone.kind}: the extreme of ${MEASURES[zone.kind]} in the zone (N, Shift N: next, previous)`;
+  row.title = `${zone.kind}: the extreme of ${MEASURES[zone.kind]} in the zone (N, P: next, previous)`;
   row.classList.toggle('new', isNew);
   const texts = [LETTERS[zone.kind], `${isNew ? 'new ' : ''}${zone.kind}`, showSpan(zone.start, zone.stop, units).replace(/ .*/, ''), showSigned(zone.measure, units, units === 'mm' ? 0 : 1).replace(/ .*/, ''), `${zone.severity.toFixed(1)}×`];
   row.append(...texts.map((text) => Object.assign(document.createElement('span'), { textContent: text })));
