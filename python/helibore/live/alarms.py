@@ -3,8 +3,8 @@
     watch thread: check() every TICK -> begins, ends -> event, metrics, log, page
                                              '-> queue -> one thread -> command, webhook       a line of JSON each
 
-Nothing waits for the command or the webhook. Each has a time limit of SECONDS, and at most MOST_LINES lines wait for
-them. ``check`` takes the time from the clock of `Live`, so that a test can set it.
+No other thread waits for the command or the webhook. Each has a time limit of SECONDS, and at most MOST_LINES lines
+wait for them. ``check`` takes the time from the clock of `Live`, so that a test can set it.
 """
 
 from __future__ import annotations
@@ -48,12 +48,17 @@ WAITS = (0.0, 1.0, 5.0)
 LONGEST_LINE = 200
 """Most bytes of the last line that the command writes to stderr; of a longer line, only its last part is kept."""
 MOST_LINES = 100
+"""Most lines that wait for the command and the webhook."""
 MOST_ITEMS = 20
+"""Most items that the text of an alarm lists."""
 MOST_RANGES = 256
+"""Most changed ranges of vertices that wait for a check; the latest are kept."""
 STEP = 0.01
 """Metres by which the bit must move to count as moving."""
 TICK = 0.25
+"""Seconds between two checks."""
 WAITING = "waiting for the disk"
+"""State of a source whose record waits until the disk takes it."""
 REASONS = {
     "NULL": "no value",
     "INVALID": "not a number",
@@ -71,7 +76,7 @@ def local(wall: int) -> datetime.datetime:
 
 
 def clock_text(wall: int) -> str:
-    """Return a time, ns since 1970, as the clock shows it: UTC, and here where that differs."""
+    """Return a time, ns since 1970, as a clock shows it: in UTC and, if it differs, in this machine's time zone."""
     here = local(wall)
     return f"{utc(wall)[11:19]} UTC" + (f", {here:%H:%M:%S} here" if here.utcoffset() else "")
 
@@ -120,13 +125,26 @@ class _LastLine:
 
 
 def is_connected(source: Source, state: str) -> bool:
-    """Whether a source in this state (`Server.states`) counts as connected, as an ended source and a host always do."""
+    """Whether a source in this state (`Server.states`) counts as connected.
+
+    A source whose address is ``host`` always does. A source that has ended, or that waits for the disk, does too.
+    """
     return source.address.kind == "host" or state.startswith(("connected", "ended", WAITING))
 
 
 @dataclass(frozen=True)
 class Alarm:
-    """An alarm that has begun: rule, source ("": none), when it began (wall and monotonic, ns), and its cause."""
+    """An alarm that has begun.
+
+    Attributes
+    ----------
+    rule, source
+        Its rule and source ("": it belongs to no source).
+    wall, monotonic
+        When it began, ns.
+    text
+        Its cause.
+    """
 
     rule: str
     source: str
@@ -135,7 +153,7 @@ class Alarm:
     text: str
 
     def __str__(self) -> str:
-        what = f"{self.rule} {self.source}".strip().replace("_", " ")
+        what = f"{self.rule.replace('_', ' ')} {self.source}".strip()
         return f"{what}: {self.text}, since {clock_text(self.wall)}"
 
 
@@ -145,8 +163,8 @@ def receiver(limits: AlarmLimits) -> str:
     Raises
     ------
     InputError
-        If the command is no program on this machine, or the environment variable of the webhook is not set or holds no
-        address.
+        If the command is no program on this machine, or if the environment variable of the webhook is not set or does
+        not hold ``https://...`` or ``http://...``.
     """
     if limits.command and shutil.which(limits.command[0]) is None:
         raise InputError("alarms.command[0]", "must be a program that can be run", repr(limits.command[0]))
@@ -164,8 +182,8 @@ def receiver(limits: AlarmLimits) -> str:
 class Refused:
     """The samples of one source that were refused since its last usable sample.
 
-    ``first`` and ``last`` are the first and last check that found some, monotonic ns; ``reasons`` counts them by
-    outcome; ``before`` counts all samples up to the last check by outcome.
+    ``first`` and ``last`` are the times (monotonic ns) of the first and the last check that found such samples, and
+    ``reasons`` counts these samples by outcome. ``before`` counts all samples up to the last check by outcome.
     """
 
     before: Counter[str]
@@ -228,7 +246,7 @@ class Alarms:
         self._thread: threading.Thread | None = None
 
     def start(self, thread: Callable[[str, Callable[[], None]], threading.Thread]) -> None:
-        """Start the thread that delivers lines, if there is a command or a webhook; ``thread`` makes a thread."""
+        """Start the thread that delivers lines, if there is a command or a webhook; ``thread`` is `Server.thread`."""
         if self._ways:
             self._thread = thread("alarms", self._deliver)
             self._thread.start()
@@ -240,7 +258,7 @@ class Alarms:
             return list(self._active.values())
 
     def changed(self, update: Update) -> None:
-        """Remember which vertices of the wall changed; the drawing thread calls this."""
+        """Remember which vertices of the wall changed, if an alarm needs them; the drawing thread calls this."""
         change = update.changes.get("main")
         if change and (self._limits.tight is not None or self._limits.washout is not None):
             self._changed.extend((int(start), int(stop)) for start, stop in change.ranges)
@@ -272,7 +290,7 @@ class Alarms:
                 self._end(alarm, wall, f"after {(now - alarm.monotonic) / SECOND:.1f} s: ")
 
     def _hang_up(self) -> None:
-        """End a request to the webhook that takes over SECONDS; urllib limits only the time for each piece of it."""
+        """End a request to the webhook that takes over SECONDS; urllib limits only the time for each piece of data."""
         if (posting := self._posting) and time.monotonic() - posting[0] > SECONDS:
             for connection in posting[1]:
                 if (link := connection.sock) is not None:  # it may have no socket yet, or none any more
@@ -296,7 +314,10 @@ class Alarms:
         self._report(said, wall, ended)
 
     def close(self) -> None:
-        """End all alarms except a failure, and stop; each waiting line is tried once, for a few seconds in all."""
+        """End all alarms except a failure, and stop.
+
+        Each waiting line is tried once. This method waits for that, but at most half of SECONDS.
+        """
         wall, now = self._live.clock()
         for alarm in self.active:
             if alarm.rule != "failure":
@@ -355,7 +376,10 @@ class Alarms:
         return found
 
     def _items_lacking(self, reader: SourceReader) -> str:
-        """Return which items of a sample never came (or that no frame came) and which others did; "" if all came."""
+        """Return in words what a source has not sent yet: any frame, or each quantity of samples without an item.
+
+        "" if nothing is lacking, if no byte has come, or if the source is a store.
+        """
         source, caliper = reader.source, reader.source.caliper
         if not isinstance(source, WitsSource) or not reader.total("bytes"):
             return ""
@@ -379,7 +403,10 @@ class Alarms:
         return {event.source: (event.count, event.newest.text) for event in events}
 
     def _of_depth(self, now: int) -> dict[tuple[str, str], str]:
-        """Find whether samples come although the bit depth (without one: the number of vertices) does not change."""
+        """Find out whether samples come although the bit depth does not change.
+
+        Without a bit depth, the number of vertices must change.
+        """
         model, limit = self._live.model, int(self._limits.standing * SECOND)
         bit = model.rig.tracks["bit_depth"].value[-1:].tolist()
         position = bit[0] if bit else float(len(self._live.wall))
@@ -409,7 +436,10 @@ class Alarms:
         return found
 
     def _measure(self, now: int) -> None:
-        """Note the cause of an alarm ``tight`` or ``washout`` if the median diameter of a changed turn is beyond it."""
+        """Note the cause of an alarm ``tight`` or ``washout`` for the changed turns.
+
+        The median diameter of a turn must be beyond the limit, and no radius of the turn may be missing.
+        """
         wall, limits = self._live.wall, self._limits
         sectors, bit = wall.settings.sectors, self._live.model.configuration.wall["bit_diameter"]
         for start, stop in [self._changed.popleft() for _ in range(len(self._changed))]:
@@ -418,7 +448,7 @@ class Alarms:
                 continue
             turns = wall.vertices(first * sectors, last * sectors)
             radius = turns.radius.reshape(-1, sectors)
-            over = np.median(radius + np.roll(radius, sectors // 2, axis=1), axis=1) - bit  # NaN: a radius is missing
+            over = np.median(radius + np.roll(radius, sectors // 2, axis=1), axis=1) - bit  # NaN if a radius is missing
             for rule, limit, sign in (("tight", limits.tight, -1), ("washout", limits.washout, 1)):
                 if limit is not None and (sign * over > limit).any():
                     turn = int(np.nanargmax(sign * over))

@@ -26,7 +26,7 @@ from live_wires import SECOND, WALL, Clock
 
 from helibore import Live
 from helibore.live import alarms as module
-from helibore.live.alarms import Alarms
+from helibore.live.alarms import Alarm, Alarms
 from helibore.live.configuration import parse
 from helibore.live.journal import Journal
 from helibore.live.server import TICK
@@ -297,6 +297,10 @@ def test_a_tight_hole_and_a_washout_end_with_the_worst_of_their_turns():
     clock.step(61)
     alarms.check()
     assert "104.0 mm" not in texts(live)["alarm_washout_end"]  # of an alarm before
+
+
+def test_an_alarm_shows_the_name_of_its_source_as_the_configuration_has_it():
+    assert str(Alarm("no_data", "mwd_1", 0, 0, "x")).startswith("no data mwd_1: x, since ")
 
 
 @pytest.mark.parametrize(("zone", "shown"), [("UTC", ""), ("Asia/Tokyo", ", 07:14:21 here")])
