@@ -24,6 +24,7 @@ from helibore.live.events import Event, EventBook, Flag
 from helibore.live.pass_rules import LARGEST, NO_NUMBER
 from helibore.live.sequence import SequenceWatch
 from helibore.live.sources import Image, Item, Source, WitsCaliper
+from helibore.samples.caliper import LARGEST_RADIUS
 
 Integers = npt.NDArray[np.int64]
 Values = npt.NDArray[np.float64]
@@ -413,7 +414,7 @@ class SourceReader:
         if (found != VALUE).any():
             triple_flags[((found == NULL) | (found == ABSENT)).any(axis=0)] |= Flag.NULL
             triple_flags[(found == INVALID).any(axis=0)] |= Flag.INVALID
-        low, high = caliper.radius_range
+        low, high = caliper.radius_range[0], min(caliper.radius_range[1], LARGEST_RADIUS)
         outside = (radius < low) | (radius > high)
         far = np.abs(toolface) > LARGEST_TOOLFACE
         triple_flags[outside | far] |= Flag.RANGE

@@ -40,6 +40,7 @@ from helibore.live.sources import Source
 from helibore.live.stations import Stations
 from helibore.live.store_reader import reader_of
 from helibore.live.update import Update, joined
+from helibore.samples.caliper import LARGEST_RADIUS
 from helibore.wall.state import WallState
 from helibore.wall.wall import Wall
 
@@ -55,8 +56,6 @@ LATEST = 4e9
 """Seconds since 1970: a sample with a time later than this (2096), or earlier than its negative, is wrong."""
 MOST_SET_ASIDE = 10_000
 """The model keeps the numbers and reasons of at most this many records that were set aside."""
-LARGEST_RADIUS = 10.0
-"""Metres: a larger radius from a host is wrong."""
 USABLE, OUTSIDE = "usable", "outside"
 """Outcomes besides the names of flags: no rule refuses the sample; it lies before the start of the wall."""
 

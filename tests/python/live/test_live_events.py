@@ -80,6 +80,17 @@ def test_a_toolface_that_no_tool_has_gives_an_event():
     assert live.model.counts["flag RANGE"] == 1
 
 
+@pytest.mark.parametrize("size", [(1.2, ""), (0.216, ", radius_range = [0.1, 9.0]")])
+def test_a_radius_that_no_wall_takes_costs_only_its_sample(size):
+    """A wall refuses radii above 2 m; the range of a bit of 1.2 m ends at 2.4 m."""
+    text = SENT.replace("0.216", str(size[0])).replace("groups = 3", "groups = 3" + size[1])
+    live = Live(parse(text), clock=Clock())
+    items = [(5010, "10"), (5011, "100.5"), (5012, "2300"), (5013, "20"), (5014, "100.6"), (5015, "600")]
+    update = live.receive("mwd", wits.frame(items))
+    assert [event.text.partition("[")[0] for event in update.events] == ["radius 2.3 m: must be in radius_range "]
+    assert live.wall.samples.radius.tolist() == [0.6]
+
+
 def test_a_cut_connection_costs_its_open_frame_only():
     live = Live(parse(SENT))
     live.connected("mwd", 1, "127.0.0.1:5")

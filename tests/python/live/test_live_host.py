@@ -81,7 +81,8 @@ def test_a_depth_that_is_no_number_costs_only_itself():
 @pytest.mark.parametrize(
     ("samples", "reported"),
     [
-        (([101.0, 101.1], [0.0, 10.0], [108.0, 0.11]), "radius 108 m: must be above 0 and at most 10"),
+        (([101.0, 101.1], [0.0, 10.0], [108.0, 0.11]), "radius 108 m: must be above 0 and at most 2"),
+        (([101.0, 101.1], [0.0, 10.0], [4.25, 0.11]), "radius 4.25 m: must be above 0 and at most 2"),
         (([101.0, 101.1], [0.0, -2e6], [0.11, 0.11]), "toolface -2e+06 deg: must be from -1e+06 to 1e+06"),
         (([101.0, 101.1], [0.0, 10.0], [0.11, 0.11], [1.0, 1e13]),
          "time 1e+13 s: must be from -4e+09 to 4e+09, in seconds since 1970"),
