@@ -6,12 +6,13 @@
     live.wall.radius, live.path, live.image("GR")
 
 `Live` is for software with its own transport: it has no thread and no callback. ``helibore live`` adds sockets and a
-status page. The logger ``helibore.live`` logs all events.
+status page. The logger ``helibore.live`` logs every event, but counts fast repetitions in one line.
 
 `Live` shares the C++ classes `Wall` and `Stations` with `helibore::Live`, so both give the same bits
-(``test_a_host_in_cpp_has_the_bits_of_python``). It does not bind `helibore::Live` itself, because that class has one
-wall, not one for each layer, stores nothing, and copies image rows while it holds its lock. In a trial with 400,000
-rows of 36 sectors, an append waited for an export up to 500 ms in `helibore::Live`, and 0.2 ms here (``ImageRows``).
+(``test_a_host_in_cpp_has_the_bits_of_python``). It does not bind `helibore::Live` itself, because `helibore::Live` has
+only one wall instead of one for each layer, stores nothing, and copies image rows while it holds its lock. In a trial
+with 400,000 rows of 36 sectors, an append had to wait up to 500 ms for an export in `helibore::Live`, and up to 0.2 ms
+in this class, because a reader of `ImageRows` copies without holding a lock.
 """
 
 from __future__ import annotations
@@ -89,15 +90,16 @@ class Live:
     configuration
         A Configuration, or the TOML file that holds it.
     journal
-        Folder of the journal; its records are read first. None: nothing is stored (for tests).
+        Folder of the journal; its records are read first. With None, nothing is stored (for tests).
     clock
-        Returns (wall ns, monotonic ns).
+        Function that returns the time of the wall clock (since 1970) and of the monotonic clock, both in ns.
 
     Raises
     ------
     ValueError
-        On a wrong configuration, a journal that another process writes, or a configuration that changes what a journal
-        cannot change (settings of the walls, layers, path, images), or lacks one of its sources.
+        If the configuration breaks a rule, if another process writes the journal, or if the configuration lacks a
+        source of the journal or changes what a journal cannot change: settings of the walls other than
+        ``bit_diameter``, layers, path, and name, unit, sectors and layout of images.
     """
 
     def __init__(
@@ -117,11 +119,11 @@ class Live:
         self.clock = clock
         self._sequence = 0
         self._began, self._last_bytes = clock()[1], dict[str, int]()
-        self._silence_reported: dict[str, int] = {}  # the time of the last bytes before it
+        self._silence_reported: dict[str, int] = {}  # by source: when the last bytes before the silence came
         self._pending_update = Update()
-        self._logged: dict[tuple[str, str], tuple[float, int]] = {}  # when last, and how many since
+        self._logged: dict[tuple[str, str], tuple[float, int]] = {}  # time of the last line, and events since then
         self._checkpointing, self._checkpointed_segment = threading.Lock(), 1
-        self._half_read = False  # reading a record failed: the model is not that of any record
+        self._half_read = False  # whether reading a record failed, so that the model may hold only a part of it
         self.journal: Journal | None = None
         self._session = secrets.token_hex(8)
         opening = self._opening(given)
@@ -153,9 +155,9 @@ class Live:
         return json.dumps(header).encode()
 
     def reconfigure(self, configuration: Configuration) -> Update:
-        """Read the bytes from now on with another configuration, in the same journal and walls, without a restart.
+        """Read all later bytes with another configuration; journal and walls stay, and no restart is needed.
 
-        A bit diameter, items, units, offsets, ranges and rules may change; a new source needs a restart.
+        The bit diameter, items, units, offsets, ranges and rules may change; only a restart can add or remove a source.
 
         Raises
         ------
@@ -167,11 +169,11 @@ class Live:
         return self.draw([self.store_change(configuration)])
 
     def store_change(self, configuration: Configuration) -> Stored:
-        """Store the change to ``configuration``; unlike after `reconfigure`, the caller passes the result to `draw`."""
+        """Store the change to ``configuration`` as `reconfigure` does; the caller must pass the result to `draw`."""
         now = changed_to(configuration, self.configuration, self.journal.folder if self.journal else None)
         stamped = self._stamp(0, 0, self._opening(now), journals.OPENED)
         self.configuration = now
-        self._logged = {}  # whether the change has helped is said at once
+        self._logged = {}  # the log shows at once which rules are still broken
         return Stored(*stamped)
 
     def _restore(self) -> None:
@@ -188,10 +190,10 @@ class Live:
             self.report("checkpoint", f"{error}: not used")
 
     def _restored(self, path: FilePath, facts: dict[str, Any], arrays: checkpoints.Arrays) -> InputError | None:
-        """Restore one checkpoint, or return why that is not possible."""
+        """Set the model to that of a checkpoint; if that fails, the model stays, and the error is returned."""
         begun = self._begun
         try:
-            if facts["meaning"] != begun.meaning():  # the segment that held it was removed, or is damaged
+            if facts["meaning"] != begun.meaning():  # the segment with the first configuration is removed or damaged
                 if not facts.get("configuration"):
                     raise InputError(str(path), "has another configuration")
                 begun = configuration_of(facts)
@@ -216,8 +218,8 @@ class Live:
         Returns
         -------
         Path or None
-            The file in the journal's folder; None without a journal, or if the model lacks a record because reading it
-            failed or the memory was full.
+            The file in the journal's folder. None if there is no journal, or if the model lacks a record because
+            reading the record failed or the memory was full.
 
         Raises
         ------
@@ -242,7 +244,10 @@ class Live:
 
     @property
     def checkpoint_due(self) -> bool:
-        """Whether a segment was completed since the last checkpoint of this run, and the model lacks no record."""
+        """Whether a segment was completed after the last checkpoint of this run, and a checkpoint can be written.
+
+        As `checkpoint` says, it cannot be written without a journal, or if the model lacks a record.
+        """
         due = self.journal is not None and self.journal.segment > self._checkpointed_segment
         return due and not self._half_read and not self.model.out_of_memory
 
@@ -256,7 +261,8 @@ class Live:
         """Return the `Live` that the whole journal in ``folder`` gives; the journal is only read.
 
         Without ``configuration``, the journal's own configurations apply, and the wall has the same bits as the live
-        wall had. ``report`` is called with each segment when it is read.
+        wall had. With ``configuration``, it applies to all records. ``report`` is called with each segment after its
+        records are read.
         """
         live = cls(configuration or recorded_configuration(FilePath(folder)))
         numbers = numbers_of(FilePath(folder), configuration) if configuration else None
@@ -287,14 +293,14 @@ class Live:
         Parameters
         ----------
         name
-            The X of ``[source.NAME.image.X]``, or the name of an image that was appended with its origin.
+            The X of ``[source.NAME.image.X]``, or the name of an image that `append_image` got with its origin.
         reach
-            As in `SectorImage`; needed while the image has one row.
+            As in `SectorImage`; it must be given while the image has only one row.
 
         Raises
         ------
         ValueError
-            If the layout of the image is not known, or no row has come yet, and as `SectorImage`.
+            If the layout of the image is not known, if no row has come yet, or if `SectorImage` refuses the rows.
         """
         if name not in self.model.layouts:
             rule = "no source sends it, and its rows came without an origin, so the layout of its sectors is not known"
@@ -318,7 +324,9 @@ class Live:
         return self.model.stations.path
 
     def receive(self, source: str, payload: bytes, connection: int = 1) -> Update:
-        """Store and read ``payload``, bytes from one ``connection`` (the caller's number) of ``source``.
+        """Store and read ``payload``, the bytes that came from ``source`` by one of its connections.
+
+        ``connection`` is the number of the connection, which the caller chooses; another number begins a new stream.
 
         Returns
         -------
@@ -340,11 +348,11 @@ class Live:
         return update
 
     def connected(self, source: str, connection: int, peer: str) -> Update:
-        """Store that ``source`` connected to ``peer``, for an event; ``connection`` is the caller's number."""
+        """Store that a ``connection`` of ``source`` to ``peer`` began, and report it as the event ``connected``."""
         return self._store(self._number(source), connection, peer.encode(), journals.CONNECTED)
 
     def closed(self, source: str, connection: int) -> Update:
-        """Record the end of a connection of ``source``; its incomplete frame is dropped."""
+        """Store that a ``connection`` of ``source`` ended; a frame that is not complete then is dropped."""
         return self._store(self._number(source), connection, b"", journals.CLOSED)
 
     def append_samples(
@@ -353,11 +361,13 @@ class Live:
         """Store and draw samples whose depth the host knows; before the first bit depth, their pass is ``unknown``.
 
         ``depth`` (m), ``toolface`` (deg), ``radius`` (m) and ``time`` (s; None: no times) are (n,) as in `Caliper`.
+        A sample that is out of range (a radius above 2 m, a depth outside ``depth_range``) is stored and not drawn,
+        and an event reports it.
 
         Raises
         ------
         ValueError
-            As `Caliper`; then nothing is stored.
+            If the arrays differ in size, a value is not finite, or a radius is not above 0; then nothing is stored.
         """
         depths = column("depth", depth)
         columns = {
@@ -380,7 +390,7 @@ class Live:
         return update
 
     def append_stations(self, depth: npt.ArrayLike, inclination: npt.ArrayLike, azimuth: npt.ArrayLike) -> Update:
-        """Store survey stations and add them to the survey; a wrong station is left out, with an event.
+        """Store survey stations and add them to the survey; a wrong station is left out, and an event reports it.
 
         ``depth`` (m), ``inclination`` and ``azimuth`` (deg) are (n,) as in `Survey`.
         """
@@ -406,7 +416,8 @@ class Live:
         name, unit
             Name and unit of the image.
         depth, values
-            Depths (r,) in metres, and values (r, sectors).
+            Depths (r,) in metres, and values (r, sectors), NaN where a value is missing. A row whose depth is outside
+            ``depth_range`` is stored and left out of the image, and an event reports it.
         origin, reference, direction, toolface_offset
             The layout of the sectors, as for the images of a source. Give both origin and reference, or neither. The
             layout applies to all rows of the image, and :meth:`image` returns them as a `SectorImage`.
@@ -414,8 +425,9 @@ class Live:
         Raises
         ------
         ValueError
-            On a number of sectors, a unit or a layout that differs from before, a wrong layout, no sectors, infinite
-            values, or a name that is not allowed in a file name. Then nothing is stored.
+            If the number of sectors, the unit or the layout differs from that of the earlier rows, if the layout is
+            wrong, if there is no sector, if a value is infinite, if a depth is not finite, if a source sends an image
+            of this name, or if the name is not allowed in a file name. Then nothing is stored.
         """
         depths = column("depth", depth)
         rows = self._image_rows(name, depths.size, values, unit)
@@ -471,7 +483,10 @@ class Live:
         return update
 
     def _log(self, event: Event) -> None:
-        """Log an event; if its source repeats its rule within a minute, only count it for the next line in the log."""
+        """Log an event; within a minute after a line with its source and rule, only count it for the next such line.
+
+        Events without a source and rules of LOGGED_EACH have a second in place of the minute.
+        """
         key, now = (event.source, event.rule), time.monotonic()
         last, count = self._logged.get(key, (-LOG_AGAIN, 0))
         once = not event.source or event.rule.startswith(LOGGED_EACH)
@@ -483,14 +498,14 @@ class Live:
         LOGGER.log(logging.INFO if event.rule == "connected" else logging.WARNING, "%s%s", event, since)
 
     def at_one_moment(self, read: Callable[[], Read]) -> Read:
-        """Call ``read`` while nothing is drawn and return its result; ``read`` should only copy."""
+        """Call ``read`` while nothing is drawn and return its result; ``read`` must be quick: it should only copy."""
         with self._lock:
             return read()
 
     def poll(self) -> Update:
-        """Return all changes since the last poll in one update; the first one contains the events of the recovery.
+        """Return all changes since the last poll in one update; the first update has the events of the recovery.
 
-        For a host that draws at its own pace: one thread pushes, and another polls.
+        It is for a host that draws at its own pace: one thread pushes, and another polls.
         """
         self.check_silence()
         with self._lock:
@@ -499,12 +514,12 @@ class Live:
             return pending
 
     def ages(self) -> dict[str, float]:
-        """Return the seconds since the last bytes of each source; before its first bytes, since the start."""
+        """Return the seconds since the last bytes of each source; since the start if no bytes of the source came."""
         now = self.clock()[1]
         return {name: (now - self._last_bytes.get(name, self._began)) / 1e9 for name in self.model.numbers}
 
     def check_silence(self) -> None:
-        """Report each source that has sent nothing for more than its ``silence`` seconds, once for each silence."""
+        """Report each source that has sent nothing for more than its ``silence`` seconds, once until it sends again."""
         ages = self.ages()
         for name, source in self.configuration.sources.items():
             last = self._last_bytes.get(name, self._began)
@@ -515,12 +530,12 @@ class Live:
     def report(self, rule: str, text: str, source: str = "") -> None:
         """Report an event of the host or of a source's link by its rule and its text; events of one rule are joined.
 
-        No record caused it, so it is not in the journal.
+        The event is not in the journal, because no record caused it.
         """
         self.model.report(self.clock()[0], rule, text, source)
 
     def store(self, source: str, connection: int, payload: bytes, kind: int) -> Stored:
-        """Store a record in the journal only; the caller passes the results to :meth:`draw` in the order of the calls.
+        """Store a record in the journal only; the caller must pass all results to :meth:`draw` in the same order.
 
         ``source`` and ``connection`` say where ``payload`` came from; ``kind`` is a number of `helibore.live.journal`.
 
@@ -579,7 +594,7 @@ def _require_finite(name: str, values: npt.NDArray[np.float64]) -> None:
 def read_into(model: Model, folder: FilePath, report: Callable[[Segment], None] = lambda _: None) -> Iterator[Update]:
     """Pass a journal's records to ``model``, from its ``next_sequence`` on, and yield the update of each window.
 
-    Events report damage and missing segments; ``report`` is called with each segment after it is read.
+    Events report damage and missing segments; ``report`` is called with each segment after its records are read.
     """
     expected = segment_of(folder, model.next_sequence)
     for segment in segments(folder, expected):
