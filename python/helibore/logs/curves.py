@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from helibore.base.arrays import Floats
+from helibore.base.arrays import Floats, Mask
 from helibore.base.errors import InputError
 from helibore.logs.turn_logs import Logs
 
@@ -22,10 +22,26 @@ MOST = (1.0, 99.0)
 
 @dataclass(frozen=True, eq=False)
 class ScalarCurve:
-    """A curve along the hole, such as a gamma ray: depth (metres, rising) and values, (n,), NaN where missing.
+    """A curve along the hole, such as a gamma ray.
 
-    ``limits`` are the values at the left and the right edge of its track, in either order; None: round numbers around
-    its values. ``log``: whether the track is logarithmic.
+    Attributes
+    ----------
+    name, unit
+        As in the file that the curve comes from.
+    depth
+        (n,) metres; no depth is less than the depth before it.
+    values
+        (n,), NaN where missing.
+    limits
+        Values at the left and the right edge of its track, in either order; None: round numbers around its values.
+    log
+        Whether the track is logarithmic.
+
+    Raises
+    ------
+    InputError
+        ``curve 'GR': depth must be finite and must not fall``; on limits that are equal or not finite, and on another
+        number of values than of depths.
     """
 
     name: str
@@ -34,6 +50,20 @@ class ScalarCurve:
     values: Floats
     limits: tuple[float, float] | None = None
     log: bool = False
+
+    def __post_init__(self) -> None:
+        place = f"curve {self.name!r}"
+        if self.depth.shape != self.values.shape:
+            raise InputError(f"{place}: {self.values.size} values, {self.depth.size} depths", "must be equal")
+        if not (np.isfinite(self.depth).all() and (np.diff(self.depth) >= 0).all()):
+            raise InputError(place, "depth must be finite and must not fall")
+        if self.limits is not None and not (all(map(math.isfinite, self.limits)) and len({*self.limits}) == 2):
+            raise InputError(f"{place}: limits", "must be two different finite numbers", str(self.limits))
+
+    def there(self, top: float, bottom: float) -> Mask:
+        """Return which rows from depth ``top`` to ``bottom`` have a value, (n,) bool."""
+        inside: Mask = (self.depth >= top) & (self.depth <= bottom) & np.isfinite(self.values)
+        return inside
 
     def ends(self) -> tuple[float, float]:
         """Return the values at the left and the right edge of the curve's track."""

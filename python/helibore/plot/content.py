@@ -189,6 +189,8 @@ class Drawing:
             raise InputError(f"polar: {len(self.polar)} depths", f"must be at most {MOST_SECTIONS}")
         if self.body is not None and len(self.body) not in (0, 2):
             raise InputError(f"body: {len(self.body)} depths", "must be two, or none for no body")
+        if self.body is not None and not all(map(math.isfinite, self.body)):
+            raise InputError("body", "must be finite depths", str(tuple(self.body)))
 
     @property
     def size_unit(self) -> str:
@@ -341,7 +343,8 @@ def _arranged(
                 images[name] for name in (RADIUS_TITLE if wanted.name == RADIUS else wanted.name,) if name in images
             ]
         elif wanted.kind == "curves":
-            found = [ScalarTrack(by_name[name], top, bottom) for name in wanted.names if name in by_name]
+            named = [by_name[name] for name in wanted.names if name in by_name]
+            found = [ScalarTrack(curve, top, bottom) for curve in named if curve.there(top, bottom).any()]
         else:
             kind = CaliperTrack if wanted.kind == "caliper" else DipTrack
             found = [track for track in tracks if isinstance(track, kind)]

@@ -49,6 +49,22 @@ def test_a_logarithm_needs_something_above_zero() -> None:
         curve([1.0] * 5, log=True, limits=(0.0, 9.0)).ends()
 
 
+@pytest.mark.parametrize(
+    ("depth", "more", "message"),
+    [
+        (DEPTH[::-1], {}, "curve 'GR': depth must be finite and must not fall"),
+        (DEPTH * np.nan, {}, "curve 'GR': depth must be finite and must not fall"),
+        (DEPTH[1:], {}, "curve 'GR': 5 values, 4 depths: must be equal"),
+        (DEPTH, {"limits": (5.0, 5.0)}, "curve 'GR': limits = (5.0, 5.0): must be two different finite numbers"),
+        (DEPTH, {"limits": (0.0, np.inf)}, "curve 'GR': limits = (0.0, inf): must be two different finite numbers"),
+    ],
+)
+def test_a_curve_that_no_track_can_show_is_refused(depth: np.ndarray, more: dict[str, object], message: str) -> None:
+    with pytest.raises(InputError) as error:
+        ScalarCurve("GR", "gAPI", depth, np.arange(5.0), **more)  # type: ignore[arg-type]
+    assert str(error.value) == message
+
+
 def test_the_logs_of_a_wall_are_curves_by_their_mnemonics_shallow_end_first() -> None:
     wall = hb.reconstruct(hb.Caliper.gauge(0.0, 5.0, 0.2), bit_diameter=0.2, sectors=16, pitch=-0.1)
     logs = wall.logs()

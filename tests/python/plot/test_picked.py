@@ -120,6 +120,14 @@ def test_a_template_says_which_tracks_there_are_and_how_wide(wall: hb.Wall) -> N
     ]
 
 
+def test_a_template_leaves_out_a_curve_without_a_value_in_the_interval(wall: hb.Wall) -> None:
+    """RUGO is missing within half a window of the wall's end."""
+    template = template_of({"track": [{"kind": "curves", "names": ["RUGO", "DEQ"]}]})
+    top = float(wall.depth[0])
+    drawing = Drawing(template=template, start=top, stop=top + 0.4, images=(), polar=(), body=())
+    assert [track.curve.name for track in content_of(wall, drawing).tracks[1:]] == ["DEQ"]  # type: ignore[union-attr]
+
+
 def test_the_body_is_hatched_where_it_lies_between_arms_and_nowhere_else() -> None:
     radius, colors = np.full(60 * 32, 0.1), np.ones((60 * 32, 3))
     between = (np.arange(60 * 32) < 30 * 32).astype(float)
