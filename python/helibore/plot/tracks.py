@@ -279,12 +279,11 @@ class CaliperTrack:
 
     def _draw_missing(self, axes: Axes, sheet: Sheet, stretch: Stretch) -> None:
         """Draw grey where a turn has no radius, and beyond the wall's ends."""
-        rows = sheet.pixels(stretch.height)
-        edges = np.linspace(stretch.top, stretch.bottom, rows + 1)
-        turn = np.searchsorted(self.turns.depth, 0.5 * (edges[:-1] + edges[1:]))
-        near = np.clip(turn, 0, self.turns.depth.size - 1)
-        pitch = np.median(np.diff(self.turns.depth)) if self.turns.depth.size > 1 else np.inf
-        away = np.abs(self.turns.depth[near] - 0.5 * (edges[:-1] + edges[1:])) > pitch
+        edges = np.linspace(stretch.top, stretch.bottom, sheet.pixels(stretch.height) + 1)
+        middle, depth = 0.5 * (edges[:-1] + edges[1:]), self.turns.depth
+        half = 0.5 * float(np.median(np.diff(depth))) if depth.size > 1 else np.inf
+        near = np.clip(np.searchsorted(depth + half, middle), 0, depth.size - 1)
+        away = np.abs(depth[near] - middle) > half * (1 + 1e-6)
         grey = np.where(away | (self.turns.coverage[near] == 0), 1.0, np.nan)[:, None]
         if np.isfinite(grey).any():
             from matplotlib.colors import ListedColormap
@@ -307,7 +306,7 @@ class ScalarTrack:
     def __init__(self, curve: ScalarCurve, top: float, bottom: float) -> None:
         self.curve = curve
         place = f"curve {curve.name!r}, {top:g} to {bottom:g} m"
-        inside = (curve.depth >= top) & (curve.depth <= bottom) & np.isfinite(curve.values)
+        inside = curve.there(top, bottom)
         if not inside.any():
             raise InputError(place, "has no value there")
         self.limits = curve.ends()
