@@ -73,12 +73,15 @@ def sections_at(wall: Wall, depths: list[float], interpolated: Floats | None = N
 
 
 def telling_depths(turns: Diameters, top: float, bottom: float) -> list[float]:
-    """Return up to four depths for sections, metres: of the largest, the most oval, a usual and the smallest turn."""
-    inside = (turns.depth >= top) & (turns.depth <= bottom) & np.isfinite(turns.area)
+    """Return up to four depths for sections, metres: of the largest, the most oval, a usual and the smallest turn.
+
+    Only turns between ``top`` and ``bottom`` with an area and with diameters of all arms count.
+    """
+    ovality = turns.greatest - turns.least
+    inside = (turns.depth >= top) & (turns.depth <= bottom) & np.isfinite(turns.area) & np.isfinite(ovality)
     if not inside.any():
         return []
-    area, depth = turns.area[inside], turns.depth[inside]
-    oval = (turns.greatest - turns.least)[inside]
+    area, oval, depth = turns.area[inside], ovality[inside], turns.depth[inside]
     usual = np.abs(area - np.median(area)) + np.abs(oval - np.median(oval))
     apart = 0.03 * (bottom - top)
     chosen: list[float] = []
