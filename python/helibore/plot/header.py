@@ -55,7 +55,7 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
     ends = unit.ends(content.top, content.bottom)
     elevation = content.drawing.elevation
     header = content.drawing.header
-    hole = [(name.capitalize(), text, False) for name, text in header.items() if text and name not in HEADER]
+    hole = [(name[:1].upper() + name[1:], text, False) for name, text in header.items() if text and name not in HEADER]
     below = "" if elevation is None else f"; TVDSS is TVD less {elevation / unit.metres:.6g} {unit.name}"
     paper = f"{1000 * unit.metres / content.scale:.4g} mm on paper a {'foot' if unit.name == 'ft' else 'metre'}"
     measured: list[tuple[str, str, bool]] = []
