@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import io
 import os
+from bisect import bisect_left
 from collections.abc import Sequence
 from functools import partial
 from textwrap import wrap
@@ -86,13 +87,17 @@ class Sheet:
         shown = self.figure.text(x / self.width, 1.0 - y / self.height, text, parse_math=False, **look)
         if within is None:
             return shown
-        words = text
         while self.text_width(shown) > within and size > LEAST:
             size = max(size - 0.5, LEAST)
             shown.set_fontsize(size)
-        while self.text_width(shown) > within and len(words) > 1:
-            words = words[:-1]
-            shown.set_text(words.rstrip() + "…")
+        if self.text_width(shown) > within and len(text) > 1:
+
+            def too_wide(letters: int) -> bool:
+                shown.set_text(text[:letters].rstrip() + "…")
+                return self.text_width(shown) > within
+
+            letters = bisect_left(range(1, len(text)), True, key=too_wide)  # as many as fit
+            shown.set_text(text[: max(letters, 1)].rstrip() + "…")
         return shown
 
     def lines_of_text(self, x: float, y: float, text: str, size: float, within: float, most: int, **extra: Any) -> None:
@@ -158,12 +163,14 @@ def save(figures: Figure | Sequence[Figure], path: str | os.PathLike[str]) -> No
     Raises
     ------
     InputError
-        On another ending, on several figures for one picture, and on paper too long for the format.
+        On another ending, without a figure, on several figures for one picture, and on paper too long for the format.
     OSError
         If the file cannot be written; the old one is then as it was.
     """
     ending = check_ending(path, ENDINGS)
     each = list(figures) if isinstance(figures, Sequence) else [figures]
+    if not each:
+        raise InputError(f"{path}: no figure", "a file needs at least one")
     if len(each) != 1 and ending != ".pdf":
         raise InputError(f"{path}: {len(each)} pages", "only .pdf holds more than one")
     for figure in each:

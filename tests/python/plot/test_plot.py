@@ -19,15 +19,15 @@ from helibore.base.colors import FILL_COLORS, MISSING
 from helibore.logs.curves import ScalarCurve, nice_limits
 from helibore.logs.turn_logs import NO_UNCERTAINTY
 from helibore.plot.content import REFERENCES, content_of
-from helibore.plot.cross_sections import sections_at
+from helibore.plot.cross_sections import sections_at, telling_depths
 from helibore.plot.depth_scales import FEET, Lines, usual_depth_scale
 from helibore.plot.diameters import Diameters, diameters, thinned
 from helibore.plot.header import SIDES_TEXT, header_height, sentence
 from helibore.plot.html_report import page
 from helibore.plot.log import MARGIN, _divided
-from helibore.plot.paper import MM
+from helibore.plot.paper import MM, Sheet
 from helibore.plot.solid import Stretched, exaggeration, most_relief, turns_between
-from helibore.plot.tracks import HATCH, HATCH_BYTES, HEAD, ImageTrack
+from helibore.plot.tracks import HATCH, HATCH_BYTES, HEAD, CaliperTrack, ImageTrack, Stretch
 from helibore.simulation.tool import Hole, Tool, simulate
 from helibore.wall.interpolation import on_quads
 
@@ -305,6 +305,27 @@ def test_diameters_against_a_loop(wall: hb.Wall) -> None:
     assert np.nanmin(few.least) == np.nanmin(turns.least[inside])
 
 
+def test_a_turn_without_a_diameter_of_every_arm_is_neither_the_most_oval_nor_the_usual_one() -> None:
+    area = np.array([0.20, 0.20, 0.30, 0.20, 0.21, 0.10])
+    oval = np.array([np.nan, 0.01, 0.01, 0.09, 0.01, 0.01])
+    columns = dict.fromkeys(("c1", "c2", "d0", "d90"), area)
+    turns = Diameters(depth=10.0 * np.arange(6), area=area, least=area, greatest=area + oval, coverage=area, **columns)
+    assert telling_depths(turns, 0.0, 60.0) == [10.0, 20.0, 30.0, 50.0]
+
+
+def test_a_caliper_track_is_grey_over_the_turns_without_a_radius_and_beyond_the_wall() -> None:
+    depth = 0.05 + 0.1 * np.arange(10)
+    columns = dict.fromkeys(("area", "c1", "c2", "d0", "d90", "least", "greatest"), np.full(10, BIT))
+    turns = Diameters(depth=depth, coverage=(np.arange(10) != 4).astype(float), **columns)
+    track = CaliperTrack(turns, "azimuthal", BIT, "mm", (200.0, 230.0))
+    stretch = Stretch(-0.2, 1.2, 0.0, 140.0, Lines.of(10))
+    (image,) = track.draw(Sheet(50, 140, 254), 0.0, stretch).images
+    shown = np.isfinite(np.ma.filled(image.get_array().astype(float), np.nan)).ravel()
+    middle = -0.2 + 1.4 * (np.arange(shown.size) + 0.5) / shown.size
+    grey = (middle < 0) | ((middle > 0.4) & (middle < 0.5)) | (middle > 1)
+    np.testing.assert_array_equal(shown, grey)
+
+
 def test_sections_are_the_vertices_nearest_to_the_depth(wall: hb.Wall) -> None:
     (section,) = sections_at(wall, [2003.14])
     K = wall.settings.sectors
@@ -397,6 +418,7 @@ def hb_washout(start: float, stop: float) -> Any:
         ({"reference": "north"}, "image 'GR' counts toolfaces from high-side, the picture from north"),
         ({"looks": {"GR": plot.Look(limits=(0, 9), log=True)}}, "image 'GR', 2000 to"),
         ({"body": (2001,)}, "body: 1 depths: must be two"),
+        ({"body": (2001, math.nan)}, r"body = \(2001, nan\): must be finite depths"),
         ({"dpi": 5}, "dpi = 5: must be 30 to 1200"),
     ],
 )
@@ -507,6 +529,8 @@ def test_paper_too_long_for_its_format(wall: hb.Wall, tmp_path: Path) -> None:
         plot.save(figure, tmp_path / "log.png")
     with pytest.raises(ValueError, match=r"2 pages: only \.pdf holds more than one"):
         plot.save([figure, figure], tmp_path / "log.png")
+    with pytest.raises(ValueError, match=r"log\.pdf: no figure: a file needs at least one$"):
+        plot.save([], tmp_path / "log.pdf")
     assert not list(tmp_path.iterdir())
 
 
@@ -652,7 +676,7 @@ def test_a_picture_and_a_report_state_the_header_of_the_log() -> None:
     made = hb.reconstruct(hb.Caliper.gauge(2000.0, 2001.0, BIT), bit_diameter=BIT, sectors=8)
     labels = {
         "company": "Company", "field": "Field", "location": "Location", "date": "Date", "datum": "Depth datum",
-        "mud": "Mud", "bit": "Bit", "remarks": "Remarks",
+        "mud": "Mud", "bit": "Bit", "remarks": "Remarks", "API": "API",
     }  # fmt: skip
     header = {name: f"my {name}" for name in labels}
     figure = plot.log(made, title="W-1", header=header, dpi=30, polar=(), body=())
