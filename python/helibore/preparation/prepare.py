@@ -1,4 +1,4 @@
-"""Prepare readings for a wall: optional steps in a fixed order, each counted and reported.
+"""Prepare readings for a wall: the steps are optional, have a fixed order, and report and count what they drop.
 
     readings --closed, flat tops, stuck--> rows --sensors--> one frame --range, repeated, spikes--> --passes, shifts-->
              --reference--> the wall's toolface --recentre--> the hole's axis --bias--> --latest pass only--> Caliper
@@ -21,6 +21,7 @@ from helibore.base.arrays import Floats, Integers
 from helibore.base.errors import InputError, check_choice
 from helibore.base.nulls import say_so
 from helibore.base.tables import refuse_table
+from helibore.base.units import INCH
 from helibore.preparation import conditioning
 from helibore.preparation.biases import Bias, arm_sides, find_bias
 from helibore.preparation.eccentering import Centres, find_centres, recentre, turn_positions
@@ -47,14 +48,14 @@ JUDGED = 20_000
 """Largest number of samples by which passes and arms are compared if no bias is asked for."""
 
 LONG_TURN = 1.0
-"""Metres from one turn to the next, beyond which neighbouring turns do not see the same wall."""
+"""Metres; if the tool moves farther than this in a turn, neighbouring turns do not see the same wall."""
 
 INSIDE_BIT = 0.01
 """Metres; if all arms read less than the bit's radius by this much, they are closed."""
 STUCK_ROWS = 100
-"""Rows of one and the same value after which an arm is reported as stuck, if the other arms move."""
+"""An arm that keeps one value over this many rows is reported as stuck if the other arms move."""
 MOST_PASSES = 50
-"""Rows that turn back more often than this are in no order, so they have no runs to compare."""
+"""If the depths of a file turn back more often than this, its rows are in no order and have no runs to compare."""
 
 REFERENCES = ("north", "high-side", "automatic")
 BIASES = ("none", "arm", "side")
@@ -72,16 +73,16 @@ class Preparation:
         Drop flat tops: 5 readings and 0.5 m or more at the largest value of an arm that cannot open farther.
     drop_closed
         Drop the rows in which all arms stay closed at a radius 10 mm or more below the bit, and the rows in which they
-        close and open. This needs the bit size; without a bit size such rows are only reported. Not used with
-        ``closed``.
+        close before and open after. This needs the bit size. If False, or without a bit size, such rows are only
+        reported. Not used if ``closed`` is given.
     closed
         Radius that the arms read when the caliper is closed. A row is dropped if no arm reads over 2 mm more than this.
     stuck
-        Readings of an arm are dropped if it stays at one value over this many rows while other arms move.
+        Drop the readings of an arm that stays at one value, or has no value, over this many rows while other arms move.
     least_radius, greatest_radius
-        Radii beyond these limits are dropped. Without limits, an impossible radius is an error.
+        Samples with radii beyond these limits are dropped. An impossible radius that is left is an error.
     repeated
-        Drop samples equal to an earlier sample in depth, toolface, radius and time.
+        Drop samples that equal an earlier sample in depth, toolface, radius and, if there are times, time.
     spikes
         Drop samples that differ from the neighbouring turns by this many robust deviations; 6 is usual.
     turn_height
@@ -96,8 +97,8 @@ class Preparation:
     recentre
         Correct each turn for the tool's offset from the hole's axis.
     reversal
-        Number the passes again; a pass begins where the tool moved back by more than this. None: as each file numbers
-        its passes, or one pass per file.
+        Number the passes anew; a new pass begins where the tool moved back by more than this. None: each file has the
+        passes that it numbers, or is one pass if it numbers none.
     passes
         Numbers of the passes to use, earliest first; None: all, by number. The wall is made from those that are not
         ``earlier``.
@@ -106,11 +107,11 @@ class Preparation:
     shifts
         (pass, metres) pairs: the shift to add to the depths of a pass.
     find_shifts
-        Find the shift of every pass from the overlap. Passes in ``shifts`` keep the shift given there; without given
-        shifts, the mean of the shifts that are found is 0.
+        Find the shift of every pass from the depths that passes have in common. Passes in ``shifts`` keep the shift
+        given there; without given shifts, the mean of the shifts that are found is 0.
     bias
-        Which biases to find from the overlap and subtract: "none"; "arm", of each pass and arm; or "side", of each
-        pass, arm and side of the hole on which the arm lies.
+        Which biases to find, where passes and arms measured the same wall, and subtract: "none"; "arm", of each pass
+        and arm; or "side", of each pass, arm and side of the hole on which the arm lies.
     earlier
         Passes used only for the earlier wall, with which the wall is compared.
     """
@@ -178,8 +179,8 @@ class Prepared:
 
     caliper: Caliper
     report: tuple[tuple[str, str], ...]  # (step, sentence) for what was dropped, corrected or assumed, in order
-    counts: dict[str, int]  # rows, readings or samples dropped, by step or reason; "kept": the samples left
-    pass_number: Integers | None = None  # of each sample of ``caliper``, -1: not numbered; None: nothing states passes
+    counts: dict[str, int]  # number of rows, readings or samples dropped, by step or reason; "kept": of samples left
+    pass_number: Integers | None = None  # the pass of each sample, -1: not numbered; None: nothing states passes
     centres: Centres | None = None  # the tool's centre in each of t turns
     centre_depth: Floats | None = None  # mean depth of these turns, (t,) m
     shifts: Shifts | None = None
@@ -206,7 +207,8 @@ def prepare(
     path
         The wall's path, which is needed if toolfaces count from another reference than the wall's.
     track
-        Depth and toolface by time, for readings that have only a time.
+        Depth by time, and toolface by time if it has one. They replace the depth and the toolface of all readings, each
+        of which needs a time.
     bit_diameter
         Metres; needed for ``drop_closed``, and widens the deviation of a centre if a washout on one side may look like
         an offset of the tool (`find_centres`).
@@ -218,7 +220,8 @@ def prepare(
     Raises
     ------
     InputError
-        If no sample is left, a radius is impossible, or a step lacks its input. The error names file, line and rule.
+        If no sample is left, a radius is impossible, or a step lacks an input that it needs. The error names the file,
+        and the line where there is one.
     """
     refuse_table(readings, "readings")
     every = list(readings) if isinstance(readings, Sequence) else [readings]
@@ -246,12 +249,13 @@ class _Pipeline:
     def run(self, track: Track | None) -> Prepared:
         """Run all steps in their order."""
         settings = self.settings
-        self.readings = [self._conditioned(one) for one in self.readings]
+        self.readings = [self._conditioned(_tracked(one, track)) for one in self.readings]
         self.samples = observe(
             self.readings, track, self.report, offset=settings.sensor_offset, latency=settings.latency,
             dropped=self.counts,
         )  # fmt: skip
         self.counts |= {reason: count for reason, count in self.samples.counts.items() if reason in REASONS}
+        self._fill_rows()
         self._drop_single_samples()
         if settings.by_pass or settings.reversal is not None:
             self._number_passes()
@@ -265,6 +269,19 @@ class _Pipeline:
         else:
             self._warn_of_bias()
         return self._finished()
+
+    def _fill_rows(self) -> None:
+        """Give a row without a depth or a toolface those of its samples, which are interpolated by time."""
+        samples = self.samples
+        for number, one in enumerate(self.readings):
+            mine = np.flatnonzero(samples.file == number)
+            offsets = np.array([each.offset + self.settings.sensor_offset for each in one.sensors])
+            mountings = np.array([each.mounting for each in one.sensors])
+            depth, toolface = one.depth.copy(), one.toolface.copy()
+            for column, seen, moved in ((depth, samples.depth, offsets), (toolface, samples.toolface, -mountings)):
+                lost = mine[np.isnan(column)[samples.row[mine]]]
+                column[samples.row[lost]] = seen[lost] + moved[samples.sensor[lost]]
+            self.readings[number] = replace(one, depth=depth, toolface=toolface)
 
     def _drop(self, step: Step, what: str = "samples") -> None:
         """Remove the samples that a step dropped, and report them."""
@@ -285,10 +302,8 @@ class _Pipeline:
     def _conditioned(self, one: Readings) -> Readings:
         """Return the readings without those of saturated, closed and stuck arms; report calipers that disagree.
 
-        Raises
-        ------
-        InputError
-            If two calipers in one direction differ in half of the rows, or if ``stuck`` is set for a tool of one arm.
+        Raises an InputError if two calipers that look in one direction differ in half of the rows, or if ``stuck`` is
+        set for a tool of one arm.
         """
         if not one.is_image:
             self.report += [("arms", line) for line in conditioning.disagreements(one)]
@@ -317,15 +332,21 @@ class _Pipeline:
         return replace(one, radii=tuple(radii))
 
     def _opened(self, one: Readings) -> Readings:
-        """Return the readings without the rows in which all arms close, are closed well inside the bit, or open."""
+        """Return the readings without the rows in which all arms are closed well inside the bit, and the rows in which
+        they close before and open after. Without a bit size or ``drop_closed``, report these rows and keep them.
+        """
         level, found = conditioning.closed_stretches(one)
         if self.bit_diameter is not None and level + INSIDE_BIT > 0.5 * self.bit_diameter:
             return one  # not closed: a casing, or the hole itself
         dropped = np.zeros(one.rows, dtype=bool)
         for begin, first, last, end in found:
-            top, bottom = np.nanmin(one.depth[first:last]), np.nanmax(one.depth[first:last])
-            ramps = f", close from {one.depth[begin]:.1f} m" if begin < first else ""
-            ramps += f", open until {one.depth[end - 1]:.1f} m" if end > last else ""
+            depth = one.depth[first:last][np.isfinite(one.depth[first:last])]
+            where = f"from {depth.min():.1f} to {depth.max():.1f} m" if depth.size else "in rows without a depth"
+            ramps, above, below = "", one.depth[begin], one.depth[end - 1]
+            if begin < first and np.isfinite(above):
+                ramps += f", close from {above:.1f} m"
+            if end > last and np.isfinite(below):
+                ramps += f", open until {below:.1f} m"
             done = f"{end - begin:,} rows dropped"
             if self.bit_diameter is None or not self.settings.drop_closed:
                 done = "kept, although the arms may be closed" + (
@@ -334,8 +355,8 @@ class _Pipeline:
             else:
                 dropped[begin:end] = True
             self.report.append((
-                "closed", f"{one.name}: all arms stay within 2 mm of a radius of {1e3 * level:.1f} mm from {top:.1f} "
-                f"to {bottom:.1f} m{ramps}: {done}"
+                "closed", f"{one.name}: all arms stay within 2 mm of a radius of {1e3 * level:.1f} mm {where}"
+                f"{ramps}: {done}"
             ))  # fmt: skip
         if not dropped.any():
             return one
@@ -343,7 +364,7 @@ class _Pipeline:
         return replace(one, radii=tuple(np.where(dropped, np.nan, radius) for radius in one.radii))
 
     def _unsaturated(self, one: Readings) -> Readings:
-        """Return the readings without the flat tops of arms at their limit."""
+        """Return the readings without those of arms that have opened as far as they can."""
         radii = list(one.radii)
         for arm, name in enumerate(one.channels):
             sensors = np.flatnonzero(one.arm == arm)
@@ -358,7 +379,7 @@ class _Pipeline:
                 self.counts["saturated"] = self.counts.get("saturated", 0) + int(np.count_nonzero(step.dropped))
                 self.report.append((
                     "saturated", f"{one.name}: {name} stays at its limit, a {kind} of {1e3 * limit:.1f} mm "
-                    f"({limit / 0.0254:.2f} in): {np.count_nonzero(step.dropped):,} rows between {where.min():.1f} and "
+                    f"({limit / INCH:.2f} in): {np.count_nonzero(step.dropped):,} rows between {where.min():.1f} and "
                     f"{where.max():.1f} m dropped"
                 ))  # fmt: skip
                 for sensor in sensors:
@@ -411,8 +432,8 @@ class _Pipeline:
     def _turns(self, rows: bool = False) -> tuple[Integers, Floats | None]:
         """Return the turn of each sample, and its position along the turns (None if not all turns are rotations).
 
-        The samples of one turn were taken around the hole from one place. If ``rows``, each row of a tool that takes
-        more than a metre of depth to rotate is a turn.
+        The samples of one turn are taken to be measured around the hole from one place. If ``rows``, and a tool moves
+        more than a metre in a rotation, each of its rows is a turn.
         """
         turn = np.empty(self.samples.depth.size, dtype=np.int64)
         position = np.empty(turn.size)
@@ -442,7 +463,7 @@ class _Pipeline:
         return float(np.median(np.abs(np.diff(depth)))) if depth.size > 1 else 0.0
 
     def _turns_of(self, one: Readings, mine: Integers) -> tuple[Integers | Floats, str]:
-        """Return the positions of one file's samples along its turns, and what makes a turn, in words."""
+        """Return the positions of one file's samples along its turns, and the words for what a turn is."""
         samples, height = self.samples, self.settings.turn_height
         if height is not None:
             depth = samples.depth[mine]
@@ -481,16 +502,19 @@ class _Pipeline:
     def _number_passes(self) -> None:
         """Number the passes as each file does, or one per file, or anew where the tool went back by ``reversal``."""
         columns = self._pass_columns()
-        if _repeat_a_pass(columns):
-            rule = "has a pass number of another file; number the passes anew"
-            raise InputError(self.readings[-1].name, rule)
-        number = self._of_row(columns)
-        self.samples = replace(self.samples, pass_number=number)
-        counted = ", ".join(f"{n} ({count:,})" for n, count in zip(*np.unique(number, return_counts=True), strict=True))
+        again = _repeated_pass(columns)
+        if again:
+            file, number = again
+            rule = f"its pass {number} is the number of a pass of another file; number the passes anew"
+            raise InputError(self.readings[file].name, rule)
+        passes = self._of_row(columns)
+        self.samples = replace(self.samples, pass_number=passes)
+        counted = ", ".join(f"{n} ({count:,})" for n, count in zip(*np.unique(passes, return_counts=True), strict=True))
         reversal = self.settings.reversal
-        how = "as the files number them"
-        if any(one.pass_number is None for one in self.readings):
-            how = "one for each file that numbers none"
+        numbered = [one.pass_number is not None for one in self.readings]
+        how = "as the files number them" if any(numbered) else "one for each file"
+        if any(numbered) and not all(numbered):
+            how += ", one for each file that numbers none"
         if reversal:
             how = f"split where the tool went back by {reversal:g} m"
         self.report.append(("passes", f"{how}; samples of each: {counted}"))
@@ -545,8 +569,8 @@ class _Pipeline:
         target = path.reference if path is not None else ""
         if target == "parallel-transport" and not all(t or s for t, s in zip(tagged, stated, strict=True)):
             rule = (
-                "the wall's toolfaces count from a parallel-transport reference, a tool's never do; say whether the "
-                "samples count from north, the high side or automatically"
+                "the wall's toolfaces count from a parallel-transport reference, but those of a tool never do; say "
+                "whether its toolfaces count from north, from the high side, or automatically"
             )
             raise InputError(self.readings[0].name, rule)
         if not any(t or s not in ("", target) for t, s in zip(tagged, stated, strict=True)):
@@ -556,7 +580,7 @@ class _Pipeline:
             self.report.append(("toolface", text))
             return
         if path is None:
-            source = stated[0] or "north and the high side"
+            source = {"north": "north", "high-side": "the high side"}.get(stated[0], "north and the high side")
             rule = f"toolfaces that count from {source} need a survey to be turned into the wall's"
             raise InputError(self.readings[0].name, rule)
         depth = self.samples.depth
@@ -636,17 +660,20 @@ class _Pipeline:
         self.report += [("bias", line) for line in (found.warnings(shown) if sides else found.lines(shown))]
 
     def _stated_passes(self) -> Integers | None:
-        """Return the pass of each sample, stated or derived; one per file if files repeat numbers; None: unknown."""
+        """Return the pass of each sample: its stated or derived number, or the file's if files repeat numbers.
+
+        None: there is one file, and it numbers no passes.
+        """
         samples = self.samples
         if samples.pass_number.size:
             return samples.pass_number
         if len(self.readings) == 1 and self.readings[0].pass_number is None:
             return None
         columns = self._pass_columns()
-        return samples.file + 1 if _repeat_a_pass(columns) else self._of_row(columns)
+        return samples.file + 1 if _repeated_pass(columns) else self._of_row(columns)
 
     def _warn_of_bias(self) -> None:
-        """Report where passes or arms disagree by more than their noise, judged by some of the samples."""
+        """Report if passes or arms disagree by more than their noise; some of the samples decide."""
         samples, arms, number = self.samples, self._arm(), self._stated_passes()
         unsplit = number is None
         if number is None:
@@ -700,8 +727,9 @@ class _Pipeline:
             one = self.readings[int(samples.file[at])]
             channel = one.channels[int(one.arm[int(samples.sensor[at])])]
             place = f"{one.name}, {one.place(int(samples.row[at]))}, column {channel}"
+            limit = "greatest_radius" if samples.radius[at] > LARGEST_RADIUS else "least_radius"
             rule = f"must be above 0 and at most {LARGEST_RADIUS:g} m; --radius-range drops such radii (Python: "
-            rule += f"least_radius); if the number of the file means no value, {say_so()}"
+            rule += f"{limit}); if the number of the file means no value, {say_so()}"
             raise InputError(f"{place}: radius {samples.radius[at]:g} m", rule)
 
     def _caliper(self) -> Caliper:
@@ -711,9 +739,25 @@ class _Pipeline:
         return Caliper(samples.depth, samples.toolface, samples.radius, samples.time, arm=self._arm() if few else None)
 
 
-def _repeat_a_pass(columns: Sequence[Integers]) -> bool:
-    named = [set(np.unique(column).tolist()) - {-1} for column in columns]
-    return sum(map(len, named)) > len(set().union(*named))
+def _tracked(one: Readings, track: Track | None) -> Readings:
+    """Return the readings with the depth and the toolface that a track has at the time of each row."""
+    if track is None or one.time is None:
+        return one
+    placed_by_time = replace(one, depth=track.depth.at(one.time))
+    if track.toolface is None:
+        return placed_by_time
+    return replace(placed_by_time, toolface=track.toolface.at(one.time), turning=True)
+
+
+def _repeated_pass(columns: Sequence[Integers]) -> tuple[int, int] | None:
+    """Return the index of the first file that repeats a pass number of an earlier file, and the number; or None."""
+    seen: set[int] = set()
+    for file, column in enumerate(columns):
+        numbers = set(np.unique(column).tolist()) - {-1}
+        if again := numbers & seen:
+            return file, min(again)
+        seen |= numbers
+    return None
 
 
 def _named(passes: Sequence[int]) -> str:
@@ -721,7 +765,7 @@ def _named(passes: Sequence[int]) -> str:
 
 
 def _runs(depth: Floats) -> Integers:
-    """Number the runs of a file without pass numbers, from 1; if rows turn back too often, all are one run."""
+    """Number the runs up and down of a file without pass numbers, from 1; all are one run if it turns too often."""
     numbers = np.ones(depth.size, dtype=np.int64)
     known = np.flatnonzero(np.isfinite(depth))
     run = number_passes(depth[known])

@@ -145,6 +145,28 @@ def test_travel_time_becomes_radius(tmp_path: Path, travel_time: list[float], ra
         one.readings()
 
 
+def test_travel_times_that_give_no_radius_of_a_borehole(tmp_path: Path) -> None:
+    rows = "".join(f"{n},{n * 90},100\n" for n in range(8))
+    one = hb.open(written(tmp_path, f"md_m,tf_deg,tt_us\n{rows}")).set()
+    for velocity, bit, rule in (
+        (1.5e6, None, "median radius 75 m from its travel times: no radius of a borehole; check the unit us, the "
+                      "velocity in the mud and the tool's radius"),
+        (1500.0, 0.12, "median radius 0.123 m from its travel times: looks like a diameter (the bit's diameter is 0.12 "
+                       "m); check the velocity in the mud and the tool's radius"),
+    ):  # fmt: skip
+        with pytest.raises(hb.InputError) as caught:
+            one.readings(bit_diameter=bit, echo=Echo(velocity, 0.0475))
+        assert str(caught.value) == f"c.csv, column tt_us: {rule}"
+
+
+def test_dates_between_blanks_keep_their_time_zone(tmp_path: Path) -> None:
+    text = "md_m,tf_deg,radius_m,time\n1,2,0.1, 1970-01-01T01:00:00+01:00\n2,3,0.1, 1970-01-01T00:00:05Z \n3,4,0.1,nat\n"
+    np.testing.assert_array_equal(hb.open(written(tmp_path, text)).readings().time, [0.0, 5.0, np.nan])
+    for word in ("now", "today"):
+        with pytest.raises(hb.InputError, match=f"line 3, column time: '{word}' is no ISO 8601 date and time"):
+            hb.open(written(tmp_path, text.replace(" 1970-01-01T00:00:05Z ", word))).readings()
+
+
 def test_travel_time_image(tmp_path: Path) -> None:
     sectors = ",".join(f"TT{n}_us" for n in range(1, 9))
     path = written(tmp_path, f"md_m,{sectors}\n1,{','.join(['100'] * 8)}\n2,{','.join(['110'] * 8)}\n")
@@ -379,7 +401,7 @@ def test_calipers_that_read_in_one_direction_are_reported(tmp_path: Path) -> Non
     path = written(tmp_path, "md_m,a_in,b_in,c_in\n10,8.5,8.6,8.7\n")
     notes = read(path, diameter=["a_in@90", "b_in@90", "c_in@0"]).notes
     assert notes[-1] == (
-        "a_in and b_in are diameter in one direction and are merged; an option or a map can name those to use"
+        "a_in and b_in are diameter in one direction and are merged; to use one only, name it by an option or in a map"
     )
     assert len(read(path, diameter=["a_in@90", "c_in@0"]).notes) == 3
 

@@ -291,15 +291,22 @@ def test_several_files_are_passes() -> None:
     found = prepare([first, second], Preparation(latest=True))
     assert found.pass_number is not None
     assert set(found.pass_number.tolist()) == {2}
-    assert found.report[0] == ("passes", "one for each file that numbers none; samples of each: 1 (400), 2 (400)")
+    assert found.report[0] == ("passes", "one for each file; samples of each: 1 (400), 2 (400)")
     merged = prepare([first, second])
     np.testing.assert_array_equal(merged.caliper.radius, np.concatenate([first.radii[0], second.radii[0]]))
     timed = rotating(3, "c.csv", time__s=np.arange(N)).readings()
     report = dict(prepare([first, timed]).report)
     assert report == {"time": "left out: not every file has one"}
     numbered = rotating(4, "d.csv", **{"pass": np.ones(N)}).readings()
-    with pytest.raises(ValueError, match=r"^d.csv: has a pass number of another file; number the passes anew$"):
+    rule = "its pass 1 is the number of a pass of another file; number the passes anew"
+    with pytest.raises(ValueError, match=f"^d.csv: {rule}$"):
         prepare([numbered, numbered], Preparation(latest=True))
+    other = Readings(**(vars(numbered) | {"name": "e.csv", "pass_number": np.full(N, 2)}))
+    with pytest.raises(ValueError, match=f"^d.csv: {rule}$"):  # not e.csv, the last file
+        prepare([first, numbered, other], Preparation(latest=True))
+    mixed = prepare([other, first], Preparation(latest=True))
+    passes = "as the files number them, one for each file that numbers none; samples of each: 2 (400), 3 (400)"
+    assert mixed.report[0] == ("passes", passes)
     alone = prepare(numbered, Preparation(latest=True))
     assert alone.report[0] == ("passes", "as the files number them; samples of each: 1 (400)")
     again = prepare([numbered, numbered], Preparation(latest=True, reversal=0.5))
@@ -442,10 +449,10 @@ def test_toolface_references() -> None:
     alone = prepare(one.readings(mapped))
     assert alone.report == (("toolface", "no survey: the wall's toolfaces count from north, as the samples do"),)
     np.testing.assert_array_equal(alone.caliper.toolface, turn)
-    with pytest.raises(ValueError, match="toolfaces that count from automatic need a survey"):
+    with pytest.raises(ValueError, match="toolfaces that count from north and the high side need a survey"):
         prepare(one.readings(mapped), Preparation(toolface_from="automatic"))
     with pytest.raises(
-        ValueError, match="the wall's toolfaces count from a parallel-transport reference, a tool's never do; say"
+        ValueError, match="the wall's toolfaces count from a parallel-transport reference, but those of a tool never do"
     ):
         prepare(one.readings(), None, transported)
     with pytest.raises(ValueError, match=r"row 1, column tf_type: 'up': must be one of n, north"):
@@ -461,10 +468,10 @@ SHALLOW = hb.Survey([0.0, 50.0], [0.0, 0.0], [0.0, 0.0])
     [
         ([], None, None, "readings: must have at least one"),
         (rotating(), None, SHALLOW.path(reference="parallel-transport"),
-         "f.csv: the wall's toolfaces count from a parallel-transport reference, a tool's never do; say whether the "
-         "samples count from north, the high side or automatically"),
+         "f.csv: the wall's toolfaces count from a parallel-transport reference, but those of a tool never do; say "
+         "whether its toolfaces count from north, from the high side, or automatically"),
         (rotating(), Preparation(toolface_from="automatic"), None,
-         "f.csv: toolfaces that count from automatic need a survey to be turned into the wall's"),
+         "f.csv: toolfaces that count from north and the high side need a survey to be turned into the wall's"),
         (rotating(), NORTH, SHALLOW.path(), "f.csv: every sample lies beyond the survey"),
         (arms(), Preparation(recentre=True), None,
          "f.csv: recentring needs radii: half a diameter (cal_x) does not show the tool's offset"),
@@ -518,6 +525,59 @@ def test_a_track_gives_depth_and_toolface_by_time() -> None:
     found = prepare(readings(one, tracked=True), None, None, track)
     np.testing.assert_allclose(found.caliper.depth, 100 + 0.1 * time)
     np.testing.assert_allclose(found.caliper.toolface, 20.0 * time % 360)
+
+
+TIMES = np.arange(400.0)
+TURNING = Track(
+    TimeSeries(TIMES, np.concatenate([100 + 0.1 * TIMES[:200], 119.9 - 0.1 * TIMES[:200]])),
+    TimeSeries(TIMES, 30.0 * TIMES % 360, angle=True),
+)
+
+
+def test_passes_are_numbered_by_the_depth_of_a_track() -> None:
+    one = readings(log(time__s=TIMES, radius__m=np.full(400, 0.1)), tracked=True)
+    found = prepare(one, Preparation(reversal=5.0), None, TURNING)
+    assert found.report[0] == ("passes", "split where the tool went back by 5 m; samples of each: 1 (201), 2 (199)")
+
+
+def test_a_tool_is_recentred_by_the_turns_of_a_track() -> None:
+    """A round hole of 100 mm around a tool that lies 2 mm off its axis towards toolface 0."""
+    toward = np.radians(30.0 * TIMES % 360)
+    radius = np.sqrt(0.1**2 - (0.002 * np.sin(toward)) ** 2) - 0.002 * np.cos(toward)
+    one = readings(log(time__s=TIMES, radius__m=radius), tracked=True)
+    found = prepare(one, Preparation(recentre=True), None, TURNING)
+    assert found.centres is not None
+    assert found.report[0] == ("turns", "34, by rotation; samples in one: 12")
+    np.testing.assert_allclose(found.centres.x[1:-2], 0.002, atol=1e-4)
+    np.testing.assert_allclose(found.caliper.radius[12:-24], 0.1, atol=1e-4)
+
+
+def test_flat_tops_are_dropped_by_the_depth_of_a_track() -> None:
+    radius = np.where((TIMES >= 50) & (TIMES < 70), 0.15, 0.1 + 1e-5 * TIMES)
+    roles = {"first": 0.0, "second": 180.0}
+    one = log(time__s=TIMES, **{f"{name}__m": radius for name in roles})
+    mapped = overlay(guess(one), one, {n: {"role": "radius", "angle": a} for n, a in roles.items()}, "map")
+    found = prepare(readings(one, mapped, tracked=True), None, None, TURNING)
+    assert found.counts["saturated"] == 40
+    assert found.caliper.radius.max() < 0.11
+
+
+def test_a_row_whose_depth_and_toolface_are_interpolated_has_the_pass_and_turn_of_its_samples() -> None:
+    toolface, depth = 30.0 * TIMES % 360, 100 + 0.1 * TIMES
+    toolface[50] = depth[70] = np.nan
+    one = log(time__s=TIMES, md__m=depth, tf__deg=toolface, radius__m=np.full(400, 0.1)).readings()
+    found = prepare(one, Preparation(latency=0.5, reversal=5.0, turn_height=None, recentre=True))
+    assert found.report[1] == ("passes", "split where the tool went back by 5 m; samples of each: 1 (399)")
+    assert found.report[2] == ("turns", "34, by rotation; samples in one: 12")
+
+
+@pytest.mark.filterwarnings("error")
+def test_closed_arms_without_a_depth_are_reported_without_one() -> None:
+    radius = np.where((TIMES >= 50) & (TIMES < 100), 0.08, 0.12)
+    depth = np.where((TIMES >= 40) & (TIMES < 110), np.nan, 100 + 0.1 * TIMES)
+    one = log(md__m=depth, tf__deg=TIMES % 360, radius__m=radius).readings()
+    text = "f.csv: all arms stay within 2 mm of a radius of 80.0 mm in rows without a depth: 52 rows dropped"
+    assert prepare(one, bit_diameter=0.216).report[0] == ("closed", text)
 
 
 def test_what_closed_arms_leave_nothing_of_is_reported() -> None:
