@@ -418,7 +418,7 @@ def hb_washout(start: float, stop: float) -> Any:
         ({"reference": "north"}, "image 'GR' counts toolfaces from high-side, the picture from north"),
         ({"looks": {"GR": plot.Look(limits=(0, 9), log=True)}}, "image 'GR', 2000 to"),
         ({"body": (2001,)}, "body: 1 depths: must be two"),
-        ({"body": (2001, math.nan)}, "body = (2001, nan): must be finite depths"),
+        ({"body": (2001, math.nan)}, r"body = (2001, nan\): must be finite depths"),
         ({"dpi": 5}, "dpi = 5: must be 30 to 1200"),
     ],
 )
