@@ -151,7 +151,7 @@ def test_travel_times_that_give_no_radius_of_a_borehole(tmp_path: Path) -> None:
     for velocity, bit, rule in (
         (1.5e6, None, "median radius 75 m from its travel times: no radius of a borehole; check the unit us, the "
                       "velocity in the mud and the tool's radius"),
-        (1500.0, 0.12, "median radius 0.123 m from its travel times: looks like a diameter (the bit's diameter is 0.12 "
+        (1500.0, 0.12, "median radius 0.122 m from its travel times: looks like a diameter (the bit's diameter is 0.12 "
                        "m); check the velocity in the mud and the tool's radius"),
     ):  # fmt: skip
         with pytest.raises(hb.InputError) as caught:
@@ -160,7 +160,8 @@ def test_travel_times_that_give_no_radius_of_a_borehole(tmp_path: Path) -> None:
 
 
 def test_dates_between_blanks_keep_their_time_zone(tmp_path: Path) -> None:
-    text = "md_m,tf_deg,radius_m,time\n1,2,0.1, 1970-01-01T01:00:00+01:00\n2,3,0.1, 1970-01-01T00:00:05Z \n3,4,0.1,nat\n"
+    rows = "1,2,0.1, 1970-01-01T01:00:00+01:00\n2,3,0.1, 1970-01-01T00:00:05Z \n3,4,0.1,nat\n"
+    text = f"md_m,tf_deg,radius_m,time\n{rows}"
     np.testing.assert_array_equal(hb.open(written(tmp_path, text)).readings().time, [0.0, 5.0, np.nan])
     for word in ("now", "today"):
         with pytest.raises(hb.InputError, match=f"line 3, column time: '{word}' is no ISO 8601 date and time"):
@@ -322,7 +323,7 @@ HEADER = "md_m,tf_deg,radius_m\n"
          "NUMBER says so (Python: nulls of hb.open)"),
         (HEADER + ",2,99\n1,2,0.1\n1,2,8.5\n1,2,0.1\n1,2,0.1\n", {},
          "c.csv, line 4, column radius_m: radius 8.5 m: must be above 0 and at most 2 m; "
-         "--radius-range drops such radii (Python: least_radius); if the number of the file means no value, --absent "
+         "--radius-range drops such radii (Python: greatest_radius); if the number of the file means no value, --absent "
          "NUMBER says so (Python: nulls of hb.open)"),
         (HEADER + "1,2,8.5\n", {},
          "c.csv, column radius_m: median 8.5 m if the unit is m: no radius of a borehole (would fit cm or in)"),
