@@ -1,11 +1,11 @@
 """Turn channels with roles into readings: what each sensor measured in each row, in metres, degrees and seconds.
 
-    radius        one sensor, at its angle            radius-image  one sensor a sector, at first + i * step
-    diameter      two sensors of half the diameter,   travel-time   a radius or an image, which an Echo converts
-                  at its angle and opposite
+    radius        one sensor, at its angle            radius-image  one sensor for each sector, at first + i * step
+    diameter      two sensors of half the diameter,   travel-time   times of one sensor or of sectors, which an Echo
+                  at its angle and opposite                         converts to radii
 
-Readings keep the flaws of the log; ``helibore.preparation.prepare`` finds and corrects them. A likely mistake is an
-error, and never corrected silently: a diameter in the place of a radius, radians as degrees, a wrong unit
+Readings keep the flaws of the log; ``helibore.preparation.prepare`` finds and corrects them. A likely mistake is never
+corrected silently; it is an error: a diameter in place of a radius, radians as degrees, a wrong unit
 (``plausibility``).
 """
 
@@ -14,9 +14,9 @@ from __future__ import annotations
 import re
 
 import numpy as np
-import numpy.typing as npt
 
 from helibore.base import units
+from helibore.base.arrays import Floats, Integers, Mask
 from helibore.channels import plausibility
 from helibore.channels.columns import about_names, column, needed
 from helibore.channels.roles import ROLES, WALL, Role, RoleMap, guess
@@ -24,10 +24,6 @@ from helibore.files.raw_set import RawSet
 from helibore.preparation.conditioning import Echo
 from helibore.preparation.readings import IMAGE_ROW, Readings
 from helibore.preparation.sensors import Sensor
-
-Floats = npt.NDArray[np.float64]
-Integers = npt.NDArray[np.int64]
-Mask = npt.NDArray[np.bool_]
 
 UNSTATED = {
     units.ANGLE: "deg, since a value is beyond 2 pi (no unit stated)",
@@ -54,19 +50,20 @@ def readings(
     Parameters
     ----------
     roles
-        What each channel means; None: guessed.
+        What each channel means; None: the roles are guessed.
     bit_diameter
         Metres; None: from a ``bit-diameter`` channel if there is one. It shows whether a radius is a diameter.
     echo
-        How travel times become radii.
+        How travel times become radii; None: a channel of travel times is refused.
     tracked
-        Whether depths and toolfaces come from another source by time; the set then needs only a time.
+        Whether depths and toolfaces come from another source by time; the set then needs a time, but neither a depth
+        nor a toolface.
 
     Raises
     ------
     InputError
-        If there is no depth or wall channel; a unit is missing, unknown or of the wrong kind; a depth is NaN or
-        infinite; or values cannot be what their role says.
+        If a channel that is needed is missing; a unit is missing, unknown or of the wrong kind; a depth is NaN or
+        infinite (an empty depth is allowed); or values cannot be what their role says.
     """
     roles = roles or guess(log_set)
     arms = roles.all(*WALL)
@@ -111,7 +108,7 @@ def readings(
 
 
 def _no_arms(log_set: RawSet, roles: RoleMap) -> str:
-    """Return the error text for a set without a wall channel, and what the set can be used for instead."""
+    """Return the error text for a set without a wall channel; it says what the set can be used for instead."""
     means = [each.channel for each in roles.all("mean-diameter")]
     if means:
         return (
@@ -128,7 +125,7 @@ def _no_arms(log_set: RawSet, roles: RoleMap) -> str:
 
 
 def _radius(log_set: RawSet, arm: Role, bit: float | None, echo: Echo | None) -> Floats:
-    """Return the readings of a wall channel as (n, p) radii or diameters, metres."""
+    """Return the readings of a wall channel as (n, p) radii or diameters, metres, for p values in each row."""
     values = column(log_set, arm).reshape(log_set.rows, -1)
     if arm.role == "travel-time":
         if echo is None:
@@ -167,7 +164,10 @@ def _angles(log_set: RawSet, arm: Role, width: int, turning: bool) -> list[float
 
 
 def _arm_names(log_set: RawSet, role: Role, width: int) -> list[str]:
-    """Return the name of the arm of each value in a row; sectors too few for an image are arms of their own."""
+    """Return the name of the arm of each value in a row.
+
+    All values belong to one arm, unless there are more than one but too few for an image: then each has its own arm.
+    """
     if not 1 < width < IMAGE_ROW:
         return [role.channel] * width
     members = log_set[role.channel].member_names
@@ -182,7 +182,10 @@ def bit_of_channel(log_set: RawSet, roles: RoleMap) -> float | None:
 
 
 def _time(log_set: RawSet, roles: RoleMap) -> Floats | None:
-    """Return the times of all rows in seconds, since 1970 if they are dates; dates without a time zone are UTC."""
+    """Return the times of all rows in seconds, NaN where missing; None without a time channel.
+
+    Dates become seconds since 1970; dates without a time zone are UTC.
+    """
     role = roles.one("time")
     if role is None:
         return None
@@ -191,8 +194,9 @@ def _time(log_set: RawSet, roles: RoleMap) -> Floats | None:
         return column(log_set, role)
     seconds = np.full(log_set.rows, np.nan)
     zoned: bool | None = None
-    for row, cell in enumerate(channel.values):
-        if not cell or cell == "NaT":
+    for row, text in enumerate(channel.values):
+        cell = text.strip()
+        if not cell or cell.lower() == "nat":
             continue
         try:
             seconds[row], has_zone = _since_1970(cell)
@@ -208,6 +212,8 @@ def _time(log_set: RawSet, roles: RoleMap) -> Floats | None:
 
 def _since_1970(cell: str) -> tuple[float, bool]:
     """Return the seconds since 1970 of a date in ISO 8601, and whether it has a time zone."""
+    if cell.isalpha():  # NumPy would read "now" and "today"
+        raise ValueError(cell)
     found = WITH_TIME.fullmatch(cell)
     text, zone = found.groups() if found else (cell, None)
     seconds = float(np.datetime64(text, "us").astype(np.int64)) / 1e6
@@ -231,7 +237,7 @@ def _passes(log_set: RawSet, roles: RoleMap) -> Integers | None:
 
 
 def _high_side(log_set: RawSet, roles: RoleMap) -> Mask | None:
-    """Return which rows count from the high side, by the words of the toolface-reference channel; None without one."""
+    """Return in which rows the toolface counts from the high side; None without a toolface-reference channel."""
     role = roles.one("toolface-reference")
     if role is None:
         return None
@@ -250,7 +256,7 @@ def _high_side(log_set: RawSet, roles: RoleMap) -> Mask | None:
 def _count_missing(
     log_set: RawSet, roles: RoleMap, depth: Floats, toolface: Floats, time: Floats | None
 ) -> dict[str, int]:
-    """Return the number of missing values of each channel in use that has any."""
+    """Return, for each channel in use that lacks values, how many are missing."""
     named = {"depth": depth, "toolface": toolface, "time": time}
     counts = {}
     for role in (*roles.all("depth", "toolface", "time"), *roles.all(*WALL)):
@@ -262,14 +268,15 @@ def _count_missing(
 
 
 def _notes(roles: RoleMap, arms: list[Role]) -> tuple[str, ...]:
-    """Return the roles in use as sentences, and remarks on channels in one direction, whose biases may differ."""
+    """Return a sentence for each role in use, and one for each group of sensors that look in one direction."""
     used = [*roles.all("depth", "toolface", "toolface-reference", "time", "pass", "bit-diameter"), *arms]
     by_direction: dict[tuple[str, float, float], list[str]] = {}
     for role in arms:
         if role.angle is not None:
             by_direction.setdefault((role.role, role.angle, role.offset), []).append(role.channel)
+    advice = "to use one only, name it by an option or in a map"
     together = [
-        f"{' and '.join(names)} are {kind} in one direction and are merged; an option or a map can name those to use"
+        f"{' and '.join(names)} are {kind} in one direction and are merged; {advice}"
         for (kind, _, _), names in by_direction.items()
         if len(names) > 1
     ]

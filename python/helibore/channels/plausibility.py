@@ -1,49 +1,55 @@
-"""Check the values of a channel against its role; each error names the channel, the number and the rule.
+"""Check the values of a channel against its role; each error names the channel, the wrong number and the rule.
 
     median radius 0.216 m                          an 8.5 in bit: looks like a diameter
     toolface between 0 and 6.28, stated in deg     looks like radians
     median radius 108 m                            the unit looks like mm
 
-If a map confirms a role, checks for likely mistakes are skipped. An impossible value is always an error.
+If a map confirms a role, or if there are fewer than `FEW` values, the checks for likely mistakes are skipped (a radius
+is still compared with the bit if its diameter is known). An impossible value is always an error.
 """
 
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from helibore.base import units
+from helibore.base.arrays import Floats
 from helibore.base.nulls import say_so
 from helibore.channels.roles import Role
 from helibore.files.raw_set import RawSet
 from helibore.samples.bit_sizes import FEW, looks_like_diameter
 
-Floats = npt.NDArray[np.float64]
-
 RADIUS_RANGE = (0.02, 1.0)
 """Metres: no borehole has a median radius outside this range, so the unit is wrong."""
 
 LIKELY_NULLS = (-999.0, -9999.0, -99999.0, -999999.0, -32768.0, -32767.0, 9999.0, 99999.0, 999999.0, 999.25, 9999.25)
-"""Numbers that mean no value in files that do not declare a null value."""
+"""Numbers that often mean no value in files that do not declare a null value."""
 
 MANY = 1 << 16
 """If there are more values than this, the median is taken of evenly chosen values."""
 
 
 def present(values: Floats) -> Floats:
-    """Return the values that are not NaN as one column; it is a copy only if a value is NaN."""
+    """Return the values that are not NaN in one dimension; the result is a copy only if a value is NaN."""
     flat = values.reshape(-1)
     return flat[np.isfinite(flat)] if np.isnan(flat.min(initial=0.0)) else flat
 
 
 def lengths(log_set: RawSet, role: Role, values: Floats, bit_diameter: float | None) -> None:
-    """Check a radius or diameter, in metres, for the wrong unit and for a diameter in a radius's place."""
+    """Check radii or diameters, in metres, for a wrong unit, and for a diameter in place of a radius or the reverse.
+
+    The radii of travel times are checked too; for them, a wrong velocity or tool radius is the likely mistake.
+    """
     found = present(values)
     if not found.size:
         raise log_set.input_error("every value is missing", column=role.channel)
     median = float(np.median(found if found.size <= MANY else found[:: found.size // MANY]))
     scale = 2.0 if role.role == "diameter" else 1.0
     low, high = (scale * bound for bound in RADIUS_RANGE)
+    echo = f"median radius {median:.3g} m from its travel times" if role.role == "travel-time" else ""
+    if echo and not low <= median <= high:
+        how = f"check the unit {role.unit}, the velocity in the mud and the tool's radius"
+        raise log_set.input_error(f"{echo}: no radius of a borehole; {how}", column=role.channel)
     if not low <= median <= high:
         raw = median / units.factor(role.unit, units.LENGTH)
         fits = [name for name in ("m", "cm", "mm", "in", "ft") if low <= raw * units.factor(name, units.LENGTH) <= high]
@@ -58,20 +64,27 @@ def lengths(log_set: RawSet, role: Role, values: Floats, bit_diameter: float | N
         return
     if bit_diameter is None and (role.confirmed or found.size < FEW):
         return
-    if looks_like_diameter(median, bit_diameter):
+    if not looks_like_diameter(median, bit_diameter):
+        return
+    if echo:
+        known = "" if bit_diameter is None else f" (the bit's diameter is {bit_diameter:.3g} m)"
+        rule = f"{echo}: looks like a diameter{known}; check the velocity in the mud and the tool's radius"
+    else:
         how = f', or give the bit diameter or confirm role = "{role.role}" there'
         if bit_diameter is not None:
             how = f", or --diameter {role.channel}: the bit's diameter is {bit_diameter:.3g} m"
         rule = (
             f'median {median:.3g}: looks like a diameter, where a radius is expected; state role = "diameter" in a map'
         )
-        raise log_set.input_error(rule + how, column=role.channel)
+        rule += how
+    raise log_set.input_error(rule, column=role.channel)
 
 
 def depths(log_set: RawSet, role: Role, values: Floats) -> None:
-    """Refuse measured depths, in metres, if all are negative, which would make a mirror image of the hole.
+    """Check measured depths, in metres, for numbers that mean no value and for elevations.
 
-    A depth of `LIKELY_NULLS` is also refused if it is far from all other depths.
+    A depth of `LIKELY_NULLS` is refused if it is far from all other depths. Depths that are all negative are refused,
+    because they would make a mirror image of the hole; but not if they are few, or if a map confirms their role.
     """
     found = present(values)
     raw = log_set.numbers(role.channel)
@@ -96,7 +109,7 @@ def depths(log_set: RawSet, role: Role, values: Floats) -> None:
 
 
 def angles(log_set: RawSet, role: Role, values: Floats) -> None:
-    """Check that a toolface, in degrees, is within two turns and is not radians read as degrees."""
+    """Check that toolfaces, in degrees, are within two turns of 0 and do not look like radians read as degrees."""
     found = present(values)
     if not found.size:
         raise log_set.input_error("every value is missing", column=role.channel)
@@ -115,7 +128,7 @@ def angles(log_set: RawSet, role: Role, values: Floats) -> None:
 
 
 def survey_angles(log_set: RawSet, inclined: Role, turned: Role, inclination: Floats, azimuth: Floats) -> None:
-    """Check that inclination and azimuth, in degrees, are in range and are not radians read as degrees."""
+    """Check that inclinations and azimuths, in degrees, are in range and do not look like radians read as degrees."""
     for role, values, low, high in ((inclined, inclination, 0.0, 180.0), (turned, azimuth, -360.0, 360.0)):
         wrong = np.flatnonzero(np.isfinite(values) & ((values < low - 1e-6) | (values > high + 1e-6)))
         if wrong.size:
