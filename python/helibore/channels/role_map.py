@@ -11,8 +11,8 @@
     step = 22.5                        # images: angle from one sector to the next
     reference = "north"                # toolface: what it counts from: north, high-side, or automatic (by inclination)
 
-A channel that the map does not name keeps its guessed role. A role that the map states is confirmed: the checks for
-likely mistakes are skipped.
+A channel that the map does not name keeps its guessed role. The role of a channel that the map names is confirmed: the
+checks for likely mistakes are skipped.
 """
 
 from __future__ import annotations
@@ -43,15 +43,15 @@ SPELLING = re.compile(r"(?P<name>.+?)(?:@(?P<angle>[-+]?\d+\.?\d*))?(?::(?P<unit
 def write_map(roles: RoleMap, with_set: bool = True, warning: str = "") -> str:
     """Return roles as a TOML map, with reasons as comments, and channels without a role as comments to edit.
 
-    ``warning`` becomes the first comment; it says why the file is refused with these roles.
+    If the file is refused with these roles, ``warning`` says why; it becomes the first comment.
     """
-    lines = [f"# Refused as it stands: {warning}".replace("\n", " "), ""] if warning else []
+    lines = [_comment(f"Refused as it stands: {warning}"), ""] if warning else []
     if roles.set_name and with_set:
         lines += [f"set = {quoted(roles.set_name)}", ""]
     for role in roles:
         if role.role == "none":
             continue
-        lines += [f"# {role.reason}".replace("\n", " "), f"[channels.{quoted(role.channel)}]"]
+        lines += [_comment(role.reason), f"[channels.{quoted(role.channel)}]"]
         lines.append(f'role = "{role.role}"')
         if role.unit or (ROLES[role.role] and role.role != "time"):
             comment = "" if role.unit else "   # not stated in the file: fill it in"
@@ -65,7 +65,10 @@ def write_map(roles: RoleMap, with_set: bool = True, warning: str = "") -> str:
 
 
 def _without_role(roles: RoleMap) -> list[str]:
-    """Return lines on the channels without a role: their names, or, if the set lacks a role, entries to fill in."""
+    """Return comments on the channels without a role.
+
+    They list the names of the channels if the other roles make the set usable; else they are entries to fill in.
+    """
     rest = [role for role in roles if role.role == "none"]
     if not rest:
         return []
@@ -76,21 +79,26 @@ def _without_role(roles: RoleMap) -> list[str]:
     lines = [*textwrap.wrap(about, 116, initial_indent="# ", subsequent_indent="# "), ""]
     for role in () if usable else rest:
         entry = [f"[channels.{quoted(role.channel)}]", f'role = ""   # {role.reason}', f"unit = {quoted(role.unit)}"]
-        lines += [*(f"# {line}".replace("\n", " ") for line in entry), ""]
+        lines += [*map(_comment, entry), ""]
     return lines
+
+
+def _comment(text: str) -> str:
+    """Return text as a TOML comment on one line; a blank replaces each control character, which TOML refuses."""
+    return "# " + "".join(c if c.isprintable() else " " for c in text)
 
 
 def quoted(text: str) -> str:
     """Return text as a TOML basic string."""
     escaped = text.replace("\\", "\\\\").replace('"', '\\"')
-    return '"' + "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in escaped) + '"'
+    return '"' + "".join(c if c.isprintable() else f"\\U{ord(c):08x}" for c in escaped) + '"'
 
 
 def read_map(path: str | Path, file: LogFile) -> RoleMap:
-    """Read a TOML map, and replace the guessed roles of the set that it names by the roles of the map.
+    """Read a TOML map, and replace guessed roles of the set that it names, or of the only set, by the roles of the map.
 
-    Raises InputError, which names map, channel and rule, if the map is not TOML, has an unknown key, role, channel or
-    unit, has a unit of the wrong kind, or gives one role twice.
+    An InputError names the map, the channel and the rule if the map is not TOML, names a key, role, channel, unit or
+    set that does not exist, gives a role a value that does not belong to it, or gives one role to two channels.
     """
     path = Path(path)
     tree = read_toml(path, path.name)
@@ -131,7 +139,7 @@ def _entry(base: Role, entry: Any, place: str, why: str, own_reference: str) -> 
     for key, value in entry.items():
         if key not in KEYS:
             raise InputError(f"{place}: {key}", f"must be one of {', '.join(KEYS)}")
-        number = isinstance(value, int | float) and not isinstance(value, bool)
+        number = isinstance(value, float) or (type(value) is int and abs(value) < 2**63)  # the integers of TOML
         if not (number if KEYS[key] is float else isinstance(value, str)):
             raise InputError(f"{place}: {key}", f"must be {'a number' if KEYS[key] is float else 'text'}", repr(value))
     role = entry.get("role", base.role)
@@ -161,9 +169,9 @@ def parse_options(
     """Replace roles by columns written ``NAME[@ANGLE][:UNIT]``, as in options of the command line.
 
     ``columns`` holds a column by role, for roles that only one channel has; None leaves the role as it is. ``arms``
-    holds columns by role, for wall channels; if any is given, all other channels lose their wall roles. Raises
-    InputError if a column is not in the set, has an angle that its role does not take, or a unit that is unknown or of
-    a wrong kind.
+    holds columns by role, for wall channels; if any is given, all other channels lose their wall roles. An InputError
+    names a column that is not in the set, is given two roles, has an angle that its role does not take, or has a unit
+    that is unknown or of a wrong kind.
     """
     wanted = [(role, spelling) for role, spelling in columns.items() if spelling is not None]
     wall = [(role, spelling) for role, spellings in arms.items() for spelling in spellings]
@@ -198,7 +206,11 @@ def parse_options(
 
 
 def _own_angle(roles: RoleMap, name: str, role: str, turning: bool) -> float | None:
-    """Return the angle of an arm whose option states none: its guessed angle, or 0 for a radius beside a toolface."""
+    """Return the angle of an arm whose option states none.
+
+    This is the guessed angle if the role is as guessed, except of an arm pair that turns without a toolface. Else it is
+    0 for a radius or travel time if there is a toolface, and None for any other arm.
+    """
     known = roles.roles.get(name)
     if known is not None and known.role == role and known.angle is not None and (turning or not known.turns):
         return known.angle

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
@@ -118,8 +119,18 @@ def test_mapping_a_role_takes_it_from_the_guess(tmp_path: Path) -> None:
 def test_quoted_names_survive() -> None:
     import tomllib
 
-    name = 'a"b\\c\n\x7f é [1]'
+    name = 'a"b\\c\n\x7f é [1] \U000f0000'
     assert tomllib.loads(f"x = {quoted(name)}")["x"] == name
+
+
+def test_a_description_with_control_characters_leaves_the_map_readable(tmp_path: Path) -> None:
+    curves = [{"name": "MD", "unit": "m"}, {"name": "HC", "unit": "in", "description": "caliper\r\n\x1b[1m, mean"}]
+    (tmp_path / "l.json").write_text(json.dumps([{"header": {}, "curves": curves, "data": [[1.0, 8.5], [2.0, 8.5]]}]))
+    file = hb.open(tmp_path / "l.json")
+    text = write_map(guess(file.set()), warning="a\rb")
+    assert "# named or described as a caliper (caliper   [1m, mean) without a direction" in text
+    (tmp_path / "m.toml").write_text(text)
+    assert read_map(tmp_path / "m.toml", file)["HC"].role == "mean-diameter"
 
 
 def test_inspect(tmp_path: Path) -> None:
