@@ -1,17 +1,19 @@
 """Join sector columns into one image: ABDC1M..ABDC16M, GRAS0M..7M, GRIM[1].., GRIM:1.., GRIM1.. -> (n, K).
 
-    stem  number  suffix            joined if the numbers run without a gap from 0 or 1, at least four of them, with
-    ABDC    16      M               one unit, and the columns are those of one tool around the hole
+    stem  number  suffix            joined if there are at least four, their numbers rise one by one from 0 or 1, they
+    ABDC    16      M               have one unit, and they are the columns of one tool around the hole
 
-Other series stay single columns, with a remark: a series with a gap; the pads of a dip meter and the probes of a
-production tool, by their names; and four to seven columns without stated angles whose unit is neither a length nor one
-of gamma or density, because the pads of a dip meter look the same.
+These series stay single columns, with a remark: a series with a gap, or whose numbers fall; the pads of a dip meter and
+the probes of a production tool, by their names; and four to seven columns without stated angles whose unit is neither a
+length nor one of gamma or density, because the pads of a dip meter look the same. A series that holds neither 0 nor 1
+stays single columns without a remark.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from itertools import chain, count
 
 import numpy as np
 
@@ -23,7 +25,7 @@ NAMELESS = "column"
 """Name of columns without a name (``column 1``, ``column 2`` ...), whose numbers do not count sectors."""
 
 SURE = 8
-"""The number of numbered columns that make an image even without stated angles."""
+"""This many numbered columns, or more, make an image even without stated angles."""
 
 IMAGE_UNITS = frozenset(["gapi", "api", "aapi", "g/cc", "g/cm3", "g/c3", "kg/m3", "k/m3", "cps", "b/e"])
 """Units, in lower case, of gamma and density images; dip meters measure neither."""
@@ -40,7 +42,10 @@ NUMBERED = re.compile(r"^(?P<stem>.*?\D)[\[_:(. -]?(?P<number>\d{1,4})[\])]?(?P<
 
 
 def join_sectors(channels: Sequence[Channel], index: str | None) -> tuple[list[Channel], list[str]]:
-    """Return the channels with every series of sector columns joined, and remarks on series left as single columns."""
+    """Return the channels with every series of sector columns joined, and remarks on series left as single columns.
+
+    ``index`` is the name of the index channel, which is never a sector.
+    """
     series: dict[tuple[str, str, str], list[tuple[int, Channel]]] = {}
     for channel in channels:
         match = NUMBERED.match(channel.name)
@@ -53,9 +58,9 @@ def join_sectors(channels: Sequence[Channel], index: str | None) -> tuple[list[C
     taken = {channel.name for channel in channels}
     for (stem, suffix, _), found in series.items():
         numbers = [number for number, _ in found]
-        if len(found) < FEWEST_SECTORS or numbers[0] not in (0, 1) or stem == NAMELESS:
+        if len(found) < FEWEST_SECTORS or min(numbers) not in (0, 1) or stem == NAMELESS:
             continue
-        if numbers != list(range(numbers[0], numbers[0] + len(numbers))):
+        if numbers != list(range(min(numbers), min(numbers) + len(numbers))):
             remarks.append(f"{stem}{numbers[0]}{suffix} ...: {_gap(numbers)}; left as single columns")
             continue
         members = [channel for _, channel in found]
@@ -63,7 +68,8 @@ def join_sectors(channels: Sequence[Channel], index: str | None) -> tuple[list[C
         if doubt:
             remarks.append(f"{stem}{numbers[0]}{suffix} ...: {doubt}; left as single columns")
             continue
-        name = next(each for each in (stem, stem + suffix, f"{stem}#{suffix}", f"{stem}##") if each not in taken)
+        marked = (f"{stem}{'#' * marks}{suffix}" for marks in count())
+        name = next(each for each in chain([stem], marked) if each not in taken)
         taken.add(name)
         images[members[0].name] = _image(name, members)
         inside.update(member.name for member in members)
@@ -76,9 +82,10 @@ def join_sectors(channels: Sequence[Channel], index: str | None) -> tuple[list[C
 
 
 def _gap(numbers: list[int]) -> str:
-    lacking = sorted(set(range(numbers[0], max(numbers) + 1)) - set(numbers))
+    first, last = min(numbers), max(numbers)
+    lacking = sorted(set(range(first, last + 1)) - set(numbers))
     if lacking:
-        return f"number {lacking[0]} of {numbers[0]}..{max(numbers)} is not in the file"
+        return f"number {lacking[0]} of {first}..{last} is not in the file"
     return "the numbers do not rise one by one"
 
 

@@ -158,6 +158,18 @@ def test_columns_around_the_hole_are_an_image(columns: list[Channel]) -> None:
     assert (image.shape, image.member_names, remarks) == ((3, len(columns)), tuple(c.name for c in columns), [])
 
 
+def test_a_series_of_sectors_has_a_name_of_its_own() -> None:
+    brackets = [("", ""), ("[", "]"), ("(", ")"), ("_", ""), (".", "")]
+    pairs = zip(brackets, ["gapi", "g/cc", "cps", "b/e", "kg/m3"], strict=True)
+    columns = [channel(f"GR{a}{n}{b}", unit, [1.0]) for (a, b), unit in pairs for n in range(1, 5)]
+    joined, remarks = join_sectors(columns, None)
+    assert [each.name for each in joined] == ["GR", "GR#", "GR##", "GR###", "GR####"]
+    assert remarks == []
+    joined, remarks = join_sectors([channel(f"GR{n}", "gapi", [1.0]) for n in (4, 3, 2, 1)], None)
+    assert len(joined) == 4
+    assert remarks == ["GR4 ...: the numbers do not rise one by one; left as single columns"]
+
+
 def test_arms_go_in_pairs() -> None:
     both = guess(log_set(channel("cal_x", "in"), channel("cal_y", "in"), channel("RB", "deg")))
     assert (both["cal_x"].role, both["cal_x"].angle, both["cal_y"].angle) == ("diameter", 0.0, 90.0)
