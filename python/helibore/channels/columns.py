@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base import units
+from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.channels import plausibility
 from helibore.channels.roles import ROLES, Role, RoleMap, guess
@@ -22,12 +23,10 @@ from helibore.images.sector_image import Direction, Origin, SectorImage
 from helibore.trajectory.references import Reference
 from helibore.trajectory.survey import Survey
 
-Floats = npt.NDArray[np.float64]
-
 
 @dataclass(frozen=True)
 class RawSectorImage:
-    """A sector image as it stands in the file; `sector_image` turns it into an image for walls.
+    """A sector image as the file holds it; `sector_image` turns it into an image for walls.
 
     Attributes
     ----------
@@ -37,11 +36,11 @@ class RawSectorImage:
         (n,) float64 metres, strictly growing or strictly falling, and (n, K) values, NaN where missing.
     first, step
         Angle of the first sector, and angle from one sector to the next, degrees; None if neither the file nor a map
-        states them.
+        states them. ``step`` is NaN if the file states uneven angles.
     members
-        The columns that form the image.
+        Names of the columns that form the image; ``()`` if the file stores it as one array.
     dropped
-        Rows left out because they have no depth.
+        Number of rows left out because they have no depth.
     """
 
     name: str
@@ -77,8 +76,8 @@ class RawSectorImage:
         Raises
         ------
         InputError
-            If the sectors do not fit around the hole (``GRAS: 8 sectors, 22.5 deg apart: must be 45``), and as
-            `SectorImage`, with the channel's name.
+            If the sectors do not fit around the hole (``GRAS: 8 sectors, 22.5 deg apart: must be 45 around the hole``).
+            Also if `SectorImage` refuses an argument; the error then begins with the channel's name.
         """
         even, step = 360.0 / self.values.shape[1], self.step
         if step is not None and not abs(abs(step) - even) <= 0.005 * even:  # NaN: not evenly spaced
@@ -98,10 +97,11 @@ class RawSectorImage:
 
 
 def column(log_set: RawSet, role: Role, option: str = "its option") -> Floats:
-    """Return a channel in metres, degrees or seconds. A unit that is missing or does not fit is an error.
+    """Return a channel in metres, degrees or seconds. A unit that is missing or does not fit its role is an error.
 
-    ``option`` is the option of the command line that the error names. Angles without a unit are degrees if one of them
-    is beyond 2 pi. A ``time`` without a unit is in seconds.
+    Two units may be missing: angles are degrees if one of them is beyond 2 pi, and a ``time`` is in seconds. If the
+    role needs no unit, the values are returned as they are. The error names ``option``, an option of the command line,
+    as a place to state the unit.
     """
     kind = ROLES[role.role]
     values = log_set.numbers(role.channel)
@@ -121,7 +121,7 @@ def column(log_set: RawSet, role: Role, option: str = "its option") -> Floats:
 
 
 def depths(log_set: RawSet, roles: RoleMap, option: str = "its option") -> tuple[Role, Floats]:
-    """Return the depth channel and its values in metres; values that cannot be depths are an error."""
+    """Return the depth channel and its values in metres; an InputError names values that cannot be depths."""
     role = needed(log_set, roles, "depth")
     values = column(log_set, role, option)
     plausibility.depths(log_set, role, values)
@@ -145,7 +145,10 @@ def about_names(log_set: RawSet) -> str:
 
 
 def north_of(log_set: RawSet, roles: RoleMap) -> str:
-    """Return the north of a survey's azimuths (true, grid or magnetic) if their channel states it, or else ""."""
+    """Return the north of a survey's azimuths (true, grid or magnetic) if exactly one stands in their channel's text.
+
+    The text is the name and description of the channel. Return "" if it names no north, or several.
+    """
     role = roles.one("azimuth")
     channel = None if role is None else log_set[role.channel]
     text = "" if channel is None else re.sub("[\\W_]+", " ", f"{channel.name} {channel.description}".lower())
@@ -203,10 +206,11 @@ def image(log_set: RawSet, name: str, roles: RoleMap | None = None) -> RawSector
     Raises
     ------
     InputError
-        If the channel has no sectors, or depth does not strictly grow or strictly fall.
+        If there is no such channel, it has no sectors, no row has a depth, or depth neither strictly grows nor strictly
+        falls.
     """
     roles = roles or guess(log_set)
-    channel = log_set[name]
+    channel = log_set.channel(name)
     if len(channel.shape) != 2:
         images = [each.channel for each in roles.all("image", "radius-image")]
         raise log_set.input_error(f"has no sectors; the images are {', '.join(images) or 'none'}", column=name)

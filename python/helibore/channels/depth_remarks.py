@@ -1,4 +1,4 @@
-"""Describe the depths of a set in sentences: range in metres, direction, repeats and gaps."""
+"""Describe the depths of a set in remarks: range in metres, direction, repeats, step and gaps."""
 
 from __future__ import annotations
 
@@ -10,7 +10,10 @@ from helibore.files.raw_set import RawSet
 
 
 def depth_remarks(log_set: RawSet, roles: RoleMap) -> list[str]:
-    """Return sentences on range in metres (if the unit differs), direction, repeats, and gaps over 3 median steps."""
+    """Return remarks on the depths: direction, repeats, median step, and gaps of more than three median steps.
+
+    If the unit is not metres, the range in metres is remarked too. There are no remarks without a channel of depths.
+    """
     role = roles.one("depth")
     if role is None or log_set[role.channel].is_text:
         return []

@@ -22,14 +22,17 @@ NAMES = {
     "mud": ("MUD", "DFT", "MUD_TYPE"),
     "remarks": ("REM", "REMARKS", "COMMENT", "R1"),
 }
-"""Entries of a header, and the names that files have for them, in upper case.
+"""For each entry of a header, the names that files have for it, in upper case.
 
 ``kb`` and ``gl`` are the elevations of kelly bushing and ground.
 """
 
 
 def log_header(headers: Iterable[Mapping[str, str]]) -> dict[str, str]:
-    """Return every entry of a log header that a file states; if several files state an entry, the first file counts."""
+    """Return every entry of a log header that a file states; if several files state an entry, the first file counts.
+
+    The texts "none" and "unknown" count as not stated.
+    """
     found: dict[str, str] = {}
     for header in headers:
         upper = {name.upper(): " ".join(str(text).split()) for name, text in header.items()}

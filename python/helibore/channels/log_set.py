@@ -25,11 +25,11 @@ from helibore.trajectory.survey import Survey
 class LogSet(RawSet):
     """Channels with one index, such as a LAS data section, a DLIS frame or a table; sector columns are one image.
 
-    Attributes are those of a `RawSet`; an image takes the place of its first column.
+    It has the attributes of a `RawSet`. In ``channels``, an image stands in the place of its first column.
     """
 
     def caliper(self, roles: RoleMap | None = None, bit_diameter: float | None = None) -> Caliper:
-        """Return the wall samples as a `helibore.Caliper`. The error for an impossible radius names its line.
+        """Return the wall samples as a `helibore.Caliper`. An error about an impossible radius names its line or row.
 
         ``helibore.prepare(file.readings(), ...)`` conditions, corrects and merges the readings first.
         """
@@ -53,7 +53,10 @@ class LogFile:
         self.path, self.format, self.sets, self._close = path, format_name, tuple(sets), close
 
     def set(self, name: str | None = None) -> LogSet:
-        """Return the set of that name, or the only set. If there is none, raise an InputError that lists the sets."""
+        """Return the set of that name, or the only set if ``name`` is None.
+
+        An InputError lists the sets if no set has the name, or if there are several sets and ``name`` is None.
+        """
         names = ", ".join(repr(each.name) for each in self.sets)
         if name is None:
             if len(self.sets) == 1:

@@ -23,21 +23,22 @@ def open(  # noqa: A001
         CSV, TSV, XLSX, Parquet, LAS 2.0 or 3.0, DLIS, LIS, JSON Well Log Format, WITSML 1.4.1.1 log or trajectory, or
         NPZ. The text formats may be gzipped.
     nulls
-        Numbers that mean "no measurement", beside the number that the file declares.
+        Numbers that mean "no measurement", in addition to a number that the file declares.
     header_line
-        For CSV, TSV and XLSX: the line of the column names, counted from 1. None: the line is found.
+        For CSV, TSV and XLSX: the line of the column names, counted from 1. None: helibore looks for this line.
 
     Returns
     -------
     LogFile
-        Channels by name, in one or more sets. Parquet and DLIS load values when they are first used; other formats are
-        read at once. A damaged or empty set is left out, and the other sets have a remark about it.
+        Channels by name, in one or more sets. The columns of Parquet, except lists, and the rows of DLIS are read when
+        they are first used; other formats are read at once. A damaged or empty set is left out, and the other sets have
+        a remark about it.
 
     Raises
     ------
     InputError
-        If the content has none of the formats, or breaks the rules of its format. The error names file, line or column,
-        and rule.
+        If the content has none of these formats, or breaks the rules of its format. The error names the file, the line
+        or column if it is known, and the rule.
     MissingExtraError
         If the format needs a library that is not installed. The error names the extra that installs the library.
     OSError

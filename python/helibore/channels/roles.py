@@ -3,7 +3,7 @@
     name, description, unit, shape  --guess-->  role: depth, toolface, radius, diameter, inclination, image ...
     [channels."pfc1_x_in"]  role = "diameter"  unit = "in"  angle = 0.0        (an entry of a map)
 
-A guess uses names and units, never the size of the numbers. ``columns`` converts the values.
+A guess uses names, descriptions, units and shapes, never the size of the numbers. ``columns`` converts the values.
 A ``diameter`` is two wall points, at ``angle`` and opposite; a ``radius`` is one. ``angle`` is counted from the
 toolface channel if there is one, else from the toolface reference.
 """
@@ -44,7 +44,7 @@ SINGLE = (
     "depth", "time", "toolface", "inclination", "azimuth", "tvd", "north", "east", "bit-diameter", "pass",
     "toolface-reference",
 )  # fmt: skip
-"""Roles that only one channel of a set can have; the channel that fits the earliest of the patterns below gets it."""
+"""Roles that only one channel of a set can have; the channel that fits the earliest of `PATTERNS` gets the role."""
 
 WALL = ("radius", "diameter", "radius-image", "travel-time")
 """Roles whose values are wall points."""
@@ -133,17 +133,17 @@ class RoleMap:
         return self.roles[channel]
 
     def all(self, *roles: str) -> list[Role]:
-        """Every channel that has one of these roles."""
+        """Return the entries of all channels that have one of these roles."""
         return [each for each in self if each.role in roles]
 
     def one(self, role: str) -> Role | None:
-        """Return the channel that has this role, or None."""
+        """Return the entry of the first channel that has this role, or None."""
         found = self.all(role)
         return found[0] if found else None
 
 
 def guess(log_set: RawSet) -> RoleMap:
-    """Guess the role of every channel of a set, each with its reason; ``none`` if no role fits."""
+    """Guess the role of every channel of a set, each with its reason; the role is ``none`` if no role fits."""
     roles = {channel.name: _none(channel, NO_RULE) for channel in log_set}
     _single_roles(log_set, roles)
     has_toolface = any(role.role == "toolface" for role in roles.values())
@@ -193,14 +193,15 @@ def stem(channel: Channel) -> str:
 
 
 def _fits(channel: Channel, kind: str) -> bool:
-    """Return whether a channel's unit allows a role: it is of the right kind, or not stated."""
+    """Return whether a channel's unit allows a role: it is of this kind or not stated, or the role needs no unit."""
     return not kind or not channel.unit or units.measures(channel.unit) == kind
 
 
 def _single_roles(log_set: RawSet, roles: dict[str, Role]) -> None:
     """Assign each role of `SINGLE` (depth, time, toolface ...) to the channel that fits it best.
 
-    The other channels that fit get no role, and their reasons name the channel that has it.
+    The other channels that fit a role do not get it; their reasons name the channel that has the role. If no channel
+    fits depth, the index becomes the depth if its unit is one of length.
     """
     inclined = any(one.is_text and re.fullmatch(r"incl?|inclination|devi?|deviation", stem(one)) for one in log_set)
     for role, name, described in PATTERNS:
@@ -233,7 +234,7 @@ def _single_roles(log_set: RawSet, roles: dict[str, Role]) -> None:
 
 
 def toolface_reference(channel: Channel) -> str:
-    """Return "north" for a toolface whose name or description says that it counts from north, else ""."""
+    """Return "north" if the name or description of a toolface says that it counts from north, else ""."""
     return "north" if NORTH.fullmatch(stem(channel)) or NORTH_TEXT.search(channel.description) else ""
 
 
@@ -307,7 +308,7 @@ def _wall_role(channel: Channel, has_toolface: bool) -> Role | None:
 
 
 def _pair_arms(roles: dict[str, Role]) -> None:
-    """Remove the role of an arm named x or y if the arm at right angles is missing."""
+    """Remove the role of each arm pair that is named x or y if no pair has the other direction."""
     arms = [each for each in roles.values() if each.role == "diameter" and each.turns]
     if len({arm.angle for arm in arms}) == 1:
         for arm in arms:

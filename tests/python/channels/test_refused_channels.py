@@ -84,6 +84,7 @@ def made(columns: dict[str, Any]) -> LogSet:
          "map: radius: angles: must be one of role, unit, angle, first, step, offset, latency, reference"),
         ({}, {"radius": 3}, "map: radius: must be a table"),
         ({}, {"radius": {"angle": "x"}}, "map: radius: angle = 'x': must be a number"),
+        ({}, {"radius": {"angle": 2**64}}, "map: radius: angle = 18446744073709551616: must be a number"),
         ({}, {"radius": {"unit": 3}}, "map: radius: unit = 3: must be text"),
         ({}, {"radius": {"role": "size"}}, f"map: radius: role = 'size': must be one of {', '.join(ROLES)}"),
         ({}, {"radius": {"unit": "deg"}}, "map: radius: unit = 'deg': must be a unit of length for a radius"),
@@ -143,6 +144,7 @@ def test_surveys(columns: dict[str, Any], text: str) -> None:
     ("depth", "name", "text"),
     [
         (np.arange(N), "GR", "f.las, column GR: has no sectors; the images are I"),
+        (np.arange(N), "RES", "f.las: no channel 'RES'; it holds MD, GR, I"),
         (np.full(N, np.nan), "I", "f.las, column MD: has no value"),
         (np.r_[np.arange(7), 3.0], "I",
          "f.las, row 7, column MD: depth 3 m after 6 m: an image's depth must strictly grow or strictly fall"),
