@@ -34,7 +34,7 @@ from helibore.logs.picks import can_save
 from helibore.logs.template import Template, TemplateTrack
 from helibore.trajectory.references import Reference
 from helibore.trajectory.survey import Path
-from helibore.viewer.feed import Feed, ViewedWall
+from helibore.viewer.feed import Feed, ViewedWall, first_vertex
 from helibore.viewer.scene import Attribute
 
 if TYPE_CHECKING:
@@ -234,7 +234,8 @@ def of_other(wall: ViewedWall, name: str, other: Wall) -> tuple[Attribute, npt.A
 
     The values are the radius of ``other`` above that of its bit, in metres.
     """
-    own = wall.vertices(0, len(wall))
+    first = first_vertex(wall)
+    own = wall.vertices(first, first + len(wall))
     over = own.radius - 0.5 * wall.settings.bit_diameter
     limit = symmetric_limit(over, MILLIMETRE)  # one colour means one size in all walls
     attribute = Attribute(f"Over bit {name}", "m", -limit, limit, color_map="over-bit")

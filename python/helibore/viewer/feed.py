@@ -43,6 +43,7 @@ READ_SECONDS = 0.1  # least seconds between two reads: a page shows at most ten 
 ZONES_SECONDS = 2.0  # least seconds between two searches for zones, which take at most a fiftieth of the time
 FEW_TURNS = 50  # turns; a shorter wall says little about the hole to come
 USUAL_LIMIT = 0.02  # metres below and above the bit that the colours of such a wall show at least
+AHEAD = 100.0  # metres that a bit may be ahead of the wall and still have its true depth on the page
 
 
 class ViewedWall(Protocol):
@@ -79,6 +80,7 @@ class Feed:
             helix.sectors, helix.pitch, helix.start_depth, float(settings.bit_diameter), helix.start_toolface, well,
             tuple(named), basis_of(wall), basis_text_of(wall), reference or reference_of(wall), reference_assumed(wall),
         )  # fmt: skip
+        self._first = first_vertex(wall)  # the wall and its changes count from there, the scene from 0
         self._values = {attribute.name: values for attribute, values in named.items()}
         for name, values in self._values.items():
             self._check(name, values)
@@ -101,7 +103,7 @@ class Feed:
         self.scene.summarize, self.scene.path = self._summarize, path
         self._extend_path()
         self._choose_ranges()
-        self._read([(0, len(wall))], wall.settled)
+        self._read([(0, len(wall))], wall.settled - self._first)
 
     def start(self) -> None:
         """Start the threads that read what `update` notes and find the zones. Both end before Python does."""
@@ -118,13 +120,16 @@ class Feed:
     def update(self, change: Any = None, attributes: Mapping[str, npt.ArrayLike] | None = None) -> None:
         """Note what an append changed; if ``change`` is None, compare everything. ``attributes`` are whole columns."""
         columns = {name: self._column(name, values) for name, values in (attributes or {}).items()}
-        ranges = [(0, len(self._wall))] if change is None else [tuple(part) for part in change.ranges]
+        first = self._first
+        whole = (first, first + len(self._wall))
+        ranges, settled = ([whole], self._wall.settled) if change is None else (change.ranges, change.settled)
         before = self._shape.sectors + 1 if columns else 0  # a quad gets its value with its last vertex
         with self._changed:
             self._values |= columns
             for start, stop in ranges:
-                self._ranges = union([*self._ranges, (max(0, int(start) - before), int(stop))], MOST_PENDING)
-            self._settled = self._wall.settled if change is None else int(change.settled)
+                part = max(0, int(start) - first - before), int(stop) - first
+                self._ranges = union([*self._ranges, part], MOST_PENDING)
+            self._settled = int(settled) - first
             self._changed.notify_all()
 
     def set_path(self, path: Path | None) -> None:
@@ -185,7 +190,7 @@ class Feed:
         for start, stop in ranges:
             for first in range(start, min(stop, len(self._wall)), CHUNK):
                 last = min(first + CHUNK, stop, len(self._wall))
-                read = self._wall.vertices(first, last)
+                read = self._wall.vertices(self._first + first, self._first + last)
                 values = {name: column[first:last] for name, column in self._values.items()}
                 self.scene.write(first, Vertices(read.radius, read.nearest, read.support, read.provisional), values)
         self.scene.settle(settled)
@@ -195,7 +200,8 @@ class Feed:
         """Choose the ends of the colours from the whole wall; once it has `FEW_TURNS` turns, they are final."""
         few, ranges = FEW_TURNS * self._shape.sectors, dict(self.scene.state.ranges)
         if "over" not in self._chosen:
-            read, bit = self._wall.vertices(0, len(self._wall)), self._shape.bit_diameter / 2
+            read = self._wall.vertices(self._first, self._first + len(self._wall))
+            bit = self._shape.bit_diameter / 2
             self._young |= len(read.radius) < few
             limit = max(symmetric_limit(read.radius - bit, MILLIMETRE), USUAL_LIMIT if self._young else 0.0)
             nearest = symmetric_limit(numbers(read.nearest), MILLIMETRE)
@@ -297,10 +303,15 @@ class Feed:
             raise InputError(f"the wall lies {wall}, the path {ends}", "; ".join(how))
 
 
+def first_vertex(wall: ViewedWall) -> int:
+    """Return the number of a wall's first vertex: 0, or `Settings.first_vertex` of a part of a helix."""
+    return int(getattr(wall.settings, "first_vertex", 0))
+
+
 def frame_count(shape: WallShape, vertices: int, rows: int) -> int:
-    """Return how many frames a wall needs up to the end of its last tile, so that no tile waits for one."""
+    """Return how many frames a wall needs up to the end of its last tile, and for a bit that is `AHEAD` of it."""
     tile = rows * shape.sectors
-    span = (-(-max(vertices, 1) // tile) * tile + shape.sectors + 1) * abs(shape.pitch) / shape.sectors
+    span = (-(-max(vertices, 1) // tile) * tile + shape.sectors + 1) * abs(shape.pitch) / shape.sectors + AHEAD
     return math.ceil(span / FRAME_STEP) + 2
 
 

@@ -309,6 +309,23 @@ def test_a_live_wall_is_followed_append_by_append() -> None:
         assert abs(touched - 1010).max() < 1.0, "only what the late samples reach is a re-scan"
 
 
+def test_a_part_of_a_helix_is_followed_append_by_append() -> None:
+    """Its vertices and changes count from `first_vertex`, those of the page from 0."""
+    rng = np.random.default_rng(7)
+    depth, toolface = np.sort(rng.uniform(0, 20, 12_000)), rng.uniform(0, 360, 12_000)
+    radius = 0.11 + 0.004 * rng.random(12_000)
+    wall = hb.Wall(bit_diameter=0.216, sectors=16, start_depth=0.0, first_vertex=800, stop_vertex=2900)
+    wall.append(depth[:6000], toolface[:6000], radius[:6000])
+    with hb.view(wall, beside={"same": wall}) as viewer:
+        assert viewer.scene.shape.start_depth == pytest.approx(5.0)
+        assert follows(viewer.scene, wall)
+        viewer.update(wall.append(depth[6000:9000], toolface[6000:9000], radius[6000:9000]))
+        until(lambda: follows(viewer.scene, wall))
+        wall.append(depth[9000:], toolface[9000:], radius[9000:])
+        viewer.update()
+        until(lambda: follows(viewer.scene, wall) and viewer.scene.settled == wall.settled - 800)
+
+
 def test_values_of_new_quads_come_with_the_change_and_provisional_vertices_settle() -> None:
     rng = np.random.default_rng(6)
     depth = 1000 + np.sort(rng.uniform(0, 4, 4000))
