@@ -323,8 +323,8 @@ HEADER = "md_m,tf_deg,radius_m\n"
          "NUMBER says so (Python: nulls of hb.open)"),
         (HEADER + ",2,99\n1,2,0.1\n1,2,8.5\n1,2,0.1\n1,2,0.1\n", {},
          "c.csv, line 4, column radius_m: radius 8.5 m: must be above 0 and at most 2 m; "
-         "--radius-range drops such radii (Python: greatest_radius); if the number of the file means no value, --absent "
-         "NUMBER says so (Python: nulls of hb.open)"),
+         "--radius-range drops such radii (Python: greatest_radius); if the number of the file means no value, "
+         "--absent NUMBER says so (Python: nulls of hb.open)"),
         (HEADER + "1,2,8.5\n", {},
          "c.csv, column radius_m: median 8.5 m if the unit is m: no radius of a borehole (would fit cm or in)"),
         (HEADER + "1,2,-999.25\n2,,0.1\n", {}, "c.csv: no row has depth, toolface and a radius (1 values missing in "
