@@ -1,9 +1,9 @@
-"""Who may ask the server anything, and what a browser may do with the answers.
+"""Which requests the server answers, and what a browser may do with the answers.
 
-If the viewer has a token, a request must have the same token. Without a token, the Host header must be a name of the
-viewer, so that a page elsewhere cannot reach it through a name of its own for 127.0.0.1. In either case the Origin, if
-a browser sends one, must be the viewer's. A browser hides why a websocket failed to open, so a websocket with a wrong
-token is opened and then closed with the reason.
+If the viewer has a token, a request must have the same token, except for `NEEDS_NO_TOKEN`. Without a token, the Host
+header must be a name of the viewer, so that a page of another server cannot reach the viewer through a name of its own
+for 127.0.0.1. In either case the Origin, if a browser sends one, must be the viewer's. A browser hides why a websocket
+failed to open, so a websocket with a wrong token is opened and then closed with the reason.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from urllib.parse import parse_qs, urlsplit
 from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-LOOPBACK = ("127.0.0.1", "localhost", "[::1]", "::1")
+LOOPBACK = ("127.0.0.1", "localhost", "[::1]")
 NEEDS_NO_TOKEN = ("/app.js", "/app.css", "/healthz")
 NO_TOKEN = "token: missing or wrong. Open the address that the viewer printed, with its ?token=..."
 POLICY = (
@@ -32,7 +32,7 @@ HEADERS = [
 
 
 class AccessControl:
-    """Checks Host, Origin and token, and sets the headers that keep other pages out."""
+    """Checks Host, Origin and token of each request, and adds `HEADERS` to each answer."""
 
     def __init__(self, app: ASGIApp, token: str | None, hosts: tuple[str, ...]) -> None:
         self.app, self.hosts = app, hosts

@@ -1,4 +1,4 @@
-"""The server in its own thread: uvicorn on a socket that is bound here, so that a port in use raises an OSError."""
+"""The server in its own thread. It binds the socket for uvicorn itself, so that a port in use raises an OSError."""
 
 from __future__ import annotations
 
@@ -17,7 +17,12 @@ START_SECONDS = 20.0
 
 
 class PageServer:
-    """Serves a scene until closed; with ``certificate`` and ``key`` (PEM files) over HTTPS."""
+    """Serves a scene until `close`; over HTTPS if ``certificate``, a PEM file, is given.
+
+    ``key`` is the PEM file of the certificate's key; None: the certificate's file also has the key. Raises InputError
+    if ``host`` is open to other machines and there is no token, or if ``port`` does not exist; OSError if the port is
+    in use.
+    """
 
     def __init__(
         self, scene: Scene, *, host: str, port: int, token: str | None,
@@ -39,7 +44,7 @@ class PageServer:
         scheme = "https" if certificate else "http"
         self.url = f"{scheme}://{name}:{bound}/" + (f"?token={quote(token, safe='')}" if token else "")
         config = uvicorn.Config(
-            application(scene, token, (*LOOPBACK, name)),
+            application(scene, token, tuple(dict.fromkeys((*LOOPBACK, name)))),
             ws="websockets-sansio",
             ssl_certfile=certificate,
             ssl_keyfile=key,
@@ -85,7 +90,7 @@ class PageServer:
 
 
 def import_server() -> Any:
-    """Return uvicorn; raise `MissingExtraError` if a library of the extra is missing."""
+    """Return uvicorn; raise `MissingExtraError` if a library of the extra ``view`` is missing."""
     with needs("", "view"):
         import starlette  # noqa: F401
         import uvicorn
