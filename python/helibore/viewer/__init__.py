@@ -1,4 +1,4 @@
-"""See a wall in a browser: `hb.view(wall)` in a script or notebook, `helibore view FILE` in a shell.
+"""Show a wall in a browser: `hb.view(wall)` in a script or notebook, `helibore view FILE` in a shell.
 
     feed.py      reads a wall that grows        client.py         what a page has not received
     scene.py     what is shown                  web_app.py        addresses and websocket
@@ -6,8 +6,8 @@
     texels.py    what is kept of a vertex       notebook_view.py  a notebook's widget
     protocol.py  the messages                   web/              the page
 
-The page needs no other machine and gets every new quad once, in about 12 bytes. Serving needs the extra ``view``, a
-notebook the extra ``notebook``; this module itself imports NumPy only.
+The page needs no other machine and receives a new quad in about 12 bytes. A server needs the extra ``view``, a widget
+in a notebook the extra ``notebook``. Importing this module needs neither.
 """
 
 from __future__ import annotations
@@ -74,17 +74,25 @@ class Viewer:
         change
             What `Wall.append` returned. None: everything is compared, and differences are sent.
         attributes
-            Values of attributes that were named when the viewer was made, one per quad of the wall as it is now. Only
-            values of changed vertices are read: ``viewer.update(change, {"GR": image.on(wall)})``.
+            Values of attributes that were named when the viewer was made, one for each quad or vertex of the wall as it
+            is now. Only values of changed vertices are read: ``viewer.update(change, {"GR": image.on(wall)})``.
+
+        Raises
+        ------
+        InputError
+            On an attribute that was not named, or with another number of values.
         """
         self._feed.update(change, attributes)
 
     def set_path(self, path: Path | None) -> None:
-        """Place the wall along a new or corrected path; the wall itself is not sent again."""
+        """Place the wall along a new or corrected path; InputError if the path does not reach all of the wall."""
         self._feed.set_path(path)
 
     def set_attribute(self, name: str, values: npt.ArrayLike) -> None:
-        """Set one value per quad of an attribute that was named when the viewer was made."""
+        """Set the values of an attribute that was named when the viewer was made: one for each quad or vertex.
+
+        There may be fewer if the wall has grown since. Raises InputError on more, or on another name.
+        """
         self._feed.set_attribute(name, values)
 
     def wait(self) -> None:
@@ -146,13 +154,13 @@ def view(
     wall
         A `helibore.Wall`. The viewer reads it and never changes it.
     path
-        Its `helibore.Path`; None is a straight vertical hole.
+        The `helibore.Path` of the hole; None: the page draws the hole straight down.
     attributes
-        Values to colour by, one per quad (quad k has the number of its first vertex), by name or by `Attribute`. None:
-        `attributes_of` the wall.
+        Values to colour by, one for each quad or vertex (quad k begins at vertex k), by name or by `Attribute`; at most
+        16. None: the images and attributes of the wall.
     curves
-        Curves along the hole that the page offers beside those of `Wall.logs`: gamma ray, rate of penetration ... The
-        first two are shown at once where there is room.
+        Curves along the hole that the page offers beside those of `Wall.logs`: gamma ray, rate of penetration ... If
+        the page is wide enough, it begins with the first two.
     template
         Which tracks the page shows at first, in which order and how wide.
     reference
@@ -160,19 +168,19 @@ def view(
         images say, if it has some.
     picks_file
         The file in which the page saves picks, as `Picks.save` does. ``wall.picks`` has the picks in any case. If the
-        file's folder cannot be written, the page says so, and that *Download* keeps the picks.
+        file's folder cannot be written, the page says so, and that its button *Download* saves the picks.
     beside
-        Other walls by name (other wells, or passes of the same well). Where `wall` reaches, the page offers their
-        radius over bit size as images in the colours of the wall's own, and their C1 and C2 as curves. Without
+        Other walls by name (other wells, or passes of the same well). At the depths of `wall`, the page offers the
+        radius of each above its bit as an image, in the colours of `wall`, and its C1 and C2 as curves. Without
         `template` the page begins with the radius images of `wall` and of the first three others side by side.
     criteria
-        Criteria of the zones; None: the usual ones.
+        Criteria of the zones, as in `Wall.zones`; None: the usual ones.
     well
         The well's name, for the page.
     host, port
-        Address to serve on. Port 0 takes a free one.
+        Address to serve on. Port 0: a free port.
     token
-        Secret that the address must carry. Required if other machines can reach `host`.
+        Secret that the address must carry. It must be given if other machines can reach `host`.
     browser
         Open the page in the default browser.
     inline
@@ -182,15 +190,16 @@ def view(
     Returns
     -------
     Viewer
-        Already serving. In a notebook it displays itself.
+        It is serving already. As the last value of a cell, it displays itself.
 
     Raises
     ------
     MissingExtraError
-        Without the extra: ``needs starlette: pip install "helibore[view]"``.
+        If a library of the extra is missing: ``needs starlette: pip install "helibore[view]"``.
     InputError
-        If the wall has no vertex or reaches beyond `path`, if an attribute's length is not the number of vertices or
-        quads, or if `host` needs a token.
+        If the wall has no vertex, has more than 2048 sectors or reaches beyond `path`; if an attribute's length is not
+        the number of vertices or quads, if there are more than 16 attributes, or two of one name; if `port` does not
+        exist, or `host` needs a token; with `inline`, if the package was built without its page.
     OSError
         If the port is in use; the text names it.
     """
@@ -251,14 +260,14 @@ def _side_by_side(names: list[str]) -> Template:
 
 
 def _in_notebook() -> bool:
-    """Whether this runs in a Jupyter kernel that has anywidget."""
+    """Return whether this runs in a Jupyter kernel that has anywidget."""
     shell = sys.modules.get("IPython")
     kernel = getattr(shell.get_ipython(), "kernel", None) if shell else None  # also None in a terminal
     return kernel is not None and importlib.util.find_spec("anywidget") is not None
 
 
 def attributes_of(wall: Any) -> dict[str | Attribute, npt.ArrayLike]:
-    """Return the images and attributes of a wall, one value a quad; images in the colours of `helibore.plot`."""
+    """Return the images and attributes of a wall, one value for each quad; images in the colours of `helibore.plot`."""
     values: dict[str | Attribute, npt.ArrayLike] = {}
     for name, image in getattr(wall, "images", {}).items():
         attribute = replace(Attribute.usual(name, image.unit), rows=even_rows(image, abs(wall.settings.pitch)))
@@ -274,7 +283,7 @@ def attributes_of(wall: Any) -> dict[str | Attribute, npt.ArrayLike]:
 
 
 def even_rows(image: SectorImage, pitch: float) -> tuple[float, float] | None:
-    """Return upper edge of the first row and height of a row, if rows are even and at least a turn high, else None."""
+    """Return the upper edge of the first row and the height of a row; None if rows are uneven or lower than a turn."""
     step = float(np.median(np.diff(image.depth))) if image.depth.size > 1 else 0.0
     if step < pitch * (1 - 1e-6):
         return None  # the wall does not have all rows of the image

@@ -1,9 +1,9 @@
-"""The server's side of one page: what the page holds, what it has not received yet, what it has not acknowledged.
+"""What the server knows of one page: what it holds, what it has not received yet, what it has not acknowledged.
 
     producer --mark--> pending ranges per tile --next_message--> page --acknowledge--> room for the next message
 
-There is no queue: a message is packed from the latest values when fewer than `MOST_UNACKNOWLEDGED` bytes wait for an
-acknowledgement. Everything here is called with the scene's lock held; nothing here waits.
+There is no queue: a message is packed from the latest values as soon as fewer than `MOST_UNACKNOWLEDGED` bytes wait for
+an acknowledgement. The caller of every function in this file holds the scene's lock; no function waits.
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ from helibore.viewer.protocol import BadMessageError, Subscription
 from helibore.viewer.scene import FRAMES_LEVEL, Scene
 
 MOST_UNACKNOWLEDGED = 1 << 20  # bytes
-MOST_PENDING = 4  # most pending ranges of a tile; more are joined, and the gaps between them are sent again
-OVERVIEW_PRIORITY = 4.5  # the tiles this near to the focus come before the overview, all others after it
+MOST_PENDING = 4  # most pending ranges of a tile; if there are more, some are joined, and their gaps are sent again
+OVERVIEW_PRIORITY = 4.5  # tiles: those nearer to the focus are sent before the overview, all others after it
 FRAMES_A_MESSAGE = 4096
 
 Key = tuple[int, int]  # level, tile
 
 
 class Client:
-    """A connected page, as the scene sees it."""
+    """A connected page: what it asked for, and what it has not received or not acknowledged."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
@@ -35,7 +35,10 @@ class Client:
         self.mark(FRAMES_LEVEL, 0, len(scene.frames.centre))
 
     def mark(self, level: int, start: int, stop: int) -> None:
-        """Note that vertices or frames [start, stop) of a level changed, if the page holds a tile that shows them."""
+        """Note that vertices or frames [start, stop) of a level changed.
+
+        Vertices of the wall count only if the page holds a tile that shows them; the overview and the frames always.
+        """
         if stop <= start:
             return
         if level == FRAMES_LEVEL:
@@ -46,7 +49,11 @@ class Client:
                     self._mark_tile((level, tile), start, stop)
 
     def subscribe(self, wanted: Subscription) -> None:
-        """Replace the subscription; each new tile becomes pending as a whole, or every tile if an attribute is new."""
+        """Replace the subscription.
+
+        Each tile that the page did not have becomes pending as a whole; if an attribute is new, every tile does. The
+        overview becomes pending with the first subscription, and again if an attribute is new.
+        """
         old, self.subscription = self.subscription, wanted
         more = bool(wanted.mask & ~old.mask)
         for key in [key for key in self.pending if key[0] == 0 and not self._holds(key[1])]:
@@ -63,12 +70,15 @@ class Client:
                 self._request((1, tile))
 
     def acknowledge(self, sequence: int) -> None:
-        """Note that the page has applied message ``sequence``."""
+        """Note that the page has applied message ``sequence``; BadMessageError if no such message waits."""
         if self.unacknowledged.pop(sequence, None) is None:
             raise BadMessageError(f"ack {sequence}: no such message is waiting for one")
 
     def next_message(self) -> bytes | None:
-        """Return the next message, packed from the latest values; None: nothing is pending, or the page is behind."""
+        """Return the next message, packed from the latest values.
+
+        None: nothing is pending, or too many bytes wait for an acknowledgement.
+        """
         if not self.pending or sum(self.unacknowledged.values()) >= MOST_UNACKNOWLEDGED:
             return None
         key = min(self.pending, key=self._priority)

@@ -1,7 +1,7 @@
-"""Downloads that take long to write: a section as a table or as a page. Few at a time, and a stalled one is given up.
+"""Downloads that take long to write: a section as a table or as a page.
 
-A download holds a frozen copy of its section until it is sent, so `MOST` bounds the server's memory. A browser that
-stops reading blocks one place for at most `STALLED` seconds.
+A download holds a frozen copy of its section until it is sent, so at most `MOST` run at a time. A browser that stops
+reading blocks one place for at most `STALLED` seconds; then its download is given up.
 """
 
 from __future__ import annotations
@@ -27,9 +27,10 @@ class Downloads:
     async def start(
         self, write: Callable[[], Iterator[str]], media_type: str, name: str, *, whole: bool = False
     ) -> Response:
-        """Return a response that sends the chunks of ``write`` as a file; 503 if no place is free, 400 on ValueError.
+        """Return a response that sends the chunks of ``write`` as a file.
 
-        ``whole``: write everything before the first byte is sent.
+        The response is 503 if `most` downloads are running, and 400 if ``write`` raises a ValueError. If ``whole`` is
+        True, the whole file is written to memory before the first byte is sent.
         """
         if self.running >= self.most:
             busy = f"the server already writes {self.most} sections: try again when one of them is done\n"

@@ -1,4 +1,4 @@
-"""Values as text: one vertex for the page's cursor, and a section of the wall as CSV."""
+"""Values for the page: a vertex for its cursor, a curve, a section of the wall as CSV. What requests ask for."""
 
 from __future__ import annotations
 
@@ -29,13 +29,14 @@ MOST_ROWS = 2_000_000
 FARTHEST = 1e6  # metres: beyond any wall, but vertex numbers stay finite
 ROWS_A_CHUNK = 256
 SCALES = 10, 10_000
-"""Least and greatest N of a scale 1:N; a finer scale would need a roll of paper, a coarser one would show nothing."""
+"""Least and greatest N of a scale 1:N. A scale such as 1:1 would need a roll of paper, 1:100000 would show nothing."""
 
 
 def vertex(scene: Scene, k: int) -> dict[str, Any]:
-    """Return all that the scene holds about vertex ``k``: metres, degrees, the attributes' units; None is missing.
+    """Return all that the scene holds about vertex ``k``: metres, degrees, the attributes' units; None if missing.
 
-    In a gauge hole nothing is measured, so it has no radius and no samples.
+    Radii and distances are rounded and limited as `pack_vertices` packs them. In a gauge hole nothing is measured, so
+    its vertices have no radius, no distance and no support.
     """
     shape, level = scene.shape, scene.levels[0]
     texel = level.texels[k]
@@ -69,7 +70,7 @@ def curve_bytes(curve: ScalarCurve) -> bytes:
 
 
 def section_ends(query: Mapping[str, str]) -> tuple[float, float]:
-    """Return the depths ``start`` and ``stop`` that a request states, metres; either may be the deeper one."""
+    """Return the depths ``start`` and ``stop`` that a request states, metres, as stated: ``start`` may be deeper."""
     start, stop = (_end(query, name) for name in ("start", "stop"))
     return start, stop
 
@@ -84,7 +85,7 @@ def _end(query: Mapping[str, str], name: str) -> float:
 
 
 def print_scale(query: Mapping[str, str]) -> int | None:
-    """Return the scale of the paper that a request asks for, 200 for 1:200; None: it asks for none."""
+    """Return the scale of the print that a request asks for, 200 for 1:200; None: it asks for none."""
     text = query.get("scale")
     if text is None:
         return None
@@ -102,7 +103,10 @@ def vertices_between(scene: Scene, start: float, stop: float) -> tuple[float, fl
 
 
 def section_csv(scene: Scene, start: float, stop: float) -> Iterator[str]:
-    """Return the vertices between two depths, at most `MOST_ROWS`, as chunks of CSV, as they are now."""
+    """Return the vertices between two depths as chunks of CSV: their values at the time of this call.
+
+    Raises InputError if there are more than `MOST_ROWS` of them.
+    """
     ends = vertices_between(scene, start, stop)
     with scene.lock:
         first = max(0, math.ceil(ends[0]))

@@ -1,11 +1,12 @@
-"""Keeps a scene equal to a wall: a thread of its own reads what changed.
+"""Keep a scene equal to a wall: a thread of the feed reads what changed.
 
     producer's update() --ranges--> feed's thread --vertices--> scene --messages--> pages
 
 The producer only notes ranges, so ten appends between two reads cost one read and a fast producer never waits. A read
-copies what changed, `CHUNK` vertices at a time; then the thread sleeps for `READ_SECONDS`, or as long as the read took,
-which leaves half a core to the producer. After a change, another thread finds the zones of the wall, and the parts
-interpolated between arms. For a long wall that takes a second, and new vertices must not wait for it.
+copies what changed, `CHUNK` vertices at a time; then the thread sleeps for `READ_SECONDS`, or for as long as the read
+took if that is longer, which leaves half a core to the producer. After a change, another thread measures the turns,
+finds the zones of the wall and the vertices interpolated between arms. For a long wall that takes a second, and new
+vertices must not wait for it.
 """
 
 from __future__ import annotations
@@ -39,10 +40,10 @@ from helibore.viewer.scene import FRAME_STEP, Attribute, PathFrames, Scene, Wall
 from helibore.viewer.texels import Vertices
 
 CHUNK = 1 << 17  # vertices written at a time: pages may send in between
-READ_SECONDS = 0.1  # least seconds between two reads: a page shows at most ten pictures a second of a growing hole
-ZONES_SECONDS = 2.0  # least seconds between two searches for zones, which take at most a fiftieth of the time
-FEW_TURNS = 50  # turns; a shorter wall says little about the hole to come
-USUAL_LIMIT = 0.02  # metres below and above the bit that the colours of such a wall show at least
+READ_SECONDS = 0.1  # least seconds of sleep after a read: a page gets at most ten updates a second of a growing hole
+ZONES_SECONDS = 2.0  # least seconds of sleep after a search for zones; the sleep is at least 50 times the search
+FEW_TURNS = 50  # turns; a shorter wall does not show which colours the whole hole needs
+USUAL_LIMIT = 0.02  # metres: the colours of a wall shorter than that reach at least so far below and above the bit
 AHEAD = 100.0  # metres that a bit may be ahead of the wall and still have its true depth on the page
 
 
@@ -62,7 +63,11 @@ class ViewedWall(Protocol):
 
 
 class Feed:
-    """Keeps a scene equal to a wall."""
+    """Keeps a scene equal to a wall. It reads the whole wall when it is made; after `start`, what `update` notes.
+
+    Raises InputError if the wall has no vertex or the viewer cannot draw it, if it reaches beyond ``path``, or if an
+    attribute does not have one value for each vertex or quad.
+    """
 
     def __init__(
         self, wall: ViewedWall, *, path: Path | None, attributes: Mapping[str | Attribute, npt.ArrayLike], well: str,
@@ -118,7 +123,10 @@ class Feed:
         return bool(self._threads) and all(thread.is_alive() for thread in self._threads)
 
     def update(self, change: Any = None, attributes: Mapping[str, npt.ArrayLike] | None = None) -> None:
-        """Note what an append changed; if ``change`` is None, compare everything. ``attributes`` are whole columns."""
+        """Note what an append changed; if ``change`` is None, everything is compared.
+
+        ``attributes`` are columns of the whole wall, of which only the changed parts are read.
+        """
         columns = {name: self._column(name, values) for name, values in (attributes or {}).items()}
         first = self._first
         whole = (first, first + len(self._wall))
@@ -133,7 +141,7 @@ class Feed:
             self._changed.notify_all()
 
     def set_path(self, path: Path | None) -> None:
-        """Place the wall along another path; pages receive only the new path's frames, not the wall again."""
+        """Place the wall along another path; pages receive the frames of the path, but not the wall again."""
         self._check_path(path)
         with self._changed:
             self.path = self.scene.path = path
@@ -141,7 +149,10 @@ class Feed:
             self._changed.notify_all()
 
     def set_attribute(self, name: str, values: npt.ArrayLike) -> None:
-        """Replace an attribute's values: one per quad, or fewer if the wall has grown since they were made."""
+        """Replace an attribute's values: one for each quad or vertex.
+
+        There may be fewer if the wall has grown since they were made; other quads then keep their values.
+        """
         column = self._column(name, values, shorter=True)
         with self._changed:
             self._values[name] = column
@@ -197,7 +208,11 @@ class Feed:
         self._choose_ranges()
 
     def _choose_ranges(self) -> None:
-        """Choose the ends of the colours from the whole wall; once it has `FEW_TURNS` turns, they are final."""
+        """Choose the ends of the colours from the whole wall.
+
+        Those of the radius are final once the wall has `FEW_TURNS` turns; those of an attribute, once it has as many
+        values as these turns have vertices.
+        """
         few, ranges = FEW_TURNS * self._shape.sectors, dict(self.scene.state.ranges)
         if "over" not in self._chosen:
             read = self._wall.vertices(self._first, self._first + len(self._wall))
@@ -250,8 +265,8 @@ class Feed:
     def _summarize(self, start: float, stop: float) -> dict[str, Any]:
         """Return the figures of `Wall.summary` that the page shows of a section; a missing number is None.
 
-        They are those of the part of the section that lies in the wall as it was when its turns were measured; the ends
-        ``start`` and ``stop`` are those of this part, since the wall grows on.
+        The wall grows on after its turns are measured. So the figures, and ``start`` and ``stop`` among them, are those
+        of the part of the section that the wall had when its turns were measured.
         """
         with self._finding:  # the first zones of a long wall take a second
             zones = self._zones or self._classify(self._wall)
@@ -316,7 +331,7 @@ def frame_count(shape: WallShape, vertices: int, rows: int) -> int:
 
 
 def frames_on_path(shape: WallShape, path: Path | None, first: int, stop: int) -> PathFrames:
-    """Return frames [first, stop), straight on beyond both ends of the path.
+    """Return frames [first, stop); beyond its ends the path goes straight on.
 
     The page places a wall point itself: centre + R (cos(toolface) high + sin(toolface) right), linear between frames.
     Without a path the hole is straight and vertical below (0, 0), toolface 0 to the north.

@@ -1,9 +1,9 @@
-"""A section of the wall with the page that shows it, as one HTML file that opens from disk.
+"""A section of the wall and the page that shows it, as one HTML file that a browser opens from disk.
 
     index.html with app.css and app.js in it  +  handshake, state, history and the binary messages of the section
 
-The page plays the enclosed messages instead of opening a websocket, so it draws what it drew at the rig, including the
-overview of the whole well. Its content-security policy forbids every request.
+The page reads the enclosed messages instead of opening a websocket, so it draws the section as the live page did, and
+the overview of the whole wall. Its content-security policy forbids every request.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from helibore.viewer.protocol import Subscription, handshake, picks_message, sta
 from helibore.viewer.scene import Scene
 
 MOST_VERTICES = 1_000_000
-MOST_ADDRESS = 128 * 1024  # characters: 50 notes of 80 letters of any script, and more
+MOST_ADDRESS = 128 * 1024  # characters: more than 50 notes of 80 letters of any script take
 SCRIPT = '<script type="module" src="app.js"></script>'
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:"
 
@@ -32,11 +32,12 @@ POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inli
 def html_export(
     scene: Scene, files: Mapping[str, str], start: float, stop: float, address: str = "", *, hosted: bool = False
 ) -> Iterator[str]:
-    """Return the file in chunks. The section is copied now and written as the chunks are read.
+    """Return the file in chunks. This call copies the section; the chunks are written when they are read.
 
-    ``files`` is the built page, name to text; ``start`` and ``stop`` are depths in metres, in either order; ``address``
-    is what the page looks at, the text after the # of its address. A ``hosted`` page asks the notebook around it for
-    what comes later.
+    ``files`` is the built page, texts by name; ``start`` and ``stop`` are depths in metres, in either order;
+    ``address`` is the text after the # in the address of the page, which says what the page shows. A ``hosted`` page
+    then asks the notebook around it for later values. Raises InputError if the address is too long, the section has
+    more than `MOST_VERTICES` vertices, or the wall does not reach there.
     """
     if len(address) > MOST_ADDRESS:
         rule = f"{len(address)} characters, must be at most {MOST_ADDRESS}; keep fewer notes"
@@ -61,14 +62,14 @@ def html_export(
 
 
 def _curves(scene: Scene, address: str) -> list[str]:
-    """Return the names of the curves that the page shows, and of those that its caliper track is drawn from."""
+    """Return the names of the curves that ``address`` shows, and of those that its caliper track is drawn from."""
     shown = parse_qs(address.removeprefix("#")).get("curves", [""])[0].split("~")
     shown += ["DMIN", "C1", "C2", "C1TF"] if scene.state.shape == "arms" else []
     return [name for name in scene.curves if name in shown]
 
 
 def _page(files: Mapping[str, str]) -> tuple[str, str]:
-    """Return the page's HTML before and after its script, with its style and a content-security policy inside."""
+    """Return the page's HTML before and after its script; its style and a content-security policy are in the HTML."""
     policy = f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
     page = files["index.html"]
     for old, new in (

@@ -27,7 +27,7 @@ OVERVIEW_ROWS = 1024  # rings in a tile of the overview
 
 
 class Level:
-    """The growing columns of a level: packed texels and one float32 column for each attribute."""
+    """The columns of a level, which grow: packed texels, and one float32 column for each attribute."""
 
     def __init__(self, sectors: int, rows: int, columns: int) -> None:
         self.sectors, self.rows, self.size = sectors, rows, 0
@@ -48,7 +48,7 @@ class Level:
         return range(max(0, (start - self.halo) // self.tile_size), max(start, stop - 1) // self.tile_size + 1)
 
     def frozen_copy(self, start: int, stop: int) -> Level:
-        """Return a copy that holds [start, stop) as they are now; all other vertices are zero and cost no memory."""
+        """Return a copy with the vertices [start, stop) as they are now; all others are zero and take no memory."""
         copy = Level(self.sectors, self.rows, 0)
         first = max(0, min(start, self.size))
         copy.size, part = self.size, slice(first, max(first, min(stop, self.size)))
@@ -76,7 +76,7 @@ def overview_of(wall: Level) -> Level:
 
 
 def refresh_overview(over: Level, wall: Level, start: int, stop: int) -> tuple[int, int]:
-    """Recompute the cells that the wall's vertices [start, stop) lie in; return their half-open range."""
+    """Recompute the cells in which the wall's vertices [start, stop) lie; return the half-open range of these cells."""
     block = TURNS * wall.sectors
     over.reserve(-(-wall.size // block) * over.sectors)
     low, high = start // block, (stop - 1) // block + 1

@@ -1,9 +1,10 @@
-"""The page in a notebook: a frame that speaks with the kernel through the notebook's own channel, without a port.
+"""The page in a notebook: a frame that exchanges messages with the kernel through the notebook, without a port.
 
     page in a frame  <--port-->  web/notebook.js  <--comm-->  NotebookView  <-->  WebApp.serve
 
-A running cell blocks the kernel, so the frame first shows the section that is enclosed in its file. A saved
-notebook shows the card of the wall, which the frame hides. Importing this module needs the extra ``notebook``.
+A running cell blocks the kernel, so the frame first shows a section of the wall that is enclosed in its HTML. A saved
+notebook shows the card of the wall, which the frame hides as long as it is there. Importing this module needs the extra
+``notebook``.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from helibore.viewer.html_export import html_export
 from helibore.viewer.scene import Scene
 from helibore.viewer.web_app import TYPES, WebApp, no_page, page
 
-MOST_ENCLOSED = 100_000  # vertices, some 800 kB
+MOST_ENCLOSED = 100_000  # vertices of the enclosed section, some 800 kB
 
 
 class NotebookView(anywidget.AnyWidget):
@@ -37,10 +38,11 @@ class NotebookView(anywidget.AnyWidget):
     Attributes
     ----------
     depths : tuple of float
-        Top and bottom of the section in view, metres; of the whole wall, before the page has drawn. Set it to move the
-        section.
+        Top and bottom of the section in view, metres; before the page has drawn, those of the whole wall. Set them to
+        move the section.
     cursor : tuple or None
-        Depth in metres and toolface in degrees (None on the depth axis) of the point that the reader clicked.
+        Depth in metres and toolface in degrees of the point that the reader clicked; the toolface is None for a point
+        on the depth axis. None before the first click.
     """
 
     _esm = (page("notebook.js") or b"").decode()
@@ -65,7 +67,7 @@ class NotebookView(anywidget.AnyWidget):
         self._requests = Starlette(routes=self._app.routes())
         self._frames: dict[str, _Frame] = {}
         self._tasks: set[asyncio.Task[None]] = set()
-        # This needs its own loop: a kernel calls from its main thread, or from its thread for widgets.
+        # The loop runs in a thread of its own: a kernel calls from its main thread, or from its thread for widgets.
         self._loop = asyncio.new_event_loop()
         self._app.begin(self._loop)
         self._thread = threading.Thread(target=self._run, name="helibore-view-notebook", daemon=True)
@@ -74,16 +76,16 @@ class NotebookView(anywidget.AnyWidget):
         self.on_msg(lambda _, content, __: self._loop.call_soon_threadsafe(self._receive, content))
 
     def still(self, card: str) -> str:
-        """Return the card of the wall, for an output that the frame hides."""
+        """Return the card of the wall as HTML, for an output that the frame hides."""
         return f'<div class="{self._still}">{card}</div>'
 
     def _repr_mimebundle_(self, **kwargs: Any) -> Any:
-        """Return the view without a text, which a notebook without a kernel would show below the card of the wall."""
+        """Return the view with an empty text: a notebook without a kernel would show a text below the card."""
         bundle = super()._repr_mimebundle_(**kwargs)
         return bundle and (bundle[0] | {"text/plain": ""}, bundle[1])
 
     def _receive(self, content: dict[str, Any]) -> None:
-        """Handle what a frame sends: its opening, a message of the protocol, a request, or its end."""
+        """Act on what a frame sends: that it opens, a message of the protocol, a request, or that it closes."""
         view = str(content.get("view"))
         if content.get("open"):
             self._leave(view)
@@ -152,7 +154,7 @@ class _Frame:
         self.received: asyncio.Queue[MutableMapping[str, Any]] = asyncio.Queue()
 
     async def accept(self) -> None:
-        """Do nothing, because a frame that has sent its opening is connected."""
+        """Do nothing: a frame that has sent ``open`` is connected."""
 
     async def close(self, code: int, reason: str) -> None:
         self._widget.send({"view": self._view, "close": code, "reason": reason})

@@ -18,15 +18,15 @@ The bytes are little endian; every array starts at a multiple of its item size.
     | total u32    | sequence u32    | time f64      |
     +--------------+-----------------+---------------+
 
-A WRITE whose radii all equal those of the first pass leaves out the latter. Its `level` then has the bit NO_FIRST, a
-texel is radius, nearest distance, state, and two zero bytes follow an odd number of texels.
+If all radii of a WRITE equal those of the first pass, it leaves out those of the first pass. Its `level` then has the
+bit NO_FIRST, a texel is radius, nearest distance, state, and two zero bytes follow an odd number of texels.
 
-A WRITE sets `count` vertices of a tile from `first` on. `first` is 0 at the start of the tile, whose halo (the first
-sectors + 1 vertices of the next tile) belongs to it. A WRITE can be repeated: a new quad, a changed one and a resent
-one are the same message. `mask` says which attributes follow. The type's highest bit LIVE marks new values, as opposed
-to a tile that the page requested. FRAMES carries frames of the path: f64 x 3 x count centres, then f32 x 6 x count
-directions. Its `mask` is SURVEYED if a survey places them; without one the hole is drawn straight down, and north is
-not known.
+A WRITE sets `count` vertices of a tile from `first` on; `first` counts from the start of the tile. A tile includes its
+halo, the first sectors + 1 vertices of the next tile. A WRITE can be repeated: a new quad, a changed one and a resent
+one are the same message. `mask` says which attributes follow. The highest bit of the type, LIVE, marks values that are
+new; a WRITE without it belongs to a tile that the page requested. FRAMES carries frames of the path: f64 x 3 x count
+centres, then f32 x 6 x count directions. Its `mask` is SURVEYED if a survey places them; without a survey the hole is
+drawn straight down, and north is not known.
 """
 
 from __future__ import annotations
@@ -53,12 +53,12 @@ MOST_RANGES = 64  # ranges of tiles in one subscription
 
 
 class BadMessageError(ValueError):
-    """A message from the page that breaks the protocol; the text says which rule."""
+    """Error for a message from a page that breaks the protocol; its text names the rule."""
 
 
 @dataclass(frozen=True)
 class Subscription:
-    """What a page asks for: ranges of tiles of the wall, the tile it looks at, the attributes it draws."""
+    """What a page asks for: ranges of tiles of the wall, the tile in its view, a bit for each attribute it draws."""
 
     ranges: tuple[tuple[int, int], ...]
     focus: int
@@ -66,7 +66,7 @@ class Subscription:
 
 
 def write_message(scene: Scene, level: int, tile: int, first: int, stop: int, mask: int, live: bool) -> bytearray:
-    """Return a WRITE of the vertices [first, stop) of a tile, with the attributes of ``mask``."""
+    """Return a WRITE of the vertices [first, stop) of a tile, with the attributes whose bits ``mask`` has."""
     store = scene.levels[level]
     part = slice(tile * store.tile_size + first, tile * store.tile_size + stop)
     texels = store.texels[part].astype("<u2", copy=False)
@@ -129,7 +129,7 @@ def handshake(scene: Scene) -> dict[str, Any]:
         "attributes": [asdict(attribute) for attribute in shape.attributes],
         "picks_file": None if scene.picks_file is None else Path(scene.picks_file).name,
         "saves_picks": scene.saves_picks,
-        "curves": [row["name"] for row in scene.state.curves if row["version"] == 0],  # given; logs have other ones
+        "curves": [row["name"] for row in scene.state.curves if row["version"] == 0],  # given, not of the logs
     }
 
 
@@ -148,7 +148,10 @@ def picks_message(scene: Scene) -> dict[str, Any]:
 
 
 def read_subscription(wanted: Any, attributes: int) -> Subscription:
-    """Check what a page asks for: ``{"tiles": [[start, stop], ...], "focus": tile, "mask": bits}``, each in bounds."""
+    """Return the subscription of a message ``{"tiles": [[start, stop], ...], "focus": tile, "mask": bits}``.
+
+    Raises BadMessageError for a part that is missing, of another type or out of bounds; ``attributes`` is their number.
+    """
     if not isinstance(wanted, dict):
         raise BadMessageError("subscribe: must be an object")
     ranges, focus, mask = wanted.get("tiles"), wanted.get("focus"), wanted.get("mask")

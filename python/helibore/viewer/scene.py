@@ -1,4 +1,4 @@
-"""What the viewer shows, as arrays ready to send: the wall and its overview, the path's frames, the state of the run.
+"""What the viewer shows, as arrays that are ready to send: wall, overview, frames of the path, state of the run.
 
 The scene knows no network: `protocol.py` knows the messages and `client.py` what a page has not received yet.
 """
@@ -40,12 +40,27 @@ FRAME_STEP = 2.0  # metres of depth between frames; a 10 deg/30 m dogleg bows 3 
 
 @dataclass(frozen=True)
 class Attribute:
-    """One value per quad, drawn as a colour: name, unit, and the ends of its colours.
+    """Describes one value for each quad that the page draws as a colour.
 
-    ``low`` or ``high`` None: the ends follow from its values (percentiles 2 and 98; for the map "difference", even ends
-    around 0). ``color_map`` "": the usual one of its name and unit.
-    ``rows``: the upper edge of a row and the height of every row, metres, of an image measured in rows; the page
-    draws these. None: it draws the quads.
+    Attributes
+    ----------
+    name, unit
+        Texts for the page.
+    low, high
+        Values at the two ends of the colours, finite. If one is None, both follow from the values: their percentiles 2
+        and 98, or, for the map "difference", ends at the same distance from 0.
+    log
+        Whether the colours follow the logarithm; the ends must then be above 0.
+    color_map
+        One of `helibore.base.colors.COLOR_MAPS`; "": the usual one for name and unit.
+    rows
+        For an image that was measured in even rows: the upper edge of one row and the height of every row, metres. The
+        page then draws the image in these rows. None: it draws the quads.
+
+    Raises
+    ------
+    InputError
+        If an end is not finite, the ends are not in order, or ``log`` is True and an end is not above 0.
     """
 
     name: str
@@ -72,7 +87,7 @@ class Attribute:
 
 @dataclass(frozen=True)
 class WallShape:
-    """Everything of a wall but its values. Lengths in metres, angles in degrees; `pitch` is signed."""
+    """What the page must know of a wall beside its values, in metres and degrees. ``pitch`` may be negative."""
 
     sectors: int
     pitch: float
@@ -83,8 +98,8 @@ class WallShape:
     attributes: tuple[Attribute, ...] = ()
     basis: Basis = "azimuthal"
     basis_text: str = BASIS_TEXT["azimuthal"]
-    reference: Reference | None = None  # the direction of toolface 0, if there is no path that defines it
-    assumed: bool = False  # nothing states that toolfaces count from the reference of the wall
+    reference: Reference | None = None  # the direction of toolface 0; None: not known
+    assumed: bool = False  # whether nothing states that toolfaces count from the reference of the wall
 
     def __post_init__(self) -> None:
         if not 3 <= self.sectors <= MAX_SECTORS:
@@ -126,23 +141,23 @@ class PathFrames:
 
 @dataclass(frozen=True)
 class RunState:
-    """What changes while a wall is shown, apart from its values; every page gets it again when it changes."""
+    """What changes while a wall is shown, apart from its values; every page receives each change."""
 
     bit_depth: float = math.nan  # metres; NaN: not known
     newest: float = math.nan  # time of the newest sample, seconds since 1970; NaN for a saved wall
     ended: bool = False
     sources: str = ""  # what the sources are doing, in words
-    # Measured depths between which the true vertical depth is known, and the "down" of its zero; None: not known.
+    # The measured depths between which the true vertical depth is known, and the "down" of its zero; None: not known.
     true_depth: tuple[float, float, float] | None = None
     curves: tuple[
         Mapping[str, Any], ...
     ] = ()  # name, unit, low, high, log, version of each curve that a page may ask for
-    # Ends of the colours by quantity, metres or the attribute's unit, from the whole wall; final once that is long.
+    # Ends of the colours by quantity, metres or the attribute's unit, from the whole wall; final once the wall is long.
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     zones: tuple[Mapping[str, Any], ...] = ()  # JSON objects, in order of depth
-    shape: Shape = "wall"  # whose diameters the zones are judged by: `helibore.logs.turn_logs.Logs.shape`
+    shape: Shape = "wall"  # what gives the diameters from which zones follow: `helibore.logs.turn_logs.Logs.shape`
     prints: bool = False  # whether `Scene.draw_pages` is set
-    # What the live feed warns of, "rule source: cause"; a page shows each until its user silences it.
+    # Warnings of the live feed, "rule source: cause"; a page shows each until its user silences it.
     alarms: tuple[str, ...] = ()
     lost: tuple[str, ...] = ()  # names of the sources that are not connected
 
@@ -150,9 +165,9 @@ class RunState:
 class History:
     """How long the wall was at which time: points (time, vertices, bit depth), rising in time and in vertices.
 
-    The page's replay needs it to show the wall as it was at 02:14. One point a second at first. When there are too many
-    points, every second one is dropped and the spacing doubles, so a month of drilling is a few thousand evenly spaced
-    points. Earlier radii are not kept; a replay shows the first pass.
+    The page's replay needs it to show the wall as it was at 02:14. Points are at least a second apart at first. When
+    there are more than `MOST_POINTS`, every second one is dropped and the spacing at least doubles, so a month of
+    drilling is a few thousand evenly spaced points. Earlier radii are not kept; a replay shows the first pass.
     """
 
     def __init__(self) -> None:
@@ -160,7 +175,7 @@ class History:
         self._spacing = 1.0
 
     def note(self, time: float, vertices: int, bit_depth: float) -> None:
-        """Add a point if the wall has grown."""
+        """Add a point if the wall has grown and the clock was not set back."""
         points = self._points
         if points and (vertices <= points[-1][1] or time < points[-1][0]):
             return
@@ -194,14 +209,14 @@ class Scene:
     picks
         The picks of the wall; `change_picks` changes them for a page.
     picks_file
-        File in which a change saves the picks; None: they are not saved.
+        File to which `change_picks` saves the picks; None: they are not saved.
     saves_picks
-        Whether that file could be written when the viewer started; if not, a change is kept in the wall alone.
+        Whether ``picks_file`` could be written when the viewer started; if not, picks are kept in the wall only.
     path
         The path of the wall, for the dips in ``picks_file``.
     draw_pages
-        Returns a section as a PDF, from its ends, the units of the page and the scale (None: a usual one); None: a page
-        cannot print.
+        A function that returns a section as a PDF. It takes the two depths, the units of the page and the scale (None:
+        a usual one). None: a page cannot print.
     """
 
     def __init__(self) -> None:
@@ -237,7 +252,8 @@ class Scene:
     def write(self, first: int, vertices: Vertices, attributes: Mapping[str, npt.ArrayLike]) -> None:
         """Set the vertices from ``first`` on and the values of the quads with the same numbers.
 
-        Only what differs is sent to the pages.
+        Pages receive the range from the first vertex that differs to the last one. Raises InputError if ``first`` is
+        negative, or for an attribute that the shape does not name.
         """
         if first < 0:
             raise InputError("first", "must not be negative", str(first))
@@ -270,7 +286,10 @@ class Scene:
         self.on_change()
 
     def set_interpolated(self, interpolated: npt.NDArray[np.bool_]) -> None:
-        """Set which vertices, from the first on, are interpolated between arms; only differences are sent."""
+        """Set for the first n vertices of the wall, (n,), whether they are interpolated between arms.
+
+        Pages receive the range from the first vertex that differs to the last one.
+        """
         with self.lock:
             level = self.levels[0]
             marks = np.where(interpolated[: level.size], INTERPOLATED, 0).astype(np.uint16)
@@ -285,7 +304,7 @@ class Scene:
         self.on_change()
 
     def set_frames(self, first: int, frames: PathFrames) -> None:
-        """Set the frames of the path from number ``first`` on."""
+        """Set the frames of the path from number ``first`` on; later frames stay. No frame may be left out."""
         with self.lock:
             old = self.frames
             if first > len(old.centre):
@@ -304,7 +323,7 @@ class Scene:
         self.on_change()
 
     def set_curves(self, curves: Iterable[ScalarCurve], version: int = 0) -> None:
-        """Add or replace curves along the hole; a page asks for those it shows when their version changes."""
+        """Add or replace curves along the hole; a page then asks for those that it shows and whose version is new."""
         with self.lock:
             rows = {row["name"]: row for row in self.state.curves}
             for one in curves:
@@ -316,7 +335,7 @@ class Scene:
         self.on_change()
 
     def change_picks(self, change: Callable[[Picks], object]) -> None:
-        """Change the picks, and save them if they have a file; if that fails, nothing has changed."""
+        """Change the picks, and save them if they have a file that can be written; if this fails, nothing changes."""
         with self.lock:
             picks = Picks(self.picks)
             change(picks)
@@ -326,12 +345,12 @@ class Scene:
         self.on_change()
 
     def settle(self, below: int) -> None:
-        """Note that vertices before ``below`` do not change while the hole deepens: later changes are re-scans."""
+        """Note that vertices before ``below`` do not change while the hole only deepens: later changes are re-scans."""
         with self.lock:
             self.settled = max(self.settled, min(below, self.levels[0].size))
 
     def frozen_copy(self, start: int, stop: int) -> Scene:
-        """Return a scene that later changes do not reach: vertices [start, stop) and the whole overview.
+        """Return a copy that later changes do not reach: the vertices [start, stop) and the whole overview.
 
         A long download reads the copy, so this scene is locked only while the section is copied.
         """

@@ -24,8 +24,7 @@ TOP = 0xFFFF
 
 @dataclass(frozen=True)
 class Vertices:
-    """Values of consecutive vertices, all (n,): radius in metres (NaN: no sample in reach), distance to the nearest
-    sample in metres, samples used, and whether the radius came by direct connection."""
+    """Values of n consecutive vertices, (n,) each, named and in units as the properties of `Wall`; None: not known."""
 
     radius: npt.ArrayLike
     nearest: npt.ArrayLike | None = None
@@ -34,7 +33,12 @@ class Vertices:
 
 
 def pack_vertices(vertices: Vertices, radius_unit: float) -> Texels:
-    """Return the texels (n, 4) of vertices: radius (0 if missing), first-pass radius, nearest distance, state."""
+    """Return the texels (n, 4) of vertices: radius (0 if missing), first-pass radius, nearest distance, state.
+
+    Radii are rounded to ``radius_unit`` metres; a radius above 65535 units becomes 65535 with the mark CLIPPED.
+    Distances are rounded to `NEAREST_UNIT`; a larger one than 6.5535 m, or a missing one, becomes 6.5535 m. At most 255
+    samples are counted.
+    """
     radius = numbers(vertices.radius)
     texels = np.zeros((radius.size, TEXEL), np.uint16)
     there = np.isfinite(radius)
@@ -54,6 +58,6 @@ def pack_vertices(vertices: Vertices, radius_unit: float) -> Texels:
 
 
 def radius_of(texels: Texels, radius_unit: float, column: int = RADIUS) -> Floats:
-    """Return the packed radii in metres, NaN where there is none."""
+    """Return the packed radii of a column in metres, NaN where there is no radius."""
     steps = texels[..., column].astype(np.float64)
     return np.where(steps == 0, np.nan, steps * radius_unit)

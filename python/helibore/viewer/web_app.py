@@ -2,16 +2,17 @@
 
     /  /app.js  /app.css                    the page, from the package, compressed
     /ws                                     handshake and state as text, values as binary (protocol.py)
-    /api/vertex/K  /api/section.csv         exact values of one vertex, of a section
+    /api/vertex/K  /api/section.csv         values of one vertex, of the vertices of a section
     /api/summary                            volume, washout and gaps of a section
     /api/history                            how long the wall was at which time
     /api/curve?name=                        a curve along the hole
-    /api/pick  /api/picks.csv               put or delete a pick; read or add a table of them
-    /api/export.html                        a section with its page, as one file
-    /api/print.pdf                          a section on paper, if whoever serves the page can draw it
-    /healthz                                alive
+    /api/pick  /api/picks.csv               put or delete a pick; read or add a table of picks
+    /api/export.html                        a section and the page, as one file
+    /api/print.pdf                          a section as a PDF, if the scene has `Scene.draw_pages`
+    /healthz                                whether the server runs, and how many vertices and pages it has
 
-`AccessControl` checks every request. A page that is opened before the wall begins shows what the sources are doing.
+`AccessControl` checks every request. A page that is opened before the wall begins shows what the sources are doing; the
+addresses below /api then answer 503.
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ from helibore.viewer.scene import Scene
 
 TICK = 0.05  # seconds: a growing wall is sent at most 20 times a second, the first time at once
 MOST_CLIENTS = 64
-MOST_TEXT = 8192  # bytes of a message from a page
+MOST_TEXT = 8192  # characters of a message from a page, bytes of a pick
 MOST_TABLE = 1 << 21  # bytes of a table of picks
 NOT_BEGUN = "no sample has come yet: there is no wall to show"
 TYPES = {
@@ -125,7 +126,7 @@ class WebApp:
         return [*files, Route("/healthz", self.health), *begun, WebSocketRoute("/ws", self.serve)]
 
     def begin(self, loop: asyncio.AbstractEventLoop) -> None:
-        """Serve in the event loop ``loop`` from now on."""
+        """Use the event loop ``loop`` from now on: changes of the scene wake its connections."""
         self.loop, self.scene.on_change = loop, self.wake
 
     @contextlib.asynccontextmanager
@@ -136,7 +137,7 @@ class WebApp:
         self.loop = None
 
     def wake(self) -> None:
-        """Wake every connection because something changed; from any thread. Until they wake, more calls do nothing."""
+        """Wake every connection because the scene changed; from any thread. Until they wake, more calls do nothing."""
 
         def wake_connections() -> None:
             self.wake_pending = False
@@ -149,7 +150,7 @@ class WebApp:
                 self.loop.call_soon_threadsafe(wake_connections)
 
     async def serve(self, socket: Socket) -> None:
-        """Serve one page over its WebSocket until it disconnects."""
+        """Serve one page over its WebSocket until it disconnects or breaks the protocol."""
         await socket.accept()
         if len(self.connections) >= MOST_CLIENTS:
             await socket.close(4429, f"{MOST_CLIENTS} pages are connected already")
@@ -220,7 +221,7 @@ class WebApp:
         return JSONResponse(await asyncio.to_thread(self.scene.summarize, *ends))
 
     async def change_pick(self, request: Request) -> Response:
-        """Put the pick that a page sends as JSON, or delete the one with ``?key=``."""
+        """Add or replace the pick that a page sends as JSON (PUT), or delete the pick with ``?key=`` (DELETE)."""
         if request.method == "DELETE":
             key = request.query_params.get("key", "")
             return await self._change_picks(lambda picks: picks.remove_key(key))
@@ -231,7 +232,10 @@ class WebApp:
         return await self._change_picks(lambda picks: picks.put(pick))
 
     async def picks_table(self, request: Request) -> Response:
-        """Return the picks as a table, or add those of a table; JSON says the keys of those added and replaced."""
+        """Return the picks as a table (GET), or add the picks of a table (POST).
+
+        The answer to POST is JSON: the keys of the picks that were added and replaced, and the number of the others.
+        """
         if request.method == "GET":
             with self.scene.lock:
                 text = self.scene.picks.table(self.scene.path)
@@ -312,7 +316,7 @@ class _Connection:
             self.client.mark(level, start, stop)
 
     async def send_all(self) -> None:
-        """Send what is pending, nearest first: growth every `TICK` at most, requested tiles at once."""
+        """Send what is pending, nearest first: requested tiles at once, other changes at most once every `TICK`."""
         clock = asyncio.get_running_loop().time
         with contextlib.suppress(WebSocketDisconnect, RuntimeError):
             while True:
@@ -326,7 +330,7 @@ class _Connection:
                 self.wake.clear()
 
     async def _send_text(self) -> None:
-        """Send the handshake to a new page or for a new wall, and the state and the picks if they changed."""
+        """Send the handshake if the page or the wall is new, and the state and the picks if they changed."""
         texts = []
         with self.scene.lock:
             if self.scene.begun and (self.client is None or self.client.session != self.scene.session):
@@ -352,7 +356,7 @@ class _Connection:
             return None if self.client is None else self.client.next_message()
 
     async def receive_all(self) -> None:
-        """Read acknowledgements and subscriptions, ignore those for an earlier wall; all else is a BadMessageError."""
+        """Read acknowledgements and subscriptions until the page disconnects; raise BadMessageError for all else."""
         while True:
             message = await self.socket.receive()
             if message["type"] == "websocket.disconnect":
@@ -382,7 +386,7 @@ class _Connection:
 
 
 async def _body(request: Request, most: int) -> bytes:
-    """Return the body of a page's request; refuse more than ``most`` bytes."""
+    """Return the body of a page's request; raise InputError if it has more than ``most`` bytes."""
     body = bytearray()
     async for chunk in request.stream():
         body += chunk
