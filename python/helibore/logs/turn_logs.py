@@ -4,7 +4,7 @@
 
     logs = wall.logs()                      one row a turn
     metre = logs.by_step(1.0)               one row a metre
-    logs.table(), logs.save("well.las")     with mnemonics, units and the facts they were made with
+    logs.table(), logs.save("well.las")     with mnemonics, units, and facts on how the logs were made
 
 The mean over evenly spaced toolfaces is the periodic trapezoid rule: for a smooth hole its error falls faster than any
 power of the number of sectors, while the area of the polygon is 2.5 % too small at 16 sectors. A turn with a missing
@@ -56,9 +56,9 @@ NO_UNCERTAINTY = (
 )
 """What terminal, files, reports and prints state on a wall that is partly interpolated."""
 LARGE = 1.85
-"""If a hole is larger than this multiple of bit size, bit size or units are probably wrong."""
+"""If the median diameter is more than this multiple of bit size, bit size or units are probably wrong."""
 SMALL = 0.1
-"""If a hole is smaller than bit size by more than this share, bit size or units are probably wrong."""
+"""If the median diameter is less than bit size by more than this share, bit size or units are probably wrong."""
 SHAPE_KEPT = 0.7
 """If the wall has a smaller share of the arms' out-of-roundness, a warning says that it is rounder than the hole."""
 VERTICAL = 1e-6
@@ -71,9 +71,9 @@ RUGOSITY_WINDOW = 1.0
 class Logs(Tabular):
     """Columns with one row per turn or step, each (rows,) float64, owned; made by `turn_logs`.
 
-    Lengths are metres; 0 and 90 are toolfaces, so on a high-side wall `diameter_0` is the vertical diameter. Diameters
-    go through the axis of the hole. Missing values are NaN: unless stated otherwise, a value is missing if any vertex
-    of its row has no radius.
+    Lengths are metres. In the names of attributes 0 and 90 are toolfaces, so `diameter_0` is the vertical diameter if
+    toolfaces count from the high side. Diameters go through the axis of the hole. Missing values are NaN: unless stated
+    otherwise, a value is missing if any vertex of its row has no radius.
 
     Attributes
     ----------
@@ -97,7 +97,7 @@ class Logs(Tabular):
         Largest less smallest diameter of the wall, whatever `shape` is.
     uneven
         With ``shape = "arms"``: difference of the radii at the two ends of the largest diameter; 0 if diameters were
-        measured.
+        measured. With ``shape = "wall"``: NaN.
     centre_0, centre_90
         Distances of the centre of the area from the axis, towards toolfaces 0 and 90.
     inscribed_diameter, inscribed_0, inscribed_90
@@ -119,21 +119,26 @@ class Logs(Tabular):
         samples: that of vertices with a radius. NaN if the wall is round by assumption (`Wall.basis`).
     arm_diameter
         The diameters that each arm of a tool with few arms measured, one array per arm; () for other tools. A value is
-        the mean of the arm's readings, linear between them, over the turn or step, and of all passes. A peak that is
-        shorter than that, or that one pass alone has, is lower than its largest reading, in `c1` too.
+        the mean of the arm's readings, linear between them, over the turn or step, and of all passes. If a peak is
+        shorter than the turn or step, or only one pass has it, then this value and `c1` are lower than its largest
+        reading. NaN if all readings of the arm are farther away than `Settings.max_distance`.
     nearest
         Largest distance from a vertex to the nearest sample used; NaN if no vertex has one or the wall does not hold
         it.
     diameter_sigma
-        Upper bound of the standard uncertainty of `equivalent_diameter`: the errors of a turn are taken to be equal.
-        NaN without ``sigma=True``, and where a vertex is not sampled.
+        Upper bound of the standard uncertainty of `equivalent_diameter`, which is reached if all errors of a turn are
+        equal. NaN without ``sigma=True``, and where a vertex is not sampled.
     age
         Seconds (or ticks of the caliper's clock) from the newest sample at this depth to the newest of the wall; NaN if
-        there is no sample, or samples have no times.
-    bit_diameter, sectors, pitch, step
-        Metres; vertices per turn; metres per turn; metres per row, or None for one row per turn.
+        there is no sample at this depth, or samples have no times.
+    bit_diameter, sectors
+        Bit size, metres; number of vertices per turn.
+    pitch
+        Metres along the hole per turn; below 0 if the turns go up the hole.
+    step
+        Height of a row, metres; None: each row is one turn.
     rugosity_window
-        Metres.
+        Length of hole that `rugosity` is measured over, metres.
     basis, basis_text
         What the wall is made from, as in `Caliper`; and the same in words.
     shape
@@ -253,7 +258,10 @@ class Logs(Tabular):
 
     @property
     def shape_kept(self) -> float:
-        """Ratio of the wall's mean out-of-roundness to the arms'; NaN for round holes and tools without few arms."""
+        """Ratio of the wall's mean out-of-roundness to that of the arms.
+
+        NaN if ``shape`` is ``"wall"``, and if the arms measured a round hole.
+        """
         both = np.isfinite(self.wall_out_of_roundness) & np.isfinite(self.out_of_roundness)
         if self.shape == "wall" or not self.out_of_roundness[both].any():
             return math.nan
@@ -261,7 +269,10 @@ class Logs(Tabular):
 
     @property
     def unmeasured_shape(self) -> bool:
-        """Whether a tool with few arms, or sparse samples, left enough of the turns interpolated that files say so."""
+        """Whether files must say that the wall is interpolated.
+
+        True if the tool has few arms, or if the mean coverage of an azimuthal caliper is below `COVERED`.
+        """
         sparse = self.basis == "azimuthal" and len(self) > 0 and float(self.coverage.mean()) < COVERED
         return self.shape == "arms" or sparse
 
@@ -273,7 +284,7 @@ class Logs(Tabular):
         if self.path is None or true_depth(self.path, None) is not None:
             return []
         return [f"TVD is missing: the true depth of the survey's first station, at {self.path.start_depth:g} m, is not "
-                "known; the path's head (north, east and true depth of that station) says it"]  # fmt: skip
+                "known; state it in the path's head (north, east and true depth of that station)"]  # fmt: skip
 
     def _warnings_of_shape(self) -> list[str]:
         if not len(self):
@@ -334,7 +345,8 @@ class Logs(Tabular):
     def table(self, more: Iterable[LogColumn] = (), facts: Mapping[str, str] | None = None) -> LogTable:
         """Return the logs with mnemonics, units and descriptions, followed by ``more`` columns; ``facts`` are added."""
         if not len(self):
-            raise InputError("logs", "the wall has no full turn")
+            rule = "the wall has no full turn" if self.step is None else f"the wall has no full step of {self.step:g} m"
+            raise InputError("logs", rule)
         more = list(more)
         for number, one in enumerate(more):
             if not isinstance(one, LogColumn):
@@ -362,7 +374,7 @@ class Logs(Tabular):
         more: Iterable[LogColumn] = (),
         facts: Mapping[str, str] | None = None,
     ) -> None:
-        """Write `table` to .las, .csv, .parquet or .dlis; ``more``: `LogColumn`, one value for each row."""
+        """Write `table` to .las, .csv, .parquet or .dlis; ``more`` are `LogColumn`s with a value for each row."""
         self.table(more, facts).save(filename)
 
     def _repr_html_(self) -> str:
@@ -413,15 +425,15 @@ def turn_logs(
         (n,) standard uncertainty of each radius, metres: `Wall.sigma`; None: not known.
     reference
         Radius that `Logs.rugosity` subtracts from all radii, metres; NaN: the first radius. If a part of a wall starts
-        at a multiple of 256 turns and is given the reference of the whole wall, its rows have the bits of the rows of
-        the whole wall, except within half a window of its ends.
+        at a multiple of 256 turns and is given the reference of the whole wall, its rows are the same numbers, to the
+        last bit, as those of the whole wall, except within half a window of its ends.
     newest
         Time of the newest sample of the whole wall, if ``wall`` is a part of it; None: that of the samples of ``wall``.
 
     Raises
     ------
     InputError
-        ``bit_diameter = 0: must be finite and above 0``; on a window that is not valid.
+        ``bit_diameter = 0: must be finite and above 0``; ``rugosity_window`` has the same rule.
     """
     bit = float(getattr(wall.settings, "bit_diameter", math.nan) if bit_diameter is None else bit_diameter)
     for name, value in (("bit_diameter", bit), ("rugosity_window", rugosity_window)):

@@ -306,6 +306,7 @@ def test_the_axis_of_a_step_is_the_mean_of_axes() -> None:
     [
         (lambda logs: logs.by_step(0.05), "step = 0.05: must be at least the pitch, 0.1 m"),
         (lambda logs: logs.by_step(math.nan), "step = nan: must be at least the pitch, 0.1 m"),
+        (lambda logs: logs.by_step(1000.0).table(), "logs: the wall has no full step of 1000 m"),
         (
             lambda logs: logs.by_step(0.5).by_step(1),
             "step: these logs are by steps of 0.5 m already; gather the logs of turns",
@@ -369,7 +370,7 @@ def test_a_path_adds_true_depth_inclination_and_azimuth() -> None:
     assert np.isnan(table["TVD"].values).all()  # nothing says how deep the first station lies
     assert wall.logs().warnings() == [
         "TVD is missing: the true depth of the survey's first station, at 900 m, is not known; "
-        "the path's head (north, east and true depth of that station) says it"
+        "state it in the path's head (north, east and true depth of that station)"
     ]
     np.testing.assert_allclose(table["AZIM"].values, 248.0)
     wall.path = survey.path(head=(0.0, 0.0, 850.0))
