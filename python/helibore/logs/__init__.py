@@ -1,1 +1,1 @@
-"""What each turn of a wall measures, and what that means."""
+"""Measure each turn of a wall (logs), and say what the measures mean (zones, summary); keep the picks of a wall."""

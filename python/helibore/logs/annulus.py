@@ -85,7 +85,7 @@ class Annulus:
         InputError
             If a row of the interval has no volume (``cement: 12.4 m between 2000 and 2100 m have a missing radius or
             are narrower ...``), since any number would be a guess; if no row lies in the interval; on a negative
-            excess.
+            excess, or one that is not finite.
         """
         if not (math.isfinite(excess) and excess >= 0):
             raise InputError("excess", "must be finite and not negative", str(excess))

@@ -40,9 +40,10 @@ class ArmDiameters:
     uneven: Floats
 
     def sizes(self) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-        """Return of each turn largest diameter, its axis, its unevenness, the diameter nearest across it, the smallest.
+        """Return five values for each turn; all are NaN if an arm has no diameter in the turn.
 
-        All are NaN if an arm has no diameter in the turn.
+        They are the largest diameter, its axis, its unevenness, the diameter whose axis is nearest to a right angle to
+        this axis, and the smallest diameter.
         """
         turns = np.arange(self.diameter.shape[1])
         largest = np.argmax(np.nan_to_num(self.diameter, nan=-np.inf), axis=0)
@@ -91,7 +92,7 @@ def _pairs(arms: Caliper) -> tuple[Integers, Floats, Floats, Floats, Floats]:
     """Return columns of the pairs of opposite samples at one depth: arm, depth, diameter, axis, difference of radii.
 
     Axes are degrees in [0, 180). Samples at one place, as from two calipers with one direction, are averaged first, and
-    get the least of their arm numbers. If arms share an axis, the axis stands for the arm.
+    get the least of their arm numbers. If there are fewer axes than arm numbers, axes take the place of arm numbers.
     """
     assert arms.arm is not None
     turn, half = round(360 / _SAME_AXIS), round(180 / _SAME_AXIS)

@@ -2,9 +2,9 @@
 
 height(toolface) = distance of the wall from the centre of the area, less C2/2
 
-     .-----.             the axis of a turn: half the direction of sum w exp(2 i toolface), w the height
-   (  o   )  )  lobe     above opening_level times the greatest; doubled, opposite lobes add up
-     `-----'
+     .-----.             the axis of a turn is half the direction of sum w exp(2 i toolface); w is the part of
+   (  o   )  )  lobe     the height above opening_level times the greatest height. As angles are doubled,
+     `-----'             opposite lobes add up.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Combine the logs of turns into steps of depth.
 
     |--o----o----o--|--o----o----o----o--|      a turn belongs to the step that holds its middle
-       step i              step i + 1           a value missing in one turn is missing in its step
+       step i              step i + 1           ``log_columns`` has the rule of each log
 
 Areas are averaged, not diameters; the volume of a step is its mean area times its height, whatever the pitch. A step
 has a row only if its turns reach within half a pitch of both its ends.

@@ -25,8 +25,9 @@ NUMBERED = ("ARM_DIAMETER_", "AVOL_", "ASUM_", "CLEAR_")
 def image_means(logs: Logs, images: Mapping[str, SectorImage]) -> list[LogColumn]:
     """Return a column for each image: the mean of its values over each row of `logs`.
 
-    The mnemonic is the name of the image in capital letters. If that is not a valid mnemonic, or is the name of a log,
-    ``IMAGE_`` is put before it.
+    The mnemonic is the name of the image in capital letters, with ``_`` for each character that a mnemonic cannot have.
+    If it does not begin with a letter, or is the name of a log, ``IMAGE_`` is put before it. If another image has the
+    same mnemonic, ``_`` is added. In a unit ``?`` takes the place of characters that are not ASCII.
     """
     found: dict[str, LogColumn] = {}
     for name, image in images.items():

@@ -1,7 +1,9 @@
 """The name of each log in files, its unit, and how turns are combined into steps.
 
-`COLUMNS` lists attribute of `Logs`, mnemonic, unit and description. Mnemonics are those usual for caliper logs.
-The columns of uncertainty are named in ``turn_logs``, the class of hole in ``zones``.
+`COLUMNS` lists for each log the attribute of `Logs`, the mnemonic, the unit, the description and the rule for steps.
+Mnemonics are those usual for caliper logs. Other files name further columns: ``turn_logs`` the uncertainty of the
+volume, the diameters of the arms and the columns along the path, ``zones`` the class of hole, ``annulus`` the columns
+of a casing, ``image_means`` those of an image.
 """
 
 from __future__ import annotations

@@ -33,7 +33,7 @@ from helibore.samples.helix import Helix, WallLike, helix_of
 
 
 class Extreme(NamedTuple):
-    """The least or greatest value of a log and its depth, both metres; NaN if no turn is whole."""
+    """The least or greatest value of a log and its depth, both metres; both are NaN if no turn has a value."""
 
     value: float
     depth: float
@@ -52,9 +52,10 @@ class WallSummary:
     start, stop
         Ends of the interval, measured depth.
     basis, basis_text, bit_diameter, sectors, pitch
-        As of the wall.
+        Those of the wall.
     vertices, samples
-        Numbers of both in the interval; ``samples`` is that of the whole wall if the depths of samples are not known.
+        Numbers of vertices and samples in the interval. If the depths of the samples are not known, ``samples`` is the
+        number of all samples of the wall.
         Samples beyond the last vertex count if they lie within the distance to the next vertex.
     mean_diameter
         Diameter of the cylinder with the same volume.
