@@ -61,6 +61,22 @@ void by_hand() {
     CHECK(angular_gaps(helix, {}, 0.1) == std::vector<double>(4, 360.0));
 }
 
+// A sample at the toolface of a vertex, whatever the rounding of that toolface.
+void at_vertices() {
+    for (const double start : {0.0, 33.3, 0.1, -77.7, 359.999}) {
+        Wall wall({.bit_diameter = 0.216, .start_depth = 10.0, .start_toolface = start});
+        const std::vector<double> ends = {10.0, 10.2}, toolface(2), radius(2, 0.11);
+        wall.append({ends, toolface, radius});
+        const std::vector<double> of_vertices = wall.toolface(), depth = {10.05};
+        const HelixVertices helix{.start_depth = 10.0, .start_toolface = start, .count = 64};
+        for (std::size_t k = 0; k < 64; ++k) {
+            std::vector<double> expected(64, 360.0);
+            expected[k] = 0.0;
+            CHECK(angular_gaps(helix, {depth, std::span(of_vertices).subspan(k, 1)}, 1.0) == expected);
+        }
+    }
+}
+
 void refusals() {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     const std::vector<double> two = {1.0, 2.0}, bad = {1.0, infinity};
@@ -92,6 +108,7 @@ void refusals() {
 int main() {
     loops();
     by_hand();
+    at_vertices();
     in_every_host_state(refusals);
     return failures();
 }

@@ -16,6 +16,7 @@ namespace helibore {
 namespace {
 
 constexpr double whole_turn = 360.0;
+constexpr double rounding = 1e-9;  // degrees
 
 // Samples of sector s are [starts[s], starts[s + 1]), in the order of depth; toolfaces count from that of vertex 0.
 struct Sectors {
@@ -34,6 +35,15 @@ Index sector_of(double toolface, Index sectors) {
     return s;
 }
 
+// The toolface of a sample, counted from that of vertex 0. A sample at the toolface of a vertex lies exactly there:
+// without that, a rounding error would make the gap of the vertex 360 instead of 0.
+double counted_from(double start_toolface, double toolface, Index sectors) {
+    const double turned = wrap_toolface(toolface - start_toolface);
+    const auto nearest = static_cast<Index>(std::round(turned * static_cast<double>(sectors) / whole_turn));
+    if (std::abs(turned - border(nearest, sectors)) > rounding) return turned;
+    return border(nearest % sectors, sectors);
+}
+
 Sectors sorted(const SamplePlaces& samples, double start_toolface, Index sectors) {
     const std::size_t count = samples.depth.size();
     std::vector<double> toolface(count);
@@ -41,7 +51,7 @@ Sectors sorted(const SamplePlaces& samples, double start_toolface, Index sectors
     Sectors out{std::vector<std::size_t>(static_cast<std::size_t>(sectors) + 1), std::vector<double>(count),
                 std::vector<double>(count)};
     for (std::size_t i = 0; i < count; ++i) {
-        toolface[i] = wrap_toolface(samples.toolface[i] - start_toolface);
+        toolface[i] = counted_from(start_toolface, samples.toolface[i], sectors);
         sector[i] = sector_of(toolface[i], sectors);
         ++out.starts[static_cast<std::size_t>(sector[i]) + 1];
     }
