@@ -85,6 +85,10 @@ void refusals() {
     CHECK_THROWS(InputError, "sectors = 1000001: must be at most 1000000",
                  angular_gaps({.sectors = 1000001}, good, 1.0));
     CHECK_THROWS(InputError, "count = -1: must not be negative", angular_gaps({.count = -1}, good, 1.0));
+    CHECK_THROWS(InputError, "first = -64: must lie in 0 to 1099511627776", angular_gaps({.first = -64}, good, 1.0));
+    CHECK_THROWS(InputError, "first = 9223372036854775807: must lie in 0 to 1099511627776",
+                 angular_gaps({.first = std::numeric_limits<Index>::max()}, good, 1.0));
+    CHECK_THROWS(InputError, "first = 65: must be a multiple of sectors", angular_gaps({.first = 65}, good, 1.0));
     CHECK_THROWS(InputError, "start_toolface = inf: must be finite",
                  angular_gaps({.start_toolface = infinity}, good, 1.0));
     CHECK_THROWS(InputError, "count = 1099511627776: must be at most 2147483647",

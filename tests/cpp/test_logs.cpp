@@ -39,6 +39,7 @@ void refusals() {
     CHECK_THROWS(helibore::InputError, "start_toolface = inf: must be finite",
                  turn_logs({.start_toolface = std::numeric_limits<double>::infinity(), .radius = radius}));
     CHECK(turn_logs({.radius = radius, .window = std::numeric_limits<helibore::Index>::max()}).mean.size() == 150);
+    CHECK_THROWS(helibore::InputError, "first = -3: must not be negative", turn_logs({.radius = radius, .first = -3}));
     radius[3] = 1e155;
     CHECK_THROWS(helibore::InputError, "radius[3] = 1e+155: must lie in 1e-50 to 1e50 m, or be nan",
                  turn_logs({.radius = radius}));

@@ -102,6 +102,11 @@ void refuses_settings() {
                  Wall({.bit_diameter = 0.2, .start_toolface = 1e18}));
     CHECK_THROWS(InputError, "most_vertices = 0: must lie in 1 to 2147483647",
                  Wall({.bit_diameter = 0.2, .most_vertices = 0}));
+    CHECK_THROWS(InputError, "first_vertex = 65: must be a multiple of sectors",
+                 Wall({.bit_diameter = 0.2, .start_depth = 0.0, .first_vertex = 65}));
+    CHECK_THROWS(
+        InputError, "stop_vertex = 229: must be at most first_vertex + most_vertices = 228",
+        Wall({.bit_diameter = 0.2, .start_depth = 0.0, .most_vertices = 100, .first_vertex = 128, .stop_vertex = 229}));
 }
 
 // One wrong depth is named, and the wall stays as it was.
@@ -157,9 +162,9 @@ void shares() {
     Wall once(settings), shared(settings);
     once.append(hole.all());
     {
-        std::vector<std::jthread> crew;
+        std::vector<std::jthread> threads;
         for (std::size_t worker = 0; worker < 4; ++worker)
-            crew.emplace_back([&, worker] {
+            threads.emplace_back([&, worker] {
                 for (std::size_t i = worker; i < 40; i += 4) shared.append(hole.rows(100 * i, 100));
             });
         for (int i = 0; i < 20; ++i) CHECK(shared.sample_count() % 100 == 0 && shared.radius().size() % 641 == 0);

@@ -11,7 +11,8 @@
 //
 // The means over evenly spaced toolfaces are the periodic trapezoid rule: exact to rounding for a smooth hole, where
 // the polygon of 16 vertices loses 2.5 %. A turn with a missing radius is NaN in all columns except `coverage`,
-// `smallest` and `largest`. The caller computes volumes, ratios and depths from these.
+// `smallest` and `largest`; the last two are NaN only if all radii of the turn are missing. The caller computes
+// volumes, ratios and depths from these.
 #pragma once
 
 #include <limits>
@@ -33,8 +34,8 @@ struct Turns {
     // 2) + 1 turns, at least 3; halves are rounded to even. At a pitch of 0.1 m, 1 m is 9 turns.
 
     // For a part of a wall: the number of its first turn, and the reference radius that rugosity subtracts from all
-    // radii, metres; NaN: the first radius. From the first turn whose number is a multiple of 256 on, turns at least
-    // half a window inside the part have the same bits as in the whole wall.
+    // radii, metres; NaN: the first radius that is not missing. From the first turn whose number is a multiple of 256
+    // on, turns at least half a window inside the part have the same bits as in the whole wall.
     Index first = 0;
     double reference = std::numeric_limits<double>::quiet_NaN();
 };
@@ -56,7 +57,8 @@ struct TurnLogs {
     std::vector<double> rugosity;
 };
 
-// The result does not depend on `threads`. Throws InputError on sectors < 3 or a window that is even or below 3.
+// The result does not depend on `threads`. Throws InputError on sectors < 3, on a window that is even or below 3, on a
+// negative `first`, and on a radius that is neither NaN nor between 1e-50 and 1e50 m.
 TurnLogs turn_logs(const Turns& turns, int threads = 1);
 
 // The first `count` vertices of a helix, metres and degrees.
@@ -66,7 +68,7 @@ struct HelixVertices {
     double pitch = 0.1;
     Index sectors = 64;
     Index count = 0;
-    Index first = 0;  // number of vertex 0 on the whole helix
+    Index first = 0;  // number of vertex 0 on the whole helix, a multiple of `sectors`
 };
 
 // Where samples lie, the depth rising, as Wall::samples has them. Borrowed.

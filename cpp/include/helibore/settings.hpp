@@ -25,7 +25,7 @@ struct Settings {
     std::optional<double> stop_depth = {};   // the wall ends here; none: the last sample along the helix
     double start_toolface = 0.0;             // toolface of vertex 0, degrees
     int neighbors = 8;                 // V: nearest samples a vertex is estimated from, 1 to 256; kriging: 1 to 64
-    std::optional<Index> window = {};  // U: search only this many consecutive samples; none: all, exactly
+    std::optional<Index> window = {};  // U: search only this many consecutive samples; none: all samples
     double power = 1.0;                // weight = distance^-power; above 0, at most 100
     double max_distance = 1.0;         // metres, 1e-9 or more; samples farther away are not used. no_limit: none
     int max_iterations = 4;            // the most estimates per vertex
@@ -36,14 +36,14 @@ struct Settings {
     double nugget = 0.1;                // kriging: variance of the noise over that of the shape, at least 1e-6
     bool sigma = false;                 // the wall keeps Wall::sums for uncertainties; radii do not depend on it
     bool direct = false;                // a vertex that is not settled shows its latest sample, provisionally
-    Index most_vertices = 100'000'000;  // an append that would exceed this is refused: a depth is wrong
+    Index most_vertices = 100'000'000;  // an append that would exceed this is refused, because a depth must be wrong
     int threads = 1;                    // 1 to most_threads; the result does not depend on it
     InstructionSet instruction_set = InstructionSet::automatic;
 
     // The wall is a part of the helix: from first_vertex, a multiple of `sectors`, up to but without stop_vertex, which
-    // replaces stop_depth. Such a part needs a start_depth.
+    // replaces stop_depth. If first_vertex is not 0, start_depth must be set.
     Index first_vertex = 0;
-    std::optional<Index> stop_vertex = {};
+    std::optional<Index> stop_vertex = {};  // none: up to stop_depth, or to the last sample along the helix
 
     // Throws an InputError that names the first setting that breaks its rule.
     void validate() const;

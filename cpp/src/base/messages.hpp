@@ -73,6 +73,12 @@ inline void require_pitch(double pitch) {
     require(std::abs(pitch) <= largest_depth, "pitch", pitch, depth_rule);
 }
 
+// `first` is the number on the whole helix of the first vertex of a part.
+inline void require_first(const char* name, Index first, Index sectors) {
+    require(first >= 0 && first <= Index{1} << 40, name, first, "must lie in 0 to 1099511627776");
+    require(first % sectors == 0, name, first, "must be a multiple of sectors");
+}
+
 inline void require_finite(const char* name, std::span<const double> values) {
     for (std::size_t i = 0; i < values.size(); ++i)
         if (!std::isfinite(values[i])) throw entry_error(name, static_cast<Index>(i), values[i], "must be finite");

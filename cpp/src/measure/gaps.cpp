@@ -124,6 +124,7 @@ std::vector<double> angular_gaps(const HelixVertices& vertices, const SamplePlac
     const StandardArithmetic standard;
     require(vertices.sectors >= 1, "sectors", vertices.sectors, "must be 1 or more");
     require(vertices.sectors <= 1000000, "sectors", vertices.sectors, "must be at most 1000000");
+    require_first("first", vertices.first, vertices.sectors);
     require_vertex_count(vertices.count);
     if (vertices.count > 0) {  // an empty wall has no start
         require_depth("start_depth", vertices.start_depth);

@@ -249,6 +249,7 @@ TurnLogs turn_logs(const Turns& turns, int threads) {
     require_sectors(turns.sectors);
     require(turns.window >= 3 && turns.window % 2 == 1, "window", turns.window, "must be odd and 3 or more");
     require(std::isfinite(turns.start_toolface), "start_toolface", turns.start_toolface, "must be finite");
+    require(turns.first >= 0, "first", turns.first, "must not be negative");
     require_threads(threads);
     for (std::size_t i = 0; i < turns.radius.size(); ++i) {
         const double r = turns.radius[i];

@@ -35,8 +35,7 @@ void Settings::validate() const {
     require(std::isfinite(start_toolface), "start_toolface", start_toolface, "must be finite");
     require(std::abs(start_toolface) <= 1e6, "start_toolface", start_toolface,  // then sectors differ by their angle
             "must lie in -1000000 to 1000000 degrees");
-    require_within("first_vertex", first_vertex, 0, Index{1} << 40);
-    require(first_vertex % sectors == 0, "first_vertex", first_vertex, "must be a multiple of sectors");
+    require_first("first_vertex", first_vertex, sectors);
     require(first_vertex == 0 || start_depth, "first_vertex", first_vertex, "needs a start_depth");
     if (stop_vertex) require_within("stop_vertex", *stop_vertex, first_vertex + 1, Index{1} << 40);
     require(!stop_vertex || !stop_depth, "stop_vertex", stop_vertex.value_or(0), "must not be given with a stop_depth");
@@ -55,6 +54,9 @@ void Settings::validate() const {
     if (estimator == Estimator::kriging) require_positive("kriging_range", kriging_range);
     require(std::isfinite(nugget) && nugget >= 1e-6, "nugget", nugget, "must be finite and at least 1e-6");
     require_within("most_vertices", most_vertices, 1, largest_count);
+    if (stop_vertex)
+        require(*stop_vertex - first_vertex <= most_vertices, "stop_vertex", *stop_vertex,
+                "must be at most first_vertex + most_vertices = " + std::to_string(first_vertex + most_vertices));
     require_threads(threads);
 }
 
