@@ -87,7 +87,7 @@ void estimates() {
              {&found.radius, &found.nearest, &found.square_weights, &found.scatter, &found.along, &found.across})
             hash.take(*column);
     }
-    expect("estimates at points", hash, "a92369ca32e9ee5b");
+    expect("estimates at points", hash, "237f0a2df755ffd5");
 }
 
 void paths_and_surfaces() {

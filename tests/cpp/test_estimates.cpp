@@ -89,6 +89,41 @@ void by_hand() {
         CHECK(std::isnan(found.radius[none]) && std::isnan(found.nearest[none]) && std::isnan(found.scatter[none]));
 }
 
+// Toolfaces may be any finite angle, of points and of samples.
+void any_toolface() {
+    const std::vector<double> depth(3, 10.0), toolface = {5.0, 180.0, 300.0}, radius = {0.1, 0.12, 0.14};
+    std::vector<double> turned;
+    for (const double angle : toolface) turned.push_back(angle - 720.0);
+    const Settings settings{.bit_diameter = 0.2, .max_iterations = 1};
+    const auto found = [&](double at, const std::vector<double>& of_samples) {
+        return estimate_at({depth, of_samples, radius}, Points{{10.0}, {at}, {0.1}, {0.0}, {0.0}}, settings);
+    };
+    for (const double at : {5.0, 77.0, 350.0})
+        for (const double turns : {-1080.0, -360.0, 360.0, 720.0})
+            for (const std::vector<double>& of_samples : {toolface, turned}) {
+                const PointEstimates same = found(at, toolface), other = found(at + turns, of_samples);
+                CHECK(near(other.radius[0], same.radius[0]) && near(other.nearest[0], same.nearest[0]));
+            }
+    // The sample at 5 degrees is left out; the next lies 65 degrees away.
+    CHECK(near(found(365.0, toolface).nearest[0], 65.0 * 0.1 * std::acos(-1.0) / 180.0));
+}
+
+// A sample exactly max_distance away is used or not; it never leaves an estimate without meaning.
+void at_the_greatest_distance() {
+    const std::vector<double> depth = {10.0}, radius = {0.1};
+    const double trial = 0.108;
+    for (int i = 1; i < 2000; ++i) {
+        const std::vector<double> toolface = {0.09 * i};
+        const double away = trial * std::acos(-1.0) / 180.0 * toolface[0];
+        for (const double limit : {std::nextafter(away, 0.0), away, std::nextafter(away, 1.0)}) {
+            const Settings settings{.bit_diameter = 0.2, .max_distance = limit, .max_iterations = 1};
+            const PointEstimates found =
+                estimate_at({depth, toolface, radius}, Points{{10.0}, {0.0}, {trial}, {-1.0}, {-1.0}}, settings);
+            CHECK(std::isnan(found.nearest[0]) ? std::isnan(found.radius[0]) : found.radius[0] == 0.1);
+        }
+    }
+}
+
 void refusals() {
     const std::vector<double> two = {1.0, 2.0}, good_radius = {0.1, 0.1}, falling = {2.0, 1.0}, gap = {1.0, nan};
     const std::vector<double> nuggets = {0.1, 0.0};
@@ -198,6 +233,8 @@ int main() {
     kept_sums();
     sigma_by_hand();
     by_hand();
+    any_toolface();
+    at_the_greatest_distance();
     in_every_host_state(refusals);
     return failures();
 }

@@ -12,25 +12,28 @@
 
 namespace helibore {
 
-// Columns of equal length. A point uses no sample that lies in its box: at most box_depth metres above or below it and
-// at most box_turn degrees beside it. 0 and 0: only samples at the point itself; negative: no box.
+// Columns of equal length. The estimate of a point leaves out the samples in its box: those at most box_depth metres
+// above or below the point and at most box_turn degrees beside it. If both are 0, it leaves out only samples at the
+// point itself. If one of them is negative, it leaves out no sample.
 struct PointColumns {
     std::span<const double> depth, toolface;
     std::span<const double> trial;  // the first trial radius, metres; NaN: no estimate
     std::span<const double> box_depth, box_turn;
 };
 
-// One value for each point; NaN where no sample is within max_distance.
+// One value for each point. It is NaN if the trial radius is NaN, or if no sample outside the box is within
+// max_distance.
 struct PointEstimates {
     std::vector<double> radius;
-    std::vector<std::vector<double>> by_nugget;  // radii, for each of the nuggets asked for
+    std::vector<std::vector<double>> by_nugget;  // one column of kriged radii for each of the given nuggets
     std::vector<double> nearest, farthest;       // distances of samples used, in the metric of angular_scale, metres
     std::vector<double> square_weights, scatter, along, across;  // W, S, A and C of SigmaRule
 };
 
-// `samples` must be in canonical order. The helix, the window and `direct` of the settings have no effect. Throws
-// InputError on a bad setting, and if columns differ in length. Kriging with several nuggets searches for neighbours
-// once.
+// `samples` must be in canonical order, as Wall::samples returns them. The helix, the window and `direct` of the
+// settings have no effect. If there are several nuggets, the neighbours of a point are searched for once. Throws
+// InputError on a bad setting, if columns differ in length, if depths of samples fall, or if a depth, toolface, radius
+// or nugget breaks its rule.
 PointEstimates estimate_at(const SampleColumns& samples, const PointColumns& points, const Settings& settings,
                            std::span<const double> nuggets = {});
 

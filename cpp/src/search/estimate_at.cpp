@@ -1,17 +1,19 @@
-// Estimates at points from the nearest samples that are not left out, by the method of the wall. Each point looks at
-// the samples above and below it, some at once, until no other sample can be nearer than those found.
+// Estimates at points from the nearest samples that are not left out. Each point looks at the samples above and below
+// it, some at once, until no other sample can be nearer than those found.
+//
+// The method is that of the wall, except that an estimate which alternates between two radii is not replaced by their
+// mean.
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <numbers>
 
 #include "base/arithmetic.hpp"
-#include "base/degrees.hpp"
 #include "base/messages.hpp"
 #include "base/threads.hpp"
 #include "helibore/error.hpp"
 #include "helibore/estimates.hpp"
+#include "samples/helix.hpp"
 #include "search/kernel/instruction_set.hpp"
 #include "search/search.hpp"
 
@@ -27,6 +29,13 @@ struct Neighbour {
     std::size_t sample;
 };
 
+std::vector<double> wrapped(std::span<const double> toolface) {
+    std::vector<double> out(toolface.size());
+    std::ranges::transform(toolface, out.begin(), wrap_toolface);
+    return out;
+}
+
+// Its samples and points have toolfaces in [0, 360).
 class PointEstimator {
   public:
     PointEstimator(const SampleColumns& samples, const PointColumns& points, const Settings& settings,
@@ -56,11 +65,11 @@ class PointEstimator {
     const kernel::Functions& functions_;
 };
 
-// The nearest samples, in canonical order.
+// The nearest samples, in canonical order. The distances have the bits that the kernel computes: it gives no weight to
+// a neighbour beyond max_distance.
 void PointEstimator::find(std::size_t point, double trial, std::vector<Neighbour>& found) const {
     const auto wanted = static_cast<std::size_t>(settings_.neighbors);
-    const double degree = trial * std::numbers::pi / 180.0, scale = degree * settings_.angular_scale;
-    const double depth = points_.depth[point], limit = settings_.max_distance * settings_.max_distance;
+    const double scale = trial * rules_.scale, depth = points_.depth[point], limit = rules_.max_square;
     const auto nearer = [](const Neighbour& a, const Neighbour& b) {
         return a.square < b.square || (a.square == b.square && a.sample < b.sample);
     };
@@ -71,7 +80,7 @@ void PointEstimator::find(std::size_t point, double trial, std::vector<Neighbour
         const Neighbour next{across * across + along * along, sample};
         if (found.size() == wanted && !nearer(next, found.front())) return;  // true for most samples
         if (along <= points_.box_depth[point] && away <= points_.box_turn[point]) return;
-        if (degree * away * degree * away + along * along > limit) return;
+        if (across * across * rules_.unscale + along * along > limit) return;
         if (found.size() == wanted) {
             std::pop_heap(found.begin(), found.end(), nearer);
             found.back() = next;
@@ -190,7 +199,10 @@ PointEstimates estimate_at(const SampleColumns& samples, const PointColumns& poi
          {&out.radius, &out.nearest, &out.farthest, &out.square_weights, &out.scatter, &out.along, &out.across})
         column->resize(n);
     out.by_nugget.assign(nuggets.size(), std::vector<double>(n, std::numeric_limits<double>::quiet_NaN()));
-    const PointEstimator estimator(samples, points, settings, nuggets);
+    const std::vector<double> of_samples = wrapped(samples.toolface), of_points = wrapped(points.toolface);
+    const SampleColumns from{samples.depth, of_samples, samples.radius};
+    const PointColumns at{points.depth, of_points, points.trial, points.box_depth, points.box_turn};
+    const PointEstimator estimator(from, at, settings, nuggets);
     const auto groups = static_cast<Index>((n + lanes - 1) / lanes);
     const int workers = threads_for(groups, groups_a_thread, settings.threads);
     const auto rooms = std::make_unique_for_overwrite<kernel::Room[]>(static_cast<std::size_t>(workers));
