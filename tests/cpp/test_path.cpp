@@ -152,10 +152,10 @@ void bad_surveys_and_depths() {
     CHECK_THROWS(InputError, vertical, down.frame(one));
     CHECK_THROWS(InputError, vertical, down.north_to_high_side(one));
     const double level[] = {90.0, 90.0};
-    CHECK_THROWS(
-        InputError,
-        "depth[0] = 5: north is undefined where the hole runs level north or south; use the reference high-side",
-        Path(Survey(two, level, zero), {.reference = Reference::north}).frame(one));
+    const std::string level_hole =
+        "depth[0] = 5: north is undefined where the hole runs level north or south; use the reference high-side";
+    CHECK_THROWS(InputError, level_hole, Path(Survey(two, level, zero), {.reference = Reference::north}).frame(one));
+    CHECK_THROWS(InputError, level_hole, Path(Survey(two, level, zero)).north_to_high_side(one));
     const Path level_north(Survey(two, level, zero), {.reference = Reference::parallel_transport});
     CHECK(near(level_north.frame(one)[0][0][2], -1.0));  // starts from the high side
     try {

@@ -88,7 +88,7 @@ class Path {
     std::vector<Frame> frame(std::span<const double> depth) const;
 
     // Degrees in [0, 360) to add to a toolface measured from north to get it measured from the high side:
-    // atan2(-sinA, cosI cosA).
+    // atan2(-sinA, cosI cosA). Throws InputError also where the high side or north is undefined.
     std::vector<double> north_to_high_side(std::span<const double> depth) const;
 
     Reference reference() const;
@@ -105,8 +105,8 @@ class Path {
 };
 
 // A survey that grows while the hole is drilled. Stations come in any order; a station at the depth of an earlier one
-// replaces it. Taking a station costs the same however many stations there are. path() computes only what lies below
-// the first station that changed since its last call, and has the bits of Path(survey(), settings).
+// replaces it. Taking a station checks only the courses above and below it. path() computes only what lies below the
+// first station that changed since its last call, and has the bits of Path(survey(), settings).
 class Stations {
   public:
     // Throws InputError on bad settings.

@@ -100,7 +100,7 @@ int segments_for(double bend) {
 //     t1 \ | / t2                    t(x) = cos(x - b/2) m + sin(x - b/2) e,  x from 0 to b,
 //         \|/                        and its normal is dt/dx.
 //          +---> e = unit(t2 - t1)
-dvec3 append_arcs(std::vector<Arc>& arcs, const Station& above, const Station& below, const dvec3& head) {
+dvec3 append_course(std::vector<Arc>& arcs, const Station& above, const Station& below, const dvec3& head) {
     const double length = below.depth - above.depth;
     const dvec3 sum = above.tangent + below.tangent, difference = below.tangent - above.tangent;
     const double bend = dogleg_between(above, below);
@@ -125,7 +125,7 @@ dvec3 append_arcs(std::vector<Arc>& arcs, const Station& above, const Station& b
 }
 
 // Appends the cylinder curves of one course; returns where it ends.
-dvec3 append_curves(std::vector<CylinderCurve>& curves, const Station& above, const Station& below, const dvec3& head) {
+dvec3 append_course(std::vector<CylinderCurve>& curves, const Station& above, const Station& below, const dvec3& head) {
     const double length = below.depth - above.depth;
     const double build = (below.inclination - above.inclination) * degree / length;
     const double azimuth_change = wrap_difference(below.azimuth - above.azimuth) * degree;
@@ -187,13 +187,6 @@ void transport_toolface(std::vector<Segment>& segments, std::size_t from) {
         const dvec3 zero(a.zero_n, a.zero_e, a.zero_d);
         segments[i].zero = glm::normalize(zero - glm::dot(zero, t) * t);  // so that rounding errors do not add up
     }
-}
-
-dvec3 append_course(std::vector<Arc>& arcs, const Station& above, const Station& below, const dvec3& head) {
-    return append_arcs(arcs, above, below, head);
-}
-dvec3 append_course(std::vector<CylinderCurve>& curves, const Station& above, const Station& below, const dvec3& head) {
-    return append_curves(curves, above, below, head);
 }
 
 Arc straight(const Station& end, const dvec3& head, const Arc&) {
@@ -262,9 +255,9 @@ void for_each_point(const Segments& segments, std::span<const double> depth, con
 }
 
 template <Reference reference, class Segment>
-Frame frame_at(const Segments& segments, const Segment& segment, const PathPoint& p, Index i, double depth) {
+Frame frame_at(const Segment& segment, const PathPoint& p, Index i, double depth) {
     const Axes a = axes_of<reference>(segment, p);
-    if (a.square < least_reference_angle * least_reference_angle) segments.refuse_frame(depth, {i});
+    if (!a.defined()) refuse_frame(reference, depth, {i});
     const double scale = 1.0 / std::sqrt(a.square);
     return {{{a.zero_n * scale, a.zero_e * scale, a.zero_d * scale},
              {a.right_n * scale, a.right_e * scale, a.right_d * scale},
@@ -326,7 +319,7 @@ void Segments::require_reach(double depth, const DepthOf& of) const {
                               " m, plus extend = " + number_text(stop_depth - survey_depth) + " m");
 }
 
-void Segments::refuse_frame(double depth, const DepthOf& of) const {
+void refuse_frame(Reference reference, double depth, const DepthOf& of) {
     if (reference == Reference::high_side)
         throw of.error(depth, "the high side is undefined where the hole is vertical; use the reference north");
     throw of.error(depth, "north is undefined where the hole runs level north or south; use the reference high-side");
@@ -364,21 +357,18 @@ std::vector<Vector3> Path::tangent(std::span<const double> depth) const {
 std::vector<Frame> Path::frame(std::span<const double> depth) const {
     std::vector<Frame> frames(depth.size());
     for_each_point(*segments_, depth, [&](std::size_t i, const auto& segment, const PathPoint& p) {
-        frames[i] = with_reference(segments_->reference, [&](auto reference) {
-            return frame_at<reference>(*segments_, segment, p, Index(i), depth[i]);
-        });
+        frames[i] = with_reference(segments_->reference,
+                                   [&](auto reference) { return frame_at<reference>(segment, p, Index(i), depth[i]); });
     });
     return frames;
 }
 
 std::vector<double> Path::north_to_high_side(std::span<const double> depth) const {
-    Segments high_side;  // its rule and error, whatever the reference of the path
-    high_side.reference = Reference::high_side;
     std::vector<double> degrees(depth.size());
     for_each_point(*segments_, depth, [&](std::size_t i, const auto& segment, const PathPoint& p) {
-        if (axes_of<Reference::high_side>(segment, p).square < least_reference_angle * least_reference_angle) {
-            high_side.refuse_frame(depth[i], {Index(i)});
-        }
+        if (!axes_of<Reference::high_side>(segment, p).defined())
+            refuse_frame(Reference::high_side, depth[i], {Index(i)});
+        if (!axes_of<Reference::north>(segment, p).defined()) refuse_frame(Reference::north, depth[i], {Index(i)});
         const double angle = arc_tangent(-p.tan_e, p.tan_d * p.tan_n) / degree;
         const double positive = angle < 0.0 ? angle + 360.0 : angle + 0.0;  // + 0.0 turns -0 into 0
         degrees[i] = positive < 360.0 ? positive : 0.0;                     // -1e-20 + 360 rounds to 360

@@ -123,17 +123,17 @@ void require_reach(const Task& task, std::span<const VertexRun> runs) {
 
 // Throws for the first vertex from k on that has no frame. There is such a vertex; parallel transport has a frame
 // everywhere.
-[[noreturn]] void refuse(const Task& task, const Path& path, Index k) {
+[[noreturn]] void refuse(const Task& task, Index k) {
     for (;; ++k) {
         const double depth = task.helix.depth(k);
-        const auto square = [&](const auto& segment) {
+        const auto defined = [&](const auto& segment) {
             const PathPoint p = segment.at(depth - segment.depth);
             return with_reference(task.path.reference,
-                                  [&](auto reference) { return axes_of<reference>(segment, p).square; });
+                                  [&](auto reference) { return axes_of<reference>(segment, p).defined(); });
         };
-        const double of = task.path.curves.empty() ? square(segment_at(task.path.arcs, depth))
-                                                   : square(segment_at(task.path.curves, depth));
-        if (of < least_reference_angle * least_reference_angle) path.segments().refuse_frame(depth, {k, true});
+        if (!(task.path.curves.empty() ? defined(segment_at(task.path.arcs, depth))
+                                       : defined(segment_at(task.path.curves, depth))))
+            refuse_frame(task.path.reference, depth, {k, true});
     }
 }
 
@@ -162,7 +162,7 @@ void place(const HelixRadii& radii, const Path& path, std::span<const VertexRun>
         }
     });
     const Index lowest = *std::min_element(refused.begin(), refused.end());
-    if (lowest != none) refuse(task, path, lowest);
+    if (lowest != none) refuse(task, lowest);
 }
 
 }  // namespace helibore

@@ -108,6 +108,8 @@ struct Axes {
     double zero_n, zero_e, zero_d;
     double right_n, right_e, right_d;
     double square;  // length^2
+
+    bool defined() const { return !(square < least_reference_angle * least_reference_angle); }
 };
 template <Reference reference, class Segment>
 inline Axes axes_of(const Segment& segment, const PathPoint& p) {
@@ -166,9 +168,10 @@ struct Segments {
 
     // Throws InputError unless the path reaches this depth.
     void require_reach(double depth, const DepthOf& of) const;
-    // Throws the InputError for a depth at which the reference is undefined.
-    [[noreturn]] void refuse_frame(double depth, const DepthOf& of) const;
 };
+
+// Throws the InputError for a depth at which the reference is undefined.
+[[noreturn]] void refuse_frame(Reference reference, double depth, const DepthOf& of);
 
 // The last segment that starts at or above `depth`; the first one for depths above all.
 template <class Segment>
