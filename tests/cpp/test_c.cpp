@@ -364,6 +364,32 @@ void bad_input() {
     CHECK(new_wall() > wall);  // no number comes again; this wall stays open, which is no leak either
 }
 
+// A text of more than 1023 bytes is cut, but not within a character: "\u6df1" takes three bytes.
+void long_texts() {
+    const std::int64_t live = new_live();
+    std::int64_t count = 0;
+    std::int32_t sectors = 0;
+    for (const std::size_t before : {0u, 1u, 2u}) {
+        std::string name(before, 'x');
+        for (int i = 0; i < 400; ++i) name += "\xe6\xb7\xb1";
+        REFUSED(hb_live_image(live, name.c_str(), &sectors, &count, nullptr, nullptr),
+                ("image '" + name).substr(0, 7 + before + (1023 - 7 - before) / 3 * 3));
+    }
+    CHECK(hb_close(live) == HB_OK);
+}
+
+// Several threads close one handle: one of them succeeds.
+void closed_once() {
+    for (int i = 0; i < 200; ++i) {
+        const std::int64_t wall = new_wall();
+        std::atomic<int> closed = 0;
+        std::vector<std::jthread> threads;
+        for (int thread = 0; thread < 2; ++thread) threads.emplace_back([&] { closed += hb_close(wall) == HB_OK; });
+        threads.clear();
+        CHECK(closed == 1);
+    }
+}
+
 // Each function refuses a handle that was closed, 0 and a number that was never one.
 void not_open() {
     const std::array<std::int64_t, 4> closed = {new_wall(), new_path(), new_live(), [] {
@@ -462,8 +488,8 @@ void threads() {
     CHECK(hb_close(wall) == HB_OK);
 }
 
-// Fails each allocation of `call` in turn. What `read` then finds is what it found before; the call that succeeds gives
-// what it gives without failures. A call that fails keeps no memory.
+// Fails each allocation of `call` in turn. After a failed call, `read` finds what it found before; after the call that
+// succeeds, it finds what it finds without failures. A call that fails keeps no memory.
 void fail_each(const char* name, const std::function<std::int64_t()>& prepare,
                const std::function<std::int32_t(std::int64_t)>& call, const std::function<Bits(std::int64_t)>& read) {
     const std::int64_t untouched = prepare();
@@ -680,7 +706,7 @@ void fail_each(const char* name, const std::function<std::int64_t()>& prepare,
     CHECK(hb_close(path) == HB_OK);
 }
 
-// A host's runner that gives workers away in any order, again, wrongly or not at all: the work is done once.
+// A host's runner that calls workers in any order, twice, with a wrong number or not at all: the work is done once.
 struct Given {
     int calls = 0;
     std::vector<std::int32_t> order;  // of workers; empty: each, on a thread of its own
@@ -733,7 +759,9 @@ int main() {
     live();
     wits();
     bad_input();
+    long_texts();
     not_open();
+    closed_once();
     threads();
     one_live_well_and_one_parser();
     threads_of_the_host();

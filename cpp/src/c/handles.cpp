@@ -17,13 +17,18 @@ void set_error(const char* text, const char* more = "") noexcept {
     char* end = last_error;
     const auto add = [&](const char* part) {
         const std::size_t room = static_cast<std::size_t>(last_error + sizeof last_error - 1 - end);
-        const std::size_t size = std::min(std::strlen(part), room);
+        std::size_t size = std::min(std::strlen(part), room);
+        while (size > 0 && (part[size] & 0xc0) == 0x80) --size;  // never cuts a character of UTF-8 in two
         std::memcpy(end, part, size);
         end += size;
     };
     add(text);
     add(more);
     *end = '\0';
+}
+
+InputError not_open(std::int64_t handle) {
+    return {"handle", "is not open", std::to_string(handle)};
 }
 
 // Frees what a host has left open when it unloads the library. The table itself stays: other threads may still call
@@ -49,12 +54,12 @@ std::int64_t Handles::open(Object object) {
 }
 
 void Handles::close(std::int64_t handle) {
-    find(handle);
     const auto closed = [&] {
         const std::scoped_lock held(lock_);
         return objects_.extract(handle);
-    }();  // deleted here, without the lock
-}
+    }();
+    if (closed.empty()) throw not_open(handle);
+}  // the object is deleted here, without the lock
 
 void Handles::close_all() {
     std::unordered_map<std::int64_t, Object> objects;
@@ -65,7 +70,7 @@ void Handles::close_all() {
 Object Handles::find(std::int64_t handle) const {
     const std::scoped_lock held(lock_);
     const auto found = objects_.find(handle);
-    if (found == objects_.end()) throw InputError("handle", "is not open", std::to_string(handle));
+    if (found == objects_.end()) throw not_open(handle);
     return found->second;
 }
 
