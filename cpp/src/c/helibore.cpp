@@ -216,7 +216,8 @@ int32_t hb_wall_get(int64_t wall, hb_wall_state* state) {
         const auto handle = find<WallHandle>("wall", wall);
         require_struct("state", state);
         const Wall& w = *handle->read;
-        *state = {sizeof *state, 0, w.size(), w.sample_count(), w.settled(), w.start_depth()};
+        const Index settled = w.settled();  // first: an append between these calls only adds vertices
+        *state = {sizeof *state, 0, w.size(), w.sample_count(), settled, w.start_depth()};
     });
 }
 
