@@ -68,24 +68,18 @@ Settings with_a_start(const Settings& settings) {
     return settings;
 }
 
-struct ArrivedRows {
-    std::vector<double> depth, values;
-    int sectors = 0;
-    std::string unit;
-};
-
 }  // namespace
 
 struct Live::State {
     std::mutex lock;
     Wall wall;
-    Stations stations;  // it builds its path when asked
-    std::map<std::string, ArrivedRows> images;
-    Update pending;  // since the last poll
+    Stations stations;                          // it builds its path when asked
+    std::map<std::string, ImageArrays> images;  // rows in order of arrival
+    Update pending;                             // since the last poll
 
     explicit State(const LiveSettings& settings) : wall(with_a_start(settings.wall)), stations(settings.path) {}
 
-    const ArrivedRows& arrived(const std::string& name) const {
+    const ImageArrays& arrived(const std::string& name) const {
         const auto place = images.find(name);
         if (place == images.end()) throw InputError("image '" + name + "'", "is not there");
         return place->second;
@@ -154,8 +148,8 @@ Update Live::append_image(const std::string& name, std::span<const double> depth
     require(width <= 1000000, "sectors", static_cast<Index>(width), "must be at most 1000000");
     const int sectors = static_cast<int>(width);
     const std::lock_guard guard(state_->lock);
-    const auto [place, is_new] = state_->images.try_emplace(name, ArrivedRows{{}, {}, sectors, unit});
-    ArrivedRows& rows = place->second;
+    const auto [place, is_new] = state_->images.try_emplace(name, ImageArrays{{}, {}, sectors, unit});
+    ImageArrays& rows = place->second;
     if (rows.sectors != sectors)
         throw InputError("values has " + std::to_string(sectors) + " sectors",
                          "image '" + name + "' has " + std::to_string(rows.sectors));
@@ -200,7 +194,7 @@ std::vector<std::string> Live::images() const {
 
 ImageArrays Live::rows(const std::string& name, Range some) const {
     const std::lock_guard guard(state_->lock);
-    const ArrivedRows& rows = state_->arrived(name);
+    const ImageArrays& rows = state_->arrived(name);
     const auto count = static_cast<Index>(rows.depth.size());
     if (some.start < 0 || some.start > some.stop || some.stop > count)
         throw InputError("rows", "must lie within the " + std::to_string(count) + " rows of image '" + name + "'",
@@ -215,7 +209,7 @@ ImageArrays Live::rows(const std::string& name, Range some) const {
 ImageArrays Live::image(const std::string& name) const {
     const StandardArithmetic standard;
     const std::lock_guard guard(state_->lock);
-    const ArrivedRows& rows = state_->arrived(name);
+    const ImageArrays& rows = state_->arrived(name);
     std::vector<std::size_t> order(rows.depth.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(),

@@ -17,8 +17,7 @@ namespace {
 constexpr double largest_radius = 2.0;  // metres; a diameter or a value in inches is an error
 constexpr double largest = std::numeric_limits<double>::max();
 constexpr double least_radius = std::numeric_limits<double>::denorm_min();
-constexpr Index rows_a_thread = 32768;  // at least; fewer are not worth the start of a thread
-constexpr Index rows_a_part = 4096;     // that a thread takes at a time
+constexpr Index rows_a_part = 4096;  // that a thread takes at a time
 
 }  // namespace
 

@@ -8,6 +8,8 @@
 
 namespace helibore {
 
+inline constexpr Index rows_a_thread = 32768;  // at least; fewer are not worth the start of a thread
+
 // Throws InputError unless all columns are as long as depth; time may be empty.
 void check_lengths(const SampleColumns& columns);
 

@@ -13,7 +13,7 @@
 #include <numeric>
 #include <utility>
 
-#if defined(__SSE2__) || defined(_M_X64)
+#ifdef __SSE2__
 #include <emmintrin.h>
 #endif
 
@@ -27,8 +27,7 @@
 namespace helibore {
 namespace {
 
-constexpr Index rows_a_thread = 32768;  // at least; fewer are not worth the start of a thread
-constexpr int slabs_a_thread = 8;       // so that all end together
+constexpr int slabs_a_thread = 8;  // so that all threads end at about the same time
 
 // Does row i come after row i - 1? Equal timed rows count as not in order, because one of them must be dropped.
 bool in_order(const SampleColumns& c, std::size_t i) {
@@ -195,7 +194,7 @@ void sort_buckets(SortedBatch& batch, const Buckets& buckets, const std::vector<
 // Writes eight doubles, a cache line, directly to memory: the processor then does not first read what is about to be
 // overwritten. Other threads see them only after finish_streams().
 void stream_line(double* to, const double* from) {
-#if defined(__SSE2__) || defined(_M_X64)
+#ifdef __SSE2__
     if (reinterpret_cast<std::uintptr_t>(to) % 16 == 0) {
         for (int i = 0; i < 8; i += 2) _mm_stream_pd(to + i, _mm_loadu_pd(from + i));
         return;
@@ -205,7 +204,7 @@ void stream_line(double* to, const double* from) {
 }
 
 void finish_streams() {
-#if defined(__SSE2__) || defined(_M_X64)
+#ifdef __SSE2__
     _mm_sfence();
 #endif
 }

@@ -18,9 +18,8 @@ inline void require_helix(const HelixRadii& radii) {
     require_sectors(radii.sectors);
     require_pitch(radii.pitch);
     if (radii.radius.empty()) return;  // an empty wall has no start
-    require(std::isfinite(radii.start_depth), "start_depth", radii.start_depth, "must be finite");
+    require_depth("start_depth", radii.start_depth);
     require(std::isfinite(radii.start_toolface), "start_toolface", radii.start_toolface, "must be finite");
-    require(std::abs(radii.start_depth) <= largest_depth, "start_depth", radii.start_depth, depth_rule);
     require(radii.first >= -largest_index && radii.first <= largest_index, "first", radii.first,
             "must lie in -2^52 to 2^52");
 }

@@ -103,10 +103,10 @@ inline Kriged<P> solve_system(KrigingSystem<P>& system, int n, double nugget, P 
     return {radius, squares};
 }
 
-// `at`: the neighbours at the trial radius. The result of a vertex without a sample in reach means nothing.
+// `at`: the neighbours at the trial radius. The result of a vertex without a sample within max_distance has no meaning.
 template <class P>
 __attribute__((noinline)) Kriged<P> krige(const Group& g, const CandidateList& list, const Rules& rules,
-                                          const std::int32_t* at, P trial, bool with_squares = false) {
+                                          const std::int32_t* at, P trial, bool with_squares) {
     static_assert(sizeof(KrigingSystem<P>) == sizeof(KrigingRoom) && alignof(KrigingSystem<P>) <= alignof(KrigingRoom));
     auto& system = *static_cast<KrigingSystem<P>*>(static_cast<void*>(list.kriging));
     fill_system(g, list, rules, at, trial, system);
