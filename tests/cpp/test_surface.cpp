@@ -203,10 +203,11 @@ void refusals() {
                  require_upright(shells.helix, shells.layout, shells.vertices, cells));
     cells = shells.hexahedra;
     std::swap(cells[2][0], cells[2][1]);
-    CHECK_THROWS(InputError,
-                 "shells[0] at vertex 2, depth 100.00833333333334: folds over itself; the path bends or turns more "
-                 "sharply there than the shell is thick",
-                 require_upright(shells.helix, shells.layout, shells.vertices, cells));
+    CHECK_THROWS(
+        InputError,
+        "shells[0] at vertex 2, depth 100.00833333333334: folds over itself; the path bends there with a radius "
+        "below that of the shell, or its frame turns too fast",
+        require_upright(shells.helix, shells.layout, shells.vertices, cells));
     VolumeLayout other = shells.layout;
     other.layers.clear();
     CHECK_THROWS(InputError, "layers: must place a hexahedron in every row: none in row 2",

@@ -36,7 +36,7 @@ struct HelixRadii {
     double pitch = 0.1;              // metres per turn; negative for a well logged upwards
     int sectors = 64;                // K: vertices per turn
     Index first = 0;                 // the vertex that radius[0] belongs to
-    std::span<const double> radius;  // metres; NaN: no vertex here
+    std::span<const double> radius;  // metres; NaN: the vertex is left out
 };
 
 using Quad = std::array<Index, 4>;
@@ -68,7 +68,8 @@ struct VolumeLayout {
     Index vertex_count = 0, hexahedron_count = 0;
 };
 
-// Throws InputError on sectors < 3, a pitch of 0 or not finite, or a radius that is neither above 0 nor NaN.
+// Throws InputError on sectors < 3, on a pitch of 0, on a number of the helix that is not finite or too large, and on a
+// radius that is neither NaN nor finite and above 0.
 SurfaceLayout surface_layout(const HelixRadii& radii);
 
 // `shells`: two or more, each with the radii of the same vertices as radii.radius; the first is radii.radius itself.
@@ -86,7 +87,8 @@ void join(const HelixRadii& radii, const SurfaceLayout& layout, std::span<Quad> 
 void join(const HelixRadii& radii, const VolumeLayout& layout, std::span<Hexahedron> hexahedra, int threads = 1);
 
 // Throws an InputError that names the first hexahedron with a corner turned inside out ("shells[1] at vertex 7, depth
-// 12.5: ..."). With nested radii that happens only where the path bends more sharply than the shells are thick.
+// 12.5: ..."). With nested radii that happens only where the path bends with a radius below that of a shell, or where
+// its frame turns fast, as that of the high side does where the hole is nearly vertical.
 void require_upright(const HelixRadii& radii, const VolumeLayout& layout, std::span<const Vector3> vertices,
                      std::span<const Hexahedron> hexahedra, int threads = 1);
 

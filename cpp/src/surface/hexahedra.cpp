@@ -116,8 +116,9 @@ void require_upright(const HelixRadii& radii, const VolumeLayout& layout, std::s
     const Index first =
         first_bad(count, threads, [&](std::size_t row) { return upright(Corners(vertices, hexahedra[row])); });
     if (first == none) return;
-    throw InputError(place_of(radii, layout, first),
-                     "folds over itself; the path bends or turns more sharply there than the shell is thick");
+    throw InputError(
+        place_of(radii, layout, first),
+        "folds over itself; the path bends there with a radius below that of the shell, or its frame turns too fast");
 }
 
 std::vector<double> volumes(std::span<const Vector3> vertices, std::span<const Hexahedron> hexahedra, int threads) {
