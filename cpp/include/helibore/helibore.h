@@ -9,22 +9,23 @@
            puts(hb_last_error());
 
    Every function but hb_version, hb_instruction_set and hb_last_error returns a status. A call that fails changes no
-   object, and hb_last_error then has the text; what the call left in the host's arrays has no meaning.
+   object, and hb_last_error then returns the text of the error. After such a call the values in the host's arrays have
+   no meaning.
 
-   Handles are numbers above 0. A number is never used again, so a closed or wrong handle is an error; hb_close takes
-   each kind of handle. Any thread may use any handle; calls on one wall wait for each other.
+   Handles are numbers above 0. A number is never used again, so the use of a closed or wrong handle is an error.
+   hb_close closes handles of every kind. Any thread may use any handle; calls on one wall wait for each other.
 
    Set the member `size` of a struct to its sizeof before a call. A library of another version, whose struct has other
    members, then refuses the struct.
 
-   Arrays belong to the host and are not kept. They have `n` values each; they may be NULL if n is 0. If a call fills
-   arrays whose length the host does not know, *count is the room before the call and the length needed after it. If
-   there is not enough room, the call returns HB_BUFFER_TOO_SMALL and fills nothing: call with 0 and NULL first, or with
-   the room that you have.
+   Arrays belong to the host; the library keeps no pointer to them. They have `n` values each; they may be NULL if n is
+   0. Some calls fill arrays whose length the host does not know. Before such a call, set *count to the number of values
+   for which your arrays have room; after the call, *count is the number needed. If there is not enough room, the call
+   returns HB_BUFFER_TOO_SMALL and fills nothing. So call with 0 and NULL first, or with the room that you have.
 
    Quantities are metres and degrees. NaN in an output means no value. Vertices, quads and toolfaces are as in wall.hpp
-   and surface.hpp. The host's floating-point state (traps, rounding) does not matter and stays as it is.
-   Nothing is printed or left running, and nothing is called back but the runner that a host has given. */
+   and surface.hpp. The host's floating-point state (traps, rounding) does not matter and stays as it is. The library
+   prints nothing, leaves no thread running, and calls no function of the host except a runner (hb_use_runner). */
 #ifndef HELIBORE_H
 #define HELIBORE_H
 
@@ -57,18 +58,19 @@ extern "C" {
 #define HB_BUFFER_TOO_SMALL 4 /* *count says how much room is needed */
 
 HB_API const char* HB_CALL hb_version(void);         /* "0.1.0" */
-HB_API const char* HB_CALL hb_instruction_set(void); /* used by searches: "plain", "avx2" or "avx512" */
+HB_API const char* HB_CALL hb_instruction_set(void); /* that HB_AUTOMATIC chooses: "plain", "avx2" or "avx512" */
 
-/* The error of this thread's last call that returned a status, "" if that call succeeded: "toolface[17] = nan: must be
-   finite". At most 1023 bytes of UTF-8, which the thread's next call overwrites. */
+/* Returns the error of this thread's last call that returned a status, for example "toolface[17] = nan: must be
+   finite", or "" if that call succeeded. The text is at most 1023 bytes of UTF-8; a longer text is cut. The thread's
+   next call overwrites it. */
 HB_API const char* HB_CALL hb_last_error(void);
 
-/* Close a handle of any kind. */
+/* Closes a handle of any kind. */
 HB_API int32_t HB_CALL hb_close(int64_t handle);
 
-/* Later calls of this thread do their work by `run`, on the host's threads; NULL: on the library's own threads again.
-   `run` calls job(context, worker) once for each worker in [0, workers), on any threads, and returns when all these
-   calls have returned. A worker needs 64 KB of stack at most; runner.hpp says more. */
+/* Later calls of this thread use `run` to share out their work to the host's threads. If `run` is NULL, they start
+   threads of the library again. `run` calls job(context, worker) once for each worker in [0, workers), on any threads,
+   and returns when all these calls have returned. A worker needs 64 KB of stack at most; runner.hpp says more. */
 typedef void(HB_CALL* hb_job)(void* context, int32_t worker);
 typedef void(HB_CALL* hb_run)(void* host, int32_t workers, hb_job job, void* context);
 HB_API int32_t HB_CALL hb_use_runner(hb_run run, void* host);
@@ -87,7 +89,7 @@ typedef struct hb_settings {
     int32_t sectors;
     double bit_diameter; /* must be set */
     double pitch;
-    double start_depth; /* NaN: the first sample; a live wall needs one */
+    double start_depth; /* NaN: the first sample; a live well must have a number */
     double stop_depth;  /* NaN: the last sample */
     double start_toolface;
     int64_t window; /* 0: all samples */
@@ -123,7 +125,7 @@ typedef struct hb_path_settings {
     double extend;
 } hb_path_settings;
 
-/* Fill in the defaults. */
+/* Fills in the defaults. */
 HB_API int32_t HB_CALL hb_settings_init(hb_settings* settings);
 HB_API int32_t HB_CALL hb_path_settings_init(hb_path_settings* settings);
 
@@ -147,17 +149,18 @@ typedef struct hb_change {
     int64_t redundant; /* samples dropped: equal to another in depth, time, toolface and radius */
 } hb_change;
 
-/* An empty wall; *wall is its handle. */
+/* Creates an empty wall; *wall is its handle. */
 HB_API int32_t HB_CALL hb_wall_create(const hb_settings* settings, int64_t* wall);
 
 /* Appends n samples. time may be NULL: either all samples of a wall have a time or none has. change may be NULL. */
 HB_API int32_t HB_CALL hb_wall_append(int64_t wall, int64_t n, const double* depth, const double* toolface,
                                       const double* radius, const double* time, hb_change* change);
 
-/* The vertices that this handle's last append or poll changed: *count ranges of start and stop, half-open. */
+/* Copies the ranges of vertices that the last append of a wall, or the last poll of a live well, changed: *count pairs
+   of start and stop, half-open. */
 HB_API int32_t HB_CALL hb_ranges(int64_t wall_or_live, int64_t* count, int64_t* start_stop);
 
-/* What the wall holds now. */
+/* Fills in what the wall holds now. */
 HB_API int32_t HB_CALL hb_wall_get(int64_t wall, hb_wall_state* state);
 
 #define HB_DEPTH 0
@@ -169,35 +172,36 @@ HB_API int32_t HB_CALL hb_wall_get(int64_t wall, hb_wall_state* state);
 #define HB_PROVISIONAL 6
 #define HB_TIME 7 /* of samples only */
 
-/* One column of the vertices [start, stop): stop - start values. */
+/* Copies one column of the vertices [start, stop): stop - start values. */
 HB_API int32_t HB_CALL hb_wall_read(int64_t wall, int32_t column, int64_t start, int64_t stop, double* values);
 
-/* One column of all samples kept, in canonical order: HB_DEPTH, HB_TOOLFACE, HB_RADIUS or HB_TIME. */
+/* Copies one column of all samples kept, in canonical order: HB_DEPTH, HB_TOOLFACE, HB_RADIUS or HB_TIME. */
 HB_API int32_t HB_CALL hb_wall_samples(int64_t wall, int32_t column, int64_t* count, double* values);
 
-/* Interpolates the values of the n samples, in the order of hb_wall_samples, at all vertices: *count values. */
+/* Interpolates at all vertices values measured with the samples: *count values. `samples` has one value for each of the
+   n samples, in the order of hb_wall_samples. */
 HB_API int32_t HB_CALL hb_wall_interpolate(int64_t wall, int64_t n, const double* samples, int64_t* count,
                                            double* values);
 
-/* The logs of each full turn, column after column in the order of logs.hpp: HB_LOG_COLUMNS times *turns values.
-   window: turns that rugosity is measured over, odd, 3 or more. */
+/* Computes the logs of each full turn, column after column in the order of logs.hpp: HB_LOG_COLUMNS times *turns
+   values. window: the number of turns over which rugosity is measured, odd, 3 or more. */
 #define HB_LOG_COLUMNS 18
 HB_API int32_t HB_CALL hb_wall_logs(int64_t wall, int64_t window, int64_t* turns, double* values);
 
-/* The surface between the vertices [start, stop) that have a radius, along a path (0: straight down). vertices: north,
-   east and down of each; vertex_index, which may be NULL: the number of each on the helix. quads: four rows of vertices
-   for each. */
+/* Computes the surface between those vertices of [start, stop) that have a radius, along a path (0: straight down).
+   vertices: north, east and down of each vertex. vertex_index, which may be NULL: the number of each vertex on the
+   helix. quads: for each quad, the rows of its four corners in `vertices`. */
 HB_API int32_t HB_CALL hb_wall_surface(int64_t wall, int64_t path, int64_t start, int64_t stop, int64_t* vertex_count,
                                        double* vertices, int64_t* vertex_index, int64_t* quad_count, int64_t* quads);
 
 /* --- path -------------------------------------------------------------------------------------------------------- */
 
-/* The path through n stations: depth in metres, inclination and azimuth in degrees; *path is its handle. */
+/* Creates the path through n stations: depth in metres, inclination and azimuth in degrees; *path is its handle. */
 HB_API int32_t HB_CALL hb_path_create(const hb_path_settings* settings, int64_t n, const double* depth,
                                       const double* inclination, const double* azimuth, int64_t* path);
 
-/* The path at n depths: positions of three numbers, and frames of nine (directions towards toolface 0 and 90, tangent).
-   Either may be NULL. */
+/* Computes the path at n depths: positions of three numbers, and frames of nine (directions towards toolface 0 and 90,
+   tangent). Either array may be NULL. */
 HB_API int32_t HB_CALL hb_path_read(int64_t path, int64_t n, const double* depth, double* position, double* frame);
 
 /* --- a well while it is drilled ---------------------------------------------------------------------------------- */
@@ -211,44 +215,47 @@ typedef struct hb_update {
     int64_t events;   /* stations that were left out: hb_live_event */
 } hb_update;
 
-/* A live well, to which samples (time may be NULL) and stations are appended; *live is its handle. */
+/* Creates a live well; *live is its handle. Samples (time may be NULL), stations and image rows are then appended. */
 HB_API int32_t HB_CALL hb_live_create(const hb_settings* settings, const hb_path_settings* path, int64_t* live);
 HB_API int32_t HB_CALL hb_live_append_samples(int64_t live, int64_t n, const double* depth, const double* toolface,
                                               const double* radius, const double* time);
 HB_API int32_t HB_CALL hb_live_append_stations(int64_t live, int64_t n, const double* depth, const double* inclination,
                                                const double* azimuth);
 
-/* Appends n rows of `sectors` values to the image of this name. name and unit are UTF-8. */
+/* Appends n rows of `sectors` values to the image of this name. name and unit are UTF-8; the image keeps the unit of
+   its first rows. */
 HB_API int32_t HB_CALL hb_live_append_image(int64_t live, const char* name, const char* unit, int64_t n,
                                             int32_t sectors, const double* depth, const double* values);
 
-/* What changed since the last poll. hb_ranges then has the ranges. */
+/* Fills in what changed since the last poll. After it, hb_ranges copies the ranges. */
 HB_API int32_t HB_CALL hb_live_poll(int64_t live, hb_update* update);
 
-/* The text of event `index` of the last poll: *count bytes with the 0 at its end. */
+/* Copies the text of event `index` of the last poll: *count bytes with the 0 at its end. */
 HB_API int32_t HB_CALL hb_live_event(int64_t live, int64_t index, int64_t* count, char* text);
 
-/* All rows of an image, sorted by depth: *rows depths, *rows times *sectors values. */
+/* Copies all rows of an image, sorted by depth: *rows depths, *rows times *sectors values. Of several rows at one
+   depth, only the latest counts. */
 HB_API int32_t HB_CALL hb_live_image(int64_t live, const char* name, int32_t* sectors, int64_t* rows, double* depth,
                                      double* values);
 
-/* Handles of the wall, for reading only, and of the path as it is now. Both outlive the handle `live`. */
+/* Open a handle of the wall, for reading only, and a handle of the path as it is now. Both stay open when `live` is
+   closed. */
 HB_API int32_t HB_CALL hb_live_wall(int64_t live, int64_t* wall);
 HB_API int32_t HB_CALL hb_live_path(int64_t live, int64_t* path);
 
 /* --- WITS level 0 ------------------------------------------------------------------------------------------------ */
 
-/* A parser of one stream of WITS frames; *parser is its handle. */
+/* Creates a parser of one stream of WITS frames; *parser is its handle. */
 HB_API int32_t HB_CALL hb_wits_create(int64_t* parser);
 
 /* Takes n bytes; n = 0 ends the stream. *items: the number of items in the frames that these bytes complete. *events:
    the number of times that these bytes break a Rule of wits.hpp. Either may be NULL. */
 HB_API int32_t HB_CALL hb_wits_feed(int64_t parser, int64_t n, const char* bytes, int64_t* items, int64_t* events);
 
-/* The *count items in the frames that the last hb_wits_feed completed. frame: the number of the item's frame, 0 for the
-   first frame of the parser. code: record and item as RRII, 108 for item 08 of record 01. value: NaN if its text is
-   empty, no number, or a number that means no value, such as -999.25. offset and length: where its text lies in all
-   bytes that were fed. Each array may be NULL. */
+/* Copies the *count items in the frames that the last hb_wits_feed completed. frame: the number of the item's frame, 0
+   for the first frame of the parser. code: record and item as RRII, 108 for item 08 of record 01. value: NaN if its
+   text is empty, no number, or a number that means no value, such as -999.25. offset and length: where its text lies in
+   all bytes that were fed. Each array may be NULL. */
 HB_API int32_t HB_CALL hb_wits_items(int64_t parser, int64_t* count, int64_t* frame, int32_t* code, double* value,
                                      int64_t* offset, int32_t* length);
 

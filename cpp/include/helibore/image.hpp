@@ -34,10 +34,11 @@ struct QuadCentres {
     std::span<const double> sector;
 };
 
-// Both return one value for each quad; the result does not depend on `threads`. Both throw InputError unless every cell
-// of the rows has a value and there is a sector.
+// Both return one value for each quad; the result does not depend on `threads`. Both throw InputError if `values` does
+// not hold `sectors` values for each depth (a missing value is NaN), if depths fall, if `sector` is empty, or if a
+// number breaks its rule.
 //
-// low, high: row i covers the depths [low[i], high[i]). Rows rise and do not overlap; quads between two rows get NaN.
+// low, high: row i covers the depths [low[i], high[i]). Rows must not overlap; quads between two rows get NaN.
 std::vector<double> cell_values(const ImageRows& image, std::span<const double> low, std::span<const double> high,
                                 const QuadCentres& quads, int threads = 1);
 // reach: metres. Quads between two rows that are more than 2 * reach apart get NaN.

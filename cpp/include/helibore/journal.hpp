@@ -6,8 +6,8 @@
 //   payload ...
 //
 // All numbers are little-endian. Both checksums are CRC-32C. The header's checksum is seeded with the segment's salt, a
-// random number, so bytes from a sender cannot look like a record when the search resumes after damage. (For the same
-// reason a sender cannot make two valid headers that replace each other without changing the payload's checksum.)
+// random number that no sender knows. So the bytes of a sender, which are the payload, cannot contain a valid header,
+// and are not taken for a record when the search resumes after damage.
 #pragma once
 
 #include <array>

@@ -66,13 +66,14 @@ class Live {
     // Like Wall::append. If this function or one of the next two throws, it has changed nothing.
     Update append_samples(const SampleColumns& samples);
 
-    // Stations in any order. A station replaces an earlier one at the same depth. A bad station is left out and
-    // reported as an event. Throws InputError on columns of unequal length.
+    // Takes stations in any order. A station replaces an earlier one at the same depth. A station that breaks a rule is
+    // left out and reported as an event. Throws InputError on columns of unequal length.
     Update append_stations(std::span<const double> depth, std::span<const double> inclination,
                            std::span<const double> azimuth);
 
-    // Rows of a sector image: one depth each, and equally many values for each depth. Throws InputError on a depth that
-    // is not finite, or if the number of sectors differs from the rows before.
+    // Rows of a sector image: one depth for each row, and equally many values for each depth. The image keeps the unit
+    // of its first rows. Throws InputError on a depth that is not finite or not within 1e7 m of 0, if the values are
+    // not equally many for each depth, or if the number of sectors differs from that of the rows before.
     Update append_image(const std::string& name, std::span<const double> depth, std::span<const double> values,
                         const std::string& unit = {});
 
@@ -81,8 +82,8 @@ class Live {
     Update poll();
 
     const Wall& wall() const;
-    std::optional<Survey> survey() const;  // none until there are two stations
-    std::optional<Path> path() const;
+    std::optional<Survey> survey() const;     // none until there are two stations
+    std::optional<Path> path() const;         // none until there are two stations
     std::vector<std::string> images() const;  // the names
     // All rows of an image, sorted by depth; of several rows at one depth, only the latest. Throws InputError for an
     // unknown name.

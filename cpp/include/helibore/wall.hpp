@@ -86,7 +86,8 @@ class Wall {
 
     // The depths between which samples decide the values of a range of vertices. A wall of all samples between them has
     // the same bits at these vertices, whatever samples lie beyond. A depth is infinite if a vertex found too few
-    // samples and max_distance sets no limit, or if its window is cut short by the end of the samples.
+    // samples and max_distance sets no limit, or if its window is cut short by the end of the samples. Of an empty
+    // range, shallow is infinity and deep is -infinity.
     Depths reach(Range range) const;
 
     // Writes the radii of all vertices into the host's own memory and returns size(). If `into` has another length, it

@@ -42,10 +42,11 @@ inline constexpr std::size_t rule_count = 8;
 
 // Why an item's value is NaN.
 inline constexpr std::uint16_t null_value = 1;    // empty, or equal to one of the source's null numbers
-inline constexpr std::uint16_t not_a_number = 2;  // text, or a number that breaks the strict grammar
+inline constexpr std::uint16_t not_a_number = 2;  // neither empty nor a number by the grammar below
 
-// A value is a number if its text is [+-] digits [. digits] [e [+-] digits], finite; blanks around the text do not
-// count. No numbers are: nan, inf, 1_2, 1,5, 1e400, 1e-400, 0x1p3.
+// A value is a number if its text is [+-] digits [e [+-] digits], where one point may stand before, between or after
+// the first digits ("5.", ".5"), and if a double can hold the number. Spaces around the text do not count. Not numbers
+// are: nan, inf, 1_2, 1,5, 1e400, 1e-400, 0x1p3.
 struct Item {
     Index frame = 0;   // number of the item's frame: how many frames this parser returned before it
     Index offset = 0;  // of the value's text in the stream
