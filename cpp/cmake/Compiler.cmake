@@ -1,6 +1,6 @@
-# Flags every helibore target is built with. Results must be the same bits on every compiler and instruction set:
-# no fused contraction, no fast-math. -fno-math-errno and -fno-trapping-math change no result, they only let the
-# compiler inline sqrt and vectorise comparisons.
+# The flags with which every target of helibore is built. Results must be the same bits on every compiler and
+# instruction set, so there is no fused contraction and no fast-math. -fno-math-errno and -fno-trapping-math change no
+# result; they only let the compiler inline sqrt and vectorise comparisons.
 add_library(helibore_compiler INTERFACE)
 target_compile_features(helibore_compiler INTERFACE cxx_std_20)
 target_compile_options(helibore_compiler INTERFACE
@@ -10,7 +10,7 @@ if(HELIBORE_WARNINGS_AS_ERRORS)
   target_compile_options(helibore_compiler INTERFACE -Werror)
 endif()
 if(HELIBORE_SANITIZE)
-  target_compile_definitions(helibore_compiler INTERFACE HELIBORE_SMALL_TESTS)  # tests are smaller
+  target_compile_definitions(helibore_compiler INTERFACE HELIBORE_SMALL_TESTS)  # check.hpp
   target_compile_options(helibore_compiler INTERFACE -fsanitize=${HELIBORE_SANITIZE} -fno-omit-frame-pointer
                          -fno-sanitize-recover=all)
   target_link_options(helibore_compiler INTERFACE -fsanitize=${HELIBORE_SANITIZE})

@@ -121,7 +121,7 @@ struct Position {
     Index frame_line = 0;
     Index frame_lines = 0;
     std::size_t frame_first = 0;  // its first item in the batch being made
-    bool frame_is_open = false;   // it began before this call: open_items are its first items
+    bool frame_is_open = false;   // the frame began before this call: open_items are its first items
 };
 
 }  // namespace

@@ -135,7 +135,8 @@ class Chunk {
     // Whether this chunk begins where the free room of `other` begins.
     bool lies_behind(const Chunk& other) const { return depth() == other.depth() + other.count; }
 
-    // Whether there are Level::least samples at one depth among rows [start, stop); for half as many it may be true.
+    // Returns true if at least Level::least of the rows [start, stop) lie at one depth. It may also return true if only
+    // half as many do.
     bool has_level(Index start, Index stop) const {
         constexpr Index step = Level::least / 2;
         for (; start + step < stop; start += step)
@@ -223,7 +224,9 @@ class Samples {
     // Chunks for the `count` rows of a batch, all full except the last.
     Chunks room_for(Index count, bool timed) const;
 
-    // Sorts the levels of the last full chunk, so that a search after many appends does not sort those of all chunks.
+    // Computes the levels of the chunk before the last if that chunk ends with a level. Every append calls this
+    // function: while a tool turns at one depth, it fills chunk after chunk, and their levels are computed one by one.
+    // Otherwise the first search that reaches these chunks would compute the levels of all of them at once.
     void prepare_levels(int neighbors) const;
 
     // Inserts the batch. Timed rows equal to an earlier one are dropped and counted in batch.redundant. If it throws
@@ -241,8 +244,8 @@ class Samples {
     // Are there `neighbors` samples at this depth and toolface among the first `before` of the hole? Then no vertex
     // needs a further sample there. Looks into a few chunks only.
     bool repeats(double depth, double toolface, int neighbors, Index before) const;
-    // The place of the first sample with depth >= low, or of a sample less than `stride` before it in its chunk. It is
-    // found in steps from `hint` if that is in the same chunk, or else by bisection.
+    // The place of the first sample with depth >= low, or of a sample less than `stride` before it in its chunk. The
+    // search goes in steps from `hint` if `hint` lies in the same chunk, or else by bisection.
     Place step_to(double low, Place hint, Index stride) const;
 
   private:

@@ -1,7 +1,10 @@
 // Interpolates values measured with the samples: the weighted mean over the neighbours that give the radius.
 //
 //     value(vertex) = sum(w v) / sum(w)   over the neighbours that have a value, w = distance^-power at the last trial
-//     radius; the mean of two such values where the radius is the mean of two estimates
+//                                         radius
+//
+// If the radius of a vertex is the mean of two estimates, its value is the mean of the two values that have their
+// weights, or the only one of them that exists.
 //
 // If the radius is kriged, so are the values, each channel from the neighbours of a vertex that have a value.
 //

@@ -13,7 +13,7 @@ namespace helibore {
 namespace {
 
 constexpr Index lanes = kernel::lanes;
-constexpr Index stride = 16;  // the depth bounds of a box are exact to so many samples; a few too many do no harm
+constexpr Index stride = 16;  // a box may hold up to this many samples beyond each of its two depths; they do no harm
 
 }  // namespace
 
@@ -118,7 +118,7 @@ kernel::Group Search::solve(const Samples& samples, const Helix& helix, Index gr
         search_box(samples, Span(g, helix), g, scratch);
         const double least = *std::min_element(g.least_trial, g.least_trial + lanes);
         if (least >= scratch.least_trial) return g;
-        scratch.least_trial = least / 16.0;  // rare: the wall is much nearer than the bit's
+        scratch.least_trial = least / 16.0;  // rare: the wall is much nearer to the axis than the bit
         g = start(helix, group, vertex_count);
     }
 }

@@ -43,7 +43,7 @@ class Search {
         Index length;                   // samples in a window
         Range all;                      // ranks of all windows together
         double shallow, deep;           // depths of the first and last of these samples
-        std::size_t chunk = 0;          // where the last vertex that was looked up lies
+        std::size_t chunk = 0;          // index of the chunk in which the last vertex lies
     };
 
     // Memory of one worker: the list of candidates and the place of the previous group. Every group writes to it, so it
@@ -72,7 +72,7 @@ class Search {
         double half_height = 0.0;  // of the first box of the next group; 0: not known yet
         double mean_square = 0.0;  // of the reach of previous groups
         double mean_height = 0.0;  // mean squared height that previous groups needed; 0: turns are not looked at
-        Index even = 0;            // how many next groups do not look at turns, as the samples lay on many toolfaces
+        Index even = 0;            // how many next groups skip the check for few toolfaces, after one that found many
     };
 
     // Searches vertices [8 group, 8 group + 8) of the helix; those from vertex_count on are left out.

@@ -31,7 +31,7 @@ struct DirectRadii {
     double shown(Index k, double radius) const {
         return stands_for(k) ? radii[static_cast<std::size_t>(k - start)] : radius;
     }
-    // The vertices of a range that may show samples; mostly few, or none.
+    // The part of a range in which vertices may show samples: most often few vertices, or none.
     Range among(Range range) const {
         const Index first = std::max(range.start, start);
         return {first, std::max(first, std::min(range.stop, start + static_cast<Index>(radii.size())))};

@@ -69,7 +69,7 @@ class Vertices {
         double shallow = -no_limit, deep = no_limit;
     };
     const Hull& hull(Index b) const { return hulls_[static_cast<std::size_t>(b)]; }
-    // Of a full block.
+    // Measures the hull of a full block.
     void measure_hull(Index b) {
         const Block& of = block(b);
         Hull several[8];  // eight at a time, which the compiler turns into vectors

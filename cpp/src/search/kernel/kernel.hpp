@@ -74,13 +74,13 @@ struct alignas(64) KrigingRoom {
 // narrow columns 0 and narrow_none.
 struct CandidateList {
     Candidate* rows;
-    float* across;                 // toolface less the group's center, in (-180, 180]
+    float* across;                 // toolface less the group's center, in [-180, 180]
     float* along;                  // depth less the group's middle
-    const double* position;        // the bits of the integers 0, 1, 2, ...
-    const float* narrow_position;  // likewise
+    const double* position;        // doubles with the bits of the integers 0, 1, 2, ...
+    const float* narrow_position;  // floats with these bits
     std::int64_t count;
     Room* room;
-    KrigingRoom* kriging;  // where Rules::range is above 0
+    KrigingRoom* kriging;  // null unless Rules::range is above 0
 };
 
 // Writes the numbers first + i of the set bits i of a mask of 16 and returns how many; out has room for 16.
@@ -101,7 +101,7 @@ struct Rules {
     // of a sample within max_distance. sure_square: no sample beyond max_distance has a smaller squared distance. The
     // three differ only if angular_scale is not 1.
     double max_square, reach_square, sure_square;
-    double scale;    // metres a degree at one metre of radius: angular_scale pi / 180
+    double scale;    // metres a degree on a circle of 1 m radius: angular_scale pi / 180
     double unscale;  // 1 / angular_scale^2
     bool windowed;
 };
@@ -190,7 +190,7 @@ struct Functions {
 };
 
 const Functions& plain();
-const Functions& avx2();    // the plain functions where the compiler does not target x86-64
+const Functions& avx2();    // the plain functions if the compiler does not target x86-64
 const Functions& avx512();  // likewise
 
 }  // namespace helibore::kernel

@@ -1,5 +1,6 @@
-// Packs of floats that the x86 packs select with: eight vertices, each with one candidate at a time in AVX2 and with
-// two in AVX-512.
+// Packs of floats in which AVX2 and AVX-512 select the nearest candidates of eight vertices. X86Narrow holds one
+// candidate of each vertex and is used by both instruction sets. X86NarrowPair holds two candidates of each vertex and
+// needs AVX-512.
 #pragma once
 
 #include <immintrin.h>
@@ -49,7 +50,7 @@ struct X86Narrow {
 struct X86NarrowPair {
     static constexpr int width = 16, candidates = 2;
     using Single = X86Narrow;
-    __m512 v;  // vertex i in lanes 2 i and 2 i + 1, the former with the first candidate, the latter with the second
+    __m512 v;  // vertex i has lane 2 i for its first candidate and lane 2 i + 1 for its second
 
     X86NarrowPair() = default;
     X86NarrowPair(__m512 x) : v(x) {}
