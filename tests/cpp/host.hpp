@@ -33,8 +33,8 @@ class HostState {
 
 inline constexpr int roundings[] = {FE_TONEAREST, FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO};
 
-// Runs a test in every rounding of the host, with exceptions that trap: a call that is refused must not trap, and gives
-// the host's state back. The test itself must not divide by zero or compare NaNs by size.
+// Runs a test in every rounding of the host, with exceptions that trap: a call that is refused must not trap, and must
+// restore the host's state. The test itself must not divide by zero, nor compare NaN by < or >.
 template <class Test>
 void in_every_host_state(const Test& test) {
     for (const int rounding : roundings) {

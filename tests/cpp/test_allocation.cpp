@@ -45,8 +45,8 @@ long fail_each(const Settings& settings, const helibore::SampleColumns& before, 
     }
 }
 
-// What a failed append has found is forgotten: here where samples lay close, so that later ones would be thought too
-// far to matter.
+// An append of close samples fails, then wide samples follow. If the wall kept the short distances that the failed
+// append found, it would take later samples for too far away to matter.
 void fail_and_go_another_way() {
     const Settings settings{.bit_diameter = 0.216, .sectors = 48, .pitch = 0.05, .start_depth = 10.0};
     const Hole close = oval_hole(9000, 10.0, 14.0), wide = oval_hole(120, 10.0, 6.0), late = oval_hole(20, 13.9, 0.2);

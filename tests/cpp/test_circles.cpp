@@ -1,4 +1,5 @@
-// The nearest and the farthest of a section's points: on every instruction set the first that a plain loop finds.
+// The nearest and the farthest of a section's points: on every instruction set it is the first one that a plain loop
+// finds.
 #include "measure/circles.hpp"
 
 #include <cmath>

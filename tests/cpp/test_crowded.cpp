@@ -77,7 +77,7 @@ std::vector<Settings> settings() {
     return all;
 }
 
-// Values that settings may have and nobody means.
+// Values that the rules for settings allow, but that nobody would choose.
 std::vector<Settings> extreme_settings() {
     const Settings common{.bit_diameter = 0.216, .sectors = 5, .pitch = 0.5, .start_depth = 101.0, .stop_depth = 103.0};
     std::vector<Settings> all;

@@ -125,7 +125,7 @@ void walls_at_once() {
     CHECK(std::count(other.begin(), other.end(), 7.0) == static_cast<std::ptrdiff_t>(other.size()));
     CHECK(helibore::Wall({.bit_diameter = 0.216}).read_radius({}) == 0);
 
-    // The samples, in memory of the host's.
+    // The samples are copied into memory of the host.
     const auto samples = wall.samples();
     std::vector<std::vector<double>> mine(samples.size(), std::vector<double>(samples[0].size(), 7.0));
     std::vector<std::span<double>> into(mine.begin(), mine.end());
@@ -136,7 +136,7 @@ void walls_at_once() {
     CHECK(wall.read_samples(into));
     for (std::size_t i = 0; i < into.size(); ++i) CHECK(same(mine[i], samples[i]));
 
-    // Of vertices that are not settled, what stands for them.
+    // Vertices that are not settled show the radii of samples.
     helibore::Wall live({.bit_diameter = 0.216, .sectors = sectors, .start_depth = 1000.0, .direct = true});
     live.append(hole.all());
     std::vector<double> shown(static_cast<std::size_t>(live.size()));

@@ -15,8 +15,9 @@ namespace {
 bool used = false;        // or fresh: all zeros
 std::uint32_t state = 1;  // xorshift32, Marsaglia 2003
 
-// Floats, in pairs doubles as well: NaN, which a minimum may drop or take up, among what lies farther than any sample,
-// so that nothing falls back on slower and safer ways.
+// Returns what fills used memory: NaN now and then, which a minimum of two numbers may return or drop, and otherwise a
+// number larger than any distance of a sample, which does not make the search fall back to its slower and safer ways.
+// Two such floats are also a double of this kind.
 float left_behind() {
     state ^= state << 13;
     state ^= state >> 17;

@@ -1,9 +1,9 @@
-// Runs a fuzz target. With HELIBORE_LIBFUZZER (clang), libFuzzer has main and coverage leads; without, inputs are
-// random bytes from seeds. Both take the same options:
+// Runs a fuzz target. With HELIBORE_LIBFUZZER (clang), libFuzzer provides main and looks for inputs that reach new
+// code; without it, inputs are random bytes from seeds. Both take the same options:
 //
-//     fuzz_wall -runs=2000 -seed=1            so many inputs
-//     fuzz_wall --seconds=600                 so many seconds of processor time
-//     fuzz_wall crash-...                     the inputs in these files; a failure writes such a file
+//     fuzz_wall -runs=2000 -seed=1            tries 2,000 inputs
+//     fuzz_wall --seconds=600                 tries inputs for 600 seconds of processor time
+//     fuzz_wall crash-...                     tries the inputs in these files; a failure writes such a file
 #include <ctime>
 #include <limits>
 

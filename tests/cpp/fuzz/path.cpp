@@ -1,5 +1,6 @@
-// Paths: a survey is refused exactly if it breaks a rule; positions, tangents and frames agree with each other;
-// stations one by one in any order, and a longer survey, give the same bits.
+// Paths: a survey is refused exactly if it breaks a rule; positions, tangents and frames agree with each other.
+// Stations that come one by one, in any order, give the bits of the survey. A longer survey does not change the bits
+// above.
 #include "helibore/path.hpp"
 
 #include <algorithm>

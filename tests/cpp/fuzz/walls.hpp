@@ -97,7 +97,7 @@ inline void add_rows(Hole& all, const Hole& more) {
     add(all.time, more.time);
 }
 
-// Settings that follow the rules but start_depth or stop_depth may still be refused by an append.
+// The wall, or none if the settings break a rule. An append may still refuse the start_depth or stop_depth.
 inline std::optional<helibore::Wall> wall_of(const helibore::Settings& settings) {
     std::optional<helibore::Wall> wall;
     refused([&] { wall.emplace(settings); });
