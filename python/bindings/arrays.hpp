@@ -1,5 +1,4 @@
-// Turns NumPy arrays into spans, and vectors into NumPy arrays that own them; no other file of the bindings uses
-// buffers.
+// Turns NumPy arrays into spans, and vectors into NumPy arrays that own them.
 #pragma once
 
 #include <pybind11/numpy.h>

@@ -50,12 +50,12 @@ void register_journal(py::module_& m) {
     m.def(
         "crc32c",
         [](const py::buffer& bytes, std::uint32_t crc) { return journal::crc32c(view_of(bytes.request()), crc); },
-        py::arg("bytes"), py::arg("crc") = 0, "CRC-32C of the bytes, continuing from crc.");
+        py::arg("bytes"), py::arg("crc") = 0, "Return the CRC-32C of the bytes; crc is that of the bytes before them.");
     m.def("journal_seal", &seal, py::arg("sequence"), py::arg("wall"), py::arg("monotonic"), py::arg("connection"),
           py::arg("source"), py::arg("kind"), py::arg("payload"), py::arg("salt"),
-          "The 48-byte header that makes the payload a record.");
+          "Return the 48-byte header that stands before the payload in a record.");
     m.def("journal_scan", &scan, py::arg("bytes"), py::arg("start"), py::arg("salt"),
-          "(records, damage): the intact records as a structured array, and the byte ranges that hold none.");
+          "Return (records, damage): the intact records as a structured array, and the byte ranges without a record.");
 }
 
 }  // namespace helibore::bindings

@@ -1,4 +1,5 @@
-// helibore._core.Wall. arrays.hpp converts arrays; the GIL is released before the wall's lock is taken.
+// helibore._core.Wall, and the functions that check samples and estimate radii and their sigma. arrays.hpp converts
+// arrays. The GIL is released before the wall's lock is taken.
 #include "helibore/wall.hpp"
 
 #include <pybind11/stl.h>
@@ -70,7 +71,7 @@ SampleColumns columns_of(const Column& depth, const Column& toolface, const Colu
     return columns;
 }
 
-// Can the core read all of these arrays in place?
+// Returns whether the core can read all of these arrays in place.
 bool are_columns(py::handle depth, py::handle toolface, py::handle radius, py::handle time) {
     const auto is_one = [](py::handle values) {
         return is_column(values) && py::reinterpret_borrow<py::array>(values).ndim() == 1;
@@ -78,7 +79,7 @@ bool are_columns(py::handle depth, py::handle toolface, py::handle radius, py::h
     return is_one(depth) && is_one(toolface) && is_one(radius) && (time.is_none() || is_one(time));
 }
 
-// Waits for an append, if there is one, while other Python threads continue.
+// Calls a reader of the wall without the GIL: while it waits for an append, other Python threads continue.
 template <class T>
 T read_of(const Wall& wall, T (Wall::*read)() const) {
     const py::gil_scoped_release released;
@@ -90,7 +91,8 @@ auto number(T (Wall::*read)() const) {
     return [read](const Wall& wall) { return read_of(wall, read); };
 }
 
-// Reads into the array on all threads of the wall, unless the wall has grown in the meantime.
+// Reads the radii into an array on all threads of the wall. If the wall has grown since the array was made, it takes
+// the vector that the wall returns.
 py::array_t<double> radius_of(const Wall& wall) {
     py::array_t<double> radius(read_of(wall, &Wall::size));
     const std::span<double> into(radius.mutable_data(), static_cast<std::size_t>(radius.size()));
@@ -101,7 +103,8 @@ py::array_t<double> radius_of(const Wall& wall) {
     return array_of(read_of(wall, &Wall::radius));
 }
 
-// Reads columns into NumPy arrays, which lie in large pages; returns () if the wall has grown in the meantime.
+// Reads columns into NumPy arrays, which lie in large pages. Returns () if the wall has grown in the meantime, or if
+// its columns are not as many as `kinds`.
 py::tuple read_into_arrays(const Wall& wall, Index count, std::size_t kinds,
                            bool (Wall::*read)(std::span<const std::span<double>>) const) {
     py::list arrays;
@@ -263,7 +266,6 @@ void register_wall(py::module_& m) {
         [](const std::array<Column, 4>& sums, const std::array<double, 6>& rule) {
             const auto [noise, between, scatter_power, distance_power, stretch, reach] = rule;
             return array_of(sigma_of({span_of(sums[0]), span_of(sums[1]), span_of(sums[2]), span_of(sums[3])},
-
                                      {noise, between, scatter_power, distance_power, stretch, reach}));
         },
         py::arg("sums"), py::arg("rule"));

@@ -63,19 +63,21 @@ void register_wits(py::module_& m) {
     PYBIND11_NUMPY_DTYPE(Event, offset, line, length, rule, unused);
     constexpr wits::Limits limits;
     m.attr("WITS_LIMITS") = py::make_tuple(limits.line, limits.frame, limits.items);
-    py::class_<wits::Parser>(m, "WitsParser", "Turns WITS level 0 text into rows of numbers; one for each stream.")
+    py::class_<wits::Parser>(m, "WitsParser",
+                             "Parse WITS level 0 text into rows of numbers. Each stream needs a parser of its own.")
         .def(py::init([](std::vector<double> nulls, Index line_limit, Index frame_limit, Index item_limit) {
                  return std::make_unique<wits::Parser>(std::move(nulls),
                                                        wits::Limits{line_limit, frame_limit, item_limit});
              }),
              py::arg("nulls"), py::arg("line_limit"), py::arg("frame_limit"), py::arg("item_limit"))
-        .def("feed", &feed, py::arg("bytes"), "(base, text, items, frames, events) of the frames these bytes complete.")
+        .def("feed", &feed, py::arg("bytes"),
+             "Return (base, text, items, frames, events) of the frames that these bytes complete.")
         .def(
             "finish", [](wits::Parser& parser) { return arrays_of(parser.finish()); },
-            "What the stream's end completes.")
+            "Return, as feed does, what the end of the stream completes.")
         .def("state", [](const wits::Parser& parser) { return py::bytes(parser.state()); })
         .def("restore", [](wits::Parser& parser, const std::string& state) { parser.restore(state); })
-        .def("counts", &counts, "Bytes, lines, frames, items and each kind of bad text so far.");
+        .def("counts", &counts, "Return the numbers of bytes, lines, frames, items and each kind of bad text so far.");
 }
 
 }  // namespace helibore::bindings
