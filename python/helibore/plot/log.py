@@ -68,7 +68,7 @@ def log(wall: Wall, **options: Any) -> Figure:
     """
     content = content_of(wall, Drawing(**options))
     length = content.paper_length()
-    tail = _tail(content)
+    tail = _tail(content, _width(content))
     below = GAP + sum(needed for needed, _ in tail) + footer_height(content)
     height = MARGIN + header_height(content) + HEAD + length + below + MARGIN
     sheet = Sheet(_width(content), height, content.drawing.dpi)
@@ -127,7 +127,7 @@ def pages_of(content: Content, paper: str | tuple[float, float]) -> list[Figure]
             y += header_height(content)
         y = draw_tracks(sheets[-1], content, top, bottom, y)
         ends.append(content.drawing.depth_unit.ends(top, bottom))
-    for needed, draw in _tail(content):
+    for needed, draw in _tail(content, width):
         if y + GAP + needed > free:  # a new page, as it does not fit below
             longest = needed + 2 * MARGIN + footer_height(content)
             sheets.append(Sheet(width, max(height, longest), content.drawing.dpi))
@@ -158,7 +158,7 @@ def _divided(content: Content, room: float) -> list[tuple[float, float]]:
             cut = top + free * metres
         parts.append((top, cut))
         top, free = cut, room
-    if parts and content.bottom - top < STUB * metres:  # the page before it gives it some metres
+    if parts and content.bottom - top < STUB * metres:  # the last page takes some metres from the page before it
         top = parts.pop()[0]
         cut = coarse * int((content.bottom - STUB * metres) / coarse + 1e-9)
         if top < cut < content.bottom:
@@ -209,19 +209,20 @@ def tracks_width(content: Content) -> float:
     return sum(track.width for track in content.tracks) + GAP * (len(content.tracks) - 1)
 
 
-def _tail_rows(content: Content) -> int:
-    across = max(int((_width(content) - 2 * MARGIN + 2.0) // WIDTH), 1)
-    return -(-len(content.sections) // across)
+def _sections_across(width: float) -> int:
+    """Return how many cross sections stand side by side on a sheet ``width`` millimetres wide."""
+    return max(int((width - 2 * MARGIN + 2.0) // WIDTH), 1)
 
 
-def _tail(content: Content) -> list[tuple[float, Callable[[Sheet, Content, float], None]]]:
+def _tail(content: Content, width: float) -> list[tuple[float, Callable[[Sheet, Content, float], None]]]:
     """Return the parts below the tracks: the height of each in millimetres, and the function that draws it."""
     parts: list[tuple[float, Callable[[Sheet, Content, float], None]]] = []
     zones = zone_list_height(content)
     if zones:
         parts.append((zones + 2.0, _draw_zones))
     if content.sections:
-        parts.append((_tail_rows(content) * HEIGHT + 8.0, _draw_sections))
+        rows = math.ceil(len(content.sections) / _sections_across(width))
+        parts.append((rows * HEIGHT + 8.0, _draw_sections))
     if content.stretched is not None:
         parts.append((BODY + 6.0, _draw_bodies))
     return parts
@@ -234,10 +235,9 @@ def _draw_zones(sheet: Sheet, content: Content, y: float) -> None:
 def _draw_sections(sheet: Sheet, content: Content, y: float) -> None:
     """Draw the cross sections in rows, below a line that explains them."""
     drawing, settings = content.drawing, content.wall.settings
-    room = sheet.width - 2 * MARGIN
     key = key_text(settings.bit_diameter, drawing.size_unit, settings.pitch, bool(content.hatching))
-    sheet.text(MARGIN, y + 3.0, key, USUAL, within=room)
-    across = max(int((room + 2.0) // WIDTH), 1)
+    sheet.text(MARGIN, y + 3.0, key, USUAL, within=sheet.width - 2 * MARGIN)
+    across = _sections_across(sheet.width)
     outer = largest_shown(content.sections, settings.bit_diameter)
     look = (settings.bit_diameter, outer, drawing.size_unit, content.reference, drawing.depth_unit)
     for index, (letter, section) in enumerate(zip(content.letters, content.sections, strict=True)):
