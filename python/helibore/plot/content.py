@@ -72,7 +72,7 @@ NARROW_CURVE, NARROW_IMAGE = 15.0, 24.0
 
 @dataclass(frozen=True, kw_only=True)
 class Look:
-    """The colours of an image; what is None is as usual for the image.
+    """The colours of an image. An attribute that is None takes the usual value for the image.
 
     Attributes
     ----------

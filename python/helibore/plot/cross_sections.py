@@ -1,7 +1,7 @@
 """Cross sections of the hole, with one scale for both axes, the circle of the bit, and the samples.
 
-      U                 one point a sector, from the turn nearest to the depth: nothing is interpolated;
-   .-----.              dots are the samples within half a pitch; a grey wedge is where no sample is in reach
+      U                 each sector has one point: of its vertices the one that is nearest to the depth;
+   .-----.              dots are the samples within half a pitch; a grey wedge is a sector without a radius
 L |   +   | R
    '-----'              looking downhole, clockwise
       D
@@ -20,7 +20,8 @@ from helibore.base.errors import InputError
 from helibore.plot.depth_scales import DepthUnit, length_text
 from helibore.plot.diameters import Diameters
 from helibore.plot.paper import INK, RULE, SMALL, USUAL, Sheet
-from helibore.plot.tracks import GREY, HATCH_COLOR, LENGTHS, SIDES
+from helibore.plot.shading import HATCH_COLOR
+from helibore.plot.tracks import GREY, LENGTHS, SIDES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -35,7 +36,7 @@ WIDTH, HEIGHT = 47.0, 54.0
 class CrossSection:
     """The wall at a depth: toolfaces (deg) and radii (m, NaN where missing) of the sectors, and the samples near it.
 
-    ``interpolated``: (sectors,) whether the radius is interpolated between arms.
+    ``interpolated``: (sectors,) whether the radius is interpolated, not measured.
     """
 
     depth: float
@@ -49,7 +50,7 @@ class CrossSection:
 def sections_at(wall: Wall, depths: list[float], interpolated: Floats | None = None) -> list[CrossSection]:
     """Return the cross section of the wall at each depth; an InputError names a depth that the wall does not reach.
 
-    ``interpolated``: (n,) 1 at vertices between arms, else 0.
+    ``interpolated``: (n,) 1 at vertices whose radius is interpolated, else 0; None: no vertex is.
     """
     settings = wall.settings
     K, pitch = settings.sectors, settings.pitch

@@ -1,4 +1,4 @@
-"""Numbers that people read off a picture: scales of the paper, steps of the depth lines, ends of an axis.
+"""Choose the numbers that people read off a picture: the depth scale, and the steps of the depth lines.
 
 1:200     5 mm a metre     a line each metre, a number each 5 m
 1:500     2 mm a metre     a line each 2 m, a number each 10 m
@@ -20,7 +20,7 @@ LONGEST = 1000.0
 
 
 def usual_depth_scale(length: float) -> int:
-    """Return the finest of 1:20, 1:40 and 1:200 that puts so many metres on a metre of paper, else 1:500.
+    """Return the finest of 1:20, 1:40 and 1:200 at which ``length`` metres of hole fit a metre of paper, else 1:500.
 
     >>> usual_depth_scale(3.0), usual_depth_scale(160.0), usual_depth_scale(736.0)
     (20, 200, 500)
@@ -89,5 +89,5 @@ def multiples(step: float, top: float, bottom: float) -> list[float]:
 
 
 def length_text(length: float, unit: str) -> str:
-    """Write a length in inches or millimetres: ``8.5 in``, ``215.9 mm``."""
+    """Return a length with its unit, inches or millimetres, as text: ``8.5 in``, ``215.9 mm``."""
     return f"{length:.3f}".rstrip("0").rstrip(".") + " in" if unit == "in" else f"{length:.1f} mm"

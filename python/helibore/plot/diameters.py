@@ -1,8 +1,8 @@
-"""Diameters along the hole for the caliper track, one row a turn, or fewer rows than turns.
+"""Gather the diameters along the hole for the caliper track: a row for each turn, or for several turns.
 
-A row of several turns holds their least diameter and greatest C1 and C2, so that a washout of a single turn stays
-visible, and the means of the others.
-Logs for files are in ``helibore.logs.turn_logs``.
+A row of several turns has the least of their least diameters, and the greatest of their greatest diameters, C1 and C2,
+so that a washout of a single turn stays visible. Its other columns are means. Logs for files are in
+``helibore.logs.turn_logs``.
 """
 
 from __future__ import annotations
@@ -20,8 +20,7 @@ from helibore.samples.helix import WallLike
 class Diameters:
     """One row per turn from the shallowest to the deepest, each (rows,) float64, metres; NaN where missing.
 
-    ``area``, ``c1`` to ``d90`` are `Logs.equivalent_diameter`, ``c1``, ``c2``, ``diameter_0`` and ``diameter_90``: NaN
-    unless the turn is whole.
+    ``area`` and ``c1`` to ``d90`` are `Logs.equivalent_diameter`, ``c1``, ``c2``, ``diameter_0`` and ``diameter_90``.
     """
 
     depth: Floats  # middle of the turn

@@ -14,7 +14,8 @@ from helibore.logs.turn_logs import NO_UNCERTAINTY
 from helibore.plot.depth_scales import length_text
 from helibore.plot.paper import FAINT, INK, LARGE, RULE, SMALL, USUAL, Sheet
 from helibore.plot.picked import DASHES
-from helibore.plot.tracks import GREY, HATCH_COLOR, LETTERS
+from helibore.plot.shading import HATCH_COLOR
+from helibore.plot.tracks import GREY, LETTERS
 from helibore.plot.zone_list import criteria_text, zone_sign
 from helibore.trajectory.references import reference_assumed
 
@@ -89,7 +90,7 @@ def toolface_text(content: Content) -> str:
 
 
 def survey_text(content: Content) -> str:
-    """Return as text the survey of the path and the true dips, and its north reference, if known."""
+    """Return as text the survey file that the path comes from, and which north its azimuths count from, if known."""
     noted = content.wall.made_from.get("survey")
     survey = noted if isinstance(noted, dict) else {}
     north = f"azimuths from {survey['north']} north" if survey.get("north") else "north as in the survey"

@@ -3,8 +3,8 @@
     from helibore.plot.html_report import report
     report(wall, "well.html", title="F-12")         # opens in any browser, prints on A4 at the scale it says
 
-Summary, pictures, diameters by interval, zones, data quality, settings. Figures come from `Wall.summary` and the zones,
-pictures from `pages`. Six tables need no template library; every text is escaped.
+It shows the summary, the pictures, diameters by interval, zones, picks, data quality and settings. Numbers come from
+`Wall.summary` and the zones, pictures from `pages_of`. Six tables need no template library; every text is escaped.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ def report(
     filename
         Replaced if it is there.
     messages
-        (label, sentence) on the readings and samples that were read, dropped and corrected.
+        (label, sentence) pairs that say which readings and samples were read, dropped and corrected.
     **options
         As in `helibore.plot.Drawing`.
 
@@ -159,7 +159,7 @@ def pairs(rows: Iterable[tuple[str, str]]) -> str:
 
 
 def number(value: float, decimals: int = 3) -> str:
-    """Return a number as text; "" where it is missing, which the page shows in grey."""
+    """Return a number as text; "" if it is missing: the page shows an empty cell in grey."""
     return f"{round(value, decimals) + 0.0:,.{decimals}f}" if math.isfinite(value) else ""  # + 0.0: never "-0.0"
 
 

@@ -101,7 +101,10 @@ class Sheet:
         return shown
 
     def lines_of_text(self, x: float, y: float, text: str, size: float, within: float, most: int, **extra: Any) -> None:
-        """Write text around y in as few lines as fit ``within`` millimetres; shorten it to ``most`` lines."""
+        """Write text in as few lines as are at most ``within`` millimetres wide, centred on y.
+
+        If these are more than ``most`` lines, the last of the ``most`` lines holds the rest, shortened.
+        """
         trial = self.text(x, y, text, LEAST, **extra)
         room, lines = len(text), [text]
         while self._too_wide(trial, lines, within) and room > 1:

@@ -31,7 +31,7 @@ DASHES: dict[str, tuple[float, ...]] = {
     "induced fracture": (7, 2, 1, 2),
 }
 TAIL = 3.0
-"""Length of a tadpole's tail from the middle of its head, millimetres; 0 and 90 degrees lie so far inside the track."""
+"""Length of a tadpole's tail from the middle of its head, and distance of 0 and 90 degrees from the edges, mm."""
 
 
 def tadpole(kind: str, size: float) -> dict[str, Any]:

@@ -1,12 +1,12 @@
-"""The wall and its images, cut open and laid flat on a grid of pixels: means of blocks, never one patch a quad.
+"""Cut the wall and its images open, and lay them flat on a grid of pixels.
 
-            left                                     a pixel shows the mean of the cells whose centres lie in it, or,
-    top    +----+----+----+----+                     where pixels are finer, the cell that holds its centre;
-           |    |    |    |    |  one row of pixels  it is missing where more than half of those cells are missing,
-    bottom +----+----+----+----+                     and where there is none
+            left                                     a pixel shows the mean of the cells whose centres lie in it; if
+    top    +----+----+----+----+                     these are fewer than two, the cell that holds the pixel's centre.
+           |    |    |    |    |  one row of pixels  It is missing if more than half of its cells are missing, and
+    bottom +----+----+----+----+                     beyond the wall or the image
 
-So a 10 km well with millions of cells needs only a few sums over its columns, and no more pixels than the paper shows.
-``colors`` and ``paper`` do the rest.
+No patch is drawn for a quad. So a 10 km well with millions of cells needs only a few sums over its columns, and no more
+pixels than the paper shows. ``colors`` and ``paper`` do the rest.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def unroll_wall(values: Floats, settings: HelixSettings, start_depth: float, gri
 def unroll_image(image: SectorImage, values: Floats, grid: Grid) -> Floats:
     """Return one value of a sector image a pixel, (rows, columns); NaN in gaps of the image.
 
-    ``values`` are (n, S): ``image.values``, or those normalised.
+    ``values`` are (n, S): ``image.values``, normalised or not.
     """
     edges = grid.edges()
     middle = 0.5 * (edges[:-1] + edges[1:])
@@ -85,7 +85,7 @@ def unroll_image(image: SectorImage, values: Floats, grid: Grid) -> Floats:
 
 
 def _nearest_rows(depths: Floats, values: Floats, depth: Floats, reach: float) -> Floats:
-    """Return for each ``depth`` the values of the nearest row, of those at ``depths``; NaN if beyond its ``reach``."""
+    """Return for each ``depth`` the values of the nearest of the rows at ``depths``; NaN if it is beyond ``reach``."""
     right = np.clip(np.searchsorted(depths, depth), 1, max(depths.size - 1, 1))
     left = right - 1
     right = np.minimum(right, depths.size - 1)

@@ -1,7 +1,7 @@
 """Draw an interval of wall as a shaded picture, in NumPy alone: seen from outside, from the side and slightly above.
 
     x right, y to the viewer, z down the hole; the viewer stands at toolface ``facing``, ``tilt`` above level
-    R' = tube (bit/2 + shape (R - bit/2))          tube and shape are the two exaggerations a caption must state
+    R' = tube (bit/2 + shape (R - bit/2))          a caption must state the two exaggerations, tube and shape
     x = -R' sin(toolface - facing)    y = R' cos(toolface - facing)    screen = (x, z cos(tilt) + y sin(tilt))
 
 The wall is resampled so finely that no pixel stays empty, and shaded point by point; the nearest point of a pixel wins.
@@ -18,7 +18,8 @@ import numpy.typing as npt
 from helibore.base.arrays import Floats
 
 HATCH_BYTES = (33, 48, 61)
-"""Red, green and blue of the lines that hatch what is interpolated between arms."""
+"""Red, green and blue of the lines that hatch what is interpolated, not measured."""
+HATCH_COLOR = tuple(part / 255.0 for part in HATCH_BYTES)
 Single = npt.NDArray[np.float32]
 
 _LIGHTS = (  # direction towards the light (right, to the viewer, down), strength
@@ -29,7 +30,6 @@ _AMBIENT = 0.27
 _FINER = 2  # pixels drawn for each pixel shown, along each axis
 _BLOCK = 96  # rows of points drawn at once: few enough for the cache
 _DENSITY = 1.2  # points for each pixel drawn, along each axis
-_HATCH_COLOR = tuple(part / 255.0 for part in HATCH_BYTES)
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def shade(
     radius: Floats, colors: Floats, sectors: int, pitch: float, first: tuple[float, float], bit_diameter: float,
     view: View, interpolated: Floats | None = None,
 ) -> Shaded:  # fmt: skip
-    """Draw vertices of a wall, from a whole number of turns: (n,) radii, none missing, and (n, 3) colours in [0, 1].
+    """Draw the vertices of whole turns of a wall: (n,) radii, none missing, and (n, 3) colours in [0, 1].
 
     ``first`` is depth and toolface of the first vertex. The shape is exaggerated about ``bit_diameter``. Vertices that
     are 1 in ``interpolated``, (n,), are hatched.
@@ -101,7 +101,7 @@ def shade(
         down = (z * fall + y * rise - 0.5 * length * fall) * scale + 0.5 * canvas.height
         lit = _light(normal[:, seen], facing[seen], fine[1:4, seen], rise, fall)
         if interpolated is not None:
-            lit[(fine[4, seen] > 0.5) & ((right + down) % (_FINER * view.hatch) < _FINER)] = _HATCH_COLOR
+            lit[(fine[4, seen] > 0.5) & ((right + down) % (_FINER * view.hatch) < _FINER)] = HATCH_COLOR
         canvas.put(right, down, y * fall - z * rise, lit)
     middle = first[0] + 0.5 * turns * pitch
     side, span = 0.5 * canvas.width / scale, 0.5 * canvas.height / scale / fall
@@ -112,7 +112,7 @@ def _rows(radius: Floats, sectors: int, turns: int, pitch: float, view: View, pe
     """Return the depths, in turns, of the rows of points; rows are closer where the radius changes along the hole."""
     grid = radius[: (turns + 1) * sectors].reshape(turns + 1, sectors)
     slope = view.tube * view.shape * np.abs(np.diff(grid, axis=0)).max(axis=1) / abs(pitch)
-    steep = np.maximum(slope, np.maximum(np.append(slope[1:], 0), np.append(0, slope[:-1])))  # and next to such turns
+    steep = np.maximum(slope, np.maximum(np.append(slope[1:], 0), np.append(0, slope[:-1])))  # of the neighbours, too
     drawn = np.append(0.0, np.cumsum(abs(pitch) * per_metre * np.hypot(1.0, 0.7 * steep)))
     rows: Floats = np.interp(np.linspace(0.0, drawn[-1], int(drawn[-1]) + 2), drawn, np.arange(turns + 1))
     return rows
@@ -148,7 +148,7 @@ def _spline(at: Floats, count: int, wrap: bool) -> Single:
 def _normals(x: Single, y: Single, z: Single) -> Single:
     """Return unit normals (3, rows, columns) of the grid, away from the axis."""
     around = [np.gradient(p, axis=1) for p in (x, y)]
-    along = [np.gradient(p, axis=0) for p in (x, y, z)]  # by row: only its direction counts
+    along = [np.gradient(p, axis=0) for p in (x, y, z)]  # by row, as only the direction counts
     normal = np.stack(
         [around[1] * along[2], -around[0] * along[2], around[0] * along[1] - around[1] * along[0]], dtype=np.float32
     )

@@ -40,7 +40,8 @@ LEAST_RELIEF = 1e-4
 class Stretched:
     """Whole turns of a wall, from vertex ``first``: (turns, sectors) radius, metres, NaN where missing.
 
-    ``depth`` are those of the first vertices of the shallowest and deepest turn; ``toolface`` is theirs.
+    ``depth`` holds the depths of two vertices: the first of the shallowest turn and the first of the deepest turn. Both
+    have the ``toolface``.
     """
 
     first: int
@@ -116,8 +117,8 @@ def draw_solid(
     """Draw a stretch of the wall as a body with its depth axis and its caption.
 
     ``box`` is left, top, width and height in millimetres; the caption takes the uppermost 10. ``scale`` makes colours
-    of ``values``, one a vertex of the stretch, NaN where missing; the caption calls them ``name``. ``interpolated`` is
-    1 at vertices of the wall that lie between arms and are hatched.
+    of ``values``, one for each vertex of the stretch, NaN where missing; the caption calls them ``name``. Vertices of
+    the wall at which ``interpolated`` is 1 are hatched.
     """
     x, y, width, height = box
     settings = wall.settings

@@ -1,4 +1,4 @@
-"""The tracks of a log: depth, caliper and images, each with its head, all on one line of depth.
+"""Draw the tracks of a log: depth, caliper, curves and images, each with its head, all at the same depths.
 
     |  Depth |     Diameter [in]    |   Radius - bit/2   |      GR [gAPI]     |     heads
     |        | 6 ................ 9 |   0 [======] 40 mm |    0 [=====] 150   |
@@ -49,8 +49,7 @@ GREY = tuple(part / 255.0 for part in MISSING)
 SCALAR = "#1d6b3a"
 """Colour of the line of a `ScalarCurve`."""
 HATCH = 1.4
-"""Distance between the lines that hatch values interpolated between arms, millimetres."""
-HATCH_COLOR = tuple(part / 255.0 for part in HATCH_BYTES)
+"""Distance between the lines that hatch interpolated values, millimetres."""
 AREA = "#b3261e"
 LETTERS = {"washout": "W", "breakout": "B", "key seat": "K", "undergauge": "U"}
 """Letters of the kinds of zones, beside their colours."""
@@ -62,7 +61,7 @@ CURVES: dict[str, dict[str, Any]] = {
     "D0": {"color": "#7a2a80"},
     "D90": {"color": "#7a2a80", "dashes": (2.0, 1.0)},
 }
-"""The lines of the diameters; C1 and C2 have one colour, and D0 and D90, and the second of each pair is dashed."""
+"""The lines of the diameters: C1 and C2 have one colour, D0 and D90 another; the second of each pair is dashed."""
 
 
 @dataclass(frozen=True)
@@ -123,15 +122,15 @@ class DepthTrack:
     def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
         """Draw the depth lines with their numbers, and the zones at the left."""
         axes = bare_axes(sheet, x, self.width, stretch)
+        room = 1.3 * (stretch.bottom - stretch.top) / stretch.height  # half a line of text, in metres
         for depth in stretch.lines.major(stretch.top, stretch.bottom):
-            room = 1.3 * (stretch.bottom - stretch.top) / stretch.height  # half a line of text, in metres
             if stretch.top + room <= depth <= stretch.bottom - room:
                 axes.text(
                     self._middle, depth, stretch.lines.label(depth), ha="center", va="center", size=USUAL, family=FONT
                 )
                 if depth + 3.1 * room <= stretch.bottom:
                     self._draw_true_depth(axes, depth, depth + 2.1 * room)
-        self._draw_ends(axes, stretch, room=1.3 * (stretch.bottom - stretch.top) / stretch.height)
+        self._draw_ends(axes, stretch, room)
         axes.set_xlim(0, 1)
         major, minor = (lines(stretch.top, stretch.bottom) for lines in (stretch.lines.major, stretch.lines.minor))
         for zone in self.zones:
@@ -155,13 +154,8 @@ class DepthTrack:
         if all(depth - stretch.top > 3.2 * room for depth in major):
             axes.text(self._middle, stretch.top + 0.6 * room, f"{stretch.top / self.unit.metres:.1f}", va="top", **look)
         if all(stretch.bottom - depth > 5.4 * room for depth in major):
-            axes.text(
-                self._middle,
-                stretch.bottom - 0.6 * room,
-                f"{stretch.bottom / self.unit.metres:.1f}",
-                va="bottom",
-                **look,
-            )
+            text = f"{stretch.bottom / self.unit.metres:.1f}"
+            axes.text(self._middle, stretch.bottom - 0.6 * room, text, va="bottom", **look)
 
     def _draw_true_depth(self, axes: Axes, depth: float, place: float) -> None:
         """Write the true depth of ``depth``, if it is known, at ``place``, a depth on the track."""
@@ -323,14 +317,12 @@ class ScalarTrack:
         if self.note:
             sheet.lines_of_text(middle, y + 16.0, self.note, 5.6, self.width - 1, 3, ha="center", color=FAINT)
         # The two numbers stand one below the other if there is no room for them side by side.
-        ends = [sheet.text(x + 0.6, y + HEAD - 2.2, f"{self.limits[0]:g}", SMALL, within=self.width - 1.2)]
-        ends += [
-            sheet.text(
-                x + self.width - 0.6, y + HEAD - 2.2, f"{self.limits[1]:g}", SMALL, within=self.width - 1.2, ha="right"
-            )
-        ]
-        if sum(sheet.text_width(end) for end in ends) > self.width - 2.0:
-            ends[0].set_y(1.0 - (y + HEAD - 4.4) / sheet.height)
+        low, high = (f"{limit:g}" for limit in self.limits)
+        room, at = self.width - 1.2, y + HEAD - 2.2
+        left = sheet.text(x + 0.6, at, low, SMALL, within=room)
+        right = sheet.text(x + self.width - 0.6, at, high, SMALL, within=room, ha="right")
+        if sheet.text_width(left) + sheet.text_width(right) > self.width - 2.0:
+            left.set_y(1.0 - (y + HEAD - 4.4) / sheet.height)
         sheet.line((x, x + self.width), (y + HEAD - 0.2, y + HEAD - 0.2), color=INK)
 
     def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
@@ -361,7 +353,8 @@ class ImageTrack:
     shown
         Name, unit, colours.
     source
-        A sector image with the values to show (its own, or normalised), or the helix of a wall with one value a vertex.
+        A sector image with the values to show (its own, or normalised); or the settings and the start depth of a wall,
+        with one value for each vertex.
     reference
         One of `SIDES`.
     left
@@ -369,7 +362,7 @@ class ImageTrack:
     width
         Millimetres.
     interpolated
-        Of a wall: (n,), 1 at vertices that lie between the arms and are hatched, else 0; None: no vertex is hatched.
+        Of a wall: (n,), 1 at interpolated vertices, which are hatched, else 0; None: no vertex is hatched.
     ink
         Function that draws over the pixels; its argument is the axes, whose x is degrees from the left edge, 0 to 360.
     """
