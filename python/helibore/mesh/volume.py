@@ -47,6 +47,8 @@ class Volume(Mesh):
     hexes
         (h, 8) int64 rows of ``vertices``: the inner quad, then the outer quad over it (VTK's order, positive volume).
         The layer next to the wall comes first.
+    hex_layer
+        (h,) int64: for each hexahedron, the layer in which it lies, 0 = next to the wall.
     attributes
         `Attributes`: named values, one for each hexahedron.
     helix
@@ -75,7 +77,7 @@ class Volume(Mesh):
         index = np.concatenate(rows)
         attributes = Attributes("hexahedron", index, self._whole * len(layer_ranges))
         super().__init__(vertices, hexes, shells, shell_ranges, helix, basis, attributes)
-        self.layer = numbered(layer_ranges)
+        self.layer = self.hex_layer = numbered(layer_ranges)
 
     @property
     def layers(self) -> int:
@@ -91,11 +93,6 @@ class Volume(Mesh):
     def hex_index(self) -> Integers:
         """For each hexahedron, the vertex k of the wall on whose quad it stands, (h,) int64."""
         return np.concatenate([expand_ranges(ranges) for ranges in self._layer_ranges])
-
-    @property
-    def hex_layer(self) -> Integers:
-        """For each hexahedron, the layer in which it lies, 0 = next to the wall, (h,) int64."""
-        return numbered(self._layer_ranges)
 
     def hang(self, name: str, layers: Sequence[npt.ArrayLike | float], unit: str = "") -> None:
         """Give every layer its own values of one attribute, for example shallow, medium and deep resistivity.
