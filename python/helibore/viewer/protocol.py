@@ -97,7 +97,7 @@ def _head(kind: int, level: int, mask: int, tile: int, first: int, count: int, t
 
 def number(message: bytearray, sequence: int) -> bytes:
     """Return the message with its sequence number."""
-    struct.pack_into("<I", message, 20, sequence & 0xFFFFFFFF)
+    struct.pack_into("<I", message, 20, sequence)
     return bytes(message)
 
 
