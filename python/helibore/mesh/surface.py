@@ -138,14 +138,15 @@ class Surface(Mesh):
         filename
             Ends in one of these; an existing file is replaced.
         color_by
-            The attribute, or ``"radius"``, that colours .glb and .ply and that programs show first of a .vtu or .vtp; by
-            default the radius. Other formats do not hold the choice. Missing values are grey.
+            The attribute, or ``"radius"``, that colours .glb and .ply, and that programs show first of a .vtu or .vtp;
+            by default the radius. Other formats do not hold the choice. Missing values are grey.
         limits
             Values at the two ends of the colours; by default the least and the greatest value.
         origin
             North, east and down of the point that becomes (0, 0, 0) in the file, metres.
         color_map, log
-            The colours of .glb and .ply, and whether they follow the logarithm, as in `helibore.base.colors.ColorScale`.
+            The colours of .glb and .ply, and whether they follow the logarithm, as in
+            `helibore.base.colors.ColorScale`.
 
         Raises
         ------
