@@ -23,7 +23,6 @@ import os
 import secrets
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
-from numbers import Integral, Real
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -37,6 +36,7 @@ ENDING = ".picks.csv"
 PLANES = ("bed", "fracture", "healed fracture", "induced fracture", "fault")
 BREAKOUT = "breakout"
 CLASSES = (*PLANES, BREAKOUT)
+NUMBERS = (int, float, np.integer, np.floating)
 MOST = 5000
 LONGEST_NOTE = 80
 LIMITS: dict[str, tuple[float, float]] = {
@@ -104,12 +104,12 @@ class Pick:
             value = getattr(self, name)
             if name == "radius" and value is None:
                 continue
-            if not (isinstance(value, Real) and not isinstance(value, bool) and low <= value <= high):
+            if isinstance(value, bool) or not (isinstance(value, NUMBERS) and low <= value <= high):
                 raise InputError(name, f"must be {low:g} to {high:g}", str(value))
             vars(self)[name] = float(value)
         if self.kind == BREAKOUT and not (self.height > 0 and self.opening > 0):
             raise InputError("breakout", "height and opening must be above 0")
-        if not (isinstance(self.points, Integral) and not isinstance(self.points, bool) and self.points >= 0):
+        if isinstance(self.points, bool) or not (isinstance(self.points, (int, np.integer)) and self.points >= 0):
             raise InputError("points", "must be a whole number", str(self.points))
         vars(self)["points"] = int(self.points)
         for name, most in (("note", LONGEST_NOTE), ("image", LONGEST_NOTE), ("key", 32)):
@@ -273,7 +273,7 @@ def _parsed(row: Mapping[str, Any], path: Path | None, apparent: bool, line: str
     }
     points = numbers.get("points", 0.0)
     numbers["points"] = int(points) if points.is_integer() else points
-    true_dip = None if apparent or texts.get("kind") == BREAKOUT else [number(column) for column in DIP]
+    true_dip = None if apparent or texts.get("kind") == BREAKOUT else (number(DIP[0]), number(DIP[1]))
     try:
         if true_dip is not None:
             if path is None:
