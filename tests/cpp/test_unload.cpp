@@ -1,5 +1,5 @@
-// The shared library is loaded, called on four threads and unloaded a thousand times, also after a fork: it leaves
-// memory each time, which does not grow. Two versions of it work in one process.
+// The shared library is loaded, called on four threads and unloaded a thousand times, also after a fork: it is
+// unmapped each time, and the memory of the process does not grow. Two versions of it work in one process.
 #include <dlfcn.h>
 #include <sys/wait.h>
 #include <unistd.h>

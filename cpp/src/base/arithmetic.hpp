@@ -1,4 +1,4 @@
-// The floating-point state that results are defined in.
+// The floating-point state in which all results are computed.
 #pragma once
 
 #ifdef __SSE2__

@@ -246,7 +246,7 @@ void distribute(const SampleColumns& c, SortedBatch& batch, const Buckets& bucke
     for_each_part(threads, slabs, [&](int, Index s) {
         std::vector<Index> counts(size, 0);
         const Range rows = slab(n, slabs, s);
-        const Buckets which = buckets;  // a copy on this thread's stack: others write beside the original
+        const Buckets which = buckets;  // a copy on the stack: other threads write beside the original
         const double* depth = c.depth.data();
         for (Index i = rows.start; i < rows.stop; ++i) ++counts[static_cast<std::size_t>(which.of(depth[i]))];
         places[static_cast<std::size_t>(s)] = std::move(counts);

@@ -1,5 +1,5 @@
 // Surfaces and volumes of radii with gaps: the quads and hexahedra that a slow loop over the helix finds, vertices
-// where the formula of the wall point puts them, and layouts of other memory refused.
+// where the formula of the wall point puts them. Layouts that do not fit the memory are refused.
 #include "helibore/surface.hpp"
 
 #include <algorithm>

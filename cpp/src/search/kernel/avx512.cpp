@@ -1,4 +1,4 @@
-// The innermost loops for AVX-512; cpp/CMakeLists.txt compiles this file with -mavx512f and its kin.
+// The innermost loops for AVX-512; cpp/CMakeLists.txt compiles this file with -mavx512f and related options.
 #include <cstddef>
 
 #include "search/kernel/kernel.hpp"

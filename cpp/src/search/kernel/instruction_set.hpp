@@ -1,4 +1,4 @@
-// Which compiled kernel a setting or the processor asks for.
+// Chooses the compiled kernel that a setting demands, or the best one that the processor can run.
 #pragma once
 
 #include "helibore/settings.hpp"
@@ -6,7 +6,7 @@
 
 namespace helibore::kernel {
 
-// Throws InputError if the processor lacks a level that is forced.
+// Throws InputError if a setting demands a level that the processor does not have.
 const Functions& functions_for(InstructionSet level);
 
 // list_capacity + 1 doubles with the bits of the integers 0, 1, 2, ...

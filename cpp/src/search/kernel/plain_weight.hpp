@@ -1,4 +1,4 @@
-// The weight (neighbor_weight.hpp) of one neighbour, for what is not part of the kernel.
+// The weight (neighbor_weight.hpp) of one neighbour, for code outside the kernel.
 #pragma once
 
 #include <cmath>

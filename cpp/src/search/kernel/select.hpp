@@ -9,8 +9,9 @@
 //
 // Of a best 16, the batch meets the last 8; they and the first 8 are bitonic again.
 //
-// All else: lanes are the candidates of one vertex. Counting finds a threshold that the float keys of a few more than V
-// candidates pass. The exact keys of these candidates are then computed, and a threshold is found that V of them pass.
+// In all other cases lanes are the candidates of one vertex. Counting finds a threshold that the float keys of a few
+// more than V candidates pass. The exact keys of these candidates are then computed, and a threshold is found that V of
+// them pass.
 #pragma once
 
 #include "search/kernel/kernel.hpp"
