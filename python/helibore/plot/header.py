@@ -133,7 +133,7 @@ def draw_header(sheet: Sheet, content: Content, x: float, y: float, width: float
     for index, (name, text, warning) in enumerate(rows):
         column, row = divmod(index, half)
         left, at = x + 2.0 + column * (first - 1.5), y + BLOCK + 3.2 + row * 4.3
-        sheet.text(left, at, name, SMALL, color=FAINT)
+        sheet.text(left, at, name, SMALL, color=FAINT, within=label - 1.0)
         look = {"color": WARNING, "weight": "bold"} if warning else {}
         sheet.text(left + label, at, text, USUAL, within=(width - first if column else first) - label - 3.0, **look)
 

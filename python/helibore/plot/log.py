@@ -279,7 +279,8 @@ def overview(wall: Wall, **options: Any) -> Figure:
         box = (right + TIES, top + HEAD - 10.0, OVERVIEW_BODY, max(length, LEAST) + 10.0)
         axes = _draw_body(sheet, box, content, body)
         for depth in content.stretched.depth:
-            beside = top + HEAD + (depth - content.top) / (content.bottom - content.top) * length
+            on_tracks = min(max(depth, content.top), content.bottom)
+            beside = top + HEAD + (on_tracks - content.top) / (content.bottom - content.top) * length
             place, (low, high) = axes.get_position(), axes.get_ylim()
             at = sheet.height * (1.0 - (place.y0 + (depth - low) / (high - low) * place.height))
             sheet.line((right + 1.8, right + TIES + 1.0), (beside, float(at)), color=FAINT, linewidth=0.5)

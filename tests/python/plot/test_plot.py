@@ -219,6 +219,15 @@ def test_an_overview_has_the_tracks_of_a_log_and_a_body_beside_them(wall: hb.Wal
     assert plain.get_size_inches()[0] < figure.get_size_inches()[0]
 
 
+def test_the_lines_to_a_body_beyond_the_interval_stay_beside_the_tracks(wall: hb.Wall) -> None:
+    from matplotlib.lines import Line2D
+
+    figure = plot.overview(wall, start=2000, stop=2005, body=(2010, 2014), scale=40, dpi=40)
+    tracks = next(axes for axes in figure.axes if axes.get_ylim() == (2005, 2000)).get_position()
+    ties = [line for line in figure.findobj(Line2D) if line in figure.artists and line.get_color() == "#5d6b77"]
+    assert [line.get_ydata()[0] for line in ties] == pytest.approx([tracks.y0] * 2)
+
+
 @pytest.mark.parametrize("scale", [200, 500])
 def test_the_paper_has_the_scale_it_says(wall: hb.Wall, scale: int) -> None:
     figure = plot.log(wall, scale=scale, start=2002, stop=2020, dpi=60, polar=(), body=())
@@ -681,6 +690,8 @@ def test_a_picture_and_a_report_state_the_header_of_the_log() -> None:
     header = {name: f"my {name}" for name in labels}
     figure = plot.log(made, title="W-1", header=header, dpi=30, polar=(), body=())
     words = " | ".join(text.get_text() for text in texts(figure))
+    long = plot.log(made, header={"a name of an entry that is longer than its column": "x"}, dpi=80, polar=(), body=())
+    assert_readable(long)
     rows = page(made, title="W-1", header=header, dpi=30, polar=(), body=())
     assert "W-1" in words
     assert "<h1>W-1</h1>" in rows
