@@ -14,6 +14,7 @@ import numpy as np
 
 from helibore import _core
 from helibore.base.arrays import Floats, Integers
+from helibore.base.errors import InputError
 from helibore.mesh.attributes import Attributes
 from helibore.samples.caliper import Basis
 from helibore.samples.helix import Helix, WallLike, basis_text_of, expand_ranges, helix_of
@@ -73,7 +74,10 @@ def triangles(mesh: Mesh) -> Integers:
 
 
 def metadata_of(wall: WallLike, path: Path | None) -> dict[str, str]:
-    """Return as metadata what a wall is made from, and how it is placed along ``path`` (None: straight down)."""
+    """Return as metadata what a wall is made from, and how it is placed along ``path`` (None: straight down).
+
+    Raises InputError if JSON cannot hold ``made_from``.
+    """
     helix = helix_of(wall)
     metadata = {
         "made by": f"helibore {_core.__version__}",
@@ -93,5 +97,8 @@ def metadata_of(wall: WallLike, path: Path | None) -> dict[str, str]:
     if bit_diameter is not None:
         metadata["bit_diameter"] = f"{bit_diameter!r} m"
     if made_from := getattr(wall, "made_from", None):
-        metadata["made_from"] = json.dumps(made_from, ensure_ascii=False)
+        try:
+            metadata["made_from"] = json.dumps(made_from, ensure_ascii=False)
+        except (TypeError, ValueError) as error:
+            raise InputError("made_from", f"must be what JSON can hold: {error}") from error
     return metadata

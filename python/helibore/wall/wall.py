@@ -406,7 +406,8 @@ class Wall:
         ------
         InputError
             If the path does not reach a vertex, if the path's reference is undefined there (``vertex 7 at depth 12:
-            ...``), or if no vertex lies between ``start`` and ``stop``; and as `SectorImage.on` and `WallAttributes`.
+            ...``), if no vertex lies between ``start`` and ``stop``, or if JSON cannot hold `made_from`; and as
+            `SectorImage.on` and `WallAttributes`.
         """
         state = self._state(samples=bool(self._arms))
         surface = surface_of(state, self._resolve_path(path), start, stop, self._threads)

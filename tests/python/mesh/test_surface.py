@@ -449,3 +449,10 @@ def test_what_is_no_path_and_no_image_is_refused_where_it_is_given():
     assert not wall.images
     wall.path = survey.path()
     assert np.isfinite(wall.surface().vertices).all()
+
+
+def test_an_origin_that_json_cannot_hold_is_refused():
+    wall = hb.reconstruct(hb.Caliper.gauge(10, 11, 0.216), bit_diameter=0.216, sectors=16)
+    wall.made_from = {"files": {"a.las"}}
+    with pytest.raises(hb.InputError, match=r"^made_from: must be what JSON can hold: .*set"):
+        wall.surface()
