@@ -55,6 +55,7 @@ _CLIP = 12.0
 _MEDIAN_SQUARE = 0.455
 """Median of the square of a normal deviate with variance 1."""
 _STANDARD_ERRORS = 2.0
+_MOST_OF_KRIGING = 64  # neighbours
 _ROUNDING = 1e-9  # metres
 
 
@@ -185,7 +186,8 @@ def tune(
         The samples of the hole.
     bit_diameter, **fixed
         Settings that all candidates share, as in `Settings`. Of ``estimator``, ``neighbors``, ``angular_scale``,
-        ``kriging_range`` and ``nugget``, `tune` chooses those that are not given.
+        ``kriging_range`` and ``nugget``, `tune` chooses those that are not given. With more than 64 neighbours it does
+        not try kriging.
     targets
         Number of samples to leave out, 1 or more; all samples if there are fewer.
     threads
@@ -256,7 +258,8 @@ def _tuning(
 
 def _grid(first: Settings, fixed: dict[str, Any]) -> Iterator[tuple[Settings, tuple[float, ...]]]:
     """Yield the settings of candidates, each with the nuggets to try; inverse distance has no nuggets."""
-    kriging = fixed.get("estimator", "kriging") == "kriging"
+    usual = "kriging" if (fixed.get("neighbors") or 0) <= _MOST_OF_KRIGING else "inverse-distance"
+    kriging = fixed.get("estimator", usual) == "kriging"
     chosen: dict[str, Any] = {"estimator": "kriging"} if kriging else {}
     if kriging and "neighbors" not in fixed:
         chosen["neighbors"] = 16
@@ -277,7 +280,8 @@ def _compared(tried: list[Settings], errors: list[list[Floats]], depth: Floats) 
         squares[squares < _ROUNDING**2] = 0.0
         known = np.isfinite(squares).all(axis=0)
         if not known.any():
-            raise InputError("samples", "too few samples to tune: no sample has another within max_distance")
+            rule = "too few samples to tune: no sample has another outside its box and within max_distance"
+            raise InputError("samples", rule)
         block = max(min(1.0, np.ptp(depth) / 40), 1e-6)
         squares, metre = squares[:, known], np.unique(np.floor(depth[known] / block), return_inverse=True)[1]
         squares = np.minimum(squares, _CLIP**2 * np.median(squares[0]) / _MEDIAN_SQUARE)

@@ -76,7 +76,8 @@ def calibrate(samples: Columns, settings: Settings, threads: int = 1) -> Calibra
     found = estimate_left_out(samples, rows, settings, boxes, threads, trial=samples[2][rows])
     known = np.isfinite(found.radius)
     if not known.any():
-        raise InputError("samples", "too few samples for an uncertainty: no sample has another within max_distance")
+        rule = "too few samples for an uncertainty: no sample has another outside its box and within max_distance"
+        raise InputError("samples", rule)
     squares = np.maximum((found.radius - samples[2][rows])[known] ** 2, _SMALLEST)
     weights, scatter, along, across = (of[known] for of in found[3:7])
     scatter = np.maximum(scatter, _SMALLEST)

@@ -79,6 +79,10 @@ def test_fixed_settings_are_kept() -> None:
     found = hb.tune(caliper(), bit_diameter=BIT, targets=300, angular_scale=2.0, nugget=0.05, max_distance=0.5)
     assert len(found.candidates) == 2
     assert {each.settings.angular_scale for each in found.candidates} == {2.0}
+    many = hb.tune(caliper(), bit_diameter=BIT, targets=300, neighbors=100)
+    assert {(each.settings.estimator, each.settings.neighbors) for each in many.candidates} == {
+        ("inverse-distance", 100)
+    }, "kriging takes at most 64"
     by_distance = hb.tune(caliper(), bit_diameter=BIT, targets=300, estimator="inverse-distance")
     assert {each.settings.estimator for each in by_distance.candidates} == {"inverse-distance"}
 
@@ -155,7 +159,11 @@ def test_boxes_are_empty() -> None:
 
 BAD: list[tuple[int, dict[str, Any], str]] = [
     (37, {}, f"samples = 37: too few samples to tune: must be at least {FEWEST_SAMPLES}"),
-    (150, {"max_distance": 1e-9}, "samples: too few samples to tune: no sample has another within max_distance"),
+    (
+        150,
+        {"max_distance": 1e-9},
+        "samples: too few samples to tune: no sample has another outside its box and within max_distance",
+    ),
     (150, {"window": 30}, "window = 30: must be None to tune: samples are left out of the exact search"),
     (150, {"pitch": 0.0}, "pitch = 0: must be finite and not 0"),
 ]
