@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base.arrays import Floats, numbers
-from helibore.base.colors import customary_map
+from helibore.base.colors import check_map, customary_map
 from helibore.base.errors import InputError
 from helibore.logs.curves import ScalarCurve
 from helibore.logs.picks import Picks
@@ -60,7 +60,8 @@ class Attribute:
     Raises
     ------
     InputError
-        If an end is not finite, the ends are not in order, or ``log`` is True and an end is not above 0.
+        If an end is not finite, the ends are not in order, ``log`` is True and an end is not above 0, or the colour map
+        is not known.
     """
 
     name: str
@@ -72,6 +73,8 @@ class Attribute:
     rows: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
+        if self.color_map:
+            check_map(self.color_map)
         ends = [of for of in (self.low, self.high) if of is not None]
         ordered = len(ends) < 2 or ends[0] < ends[1]
         if not (ordered and all(math.isfinite(end) and (end > 0 or not self.log) for end in ends)):

@@ -306,6 +306,11 @@ def test_colours_between_no_two_values_are_refused(ends: tuple[float | None, flo
         Attribute("RES", "ohm.m", *ends, log=True)
 
 
+def test_a_colour_map_of_the_viewer_must_be_known() -> None:
+    with pytest.raises(ValueError, match=r"^color_map = 'jet': must be one of image, "):
+        Attribute("GR", color_map="jet")
+
+
 def test_writes_that_make_no_sense_are_refused() -> None:
     scene = begun()
     with pytest.raises(ValueError, match=r"^first = -1: must not be negative$"):
