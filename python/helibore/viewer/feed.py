@@ -367,5 +367,5 @@ def _limits(attribute: Attribute, values: Floats) -> tuple[float, float] | None:
     low, high = float(values.min()), float(values.max())
     if np.percentile(values, 2) < np.percentile(values, 98):
         low, high = percentile_limits(values, log=attribute.log)
-    margin = 0.0 if low < high else max(abs(low), 1.0) * 1e-3
+    margin = 0.0 if low < high else 1e-3 * (low if attribute.log else max(abs(low), 1.0))  # above 0 on a log scale
     return low - margin, high + margin

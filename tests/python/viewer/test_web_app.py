@@ -412,6 +412,13 @@ def test_what_cannot_be_viewed_is_said() -> None:
         viewer.close()
 
 
+def test_a_constant_value_on_a_log_scale_lies_between_two_values_above_0() -> None:
+    attribute = Attribute("RES", "ohm.m", log=True)
+    scene = Feed(MadeWall(5000), path=None, attributes={attribute: np.full(5000, 2e-4)}, well="").scene
+    low, high = scene.state.ranges["RES"]
+    assert 0 < low < 2e-4 < high
+
+
 def test_picks_of_a_page_are_saved_and_shown_on_every_page(client: TestClient, feed: Any, tmp_path: Any) -> None:
     file = tmp_path / "a.wall.picks.csv"
     feed.scene.picks_file = file
