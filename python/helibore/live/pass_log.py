@@ -1,17 +1,16 @@
-"""The passes of a well in order of arrival: the pass of each sample, and time, depth and sample count of each pass.
+"""Decides the pass of each sample, and lists the passes of a well: time, depth and number of samples of each pass.
 
     wire       . . 1 1 1 1 2 2 2       number from the source; ".": it sends no number
     string     d d d d r r r r r       drill, rescan: from bit depth and rotation (depth.py)
     pass       d d d d d d r r r       the number decides; an event reports the two samples that differ
                |-| |-----| |---|       the runs of one source, each with its number and pass
 
-The runs of each source are in order of arrival, so they do not depend on how the stream was cut into packets. The
-latest 10,000 runs are kept.
+A run is a row of consecutive samples of one source with one number and pass. It does not depend on how the stream was
+cut into packets. The current run of each source and the latest 10,000 finished runs are kept.
 """
 
 from __future__ import annotations
 
-import itertools
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -36,7 +35,7 @@ class Pass:
     source
         Name of the source; ``""``: the host.
     name
-        A pass out of `PASSES`.
+        One of the names in `PASSES`.
     number
         Number that the source gave the pass; None if it gave no number.
     start, stop
@@ -58,12 +57,14 @@ class Pass:
 
 
 class PassLog:
-    """Decides the pass of samples and keeps the runs.
+    """Decides the pass of each sample and keeps the runs.
 
     Parameters
     ----------
     meanings
-        Name and pass numbers of each source, by its number in the journal; a source without an entry sends no numbers.
+        Name and table ``pass_numbers`` of each source, by its number in the journal. The host (0) has no entry.
+    events
+        Gets the events about pass numbers.
     """
 
     STATE = ("latest", "_over")
@@ -75,18 +76,18 @@ class PassLog:
 
     @property
     def runs(self) -> list[Pass]:
-        """The runs, sorted by start time."""
+        """The runs that are kept, sorted by start time."""
         return sorted([*self._over, *self.latest.values()], key=lambda run: (run.start, run.source))
 
     def decide(self, samples: Rows, kind: Integers) -> Integers:
-        """Return the pass of each sample: the meaning of its number, or else ``kind``, from the string's motion.
+        """Return the pass of each sample: what its number means, or else ``kind``, the pass from the string's motion.
 
         Parameters
         ----------
         samples
-            Fields ``source``, ``number`` (of the pass; NO_NUMBER: none), ``wall``, ``connection`` and ``line``.
+            Structured (n,): ``source``, ``number`` (pass number, or NO_NUMBER), ``wall``, ``connection``, ``line``.
         kind
-            Pass from the string's motion, an index into PASSES.
+            (n,) the pass from the string's motion, as an index into PASSES.
         """
         source, number = samples["source"], samples["number"]
         if not (number != NO_NUMBER).any():
@@ -136,19 +137,11 @@ class PassLog:
         self, source: Integers, number: Integers, kind: Integers, time: Integers, depth: npt.NDArray[np.float64]
     ) -> None:
         """Add samples to the runs of their sources; ``kind`` is the pass that `decide` returned."""
-        for who in sorted(set(source.tolist())):
-            if not (source == source[0]).all():
-                rows = np.flatnonzero(source == who)
-                self._add_of(who, number[rows], kind[rows], time[rows], depth[rows])
-            else:
-                self._add_of(who, number, kind, time, depth)
-
-    def _add_of(
-        self, who: int, number: Integers, kind: Integers, time: Integers, depth: npt.NDArray[np.float64]
-    ) -> None:
-        changes = np.flatnonzero((kind[1:] != kind[:-1]) | (number[1:] != number[:-1])) + 1
-        for start, stop in itertools.pairwise([0, *changes.tolist(), len(kind)]):
-            self._extend(who, int(number[start]), int(kind[start]), time[start:stop], depth[start:stop])
+        for who in np.unique(source).tolist():
+            of = np.flatnonzero(source == who)
+            changes = np.flatnonzero((np.diff(kind[of]) != 0) | (np.diff(number[of]) != 0)) + 1
+            for rows in np.split(of, changes):
+                self._extend(who, int(number[rows[0]]), int(kind[rows[0]]), time[rows], depth[rows])
 
     def _extend(self, who: int, number: int, kind: int, time: Integers, depth: npt.NDArray[np.float64]) -> None:
         said = None if number == NO_NUMBER else number

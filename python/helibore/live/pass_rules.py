@@ -1,16 +1,17 @@
-"""Rules for the pass of a sample: the settings of ``[passes]``, and the meaning of pass numbers from the wire.
+"""Rules for the pass of a sample: the settings of ``[passes]``, and what the pass numbers of a source mean.
 
     [passes]                      the limits by which the string's motion decides the pass (depth.py)
 
     [source.mwd.items]
-    pass_number = "0812"          the sender counts its passes: 0710, 0812, 0912 or any other item
+    pass_number = "0812"          the item with the number of the pass: 0710, 0812, 0912 or any other item
 
-    [source.mwd.pass_numbers]     what its numbers mean; without this table 1 is drill and every larger number rescan
+    [source.mwd.pass_numbers]     what its numbers mean; without this table 1 is drill and every larger number is rescan
     drill = [1]
     rescan = [2, 3]
 
-If a source sends a number, the number decides the pass of its samples; an event reports when the string's motion means
-another pass (``pass_log.py``). After a null, or a 0 that is not listed, the string's motion decides.
+If a source sends a number, the number decides the pass of its samples, and an event reports each sample for which the
+string's motion means another pass (``pass_log.py``). After a null, a wrong number or a 0 that is not listed, the motion
+decides.
 """
 
 from __future__ import annotations
@@ -32,16 +33,21 @@ PASSES = ("drill", "ream", "rescan", "trip", "unknown")
 DRILL, REAM, RESCAN, TRIP, UNKNOWN = range(len(PASSES))
 NO_NUMBER = -1
 LARGEST = 32767
-"""The largest pass number, which is of the wire's type S (two bytes)."""
+"""The largest pass number; WITS sends it in two bytes (type S)."""
 
 TABLES = ("passes", "events", "survey")
-"""Files of the snapshot in addition to those of layers and images."""
+"""Tables of the snapshot that belong to no layer and no image; a layer must not have such a name."""
 
 NUMBERED = re.compile(r"pass (0|[1-9]\d{0,4})")
 
 
 class PassRules(Table):
-    """The limits for on bottom (m) and rotating (rpm), for gaps of depth (s), and for the age of a value (s)."""
+    """The table ``passes``: the limits by which the string's motion decides the pass.
+
+    The bit is on bottom up to ``on_bottom`` m above the bottom, and the string turns from ``rotating`` rpm on. A depth
+    is not interpolated between bit depths that are more than ``max_depth_gap`` s apart. Values of rotation and activity
+    older than ``stale`` s are not used.
+    """
 
     on_bottom: Annotated[float, within(0)] = 0.3
     rotating: Annotated[float, within(0)] = 5.0
@@ -50,12 +56,14 @@ class PassRules(Table):
 
 
 class PassNumbers(Table):
-    """The table ``source.NAME.pass_numbers``: the numbers of each pass. If it is empty, 1 is drill, larger is rescan.
+    """The table ``source.NAME.pass_numbers``: for each pass the numbers that mean it.
+
+    If the table is empty, 1 means drill and a larger number means rescan.
 
     Attributes
     ----------
     listed
-        The index into PASSES of each number, sorted by number.
+        For each number in the table, sorted, the index of its pass in PASSES.
     """
 
     drill: list[int] = []
@@ -77,9 +85,10 @@ class PassNumbers(Table):
         self._derive(listed=dict(sorted(listed.items())))
 
     def kind(self, number: int) -> int | None:
-        """Return the pass that ``number`` means; None if the string's motion decides (no number, or 0 and not listed).
+        """Return the pass that ``number`` means; None if the string's motion decides.
 
-        Any other number that is not listed means UNKNOWN or, if no number is listed, RESCAN (1: DRILL).
+        The motion decides for NO_NUMBER, and for 0 if it is not listed. Any other number that is not listed means
+        UNKNOWN; but if no number at all is listed, 1 means DRILL and a larger number means RESCAN.
         """
         if number == NO_NUMBER:
             return None
@@ -90,13 +99,13 @@ class PassNumbers(Table):
 
 @dataclass(frozen=True)
 class Layer:
-    """The samples that a wall takes: passes as indices into PASSES, and pass numbers from the wire."""
+    """The samples that a wall takes: of the passes ``kinds`` (indices into PASSES), or with the pass ``numbers``."""
 
     kinds: tuple[int, ...]
     numbers: tuple[int, ...]
 
     def chosen(self, kind: Integers, number: Integers) -> npt.NDArray[np.bool_]:
-        """Return which samples the layer takes, given their passes and numbers."""
+        """Return for each sample whether the layer takes it, given the samples' passes and pass numbers."""
         of_kind = np.zeros(len(PASSES), bool)
         of_kind[list(self.kinds)] = True
         return of_kind[kind] | np.isin(number, self.numbers) if self.numbers else of_kind[kind]
