@@ -2,7 +2,8 @@
 
     image.GR = { first = "5110", count = 8, unit = "gAPI", origin = "edge", reference = "high-side" }
 
-``toolface_offset`` is ``SectorImage.offset``. In the table, ``offset`` is in metres from the bit, as for the caliper.
+``toolface_offset`` of the table is ``SectorImage.offset``. The table also has a setting ``offset``, which is another
+quantity: the distance of the sensor from the bit in metres, as for the caliper.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from helibore.live.checks import Derived, Table, check, within, without_none
 from helibore.trajectory.references import Reference
 
 PathReference = Literal["high-side", "north"]
-"""The direction of toolface 0; parallel transport is not allowed, since it would depend on the first station."""
+"""The direction of toolface 0. Parallel transport is not allowed: with it, toolface 0 depends on the first station."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,7 @@ class Layout:
     def image(
         self, name: str, unit: str, rows: tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]], reach: float | None
     ) -> SectorImage:
-        """Return ``rows`` (depths and values) as an image."""
+        """Return ``rows`` (depths and values) as an image; ``reach`` is as in `SectorImage`."""
         return SectorImage(
             *rows, name, unit, origin=self.origin, reference=self.reference, direction=self.direction,
             offset=self.offset, reach=reach,
@@ -64,7 +65,13 @@ class LayoutTable(Table):
 def given_layout(
     origin: str | None, reference: str | None, direction: str, toolface_offset: float, path_reference: str
 ) -> Layout | None:
-    """Return the layout that a host gives with an image; None if the host gives no origin and no reference."""
+    """Return the layout that a host gives with an image; None if the host gives neither origin nor reference.
+
+    Raises
+    ------
+    InputError
+        If only one of the two is given, or a setting breaks a rule of `LayoutTable`.
+    """
     if origin is None and reference is None:
         return None
     entries = without_none(

@@ -2,9 +2,10 @@
 
     frames x mapped items  ->  one table of float64, one of states (absent, value, null, invalid)  ->  columns
 
-All steps work on many frames together; only bad input, gaps and duplicates are checked one by one. A frame is a
-duplicate if it contains a measurement, and a sequence number or the sensor's depth, and its text equals that of one of
-the last 4096 such frames. Without number and depth, a repeated frame cannot be distinguished from a new measurement.
+All steps work on many frames together; only bad input, gaps and duplicates are checked one by one. A frame can be a
+duplicate only if it contains a measurement, and also a sequence number or the depth of the sensor. It is a duplicate if
+its text equals that of one of the last 4096 such frames. Without number and depth, a frame that was sent twice cannot
+be distinguished from a new measurement.
 """
 
 from __future__ import annotations
@@ -34,12 +35,16 @@ REMEMBERED, DIGEST_BYTES = 4096, 16
 LARGEST_TOOLFACE = 1e6
 """Degrees: a toolface with a larger absolute value is wrong."""
 FIRST_TOOLFACES = 100
-"""Number of toolfaces after which their unit is judged."""
+"""Number of toolfaces from which the reader judges their unit."""
 
 
 @dataclass(slots=True)
 class Chunk:
-    """Bytes of one connection, and the receive time, order and wall clock of each record that holds them."""
+    """Bytes of one connection, and for each record that holds them: receive time, order and wall clock time.
+
+    ``time`` is in ns of the model's clock, ``order`` is the number of the record, ``wall`` is in ns since 1970. With
+    ``closes``, the connection ends, and there are no bytes.
+    """
 
     connection: int
     payloads: list[bytes]
@@ -51,10 +56,24 @@ class Chunk:
 
 @dataclass(slots=True)
 class Reading:
-    """Columns of one chunk. Triples and image rows name the row of their frame in ``time`` and ``order``.
+    """Columns of the frames that one chunk completes.
 
-    ``images`` has (image, row of the frame, depth, values, flags) for each image. ``pass_number`` is the number in
-    force at each frame; NO_NUMBER: none.
+    Attributes
+    ----------
+    time, order, wall, line
+        (n,) for each frame: receive time and order, as in `Chunk`; wall clock time; line in the stream, from 1.
+    rig
+        The rig quantities by name, (n,); NaN where a frame has no usable value.
+    triples, triple_frame, triple_flags
+        (m, 3) depth, toolface and radius; for each triple the row of its frame in ``time``, and its flags.
+    images
+        (image, rows of the frames, depths, values, flags) for each image.
+    stations, station_frame
+        (s, 3) depth, inclination and azimuth; for each station the row of its frame.
+    pass_number
+        (n,) the pass number that applies to each frame; NO_NUMBER if none does.
+    keep_alives
+        Number of frames that hold nothing but an empty item 0111.
     """
 
     time: Integers
@@ -74,14 +93,14 @@ class Reading:
 
 
 class SourceReader:
-    """Reads one source: a parser for each connection, then the mapping.
+    """Reads one source: parses the bytes of each connection and maps the items.
 
     Attributes
     ----------
     seems_radians
-        Why the toolfaces seem to be radians though the configuration does not say so; "" if they do not.
+        The reason for which the toolfaces seem to be radians, although their unit is not stated; "" if they do not.
     seen
-        Whether each WITS item, by its code, has come.
+        For each code RRII, whether a WITS item with this code has come.
     """
 
     STATE: tuple[str, ...] = (
@@ -113,7 +132,8 @@ class SourceReader:
         self._toolfaces: list[float] = []  # the first ones
         self.seems_radians = ""
         self.seen = np.zeros(10_000, bool)
-        self._held = bytearray()  # bytes that the parser holds; below, ends and wall times of their records
+        # The bytes that the parser holds, and for each record that they came in: offset of its end, wall clock time.
+        self._held = bytearray()
         self._ends: list[int] = []
         self._walls: list[int] = []
 
@@ -154,9 +174,10 @@ class SourceReader:
         return reading
 
     def go_on_from(self, before: SourceReader) -> None:
-        """Take over counts, sequence numbers and connection of the reader that another configuration replaces.
+        """Take over the counts, sequence numbers, recent frames and connection of the reader that this one replaces.
 
-        A frame that has begun is read to its end, unless nulls or limits differ.
+        The last bit and hole depth and the last pass number are taken over if their items are the same. A frame that
+        has begun is read to its end, unless nulls or limits differ.
         """
         if (self.source.nulls, self.source.limits) == (before.source.nulls, before.source.limits):
             self._parser, self._ends, self._walls, self._held = (
@@ -182,7 +203,7 @@ class SourceReader:
 
     @property
     def recent(self) -> bytes:
-        """Digests of the recent frames with measurements, the oldest first."""
+        """Digests of the last frames that can have duplicates, the oldest first."""
         return b"".join(self._recent)
 
     @recent.setter
@@ -192,7 +213,7 @@ class SourceReader:
 
     @property
     def connection(self) -> int:
-        """Number of the latest connection; 0 before the first."""
+        """Number of the latest connection; 0 if none has come."""
         return max(self._connection, 0)
 
     def _add_counts(self) -> None:
@@ -200,7 +221,7 @@ class SourceReader:
             self.counts[name] += count
 
     def total(self, name: str) -> int:
-        """Return the parsers' count ``name``, such as "frames", summed over all connections."""
+        """Return the parser's count ``name``, such as "frames", summed over all connections."""
         return self.counts[name] + self._parser.counts[name]
 
     def _columns(self, batch: wits.Batch, chunk: Chunk, ends: Integers) -> Reading:
@@ -228,7 +249,7 @@ class SourceReader:
     def _completed(self, batch: wits.Batch) -> Integers:
         """Return the stream offset at which each frame was known to be complete: the end of its last line.
 
-        In a last line ``!!&&`` the frame itself stops after ``!!``, which may have come in an earlier packet.
+        The last line may be ``!!&&``. Then the frame ends after ``!!``, but ``&&`` may have come in a later packet.
         """
         stops: Integers = batch.frames["stop"].copy()
         last = np.frombuffer(batch.text, np.uint8)[stops - batch.base - 1]
@@ -243,7 +264,7 @@ class SourceReader:
         states = np.zeros(values.shape, np.uint8)
         self.seen[items["code"]] = True
         column = self._column[items["code"]]
-        mapped = np.flatnonzero(column >= 0)[::-1]  # backwards, so that the first of two equal items in a frame stays
+        mapped = np.flatnonzero(column >= 0)[::-1]  # backwards: of an item that a frame has twice, the first one counts
         of = np.repeat(np.arange(len(frames)), frames["items"])
         row = of[mapped]
         values[row, column[mapped]] = items["value"][mapped]
@@ -266,7 +287,7 @@ class SourceReader:
         return self._event(int(reading.wall[frame]), rule, text, batch.line_of(row, frame), int(item["offset"]))
 
     def _report_invalid(self, bad: Integers, batch: wits.Batch, reading: Reading, values: Values) -> None:
-        """Report the items ``bad``, which are not numbers, and invalid pass numbers, in order of their frames."""
+        """Report the items ``bad``, which are not numbers, and the wrong pass numbers, in order of their frames."""
         wrong = self._wrong_numbers(values)
         if not len(bad) and not len(wrong):
             return
@@ -293,7 +314,7 @@ class SourceReader:
         return self._event(int(reading.wall[row]), "invalid", text, int(reading.line[row]))
 
     def _report_bad_text(self, batch: wits.Batch, wall: int) -> None:
-        """Report bad text with the time at which its first byte came, or with ``wall`` if that is not known."""
+        """Report bad text at the time at which its first byte came; at ``wall`` if this time is not known."""
         if not len(batch.events):
             return
         rules = batch.events["rule"]
@@ -318,7 +339,7 @@ class SourceReader:
         self._events.report(self._event(wall, rule, text, line, offset))
 
     def _repeats(self, batch: wits.Batch, states: npt.NDArray[np.uint8], reading: Reading) -> Integers:
-        """Return DUPLICATE for frames with measurements whose text came before, 0 for the others."""
+        """Return DUPLICATE for each frame that is a duplicate (see above), 0 for the others."""
         flags = np.zeros(len(batch.frames), np.int64)
         measured = (states[:, self._measured] != ABSENT).any(axis=1) & (states[:, self._distinguishing] == VALUE).any(
             axis=1
@@ -432,7 +453,10 @@ class SourceReader:
         reading.triples = np.column_stack([depth, toolface, radius])
 
     def _judge_unit(self, toolface: Values, reading: Reading, frame: Integers) -> None:
-        """Report that toolfaces seem to be radians if the first ones, read so, cover half a turn to a whole turn."""
+        """Report that the toolfaces seem to be radians if the first ones span more than pi and lie in [0, 2 pi] or ±pi.
+
+        The unit is judged once, for a WITS source whose configuration does not state it.
+        """
         caliper = self.source.caliper
         if not isinstance(caliper, WitsCaliper) or caliper.toolface_unit or len(self._toolfaces) == FIRST_TOOLFACES:
             return

@@ -3,8 +3,8 @@
     records -> parser and mapping of each source -> rig tracks -> samples placed -> layers (walls), images, path
 
 The same records give the same bits, whether the model takes them one by one or, at a replay, in thousands. Each sample
-has its time, so the wall does not depend on how samples were grouped; a sample gets its depth only when the depth
-entries before and after it are known. The model uses no socket, no file and no system clock.
+has its own time, so the wall does not depend on how samples were grouped. A sample without a depth of its own waits
+until the bit depths before and after its time are known. The model uses no socket, no file and no system clock.
 """
 
 from __future__ import annotations
@@ -53,11 +53,11 @@ PENDING = np.dtype(
 
 
 LATEST = 4e9
-"""Seconds since 1970: a sample with a time later than this (2096), or earlier than its negative, is wrong."""
+"""Seconds: a sample is wrong if its time is more than this after 1970 (in 2096) or before it."""
 MOST_SET_ASIDE = 10_000
-"""The model keeps the numbers and reasons of at most this many records that were set aside."""
+"""The most records that were set aside of which the model keeps number and reason."""
 USABLE, OUTSIDE = "usable", "outside"
-"""Outcomes besides the names of flags: no rule refuses the sample; it lies before the start of the wall."""
+"""The outcomes of a sample that no flag refuses: it can be drawn; all its layers begin after it."""
 
 
 class Model:
@@ -68,21 +68,32 @@ class Model:
     layers
         A wall for each layer of the configuration; ``layers["main"]`` is the wall.
     images, stations
-        The image rows and the survey stations.
+        The rows of each image by its name; the survey stations.
     layouts
-        The layout of each image whose layout is known.
-    records, wall_time, next_sequence
-        Number of records taken, without session headers; receive time (ns since 1970) and number + 1 of the latest.
+        The layout of the sectors of each image, if it is known.
+    records
+        Number of records taken, without session headers.
+    wall_time, next_sequence
+        Receive time (ns since 1970) of the latest record; the number of the record after it.
     passes
         The log that decides the pass of each sample and lists the passes so far.
     stretches
         One entry for each change of the configuration: utc and record of the change, the new text and its meaning.
-    events, counts
-        Events, and counters of samples: received, drawn, kept apart, and not drawn by each flag.
+    events
+        The events so far.
+    counts
+        Counters by name. A sample that is ``received`` is ``not drawn`` (refused by a flag), ``kept apart`` (no layer
+        takes it, or it lies before the start, or it is ``crowded``) or ``drawn``. Other names count the samples with
+        each flag and of each pass, connections, keep-alives, and what was set aside.
     outcomes
-        Number of samples by source and outcome: `USABLE`, `OUTSIDE`, or each flag that refuses the sample.
+        Number of samples by source and outcome: `USABLE`, `OUTSIDE`, or each flag that refuses the sample, except that
+        the string does not turn. Samples of the host do not count.
     out_of_memory
         Whether a record was set aside because the memory was full. A replay with more memory draws more.
+    set_aside
+        The reason for each record that was set aside, by its number; at most MOST_SET_ASIDE records.
+    last_seen
+        Time of the last bytes of each source, ns of the model's clock.
     """
 
     STATE = (
@@ -95,7 +106,7 @@ class Model:
         self, configuration: Configuration, *, follows: bool = True, numbers: Mapping[str, int] | None = None
     ) -> None:
         self.configuration = configuration
-        self.follows = follows  # whether session headers apply; False: this configuration reads all records
+        self.follows = follows  # whether session headers change the configuration
         self._meaning = configuration.meaning()
         self.stretches: list[dict[str, str]] = []
         self.events = EventBook()
@@ -134,7 +145,7 @@ class Model:
 
     @property
     def samples(self) -> dict[str, tuple[tuple[npt.NDArray[np.float64], ...], int]]:
-        """Columns of the samples of each layer that has samples, and a checksum of its vertices."""
+        """For each layer that has samples: the columns of its samples, and a checksum of its vertices."""
         states = {name: wall._state() for name, wall in self.layers.items() if wall.sample_count}
         return {name: (state.sample_columns, _checksum(state)) for name, state in states.items()}
 
@@ -147,7 +158,7 @@ class Model:
 
     @property
     def image_rows(self) -> dict[str, tuple[Any, ...]]:
-        """Number of sectors, unit, numbers, depths and values of each image, in order of arrival."""
+        """For each image: number of sectors, unit, and the rows in order of arrival (numbers, depths and values)."""
         return {name: (rows.sectors, rows.unit, *rows.so_far()) for name, rows in self.images.items()}
 
     @image_rows.setter
@@ -156,12 +167,12 @@ class Model:
             self._image(name, sectors, unit).restore(*columns)
 
     def _image(self, name: str, sectors: int, unit: str) -> ImageRows:
-        """Return the rows of an image; the first call makes them."""
+        """Return the rows of an image; if there are none yet, make an empty `ImageRows`."""
         return self.images.setdefault(name, ImageRows(sectors, unit, self.configuration.samples.image_step))
 
     @property
     def waiting(self) -> int:
-        """Samples and image rows whose depth is not known yet."""
+        """Number of samples and image rows whose depth is not known yet."""
         return len(self._pending)
 
     def take(self, records: Rows, payloads: list[bytes]) -> Update:
@@ -181,7 +192,7 @@ class Model:
         return update
 
     def report(self, wall: int, rule: str, text: str, source: str = "", *, recorded: bool = False) -> None:
-        """Report an event that belongs to no record, at ``wall``, ns since 1970; ``recorded`` is as in `EventBook`."""
+        """Report an event at ``wall``, ns since 1970; ``recorded``: a replay of the journal reports it again."""
         self.events.report(Event(wall, source, 0, 0, -1, rule, text), recorded=recorded)
 
     def _open(self, record: np.void, payload: bytes) -> None:
@@ -208,10 +219,10 @@ class Model:
             )
 
     def reconfigure(self, configuration: Configuration, since: str, sequence: int) -> None:
-        """Read the records from here on with another configuration; walls, images and path go on.
+        """Read all later records with another configuration; walls, images and path stay.
 
-        ``since`` and ``sequence`` are UTC and number of the record that changes it. ``session_header.py`` has checked
-        that the journal can change to this configuration.
+        ``since`` and ``sequence`` are UTC and number of the record that changes the configuration. The caller has
+        checked with ``session_header.py`` that the journal can change to this configuration.
         """
         before, self.configuration = self.configuration, configuration
         self.stretches.append({"utc": since, "record": str(sequence), "configuration": configuration.text,
@@ -242,7 +253,7 @@ class Model:
         self._set_limits()
 
     def _set_limits(self) -> None:
-        """Set the longest latency so far, the step of images and the limits near a vertex from the configuration."""
+        """Set what follows from a new configuration: longest latency so far, step of images, limits near a vertex."""
         latencies = [image.latency for image in self._image_list]
         latencies += [one.caliper.latency for one in self.configuration.sources.values() if one.caliper]
         self._longest_latency = max(self._longest_latency, int(max(latencies, default=0.0) * SECOND))
@@ -260,7 +271,10 @@ class Model:
 
     @contextmanager
     def _set_aside(self, record: np.void, what: str, source: str = "") -> Iterator[None]:
-        """Report an exception of the ``with`` block and leave out its record, so that no record stops the live wall."""
+        """Catch and report an exception of the ``with`` block, so that a wrong record does not stop the live wall.
+
+        ``what`` is the part of ``record`` that is left out.
+        """
         try:
             yield
         except Exception as error:
@@ -291,7 +305,7 @@ class Model:
             self._pending = before = np.concatenate(parts) if len(parts) > 1 else parts[0]
             with self._set_aside(records[-1], f"{len(before)} samples and image rows"):
                 self._place(int(times[-1]), update)
-            if self._pending is before:  # it failed before it set the rows that wait
+            if self._pending is before:  # _place failed before it set the rows that still wait
                 self._pending = before[:0]
         oldest = int(self._pending["time"].min()) if len(self._pending) else int(times[-1])
         self.rig.forget(min(oldest, int(times[-1]) - max(self._longest_latency, CONFIRMED_WITHIN)))
@@ -300,7 +314,7 @@ class Model:
         self, source: int, rows: npt.NDArray[np.int64], records: Rows, payloads: list[bytes],
         times: npt.NDArray[np.int64], update: Update,
     ) -> list[Rows]:  # fmt: skip
-        """Pass one source's records to its reader, one connection at a time; return the pending rows that it reads."""
+        """Pass the records of a source to its reader, one connection after the other; return the rows that it reads."""
         reader = self.readers[source]
         name = reader.source.name
         found: list[Rows] = []
@@ -385,7 +399,7 @@ class Model:
         return rows
 
     def _station(self, station: list[float], event: Event, update: Update) -> None:
-        """Add a station to the survey; if it is refused, report ``event`` with the reason."""
+        """Add a station to the survey; if the survey refuses it, report ``event`` with the reason."""
         moved, refused = self.stations.take(*station)
         if refused:
             self.events.report(replace(event, text=refused))
@@ -396,7 +410,7 @@ class Model:
         self, rows: npt.NDArray[np.int64], records: Rows, payloads: list[bytes], times: npt.NDArray[np.int64],
         update: Update,
     ) -> list[Rows]:  # fmt: skip
-        """Read what the host pushed with its depths: add stations and image rows; return samples as pending rows."""
+        """Read records of the host: add its stations and image rows, and return its samples as pending rows."""
         found: list[Rows] = []
         for row in rows.tolist():
             with self._set_aside(records[row], "what the host pushed"):
@@ -452,7 +466,7 @@ class Model:
         self, record: np.void, name: str, unit: str, values: npt.NDArray[np.float64], wrong: npt.NDArray[np.bool_],
         rule: str,
     ) -> None:  # fmt: skip
-        """Report an event for each ``wrong`` value that a host pushed; they are not drawn."""
+        """Report an event for each ``wrong`` one of the ``values`` that a host pushed."""
         wall = int(record["wall"])
         self.events.report_rows(
             np.flatnonzero(wrong),
@@ -465,7 +479,8 @@ class Model:
         depth, kind, flags, ready = self.rig.place(rows["time"], rows["order"], rows["depth"], rows["offset"], now)
         flags = flags | rows["flags"]
         flags[self.configuration.depth.outside(depth)] |= Flag.RANGE
-        rejected = (rows["flags"] & int(NEVER_DRAWN)) != 0  # needs no depth; what is known of it depends on the packets
+        # A refused row needs no depth. It keeps its own flags, because others depend on how the stream was cut.
+        rejected = (rows["flags"] & int(NEVER_DRAWN)) != 0
         flags[rejected] = rows["flags"][rejected]
         ready |= rejected
         new = ready & ((flags & ~rows["flags"] & Flag.RANGE) != 0)
@@ -475,9 +490,9 @@ class Model:
             self.passes.report(shown, np.arange(len(shown)), "range", lambda place: self.rig.depth_rule(shown[place]))
         self._pending = rows[~ready]
         late_from_bit = ((flags & Flag.LATE) != 0) & np.isnan(rows["depth"])
-        flags[late_from_bit] |= Flag.NO_DEPTH  # its time of measurement is not known
+        flags[late_from_bit] |= Flag.NO_DEPTH  # when it was measured is not known, so neither is the bit depth then
         triples = ready & (rows["image"] < 0)
-        if triples.all():  # copying them would double memory
+        if triples.all():  # a selection would copy all rows and double the memory
             self._draw(rows, depth, kind, flags, update)
             return
         self._draw(rows[triples], depth[triples], kind[triples], flags[triples], update)
@@ -485,7 +500,7 @@ class Model:
             self._draw_image(index, rows, depth, flags, ready & (rows["image"] == index), update)
 
     def _append(self, name: str, rows: Rows, columns: tuple[npt.NDArray[np.float64], ...], update: Update) -> None:
-        """Append samples to a layer; if that fails, append record by record and leave out only the wrong record."""
+        """Append samples to a layer; if it refuses them, append them record by record, without the wrong records."""
         layer = self.layers[name]
         try:
             change = layer.append(*columns)
@@ -542,7 +557,7 @@ class Model:
                 outside.append((name, np.flatnonzero(before)))
             columns = (depth[chosen], rows["toolface"][chosen], rows["radius"][chosen], time[chosen])
             self._append(name, rows[chosen], columns, update)
-            for source in sorted(set(rows["source"][chosen].tolist())):  # of each, samples are in order of arrival
+            for source in sorted(set(rows["source"][chosen].tolist())):  # samples of one source are in order of arrival
                 of = np.flatnonzero(chosen & (rows["source"] == source))
                 gaps += self._depth_gaps((name, source), depth[of], of)
         self._report_outside(rows, depth, outside)
@@ -561,7 +576,7 @@ class Model:
                 self.outcomes[self.readers[number].source.name, outcome] += count
 
     def _count_refused(self, sources: npt.NDArray[np.int32], flags: npt.NDArray[np.int64]) -> None:
-        """Count refused samples by source and flag, except samples of a string that does not turn, which are usual."""
+        """Count refused samples by source and flag; not NOT_ROTATING, because a string often stands still."""
         for flag in NEVER_DRAWN & ~Flag.NOT_ROTATING:
             self._count(sources[(flags & int(flag)) != 0], str(flag.name))
 
@@ -577,7 +592,10 @@ class Model:
     def _report_outside(
         self, rows: Rows, depth: npt.NDArray[np.float64], outside: list[tuple[str, npt.NDArray[np.int64]]]
     ) -> None:
-        """Report samples before the start of a layer, by layer and then in order of arrival, as a replay does."""
+        """Report the samples before the start of a layer: by layer and then in order of arrival, as a replay does.
+
+        ``outside`` has the name of each such layer and the rows of its samples.
+        """
         if not outside:
             return
         names = [name for name, of in outside for _ in of]
@@ -589,7 +607,7 @@ class Model:
     def _leave_out_crowded(
         self, name: str, rows: Rows, depth: npt.NDArray[np.float64], chosen: npt.NDArray[np.bool_]
     ) -> None:
-        """Remove from ``chosen`` the samples that exceed the limit of a source, or of the host, near a vertex."""
+        """Remove from ``chosen`` the samples of a source or of the host that exceed its limit near a vertex."""
         if not (most := self.configuration.samples.most):
             return
         crowded = []
@@ -608,7 +626,7 @@ class Model:
     def _depth_gaps(
         self, of: tuple[str, int], depth: npt.NDArray[np.float64], rows: npt.NDArray[np.int64]
     ) -> list[tuple[int, str]]:
-        """Return (row, text) for each sample that follows a gap longer than `gap_reach`; ``of`` is layer and source."""
+        """Return (row, text) of each sample more than `gap_reach` beyond all earlier ones; ``of``: (layer, source)."""
         limit = self.layers[of[0]].settings.gap_reach
         ahead = np.copysign(1.0, self.layers[of[0]].settings.pitch)  # -1 for a wall that grows upwards
         farthest = np.maximum.accumulate(np.concatenate([[self._deepest.get(of, -np.inf)], ahead * depth]))

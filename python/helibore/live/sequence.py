@@ -1,8 +1,13 @@
-"""Check the sequence numbers (item 04) of one record of one source: gaps, late frames, resets, the wrap at 2^31.
+"""Check the sequence numbers (item 04) of one record type of one source: gaps, late frames, resets, the wrap at 2^31.
 
-    expected n = last + 1     n > last + 1: numbers are missing     n <= last and missing: late     else: repeated
+    number n after number last      meaning
+    last + 1, or 0 after 2^31 - 1   as expected
+    greater                         the numbers between them are missing
+    less, and was missing           late
+    more than LONGEST_GAP greater   the counter was reset
+    1 after a repeated number       the counter was reset
+    any other                       repeated
 
-If the successor of a repeated number follows, or n is more than LONGEST_GAP after last, the counter was reset.
 ``mapping.py`` decides by the text of a frame whether it is a duplicate, so two frames with equal numbers and different
 values are both kept.
 """
@@ -27,9 +32,9 @@ class SequenceWatch:
     Attributes
     ----------
     missing
-        Ranges [start, stop) of skipped numbers that may still arrive: the latest MOST_GAPS, sorted.
+        Ranges [start, stop) of skipped numbers that may still arrive, sorted; only the last MOST_GAPS are kept.
     lost
-        Count of the skipped numbers that have not arrived.
+        Number of skipped numbers that have not arrived. They count also after a reset.
     """
 
     STATE = ("last", "missing", "lost", "_repeated")
@@ -41,7 +46,10 @@ class SequenceWatch:
         self._repeated: int | None = None
 
     def take(self, numbers: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.int64], list[tuple[int, str, str]]]:
-        """Return flags (GAP_BEFORE, LATE) for each number, and (index, rule, text) of each event."""
+        """Return for each number its flags (GAP_BEFORE, LATE or 0), and the (index, rule, text) of each event.
+
+        NaN and numbers outside [0, 2^31) are not checked.
+        """
         flags = np.zeros(len(numbers), np.int64)
         known = np.flatnonzero((numbers >= 0) & (numbers < WRAP))
         if not len(known):
@@ -79,7 +87,7 @@ class SequenceWatch:
         return 0, "repeated", f"sequence number {number} after {last}: repeated"
 
     def _arrives(self, number: int) -> bool:
-        """Remove ``number`` from the missing numbers; return whether it was one of them."""
+        """Remove ``number`` from the missing numbers; return whether it was missing."""
         at = bisect.bisect_right(self.missing, (number, WRAP)) - 1
         if at < 0 or number >= self.missing[at][1]:
             return False
