@@ -1,8 +1,9 @@
-"""Run the sources of a live wall: a thread for each source, and one each to draw, sync, watch and write checkpoints.
+"""Run the sources of a live wall.
 
     link -> journal -> queue (bounded) -> model          a full queue or a full disk stops the reading: the sender waits
 
-Bytes are in the journal before they are in the queue. A broken link is opened again after 1, 2, 4, 5, 5 ... s; a store
+Each source has a thread that reads it. Four more threads draw, sync the journal, watch, and write checkpoints. Bytes
+are in the journal before they are in the queue. A broken link is opened again after 1, 2, 4, 5, 5 ... s; a store
 is asked again after 1, 2, 4 ... 60 s. Each wait is randomly shortened by up to half, so that the sources do not
 reconnect at the same time.
 """
@@ -41,18 +42,19 @@ CHECKPOINT_AGAIN = 60.0
 """Seconds until the next try after a checkpoint could not be written."""
 TABLES_OF_START = "journal", "snapshot", "alarms"
 SETTINGS_OF_START = "allow", "mode", "every", "replace_after"
-"""What a running server does not change: these tables of the file, and these settings of WITS sources."""
+"""A running server does not change the TABLES_OF_START of the file and the SETTINGS_OF_START of its WITS sources."""
 
 
 def back_off(failures: int, longest: float, draw: Callable[[], float] = random.random) -> float:
-    """Return the seconds to wait after consecutive ``failures``: 1, 2, 4 ... ``longest``, each times 0.5 to 1."""
+    """Return the seconds to wait after so many consecutive ``failures``: 1, 2, 4 ... ``longest``, times 0.5 to 1."""
     return float(min(longest, FIRST_WAIT * 2.0 ** min(failures - 1, 16)) * (0.5 + 0.5 * draw()))
 
 
 def _is_elsewhere(source: Source, used: Source) -> bool:
-    """Whether a source must be connected again after its settings changed from ``used``.
+    """Return whether a source must be connected again after its settings changed from ``used``.
 
-    A store has no link to break, so any changed setting counts.
+    A sender is connected again only for another address, because its bytes could be lost. A store loses nothing, so it
+    is connected again for any changed setting.
     """
     return source.address != used.address or (isinstance(source, StoreSource) and source != used)
 
@@ -68,7 +70,10 @@ class Queue:
         self._storing = threading.Lock()
 
     def put(self, source: str, connection: int, payload: bytes, kind: int, stop: threading.Event) -> None:
-        """Store and queue a record; wait while the queue is full. After a JournalFullError nothing is queued."""
+        """Store and queue a record; first wait while the queue is full, but no longer after ``stop``.
+
+        A JournalFullError means that the record is neither stored nor queued.
+        """
         with self._ready:
             while not stop.is_set() and (self._bytes > QUEUE_BYTES or len(self._records) > QUEUE_RECORDS):
                 self._ready.wait(TICK)
@@ -87,7 +92,7 @@ class Queue:
                 self._ready.notify_all()
 
     def take(self, seconds: float) -> list[Stored]:
-        """Return all queued records; wait up to ``seconds`` for the first."""
+        """Remove and return all queued records; if there are none, wait up to ``seconds`` for the first."""
         with self._ready:
             if not self._records:
                 self._ready.wait(seconds)
@@ -100,7 +105,15 @@ class Queue:
 
 
 class Latency:
-    """The times from a packet's arrival to its changed vertices: counts in buckets, and the latest thousand times."""
+    """The times from the arrival of a packet until the wall is updated with it.
+
+    Attributes
+    ----------
+    counts, sum
+        Number of times up to each of BOUNDS (s) and above the last; sum of all times, s.
+    latest
+        The latest thousand times, s.
+    """
 
     BOUNDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
 
@@ -110,13 +123,13 @@ class Latency:
         self.latest: deque[float] = deque(maxlen=1000)
 
     def add(self, seconds: float) -> None:
-        """Count one packet, whose vertices changed ``seconds`` after it arrived."""
+        """Count one packet with which the wall was updated ``seconds`` after the packet arrived."""
         self.counts[next((i for i, bound in enumerate(self.BOUNDS) if seconds <= bound), len(self.BOUNDS))] += 1
         self.sum += seconds
         self.latest.append(seconds)
 
     def quantile(self, share: float) -> float:
-        """Return the quantile of the latest thousand times; 0 if there is no time yet."""
+        """Return the quantile ``share`` (0 to 1) of the latest thousand times; 0 if there is no time yet."""
         ordered = sorted(self.latest)
         return ordered[min(int(share * len(ordered)), len(ordered) - 1)] if ordered else 0.0
 
@@ -127,15 +140,20 @@ class Server:
     Parameters
     ----------
     live
-        Closed by the caller, after :meth:`stop`.
+        The wall and its journal. The caller closes it, after :meth:`stop`.
     updated
-        Called with every Update, in the drawing thread.
+        The drawing thread calls it with every Update.
 
     Attributes
     ----------
-    latency, states, last_received
-        Times from packet to vertices; state of each source; time of the last bytes of each source, seconds of the
-        monotonic clock.
+    latency
+        The times from the arrival of a packet until the wall is updated with it.
+    states
+        What each source does now, in words.
+    last_received
+        Time of the last bytes of each source, seconds of the monotonic clock.
+    failure
+        The error for which a thread stopped the server; None if no thread has failed.
     """
 
     def __init__(self, live: Live, updated: Callable[[Update], None] = lambda _: None) -> None:
@@ -167,7 +185,7 @@ class Server:
         OSError
             If the address of a listener cannot be used.
         MissingExtraError, InputError
-            As `opener` and `StoreClient`.
+            For the reasons of `opener` and `StoreClient`.
         """
         self._change_if_due()
         self._used = dict(self.live.configuration.sources)
@@ -199,15 +217,15 @@ class Server:
         self.live.sync()
 
     def reconfigure(self, configuration: Configuration) -> None:
-        """Read what comes from now on with another configuration; connect each moved source at its new address.
+        """Read all later bytes with another configuration; connect each source whose address changed there.
 
-        An event names what takes effect only at a restart (the tables of alarms, journal and snapshot, who may connect,
-        what is sent to a source).
+        An event names the changed settings that take effect only at a restart: those of `TABLES_OF_START` and
+        `SETTINGS_OF_START`.
 
         Raises
         ------
         InputError
-            As `Live.reconfigure`, or if a configuration that follows by ``next`` breaks a rule.
+            If `Live.reconfigure` refuses the configuration, or if one that follows by ``next`` breaks a rule.
         JournalFullError
             If the change could not be stored; then nothing has changed.
         """
@@ -217,7 +235,7 @@ class Server:
             self._following = following
 
     def _change(self, configuration: Configuration) -> None:
-        """Store and queue a change; connect sources at their new addresses, and report what waits for a restart."""
+        """Store and queue a change; connect sources at new addresses; report the settings that wait for a restart."""
         self._queue.change(configuration)
         for name, source in self.live.configuration.sources.items():
             if (used := self._used.get(name)) and _is_elsewhere(source, used):
@@ -233,7 +251,7 @@ class Server:
                         if getattr(source, name) != getattr(used, name)]  # fmt: skip
 
     def _move(self, source: Source) -> None:
-        """Connect a source at its new address; if that fails, report why and stay at the old address."""
+        """Connect a source at its new address; if that fails, report the reason and stay at the old address."""
         name, kind = source.name, source.address.kind
         try:
             one = None if kind == "host" else self._opener(name, source)
@@ -248,14 +266,14 @@ class Server:
             self._begin(source, one)
 
     def _begin(self, source: Source, one: Opener) -> None:
-        """Start the thread that opens a source with ``one`` and reads it."""
+        """Start the thread that opens links to a source with ``one`` and reads them."""
         self.openers[source.name] = one
         follow = functools.partial(self._follow, source, one, self._threads.get(source.name))
         self._threads[source.name] = thread = self.thread(source.name, follow)
         thread.start()
 
     def _checked(self, configuration: Configuration) -> list[Configuration]:
-        """Check the configurations that follow a configuration, and return them."""
+        """Return the configurations that follow by ``next``; refuse a change that a running journal cannot make."""
         following = configuration.following()
         for before, after in itertools.pairwise([configuration, *following]):
             changed_to(after, before)
@@ -264,7 +282,7 @@ class Server:
     def _change_if_due(self) -> None:
         """Change to each following configuration whose time or hole depth is reached."""
         depth = self.live.model.rig.tracks["hole_depth"].value[-1:].tolist()
-        with self._changing, contextlib.suppress(JournalFullError):  # tried again
+        with self._changing, contextlib.suppress(JournalFullError):  # the next call tries again
             while (plan := self.live.configuration.next) and plan.is_due(
                 self.live.clock()[0], depth[0] if depth else float("nan")
             ):
@@ -284,8 +302,9 @@ class Server:
 
     def fail(self, thread: str, error: BaseException) -> None:
         """Report that a thread died, begin an alarm, and stop."""
-        died = error if isinstance(error, Exception) else RuntimeError(repr(error))  # a SystemExit would end with 0
-        self.failure = self.failure or died  # first: the memory may be full
+        # A SystemExit, raised again by the caller, would end the program with the exit code 0.
+        died = error if isinstance(error, Exception) else RuntimeError(repr(error))
+        self.failure = self.failure or died  # before all that needs memory, which may be full
         self._stop.set()
         self._drained.set()
         text = f"thread {thread} died: {type(error).__name__}: {error}"
@@ -294,9 +313,10 @@ class Server:
         LOGGER.critical("thread %s died", thread, exc_info=error)
 
     def wait(self, seconds: float | None = None) -> bool:
-        """Wait until every source has ended (only files end), a thread has failed, or ``seconds`` have passed.
+        """Wait until every source has ended, a thread has failed, or ``seconds`` have passed.
 
-        Return whether all sources have ended and no record of theirs is queued; `stop` waits until the last are drawn.
+        Only a file ends. Return whether all sources have ended and the drawing thread has taken all their records;
+        `stop` waits until the last records are drawn.
         """
         end = time.monotonic() + (seconds if seconds is not None else float("inf"))
         while time.monotonic() < end and self.failure is None:
@@ -318,10 +338,10 @@ class Server:
         if not isinstance(source, StoreSource):
             return opener(source, functools.partial(self._report, name))
         readers, number = self.live.model.readers, self.live.model.numbers[name]
-        return StoreClient(source, lambda: getattr(readers[number], "last", None))  # the last index drawn
+        return StoreClient(source, lambda: getattr(readers[number], "last", None))
 
     def _is_used(self, source: Source) -> bool:
-        """Whether the server runs, and the source has not moved to another address."""
+        """Return whether the server runs and ``source`` is still connected with these settings."""
         return not self._stop.is_set() and self._used[source.name] is source
 
     def _pause(self, source: Source, seconds: float) -> None:
@@ -330,9 +350,9 @@ class Server:
             self._stop.wait(min(TICK, left))
 
     def _follow(self, source: Source, one: Opener, before: threading.Thread | None) -> None:
-        """Open and read a source again and again until the server stops, or the source has another address.
+        """Open and read a source again and again until it ends or moves to another address, or the server stops.
 
-        ``before`` is the thread that read the source at its old address; its records are stored first.
+        ``before`` is the thread that read the source at its old address; this one begins after ``before`` has ended.
         """
         if before:
             before.join()
@@ -375,7 +395,8 @@ class Server:
     def _read(self, source: Source, link: Link, connection: int) -> bool:
         """Read one link to its end; return whether any bytes came."""
         connected = f"connected to {link.peer}"
-        self.states[source.name] = "connecting" if isinstance(source, StoreSource) else connected  # until it answers
+        # A store is connected once it answers.
+        self.states[source.name] = "connecting" if isinstance(source, StoreSource) else connected
         came, write_at = False, time.monotonic()
         message, every = source.message or (b"", 0.0)
         try:
@@ -393,7 +414,7 @@ class Server:
                     self.last_received[source.name] = time.monotonic()
                     self._put(source, connection, payload, journals.BYTES)
         finally:
-            with contextlib.suppress(OSError):  # it may be broken already
+            with contextlib.suppress(OSError):  # the link may be broken
                 link.close()
             self._put(source, connection, b"", journals.CLOSED)
         return came
@@ -410,7 +431,7 @@ class Server:
                     self.states[source.name] = WAITING
                     reported = True
                 if self._stop.wait(1.0):
-                    return  # not stored: never acknowledged, never read
+                    return  # the record is neither stored nor drawn
             else:
                 self.states[source.name] = state
                 return
@@ -428,7 +449,7 @@ class Server:
             self._updated(update)
 
     def _sync(self) -> None:
-        """Sync every ``sync_ms``; report once when the disk refuses, try again, and report when it succeeds."""
+        """Sync every ``sync_ms``; report when the disk begins to refuse a sync, and when a sync succeeds again."""
         interval = self.live.configuration.journal.sync_interval
         if self.live.journal is None or interval == 0:
             return
@@ -446,7 +467,7 @@ class Server:
                 failing = True
 
     def _checkpoint(self) -> None:
-        """Write a checkpoint after each segment, then archive old segments; report an error, and retry in a minute."""
+        """Write a checkpoint after each segment, then archive old segments; after an error, try again in a minute."""
         rules = self.live.configuration.journal
         while not self._stop.wait(TICK):
             try:

@@ -1,12 +1,13 @@
-"""Session headers of a journal: the OPENED record of each session holds the configuration and its meaning.
+"""Session headers of a journal: an OPENED record holds the configuration of a session and its meaning.
 
     session 1   configuration A            the walls begin with A
-    session 2   configuration A            the same, also if defaults have changed between two versions of helibore
-    session 3   configuration B            from here on the records are read with B; the walls go on
-                configuration C            the same without a restart (`Live.reconfigure`)
+    session 2   configuration A            read in the same way, also by a later version that has other defaults
+    session 3   configuration B            the records from here on are read with B; the walls stay
+                configuration C            another change, without a restart (`Live.reconfigure`)
 
-The meaning has all settings that affect the wall, with their defaults, so it says the same in a later version. If the
-first segments were removed, the checkpoints say with which configurations their records were read.
+The meaning has the value of each setting that affects the wall, also if it is a default. So a later version with other
+defaults reads the records in the same way. If the first segments were removed, the checkpoints have the configurations
+of their records.
 """
 
 from __future__ import annotations
@@ -32,12 +33,12 @@ IMAGE_STAYS = ("name", "unit", "sectors", "layout")
 
 
 def read_header(payload: bytes) -> Header:
-    """Return the session header in the payload of an OPENED record; a program's journal may have an empty one.
+    """Return the session header in the payload of an OPENED record; {} if the payload is empty.
 
     Raises
     ------
     ValueError
-        If the payload is not a JSON object whose configuration and meaning, if there, are texts.
+        If the payload is not a JSON object, or if its configuration or its meaning is there and not a text.
     """
     header = json.loads(payload or b"{}")
     if not isinstance(header, dict):
@@ -49,7 +50,7 @@ def read_header(payload: bytes) -> Header:
 
 
 def headers(segment: Segment) -> list[tuple[int, Header]]:
-    """Return (row, header) of each session header that can be read."""
+    """Return (row, header) of each session header of a segment; headers that cannot be read are left out."""
     found = []
     for row in np.flatnonzero(segment.records["kind"] == journals.OPENED).tolist():
         with suppress(ValueError):
@@ -71,12 +72,12 @@ def _from_the_end(folder: FilePath) -> Iterator[Segment]:
 
 
 def configuration_of(header: Header) -> Configuration:
-    """Return the configuration of a session header, with the defaults of its time.
+    """Return the configuration of a session header, with the defaults of the version that wrote it.
 
     Raises
     ------
     InputError
-        If the header holds no configuration, or one that this version cannot read.
+        If the header holds no configuration, or if this version cannot read its configuration.
     """
     if not header.get("configuration"):
         raise InputError("session header", "holds no configuration; give one")
@@ -89,7 +90,7 @@ def recorded_configuration(folder: FilePath) -> Configuration:
     Raises
     ------
     InputError
-        If the journal holds no configuration.
+        If the first session of the journal holds no configuration, or one that this version cannot read.
     """
     header = _first(segments(folder), 0)
     if header is None or not header.get("configuration"):
@@ -98,14 +99,14 @@ def recorded_configuration(folder: FilePath) -> Configuration:
 
 
 def sources_of(folder: FilePath, last: Configuration | None, name: str | None = None) -> dict[int, Source]:
-    """Return the sources of all sessions by their number in the journal; only source ``name``, if it is given.
+    """Return the sources of all sessions by their number in the journal; if ``name`` is given, only this source.
 
-    Each source is as in ``last``, or else as in the last session that has this source.
+    A source has the settings of ``last`` or, if ``last`` lacks it, of the last session that has it.
 
     Raises
     ------
     InputError
-        If the journal has no such source, or if neither the journal nor ``last`` names the sources.
+        If the journal has no source ``name``, or if there is neither ``last`` nor a configuration in the journal.
     """
     texts = _texts(folder, last)
     if not (last or any(texts.values())):
@@ -132,7 +133,7 @@ def _texts(folder: FilePath, last: Configuration | None) -> dict[str, str]:
 
 
 def _of_checkpoint(folder: FilePath) -> list[Header]:
-    """Return the session headers in the newest readable checkpoint; the first segments may have been removed."""
+    """Return the session headers in the newest readable checkpoint, because their segments may have been removed."""
     for path in reversed(checkpoint.paths(folder)):
         with suppress(InputError, FileNotFoundError):
             facts, _ = checkpoint.read(path, journals.salt_of(all_paths(folder)), only_facts=True)
@@ -141,7 +142,7 @@ def _of_checkpoint(folder: FilePath) -> list[Header]:
 
 
 def continued_with(folder: FilePath, given: Configuration) -> tuple[Configuration, Configuration]:
-    """Return the configuration with which a journal was begun, and the one with which it goes on.
+    """Return the configuration with which a journal was begun, and the configuration with which it continues.
 
     If ``given`` changes no setting of the last session, the meaning of that session stays, whatever the defaults are
     now. Otherwise ``given`` applies from now on.
@@ -149,12 +150,12 @@ def continued_with(folder: FilePath, given: Configuration) -> tuple[Configuratio
     Raises
     ------
     InputError
-        If ``given`` changes what a journal cannot change; the text names the first such setting.
+        If ``given`` lacks a source, or changes what a journal cannot change; the text names the first such setting.
     """
     last = _first(_from_the_end(folder), -1)
     if last is None:
         return given, given
-    if not last.get("configuration"):  # a program made it
+    if not last.get("configuration"):  # the program made a Configuration without a text
         _check(folder, json.loads(last["meaning"]), given)
         return given, given
     if parse(last["configuration"]).meaning() == given.meaning():
@@ -165,12 +166,12 @@ def continued_with(folder: FilePath, given: Configuration) -> tuple[Configuratio
 
 
 def changed_to(given: Configuration, last: Configuration, folder: FilePath | None = None) -> Configuration:
-    """Return the configuration with which a running journal goes on if it changes from ``last`` to ``given``.
+    """Return the configuration with which a running journal continues if it changes from ``last`` to ``given``.
 
     Raises
     ------
     InputError
-        As `continued_with`, or if ``given`` has other sources.
+        If ``given`` changes what a journal cannot change, or adds or lacks a source.
     """
     if names := sorted(given.sources.keys() ^ last.sources.keys()):
         raise InputError(f"source.{names[0]}", "a source can be added or removed only by a restart")
@@ -183,7 +184,7 @@ def _changed(folder: FilePath, last: Configuration, given: Configuration) -> Con
 
 
 def _check(folder: FilePath, begun: dict[str, Any], given: Configuration) -> None:
-    """Refuse a change of the walls' settings, path, layers and images, and a source that is missing."""
+    """Refuse a source or image that is missing, and a change of what `_lasting` returns."""
     now = json.loads(given.meaning())
     before, after = _lasting(begun), _lasting(now)
     after["sources"] = {name: of for name, of in after["sources"].items() if name in before["sources"]}
@@ -194,7 +195,7 @@ def _check(folder: FilePath, begun: dict[str, Any], given: Configuration) -> Non
 
 
 def _lasting(meaning: dict[str, Any]) -> dict[str, Any]:
-    """Return the part of a meaning that a journal cannot change."""
+    """Return the part of a meaning that a journal cannot change; of a source, only whether it is a store."""
     images = {image["name"]: {key: image[key] if key != "sectors" else len(image[key]) for key in IMAGE_STAYS}
               for source in meaning["sources"].values() for image in source["images"]}  # fmt: skip
     wall = {key: value for key, value in meaning["wall"].items() if key not in ("bit_diameter", "threads")}

@@ -1,17 +1,18 @@
 """Export a live wall as files of one moment: walls, mesh, logs, images, survey, passes, events.
 
-    main.wall       settings, samples, vertices, survey, images: hb.load opens it     one file a layer
-    main.las        (or main.csv) measurements of every turn, means of images         of each layer longer than a turn
+    main.wall       settings, samples, vertices, survey, images: hb.load opens it     for each layer with vertices
+    main.las        (or main.csv) measurements of every turn, means of images         for each layer longer than a turn
     main.glb        the wall along the path; without a path, straight and vertical    unless the path is too short
-    image-GR.csv    depth_m, GR[1], GR[2] ...                                         one file an image
+    image-GR.csv    depth_m, GR[1], GR[2] ...                                         for each image
     survey.csv      depth_m, inclination_deg, azimuth_deg
-    passes.csv      source, pass, number, start_utc, stop_utc, top_m, bottom_m, samples: one row a pass
-    events.csv      source, rule, count, first and last: utc, connection, line, text
+    passes.csv      source, pass, number, start_utc, stop_utc, top_m, bottom_m, samples: a row for each pass
+    events.csv      source, rule, count; of the first and the last event: utc, connection, line, text
     snapshot.json   number, utc, records, complete, files
 
 Everything is copied at one moment (``frozen_copy.py``), written to the folder ``.new``, and then moved file by file.
-Meanwhile ``snapshot.json`` says ``"complete": false``. A program that reads it before and after the files has files of
-one moment if it says ``true`` and the same number both times. If a file cannot be written, all previous files stay.
+While files are moved, ``snapshot.json`` says ``"complete": false``. A program that reads ``snapshot.json`` before and
+after the other files has files of one moment if it finds ``true`` and the same number both times. If a file cannot be
+written, all previous files stay.
 """
 
 from __future__ import annotations
@@ -38,8 +39,9 @@ Cells = Sequence[float | str | None]
 def snapshot(live: Live, folder: str | Path) -> list[Path]:
     """Write the files and return their paths, ``snapshot.json`` last. A wall that the path does not cover has no mesh.
 
-    An image whose name is not allowed in a file name is left out, and one that cannot be placed around the hole is
-    only a table; an event says so.
+    An image whose name is not allowed in a file name is left out, and an image that `SectorImage` refuses is written
+    only as a table; an event reports each of them. An image with an unknown layout, with fewer than two rows or without
+    values is only a table, too.
 
     Raises
     ------
@@ -50,7 +52,7 @@ def snapshot(live: Live, folder: str | Path) -> list[Path]:
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)
     beside = target / ".new"
-    shutil.rmtree(beside, ignore_errors=True)  # left by a run that was killed
+    shutil.rmtree(beside, ignore_errors=True)  # a process that was killed may have left it
     beside.mkdir()
     try:
         of = frozen_copy(live)
@@ -78,7 +80,7 @@ def _put_in_place(beside: Path, target: Path, of: FrozenCopy) -> list[Path]:
 
 
 def _manifest(target: Path) -> tuple[int, dict[str, int]]:
-    """Return number and files (name: size) of the previous export; names that cannot be its files are left out."""
+    """Return number and files (name: size) of the previous export, without names that are not files of this folder."""
     try:
         found = json.loads((target / MANIFEST).read_text(encoding="utf-8"))
         files = {name: int(size) for name, size in found["files"].items() if _is_own(target, name)}
