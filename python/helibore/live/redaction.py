@@ -1,9 +1,9 @@
-"""Removes the credentials of a store from all that the store sends, in every form in which it may write them.
+"""Remove the credentials of a store from all that the store sends, in all forms in which stores write a text.
 
     s&cret  s&amp;cret  s&amp;amp;cret  s%26cret  s\\u0026cret  s&#38;cret  UTF-16  Basic dTpzJmNyZXQ=
 
 Each character becomes a regular expression for all ways to write it. Bytes that do not change the text (zero bytes,
-line ends, bounds of CDATA, backslashes of JSON) may stand between characters. Each redacted byte becomes a star.
+line ends, bounds of CDATA, backslashes of JSON) may stand between characters. Each byte of a credential becomes a star.
 """
 
 from __future__ import annotations
@@ -15,15 +15,16 @@ import string
 from helibore.base.errors import InputError
 
 SHORTEST = 6
+"""Least number of characters of a password."""
 AMPERSAND = rb"(?:&|%(?:25)*26|\\{1,8}u0026)(?:(?:amp|#0*38|#[xX]0*26);)*"
 BETWEEN = rb"(?:[\0\r\n]|<!\[CDATA\[|\]\]>)*\\{0,8}"
 NAMED = {"&": "amp", "<": "lt", ">": "gt", '"': "quot", "'": "apos"}
 Units = list[bytes]
-"""Regular expressions for consecutive bytes."""
+"""Regular expressions, one for each of several consecutive bytes or groups of bytes."""
 
 
 def check_password(place: str, password: str) -> None:
-    """Refuse a password that could also occur in the data: redaction would then change the data.
+    """Refuse a password so short that it may also occur in the data, because redaction would then change the data.
 
     Raises
     ------
@@ -48,7 +49,7 @@ def _letters(text: str) -> Units:
 
 
 def _written(character: str) -> list[Units]:
-    """Return the ways to write a character, each as regular expressions for its consecutive bytes."""
+    """Return all ways to write a character, each as `Units`."""
     code, raw = ord(character), character.encode()
     ways = [[AMPERSAND]] if character == "&" else [[re.escape(bytes([byte])) for byte in raw]]
     if code > 127:
@@ -79,7 +80,7 @@ def _whole(ways: list[Units]) -> bytes:
 
 
 def _begun(ways: list[Units]) -> bytes:
-    """Return an expression for the first byte or more of a character, written in any of the ``ways``."""
+    """Return an expression for the beginning of a character, one unit or more, written in any of the ``ways``."""
     found = []
     for units in ways:
         nested = b""
@@ -90,7 +91,10 @@ def _begun(ways: list[Units]) -> bytes:
 
 
 class Redactor:
-    """Removes the password of ``auth`` (user, password) and the tokens made of both; None: removes nothing."""
+    """Removes the password of ``auth`` (user, password), and the Base64 tokens of it and of ``user:password``.
+
+    If ``auth`` is None, it removes nothing.
+    """
 
     def __init__(self, auth: tuple[str, str] | None) -> None:
         self._secrets: list[tuple[re.Pattern[bytes], re.Pattern[bytes]]] = []
@@ -110,7 +114,7 @@ class Redactor:
     def clean(self, body: bytes, *, cut: bool = False) -> bytes:
         """Return ``body`` with every credential replaced by asterisks.
 
-        With ``cut``, the body may end in the middle of a credential; that part of it is then replaced as well.
+        With ``cut``, the body may end in the middle of a credential; the part of the credential is then replaced, too.
         """
         for whole, _ in self._secrets:
             body = whole.sub(lambda match: b"*" * len(match[0]), body)

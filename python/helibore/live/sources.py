@@ -6,8 +6,9 @@
     items = { bit_depth = "0108" }                items = { bit_depth = "DBTM" }
     caliper = { first = "5010", groups = 30 }     caliper = { toolface = ["TF1"], radius = ["R1"] }
 
-While a table is read, each item becomes a number and a scale to core units. A curve of a store has a mnemonic and sends
-its unit; here it gets a number in place of a code RRII of WITS.
+While a table is read, each item becomes an `Item`: a code, and a scale to core units. A curve of a store has no code
+RRII but a mnemonic, so it gets a number in place of the code. Its values are converted when they come, by the unit that
+the store sends.
 """
 
 from __future__ import annotations
@@ -30,15 +31,16 @@ from helibore.live.layout import LayoutTable
 from helibore.live.pass_rules import PassNumbers
 
 LENGTHS = {"metric": ("m", "mm"), "fps": ("ft", "in")}
-"""Units of depths and of radii, for each unit set (items 0108 and 0844)."""
+"""The units of depths and of radii in each unit set (in WITS, those of items 0108 and 0844)."""
 JUMPS = {"depth": 30.0, "time": 3600.0}
+"""The default of ``jump`` for each index of a log, m and s."""
 INDEX = 1
-"""The number of a store's index curve; its mnemonic does not matter. The other curves have numbers from 2."""
+"""The number of a store's index curve, whose mnemonic does not matter. The other curves have numbers from 2."""
 
 
 @dataclass(frozen=True)
 class Item:
-    """One mapped item: core value = value x scale."""
+    """One mapped item: its code, and the factor from its values to core units."""
 
     code: int
     scale: float = 1.0
@@ -46,7 +48,7 @@ class Item:
 
 @dataclass(frozen=True)
 class Curve:
-    """A curve of the log: its mnemonic, the kind of its unit, and the text of its unit ("": any)."""
+    """A curve of the log: its mnemonic, what its unit measures ("": anything), and the unit it must have ("": any)."""
 
     mnemonic: str
     kind: str
@@ -55,7 +57,10 @@ class Curve:
 
 @dataclass
 class Context:
-    """What the tables of a source need to know of the source, the wall and the path; and the curves named so far."""
+    """What validators must know of the rest of the configuration, and the curves of the source so far.
+
+    ``reference`` is that of the path. ``lengths`` are the units of depths and radii. ``index`` is that of the log.
+    """
 
     name: str
     bit_diameter: float
@@ -94,7 +99,7 @@ Text = Annotated[str, Field(min_length=1)]
 
 
 class LengthTable(Table):
-    """An item that is a length, with a unit of its own: { item = "0108", unit = "ft" }."""
+    """An item that measures a length, and the unit of this item: { item = "0108", unit = "ft" }."""
 
     item: Code = Field(description="an item")
     unit: LengthUnit | None = None
@@ -109,7 +114,7 @@ def _length(value: object, info: Any) -> Item:
 
 
 def _curve(kind: str) -> PlainValidator:
-    """Return the validator that makes a mnemonic an `Item`; curves are numbered in the order of their first use."""
+    """Return the validator that turns a mnemonic into an `Item`; the numbers of curves follow their first use."""
 
     def number(mnemonic: object, info: Any) -> Item:
         if not isinstance(mnemonic, str) or not mnemonic:
@@ -170,7 +175,7 @@ class RigTable(Table):
 
 
 class StoreRig(RigTable):
-    """The rig quantities of a store, and the pass number, by mnemonic."""
+    """The curves of a store that have the rig quantities and the pass number."""
 
     bit_depth: Annotated[LengthCurve, OneQuantity] | None = None
     hole_depth: Annotated[LengthCurve, OneQuantity] | None = None
@@ -180,10 +185,11 @@ class StoreRig(RigTable):
 
 
 class CaliperTable(Table):
-    """The settings that the calipers of both kinds of source have; triple n is item n of each list.
+    """The settings of a caliper that WITS senders and stores share; triple n is made of item n of each list.
 
-    A single item of ``toolface`` or ``depth`` serves all radii, and a list ``toolface_offset`` says where the sensor of
-    each radius is. Without ``depth``, the depth of a triple follows from the bit depth, but see `StoreCaliper`.
+    A single item of ``toolface`` or ``depth`` applies to all radii. A list ``toolface_offset`` has the angle of the
+    sensor of each radius; it must be given if radii share toolface and depth. Without ``depth``, the depth of a triple
+    follows from the bit depth; for stores, see `StoreCaliper`.
     """
 
     measures: Literal["radius", "diameter"] = "radius"
@@ -196,7 +202,10 @@ class CaliperTable(Table):
     depth: list[Code] = []
 
     def _set_items(self, columns: dict[str, list[Item]], what: str, bit_diameter: float) -> None:
-        """Check and set the items and the range of radii; measured diameters are halved."""
+        """Check and set the items in ``columns``, and the range of radii; the scale of diameters is halved.
+
+        ``what`` is the word for the items in error messages.
+        """
         for name in {"toolface", "depth"} & columns.keys():
             columns[name] *= len(columns["radius"]) if len(columns[name]) == 1 else 1
         lengths = {name: len(items) for name, items in columns.items()}
@@ -220,7 +229,7 @@ class CaliperTable(Table):
 
 
 class WitsCaliper(CaliperTable):
-    """Triples in consecutive items from ``first``, or in a list of items for each quantity."""
+    """Triples in consecutive items from ``first`` on, or in a list of items for each quantity."""
 
     first: Code | None = None
     groups: Annotated[int, within(1, 99)] = Field(0, description="a whole number from 1 to 99")
@@ -252,7 +261,7 @@ class WitsCaliper(CaliperTable):
 
 
 class StoreCaliper(CaliperTable):
-    """Triples by mnemonic; without ``depth``, the depth is the index of the log, unless that is a time."""
+    """Triples by mnemonic. Without ``depth``, the depth is the index; in a log by time it follows from the bit."""
 
     toolface: Annotated[list[AngleCurve], OneQuantity] = Field(description="mnemonics, one for each sensor")
     radius: Annotated[list[LengthCurve], OneQuantity] = Field(description="mnemonics, one for each sensor")
@@ -266,7 +275,10 @@ class StoreCaliper(CaliperTable):
 
 
 class Image(LayoutTable):
-    """The settings that the images of both kinds of source have; without ``depth``, it follows from the bit depth."""
+    """The settings of an image that WITS senders and stores share.
+
+    Without ``depth``, the depth of a row follows from the bit depth.
+    """
 
     unit: Text = Field(description="the unit of its values")
     offset: float = 0.0
@@ -277,7 +289,7 @@ class Image(LayoutTable):
 
 
 class WitsImage(Image):
-    """An image in ``count`` consecutive items from ``first``."""
+    """An image in ``count`` consecutive items from ``first`` on."""
 
     first: Code = Field(description="the item of sector 1")
     count: Annotated[int, within(1, 99)] = Field(description="a whole number from 1 to 99")
@@ -288,7 +300,10 @@ class WitsImage(Image):
 
 
 class StoreImage(Image):
-    """An image by the mnemonics of its sectors; its depth is the index of the log, unless that is a time."""
+    """An image by the mnemonics of its sectors.
+
+    The depth of a row is the index of the log; in a log by time it follows from the bit depth.
+    """
 
     sectors: Annotated[list[PlainCurve], OneQuantity] = Field(description="mnemonics, one for each sector")
     depth: Derived[Item | None] = None
@@ -310,19 +325,24 @@ class StationItems(Table):
 
 
 class Source(Table):
-    """The settings that both kinds of source have.
+    """The settings that WITS senders and stores share.
 
     Attributes
     ----------
-    rig, station, measured
-        The items of the rig quantities; of depth, inclination and azimuth of a survey station; and all items of
-        stations, caliper and images.
-    mapped, records
-        The codes of all items that are read, and the numbers of their records, whose sequence numbers are checked.
+    rig
+        The items of the rig quantities, by their names.
+    station
+        The items of depth, inclination and azimuth of a survey station; empty if there are none.
+    measured
+        All items of stations, caliper and images.
+    mapped
+        The codes of all items that are read.
+    records
+        The WITS records of these items; the reader checks their sequence numbers. Empty for a store.
     images
         The images of the table ``image``.
     limits
-        Bytes of a line, bytes of a frame, lines of a frame.
+        The most bytes of a line, bytes of a frame and lines of a frame.
     message
         The message that is sent to the source, and the seconds between two messages; None: nothing is sent.
     """
@@ -385,7 +405,7 @@ class Source(Table):
         return meaning
 
     def with_meaning(self, recorded: dict[str, Any]) -> Source:
-        """Return this source with those values of a recorded meaning that may have followed from older defaults."""
+        """Return this source with the values of a recorded meaning that may be defaults of an older version."""
         names = {"nulls", "limits", "caliper", "images"} & recorded.keys()
         return self.model_copy(update={name: with_values(getattr(self, name), recorded[name]) for name in names})
 
@@ -426,7 +446,7 @@ class StoreObject(Table):
 
 
 class Log(StoreObject):
-    """A log; a row more than ``jump`` (m or s) after the previous row counts only if the next row confirms it."""
+    """A log. A row more than ``jump`` (m or s) after the previous row counts only if the next row continues it."""
 
     log: Text = Field(description="the uid")
     index: Literal["depth", "time"] = Field(description='"depth" or "time"')
@@ -448,9 +468,9 @@ class Trajectory(StoreObject):
 
 
 class StoreSource(Source):
-    """A WITSML store that is polled; ``curves[n]`` of its log has the number n + 2.
+    """A WITSML store that helibore polls; ``curves[n]`` of its log has the number n + 2.
 
-    The password is not here; it is read from the environment when it is needed.
+    The password is read from the environment when a client is made.
     """
 
     every: Annotated[float, within(0.05, 3600)] = 10.0
@@ -476,9 +496,9 @@ class StoreSource(Source):
         if bool(self.user) != bool(self.password_env):
             raise InputError("", "user and password_env must both be set, or neither")
         if self.log is None and self.trajectory is None:
-            raise InputError("", "log or trajectory must be set: what is polled")
+            raise InputError("", "log or trajectory must be set: the object that is polled")
         if self.curves and self.log is None:
-            raise InputError("log", f"must be set: {self.curves[0].mnemonic} is a curve of it")
+            raise InputError("log", f"must be set: the curve {self.curves[0].mnemonic} is read from a log")
 
     def origin(self, item: Item | None) -> object:
         return self.curves[item.code - INDEX - 1] if item and item.code > INDEX else item
@@ -492,7 +512,7 @@ class StoreSource(Source):
 
 
 def read_source(name: str, entries: dict[str, Any], bit_diameter: float, reference: str) -> Source:
-    """Check the table of a source; its address says whether it is a store."""
+    """Check the table of a source and return it; it is a store if its address begins with https:."""
     store = str(entries.get("address", "")).lower().startswith("https:")
     log = entries.get("log")
     index = "time" if isinstance(log, dict) and log.get("index") == "time" else "depth"
@@ -502,7 +522,7 @@ def read_source(name: str, entries: dict[str, Any], bit_diameter: float, referen
 
 
 def _run(first: Item, name: str, given: int, members: int = 1) -> list[Item]:
-    """Return ``given`` times ``members`` consecutive items from ``first``; an error names the setting ``name``."""
+    """Return ``given`` x ``members`` consecutive items from ``first`` on; ``given`` is the setting ``name``."""
     if not given:
         raise InputError(name, "must be set: a whole number")
     count = given * members

@@ -15,7 +15,13 @@ from helibore.trajectory.survey import Path, Survey
 
 
 class Stations:
-    """The stations of a growing survey; a new station replaces an earlier one at the same depth."""
+    """The stations of a growing survey; a new station replaces an earlier station at the same depth.
+
+    Raises
+    ------
+    ValueError
+        If a station in the table ``path`` is wrong.
+    """
 
     STATE = ("columns",)
 
@@ -34,9 +40,10 @@ class Stations:
         return len(self._core)
 
     def take(self, depth: float, inclination: float, azimuth: float) -> tuple[float | None, str]:
-        """Add one station; return the depth below which the path changed (or None), and why it was refused (or "").
+        """Add one station; return the depth below which the path changed, and the reason for which it was refused.
 
-        A station that is already in the survey changes nothing.
+        The depth is None if the path did not change, for example because the station is already in the survey. The
+        reason is "" if the station was not refused.
         """
         least, most = self._limits.depth_range
         if math.isfinite(depth) and not least <= depth <= most:
@@ -72,7 +79,7 @@ class Stations:
         return self._path
 
     def reaching(self, depth: float) -> Path | None:
-        """Return the path, extended straight to ``depth`` if it ends above that."""
+        """Return the path, extended straight to ``depth`` if it ends above it; None while there is no survey."""
         path = self.path
         if path is None or path.stop_depth >= depth:
             return path

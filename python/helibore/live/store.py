@@ -4,9 +4,9 @@
                               ^------------- every ``every`` seconds, from the reader's last index on
 
 Certificates are always verified against the system's authorities and those of ``ca``. Redirects, proxies, netrc files
-and compressed answers are not used. Every answer, also a refused one, is in the journal before any code reads it.
-Credentials are read from the environment and appear in no text. An answer that fails ends the link with an OSError;
-``server.py`` decides when to try again.
+and compressed answers are not used. Every answer, also a refused one, is in the journal before any code reads it; if it
+equals the answer before, only this fact is stored. The password is read from the environment and appears in no text. An
+answer that fails ends the link with an OSError; ``server.py`` decides when to try again.
 """
 
 from __future__ import annotations
@@ -35,24 +35,26 @@ SOON = 0.25
 
 
 class AccessDeniedError(OSError):
-    """The store refused user or password; another try would also fail, and could lock the account."""
+    """The store refused the user or the password. Another try would also fail, and could lock the account."""
 
 
 Position = Callable[[], tuple[str, str] | None]
 
 
 class StoreClient(Opener):
-    """Opens polling links to a store.
+    """Opens links that poll a store.
 
-    ``refused`` has the checksum of the last refused answer of each kind, over all links, so that a repeated answer
-    takes only a line of the journal.
+    ``position`` returns the index of the last row that was read, as (text, unit); None: none was read. ``refused`` has
+    the checksum of the last refused answer to each kind of query, over all links, so that a repeated answer takes only
+    a line of the journal.
 
     Raises
     ------
     MissingExtraError
         If httpx2 is not installed.
     InputError
-        If the password is not in the environment, or ``ca`` is not a file of certificates.
+        If the password is not in the environment or `check_password` refuses it, or if ``ca`` is not a file of
+        certificates.
     """
 
     def __init__(self, source: StoreSource, position: Position) -> None:
@@ -60,7 +62,7 @@ class StoreClient(Opener):
         with needs("httpx2", "witsml"):
             import httpx2
         self.source, self.position, self.http = source, position, httpx2
-        for name in ("httpx2", "httpcore2"):  # they log reason phrases and headers, which may repeat the password
+        for name in ("httpx2", "httpcore2"):  # below WARNING they log headers, which may repeat the password
             logging.getLogger(name).setLevel(logging.WARNING)
         place = f"source.{source.name}"
         self._trust = ssl.create_default_context()
@@ -133,13 +135,19 @@ class StoreLink(Link):
                 self._client.close()
 
     def _ask_log(self) -> bool:
-        """Query the log from its last index on; return whether the store has more rows now."""
+        """Query the log from its last index on; return whether the store limited its answer and has more rows."""
         assert self._source.log is not None
         options = "returnElements=data-only" if "log" in self._before else "returnElements=all"
         return self._ask("log", witsml.log_query(self._source.log.uids, self._position()), options)
 
     def _ask(self, kind: str, query: str, options: str) -> bool:
-        """Send a query, wait until the answer is stored, raise its error; return whether the answer is partial."""
+        """Send a query and wait until its answer is stored; return whether the answer is new and partial.
+
+        Raises
+        ------
+        OSError
+            If the answer is not whole, is not that of a store, or reports an error.
+        """
         body, state, failure = self._answer(witsml.envelope(kind, query, options))
         body = self._redactor.clean(body, cut=state != "whole")
         same = state == "whole" and body == self._before.get(kind)
@@ -163,7 +171,7 @@ class StoreLink(Link):
         return answer.result == witsml.PARTIAL and not same
 
     def _stored(self) -> bool:
-        """Wait until all pieces are in the journal, also while its disk is full; return False if closed meanwhile."""
+        """Wait until all pieces are in the journal; return False if the link is closed before that."""
         mark = threading.Event()
         self._pieces.put(mark)
         while not mark.wait(SOON):
@@ -172,7 +180,7 @@ class StoreLink(Link):
         return True
 
     def _refusal(self, kind: str, body: bytes) -> bytes:
-        """Return a refused answer as it is stored: empty if it equals the previous one."""
+        """Return the bytes of a refused answer to store; none if it equals the previous refused answer of its kind."""
         checksum = hashlib.blake2b(body).digest()
         if self._refused.get(kind) == checksum:
             return b""
@@ -180,18 +188,21 @@ class StoreLink(Link):
         return body
 
     def _note_socket(self, event: str, facts: dict[str, Any]) -> None:
-        """Remember the connection's socket (httpx2 calls this at every step of a request)."""
+        """Keep the socket of the connection; httpx2 calls this at every step of a request."""
         if event.endswith(("start_tls.complete", "connect_tcp.complete")):
             self._socket = facts["return_value"].get_extra_info("socket")
 
     def _hang_up(self) -> None:
-        """End an answer that takes too long, at any step of it."""
+        """Close the connection of an answer that takes too long; this also ends a read that waits for its headers."""
         with contextlib.suppress(OSError):
             if self._socket is not None:
                 self._socket.shutdown(socket.SHUT_RDWR)
 
     def _answer(self, question: bytes) -> tuple[bytes, str, OSError | None]:
-        """Return the body received so far; whether it is whole, cut or refused; and the error if it is not whole."""
+        """Send a query; return the body of its answer, its state ("whole", "cut" or "refused"), and the error if any.
+
+        A body that is not whole ends where the answer was broken off.
+        """
         source, host = self._source, self._source.address.host
         end = time.monotonic() + source.timeout
         headers = {"Content-Type": "text/xml; charset=utf-8", "SOAPAction": f'"{witsml.ACTION}"',

@@ -2,9 +2,9 @@
 
     journal bytes -> answers -> rows after the last index -> cells by unit -> triples, image rows, rig, stations
 
-A row is skipped if its index is not after the last index, because a store sends the row at ``startIndex`` again. A
-curve is INVALID, with an event, if its unit is missing or unknown, measures another quantity, or is not the unit of the
-image.
+A row is skipped if its index is not after the last index, because a store sends the row at ``startIndex`` again. All
+values of a curve are INVALID, with one event, if its unit is missing or unknown, measures another quantity, or is not
+the unit of the image.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ BLOCK = 1024
 """Number of rows that are split into cells at a time."""
 MOST_UNITS = 1000
 FUTURE = 86_400.0
-"""Seconds by which the clock of a store may be ahead."""
+"""Seconds by which the clock of a store may be ahead of ours."""
 
 
 class StoreReader(SourceReader):
@@ -37,7 +37,7 @@ class StoreReader(SourceReader):
     Attributes
     ----------
     last
-        Index of the latest row read, as (text, unit); the next query starts there. None before the first row.
+        Index of the latest row that was read, as (text, unit); the next query starts there. None if no row was read.
     """
 
     STATE = (
@@ -69,7 +69,7 @@ class StoreReader(SourceReader):
             self._nulls = [*self.source.nulls, *before._nulls[len(before.source.nulls) :]]
 
     def read(self, chunk: Chunk) -> list[Reading]:
-        """Return the columns of the answers that ``chunk`` completes."""
+        """Return a `Reading` for each answer that ``chunk`` completes and that has something to read."""
         readings = []
         if chunk.connection != self._connection:
             self._frames, self._connection = witsml.Frames(), chunk.connection
@@ -83,7 +83,7 @@ class StoreReader(SourceReader):
         return readings
 
     def _take(self, kind: str, state: str, body: bytes, stamp: tuple[int, int, int]) -> Reading | None:
-        """Return the columns of one answer; None if it contains nothing to read."""
+        """Return the columns of one answer; None if there is nothing to read or it must not be read."""
         if state == "cut":
             self._report(
                 stamp[2], "cut_off", f"an answer about the {kind} ended after {len(body)} bytes; it was not read"
@@ -134,8 +134,8 @@ class StoreReader(SourceReader):
     def _new_rows(self, log: witsml.LogRows, wall: int) -> list[int]:
         """Return the numbers, from 1, of the rows after the last index, and update the last index.
 
-        A row that was read before is skipped, because a store sends the row at ``startIndex`` again. A row that jumps
-        counts only if the next row continues from its index, so that one wrong index does not hide later rows.
+        A row that jumps counts only if the next row continues from its index. Otherwise one wrong index would hide all
+        rows after it.
         """
         store, scale = self._store, 1.0
         if store.index == "depth" and log.rows:
@@ -165,7 +165,7 @@ class StoreReader(SourceReader):
         return new
 
     def _index_rule(self, key: float, index: str, wall: int) -> str:
-        """Return what is wrong with an index, or "" if it can be true; a wrong index would hide all later rows."""
+        """Return the rule that an index breaks, or "" if it breaks none."""
         if index == "depth":
             return self._limits.rule() if self._limits.outside(np.array(key)) else ""
         return "is in the future" if key > wall / 1e9 + FUTURE else ""
@@ -198,7 +198,7 @@ class StoreReader(SourceReader):
                 values[block, column], states[block, column] = self._cells(mnemonic, scale, cells, numbers[block], wall)
 
     def _scale(self, curve: Curve, unit: str, wall: int) -> float | None:
-        """Return the scale of a curve; None if its unit is wrong, which is reported once for each unit of a curve."""
+        """Return the scale of a curve; None if its unit is wrong. An event reports each wrong unit of a curve once."""
         try:
             if curve.unit and unit.strip() and unit.strip().casefold() != curve.unit.casefold():
                 raise ValueError(f"unit '{unit}': the configuration says '{curve.unit}'")
@@ -234,7 +234,7 @@ class StoreReader(SourceReader):
         return values, states
 
     def _unmeasured(self, states: npt.NDArray[np.uint8]) -> None:
-        """Mark the index as absent in rows without a caliper value, so that these rows give no triple."""
+        """Mark the index, if it is the depth, as absent in rows without a caliper value: these rows give no triple."""
         caliper, place = self.source.caliper, self._column[INDEX]
         if caliper and place >= 0:
             spoken = self._column[[item.code for item in (*caliper.toolface, *caliper.radius)]]
@@ -279,7 +279,7 @@ def _quantity(text: str, unit: str, kind: str) -> float:
 
 
 def _following(keys: list[float | None]) -> list[float | None]:
-    """Return for each row the index of the next row with a valid index, in one pass from the end."""
+    """Return for each row the index of the next row that has a valid index; None if there is no such row."""
     after: list[float | None] = []
     following = None
     for key in reversed(keys):
@@ -289,7 +289,7 @@ def _following(keys: list[float | None]) -> list[float | None]:
 
 
 def _index(text: str, index: str, scale: float) -> float | None:
-    """Return a depth in metres, or a time in seconds since 1970; None if the text is not valid."""
+    """Return a depth in metres, or a time in seconds since 1970 (UTC without a zone); None if ``text`` is neither."""
     if index == "depth":
         depth = float(text) * scale if NUMBER.fullmatch(text) else math.nan
         return depth if math.isfinite(depth) else None

@@ -1,8 +1,9 @@
-"""Receive bytes as a TCP client or listener, from a serial port or a file, one link at a time (stores: store.py).
+"""Receive bytes as a TCP client or listener, from a serial port or a file, by one link at a time.
 
     open() -> Link      Link.read(seconds) -> bytes, b"" if nothing came, None if the link ended
 
-Bytes are sent only if the mode of the source says so. ``server.py`` decides when to try again.
+``store.py`` has the links to stores. ``server.py`` sends bytes only if the ``mode`` of the source says so, and decides
+when to try again.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ CHUNK = 65536
 PATIENCE = 3
 """A newcomer replaces a sender only after a silence of this many times the sender's longest interval."""
 ACCEPT_AGAIN = 1.0
-"""Seconds until the next try after a connection could not be accepted (no descriptors left)."""
+"""Seconds until the next try after a connection could not be accepted, for example without a free descriptor."""
 
 
 class Link(ABC):
@@ -38,7 +39,7 @@ class Link(ABC):
         """Return bytes; b"" if no bytes came within ``seconds``; None if the link has ended."""
 
     def write(self, payload: bytes) -> None:  # noqa: B027  # not every kind sends
-        """Send a heartbeat or a poll, if this kind of link sends."""
+        """Send a heartbeat or a poll; links that cannot send ignore it."""
 
     def close(self) -> None:  # noqa: B027  # not every kind holds something open
         """Close the link."""
@@ -48,22 +49,23 @@ class Link(ABC):
 class Opener:
     """Opens links to one source by calling ``connect`` with a time limit in seconds.
 
-    ``ends``: whether the source ends when its link ends (a file).
+    ``ends`` is whether the source ends when its link ends, as a file does.
     """
 
     connect: Callable[[float], Link | None]
     ends: bool = False
 
     def open(self, seconds: float) -> Link | None:
-        """Return a link, or None if no peer came within ``seconds``. Raise OSError if the link cannot be opened."""
+        """Return a link, or None if no peer came within ``seconds``; raise OSError if the link cannot be opened."""
         return self.connect(seconds)
 
     def close(self) -> None:
-        """Close what stays open between two links."""
+        """Close what stays open between two links, such as a listener."""
 
 
 def _readable(sockets: list[socket.socket], seconds: float) -> list[Any]:
-    """Return the sockets that can be read. A poll works with any descriptor number and needs no new descriptor."""
+    """Wait up to ``seconds`` until a socket can be read; return the sockets that can be read."""
+    # unlike other selectors, a poll works with any descriptor number and needs no new descriptor
     with selectors.PollSelector() as selector:
         for one in sockets:
             selector.register(one, selectors.EVENT_READ)
@@ -71,7 +73,7 @@ def _readable(sockets: list[socket.socket], seconds: float) -> list[Any]:
 
 
 def _keep_alive(connection: socket.socket) -> None:
-    """Detect within half a minute that the other side is gone, also if a cable is disconnected."""
+    """Let the system detect within half a minute that the peer is gone, also if a cable is disconnected."""
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     for option, value in (("TCP_KEEPIDLE", 10), ("TCP_KEEPINTVL", 5), ("TCP_KEEPCNT", 3)):
         if hasattr(socket, option):
@@ -95,7 +97,7 @@ class SocketLink(Link):
             return first
         beside = self._listener.watched() if self._listener else []
         ready = _readable([self._connection, *beside], seconds)
-        if self._connection in ready:  # checked first: if the sender closed and connected again, this link has ended
+        if self._connection in ready:  # before newcomers: if the sender connects again, it has closed this link
             payload = self._connection.recv(CHUNK)
             now = time.monotonic()
             self.longest, self.last_received = max(self.longest, now - self.last_received), now
@@ -110,7 +112,7 @@ class SocketLink(Link):
 
 
 def _connected(host: str, port: int, seconds: float) -> SocketLink:
-    """Return a connection to a sender; an OSError names the sender."""
+    """Return a connection to a sender; if it fails, the OSError names the address."""
     name = f"{host}:{port}"
     try:
         return SocketLink(socket.create_connection((host, port), timeout=seconds), name)
@@ -120,7 +122,7 @@ def _connected(host: str, port: int, seconds: float) -> SocketLink:
 
 @dataclass
 class Newcomer:
-    """A connection that came while another sender was connected, and the bytes that it sent so far."""
+    """A connection that was accepted and is not read as the sender yet, and the bytes that it sent so far."""
 
     connection: socket.socket
     peer: str
@@ -129,10 +131,11 @@ class Newcomer:
 
 
 class TcpListener(Opener):
-    """Waits for one sender at a time; a peer that is not allowed is refused.
+    """Accepts one sender at a time; ``refuse`` reports each peer that is refused, by rule and text.
 
-    A newcomer replaces a sender only if the sender has been silent for ``replace_after`` seconds and for `PATIENCE`
-    times its own longest interval, and only if the newcomer sent a whole frame with an item.
+    A peer outside ``allow`` is refused. A newcomer replaces the sender only if the sender has been silent for at least
+    ``replace_after`` seconds and at least `PATIENCE` times its longest interval so far, and only after the newcomer
+    sent a whole frame with an item.
     """
 
     def __init__(self, source: WitsSource, refuse: Callable[[str, str], None]) -> None:
@@ -160,12 +163,12 @@ class TcpListener(Opener):
         return SocketLink(one.connection, one.peer, self, one.sent)
 
     def watched(self) -> list[socket.socket]:
-        """Return the sockets to check in addition to the sender's."""
+        """Return the sockets to wait for besides the sender's: the listener and the newcomer."""
         listening = [self._listening] if time.monotonic() >= self._accept_from else []
         return listening + ([self._newcomer.connection] if self._newcomer else [])
 
     def _accept(self) -> None:
-        """Accept a newcomer; only one can wait at a time."""
+        """Accept a newcomer, or refuse it if it is not allowed or if another newcomer waits."""
         try:
             connection, address = self._listening.accept()
         except BlockingIOError:
@@ -239,7 +242,7 @@ class SerialLink(Link):
 
 
 class FileLink(Link):
-    """An open file; it gives the bytes that are due at ``speed`` bytes a second (0: all)."""
+    """An open file that gives ``speed`` bytes a second; with 0, all at once."""
 
     def __init__(self, file: Path, speed: float) -> None:
         self.peer, self._speed = str(file), speed
@@ -263,7 +266,7 @@ class FileLink(Link):
 
 
 def opener(source: Source, refuse: Callable[[str, str], None]) -> Opener:
-    """Return the opener for a source that is no store; ``refuse`` reports refused peers.
+    """Return the opener for a source that is not a store; ``refuse`` is as in `TcpListener`.
 
     Raises
     ------

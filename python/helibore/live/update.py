@@ -2,8 +2,8 @@
 
     first  [0, 40) [90, 120)     then  [30, 95)     both  [0, 120)
 
-Joined ranges cover every change. There are at most MOST_RANGES of them: if there are more, the narrowest gaps between
-them are closed, so that a host that never polls uses little memory.
+Joined ranges cover every change. If there were more than MOST_RANGES, the narrowest gaps between them are covered, too,
+so that a host that never polls uses little memory.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ MOST_RANGES = 1024
 
 @dataclass(slots=True)
 class Update:
-    """What one call changed.
+    """What one call, or all calls since a poll, changed.
 
     Attributes
     ----------
     changes
-        For each layer that took samples, the wall's Change: ``ranges`` of vertices, ``settled``.
+        The `Change` of each layer that took samples; its ``ranges`` are those of the new or changed vertices.
     images
         For each image that grew, the range [start, stop) of its new rows, as for ``ImageRows.rows``.
     path_from
-        Depth below which the path moved, metres; None if the path did not move.
+        Depth in metres below which the path moved; None if the path did not move.
     events
-        At most eight events of one rule of one source; the last one counts all that follow.
+        Events, at most eight of one rule of one source; the last of the eight counts all later ones.
     """
 
     changes: dict[str, Change] = field(default_factory=dict)
@@ -42,10 +42,10 @@ class Update:
     events: list[Event] = field(default_factory=list)
 
     def quads(self, layer: str, sectors: int) -> npt.NDArray[np.int64]:
-        """Return (m, 2) ranges [start, stop) that cover all quads of ``layer`` that have a new or changed vertex.
+        """Return (m, 2) ranges [start, stop) that cover all quads of ``layer`` with a new or changed vertex.
 
-        Quad k has the vertices k, k + 1, k + 1 + K and k + K, K = ``sectors``; the caller must remove quads past the
-        end of the wall.
+        With K = ``sectors``, quad k has the vertices k, k + 1, k + 1 + K and k + K. The ranges may contain quads past
+        the end of the wall; the caller must remove them.
         """
         if layer not in self.changes:
             return np.empty((0, 2), np.int64)
@@ -55,7 +55,7 @@ class Update:
 
 
 def joined_ranges(ranges: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
-    """Return the ranges sorted, and joined where they touch or overlap.
+    """Return the (n, 2) ranges sorted, and joined where they touch or overlap.
 
     If more than MOST_RANGES remain, the narrowest gaps between them are covered, too.
     """
@@ -63,7 +63,7 @@ def joined_ranges(ranges: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
 
 
 def joined(first: Change | None, second: Change) -> Change:
-    """Return one Change for those of two consecutive appends to a wall."""
+    """Return the Change of two consecutive appends to a wall together; ``first`` None: of the second only."""
     if first is None:
         return second
     return Change(

@@ -1,7 +1,8 @@
 """Read and write WITS level 0.
 
-A frame is ``&&``, lines ``RRIIvalue`` and ``!!``. The C++ core reads frames; this file names its arrays.
-The configuration of a source defines the units and the meaning of its items (see ``sources.py``).
+A frame begins with the line ``&&``, has a line ``RRIIvalue`` for each item II of a record RR, and ends with ``!!``. The
+C++ core reads frames; this file names its arrays. The configuration of a source defines the units and the meaning of
+its items (see ``sources.py``).
 """
 
 from __future__ import annotations
@@ -18,14 +19,14 @@ from helibore.base import nulls
 Rows = npt.NDArray[np.void]
 
 LINE_LIMIT, FRAME_LIMIT, ITEM_LIMIT = _core.WITS_LIMITS
-"""Bytes of a line, bytes and lines of a frame, by default: `Limits` in cpp/include/helibore/wits.hpp."""
+"""The default limits: bytes of a line, bytes and lines of a frame (`Limits` in cpp/include/helibore/wits.hpp)."""
 NULLS = (*nulls.NULLS, -8888.0, -999.0, -99999.0)
-"""Numbers that mean "no value" unless a source says otherwise; compared as numbers, so ``-9999.00`` also counts."""
+"""Numbers that mean "no value" unless a source states others. The text ``-9999.00`` counts, too."""
 
 NULL = 1
 """Item flag: the value is empty or one of the source's null numbers."""
 INVALID = 2
-"""Item flag: the text is not a number by the strict grammar (text items are always INVALID as numbers)."""
+"""Item flag: the value is not a number in plain or exponent notation; an item with a text always has this flag."""
 
 RULES = {
     "stray_text": "text between frames is not read",
@@ -43,7 +44,7 @@ RULE_NAMES = tuple(RULES)
 
 @dataclass(frozen=True, slots=True)
 class Batch:
-    """The frames that one call of :meth:`Parser.feed` completed. The batch owns all its arrays.
+    """The frames that one call of :meth:`Parser.feed` or :meth:`Parser.finish` completed.
 
     Attributes
     ----------
@@ -53,13 +54,13 @@ class Batch:
         The stream from the end of the previous batch up to the end of the last complete frame or line.
     items
         Structured (n,): ``frame`` (number since the parser began), ``code`` (RRII as an integer, 108 for record 01
-        item 08), ``value`` (float64, NaN when flagged), ``flags`` (NULL, INVALID), ``offset`` and ``length`` of the
+        item 08), ``value`` (float64, NaN if flagged), ``flags`` (0, NULL or INVALID), ``offset`` and ``length`` of the
         value's text in the stream.
     frames
-        Structured (m,): ``start``, ``stop`` (stream offsets), ``first``, ``items`` (its rows in ``items``), ``line``
-        (that of its ``&&``, from 1).
+        Structured (m,): ``start`` and ``stop`` (offsets in the stream), ``first`` (row in ``items`` of its first item),
+        ``items`` (number of its items), ``line`` (number of the line with its ``&&``, from 1).
     events
-        Structured (e,): bad text, with ``offset``, ``line`` (from 1), ``length`` and ``rule`` (index into RULES).
+        Structured (e,), one for each bad text: ``offset``, ``line`` (from 1), ``length``, ``rule`` (index into RULES).
     """
 
     base: int
@@ -69,31 +70,31 @@ class Batch:
     events: Rows
 
     def line_of(self, item: int, frame: int) -> int:
-        """Return the line in the stream of row ``item`` of ``items``, which is in row ``frame`` of ``frames``."""
+        """Return the line in the stream, from 1, of row ``item`` of ``items``; ``frame`` is its row in ``frames``."""
         start, stop = int(self.frames["start"][frame]) - self.base, int(self.items["offset"][item]) - self.base
         return int(self.frames["line"][frame]) + self.text.count(b"\n", start, stop)
 
     def text_of(self, item: int) -> bytes:
-        """Return the raw text of row ``item`` of ``items``, as received."""
+        """Return the text of the value of row ``item`` of ``items``, as it was received."""
         start = int(self.items["offset"][item]) - self.base
         return self.text[start : start + int(self.items["length"][item])]
 
 
 class Parser:
-    """Reads one stream (one connection); any chunking of the stream gives the same frames.
+    """Reads the stream of one connection. The frames do not depend on how the stream is cut into chunks.
 
     Parameters
     ----------
     nulls
         Numbers that mean "no value" in this source.
     line_limit, frame_limit, item_limit
-        Bytes of a line, bytes of a frame, lines of a frame. A longer line or frame is counted and dropped; reading
-        goes on at the next line or the next ``&&``. The limits bound the memory that the parser holds between calls.
+        Bytes of a line, bytes of a frame, lines of a frame. A longer line or frame is counted and dropped, and reading
+        continues at the next line or the next ``&&``. So the memory that the parser holds between calls is bounded.
 
     Raises
     ------
     ValueError
-        For a null that is not finite, or a limit that is too small.
+        If a null is not finite, or a limit is too small.
     """
 
     STATE = ("state",)
@@ -112,12 +113,15 @@ class Parser:
         return Batch(*self._core.feed(chunk))
 
     def finish(self) -> Batch:
-        """Return the frames that the end of the stream completes (its last line needs no end); begin a new stream."""
+        """Return the frames that the end of the stream completes, and begin a new stream.
+
+        The last line of the stream needs no line end.
+        """
         return Batch(*self._core.finish())
 
     @property
     def state(self) -> bytes:
-        """The complete state of the parser; a parser with the same settings can continue from it."""
+        """The state of the parser; a parser with the same settings to which it is assigned continues from it."""
         return self._core.state()
 
     @state.setter
@@ -126,7 +130,7 @@ class Parser:
 
     @property
     def counts(self) -> dict[str, int]:
-        """Bytes, lines, frames, items, nulls, not_numbers, stray_lines, and one count for each name in RULES."""
+        """Counts by name: bytes, lines, frames, items, nulls, not_numbers, stray_lines, and each name in RULES."""
         return self._core.counts()
 
 
@@ -144,7 +148,7 @@ def code(text: str) -> int:
 
 
 def frame(items: Iterable[tuple[int, str]]) -> bytes:
-    """Return the text of one frame, CRLF after each line; ``items`` are (code, value text) pairs."""
+    """Return one frame as ASCII bytes, with CRLF after each line; ``items`` are (code, text of the value) pairs."""
     lines = ["&&", *(f"{number:04d}{value}" for number, value in items), "!!", ""]
     return "\r\n".join(lines).encode("ascii")
 
@@ -152,4 +156,4 @@ def frame(items: Iterable[tuple[int, str]]) -> bytes:
 HEARTBEAT = frame([(111, "-9999")])
 """The keep-alive that a Pason EDR asks for: item 0111 null."""
 POLL = frame([])
-"""An empty frame, which asks for one packet."""
+"""An empty frame, which asks a sender for one packet."""

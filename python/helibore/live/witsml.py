@@ -6,7 +6,8 @@
 
 An answer equal to the previous one is stored as "same" without its bytes. An answer that was cut off ("cut") or must
 not be read ("refused": not 200, compressed, too long) is stored as far as it came, but is not read. Document types and
-entities are refused before an XML parser gets them. This file limits the nesting; ``store.py`` limits the size.
+entities are refused before an XML parser gets them. This file limits the nesting of elements, and ``store.py`` limits
+the size of an answer.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from xml.sax.saxutils import escape, quoteattr
 ACTION = "http://www.witsml.org/action/120/Store.WMLS_GetFromStore"
 SERIES = 'xmlns="http://www.witsml.org/schemas/1series" version="1.4.1.1"'
 PARTIAL = 2
-"""The Result of an answer that the store limited; the rest needs another query."""
+"""The Result of an answer in which the store sent only some rows; another query gets the others."""
 NESTING = 32
 BLOCK = 1 << 16
 
@@ -33,7 +34,7 @@ HEAD_START = b"WITSML "
 
 @dataclass(frozen=True)
 class Answer:
-    """What a store returned: ``result`` (negative: an error), its message, and the document as text."""
+    """The answer of a store: ``result`` (negative if it is an error), the message, and the document as text."""
 
     result: int
     message: str
@@ -42,7 +43,11 @@ class Answer:
 
 @dataclass
 class LogRows:
-    """The rows of a log's answer, each a text of cells; no rows if the log has not grown."""
+    """The rows of an answer about a log; each is a text of cells with commas between them.
+
+    ``mnemonics`` and ``units`` have an entry for each cell. There are no rows if the log has not grown. ``null`` is the
+    nullValue and ``direction`` that of the log; "" if the answer does not state them.
+    """
 
     mnemonics: list[str] = field(default_factory=list)
     units: list[str] = field(default_factory=list)
@@ -52,7 +57,10 @@ class LogRows:
 
 
 def log_query(uids: tuple[str, str, str], start: tuple[str, str] | None) -> str:
-    """Return the query for a log's rows from ``start`` on: (index, unit), with unit "" for a time; None: all rows."""
+    """Return the query for the rows of a log from the index ``start`` on, (text, unit); None: for all rows.
+
+    The unit "" means that the index is a time.
+    """
     within = ""
     if start is not None and start[1]:
         within = f"<startIndex uom={quoteattr(start[1])}>{escape(start[0])}</startIndex>"
@@ -62,7 +70,7 @@ def log_query(uids: tuple[str, str, str], start: tuple[str, str] | None) -> str:
 
 
 def trajectory_query(uids: tuple[str, str, str]) -> str:
-    """Return the query for a whole trajectory, which has few stations and may be corrected by the store."""
+    """Return the query for a whole trajectory; it has few stations, and a store may correct each of them."""
     return f"<trajectorys {SERIES}><trajectory {_uids(uids)}/></trajectorys>"
 
 
@@ -90,7 +98,8 @@ def read_answer(body: bytes) -> Answer:
     Raises
     ------
     ValueError
-        If it is not UTF-8 or not XML, declares a document type or entity, or is not the answer of a store.
+        If ``body`` is not UTF-8 or not XML, declares a document type or entity, nests elements deeper than NESTING,
+        reports a SOAP fault, or has no result.
     """
     try:
         text = body.decode("utf-8-sig")
@@ -114,8 +123,8 @@ def _short(text: str) -> str:
 def _elements(text: str, whole: str = "") -> Iterator[tuple[list[str], ET.Element]]:
     """Yield (path, element) at every end tag of an XML text; path has the local names from the root to the element.
 
-    After it is yielded, an element is deleted, unless it is inside an element named ``whole``, because all elements of
-    a log together would take 24 times its size.
+    Each element is deleted after it is yielded, because all elements of a log together would take 24 times the size of
+    its text. Only elements inside an element named ``whole`` stay until that element is yielded.
     """
     if match := FORBIDDEN.search(text):
         raise ValueError(f"<!{match[1].upper()} ...>: document types and entities are refused")
@@ -149,7 +158,7 @@ def read_log(document: str) -> LogRows:
     Raises
     ------
     ValueError
-        If ``document`` is not the XML of a log, or a row does not have one cell for each mnemonic.
+        If ``document`` is not the XML of logs, or if the units or the cells of a row are not as many as the mnemonics.
     """
     log = LogRows()
     described: list[tuple[str, str]] = []
@@ -188,7 +197,13 @@ def _cells(text: str) -> list[str]:
 
 
 def read_stations(document: str) -> list[tuple[tuple[str, str], ...]]:
-    """Return ((text, unit) of md, incl and azi) for each station of a trajectory; ("", "") if missing."""
+    """Return (text, unit) of md, of incl and of azi for each station of a trajectory; ("", "") for a missing one.
+
+    Raises
+    ------
+    ValueError
+        If ``document`` is not the XML of trajectories.
+    """
     stations: list[tuple[tuple[str, str], ...]] = []
     if not document.strip():
         return stations
@@ -208,7 +223,7 @@ def framed(kind: str, state: str, body: bytes = b"") -> bytes:
 
 
 class Frames:
-    """Splits the stored bytes into answers; the pieces may be cut anywhere."""
+    """Splits the bytes in the journal into answers; a record may end anywhere in an answer."""
 
     STATE = ("_held",)
 
@@ -216,7 +231,10 @@ class Frames:
         self._held = bytearray()
 
     def feed(self, piece: bytes) -> tuple[list[tuple[str, str, bytes]], int]:
-        """Return the (kind, state, body) that ``piece`` completes, and the number of bytes outside answers (damage)."""
+        """Return (kind, state, body) of each answer that ``piece`` completes, and the number of bytes outside answers.
+
+        Bytes outside answers come from a damaged journal.
+        """
         self._held += piece
         held, found, stray = self._held, [], 0
         while held:
