@@ -2,7 +2,7 @@
 
     simulate  ->  reconstruct  ->  helibore-demo.glb, helibore-demo.png  ->  error against the formula of the hole
 
-This is the shortest complete use of the library. ``helibore demo`` prints the result, and ``plot`` draws it.
+This is a short, complete use of the library. ``helibore demo`` writes the files and prints the error.
 """
 
 from __future__ import annotations
@@ -29,9 +29,10 @@ class Demonstration:
 
 @dataclass(frozen=True)
 class Error:
-    """Rebuilt minus true radius of all vertices with a radius, metres.
+    """Statistics of the differences, rebuilt minus true radius, at all vertices that have a radius; metres.
 
-    ``median`` is that of the absolute differences; 99 % of them are at most ``most``.
+    ``rms`` and ``mean`` are those of the differences. ``median`` is the median of their absolute values, and ``most``
+    is the 99th percentile of their absolute values.
     """
 
     rms: float

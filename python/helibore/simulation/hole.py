@@ -1,12 +1,12 @@
 """A known hole: formulas give its wall, its gamma and its path at any point.
 
-The wall has the shapes real holes have::
+The wall has the shapes of real holes::
 
     r = bit/2 + overgauge + ovality cos 2(toolface - t0) + washouts + breakouts + roughness
 
-around a centre that runs on a helix of radius e around the axis (a spiral hole). The radius from the axis, at an angle
-psi from the direction of that centre, is ``R = e cos psi + sqrt(r^2 - e^2 sin^2 psi)``.
-``helibore.simulation.tool`` measures this truth.
+In a spiral hole, r is the distance from a centre that runs on a helix of radius e around the axis. At an angle psi from
+the direction of this centre, the distance of the wall from the axis is ``R = e cos psi + sqrt(r^2 - e^2 sin^2 psi)``.
+``helibore.simulation.tool`` measures this wall.
 """
 
 from __future__ import annotations
@@ -21,12 +21,15 @@ from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 
 BLOCK = 1 << 15
-"""Number of points evaluated together, so few that all temporary arrays stay in the cache."""
+"""Number of points that are evaluated together, so few that all temporary arrays stay in the cache."""
 
 
 @dataclass(frozen=True)
 class Washout:
-    """A washout over [start, stop) (m), up to ``enlargement`` m larger in radius and ``roughness`` times rougher."""
+    """A washout over [start, stop) (m).
+
+    In its middle the radius is ``enlargement`` metres larger and the wall is ``roughness`` times rougher.
+    """
 
     start: float
     stop: float
@@ -61,8 +64,9 @@ class Breakout:
 class Bed:
     """A bed of ``gamma`` (gAPI) that begins where its top crosses the axis at ``depth`` (m).
 
-    The top is a plane; on the image it is the sinusoid ``depth + R tan(dip) cos(toolface - direction)``.
-    ``dip`` is the angle to the plane across the hole, and ``direction`` is the toolface where the bed is deepest (deg).
+    The top is a plane. In the image it is the sinusoid ``depth + R tan(dip) cos(toolface - direction)``, where R is the
+    radius of the bit. ``dip`` is the angle (deg) between the top and the plane across the hole, and ``direction`` is
+    the toolface (deg) at which the top is deepest.
     """
 
     depth: float
@@ -84,15 +88,15 @@ class Section:
 class Hole:
     """The truth: the wall, the gamma and the path of a hole between two measured depths.
 
-    Lengths are metres, angles degrees; toolfaces count clockwise looking downhole from the high side.
+    Lengths are metres, angles degrees; toolfaces count clockwise from the high side, looking downhole.
     """
 
     start: float = 2000.0
     stop: float = 2050.0
     bit_diameter: float = 0.216
-    overgauge: float = 0.001  # radius of the hole less that of the bit, before all other shapes
+    overgauge: float = 0.001  # radius of the hole minus radius of the bit, without all other shapes
     ovality: float = 0.0  # amplitude of the ellipse in radius
-    ovality_toolface: float = 0.0  # of the long axis of the ellipse
+    ovality_toolface: float = 0.0  # toolface of the long axis of the ellipse
     spiral: float = 0.0  # radius of the helix on which the centre of a spiral hole runs
     spiral_length: float = 1.0  # depth of one turn of that helix
     rugosity: float = 0.0  # root mean square roughness
@@ -103,7 +107,7 @@ class Hole:
     top_gamma: float = 60.0  # above the first bed, gAPI
     inclination: float = 25.0  # of the path at ``start``
     azimuth: float = 60.0
-    # The path below ``start``; the last section has no end.
+    # The path below ``start``; the last section continues beyond its length.
     sections: tuple[Section, ...] = (Section(30.0, build=3.0), Section(15.0), Section(30.0, turn=3.0))
     seed: int = 0  # chooses the roughness
     _modes: Floats = field(init=False, repr=False, compare=False)
@@ -128,7 +132,8 @@ class Hole:
     ) -> Hole:
         """Return a hole with every feature: oval, spiral and rough, with washouts, breakouts and dipping beds.
 
-        The number of zones grows with the interval: about one washout in 20 m, one breakout in 12 m, one bed in 1.6 m.
+        There is about one washout in 20 m, one breakout in 12 m and one bed in 1.6 m, and at least one of each. Sizes
+        are proportional to ``bit_diameter``.
         """
         rng = np.random.default_rng([seed, 1])
         length = stop - start
@@ -156,7 +161,7 @@ class Hole:
         )  # fmt: skip
 
     def radius(self, depth: npt.ArrayLike, toolface: npt.ArrayLike) -> Floats:
-        """Return the true radius (m) at measured depths (m) and toolfaces (deg), which broadcast; a new array."""
+        """Return a new array with the true radius (m) at measured depths (m) and toolfaces (deg), which broadcast."""
         depth, toolface = np.broadcast_arrays(depth, toolface)
         radius = np.empty(depth.shape)
         flat = radius.reshape(-1)
@@ -167,9 +172,9 @@ class Hole:
         return radius
 
     def gamma(self, depth: npt.ArrayLike, toolface: npt.ArrayLike, resolution: float = 0.15) -> Floats:
-        """Return the gamma (gAPI) at measured depths (m) and toolfaces (deg), which broadcast; a new array.
+        """Return a new array with the gamma (gAPI) at measured depths (m) and toolfaces (deg), which broadcast.
 
-        The gamma changes from bed to bed over about ``resolution`` metres, as a tool of that length measures it.
+        From bed to bed the gamma changes over ``resolution`` metres of depth, about as a tool of this length measures.
         """
         depth, toolface = np.broadcast_arrays(depth, toolface)
         gamma = np.full(depth.shape, self.top_gamma)
@@ -182,9 +187,9 @@ class Hole:
         return gamma
 
     def stations(self, interval: float = 30.0, margin: float = 30.0) -> tuple[Floats, Floats, Floats]:
-        """Return a survey from ``margin`` m above the hole to at least as far below: depth, inclination, azimuth.
+        """Return depths (m), inclinations and azimuths (deg) of survey stations ``interval`` m apart.
 
-        Stations are ``interval`` m apart; depths are metres, angles degrees.
+        They reach from ``margin`` m above the hole to at least ``margin`` m below it.
         """
         depth = np.arange(self.start - margin, self.stop + margin + interval, interval)
         along = np.maximum(depth - self.start, 0.0)
@@ -228,7 +233,7 @@ class Hole:
         return radius
 
     def _roughness_modes(self) -> Floats:
-        """Return a row for each wave of the roughness: periods around, radians a metre along, phase, amplitude."""
+        """Return a row for each wave of the roughness: periods around the hole, radians per metre, phase, amplitude."""
         if not self.rugosity:
             return np.empty((0, 4))
         rng = np.random.default_rng([self.seed, 2])
@@ -258,7 +263,7 @@ def _taper(depth: Floats, start: float, stop: float) -> Floats:
 
 
 def _spread(rng: np.random.Generator, start: float, length: float, spacing: float) -> list[float]:
-    """Return a random depth for about each ``spacing`` metres of an interval, and none in its last tenth."""
+    """Return sorted random depths, about one in each ``spacing`` metres of an interval and none in its last tenth."""
     count = max(1, round(length / spacing))
     return [start + 0.9 * length * (index + rng.uniform(0.1, 0.7)) / count for index in range(count)]
 

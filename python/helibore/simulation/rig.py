@@ -1,4 +1,4 @@
-"""Simulate a rig that sends WITS: a tool in a known hole, with a telemetry that is slow, late and loses frames.
+"""Simulate a rig that sends WITS from a tool in a known hole, by a telemetry that is slow, late and loses frames.
 
     mud pulse   1 triple in 2 s          EM      5 triples/s
     wired pipe  900 triples/s            memory  3,000 triples/s recorded
@@ -51,7 +51,7 @@ image.GR = {{ first = "5110", count = 16, unit = "gAPI", depth = "0821", origin 
 
 
 def configuration(address: str, telemetry: str = "wired-pipe", start: float = 2000.0) -> str:
-    """Return the TOML with which ``helibore live`` reads a rig of this telemetry at ``address``; none is simulated."""
+    """Return the TOML with which ``helibore live`` reads a rig of this telemetry; it connects to ``address``."""
     _, groups, _ = _usual(telemetry)
     return CONFIGURATION.format(address=address, bit_diameter=BIT_DIAMETER, start=start, groups=groups)
 
@@ -64,7 +64,7 @@ def _usual(telemetry: str) -> tuple[float, int, float]:
 
 @dataclass(frozen=True)
 class Faults:
-    """Faults of the telemetry: the shares of caliper frames that it drops, sends twice, or sends late."""
+    """Faults of the telemetry: the shares of caliper frames that it drops, sends twice, or sends 5 s later."""
 
     dropped: float = 0.0
     doubled: float = 0.0
@@ -77,26 +77,26 @@ class Faults:
 
 
 class Rig:
-    """A rig that drills a known hole and reports it.
+    """A rig that drills a known hole and sends what its tool measures.
 
     Parameters
     ----------
     telemetry
         A name in TELEMETRY.
     start, stop
-        Depth drilled, metres.
+        The interval that is drilled, depths in metres.
     lift
-        Metres by which the tool is lifted when half of the interval is drilled, to scan these metres again (0: no
-        lift); or a tuple of lifts.
+        Metres by which the tool is lifted once, when half of the interval is drilled, to scan these metres again; 0:
+        there is no lift. Or a tuple of lifts.
     faults, seed
         The faults of the telemetry, and the seed of all random numbers.
     rate
-        Triples a second of drilling time; None: the rate of the telemetry.
+        Number of triples in a second of drilling time; None: the rate of the telemetry.
 
     Attributes
     ----------
     triples
-        (n, 3): toolface deg, depth m, radius m of every triple sent at least once, rounded as sent.
+        (n, 3): toolface (deg), depth (m) and radius (m) of each triple that is sent at least once, rounded as sent.
     """
 
     def __init__(
@@ -126,9 +126,9 @@ class Rig:
         return configuration(address, self._telemetry, self._start)
 
     def _in_order(self, faults: Faults) -> tuple[Floats, list[tuple[float, bytes | int]]]:
-        """Return the triples that are sent, and all frames in order: drilling time, and bytes or number of a frame.
+        """Return the triples that are sent, and all frames in order of sending.
 
-        Only a caliper frame has a number.
+        Each frame is a drilling time and, for a caliper frame, its number; for another frame, its bytes.
         """
         rows = self._rows
         sent: list[tuple[float, bytes | int]] = [*self._surface(), *self._stations_and_gamma()]
@@ -164,7 +164,7 @@ class Rig:
                                       (113, "20.00"), (120, "117"), (121, "15000")])  # fmt: skip
 
     def _stations_and_gamma(self) -> Iterator[tuple[float, bytes]]:
-        """Yield (drilling time, frame) of each survey station and row of gamma, sent when the bit has passed it."""
+        """Yield (drilling time, frame) of each survey station and row of gamma; each is sent when the bit passes it."""
         run = self.run
         deepest = np.maximum.accumulate(run.depth)
 
@@ -181,7 +181,10 @@ class Rig:
 
 
 def play(rig: Rig, link: socket.socket, speed: float = 1.0, packet: int = 1400) -> int:
-    """Send a rig's frames ``speed`` times as fast as it drilled (0: without waiting); return the bytes sent."""
+    """Send a rig's frames ``speed`` times as fast as it drilled, and return the number of bytes sent.
+
+    With ``speed`` 0, it does not wait. A packet has at most ``packet`` bytes, or one longer frame.
+    """
     begin, sent, held = time.monotonic(), 0, bytearray()
     first = None
 
@@ -204,7 +207,7 @@ def play(rig: Rig, link: socket.socket, speed: float = 1.0, packet: int = 1400) 
 
 
 def socket_address(text: str) -> Address:
-    """Read an address; an InputError unless it is ``tcp://HOST:PORT`` or ``listen://HOST:PORT``."""
+    """Return an address; raise an InputError unless it is ``tcp://HOST:PORT`` or ``listen://HOST:PORT``."""
     with suppress(ValueError):
         address = read_address(text)
         if address.kind in ("tcp", "listen"):
@@ -215,7 +218,7 @@ def socket_address(text: str) -> Address:
 def connect(address: str, seconds: float = 30.0) -> socket.socket:
     """Return a socket: ``tcp://HOST:PORT`` connects, ``listen://HOST:PORT`` waits for one connection.
 
-    Raises OSError, with the address, if there is no connection within ``seconds``.
+    Raises an OSError that names the address if there is no connection within ``seconds``.
     """
     found = socket_address(address)
     where = (found.host, found.port)
@@ -234,7 +237,7 @@ def connect(address: str, seconds: float = 30.0) -> socket.socket:
 
 
 def _connected(where: tuple[str, int], seconds: float) -> socket.socket:
-    """Return a socket that is connected to an address; try again while the address refuses, for ``seconds``."""
+    """Return a socket that is connected to an address; while the address refuses, try again for ``seconds``."""
     end = time.monotonic() + seconds
     while True:
         try:

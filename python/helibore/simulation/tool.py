@@ -3,8 +3,8 @@
 A :class:`Tool` turns with stick-slip, advances unevenly, may be lifted to scan an interval again, and adds noise;
 :func:`simulate` runs it through a :class:`~helibore.simulation.hole.Hole`::
 
-    speed of turning  = rotation (1 + stick_slip cos(2 pi t / period + phase) + a slow wander)
-    speed of advance  = advance (1 + swings of 8 s, 47 s and 391 s)
+    speed of turning  = rotation (1 + stick_slip cos(2 pi t / period + phase) + a slow variation by 4 %)
+    speed of advance  = advance (1 + swings with periods of 8 s, 47 s and 391 s)
 
 All random numbers are seeded: the same arguments give the same bits. ``rig.py`` simulates the telemetry and its
 losses. The tool is always on the axis of the hole.
@@ -25,7 +25,7 @@ __all__ = ["Bed", "Breakout", "Hole", "Lift", "Section", "Simulation", "Tool", "
 
 @dataclass(frozen=True)
 class Lift:
-    """At bit depth ``depth`` (m) the tool is raised by ``length`` (m), and scans those metres again on its way down."""
+    """When the bit is at ``depth`` (m), the tool is raised by ``length`` (m), and then scans these metres again."""
 
     depth: float
     length: float
@@ -36,17 +36,17 @@ class Tool:
     """How the tool turns, advances and measures."""
 
     rotation: float = 117.0  # mean speed, turns a minute
-    stick_slip: float = 0.7  # amplitude of its swing as a share of the mean; 1: the string stops once a period
+    stick_slip: float = 0.7  # amplitude of the swing of the speed as a share of the mean; 1: it stops once a period
     stick_slip_period: float = 3.7  # seconds
     advance: float = 20.0  # mean rate of penetration, metres an hour
-    advance_variation: float = 0.6  # as a share of the mean, less than 1
+    advance_variation: float = 0.6  # sum of the amplitudes of all swings as a share of the mean, less than 1
     sample_rate: float = 20.0  # samples a second
     noise: float = 0.0005  # standard deviation of the radius, metres
     toolface_noise: float = 0.0  # standard deviation of the toolface, degrees
     missing: float = 0.0  # share of the samples that never arrive, [0, 1)
-    lifts: tuple[Lift, ...] = ()  # in order of depth
+    lifts: tuple[Lift, ...] = ()  # sorted by depth
     sectors: int = 16  # sectors of the gamma image
-    image_step: float = 0.1  # metres from row to row of the gamma image
+    image_step: float = 0.1  # metres between two rows of the gamma image
     gamma_noise: float = 2.0  # standard deviation, gAPI
 
     def __post_init__(self) -> None:
@@ -77,7 +77,7 @@ class Simulation:
         The gamma image: rows (r,) in metres, values (r, sectors) in gAPI. Sector j spans the toolfaces
         [j, j + 1) 360 / sectors, so the first sector starts at the high side.
     hole, tool
-        The truth (``hole.radius(depth, toolface)``) and the tool.
+        The true hole, of which ``hole.radius(depth, toolface)`` returns the true radius; the tool.
     """
 
     time: Floats
@@ -98,9 +98,10 @@ def simulate(
 ) -> Simulation:
     """Measure a hole (None: ``Hole.example(seed=seed)``) with an imaging-while-drilling tool (None: ``Tool()``).
 
-    ``samples`` is the number of samples of the whole run, at least 2, before the share ``tool.missing`` is removed. It
-    sets the sample rate; None: the number that ``tool.sample_rate`` gives. ``seed`` is the seed of phases, noise and
-    missing samples. The first sample lies at ``hole.start`` and the last at ``hole.stop``, unless they are missing.
+    ``samples`` is the number of samples of the whole run, at least 2, before the share ``tool.missing`` is removed; it
+    replaces ``tool.sample_rate``. With None, the number follows from ``tool.sample_rate``. ``seed`` is the seed of
+    phases, noise and missing samples. The first sample is at ``hole.start`` and the last sample is at ``hole.stop``,
+    unless they are missing.
     Raises InputError if a lift leaves the hole, if lifts are not in order of depth, if there are fewer than two
     samples, or if all of them are missing.
     """
@@ -148,7 +149,7 @@ def _check_lifts(hole: Hole, tool: Tool) -> None:
 
 
 def _rotate(tool: Tool, time: Floats, rng: np.random.Generator) -> Floats:
-    """Return the toolface at each time: the integral of a speed that swings (stick-slip) and varies slowly by 4 %."""
+    """Return the toolface at each time: the integral of a speed that swings (stick-slip) and varies slowly."""
     start, fast, slow = rng.random(3)
     turns = time + start
     for amplitude, period, phase in ((tool.stick_slip, tool.stick_slip_period, fast), (0.04, 61.8, slow)):
@@ -160,7 +161,7 @@ def _rotate(tool: Tool, time: Floats, rng: np.random.Generator) -> Floats:
 
 
 def _progress(tool: Tool, time: Floats, rng: np.random.Generator) -> Floats:
-    """Return the share of the travel at each time, from 0 to 1; it never falls, since the swings sum to less than 1."""
+    """Return the share of the travel at each time, from 0 to 1. It never falls: the swings sum to less than 1."""
     progress = time.copy()
     for share, period in ((0.5, 8.3), (0.3, 47.0), (0.2, 391.0)):
         swing = share * tool.advance_variation * period / (2.0 * np.pi)
@@ -171,7 +172,7 @@ def _progress(tool: Tool, time: Floats, rng: np.random.Generator) -> Floats:
 
 
 def _lift(hole: Hole, tool: Tool, time: Floats, depth: Floats) -> tuple[Floats, Floats]:
-    """Return time and depth with lifts: at each, the depth steps back, after some time of raising without samples."""
+    """Return time and depth with lifts: at each lift the depth steps back; no sample is made while the tool rises."""
     raising_speed = 0.2  # m/s
     for lift in tool.lifts:
         first = int(np.argmax(depth > lift.depth))
