@@ -22,7 +22,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import Floats, numbers
+from helibore.base.arrays import Floats, column, numbers
 from helibore.base.colors import customary_map, percentile_limits, symmetric_limit
 from helibore.base.errors import InputError
 from helibore.base.ranges import Range, union
@@ -79,7 +79,8 @@ class Feed:
         self._criteria = criteria  # of zones; None: the usual ones
         if len(wall) == 0:
             raise InputError("the wall has no vertex yet", "append samples first")
-        named = {_attribute(key): numbers(values) for key, values in attributes.items()}
+        described = map(_attribute, attributes)
+        named = {of: _column(of.name, values) for of, values in zip(described, attributes.values(), strict=True)}
         settings, helix = wall.settings, helix_of(wall)
         self._shape = WallShape(
             helix.sectors, helix.pitch, helix.start_depth, float(settings.bit_diameter), helix.start_toolface, well,
@@ -127,7 +128,7 @@ class Feed:
 
         ``attributes`` are columns of the whole wall, of which only the changed parts are read.
         """
-        columns = {name: self._column(name, values) for name, values in (attributes or {}).items()}
+        columns = {name: self._checked(name, values) for name, values in (attributes or {}).items()}
         first = self._first
         whole = (first, first + len(self._wall))
         ranges, settled = ([whole], self._wall.settled) if change is None else (change.ranges, change.settled)
@@ -153,9 +154,9 @@ class Feed:
 
         There may be fewer if the wall has grown since they were made; other quads then keep their values.
         """
-        column = self._column(name, values, shorter=True)
+        array = self._checked(name, values, shorter=True)
         with self._changed:
-            self._values[name] = column
+            self._values[name] = array
             self._ranges = [(0, len(self._wall))]
             self._changed.notify_all()
 
@@ -289,17 +290,17 @@ class Feed:
         if known != self.scene.state.true_depth:
             self.scene.update_state(true_depth=known)
 
-    def _column(self, name: str, values: npt.ArrayLike, shorter: bool = False) -> npt.NDArray[np.float64]:
+    def _checked(self, name: str, values: npt.ArrayLike, shorter: bool = False) -> Floats:
         if name not in self._values:
             raise InputError(f"attribute {name}", "was not named when the viewer was made")
-        column = numbers(values)
-        if not (shorter and column.ndim == 1 and len(column) <= len(self._wall)):
-            self._check(name, column)
-        return column
+        array = _column(name, values)
+        if not (shorter and len(array) <= len(self._wall)):
+            self._check(name, array)
+        return array
 
-    def _check(self, name: str, values: npt.NDArray[np.float64]) -> None:
+    def _check(self, name: str, values: Floats) -> None:
         n, K = len(self._wall), self._shape.sectors
-        if values.ndim != 1 or len(values) not in (n, max(0, n - K - 1)):
+        if len(values) not in (n, max(0, n - K - 1)):
             rule = f"must be one value for each of {n} vertices or {max(0, n - K - 1)} quads"
             raise InputError(f"attribute {name} has shape {values.shape}", rule)
 
@@ -352,6 +353,13 @@ def _attribute(key: str | Attribute) -> Attribute:
     """Return the attribute that ``key`` is or names; without a colour map, it gets the usual one."""
     attribute = key if isinstance(key, Attribute) else Attribute(key)
     return replace(attribute, color_map=attribute.color_map or customary_map(attribute.name, attribute.unit))
+
+
+def _column(name: str, values: Any) -> Floats:
+    """Return an attribute's values as a column; truth values become 0 and 1."""
+    if getattr(values, "dtype", None) == np.bool_:
+        values = values.astype(np.float64)
+    return column(f"attribute {name}", values)
 
 
 def _limits(attribute: Attribute, values: Floats) -> tuple[float, float] | None:

@@ -395,6 +395,15 @@ def test_what_cannot_be_viewed_is_said() -> None:
         ValueError, match=r"^attribute GR has shape \(3,\): must be one value for each of 5000 vertices or 4935 quads$"
     ):
         hb.view(wall, attributes={"GR": [1, 2, 3]})
+    for values, rule in (
+        (np.ma.masked_equal(np.arange(5000.0), 3), "masked arrays are not taken; drop the masked rows or use"),
+        (["a"] * 5000, "must be numbers"),
+        (np.ones((5000, 1)), "must be one-dimensional, not 2-dimensional"),
+    ):
+        with pytest.raises(hb.InputError, match=f"^attribute GR: {rule}"):
+            hb.view(wall, attributes={"GR": values})
+    measured = Feed(wall, path=None, attributes={"measured": np.ones(5000, bool)}, well="").scene
+    assert (measured.levels[0].columns[0][:5000] == 1).all()
     with pytest.raises(ValueError, match=r"^port = 70000: must be from 0 to 65535$"):
         hb.view(wall, port=70_000)
     short = hb.Survey([990, 1002], [1, 1], [0, 0]).path()
