@@ -128,7 +128,10 @@ class NotebookView(anywidget.AnyWidget):
         async def send(message: MutableMapping[str, Any]) -> None:
             sent.append(message)
 
-        await self._requests(scope, receive, send)
+        try:
+            await self._requests(scope, receive, send)
+        except Exception as error:  # a bug: without an answer, the page would wait for ever
+            sent = [{"status": 500, "headers": []}, {"body": f"{error!r}: this is a bug in helibore\n".encode()}]
         headers = {name.decode(): value.decode() for name, value in sent[0]["headers"]}
         body = b"".join(message.get("body", b"") for message in sent[1:])
         self.send({"view": view, "id": question["id"], "status": sent[0]["status"], "headers": headers}, [body])
