@@ -323,7 +323,7 @@ class Live:
         """The path through the survey; None while there is no survey."""
         return self.model.stations.path
 
-    def receive(self, source: str, payload: bytes, connection: int = 1) -> Update:
+    def receive(self, source: str, payload: bytes | bytearray | memoryview, connection: int = 1) -> Update:
         """Store and read ``payload``, the bytes that came from ``source`` by one of its connections.
 
         ``connection`` is the number of the connection, which the caller chooses; another number begins a new stream.
@@ -336,11 +336,13 @@ class Live:
         Raises
         ------
         ValueError
-            If the source is not in the configuration.
+            If the source is not in the configuration, or ``connection`` is not a whole number from 0 to 2^32 - 1.
         JournalFullError
             If the bytes could not be stored. They were not read, so the caller may pass them again.
         """
         number = self._number(source)
+        if not isinstance(payload, bytes):  # the length of another buffer may not be that of its bytes
+            payload = bytes(memoryview(payload))
         update = Update()
         for start in range(0, len(payload), journals.LONGEST_PAYLOAD):
             part = payload[start : start + journals.LONGEST_PAYLOAD]
@@ -553,6 +555,8 @@ class Live:
             return self._take(records, [payload for one in stored for payload in one.payloads])
 
     def _stamp(self, source: int, connection: int, payload: bytes, kind: int) -> tuple[Rows, list[bytes]]:
+        if not (isinstance(connection, (int, np.integer)) and 0 <= connection < 1 << 32):
+            raise ValueError(f"connection = {connection!r}: must be a whole number from 0 to {(1 << 32) - 1}")
         if self.journal is not None and kind == journals.OPENED:
             sequence, wall, monotonic = self.journal.reopen(payload)
         elif self.journal is not None:

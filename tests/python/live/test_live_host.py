@@ -96,6 +96,26 @@ def test_a_pushed_sample_that_is_out_of_range_is_left_out_with_an_event(samples,
     assert live.wall.sample_count == 1
 
 
+@pytest.mark.parametrize("connection", [-1, 1 << 32, 1.5, "a"])
+def test_a_number_that_is_no_connection_is_refused_and_nothing_is_stored(tmp_path, connection):
+    with Live(parse(live_pushes.CONFIGURATION), tmp_path) as live:
+        with pytest.raises(ValueError) as raised:  # noqa: PT011 (the text is compared whole below)
+            live.receive("host", b"&&", connection)
+        assert str(raised.value) == f"connection = {connection!r}: must be a whole number from 0 to 4294967295"
+        live.receive("host", b"&&")
+    assert Live.replay(tmp_path).model.records == 1
+
+
+def test_all_bytes_of_a_buffer_of_other_items_are_stored(tmp_path):
+    """A buffer of 4 integers has 16 bytes; 4 of them were counted, and the next record was written over the others."""
+    with Live(parse(live_pushes.CONFIGURATION), tmp_path) as live:
+        for buffer in (memoryview(np.arange(4, dtype=np.int32)), bytearray(b"&&\r\n")):
+            live.receive("host", buffer)
+    (segment,) = journals.segments(tmp_path)
+    stored = [segment.payload(row) for row in np.flatnonzero(segment.records["kind"] == journals.BYTES)]
+    assert (stored, segment.damage) == ([np.arange(4, dtype=np.int32).tobytes(), b"&&\r\n"], [])
+
+
 def test_every_row_of_an_image_that_is_out_of_range_counts():
     live = Live(parse(live_pushes.CONFIGURATION))
     update = live.append_image("GR", [101.0, -5.0, 99e3], [[1, 2], [3, 4], [5, 6]])
