@@ -432,8 +432,8 @@ class Model:
                  f"must be from {-LATEST:g} to {LATEST:g}, in seconds since 1970"),
             )  # fmt: skip
             wrong = np.zeros(len(depth), bool)
-            for name, unit, values, right, rule in rules:
-                self._report_wrong(record, name, unit, values, ~right, rule)
+            for name, unit, column, right, rule in rules:
+                self._report_wrong(record, name, unit, column, ~right, rule)
                 wrong |= ~right
             stamp = np.where(wrong, np.nan, stamp)
             pending = np.zeros(len(depth), PENDING)
