@@ -3,6 +3,7 @@
 #include "helibore/wall.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <thread>
 
@@ -73,6 +74,24 @@ void starts_at_zero() {
                 CHECK(!std::signbit(wall.start_depth()));
             }
         }
+}
+
+// A radius of the least positive number: as a trial radius, it brings all toolfaces together.
+void takes_the_least_radius() {
+    constexpr double least = std::numeric_limits<double>::denorm_min();
+    const std::vector<double> depth = {1000.0, 1000.015625, 1000.03125, 1000.5}, toolface = {36.6, 135.0, 300.0, 10.0};
+    const std::vector<double> radius = {0.17, least, 0.08, 0.1};
+    for (const InstructionSet set : {InstructionSet::plain, InstructionSet::automatic}) {
+        Wall wall({.bit_diameter = 0.216,
+                   .sectors = 3,
+                   .start_depth = 1000.0,
+                   .neighbors = 1,
+                   .max_iterations = 11,
+                   .instruction_set = set});
+        wall.append({depth, toolface, radius});
+        CHECK(wall.radius()[1] == 0.04);  // its estimates alternate between the second sample and the third
+        CHECK(wall.iterations()[1] == 3 && std::abs(wall.nearest()[1] - 0.0273) < 1e-3);
+    }
 }
 
 void refuses_settings() {
@@ -178,6 +197,7 @@ int main() {
     reconstructs();
     splits_and_moves();
     starts_at_zero();
+    takes_the_least_radius();
     in_every_host_state(refuses_settings);
     in_every_host_state(refuses_samples);
     in_every_host_state(refuses_too_many_vertices);

@@ -209,7 +209,8 @@ void Search::search_box(const Samples& samples, const Span& span, kernel::Group&
             return samples.size() == 0 ||
                    (span.shallow - above <= windows.shallow && span.deep + above >= windows.deep);
         };
-        const double across = span.half_width + width + 1e-9;
+        // Finite also if the trial radius is so small that `degree` is 0.
+        const double across = std::min(span.half_width + width + 1e-9, 360.0);
         const kernel::Filter filter{across, g.center - across < 0.0 || g.center + across >= 360.0};
         kernel::Box box{holds_all(height) ? no_limit : height,
                         across < 180.0 ? width : no_limit,
