@@ -38,7 +38,7 @@ a first harmonic of at most twice the excess of its mean radius. A tool that whi
 of every sample along the turns is given, the centre is interpolated between turns, and the fit is repeated in the
 moving frame.
 
-The caller decides which samples form a turn if the tool does not rotate; any integers will do.
+The caller says by whole numbers which samples form a turn; for a tool that does not rotate, a turn may be any group.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ _SAMPLES_AT_ONCE = 1 << 16
 _EXCESS = 0.8  # 2/3 would make the bound 3 deviations; more, because the mean radius about a wrong axis is too small
 _FASTEST_WHIRL = 100.0  # degrees a turn
 _SHAPE_HARMONICS = 8
-_SHOWN = 0.7  # least share that the samples show of the wave that the centres predict; with less, the centres are wrong
+_SHOWN = 0.7  # if the samples show less than this share of the wave that the centres predict, the centres are wrong
 _MOTION_ROUNDS = 2  # of fits in which the samples follow the centre from turn to turn
 
 
@@ -68,8 +68,8 @@ _MOTION_ROUNDS = 2  # of fits in which the samples follow the centre from turn t
 class Centres:
     """The tool's centre in each of t turns, sorted by ``turn``; metres.
 
-    A turn without a radius has NaN. The centre and its covariances are also NaN if the tool moves too far from turn to
-    turn to be followed.
+    A turn without a radius has 0 ``samples`` and NaN in all other columns. The centre and its covariances are also NaN
+    if the tool moves too far from turn to turn to be followed, or if the samples contradict the centre.
     """
 
     turn: Integers
@@ -79,9 +79,9 @@ class Centres:
     mean_radius: Floats  # of the hole about its axis
     noise: Floats  # deviation of the samples from the fitted wall
     inliers: Floats  # share of the samples within three times that noise
-    samples: Integers  # with a finite radius
-    one_sided: Floats  # weight in [0, 1] of a wall enlarged on one side: shown, or not excluded, by the samples
-    within: Floats  # covariance without that possibility, (t, 2, 2) m^2
+    samples: Integers  # number of samples with a finite radius
+    one_sided: Floats  # weight, 0 to 1, of a wall enlarged on one side: 0 if the samples exclude such a wall
+    within: Floats  # covariance if the wall is not enlarged on one side, (t, 2, 2) m^2
 
     def __repr__(self) -> str:
         known = self.eccentering[np.isfinite(self.x)]
@@ -105,16 +105,16 @@ class Centres:
 
     @property
     def direction(self) -> Floats:
-        """Toolface towards which the tool is off, (t,) degrees in [0, 360)."""
+        """Toolface of the tool's centre as seen from the hole's axis, (t,) degrees in [0, 360)."""
         return wrapped(np.degrees(np.arctan2(self.y, self.x)))
 
     def share(self, significance: float = 3.0) -> Floats:
         """Return the share of each centre to correct: (1 - one_sided) max(0, 1 - (significance / c' within^-1 c)^2).
 
-        c' within^-1 c of a centred tool follows chi-squared with two degrees of freedom at most (the covariance is
-        rather too large). So 22 % of turns exceed 3, few of them by much, and noise is rarely taken for eccentering. At
-        ten standard deviations the share is 0.999; ``significance=0`` corrects all that is not one-sided. Turns without
-        a centre get 0.
+        c is the centre (x, y). If the tool is centred, c' within^-1 c follows chi-squared with two degrees of freedom,
+        or is smaller, since the covariance is rather too large. So at most 22 % of such turns exceed 3, few of them by
+        much, and noise is rarely taken for eccentering. For a centre ten standard deviations off the axis, the second
+        factor is 0.999; with ``significance=0`` it is 1. Turns without a centre get 0.
         """
         centre = np.stack([self.x, self.y], axis=1)
         found = np.isfinite(self.x)
@@ -133,8 +133,8 @@ class Centres:
 def turn_positions(toolface: npt.ArrayLike) -> Floats:
     """Return the number of turns made at every sample of a rotating tool, from its toolfaces in order of time, (n,).
 
-    The steps between samples, less than 180 degrees, are taken the short way round and summed, from toolface 0 of the
-    first turn on. A tool that turns back (stick-slip) returns into the turn it came from.
+    Each step between two samples is taken the short way round, which is right if it is less than 180 degrees; the steps
+    are summed from toolface 0 of the first turn on. A tool that turns back (stick-slip) returns into its previous turn.
     """
     positions: Floats = np.unwrap(finite_column("toolface", toolface) % 360.0, period=360.0) / 360.0
     return positions
@@ -154,11 +154,12 @@ def find_centres(
     Parameters
     ----------
     toolface, radius
-        As measured from the tool's centre: degrees and metres, (n,), in any order. NaN radii are left out.
+        As measured from the tool's centre, degrees and metres, (n,), in any order. Samples with a NaN radius are left
+        out.
     turn
         Whole numbers, (n,): samples of one number share one centre.
     shape
-        What to expect; None: ``Shape()``.
+        What to expect of the hole and the tool; None: ``Shape()``.
     bit_diameter
         Metres. The wall lies nowhere inside the bit, so its first harmonic is at most twice the excess of its mean
         radius over the bit's; that bound becomes 2.5 standard deviations of the centre. Without a bit size a smooth
@@ -180,8 +181,8 @@ def find_centres(
     Raises
     ------
     InputError
-        If lengths differ, a toolface or turn is not finite, a turn is not whole, or a radius is infinite or not above
-        0.
+        If lengths differ, a toolface, turn or position is not finite, a turn is not whole, a radius is infinite or not
+        above 0, or the bit diameter is not finite and above 0.
     """
     shape = Shape() if shape is None else shape
     angle, distance, number = _samples(toolface, radius, turn)
@@ -199,7 +200,7 @@ def find_centres(
     reach = distance[order] * (np.cos(seen) + 1j * np.sin(seen))
     smooth_radius = _fit(result, reach, shape)
     size_deviation = np.zeros(turns.size)
-    if place is not None:
+    if place is not None and turns.size:
         for _ in range(_MOTION_ROUNDS):
             centre = x + 1j * y
             moved = _moving(turns, centre, place[order], row[order])
@@ -219,9 +220,10 @@ def find_centres(
 
 
 def _fit(result: Centres, reach: Complexes, shape: Shape) -> Floats:
-    """Fit all turns into ``result``, some thousands at once; ``reach`` are the samples as x + i y, turn by turn.
+    """Fit all turns, some hundreds or thousands at once, and write the centres into ``result``.
 
-    Returns the mean radius of each turn without its steps, (t,) m.
+    ``reach`` are the samples as x + i y from the tool's centre, sorted by turn. Returns the mean radius of each turn
+    without its steps, (t,) m.
     """
     smooth_radius = np.full(result.turn.size, np.nan)
     filled = np.flatnonzero(result.samples)
@@ -284,7 +286,7 @@ def _too_fast(turns: Integers, centre: Complexes, deviation: Floats) -> Mask:
 
 
 def _sum_around(values: Floats) -> Floats:
-    """Return the sums over the 21 turns around each turn."""
+    """Return for each turn the sum over it and ten turns on either side."""
     return np.convolve(values, np.ones(21))[10 : 10 + values.size]  # "same" would be 21 for fewer turns
 
 
@@ -369,9 +371,9 @@ def recentre(
 ) -> tuple[Floats, Floats]:
     """Return toolface, in [0, 360), and radius of every sample as seen from the hole's axis, (n,), new.
 
-    ``centres`` are those of these turns, the columns are as given to :func:`find_centres`, and ``significance`` is as
-    in :meth:`Centres.share`. If a turn has no significant centre, its samples keep radius and toolface; NaN radii stay
-    NaN and keep their toolface. A turn that ``centres`` does not hold is an error.
+    ``toolface``, ``radius``, ``turn`` and ``position`` are as given to :func:`find_centres`, ``centres`` is its result,
+    and ``significance`` is as in :meth:`Centres.share`. If a turn has no significant centre, its samples keep radius
+    and toolface; NaN radii stay NaN and keep their toolface. A turn that ``centres`` does not hold is an InputError.
     """
     angle, distance, number = _samples(toolface, radius, turn)
     row = np.minimum(np.searchsorted(centres.turn, number), max(centres.turn.size - 1, 0))

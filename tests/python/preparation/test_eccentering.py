@@ -444,3 +444,10 @@ def test_harmonics_against_design_matrices():
         np.testing.assert_allclose(evaluate(terms, table, turn)[turn == t], x @ terms[t], atol=1e-12)
         slow = np.einsum("np,pq,nq->n", x, square[t], x)
         np.testing.assert_allclose(leverage(square, table, turn)[turn == t], slow, atol=1e-12)
+
+
+def test_no_samples_have_no_turns_also_with_positions():
+    centres = find_centres([], [], [], position=[])
+    assert (centres.turn.size, centres.x.size) == (0, 0)
+    toolface, radius = recentre([], [], [], centres, position=[])
+    assert (toolface.size, radius.size) == (0, 0)
