@@ -13,8 +13,8 @@ biases is the posterior covariance plus that of the scores of intervals of 10 m 
 samples), since walls are correlated along the hole.
 
 Only differences can be found. Zero is the mean of all arms; if some arms drift while others are steady, zero is the
-mean of the steady arms. A bias whose deviation exceeds 0.127 mm is NaN and is not corrected. Gain errors, and biases
-that change within a pass, are not supported.
+mean of the steady arms. A bias that is not known well enough, for example because its deviation exceeds 0.127 mm, is
+not subtracted (`Bias.table`). Gain errors, and biases that change within a pass, are not supported.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Bias:
     """
 
     passes: Integers  # their numbers, (p,), sorted
-    arms: Integers  # (a,)
+    arms: Integers  # their numbers, (a,), sorted
     by_pass: Floats  # (p,); NaN for passes of which no bias is known
     by_arm: Floats  # (a,); NaN for arms that cannot be separated from the hole's shape
     by_both: Floats  # the remaining bias of each arm in each pass, (p, a)
@@ -55,9 +55,9 @@ class Bias:
     # What is subtracted, (p, a): the estimate; NaN where its deviation exceeds 0.127 mm, for an arm that drifts and
     # cannot be compared with a steady arm, and where less than half of an arm's samples can be compared.
     table: Floats
-    samples: Integers  # of each pass and arm, (p, a)
-    part: Integers  # passes and arms of one number can be compared, and share one zero, (p, a)
-    drift: Floats  # from least to largest bias over the passes that can be compared, (a,); NaN for fewer than two
+    samples: Integers  # number of samples of each pass and arm, (p, a)
+    part: Integers  # passes and arms with one number here can be compared, and share one zero, (p, a)
+    drift: Floats  # largest less least bias of an arm over the passes that can be compared, (a,); NaN if fewer than two
     drift_sigma: Floats  # its standard deviation, (a,)
     drift_ends: Integers  # rows of the passes with the least and the largest bias, (a, 2)
     noise: float  # metres: robust deviation of a sample from its cell after correction
@@ -80,7 +80,7 @@ class Bias:
         return np.nan_to_num(self.table)[rows]
 
     def lines(self, names: Sequence[str]) -> list[str]:
-        """Return a sentence for each pass, with the ``names`` of the arms, then the `warnings`."""
+        """Return a sentence on the biases in each pass, then the `warnings`; ``names`` are those of the arms."""
         lines = []
         for row, number in enumerate(self.passes):
             arms = [
@@ -132,12 +132,15 @@ class Bias:
             for row, arm in np.argwhere(np.isnan(self.table) & (self.samples > 0)).tolist()
         ]
         if left:
-            lines.append(f"the bias of {_few(left)} is not known to {1e3 * _KNOWN:g} mm: not corrected")
+            lines.append(
+                f"the bias of {_few(left)} is not known: its deviation exceeds {1e3 * _KNOWN:g} mm, or too few samples "
+                "can be compared with a steady arm; not corrected"
+            )
         return lines
 
 
 def _few(names: list[str]) -> str:
-    """Return the names as text; if there are many, only the first names."""
+    """Return the names as text; if there are more than six, the first five and how many more."""
     few = names if len(names) <= 6 else [*names[:5], f"{len(names) - 5} more"]
     return " and ".join([", ".join(few[:-1]), few[-1]] if len(few) > 1 else few)
 
@@ -156,25 +159,25 @@ def find_bias(
     expected: float = 0.002,
     rounds: int = 10,
 ) -> Bias:
-    """Find the bias of each pass and arm by comparing what they measured of one wall.
+    """Find the bias of each arm in each pass by comparing what they measured of one wall.
 
-    Levels, cells (a level and a slope each) and biases are solved for together, with Huber's weights (1.345 deviations,
-    estimated by the median), in ``rounds`` rounds.
+    The levels, a level and a slope for each cell, and the biases are solved for together. Samples have Huber's weights
+    (1.345 deviations, estimated by the median), which each round computes anew.
 
     Parameters
     ----------
     depth, toolface, radius, pass_number
         Metres, degrees, metres, whole numbers: (n,), finite. Depths include the shifts of their passes.
     arm
-        Whole numbers; None: one arm. Or the classes of :func:`arm_sides`.
+        Whole numbers: the arm of each sample, or its class as :func:`arm_sides` returns it; None: one arm.
     sides
-        Number of classes of each arm; ``arm`` is arm * sides + side. An arm may read differently in each pass, and
-        differently on each side.
+        Number of sides of the hole into which :func:`arm_sides` divided the arms, whose numbers then are arm * sides +
+        side; 1: not divided.
     cell, sectors
-        Height of a cell in m and cells around the hole.
+        Height of a cell in metres, and number of cells around the hole.
     floor
-        Least deviation, metres. Most quantised radii agree exactly, so that their median deviation is 0; for quantised
-        radii, give about half a step.
+        Least deviation of samples, metres. Quantised radii mostly agree exactly, so that their median deviation is 0;
+        for these, give about half a step.
     expected
         Expected deviation of biases, metres: a weak pull to 0, which matters only where the samples do not determine a
         bias.
@@ -232,7 +235,7 @@ def _indicators(of: Integers) -> Floats:
 
 
 def _parts(joined: Mask) -> Integers:
-    """Return the part of each group, a number; groups that are joined, directly or through others, are one part."""
+    """Return the number of each group's part; groups that are joined, directly or through others, are one part."""
     size = len(joined)
     part = np.arange(size)
     for _ in range(size):
@@ -428,7 +431,6 @@ class _Walls:
 
 
 def _table(row: Integers, column: Integers, weights: Floats, rows: int, columns: int) -> Floats:
-    """Return the sums of the weights by row and column."""
     sums = np.bincount(row * columns + column, weights, rows * columns).reshape(rows, columns)
     return sums.astype(np.float64, copy=False)
 

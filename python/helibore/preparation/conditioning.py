@@ -1,11 +1,11 @@
-"""Decide which samples to leave out; each step judges the samples, changes nothing, and returns a :class:`Step`.
+"""Decide which samples to leave out: each step judges samples, changes none of them, and returns a :class:`Step`.
 
     step = spikes(toolface, radius, turn)
     radius[step.kept], step.counts         # counts: {"spike": 3}
 
-A step has a name, its settings, a mask of the samples to drop and a count for each reason. Steps are independent: if
-their order matters, select the kept samples before the next step. `Echo` converts travel times to radii. No step
-repairs a value.
+A step has a name, its settings, a mask of the samples to drop and a count for each reason. No step knows what another
+dropped, so select the kept samples before the next step if it should judge only these. No step repairs a value. `Echo`
+converts travel times to radii.
 """
 
 from __future__ import annotations
@@ -25,10 +25,7 @@ _SAMPLES_AT_ONCE = 1 << 17
 
 @dataclass(frozen=True)
 class Step:
-    """The result of one step.
-
-    The result depends only on ``settings`` and the samples.
-    """
+    """The result of one step; it depends only on ``settings`` and the samples."""
 
     name: str
     settings: Mapping[str, float | int]
@@ -43,7 +40,7 @@ class Step:
 
 
 def in_range(values: npt.ArrayLike, low: float, high: float) -> Step:
-    """Drop values (n,) that are missing (NaN), below ``low`` or above ``high``, in the same unit; count each reason."""
+    """Drop the values (n,) that are missing (NaN), below ``low`` or above ``high``; ``counts`` has each reason."""
     array = column("values", values)
     if not low <= high:
         raise InputError(f"low = {low:g}, high = {high:g}", "low must not be larger than high")
@@ -81,11 +78,11 @@ def spikes(
     Parameters
     ----------
     toolface, radius, turn
-        Degrees, metres (NaN: left alone, not counted), whole numbers in order of time; (n,).
+        Degrees, metres, and whole numbers in order of time, (n,). Samples with a NaN radius are kept and not counted.
     depth
         Metres, (n,), for the third rule; None: the third rule is left out.
     threshold
-        In deviations.
+        The tolerance, in deviations.
     floor
         Least deviation, metres, also where the samples show less noise. Quantised radii need about one step, because
         their median distance is often 0.
@@ -140,7 +137,7 @@ class _Rings:
         self.key = ring * 360.0 + angle
 
     def _next_to(self, at: Integers, step: int) -> tuple[Integers, Mask]:
-        """Return the two samples ``step`` turns away from each sample ``at`` and next to its toolface, (n, 2).
+        """Return the two samples in the turn ``step`` turns away that are next to the toolface of each ``at``, (n, 2).
 
         Also return whether that turn exists, (n,).
         """
@@ -221,7 +218,7 @@ class _Rings:
 
 
 def _runs_of(values: Integers) -> tuple[Integers, Integers, Integers, Integers]:
-    """Return the distinct values of a sorted column, where each begins, its count, and which of them each row has."""
+    """Return the distinct values of a sorted column, the first row and the count of each, and each row's own index."""
     different, first, count = np.unique(values, return_index=True, return_counts=True)
     return different, first, count, np.repeat(np.arange(different.size), count)
 
@@ -234,7 +231,7 @@ def stuck(arms: Sequence[npt.ArrayLike], *, rows: int = 50, moving: float = 0.5)
     arms
         Two or more columns of readings in the order they were taken, (n,) each; NaN is missing.
     rows
-        Shortest run of one reading that counts.
+        Least number of rows with one and the same reading; shorter runs do not count.
     moving
         A constant reading is a fault if, within the run, the readings of the other arms changed in at least this mean
         share of rows. In a smooth pipe the readings of all arms are constant, and none is at fault.
@@ -242,7 +239,7 @@ def stuck(arms: Sequence[npt.ArrayLike], *, rows: int = 50, moving: float = 0.5)
     Returns
     -------
     Step
-        ``dropped`` is (arms, n). Reasons ``stuck`` (one value) and ``dead`` (missing throughout).
+        ``dropped`` is (arms, n). The reasons are ``stuck`` (one value throughout) and ``dead`` (missing throughout).
     """
     if len(arms) < 2:
         raise InputError(f"arms has {len(arms)} columns", "must have at least 2, to compare")
@@ -285,7 +282,10 @@ def repeated_rows(*columns: npt.ArrayLike) -> Step:
 
 
 def share_of_repeats(depth: Floats, toolface: Floats, radius: Floats, *, most: int = 1 << 15) -> float:
-    """Return the share of rows that equal an earlier row, judged by about ``most`` rows, chosen by their hashes."""
+    """Return the share of rows that equal an earlier row, judged by some rows: if there are many, by about ``most``.
+
+    Hashes of depth and toolface choose these rows, so that all equal rows are among them, or none.
+    """
     odd = np.uint64(0x9E3779B97F4A7C15)
     bits = [values.copy().view(np.uint64) for values in (depth, toolface, radius)]
     place = (bits[0] ^ (bits[1] << np.uint64(1))) * odd
@@ -329,8 +329,8 @@ def saturated(radius: npt.ArrayLike, depth: npt.ArrayLike) -> Step:
     """Drop the flat tops of an arm that has opened as far as it can: runs of rows at its largest reading.
 
     The largest reading is a limit of the arm if readings accumulate there: at least five times as many as in the 2 mm
-    below. At most half of the readings may be at the limit, because in a pipe most readings are equal. A flat top has
-    five readings or more, over half a metre or more.
+    below it. If more than half of the readings are there, it is no limit, because in a pipe most readings are equal. A
+    flat top has five readings or more in succession, over half a metre or more.
 
     Parameters
     ----------
@@ -358,14 +358,14 @@ def saturated(radius: npt.ArrayLike, depth: npt.ArrayLike) -> Step:
 def closed_stretches(readings: Readings) -> tuple[float, list[tuple[int, int, int, int]]]:
     """Find the runs of rows in which all arms stay closed, and the ramps on which they close before and open after.
 
-    Each row counts by its largest radius. The closed radius is the least of these. If half of the rows are not at least
-    10 mm larger, there is no stretch. A stretch has 20 rows or more within 2 mm of the closed radius. On a ramp the
-    radius grows from row to row, away from the closed stretch.
+    Each row counts by its largest radius. The closed radius is the least of these. If their median is not 10 mm larger,
+    there is no stretch. A stretch has 20 rows or more within 2 mm of the closed radius. On a ramp the radius grows from
+    row to row, away from the closed stretch.
 
     Returns
     -------
-    The closed radius, m (NaN: nothing is known), and rows of each stretch: (begin of the ramp, first, last, end of the
-    ramp), last and end exclusive.
+    The closed radius, metres (NaN: there is no radius), and four row numbers for each stretch: where its first ramp
+    begins, where the stretch begins and ends, and where its second ramp ends. Each end is the row after the last.
     """
     radii = np.stack(readings.radii)
     known = np.isfinite(radii).any(axis=0)
@@ -389,7 +389,8 @@ def closed_stretches(readings: Readings) -> tuple[float, list[tuple[int, int, in
 def disagreements(readings: Readings, apart: float = 0.0025, rows: int = 10) -> list[str]:
     """Return a sentence for each pair of calipers that look in one direction and differ by more than ``apart`` metres.
 
-    Runs of ``rows`` rows or more count. Raises InputError if a pair differs in half of the rows that both have.
+    Only runs of ``rows`` rows or more count. Raises an InputError if a pair differs in at least half of the rows in
+    which both have a radius.
     """
     place = [(sensor.mounting, sensor.offset) for sensor in readings.sensors]
     lines = {}
@@ -416,7 +417,7 @@ def disagreements(readings: Readings, apart: float = 0.0025, rows: int = 10) -> 
 
 
 def _stretches(mask: Mask, rows: int) -> list[tuple[int, int]]:
-    """Return first and last index (exclusive) of every run of at least ``rows`` rows in which the mask is True."""
+    """Return the runs of the mask, as `runs_of` does, that have at least ``rows`` rows."""
     return [(first, last) for first, last in runs_of(mask) if last - first >= rows]
 
 
@@ -435,7 +436,7 @@ class Echo:
             raise InputError(place, "velocity must be above 0, the others not negative, all finite")
 
     def radius(self, travel_time: Floats) -> Floats:
-        """Return the radii of travel times of any shape, metres; NaN if a time is shorter than the window (no echo)."""
+        """Return the radii, metres, of travel times of any shape; NaN for a time shorter than the window (no echo)."""
         late = np.where(travel_time >= self.window, travel_time, np.nan)
         return self.tool_radius + 0.5 * self.velocity * (late - self.window)
 

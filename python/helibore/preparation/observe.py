@@ -1,10 +1,10 @@
-"""Convert the readings of files to samples in one frame: by depth, or by time if a clock is needed.
+"""Convert the readings of files to samples in one frame: by depth, or by time if latencies or a track need it.
 
     Readings (rows x sensors, one or more files) --observe--> Samples: depth, toolface, radius, time | file, row, sensor
 
 A sensor that measures before or after its stamp, and a track with depth and toolface by time, need the time of each
-row; rows without a time are left out. A file may hold several clocks, for example if the clock restarts with each pass;
-each clock is read by itself.
+row; rows without a time are left out. A file may hold the times of several clocks, for example if the clock restarts
+with each pass. Then values are interpolated only between rows of one clock.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ Number = TypeVar("Number", bound=np.generic)
 Report = list[tuple[str, str]]
 
 FAST_TURN = 90.0
-"""Degrees: if half of the steps between readings of a toolface are larger, the turns between them are doubtful."""
+"""Degrees; if half of the steps from one toolface to the next are larger, the turns between them are doubtful."""
 
 FASTEST = 20.0
 """Metres a second; no tool goes faster."""
@@ -44,7 +44,7 @@ class Track:
 
 @contextmanager
 def placed(place: str) -> Iterator[None]:
-    """Prefix the place of an input error with an outer place."""
+    """Put ``place`` before the place of an InputError that is raised within."""
     try:
         yield
     except InputError as error:
@@ -64,11 +64,13 @@ def observe(
 
     Parameters
     ----------
-    readings, track
-        Readings of one file or more; depth and toolface by time, or None if each file has its own.
+    readings
+        Readings of one file or more.
+    track
+        Depth and toolface by time; None: each file has its own.
     report
-        List that receives a (step, sentence) for each kind of sample left out and for doubtful times and toolfaces.
-        ``counts`` of the result has the number of samples left out for each reason.
+        List that receives a (step, sentence) for each reason why samples are left out, and for doubtful times and
+        toolfaces. ``counts`` of the result has the number of samples left out for each reason.
     offset, latency
         Metres and seconds to add to the offset and latency of every sensor.
     dropped
@@ -91,7 +93,7 @@ def observe(
             rule = f"no row has depth, toolface and a radius ({', '.join(lacking) or 'no values'})"
             raise InputError(one.name, rule)
     if any(each.time is None for each in found) and any(each.time is not None for each in found):
-        report.append(("time", "left out: not every file has one"))
+        report.append(("time", "left out, because not every file has a time"))
         found = [replace(each, time=None) for each in found]
     if len(found) == 1:
         return replace(found[0], file=np.broadcast_to(np.int64(0), found[0].depth.size), counts=counts)
@@ -100,7 +102,6 @@ def observe(
 
 
 def _joined(parts: Sequence[Samples]) -> Samples:
-    """Return the samples of all parts together."""
     if len(parts) == 1:
         return parts[0]
     columns = {
@@ -114,7 +115,6 @@ def _joined(parts: Sequence[Samples]) -> Samples:
 
 
 def _observe(one: Readings, track: Track | None, report: Report, offset: float, latency: float) -> Samples:
-    """Return the samples of one file."""
     sensors = [replace(each, offset=each.offset + offset, latency=each.latency + latency) for each in one.sensors]
     if track is None and not any(sensor.latency for sensor in sensors):
         return observe_by_depth(sensors, one.depth, one.toolface, one.radii, one.time)
@@ -142,7 +142,10 @@ def _observe(one: Readings, track: Track | None, report: Report, offset: float, 
 
 
 def _clocks(one: Readings, time: Floats, report: Report) -> list[Integers]:
-    """Return the groups of rows with one clock: all rows or those of a pass, split where the clock restarts."""
+    """Return groups of the rows that have a time, one group for each clock.
+
+    Each numbered pass may have a clock of its own, and a clock may restart.
+    """
     rows = np.flatnonzero(np.isfinite(time))
     number = one.pass_number
     clocks = [] if number is None else [rows[number[rows] == each] for each in np.unique(number[rows])]
@@ -154,7 +157,7 @@ def _clocks(one: Readings, time: Floats, report: Report) -> list[Integers]:
 
 
 def _runs(rows: Integers, time: Floats, depth: Floats) -> list[Integers]:
-    """Return the rows, split into runs of rising or falling time if sorting by time would make the tool jump."""
+    """Return the rows as one run; if the tool then moves too fast to be true, as runs of rising or falling time."""
     known = rows[np.isfinite(depth[rows])]
     when, where = _in_order(time[known], depth[known])
     if not (np.abs(np.diff(where)) > 1.0 + FASTEST * np.diff(when)).any():

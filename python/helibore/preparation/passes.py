@@ -26,13 +26,14 @@ __all__ = ["choose", "difference", "evaluate", "number_passes", "odd_passes"]
 ODD_ROWS = 3
 """Least number of odd rows in succession; a spike has fewer."""
 ODD_RADIUS = 0.005
-"""Metres, 10 mm of a diameter. The passes of a real X-Y caliper differ from their merged wall by 1.3 mm over 3 rows."""
+"""Least difference of an odd row from the merged wall, metres; it is 10 mm of a diameter. The passes of a real X-Y
+caliper differ from their merged wall by 1.3 mm over 3 rows."""
 ODD_DEVIATIONS = 6.0
-"""Least difference from the merged wall, in robust deviations: a pass that differs everywhere (a shift) is not odd."""
+"""Least difference of an odd row, in robust deviations, so that a pass that differs everywhere (a shift) is not odd."""
 
 
 def number_passes(depth: npt.ArrayLike, reversal: float = 5.0) -> Integers:
-    """Number the passes; a new pass begins where the tool turned and then went back by more than ``reversal``.
+    """Number the passes; a new pass begins where the tool turns back and then moves back by more than ``reversal``.
 
     Parameters
     ----------
@@ -44,7 +45,8 @@ def number_passes(depth: npt.ArrayLike, reversal: float = 5.0) -> Integers:
     Returns
     -------
     ndarray
-        (n,) int64 from 0. The sample at a turning point ends its pass; if several are equally deep, the last one does.
+        (n,) int64 from 0. The sample at a turning point ends its pass; if several have the depth of the turning point,
+        the last of them ends it.
     """
     track = finite_column("depth", depth)
     if not reversal > 0:
@@ -59,10 +61,10 @@ def number_passes(depth: npt.ArrayLike, reversal: float = 5.0) -> Integers:
 
 
 def _turn(track: Floats, start: int, sign: int, reversal: float) -> tuple[int, int]:
-    """Return where a pass that goes down (``sign`` 1) or up (-1) at ``start`` ends, and where that is noticed.
+    """Return the row where a pass ends that goes down (``sign`` 1) or up (-1) from row ``start``, and where this shows.
 
-    The end is the last row of the greatest depth so far; it is noticed at the first row that lies more than
-    ``reversal`` back from it. If no row does, return the last row, and the number of rows.
+    The pass ends at the last row that is as deep (or shallow) as the pass gets; this shows at the first row that lies
+    more than ``reversal`` back from it. If there is no such row, return the last row, and the number of rows.
     """
     peak, end, rows = -np.inf, start, 1024
     while start < track.size:
@@ -86,7 +88,7 @@ def choose(
     latest: bool = False,
     cell: float = 0.5,
 ) -> Step:
-    """Choose the passes from which a wall is built: all together, or the latest at each depth.
+    """Choose the passes from which a wall is built: all samples of these passes, or those of the latest at each depth.
 
     Parameters
     ----------
@@ -130,31 +132,31 @@ def difference(before: Wall, after: Wall) -> Floats:
     Parameters
     ----------
     before, after
-        Walls of one hole; their helices need not agree.
+        Walls of one hole; their helices may differ.
 
     Returns
     -------
     ndarray
         Radius of ``after`` less radius of ``before`` at every vertex of ``after``, (n,) m; positive where the hole has
-        grown, NaN where either has no support.
+        grown, NaN where one of the walls has no radius.
     """
     return after.radius - evaluate(before, after.depth, after.toolface)
 
 
 def odd_passes(wall: Wall, caliper: Caliper, pass_number: npt.ArrayLike, arm_names: Sequence[str] = ()) -> list[str]:
-    """Return sentences on the places where a pass lies farthest below, and farthest above, the wall of all passes.
+    """Return sentences on the places where the radii of a pass lie farthest below, and farthest above, the wall of all.
 
-    The differences of an arm in a pass from the wall are averaged by row, and their median is subtracted. In such a
-    place, 3 rows or more in succession differ to one side by more than 5 mm and more than 6 robust deviations.
+    The differences of each arm in each pass from the wall, less their median, are averaged by row. In a place that is
+    reported, 3 rows or more in succession differ to one side by more than 5 mm and more than 6 robust deviations.
 
     Parameters
     ----------
     wall
-        Made from all samples.
+        The wall made from the samples of all passes.
     caliper, pass_number
         These samples, and the pass of each, (n,).
     arm_names
-        The names of the numbers in ``caliper.arm``.
+        The name of each arm, by its number in ``caliper.arm``; empty: sentences do not name arms.
 
     Returns
     -------

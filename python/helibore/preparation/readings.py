@@ -19,7 +19,7 @@ from helibore.base.arrays import Floats, Integers
 from helibore.preparation.sensors import Sensor
 
 IMAGE_ROW = 8
-"""Least number of directions with which one row of readings shows the hole all around."""
+"""If sensors look in this many directions or more, one row of readings shows the hole all around."""
 
 
 def _row_place(row: int) -> str:
@@ -28,7 +28,7 @@ def _row_place(row: int) -> str:
 
 @dataclass(frozen=True)
 class Readings:
-    """The readings of a tool's p sensors, in the order of the log's n rows; columns are (n,), NaN where missing."""
+    """The readings of a tool's p sensors in the n rows of a log, in order; columns are (n,), NaN where missing."""
 
     name: str  # of the file they come from, for errors
     depth: Floats  # metres
@@ -37,7 +37,7 @@ class Readings:
     radii: tuple[Floats, ...]  # metres, a column for each sensor
     arm: Integers  # index into ``channels`` for each sensor, (p,)
     channels: tuple[str, ...]  # names of the wall channels
-    across: tuple[bool, ...]  # whether a sensor's radius is half a diameter, which hides the tool's offset, (p,)
+    across: tuple[bool, ...]  # whether the radius of a sensor is half a diameter, which hides the tool's offset, (p,)
     time: Floats | None = None  # seconds
     pass_number: Integers | None = None  # -1 where a row has no number; None where the log numbers no passes
     reference: str = ""  # what toolfaces count from: north, high-side, automatic; "": the wall's own reference
@@ -52,14 +52,13 @@ class Readings:
 
     @property
     def is_image(self) -> bool:
-        """Whether a row shows the hole all around: eight directions or more, seen from one place on the string.
+        """Whether a row shows the hole all around: sensors at one place on the string look in eight directions or more.
 
-        Two calipers that look in the same four directions are no imaging tool.
+        Two calipers, each of which looks in four directions from its own place, are no imaging tool.
         """
         looks = {(sensor.offset, round(sensor.mounting % 360.0, 3) % 360.0) for sensor in self.sensors}
         return max(Counter(offset for offset, _ in looks).values(), default=0) >= IMAGE_ROW
 
     @property
     def rows(self) -> int:
-        """The number of rows."""
         return int(self.depth.size)

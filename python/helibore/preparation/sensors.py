@@ -6,7 +6,7 @@
 
 A reading stamped t was taken at t - latency. Bit depth and toolface are time series of their own and are interpolated
 at that time: linearly between their readings, toolfaces along the shorter arc. So sensors that fire at one time measure
-at different depths and toolfaces. All samples are returned together, in order of time.
+at different depths and toolfaces. The samples of all sensors are returned together, in order of time.
 
 Depth-indexed files need no times; :func:`observe_by_depth` converts them.
 """
@@ -31,8 +31,8 @@ class Sensor:
     """Where a sensor sits on the string and which way it looks; ``name`` is for reports."""
 
     name: str
-    offset: float = 0.0  # m from where the depth series gives the depth (the bit) up the string; negative: below it
-    mounting: float = 0.0  # from the tool's toolface reference, clockwise looking downhole, degrees
+    offset: float = 0.0  # m up the string from the point whose depth is recorded (the bit); negative: below this point
+    mounting: float = 0.0  # degrees from the tool's toolface reference, clockwise looking downhole
     latency: float = 0.0  # seconds from the measurement to its time stamp
 
     def __post_init__(self) -> None:
@@ -89,7 +89,7 @@ class TimeSeries:
 
     @property
     def step(self) -> float:
-        """Median change from one reading to the next, for angles along the shorter arc; 0 for one reading."""
+        """Median change from one reading to the next, for angles along the shorter arc; 0 without two readings."""
         return float(np.median(np.abs(np.diff(self._values)))) if self._values.size > 1 else 0.0
 
     def at(self, time: npt.ArrayLike) -> Floats:
@@ -122,12 +122,12 @@ class Samples:
     depth: Floats  # metres, finite, like the next two
     toolface: Floats  # degrees in [0, 360)
     radius: Floats  # metres from the tool's axis
-    time: Floats | None  # when they were measured, seconds; None for depth-indexed readings
+    time: Floats | None  # when they were measured, seconds; None if the readings have no time
     sensor: Integers  # which sensor each sample is from
     row: Integers  # which row of the readings each sample is from
     file: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))  # which file it is from; or empty
     pass_number: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))  # empty until numbered
-    counts: dict[str, int] = field(default_factory=dict)  # readings taken, and readings dropped by reason
+    counts: dict[str, int] = field(default_factory=dict)  # number of readings "taken", and dropped for each reason
 
     def select(self, kept: Mask | Integers) -> Samples:
         """Return the samples where ``kept`` is True, or the samples at these indices, in the order of the indices."""
@@ -152,8 +152,8 @@ def observe_by_time(
     Parameters
     ----------
     sensors, times, radii
-        One of each for every sensor: time stamps (seconds) and radii (metres), (n,); lengths may differ among sensors.
-        NaN radii are dropped and counted as ``no radius``.
+        For every sensor a column of time stamps (seconds) and a column of radii (metres), (n,); n may differ among
+        sensors. NaN radii are dropped and counted as ``no radius``.
     bit_depth, toolface
         Depth of the bit in m, and toolface of the tool's reference in degrees (``angle=True``). Readings at times
         without a depth or a toolface are dropped and counted as ``no depth`` and ``no toolface``; a NaN time has no
@@ -190,7 +190,8 @@ def observe_by_depth(
         One column of radii (metres, (n,)) for each sensor; latencies are not used. An X-Y caliper of diameters x and
         y is four sensors mounted at 0, 180, 90 and 270 degrees that read x/2, x/2, y/2 and y/2.
     depth, toolface, time
-        Of each row: metres, degrees of the tool's reference, seconds; (n,). Rows with NaN are dropped and counted.
+        Of each row: metres, degrees of the tool's reference, seconds; (n,). Rows with NaN are dropped, and their
+        samples are counted by reason.
     """
     _check_counts(sensors, radii=radii)
     rows = column("depth", depth)
@@ -213,7 +214,10 @@ def observe_by_depth(
 
 
 def _present(samples: Samples, **inputs: Floats) -> Samples:
-    """Return the samples that have depth, toolface, radius and time; count the others by reason; refuse infinities."""
+    """Return the samples that have depth, toolface, radius and, if there are times, time; count the others by reason.
+
+    Raises an InputError if a value of ``inputs`` is infinite.
+    """
     for name, values in inputs.items():
         if np.isinf(values).any():
             raise InputError(f"{name} is infinite in {np.count_nonzero(np.isinf(values))} rows", "must be finite")

@@ -3,10 +3,10 @@ r"""Find the depth shift of each pass by correlating its median radius along the
     radius       _/\__/\_____     pass, moved by the trial shift       correlation(shift) has its peak
     less trend     _/\__/\____    the others                           at the shift to be added to its depths
 
-All arms of a pass count alike, so a pass that lies rotated in the hole still matches. Only differences can be found, so
+All arms of a pass count alike, so a pass in which the tool lay rotated still matches. Only differences can be found, so
 the mean of the shifts that are found is set to 0, unless some passes are held where they are. A hole whose shape
-repeats along it (a spiral, regular ledges) matches at several shifts; if another peak is nearly as high, no shift is
-found. Stretching within a pass is not supported.
+repeats along it (a spiral, regular ledges) matches at several shifts; if another peak of the correlation is nearly as
+high as the best, no shift is found. Stretching within a pass is not supported.
 """
 
 from __future__ import annotations
@@ -40,11 +40,11 @@ class Shifts:
     """The depth shift of each of p passes; columns are (p,), metres."""
 
     passes: Integers  # sorted
-    shift: Floats  # to add to the depths of the pass; 0 of a held pass and where no shift was found
-    correlation: Floats  # with the others at the shift; 1 of a held pass, NaN if less than 10 m overlap
-    before: Floats  # the correlation if only this pass is not shifted
+    shift: Floats  # to add to the depths of the pass; 0 for a held pass and where no shift was found
+    correlation: Floats  # with the other passes at the shift; 1 for a held pass, NaN if less than 10 m overlap
+    before: Floats  # the correlation if all passes but this one are shifted; 1 for a held pass
     found: Mask  # whether the pass is held, or the correlation has one clear peak of at least 0.4 within 2 m
-    sigma: Floats  # standard deviation of the shift, from the peak's curvature; 0 of a held pass, NaN without a peak
+    sigma: Floats  # standard deviation of the shift, from the peak's curvature; 0 for a held pass, NaN without a peak
     second: Floats  # shift at the second-best peak of the correlation; NaN where there is none
     second_correlation: Floats  # the correlation at this second-best peak
 
@@ -86,9 +86,9 @@ def find_shifts(
     depth, radius, pass_number
         Metres, metres, whole numbers, (n,), finite, in any order.
     held
-        Passes that are not shifted. The other passes are first shifted to match these. Then each of them is shifted to
-        match the mean of all other passes, held or not. This is repeated until the shifts no longer change, in at most
-        5 rounds.
+        Passes that are not shifted. The other passes are first shifted to match the held ones. Then each of them is
+        shifted to match the mean of all other passes, held or not. This is repeated until the shifts no longer change,
+        at most until 5 rounds are done.
     """
     where = finite_column("depth", depth)
     distance = finite_column("radius", radius, where.size, "depth")
@@ -124,7 +124,7 @@ def find_shifts(
             break
     found[fixed], best[fixed], before[fixed] = True, 1.0, 1.0
     sigma[fixed] = 0.0
-    # This comes last, because passes that are not yet in place each make a peak of their own.
+    # This is judged last: before all passes are in place, each of them makes a peak of its own.
     found &= ~(second_best > _RIVAL * best)
     shift[~found] = 0.0
     if not fixed.any():
@@ -136,16 +136,16 @@ def find_shifts(
 
 
 def _center(shift: Floats, found: Mask) -> float:
-    """Make the mean of the shifts that are found 0, and return what it was."""
+    """Subtract the mean of the shifts that are found from them, and return it."""
     mean = float(shift[found].mean()) if found.any() else 0.0
     shift[found] -= mean
     return mean
 
 
 def _profile(place: Floats, radius: Floats, grid: Integers) -> Floats:
-    """Return the median radius of each grid step less its running mean; NaN beyond the samples and in wide gaps.
+    """Return the median radius in each grid step, less its running mean; NaN beyond the samples and in wide gaps.
 
-    ``place`` is in steps.
+    ``place`` is the depth of each sample in grid steps.
     """
     row = np.round(place)
     order = np.lexsort((radius, row))
@@ -179,9 +179,10 @@ def _mean(profiles: Floats) -> Floats:
 
 
 def _correlations(profile: Floats, others: Floats, most: int, enough: int) -> tuple[Floats, Integers]:
-    """Return the correlation of two profiles at shifts of -most to most grid steps, and their overlap, (2 most + 1,).
+    """Return Pearson's correlation of two profiles, and the number of steps that overlap, (2 most + 1,) each.
 
-    The overlap is a number of steps. Pearson's correlation is NaN where fewer than ``enough`` steps overlap.
+    They are those at shifts of -most to most grid steps. Where fewer than ``enough`` steps overlap, or a profile is
+    constant, the correlation is NaN.
     """
     curve = np.full(2 * most + 1, np.nan)
     overlap = np.zeros(2 * most + 1, dtype=np.int64)

@@ -1,4 +1,4 @@
-"""The fits behind ``eccentering``: three models of the wall in one turn, fitted to many turns at once, then mixed.
+"""The fits behind ``eccentering``: three models of the wall in a turn are fitted to many turns at once, then mixed.
 
     rho(phi) = |c + r u| = R + sum over n = 2 .. H of (a_n cos n phi + b_n sin n phi) + steps + noise
 
@@ -29,7 +29,7 @@ from helibore.base.errors import InputError
 _REJECT = 6.0  # biweight: samples beyond so many deviations have no weight; harmless to Gaussian noise
 _NOISE_SAMPLES = 4.0  # how many samples the expected noise is worth beside those of the turn
 _ONE_SIDED = 4.0  # |a_1 / a_3| of a box of 150 deg; three times this covers nearly any one-sided wall
-_STRANGE = 3.0  # added to the bounded loss of a rejected sample: its chance is one in twenty, spread over 0.1 m
+_STRANGE = 3.0  # half of what a rejected sample adds to the loss: its chance is one in twenty, spread over 0.1 m
 _SMOOTH = 8  # harmonics of a wall beside its steps
 _ROUNDS, _ROUNDS_TOGETHER = 32, 8
 _CONVERGED = 5e-7  # m: far below the best standard deviation
@@ -39,7 +39,7 @@ _STATE = ("centre", "terms", "free", "noise")  # state that one round passes on 
 _CLOSED, _OPEN = 0.64, 0.72  # `TurnFits.left_open` from which on a one-sided wall counts, and counts fully
 _ROUGH, _OVAL = 1.5, 2.0  # in expected noise: steps are searched if an oval's residuals, or its ovality, exceed this
 _ODDS = 8.0  # logarithm of the odds against steps, beside that of the number of sectors
-_LIKELY = 1e-6  # a model with less weight is left out
+_LIKELY = 1e-6  # a model whose weight is not above this is left out
 
 _CELLS = 240  # around the hole, for the search for steps
 _PAIR_WIDTHS = range(10, 61, 2)  # cells that each of two opposite steps may take
@@ -73,7 +73,7 @@ class Shape:
             raise InputError("harmonics", "must be at least 2", str(self.harmonics))
 
     def deviations(self, highest: int | None = None) -> Floats:
-        """Prior standard deviation of each harmonic from 2 to ``harmonics`` or ``highest``."""
+        """Return the prior standard deviation, metres, of each harmonic from 2 to ``highest``; None: ``harmonics``."""
         n = np.arange(2, (highest or self.harmonics) + 1)
         if self.lobed:
             return np.where(n % 2 == 0, self.even * 2.0 / n, self.odd * 3.0 / n)
@@ -193,7 +193,7 @@ class TurnFits:
         self.table: Complexes = np.empty((0, reach.size), dtype=np.complex128)
 
     def solve(self, rounds: int = _ROUNDS) -> None:
-        """Fit all turns for a few rounds, then only the turns whose centres still move."""
+        """Fit for at most ``rounds`` rounds: in the first 8 all turns, then those whose centres still move."""
         for _ in range(min(rounds, _ROUNDS_TOGETHER)):
             moving = self._move() > _CONVERGED
             if not moving.any():

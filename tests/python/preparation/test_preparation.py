@@ -296,7 +296,7 @@ def test_several_files_are_passes() -> None:
     np.testing.assert_array_equal(merged.caliper.radius, np.concatenate([first.radii[0], second.radii[0]]))
     timed = rotating(3, "c.csv", time__s=np.arange(N)).readings()
     report = dict(prepare([first, timed]).report)
-    assert report == {"time": "left out: not every file has one"}
+    assert report == {"time": "left out, because not every file has a time"}
     numbered = rotating(4, "d.csv", **{"pass": np.ones(N)}).readings()
     rule = "its pass 1 is the number of a pass of another file; number the passes anew"
     with pytest.raises(ValueError, match=f"^d.csv: {rule}$"):
