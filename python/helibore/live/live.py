@@ -303,7 +303,7 @@ class Live:
             If the layout of the image is not known, if no row has come yet, or if `SectorImage` refuses the rows.
         """
         if name not in self.model.layouts:
-            rule = "no source sends it, and its rows came without an origin, so the layout of its sectors is not known"
+            rule = "no source sends it, and no rows of it came with an origin: the layout of its sectors is not known"
             raise ValueError(f"image '{name}': {rule}")
         rows = self.images[name]
         return self.model.layouts[name].image(name, rows.unit, rows.arrays(), reach)
