@@ -41,8 +41,8 @@ Derived = Annotated[Value, PlainValidator(_not_a_setting)]
 def with_values(value: Any, recorded: Any) -> Any:
     """Return a copy of ``value`` that holds the values of ``recorded``, which was read from JSON.
 
-    A field of a table or dataclass that ``recorded`` lacks keeps its value. A dict has the keys of ``recorded``;
-    keys that ``value`` has come first, in the order of ``value``. Of lists of unequal length, ``recorded`` is returned.
+    A field of a table or dataclass that ``recorded`` lacks keeps its value. A dict has the keys of ``recorded``: first
+    those that ``value`` also has, in the order of ``value``. Of lists of unequal length, ``recorded`` is returned.
     """
     if isinstance(value, Table):
         names = type(value).model_fields.keys() & recorded.keys()
@@ -100,6 +100,7 @@ def check(model: type[Checked], entries: Any, place: str = "", context: Any = No
         "int_type": "must be a whole number", "string_type": "must be a text that is not empty",
         "string_too_short": "must be a text that is not empty", "list_type": "must be a list",
         "dict_type": "must be a table", "model_type": "must be a table",
+        "datetime_type": "must be a date and time without quotes, such as 2026-05-01T10:00:00Z",
         "literal_error": f"must be {context.get('expected', '')}".replace("'", '"'),
     }  # fmt: skip
     raise InputError(where, str(cause) if cause else rules.get(kind, first["msg"]), repr(first["input"]))

@@ -10,8 +10,9 @@
     items = { bit_depth = "0108", hole_depth = "0110", rotation = "0120" }
     caliper = { first = "5010", groups = 30, order = ["toolface", "depth", "radius"] }
 
-``docs/live.md`` lists every setting. This file checks all tables and converts them to core units; ``sources.py`` does
-so for the tables of sources.
+``docs/live.md`` lists every setting. ``checks.py`` checks the tables, which are classes: those of sources, with the
+conversion of their units, are in ``sources.py``, ``[passes]`` in ``pass_rules.py``, ``[depth]`` in ``depth_limits.py``,
+and all others here, with the rules that concern several tables.
 """
 
 from __future__ import annotations
@@ -104,7 +105,7 @@ class JournalTable(Table):
 
 
 class NextTable(Table):
-    """The table ``next``: the configuration that applies when the hole is ``hole_depth`` deep, or from ``time`` on."""
+    """The table ``next``: the ``file`` that applies when the hole is ``hole_depth`` deep, or from ``time`` on."""
 
     file: Text = Field(description="the file of the configuration")
     hole_depth: Annotated[float, within(0)] | None = None
@@ -112,12 +113,12 @@ class NextTable(Table):
 
     def model_post_init(self, _: object) -> None:
         if (self.hole_depth is None) == (self.time is None):
-            raise InputError("", "either hole_depth or time must be set")
+            raise InputError("", "either hole_depth or time must be set, and not both")
         if self.time and self.time.tzinfo is None:
             raise InputError("time", "must have a time zone, such as 2026-05-01T10:00:00Z", str(self.time))
 
     def is_due(self, wall: int, hole_depth: float) -> bool:
-        """Whether the next configuration applies at ``wall``, ns since 1970, at this hole depth (NaN: not known)."""
+        """Whether the next configuration applies at ``wall`` (ns since 1970) and at this hole depth (NaN: unknown)."""
         return wall / 1e9 >= self.time.timestamp() if self.time else hole_depth >= (self.hole_depth or 0.0)
 
 
@@ -132,9 +133,11 @@ class SnapshotTable(Table):
 def _webhook(address: str) -> str:
     parts = urlsplit(address)
     if parts.scheme == "env" and parts.path:
-        return address
+        return f"env:{parts.path}"
     if parts.scheme not in ("http", "https") or not parts.hostname:
-        raise ValueError("must be https://..., http://... or env:NAME, an environment variable that holds the address")
+        rule = "must be https://..., http://... or env:NAME, an environment variable that holds the address"
+        may_hold_secret = "@" in address or "?" in address
+        raise InputError("", rule, repr(f"{parts.scheme}:..." if may_hold_secret else address))
     if parts.username is not None or parts.query:
         rule = "must not hold a user, a password or a query, which would be in the journal: use env:NAME"
         raise InputError("", rule, repr(f"{parts.scheme}://{parts.hostname}/..."))
@@ -144,10 +147,12 @@ def _webhook(address: str) -> str:
 class AlarmLimits(Table):
     """The table ``alarms``: when an alarm begins, and who receives it besides page, metrics and log.
 
-    Seconds until an alarm begins: without a connection (``lost``), while all samples are refused (``refused``), while
-    samples come and the bit depth does not change (``standing``), without a successful sync (``sync``). An alarm also
-    begins if the clock of the machine jumps by more than ``clock`` seconds, if less than ``disk_gb`` gigabytes are
-    left, or if the median diameter of a turn is ``tight`` metres below, or ``washout`` metres above, the bit diameter.
+    An alarm begins after ``lost`` seconds without a connection, after ``refused`` seconds in which all samples are
+    refused, after ``standing`` seconds in which samples come and the bit depth does not change, and after ``sync``
+    seconds without a successful sync. It also begins if the clock of the machine jumps by more than ``clock`` seconds,
+    if less than ``disk_gb`` gigabytes are left for the journal, or if the median diameter of a turn is more than
+    ``tight`` metres below, or more than ``washout`` metres above, the bit diameter. ``command`` and ``webhook`` get
+    each alarm as a line of JSON.
     """
 
     lost: Annotated[float, within(0.1)] = 30.0
@@ -164,8 +169,9 @@ class AlarmLimits(Table):
 
 def _wall(entries: Any) -> dict[str, Any]:
     settings = check(WallTable, entries).model_dump()
-    for name in settings.keys() - OF_WALL:
-        raise InputError(name, "is not a setting")
+    for name in settings:
+        if name not in OF_WALL:
+            raise InputError(name, "is not a setting")
     try:
         Wall(**settings)
     except (ValueError, TypeError) as error:
@@ -232,12 +238,14 @@ class Configuration(Table):
         return self.model_copy(update=values | {"sources": sources})
 
     def following(self) -> list[Configuration]:
-        """Return the configurations that follow by ``next``, in order; each is in the folder of the one before.
+        """Return the configurations that follow by ``next``, in order.
+
+        The path of each is relative to the folder of the file that names it.
 
         Raises
         ------
         InputError
-            If one of them breaks a rule, or follows itself.
+            If one of them breaks a rule, or if a file occurs twice.
         OSError
             If a file cannot be read.
         """
@@ -250,7 +258,12 @@ class Configuration(Table):
         return found[1:]
 
     def _check_sources(self) -> None:
-        """Refuse a rig quantity or image that two sources map, and a setting whose quantity no source maps."""
+        """Check what concerns several sources or tables.
+
+        There must be a source. Two sources must not map the same rig quantity or image. A source with a pass number
+        must have a caliper, and one with the table ``pass_numbers`` must map the pass number. Some source must map the
+        hole depth if ``next`` names one, and the bit depth if a caliper or an image has no depth of its own.
+        """
         if not self.sources:
             raise InputError("source", "must be set: at least one table [source.NAME]")
         seen: dict[str, str] = {}
@@ -284,9 +297,14 @@ def load(file: str | os.PathLike[str]) -> Configuration:
     Raises
     ------
     InputError
-        For the first setting that breaks a rule (``FILE: PLACE = VALUE: RULE``), or if the file is not TOML.
+        For the first setting that breaks a rule (``FILE: PLACE = VALUE: RULE``), or if the file is not TOML in UTF-8.
+    OSError
+        If the file cannot be read.
     """
-    text = FilePath(file).read_text(encoding="utf-8")
+    try:
+        text = FilePath(file).read_text(encoding="utf-8-sig")  # some editors write a byte order mark
+    except UnicodeDecodeError as error:
+        raise InputError(str(file), f"must be in UTF-8: {error}") from None
     entries = _toml(text, str(file))
     try:
         found = check(Configuration, entries, context=text)
@@ -297,7 +315,7 @@ def load(file: str | os.PathLike[str]) -> Configuration:
 
 
 def parse(text: str) -> Configuration:
-    """Check the text of a configuration; see :func:`load`."""
+    """Return the configuration that ``text`` holds; see :func:`load`."""
     return check(Configuration, _toml(text, "configuration"), context=text)
 
 

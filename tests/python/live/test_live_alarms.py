@@ -509,6 +509,8 @@ def test_a_command_that_fails_says_why(monkeypatch):
         ("losst = 9", "alarms.losst: is not a setting; did you mean lost?"),
         ('webhook = "ftp://x/y"', "alarms.webhook = 'ftp://x/y': must be https://..., http://... or env:NAME, an "
          "environment variable that holds the address"),
+        ('webhook = "htps://rig:s3cret@x/y"', "alarms.webhook = 'htps:...': must be https://..., http://... or "
+         "env:NAME, an environment variable that holds the address"),
         ('webhook = "https://x/y?token=s3cret"', "alarms.webhook = 'https://x/...': must not hold a user, a "
          "password or a query, which would be in the journal: use env:NAME"),
         ('command = "beep"', "alarms.command = 'beep': must be a list"),
@@ -544,10 +546,11 @@ def test_alarms_that_last_end_at_the_stop(tmp_path):
     assert rules(alarms) == [("failure", "")]
 
 
-def test_a_webhook_whose_variable_is_not_set_is_an_error_at_the_start(monkeypatch):
+@pytest.mark.parametrize("scheme", ["env", "ENV"])
+def test_a_webhook_whose_variable_is_not_set_is_an_error_at_the_start(monkeypatch, scheme):
     monkeypatch.delenv("NO_SUCH", raising=False)
     with pytest.raises(ValueError, match=r"^alarms\.webhook = 'env:NO_SUCH': is not set in the environment$"):
-        alarmed(HOST + '[alarms]\nwebhook = "env:NO_SUCH"\n')
+        alarmed(HOST + f'[alarms]\nwebhook = "{scheme}:NO_SUCH"\n')
 
 
 def test_a_webhook_whose_variable_holds_no_address_is_an_error_at_the_start(monkeypatch):

@@ -145,7 +145,11 @@ def test_the_next_configuration_begins_at_its_hole_depth_or_time(tmp_path, by):
 @pytest.mark.parametrize(
     ("text", "error"),
     [
-        ('[next]\nfile = "two.toml"\n', "next: either hole_depth or time must be set"),
+        ('[next]\nfile = "two.toml"\n', "next: either hole_depth or time must be set, and not both"),
+        (
+            '[next]\nfile = "two.toml"\ntime = "2026-05-01T10:00:00Z"\n',
+            "next.time = '2026-05-01T10:00:00Z': must be a date and time without quotes, such as 2026-05-01T10:00:00Z",
+        ),
         ('[next]\nfile = "two.toml"\ntime = 2026-05-01T10:00:00\n', "next.time = 2026-05-01 10:00:00: must have a time "
          "zone, such as 2026-05-01T10:00:00Z"),
         ('[next]\nhole_depth = 1.0\n', "next.file: must be set: the file of the configuration"),

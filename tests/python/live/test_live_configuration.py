@@ -264,8 +264,17 @@ def test_a_file_is_named_in_its_errors(tmp_path):
     file.write_text("[wall\n")
     with pytest.raises(ValueError, match=r"rig\.toml: is not TOML: "):
         load(file)
+    file.write_bytes("# Größe\n".encode("latin-1") + (WALL + SOURCE).encode())
+    with pytest.raises(ValueError, match=r"rig\.toml: must be in UTF-8: .* byte 0xf6 in position 4"):
+        load(file)
     file.write_text(WALL + SOURCE)
     assert load(file).sources["rig"].mode == "listen"
+
+
+def test_a_file_may_begin_with_a_byte_order_mark(tmp_path):
+    file = tmp_path / "rig.toml"
+    file.write_text(WALL + SOURCE, encoding="utf-8-sig")
+    assert load(file).text == WALL + SOURCE
 
 
 def test_every_setting_of_the_page_is_read():
