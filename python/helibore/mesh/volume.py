@@ -162,7 +162,7 @@ class Volume(Mesh):
     def append_to(self, filename: str | os.PathLike[str], origin: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
         """Add this volume as a part to ``filename``, a .vtkhdf file, or begin the file.
 
-        Parameters and errors are those of `Surface.append_to`.
+        ``filename`` and ``origin``, and the errors, are those of `Surface.append_to`.
         """
         append_mesh(self, FilePath(filename), origin)
 
