@@ -47,7 +47,7 @@ _QUANTITY = re.compile(
     r"""\s*(?:(?P<plain>[-+]?\d+/[1-9]\d*)
         |(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)
          (?:[\s-]+(?P<fraction>\d+/[1-9]\d*))?)
-        \s*(?P<unit>.*?)\s*""",
+        \s*(?P<unit>[^,]*?)\s*""",  # no unit has a comma: 1,5m
     re.VERBOSE | re.DOTALL,
 )
 _SUFFIXES = (

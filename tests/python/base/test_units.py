@@ -96,6 +96,7 @@ KNOWN = "m, cm, mm, ft, ftUS, in, 0.1in, deg, rad, s, ms, us, min, h, rpm, c/s, 
         ("8.5deg", "unit 'deg': measures angle, must be a unit of length: m, cm, mm, ft, ftUS, in, 0.1in"),
         ("big", "'big': must be a number with a unit of length, such as 8.5in, 0.216m or 216mm"),
         ("", "'': must be a number with a unit of length, such as 8.5in, 0.216m or 216mm"),
+        ("12,5in", "'12,5in': must be a number with a unit of length, such as 8.5in, 0.216m or 216mm"),
         ("nan", "'nan': must be a number with a unit of length, such as 8.5in, 0.216m or 216mm"),
     ],
 )
