@@ -200,8 +200,11 @@ class Path:
     core: InitVar[CorePath | None] = None
 
     def __post_init__(self, core: CorePath | None) -> None:
-        north, east, down = self.head
-        head, extend = (float(north), float(east), float(down)), float(self.extend)
+        try:
+            north, east, down = map(float, self.head)
+        except (TypeError, ValueError):
+            raise InputError("head", "must be three numbers: north, east and down", repr(self.head)) from None
+        head, extend = (north, east, down), float(self.extend)
         core = core or _core.Path(self.survey._core, self.method, self.reference, head, extend)
         ends = {"start_depth": core.start_depth, "survey_depth": core.survey_depth, "stop_depth": core.stop_depth}
         self.__dict__.update(ends, head=head, extend=extend, _core=core)

@@ -375,6 +375,8 @@ def test_bad_stations(stations, text):
         ({"extend": math.nan}, "extend = nan: must be finite and not negative"),
         ({"extend": 2e7}, "extend = 2e+07: must be at most 10000000 m"),
         ({"head": (0, math.inf, 0)}, "head[1] = inf: must be finite"),
+        ({"head": (0, 1)}, "head = (0, 1): must be three numbers: north, east and down"),
+        ({"head": "abc"}, "head = 'abc': must be three numbers: north, east and down"),
         ({"head": (0, 2e9, 0)}, "head[1] = 2e+09: must lie in -1e9 to 1e9 m"),
     ],
 )
