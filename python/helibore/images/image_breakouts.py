@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
+from numbers import Integral
 from typing import Any, Protocol
 
 import numpy as np
@@ -53,7 +54,7 @@ class ImageCriteria:
             )
         if self.opposite > 90:
             raise InputError("opposite", "must be at most 90", str(self.opposite))
-        if not (isinstance(self.least_rows, int) and self.least_rows >= 1):
+        if not (isinstance(self.least_rows, Integral) and self.least_rows >= 1):
             raise InputError("least_rows", "must be an integer of at least 1", str(self.least_rows))
 
     def facts(self) -> dict[str, str]:

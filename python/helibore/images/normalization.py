@@ -14,7 +14,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import Floats, Integers, column
+from helibore.base.arrays import Floats, Integers, column, finite_column
 from helibore.base.colors import ColorScale, check_positive, usual_scale
 from helibore.base.errors import InputError
 from helibore.images.sector_image import SectorImage
@@ -41,7 +41,7 @@ def sliding_window(depth: npt.ArrayLike, values: npt.ArrayLike, window: float = 
     ``values``: 0.5 for the mean of the window, 0 and 1 for values two standard deviations or more below and above it,
     0.5 if all values of the window are equal, and NaN where a value is missing.
     """
-    depths = column("depth", depth)
+    depths = finite_column("depth", depth)
     shape = np.shape(values)
     if len(shape) not in (1, 2) or shape[0] != depths.size:
         rule = f"must be of shape ({depths.size},) or ({depths.size}, sectors), one row a depth: {shape}"

@@ -110,6 +110,7 @@ def test_a_breakout_has_two_rows_however_high_a_row_is() -> None:
 
     assert [found(rows) for rows in (1, 2)] == [0, 1]
     assert found(1, ImageCriteria(least_rows=1)) == 1
+    assert found(1, ImageCriteria(least_rows=np.int64(1))) == 1
     assert found(2, ImageCriteria(least_rows=3)) == 0
 
 

@@ -78,6 +78,7 @@ def test_a_steady_window_is_in_the_middle_even_beside_large_values() -> None:
         (lambda: percentile_limits([1.0, 2.0], (98, 2)), r"percentiles = \(98, 2\): must be two numbers in \[0, 100\]"),
         (lambda: sliding_window([0.0, 1.0], [1.0, 2.0, 3.0]), r"values: must be of shape \(2,\) or \(2, sectors\)"),
         (lambda: sliding_window([0.0, 0.0], [1.0, 2.0]), r"depth\[1\] = 0: must rise"),
+        (lambda: sliding_window([0.0, np.inf], [1.0, 2.0]), r"depth\[1\] = inf: must be finite"),
         (lambda: sliding_window([0.0, 1.0], [1.0, 2.0], 0), "window = 0: must be finite and above 0"),
         (lambda: sliding_window([0.0, 1.0], [np.nan, np.nan]), "values: all 2 are missing"),
         (lambda: sliding_window([], []), "values: all 0 are missing"),
