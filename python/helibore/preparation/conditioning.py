@@ -218,7 +218,7 @@ class _Rings:
 
 
 def _runs_of(values: Integers) -> tuple[Integers, Integers, Integers, Integers]:
-    """Return the distinct values of a sorted column, the first row and the count of each, and each row's own index."""
+    """Return the distinct values of a sorted column, first row and count of each, and the index of each row's value."""
     different, first, count = np.unique(values, return_index=True, return_counts=True)
     return different, first, count, np.repeat(np.arange(different.size), count)
 
