@@ -8,12 +8,12 @@
 from __future__ import annotations
 
 LONGEST = 200
-"""Bytes; a file system allows 255, and ``image-`` and the ending of a temporary file need some of them."""
+"""Most bytes of a name; a file system allows 255, of which ``image-`` and the ending of a temporary file need some."""
 RULE = f"must be printable and at most {LONGEST} bytes, for files are named after it"
 
 
 def escaped(name: str) -> str:
-    """Return ``name`` without folder separators; two different names never become the same."""
+    r"""Return ``name`` with ``%``, ``/`` and ``\`` as ``%25``, ``%2F`` and ``%5C``; different names stay different."""
     for character in "%/\\":
         name = name.replace(character, f"%{ord(character):02X}")
     return name

@@ -29,7 +29,7 @@ Rows = tuple[tuple[Floats, Floats, float], str, Layout | None]
 
 
 class FrozenWall(Wall):
-    """A copy of a wall that is saved, measured and meshed like the original; no sample is appended to it.
+    """A copy of a wall, which can be saved, measured and meshed like the original; append no sample to it.
 
     Parameters
     ----------
@@ -90,12 +90,14 @@ class FrozenCopy:
         The wall of each layer that has vertices.
     images
         (depth, values) of each image that has rows.
-    stations
-        (n, 3): depth m, inclination and azimuth deg.
+    stations, path
+        Survey stations (n, 3): depth m, inclination and azimuth deg; and the path through them, as `Live.path`.
     passes, events
         As `Live.passes`, and one event for each rule of each source.
     left_out
-        One text, with the reason, for each image that was left out or not laid on a wall.
+        One text, with the reason, for each image whose name is not allowed in a file name, so that it is not in
+        ``images``, and for each image that `SectorImage` refuses, so that it is on no wall. An image without a layout,
+        without values, with one row only, or not beside a wall is on no wall either, without a text.
     """
 
     wall_time: int
@@ -144,7 +146,10 @@ def _copied(live: Live) -> tuple[FrozenCopy, dict[str, Rows]]:
 
 
 def _meets(image: SectorImage, wall: Wall) -> bool:
-    """Return whether the image covers more than a turn between the wall's end turns, and so surely one of its quads."""
+    """Return whether the image covers more than one turn between the first and the last turn of the wall.
+
+    Then it surely covers one quad of the wall or more.
+    """
     pitch = wall.settings.pitch
     ends = sorted((wall.start_depth, wall.start_depth + len(wall) / wall.settings.sectors * pitch))
     top, bottom = image.depth[0] - image.reach, image.depth[-1] + image.reach

@@ -3,14 +3,13 @@
     buffer  | row 0 | row 1 | ... | row count-1 | free ...               |      doubled when it is full
 
 A row never changes after it arrives. So a reader holds the lock only to get buffers and count, and copies later. With a
-``step``, a later row in the same step of depth replaces an earlier one, which is deleted when the buffer is full, so
-that the hole bounds the memory.
+``step``, a later row in the same step of depth replaces an earlier one. The earlier one is deleted when the buffer is
+full. So the memory depends on the length of the hole, not on the number of rows that arrive.
 """
 
 from __future__ import annotations
 
 import threading
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -22,14 +21,14 @@ Columns = tuple[npt.NDArray[np.int64], Floats, Floats]
 
 
 class ImageRows:
-    """Rows of one sector image in order of arrival: depth m, values. May be used from several threads.
+    """Holds the rows of one sector image in order of arrival; several threads may use it at the same time.
 
     Parameters
     ----------
     sectors, unit
         Number of values of a row, and their unit.
     step
-        Metres: the latest row in each such step of depth is kept; 0: all rows are kept.
+        Length of a step of depth, metres; only the latest row in each step counts. 0: all rows are kept.
     """
 
     def __init__(self, sectors: int, unit: str, step: float = 0.0) -> None:
@@ -58,7 +57,7 @@ class ImageRows:
                 self.step = step
 
     def _make_room(self, more: int) -> None:
-        """Delete the rows that later rows replace, and make buffers with room for ``more`` rows that are half free."""
+        """Delete the rows that later rows replace; make longer buffers, with room for ``more`` rows."""
         rows = [column[: self._kept] for column in self._columns]
         if self.step:
             latest = np.sort(_latest(self._columns[1][: self._kept], self.step))
@@ -70,14 +69,13 @@ class ImageRows:
             column[: self._kept] = kept
         self._columns = longer
 
-    def restore(self, *columns: npt.NDArray[Any]) -> None:
-        """Set the rows to (numbers, depth, values), or to (depth, values) if no row was deleted."""
-        number, depth, values = columns if len(columns) == 3 else (np.arange(len(columns[0])), *columns)
+    def restore(self, number: npt.NDArray[np.int64], depth: Floats, values: Floats) -> None:
+        """Set the rows to the columns that `so_far` returned."""
         self._columns, self._kept = (number, depth, values), len(number)
         self._count = int(number[-1]) + 1 if len(number) else 0
 
     def __len__(self) -> int:
-        """Return the number of rows that have come."""
+        """Return the number of rows that have come, with those that were deleted."""
         return self._count
 
     def so_far(self) -> Columns:
@@ -87,9 +85,10 @@ class ImageRows:
             return number[: self._kept], depth[: self._kept], values[: self._kept]
 
     def rows(self, start: int, stop: int) -> tuple[Floats, Floats]:
-        """Return (depth (r,), values (r, sectors)) of the rows with numbers in [start, stop) that are kept; copies.
+        """Return (depth (r,), values (r, sectors)) of the rows with numbers in [start, stop); copies.
 
-        `Update.images` has such ranges. :meth:`arrays` returns the latest row of each depth or step.
+        Rows that were deleted are left out. `Update.images` has such ranges of numbers. :meth:`arrays` returns only
+        the latest row of each depth or step.
         """
         number, depth, values = self.so_far()
         first, last = np.searchsorted(number, (start, stop))
@@ -101,7 +100,10 @@ class ImageRows:
 
 
 def sorted_rows(depth: Floats, values: Floats, step: float = 0.0) -> tuple[Floats, Floats]:
-    """Return rows, given in order of arrival, by depth; copies, only the latest row of each depth or step of depth."""
+    """Return copies of rows sorted by depth: of the rows at one depth, or in one step of depth, only the latest.
+
+    The rows are given in order of arrival.
+    """
     latest = _latest(depth, step)
     return depth[latest], values[latest]
 
