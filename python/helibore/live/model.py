@@ -83,8 +83,8 @@ class Model:
         The events so far.
     counts
         Counters by name. A sample that is ``received`` is ``not drawn`` (refused by a flag), ``kept apart`` (no layer
-        takes it, or it lies before the start, or it is ``crowded``) or ``drawn``. Other names count the samples with
-        each flag and of each pass, connections, keep-alives, and what was set aside.
+        takes it, it lies before the start, it is ``crowded`` or it was set aside) or ``drawn``. Other names count the
+        samples with each flag and of each pass, connections, keep-alives, and what was set aside.
     outcomes
         Number of samples by source and outcome: `USABLE`, `OUTSIDE`, or each flag that refuses the sample, except that
         the string does not turn. Samples of the host do not count.
@@ -499,8 +499,13 @@ class Model:
         for index in np.unique(rows["image"][ready & (rows["image"] >= 0)]).tolist():
             self._draw_image(index, rows, depth, flags, ready & (rows["image"] == index), update)
 
-    def _append(self, name: str, rows: Rows, columns: tuple[npt.NDArray[np.float64], ...], update: Update) -> None:
-        """Append samples to a layer; if it refuses them, append them record by record, without the wrong records."""
+    def _append(
+        self, name: str, rows: Rows, columns: tuple[npt.NDArray[np.float64], ...], update: Update
+    ) -> npt.NDArray[np.bool_]:
+        """Append samples to a layer; return for each whether it was appended.
+
+        If the layer refuses the samples, they are appended record by record, without the wrong records.
+        """
         layer = self.layers[name]
         try:
             change = layer.append(*columns)
@@ -508,7 +513,7 @@ class Model:
             failure = error
         else:
             update.changes[name] = joined(update.changes.get(name), change)
-            return
+            return np.ones(len(rows), bool)
         records = rows["received"] >> 20
         numbers = np.unique(records)
         if len(numbers) == 1:
@@ -517,10 +522,12 @@ class Model:
             self.counts["set aside"] += len(rows)
             self.out_of_memory |= isinstance(failure, MemoryError)
             self.set_aside[int(numbers[0])] = text
-            return
+            return np.zeros(len(rows), bool)
+        appended = np.zeros(len(rows), bool)
         for number in numbers:
             of = records == number
-            self._append(name, rows[of], tuple(column[of] for column in columns), update)
+            appended[of] = self._append(name, rows[of], tuple(column[of] for column in columns), update)
+        return appended
 
     def _draw(
         self, rows: Rows, depth: npt.NDArray[np.float64], kind: npt.NDArray[np.int64], flags: npt.NDArray[np.int64],
@@ -552,11 +559,10 @@ class Model:
                 continue
             self._leave_out_crowded(name, rows, depth, chosen)
             before = chosen & self._before_start(name, depth)
-            drawn |= chosen & ~before
             if before.any():
                 outside.append((name, np.flatnonzero(before)))
             columns = (depth[chosen], rows["toolface"][chosen], rows["radius"][chosen], time[chosen])
-            self._append(name, rows[chosen], columns, update)
+            drawn[chosen] |= self._append(name, rows[chosen], columns, update) & ~before[chosen]
             for source in sorted(set(rows["source"][chosen].tolist())):  # samples of one source are in order of arrival
                 of = np.flatnonzero(chosen & (rows["source"] == source))
                 gaps += self._depth_gaps((name, source), depth[of], of)

@@ -194,7 +194,10 @@ def test_an_append_that_fails_sets_its_record_aside(tmp_path, clean, monkeypatch
         assert same_bits(live.wall, clean.wall)
         (event,) = (event for event in live.model.events.latest if event.rule == "aside")
         assert event.text == "layer main: set aside 1 samples: MemoryError"
-        assert live.model.counts["set aside"] == 1
+        counts = live.model.counts
+        assert (counts["set aside"], counts["kept apart"]) == (1, 1)
+        assert counts["received"] == counts["drawn"] + counts["not drawn"] + counts["kept apart"]
+        assert counts["drawn"] == live.wall.sample_count
         assert live.model.out_of_memory
         assert live.checkpoint() is None  # a restart with more memory draws the record
     assert same_bits(Live.replay(tmp_path).wall, clean.wall)  # taken by the thousand, too
