@@ -21,6 +21,8 @@ from helibore.base.errors import InputError
 from helibore.preparation.readings import Readings
 
 _SAMPLES_AT_ONCE = 1 << 17
+_APART = 0.0025  # m: two calipers that look in one direction disagree where their radii differ by more than this
+_ROWS_APART = 10  # least number of rows in succession in which they disagree
 
 
 @dataclass(frozen=True)
@@ -386,10 +388,10 @@ def closed_stretches(readings: Readings) -> tuple[float, list[tuple[int, int, in
     return level, found
 
 
-def disagreements(readings: Readings, apart: float = 0.0025, rows: int = 10) -> list[str]:
-    """Return a sentence for each pair of calipers that look in one direction and differ by more than ``apart`` metres.
+def disagreements(readings: Readings) -> list[str]:
+    """Return a sentence for each pair of calipers that look in one direction and differ by more than 2.5 mm of radius.
 
-    Only runs of ``rows`` rows or more count. Raises an InputError if a pair differs in at least half of the rows in
+    Only runs of 10 rows or more count. Raises an InputError if a pair differs in at least half of the rows in
     which both have a radius.
     """
     place = [(sensor.mounting, sensor.offset) for sensor in readings.sensors]
@@ -401,15 +403,15 @@ def disagreements(readings: Readings, apart: float = 0.0025, rows: int = 10) -> 
             names = " and ".join(readings.channels[int(readings.arm[number])] for number in (other, one))
             off = np.abs(readings.radii[one] - readings.radii[other])
             known = off[np.isfinite(off)]
-            if known.size and np.median(known) > apart:
+            if known.size and np.median(known) > _APART:
                 apart_by = f"{1e3 * np.median(known):.1f} mm of radius in half of the rows"
                 rule = f"look in one direction and differ by {apart_by}: name the caliper to use"
                 raise InputError(f"{readings.name}: {names}", rule)
-            found = _stretches(off > apart, rows)
+            found = _stretches(off > _APART, _ROWS_APART)
             if found:
                 first, last = max(found, key=lambda ends: ends[1] - ends[0])
                 lines[names] = (
-                    f"{readings.name}: {names} look in one direction and differ by more than {1e3 * apart:.1f} mm of "
+                    f"{readings.name}: {names} look in one direction and differ by more than {1e3 * _APART:.1f} mm of "
                     f"radius in {sum(last - first for first, last in found):,} rows, the longest stretch from "
                     f"{readings.depth[first]:.2f} to {readings.depth[last - 1]:.2f} m: name the caliper to use"
                 )
