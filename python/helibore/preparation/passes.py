@@ -21,8 +21,6 @@ from helibore.samples.caliper import Caliper
 from helibore.wall.points import evaluate
 from helibore.wall.wall import Wall
 
-__all__ = ["choose", "difference", "evaluate", "number_passes", "odd_passes"]
-
 ODD_ROWS = 3
 """Least number of odd rows in succession; a spike has fewer."""
 ODD_RADIUS = 0.005

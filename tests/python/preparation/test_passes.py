@@ -13,11 +13,12 @@ from locations import SHARED
 
 import helibore as hb
 from helibore.preparation.biases import arm_sides, find_bias
-from helibore.preparation.passes import choose, difference, evaluate, number_passes, odd_passes
+from helibore.preparation.passes import choose, difference, number_passes, odd_passes
 from helibore.preparation.prepare import Preparation, prepare
 from helibore.preparation.readings import Readings
 from helibore.preparation.sensors import Sensor
 from helibore.preparation.shifts import find_shifts
+from helibore.wall.points import evaluate
 
 F12 = SHARED / "calipers/volve_F-12_2010_pfcs_xy_caliper.csv.gz"
 
