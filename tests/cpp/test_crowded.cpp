@@ -187,6 +187,17 @@ void agrees_with_a_slow_search(const std::string& name, const Settings& s, const
     CHECK(wrong == 0);
 }
 
+// The radii of the samples, interpolated as values, are the radii of the wall.
+void interpolates_its_own_radii(const std::string& name, const Wall& wall) {
+    const std::vector<std::vector<double>> samples = wall.samples();
+    const std::span<const double> radii(samples[2]);
+    const std::vector<double> values = wall.interpolate_samples({&radii, 1})[0], radius = wall.radius();
+    double most = 0.0;
+    for (std::size_t k = 0; k < radius.size(); ++k)
+        if (!std::isnan(radius[k])) most = std::max(most, std::abs(values[k] - radius[k]));
+    if (most > 1e-9) fail(__FILE__, __LINE__, name + ": values differ by " + std::to_string(most));
+}
+
 // The samples by depth, as the bit meets them.
 Hole drilled(const Hole& hole, bool down) {
     std::vector<std::size_t> order(hole.depth.size());
@@ -268,7 +279,10 @@ void every_way_gives_the_same(const std::string& name, const Settings& plain, co
     Wall deeper(automatic);
     append_in_parts(deeper, drilled(hole, plain.pitch > 0.0));
     check_same(deeper, "appends down the hole");
-    if (plain.estimator == helibore::Estimator::inverse_distance) agrees_with_a_slow_search(name, plain, expected);
+    if (plain.estimator == helibore::Estimator::inverse_distance) {
+        agrees_with_a_slow_search(name, plain, expected);
+        interpolates_its_own_radii(name, expected);
+    }
 }
 
 // Enough vertices that threads share them: each begins its search elsewhere.
@@ -290,9 +304,33 @@ void threads_share_the_work(const Shape& shape) {
     }
 }
 
+// Many estimates alternate between two radii. Few samples above the others make the boxes high, so that the lists are
+// full and a later list holds the neighbours at one radius only.
+void interpolates_means_of_two_radii() {
+    for (const double pitch : {7.0, 3.0, 1.0}) {
+        Hole hole = oval_hole(9000, 103.0, 8.0);
+        for (std::size_t i = 0; i < 9000; ++i) {
+            hole.radius[i] = 0.05 + 0.25 * std::fmod(hole.depth[i] * 7919.0, 1.0);
+            if (i < 4) hole.depth[i] = 100.0 + static_cast<double>(i);
+        }
+        Wall wall({.bit_diameter = 0.1,
+                   .sectors = 18,
+                   .pitch = pitch,
+                   .neighbors = 6,
+                   .power = 0.5,
+                   .max_distance = 100.0,
+                   .max_iterations = 18,
+                   .tolerance = 0.01,
+                   .angular_scale = 2.0});
+        wall.append(hole.all());
+        interpolates_its_own_radii("pitch " + std::to_string(pitch), wall);
+    }
+}
+
 }  // namespace
 
 int main() {
+    interpolates_means_of_two_radii();
     for (const Shape& shape : shapes()) {
         threads_share_the_work(shape);
         for (const bool usual : {true, false}) {

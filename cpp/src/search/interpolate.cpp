@@ -27,7 +27,9 @@ constexpr std::uint64_t low_bits = (std::uint64_t{1} << kernel::position_bits) -
 
 void Search::interpolate(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
                          std::span<const std::span<const double>> channels, std::span<double* const> out) const {
-    const kernel::Group g = solve(samples, helix, group, vertex_count, scratch);
+    const kernel::Group solved = solve(samples, helix, group, vertex_count, scratch);
+    const bool listed = scratch.first_list;
+    const kernel::Group g = listed ? solved : list_at(samples, helix, group, vertex_count, solved.trial, scratch);
     const Index used = std::min(lanes, vertex_count - group * lanes);
     std::vector<Neighbour> neighbours;
     if (rules_.range > 0.0) {
@@ -44,11 +46,17 @@ void Search::interpolate(const Samples& samples, const Helix& helix, Index group
         }
         return weights > 0.0 ? weighted / weights : std::numeric_limits<double>::quiet_NaN();
     };
+    bool means = false;  // is a radius the mean of two estimates?
     for (Index lane = 0; lane < used; ++lane) {
         weigh(g, lane, g.trial[lane], scratch.list, neighbours);
         for (std::size_t c = 0; c < channels.size(); ++c) out[c][lane] = value_of(channels[c]);
-        if (g.before[lane] == g.trial[lane]) continue;
-        weigh(g, lane, g.before[lane], scratch.list, neighbours);  // the radius is the mean of two estimates
+        means = means || solved.before[lane] != solved.trial[lane];
+    }
+    if (!means) return;
+    const kernel::Group b = listed ? solved : list_at(samples, helix, group, vertex_count, solved.before, scratch);
+    for (Index lane = 0; lane < used; ++lane) {
+        if (solved.before[lane] == solved.trial[lane]) continue;
+        weigh(b, lane, solved.before[lane], scratch.list, neighbours);
         for (std::size_t c = 0; c < channels.size(); ++c) {
             const double value = value_of(channels[c]);
             if (std::isnan(out[c][lane])) out[c][lane] = value;

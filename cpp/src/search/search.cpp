@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "search/kernel/instruction_set.hpp"
 
@@ -97,7 +98,8 @@ kernel::Group Search::start(const Helix& helix, Index group, Index vertex_count)
     return g;
 }
 
-// Estimates the group. The list then holds the neighbours of every vertex at its last trial radius.
+// Estimates the group. If the list is then the first of its group and was never shrunk, it holds the neighbours of
+// every vertex at each of its trial radii. A later list holds those of the vertices that were not done.
 kernel::Group Search::solve(const Samples& samples, const Helix& helix, Index group, Index vertex_count,
                             Scratch& scratch) const {
     if (rules_.range > 0.0 && !scratch.kriging) {
@@ -115,12 +117,26 @@ kernel::Group Search::solve(const Samples& samples, const Helix& helix, Index gr
     }
     scratch.least_trial = settings_.bit_diameter / 16.0;
     for (;;) {
-        search_box(samples, Span(g, helix), g, scratch);
+        search_box(samples, Span(g, helix), rules_, g, scratch);
         const double least = *std::min_element(g.least_trial, g.least_trial + lanes);
         if (least >= scratch.least_trial) return g;
         scratch.least_trial = least / 16.0;  // rare: the wall is much nearer to the axis than the bit
         g = start(helix, group, vertex_count);
     }
+}
+
+// Makes a list that holds the neighbours of every vertex at these trial radii; returns the group for it.
+kernel::Group Search::list_at(const Samples& samples, const Helix& helix, Index group, Index vertex_count,
+                              const double (&trial)[lanes], Scratch& scratch) const {
+    kernel::Group g = start(helix, group, vertex_count);
+    for (Index lane = 0; lane < lanes; ++lane)
+        if (g.active[lane] > 0.0) g.trial[lane] = trial[lane];
+    kernel::Rules once = rules_;
+    once.max_iterations = 1;
+    once.range = 0.0;
+    once.sums = false;
+    search_box(samples, Span(g, helix), once, g, scratch);
+    return g;
 }
 
 void Search::run(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
@@ -192,12 +208,14 @@ void Search::window_reach(const Samples& samples, const Windows& windows, const 
     result.deep = all || greatest + *settings_.window > n ? no_limit : std::max(windows.deep, span.deep);
 }
 
-void Search::search_box(const Samples& samples, const Span& span, kernel::Group& g, Scratch& scratch) const {
+void Search::search_box(const Samples& samples, const Span& span, const kernel::Rules& rules, kernel::Group& g,
+                        Scratch& scratch) const {
     if (scratch.half_height == 0.0) scratch.half_height = first_guess(samples);
     const bool by_turns = scratch.mean_height > 0.0;  // then the box is low and goes all around
     const double half_height = by_turns ? std::sqrt(4.0 * scratch.mean_height) : scratch.half_height;
     const Windows& windows = scratch.windows;
     double area = 0.0;
+    bool first = true;
     for (double growth = 1.0;;) {
         double least_trial = no_limit;
         for (Index i = 0; i < lanes; ++i)
@@ -224,12 +242,13 @@ void Search::search_box(const Samples& samples, const Span& span, kernel::Group&
             if (!holds_all(far)) box.far = far;
             find_turns(samples, span.shallow - far, span.deep + far, g);
         }
+        scratch.first_list = std::exchange(first, false);
         fetch_box(samples, low, high, filter, box, g, scratch);
         const Index fewest = place_windows(windows, scratch.list, g);
         box.narrow = rules_.neighbors <= std::min<Index>(fewest, kernel::most_narrow) &&
                      scratch.list.count <= kernel::narrow_capacity && !by_turns;
         area = 4.0 * box.along * std::min(across, 180.0) * degree;
-        const kernel::Verdict verdict = functions_->estimate(g, scratch.list, rules_, box);
+        const kernel::Verdict verdict = functions_->estimate(g, scratch.list, rules, box);
         if (verdict == kernel::Verdict::done) break;
         if (verdict == kernel::Verdict::widen) growth *= 1.5;
     }
@@ -390,6 +409,7 @@ void Search::gather_level(const Chunk& chunk, const Level& level, Index rank, co
 }
 
 void Search::shrink(const kernel::Box& box, kernel::Group& g, Scratch& scratch) const {
+    scratch.first_list = false;
     scratch.pad();
     place_windows(scratch.windows, scratch.list, g);
     std::fill(scratch.keep.begin(), scratch.keep.end(), static_cast<unsigned char>(0));

@@ -72,6 +72,7 @@ class Search {
         double half_height = 0.0;  // of the first box of the next group; 0: not known yet
         double mean_square = 0.0;  // of the reach of previous groups
         double mean_height = 0.0;  // mean squared height that previous groups needed; 0: turns are not looked at
+        bool first_list = false;   // is the list the first of its group, and was it never shrunk?
         Index even = 0;            // how many next groups skip the check for few toolfaces, after one that found many
     };
 
@@ -98,6 +99,8 @@ class Search {
 
     kernel::Group solve(const Samples& samples, const Helix& helix, Index group, Index vertex_count,
                         Scratch& scratch) const;
+    kernel::Group list_at(const Samples& samples, const Helix& helix, Index group, Index vertex_count,
+                          const double (&trial)[kernel::lanes], Scratch& scratch) const;
     void weigh(const kernel::Group& g, Index lane, double trial, const kernel::CandidateList& list,
                std::vector<Neighbour>& neighbours) const;
     void choose(const kernel::Group& g, Index lane, double trial, const kernel::CandidateList& list,
@@ -105,7 +108,8 @@ class Search {
     void krige(kernel::Group g, Index used, std::span<const double> channel, const kernel::CandidateList& list,
                std::vector<Neighbour>& neighbours, double* out) const;
     kernel::Group start(const Helix& helix, Index group, Index vertex_count) const;
-    void search_box(const Samples& samples, const Span& span, kernel::Group& g, Scratch& scratch) const;
+    void search_box(const Samples& samples, const Span& span, const kernel::Rules& rules, kernel::Group& g,
+                    Scratch& scratch) const;
     void fetch_box(const Samples& samples, double low, double high, const kernel::Filter& filter,
                    const kernel::Box& box, kernel::Group& g, Scratch& scratch) const;
     void gather(const Chunk& chunk, Index start, Index stop, Index rank, const kernel::Filter& filter,
