@@ -531,14 +531,14 @@ export class App {
     const covered = cursor !== null && cursor.toolface !== null;
     this.quad = covered ? store.quad(k) : null;
     this.read = readout({ store, view, path, quad: this.quad });
-    this.read.push(...this.curves.readout(cursor?.depth));
-    write('readout', this.read);
+    this.read.push(...this.curves.readout(cursor?.depth ?? view.middle));
+    write('readout', cursor || !NARROW.matches ? this.read : this.read.filter(([, text]) => !/^[–/ ]*$/.test(text))); // a finger hovers nowhere
     if (this.toSay && (!covered || wall.locate(k).tile)) {
       this.toSay = false;
       byId('spoken').textContent = spokenText(this);
     }
     byId('follow').hidden = !look.growing;
-    byId('readTitle').textContent = view.pinned ? 'Cursor (held)' : 'Cursor';
+    byId('readTitle').textContent = view.pinned ? 'Cursor (held)' : cursor ? 'Cursor' : 'Middle of the log';
     const turned = turnAt(store, view, cursor?.depth ?? view.middle, look.arms);
     const figures = turnText(look, turned, (m, digits) => showLength(m, view.units, digits ?? (view.units === 'mm' ? 1 : 3)));
     byId('crossTitle').textContent = `Cross-section at ${showDepth(cursor?.depth ?? view.middle, view.units)}`;

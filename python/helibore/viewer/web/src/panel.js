@@ -147,11 +147,13 @@ export function reflect(view, quantity, image) {
   byId('colourText').textContent = `Colour: ${quantity.name}, ${quantity.dynamic ? 'dynamic' : [quantity.low, quantity.high].map((end) => showValue(end * scale).replace('-', '−')).join(' to ')} ${quantity.dynamic ? '' : unit}`.trim();
 }
 
-// The values of a quad: name and text in pairs; what is not known is a dash.
+// The values at the cursor: name and text in pairs; what is not known is a dash. Without a cursor, the depths in the middle
+// of the section, where the cross-section is.
 /** @param {{ store: Store, view: View, path: Path, quad: Quad | null }} of */
 export function readout({ store, view, path, quad }) {
   const { cursor, units } = view;
-  const tvd = cursor ? path.tvd(cursor.depth) : NaN;
+  const depth = cursor?.depth ?? view.middle;
+  const tvd = path.tvd(depth);
   const dial = cursor ? path.dial(cursor.depth) : { up: null, north: null };
   /** @param {number | null} zero */
   const around = (zero) => (zero === null || typeof cursor?.toolface !== 'number' ? '–' : showAngle((((cursor.toolface - zero) % 360) + 360) % 360));
@@ -160,8 +162,8 @@ export function readout({ store, view, path, quad }) {
   const all = [[RESCANNED, 're-scanned'], [PROVISIONAL, 'provisional'], [CLIPPED, 'off scale'], [INTERPOLATED, 'interpolated']];
   const marks = all.filter(([bit]) => state & bit).map(([, word]) => word);
   return [
-    ['MD', showDepth(cursor?.depth, units)],
-    ['TVD', (cursor && Number.isNaN(tvd) && path.whyNoTvd(cursor.depth)) || showDepth(tvd, units)],
+    ['MD', showDepth(depth, units)],
+    ['TVD', (Number.isNaN(tvd) && path.whyNoTvd(depth)) || showDepth(tvd, units)],
     ['Toolface', showAngle(cursor?.toolface ?? NaN)],
     [`From high side / north${path.assumed ? ', assumed' : ''}`, `${around(dial.up)} / ${around(dial.north)}`],
     ...(store.basis === 'gauge' ? [['Radius', 'not measured']] : [
