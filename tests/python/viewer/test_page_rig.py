@@ -182,3 +182,15 @@ def test_rig_mode_for_less_than_a_frame_leaves_the_section_its_figures(browser: 
         )
         screen.until("!window.__wall.app.view.rig && !window.__wall.app.summaryPending")
         screen.close()
+
+
+def test_a_bit_ahead_of_the_wall_has_its_true_depth_where_the_path_reaches(browser: Any) -> None:
+    wall, path = MadeWall(30_000), hb.Survey([0, 950, 1090], [0, 30, 30], [0, 40, 40]).path()
+    with hb.view(wall, path=path) as viewer:
+        screen = Screen(browser, viewer.url, "#rig=1", drawn=False)
+        for bit, below in ((1075.0, f"TVD {path.position([1075.0])[0, 2]:.1f} m"), (1095.0, "TVD: beyond the survey")):
+            viewer.scene.update_state(bit_depth=bit, newest=time.time())
+            screen.until(f"window.__wall.app.bit === {bit}")
+            screen.settle()
+            assert screen.inner_text("#rigBitMore") == below
+        screen.close()
