@@ -271,7 +271,7 @@ class Path:
         Raises
         ------
         InputError
-            As `position`, and where the hole is vertical.
+            As `position`, and where the hole is vertical, or level and points north or south.
         """
         return _shaped(self._core.north_to_high_side(_depths(depth)), depth)
 
