@@ -2,18 +2,15 @@
 
     python -m bench.speed.emission
 
-Each case checks the result, then times helibore and its peer in turn. The bar of emission is 4 x the copy, which is
-np.copy of the vertices and of the quads into fresh memory, on all cores.
+Each case checks the result, then times helibore and its peer in turn. The bar of emission is 4 x the copy; the copy is
+np.copy of the vertices and of the quads into fresh memory.
 """
 
 from __future__ import annotations
 
 import json
 import os
-import statistics
 import tempfile
-import time
-from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -21,6 +18,7 @@ from typing import Any
 import numpy as np
 
 import helibore as hb
+from bench.measure import in_turn, milliseconds, ratio
 from helibore.mesh.surface import Surface, WallLike, surface_of
 
 SECTORS = 64
@@ -53,34 +51,23 @@ def _check(surface: Surface, wall: WallLike, path: hb.Path) -> None:
     assert (surface.quads == first + np.array([0, 1, 1 + SECTORS, SECTORS])).all()
 
 
-def _in_turn(works: dict[str, Callable[[], object]], rounds: int) -> dict[str, float]:
-    """Return the median seconds of each work; works run one after the other in every round, and results are dropped."""
-    seconds: dict[str, list[float]] = {name: [] for name in works}
-    for _ in range(rounds):
-        for name, work in works.items():
-            start = time.perf_counter()
-            result = work()
-            seconds[name].append(time.perf_counter() - start)
-            del result
-    return {name: statistics.median(times) for name, times in seconds.items()}
-
-
 def emission(vertices: int, method: str = "minimum-curvature", rounds: int = 11) -> dict[str, Any]:
     """Compare the vertices and quads of a wall on a curved survey, on all cores and on one, with their copy."""
     wall, path = _wall(vertices, 2990.0), _path(method)
     surface = surface_of(wall, path)
     _check(surface, wall, path)
     works = {
-        "ours": lambda: surface_of(wall, path),
-        "ours_one_thread": lambda: surface_of(wall, path, threads=1),
+        "helibore": lambda: surface_of(wall, path),
+        "one thread": lambda: surface_of(wall, path, threads=1),
         "copy": lambda: (np.copy(surface.vertices), np.copy(surface.quads)),
     }
-    seconds = _in_turn(works, rounds)
+    seconds = in_turn(works, rounds)
     return {
         "case": f"emission, {vertices} vertices, {method}",
-        "seconds": seconds,
-        "ratio": seconds["ours"] / seconds["copy"],
-        "ratio_at_most": 4.0,
+        "milliseconds": {work: milliseconds(times) for work, times in seconds.items()},
+        "over a copy": ratio(seconds["helibore"], seconds["copy"]),
+        "over a copy at most": 4.0,
+        "one thread over a copy": ratio(seconds["one thread"], seconds["copy"]),
     }
 
 
@@ -106,12 +93,12 @@ def glb(vertices: int = 256_000 + SECTORS + 1, rounds: int = 5) -> dict[str, Any
                 out.write(scene.export(file_type="glb"))
                 os.fsync(out.fileno())
 
-        seconds = _in_turn({"ours": lambda: surface.save(file), "trimesh": peer}, rounds)
+        seconds = in_turn({"helibore": lambda: surface.save(file), "trimesh": peer}, rounds)
     return {
         "case": f"GLB, {len(surface.quads)} quads",
-        "seconds": seconds,
-        "ratio": seconds["ours"] / seconds["trimesh"],
-        "ratio_at_most": 1.0,
+        "milliseconds": {work: milliseconds(times) for work, times in seconds.items()},
+        "over trimesh": ratio(seconds["helibore"], seconds["trimesh"]),
+        "over trimesh at most": 1.0,
     }
 
 

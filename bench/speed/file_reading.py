@@ -5,9 +5,9 @@
     small_table()  such a CSV of 1.6 MB, beside ``numpy.loadtxt``
     json_log()     a log in JSON Well Log Format, 20,000 rows of 20 curves, beside json and a pandas data frame
 
-Each function returns its results as a dict. The values are compared first; then helibore and its peer run in turn in
-one process. The result has the median and the spread of the ratios of all turns. helibore loads every value, with nulls
-replaced and counted.
+Each function compares the values first; then helibore and its peer run in turn in one process. The results are the
+milliseconds of both, and the ratio of helibore's time to its peer's, with its spread. helibore loads every value, with
+nulls replaced and counted.
 
     python -m bench.speed.file_reading [las file]
 """
@@ -15,21 +15,21 @@ replaced and counted.
 from __future__ import annotations
 
 import json
-import statistics
 import sys
 import tempfile
-import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 import helibore as hb
+from bench.measure import in_turn, milliseconds, ratio
 
 REAL = Path(__file__).parents[3] / "shared" / "data" / "lwd-images" / "P11-A-02_Composite_MEM_Image_NF.las"
 
 
-def las(path: Path | None = None, turns: int = 7) -> dict[str, float | str]:
+def las(path: Path | None = None, turns: int = 7) -> dict[str, Any]:
     """Compare opening a LAS 2.0 image file and loading every channel with ``lasio.read``; the bar is 1.2 times."""
     import lasio
 
@@ -42,7 +42,7 @@ def las(path: Path | None = None, turns: int = 7) -> dict[str, float | str]:
         return {"file": path.name} | alternately(lambda: load(path), lambda: lasio.read(path), turns)
 
 
-def table(megabytes: int = 100, turns: int = 5) -> dict[str, float | str]:
+def table(megabytes: int = 100, turns: int = 5) -> dict[str, Any]:
     """Compare opening a CSV and loading every column with ``pyarrow.csv.read_csv``; the bar is 1.5 times."""
     from pyarrow import csv
 
@@ -57,8 +57,8 @@ def table(megabytes: int = 100, turns: int = 5) -> dict[str, float | str]:
         return {"bytes": size} | alternately(lambda: load(path), lambda: csv.read_csv(path), turns)
 
 
-def small_table(turns: int = 9) -> dict[str, float | str]:
-    """Compare opening a CSV below 2 MiB and loading every column with ``numpy.loadtxt``; the bar is its time."""
+def small_table(turns: int = 9) -> dict[str, Any]:
+    """Compare opening a CSV below 2 MiB and loading every column with ``numpy.loadtxt``; the bar is 1.0 times."""
     with tempfile.TemporaryDirectory() as folder:
         lines = written_table(Path(folder) / "all.csv", 1).read_text().splitlines(keepends=True)[:50_000]
         path = Path(folder) / "samples.csv"
@@ -73,7 +73,7 @@ def small_table(turns: int = 9) -> dict[str, float | str]:
         return {"bytes": path.stat().st_size} | alternately(lambda: load(path), theirs, turns)
 
 
-def json_log(rows: int = 20_000, curves: int = 20, turns: int = 9) -> dict[str, float | str]:
+def json_log(rows: int = 20_000, curves: int = 20, turns: int = 9) -> dict[str, Any]:
     """Compare a JSON log, every curve loaded, with ``json.load`` and a pandas data frame; the bar is their time."""
     import pandas as pd
 
@@ -101,24 +101,11 @@ def load(path: Path) -> None:
         _ = channel.values
 
 
-def alternately(ours: Callable[[], object], theirs: Callable[[], object], turns: int) -> dict[str, float | str]:
-    """Time two calls in turn; return the median seconds of each, and median, smallest and largest ratio."""
-    seconds: list[tuple[float, float]] = []
-    for _ in range(turns):
-        pair = []
-        for call in (ours, theirs):
-            start = time.perf_counter()
-            call()
-            pair.append(time.perf_counter() - start)
-        seconds.append((pair[0], pair[1]))
-    ratios = [our / their for our, their in seconds]
-    return {
-        "seconds": statistics.median(our for our, _ in seconds),
-        "peer_seconds": statistics.median(their for _, their in seconds),
-        "ratio": statistics.median(ratios),
-        "ratio_smallest": min(ratios),
-        "ratio_largest": max(ratios),
-    }
+def alternately(ours: Callable[[], object], theirs: Callable[[], object], turns: int) -> dict[str, Any]:
+    """Time two works in turn; return the milliseconds of each, and the ratio of the first to the second."""
+    seconds = in_turn({"helibore": ours, "peer": theirs}, turns)
+    times = {work: milliseconds(of) for work, of in seconds.items()}
+    return {"milliseconds": times, "helibore / peer": ratio(seconds["helibore"], seconds["peer"])}
 
 
 def written_table(path: Path, megabytes: int) -> Path:
