@@ -1,4 +1,4 @@
-"""All benchmarks of the wall: ``python -m bench``; ``python -m bench reconstruction appends`` for some of them.
+"""Run the benchmarks of `NAMES`: ``python -m bench``, or some of them: ``python -m bench reconstruction appends``.
 
 They print one line for each figure, and write all figures to bench-results.json and bench-results.html. Compare ratios
 and their spread (``python -m bench compare BEFORE.json AFTER.json``), because absolute times belong to one machine.

@@ -34,7 +34,10 @@ def _table(rows: Any) -> str:
 
 
 def cost_by_size(cases: Sequence[dict[str, Any]]) -> str:
-    """Return a picture (SVG) of nanoseconds a sample against samples, logarithmic; a level line: cost by size."""
+    """Return an SVG picture of the nanoseconds for each sample against the number of samples, both logarithmic.
+
+    A level line means that the cost grows in proportion to the number of samples.
+    """
     from math import floor, log10
 
     lines: dict[str, list[tuple[float, float]]] = {}
@@ -63,6 +66,6 @@ def cost_by_size(cases: Sequence[dict[str, Any]]) -> str:
         marks.append(f'<polyline points="{path}" fill="none" stroke="{color}" stroke-width="2"/>')
         marks.append(f'<text x="{float(x) + 8}" y="{float(y) + 4}" fill="{color}">{escape(work)}</text>')
     return (
-        f'<p>Nanoseconds a sample against samples.</p><svg viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" '
+        f'<p>Nanoseconds for each sample, by samples.</p><svg viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" '
         f'font-family="system-ui,sans-serif" font-size="12" fill="currentColor">{"".join(marks)}</svg>'
     )

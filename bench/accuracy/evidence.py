@@ -66,7 +66,7 @@ def run(kind: str, tool: str, noise: float, seed: int, peers: bool, slow: bool) 
 
 
 def _coverage(hole: Hole, wall: hb.Wall, inside: np.ndarray, truth: Floats) -> tuple[dict[str, float], float]:
-    """Return, by class, the share of vertices whose 95 % interval holds the truth; mean sigma over the rms error."""
+    """Return, by class, the share of vertices whose 95 % interval holds the truth; and mean sigma over rms error."""
     sigma, off = wall.sigma, np.abs(wall.radius - truth)
     known = inside & np.isfinite(sigma)
     if not known.any():
@@ -114,9 +114,10 @@ def _unit(toolface: Floats) -> Floats:
 
 
 def left_out_passes() -> list[list[str]]:
-    """Return a row for each pass of the F-12 caliper, predicted from the others: mean and rms error, mm; last, means.
+    """Return a row for each pass of the F-12 caliper, predicted from the other passes, and a last row of the means.
 
-    Columns are by the default settings, then by tuned ones; [] without the file.
+    The columns are the pass, the mean of |error| and the rms error, mm, by the default settings, and both by tuned
+    settings. Return [] if the file is not there.
     """
     if not f12.FILE.exists():
         return []

@@ -73,7 +73,10 @@ def level_of(bias, passes, classes):
 
 
 def score(depth, toolface, radius, passes, classes, left_out):
-    """Return the errors of the predictions of one pass, (2 + len(classes), n), NaN at samples of other passes."""
+    """Return the errors of the predictions of one pass, mm, (2 + len(classes), n) for its n samples.
+
+    The rows are raw, shift, and one for each of ``classes``. An error is NaN where the wall has no radius.
+    """
     mine = passes == left_out
     errors = np.full((2 + len(classes), depth.size), np.nan)
     errors[0, mine] = predict(depth, toolface, radius, ~mine, mine) - radius[mine]
@@ -92,7 +95,10 @@ def score(depth, toolface, radius, passes, classes, left_out):
 
 
 def constants(radius, mine):
-    """Errors of the three constants over the samples of a pass, mm, (3, n); the best is one of steps of 0.02 mm."""
+    """Return the errors of the three constants at the samples of a pass, mm, (3, n).
+
+    The best constant is searched in steps of 0.02 mm.
+    """
     own = radius[mine]
     tried = np.arange(own.min(), own.max(), 2e-5)
     best = tried[np.argmin([np.median(np.abs(own - one)) for one in tried])]
@@ -102,7 +108,7 @@ def constants(radius, mine):
 def main() -> int:
     path = Path(sys.argv[1]) if len(sys.argv) > 1 else FILE
     if not path.exists():
-        print(f"{path}: not there; give the file's path", file=sys.stderr)
+        print(f"{path}: there is no such file; give its path", file=sys.stderr)
         return 2
     depth, toolface, radius, passes, arm, side = read(path)
     shifts = find_shifts(depth, radius, passes)

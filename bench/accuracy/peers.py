@@ -3,7 +3,7 @@
 IDW on a tree, Delaunay, thin plate     by SciPy
 natural neighbour                       Sibson's, on a raster (Park and others, 2006), with SciPy's tree
 contours                                parallel contours: linear around each turn of samples, and between turns
-PyKrige                                 ordinary kriging of the 16 nearest
+PyKrige                                 ordinary kriging of the 16 nearest samples
 """
 
 from __future__ import annotations
@@ -79,7 +79,10 @@ def thin_plate(caliper: hb.Caliper, depth: Floats, toolface: Floats) -> Floats:
 
 
 def natural_neighbour(caliper: hb.Caliper, depth: Floats, toolface: Floats) -> Floats:
-    """Return radii at points; each cell of a raster gives its nearest sample's radius to all points as near."""
+    """Return radii at points. Each cell of a raster has the radius of its nearest sample.
+
+    The radius at a point is the mean over the cells to which the point is at least as near as their nearest sample.
+    """
     from scipy.spatial import cKDTree
 
     points, radius = unrolled(caliper)
@@ -117,9 +120,9 @@ def contours(caliper: hb.Caliper, depth: Floats, toolface: Floats) -> Floats:
 
 
 def by_pykrige(caliper: hb.Caliper, depth: Floats, toolface: Floats) -> Floats:
-    """Return radii at points by kriging half a metre at a time, as PyKrige keeps all distances in memory.
+    """Return radii at points by kriging half a metre of hole at a time, because PyKrige keeps all distances in memory.
 
-    The samples of a half metre are those in it, and up to 0.1 m above and below.
+    Each half metre uses the samples within it, and those up to 0.1 m above and below.
     """
     from pykrige.ok import OrdinaryKriging
 

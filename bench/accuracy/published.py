@@ -21,7 +21,7 @@ CHANGED = 1e-5  # metres
 
 
 class Published(NamedTuple):
-    """Distances (m) and weights of the neighbours by rank, how many points iterations change, and similarities (%)."""
+    """The results: distances (m) and weights of the neighbours by rank, changes by iteration, and similarities (%)."""
 
     distances: Floats  # (390, 8)
     contributions: Floats  # (390, 8), each row sums to 1

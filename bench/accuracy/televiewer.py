@@ -31,7 +31,11 @@ GAUGE = 0.104
 
 @dataclass(frozen=True)
 class Pick:
-    """One side of a feature as the geologist saw it: depth of its middle, length (m), azimuth, opening (deg), type."""
+    """One side of a feature, as the geologist picked it.
+
+    ``depth`` is the depth of its middle and ``length`` its length along the hole, metres; ``azimuth`` is its direction
+    and ``opening`` its width around the hole, degrees; ``kind`` is the type in the file.
+    """
 
     depth: float
     azimuth: float

@@ -3,9 +3,9 @@
 A child process sends 2,000 triples/s in frames of 30 and 4,000 other items/s in frames of 40 while the hole gets 100 m
 deeper. At the end the wall is compared with the batch reconstruction of its samples. Then the benchmark prints triples
 lost, the time from a packet's arrival to its changed vertices, the share of a core, and memory. ``--page`` shows the
-wall in Debian's chromium, and prints when the page had and drew each vertex. That browser draws a picture of 683 by 384
-with the processor, in idle time only; at a rig a graphics card draws, mostly that of another computer. ``--reader``
-leaves the drawing out: a process takes what such a page takes.
+wall in Debian's chromium, and prints how long after the wall the page has new vertices, and how long after it draws
+them. That browser draws a picture of 683 by 384 with the processor, in idle time only; at a rig a graphics card draws,
+mostly that of another computer. With ``--reader``, a process receives what such a page receives, and draws nothing.
 """
 
 from __future__ import annotations
@@ -156,8 +156,8 @@ def main() -> None:
     """Send the load to a live wall, compare the wall, and print the figures."""
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--minutes", type=float, default=1.0)
-    options.add_argument("--triples", type=int, default=2000)
-    options.add_argument("--items", type=int, default=4000)
+    options.add_argument("--triples", type=int, default=2000, help="triples sent in a second")
+    options.add_argument("--items", type=int, default=4000, help="other items sent in a second")
     options.add_argument("--page", action="store_true")
     options.add_argument("--reader", action="store_true")
     chosen = options.parse_args()

@@ -4,8 +4,8 @@ Each second brings a rig frame of 34 items and a caliper frame, each tenth secon
 drills half of the time and turns off bottom, at one depth, for the rest. In the last --reamed days (a third of all) the
 hole gets no deeper, and the string reams its lowest 10 m; memory must not grow then. Segments older than a week are
 archived, as with ``keep_days = 7``. Each day's line shows depth, resident memory, journal, archive and checkpoints. At
-the end a new process restarts from the checkpoint, and its wall is compared with the live wall, bit for bit; so is,
-without --no-replay, a replay of the whole journal.
+the end a new process restarts from the checkpoint, and its wall is compared with the live wall, bit for bit. Unless
+--no-replay is given, a replay of the whole journal is compared in the same way.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def main() -> None:
     """Play the days and print a line for each; then restart, replay and compare the walls."""
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--days", type=int, default=30)
-    options.add_argument("--reamed", type=int, help="days of reaming at the end")
+    options.add_argument("--reamed", type=int, help="days of reaming at the end; by default a third of all days")
     options.add_argument("--no-replay", action="store_true")
     options.add_argument("--restart", help=argparse.SUPPRESS)
     given = options.parse_args()

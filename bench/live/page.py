@@ -386,7 +386,7 @@ def main() -> None:
     parser.add_argument("--quads", type=int, default=1_000_000)
     parser.add_argument("--appends", type=int, default=9)
     parser.add_argument("--clients", type=int, default=10)
-    parser.add_argument("--hidden", type=int, default=60, help="seconds that a page is hidden; 0: not measured")
+    parser.add_argument("--hidden", type=int, default=60, help="seconds that a page is hidden; 0 leaves this out")
     parser.add_argument("--exports", action="store_true", help="also measure appends while exports are made")
     options = parser.parse_args()
     print(f"load {load()}, {os.cpu_count()} cores, {options.quads:,} quads")

@@ -86,7 +86,10 @@ def mesh(ending: str, quads: int = 1_000_000, rounds: int = 3) -> dict[str, Any]
 
 
 def archive(samples: int = 2_400_000, vertices: int = 256_000, rounds: int = 5) -> dict[str, Any]:
-    """Compare save and load of a wall with np.save and np.load of as many bytes, and np.load of its arrays in .npz."""
+    """Compare saving and loading a wall with np.save and np.load of as many bytes.
+
+    Loading is also compared with np.load of the wall's arrays from an .npz file, and with rebuilding the wall.
+    """
     wall = _wall(samples, vertices)
     with tempfile.TemporaryDirectory() as folder:
         ours, theirs, zipped = (Path(folder) / name for name in ("ours.wall", "theirs.npy", "theirs.npz"))
@@ -115,7 +118,7 @@ def archive(samples: int = 2_400_000, vertices: int = 256_000, rounds: int = 5) 
 
 
 def _whole(path: Path) -> list[np.ndarray]:
-    """Return every array of a .npz file, whose checksums are verified as those of an archive are."""
+    """Return every array of an .npz file. np.load verifies its checksums, as hb.load verifies those of an archive."""
     with np.load(path) as arrays:
         return [arrays[name] for name in arrays]
 

@@ -47,7 +47,10 @@ def work_on(name: str, order: str) -> Callable[[], object]:
 
 
 class Neighbour:
-    """Another process on a core of its own, which works while `beside` does, and reports how long its work took."""
+    """Another process, on a core of its own.
+
+    While `beside` repeats a work here, this process repeats the same work, and then reports its mean seconds.
+    """
 
     def __init__(self, core: int, name: str, order: str) -> None:
         context = multiprocessing.get_context("spawn")
@@ -84,7 +87,7 @@ def _serve(there: Any, stop: Any, core: int, name: str, order: str) -> None:
 
 
 def at_mean_speed(seconds: list[float]) -> float:
-    """Return the seconds of a work at the mean speed of cores on which it took ``seconds``."""
+    """Return the seconds that a work would take at the mean speed of some cores; on these it took ``seconds``."""
     return statistics.harmonic_mean(seconds)
 
 

@@ -2,7 +2,7 @@
 
 A wall must read 24 bytes a sample (depth, toolface, radius), and write 24 bytes a vertex (radius and nearest; support,
 iterations and flags). ``copies`` is the time of a wall over that of a plain copy of as many bytes, in the same rounds;
-1 would be the limit of the memory.
+it would be 1 if only the memory limited the speed.
 """
 
 from __future__ import annotations

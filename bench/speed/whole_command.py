@@ -93,7 +93,7 @@ def main() -> None:
     """Run the comparison; print its result as a line and as JSON."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--samples", type=int, default=2_400_000)
-    parser.add_argument("--length", type=float, default=400.0, help="metres of hole: 640 quads each")
+    parser.add_argument("--length", type=float, default=400.0, help="metres of hole; each has 640 quads")
     parser.add_argument("--rounds", type=int, default=5)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:

@@ -1,4 +1,4 @@
-"""One well larger than memory, made in blocks: memory, time, and whether its bits are those of one piece.
+"""Make a well that is larger than memory in blocks; measure memory and time, and compare its bits with one piece.
 
     python -m bench.wells.large FOLDER [--samples 200000000] [--pitch 0.1] [--whole]
 
@@ -35,9 +35,9 @@ def main() -> None:
     parser.add_argument("--samples", type=int, default=200_000_000)
     parser.add_argument("--spacing", type=float, default=0.00002, help="metres from sample to sample")
     parser.add_argument("--pitch", type=float, default=0.1, help="metres from turn to turn")
-    parser.add_argument("--one-group", action="store_true")
-    parser.add_argument("--upward", action="store_true")
-    parser.add_argument("--whole", action="store_true")
+    parser.add_argument("--one-group", action="store_true", help="write the well as a single row group")
+    parser.add_argument("--upward", action="store_true", help="write the samples as logged upwards")
+    parser.add_argument("--whole", action="store_true", help="compare with the well made in one piece")
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
     file = given.folder / "large.parquet"
