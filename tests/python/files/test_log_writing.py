@@ -188,7 +188,9 @@ def test_what_cannot_be_written_is_refused(logs: Logs, tmp_path: Path) -> None:
         LogTable([depth, LogColumn("GR", "", "Gamma", np.zeros(2))], {})
     with pytest.raises(ValueError, match=r"^DEPT: comes twice; mnemonics must differ$"):
         LogTable([depth, depth], {})
-    with pytest.raises(ValueError, match=r"^mnemonic = 'c 1': must be capital letters, digits and underscores, the first a letter$"):
+    with pytest.raises(
+        ValueError, match=r"^mnemonic = 'c 1': must be capital letters, digits and underscores, the first a letter$"
+    ):
         LogColumn("c 1", "", "", np.zeros(2))
 
 
