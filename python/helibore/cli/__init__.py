@@ -1,9 +1,10 @@
 """The command line: ``helibore <verb>``. Only the module of the verb that is called is loaded.
 
     exit code 0   done
-              2   the input, the options or the disk: one line on stderr that names the place, the value and the rule
-              3   ``reprocess``: some wells failed, and the others are done
-              1   an error in helibore itself: a traceback
+              1   an error in helibore itself, with a traceback; or Ctrl-C
+              2   wrong input or option, or an error of the disk; one line on stderr names place, value and rule
+              3   ``reprocess``: some wells failed and the others are done, or the catalogue could not be written
+              130 ``reprocess``: stopped by Ctrl-C
 
 Each verb turns its options into calls of the library and prints the result.
 """
@@ -24,11 +25,11 @@ from helibore.base.errors import MissingExtraError
 VERBS = ("demo", "inspect", "journal", "live", "logs", "mesh", "plot", "reconstruct", "report", "reprocess",
          "simulate", "view")  # fmt: skip
 MODULES = {"reconstruct": "mesh", "report": "plot"}
-"""Verbs whose module has the name of another verb: ``reconstruct`` is in ``mesh_command``."""
+"""The module of each verb that is not in a module of its own name: ``reconstruct`` is in ``mesh_command``."""
 
 
 class BadInput(click.ClickException):
-    """An error that the user can put right: shown in one line, exit code 2."""
+    """An error that the user can put right; it is shown in one line and ends the command with exit code 2."""
 
     exit_code = 2
 
@@ -61,7 +62,7 @@ class Verbs(click.Group):
         return list(VERBS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
-        """Load one verb; None if there is no such verb."""
+        """Load the module of a verb and return its command; None if there is no such verb."""
         if cmd_name not in VERBS:
             return None
         module = importlib.import_module(f"helibore.cli.{MODULES.get(cmd_name, cmd_name)}_command")

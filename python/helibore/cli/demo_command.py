@@ -14,7 +14,7 @@ from helibore.cli.terminal import Terminal
 from helibore.cli.wall_options import opt, section
 
 DEPTH_SCALE, DPI = 250, 120
-"""Depth scale of the picture, 50 m of hole on 200 mm, and its pixels an inch."""
+"""Depth scale of the picture (50 m of hole become 200 mm), and the number of pixels an inch."""
 
 
 @click.command(short_help="Simulate a hole and write its wall as a mesh and a picture.")

@@ -1,7 +1,7 @@
 """``helibore inspect FILE``: what a file holds, which role each channel gets and why, and the map of these roles.
 
-The command prints for each set, or for each set that ``--set`` chooses, a table, the remarks of the reader, and the
-role map as TOML. The map can be edited and passed back with ``--map``. The command builds no wall.
+The command prints for each set, or for each set that ``--set`` chooses, a table of its channels, remarks, and the role
+map as TOML. The user can edit the map and pass it back with ``--map``. The command builds no wall.
 """
 
 from __future__ import annotations
@@ -27,15 +27,17 @@ from helibore.cli.without_caliper import without_caliper
 from helibore.files.raw_set import Channel
 
 WIDE = 120
-"""Least width of a terminal for a table with the reasons; on a narrower one, the reasons follow the table."""
+"""A terminal with at least this many columns shows the reasons in the table; a narrower one shows them below it."""
 
 
 @click.command(short_help="Show what a file holds and which role each channel gets.")
 @click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
-@click.option("--map", "map_file", type=FILE, help="TOML map of roles.")
-@click.option("--set", "sets", multiple=True, metavar="SETS", help="Look at these sets only: NAME, 3, 2,5-8, with=GR.")
+@click.option("--map", "map_file", type=FILE, help="Roles of the channels as TOML, in place of the guess.")
+@click.option(
+    "--set", "sets", multiple=True, metavar="SETS", help="Show only these sets: NAME, numbers (2,5-8), or with=COLUMNS."
+)
 @click.option("--header-line", type=int, help="Line of the column names of a table (CSV, XLSX).  [found]")
-@click.option("--toml", is_flag=True, help="Print only the role map, as TOML for a file of --map.")
+@click.option("--toml", is_flag=True, help="Print only the role map, as TOML that a file for --map can hold.")
 def inspect(file: Path, map_file: Path | None, sets: tuple[str, ...], header_line: int | None, toml: bool) -> None:
     """List the channels of FILE, their units, ranges and gaps, and what each is taken for.
 
@@ -59,7 +61,7 @@ def inspect(file: Path, map_file: Path | None, sets: tuple[str, ...], header_lin
 
 
 def show(console: Console, file: Path, opened: LogFile, names: list[str], mapped: RoleMap | None) -> None:
-    """Print for each of the sets ``names`` its table, its remarks, and its role map."""
+    """Print for each of the sets ``names`` a table of its channels, its remarks, and its role map."""
     console.print(f"[bold]{escape(opened.path.name)}[/]: {escape(opened.format)}, {len(opened.sets)} set(s)")
     for number, log_set in enumerate(opened.sets, 1):
         if log_set.name not in names:
@@ -88,7 +90,7 @@ def show(console: Console, file: Path, opened: LogFile, names: list[str], mapped
 
 
 def refusal(log_set: LogSet, roles: RoleMap) -> str:
-    """Return why the samples or the survey of a set are refused with these roles; "" if they are not refused."""
+    """Return why helibore refuses the samples or the survey of a set with these roles; "" if it takes them."""
     try:
         if roles.all("radius", "diameter", "radius-image"):
             log_set.readings(roles)
@@ -100,7 +102,7 @@ def refusal(log_set: LogSet, roles: RoleMap) -> str:
 
 
 def table(log_set: LogSet, roles: RoleMap, reasons: bool, title: str) -> Table:
-    """Return the channels of a set as a table with their roles and, with ``reasons``, why they have these roles."""
+    """Return a table of the channels of a set and their roles; with ``reasons``, also of why they have these roles."""
     drawn = Table(title=f"{title}: {log_set.rows:,} rows", title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
     images = any(len(channel.shape) == 2 for channel in log_set)
     sectors = ["sectors"] if images else []
@@ -119,7 +121,7 @@ def table(log_set: LogSet, roles: RoleMap, reasons: bool, title: str) -> Table:
 
 
 def span(channel: Channel) -> str:
-    """Return the smallest and the largest value of a channel, or the first text of a channel of texts."""
+    """Return the smallest and the largest value of a channel; of a channel of texts, the start of the first text."""
     if channel.is_text:
         return f"{str(channel.values.flat[0])[:16]!r} ..." if channel.values.size else "text"
     found = channel.values[np.isfinite(channel.values)]
@@ -127,7 +129,7 @@ def span(channel: Channel) -> str:
 
 
 def short(value: float) -> str:
-    """Return a number with five significant digits, a large one without decimals: 0.0386, 2.5554, 1590.1, 1023720."""
+    """Return a number with five significant digits; from 10,000 up to 1e9, all digits before the point: 1023720."""
     return f"{value:.0f}" if 1e4 <= abs(value) < 1e9 else f"{value:.5g}"
 
 

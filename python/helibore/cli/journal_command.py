@@ -26,7 +26,7 @@ CONFIGURATION = opt(
 
 @click.group(short_help="Check, list, replay, export and archive a journal.")
 def journal() -> None:
-    """Work with the journal of a live wall. None of these commands changes a journal, except archive.
+    """Work with the journal of a live wall. Only archive changes a journal.
 
     \b
     helibore journal list well-7.journal
@@ -56,14 +56,14 @@ def list_(folder: Path) -> None:
         same = number == 1 or text == begun[number - 2][1]
         click.echo(f"session {number}: {utc(time)}{'' if same else ', with another configuration'}")
     for path in checkpoint.paths(folder):
-        with suppress(FileNotFoundError):  # replaced meanwhile
+        with suppress(FileNotFoundError):  # a running `helibore live` has replaced it meanwhile
             click.echo(f"{path.name}: {path.stat().st_size:,} bytes, records up to {checkpoint.position(path) - 1:,}")
 
 
 @journal.command()
 @JOURNAL
 def verify(folder: Path) -> None:
-    """Check every record and checkpoint of the journal in FOLDER; end with exit code 2 if any is damaged.
+    """Check every record and checkpoint of the journal in FOLDER; end with exit code 2 if any is damaged or missing.
 
     \b
     helibore journal verify well-7.journal && echo intact
@@ -88,7 +88,7 @@ def verify(folder: Path) -> None:
         salt = header.salt if header else salt
     for path in checkpoint.paths(folder):
         try:
-            with suppress(FileNotFoundError):  # replaced meanwhile
+            with suppress(FileNotFoundError):  # a running `helibore live` has replaced it meanwhile
                 checkpoint.read(path, salt)
         except InputError as error:
             click.echo(str(error))
@@ -104,9 +104,7 @@ def verify(folder: Path) -> None:
 @section(
     "Options",
     CONFIGURATION,
-    opt(
-        "-o --output", "Write wall, mesh, logs, images and events here, as helibore live --snapshot does.", type=FOLDER
-    ),
+    opt("-o --output", "Folder to write wall, mesh, logs, images and events to, as helibore live does.", type=FOLDER),
 )
 def replay(folder: Path, configuration: Path | None, output: Path | None) -> None:
     """Build the wall again from the journal in FOLDER, with a corrected configuration if one is given.
@@ -129,10 +127,16 @@ def replay(folder: Path, configuration: Path | None, output: Path | None) -> Non
 @section(
     "Options",
     CONFIGURATION,
-    opt("-o --output", "Write the bytes of each record, and of each damaged range, to a file here.", type=FOLDER),
+    opt(
+        "-o --output",
+        "Folder to write to: a file with the bytes of each record, damaged range and torn end.",
+        type=FOLDER,
+    ),
 )
 def quarantine(folder: Path, configuration: Path | None, output: Path | None) -> None:
-    """List the records of the journal in FOLDER that were set aside, and the damaged ranges.
+    """List the records that were set aside from the journal in FOLDER, its damaged ranges, and its torn ends.
+
+    A torn end is a record that was written only in part, and that a restart cut off.
 
     \b
     helibore journal quarantine well-7.journal -o set-aside
@@ -243,7 +247,7 @@ def _segments(folder: Path) -> Iterator[Segment]:
 
 @contextmanager
 def _progress(folder: Path) -> Iterator[Callable[[object], None]]:
-    """Show on a terminal, after a second, how many segments are done; yield a function to call after each segment."""
+    """Show on a terminal, after the first second, how many segments are done; yield a function that counts one more."""
     import sys
     import time
 

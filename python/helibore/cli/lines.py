@@ -27,7 +27,7 @@ Lines = list[tuple[str, str]]
 
 
 def summary_lines(found: WallSummary, cells: str = "") -> Lines:
-    """Return lines on a wall or an interval of it; ``cells`` is a text on the cells that were written."""
+    """Return lines on a wall or an interval of it; ``cells`` is a text on the cells of the mesh that was written."""
     helix = f"{found.sectors} sectors, pitch {found.pitch:g} m: {found.vertices:,} vertices"
     samples = f", from {found.samples:,} samples" if found.samples else ""
     lines = [("wall", f"{found.start:.2f} to {found.stop:.2f} m, {helix}{cells}{samples}")]
@@ -48,7 +48,7 @@ def summary_lines(found: WallSummary, cells: str = "") -> Lines:
              f"{100 * found.excess:+.1f} % against the bit"),
         ]  # fmt: skip
     if found.incomplete_turns:
-        lines.append(("", f"{found.incomplete_turns:,.1f} m have a missing radius in each turn and are not counted"))
+        lines.append(("", f"{found.incomplete_turns:,.1f} m of turns miss at least one radius and are not counted"))
     lines.append(("support", f"{100 * found.without_radius:.2f} % of the vertices have no sample in reach"))
     if not math.isnan(found.nearest_half):
         half, most = found.nearest_half * 1e3, found.nearest_most * 1e3
@@ -57,7 +57,7 @@ def summary_lines(found: WallSummary, cells: str = "") -> Lines:
 
 
 def trust_lines(found: WallSummary) -> Lines:
-    """Return the warnings of a summary, such as that of a tool with few arms, as lines."""
+    """Return the warnings of a summary as lines; one warns that a tool with few arms measured the wall."""
     return [("warning", text) for text in found.warnings]
 
 
@@ -99,13 +99,13 @@ def _volume(cubic_metres: float) -> str:
 
 
 def row_line(rows: Logs) -> tuple[str, str]:
-    """Return a line on the rows of a file of logs: their depths and number, and whether a row is a turn or a step."""
+    """Return a line on the rows of logs: their depths, their number, and whether a row is a turn or a step of depth."""
     each = "one a turn" if rows.step is None else f"one each {rows.step:g} m"
     return "logs", f"{rows.depth.min():.2f} to {rows.depth.max():.2f} m, {len(rows):,} rows, {each}"
 
 
 def sigma_lines(rows: Logs) -> Lines:
-    """Return a line on the rows that have no uncertainty; no line if the logs were made without uncertainty."""
+    """Return a line on how many rows have no uncertainty; no line if the logs were made without uncertainty."""
     if not rows.with_sigma:
         return []
     missing = int(np.isnan(rows.diameter_sigma).sum())
@@ -118,7 +118,7 @@ def sigma_lines(rows: Logs) -> Lines:
 
 
 def annulus_lines(annuli: Iterable[Annulus]) -> Lines:
-    """Return lines on the volume around each casing, and on its least clearance."""
+    """Return lines on the volume of the annulus around each casing, and on the least clearance of the casing."""
     lines: Lines = []
     for each in annuli:
         text = f"{size_text(each.casing)}: annulus {_volume(each.total)}"
@@ -138,7 +138,10 @@ def annulus_lines(annuli: Iterable[Annulus]) -> Lines:
 
 
 def zone_lines(zones: Classification, found: WallSummary, unit: str) -> Lines:
-    """Return lines on the zones in the interval of a summary, also in part, and on the criteria, in ``--unit``."""
+    """Return lines on the zones that lie, at least in part, in the interval of a summary, and on their criteria.
+
+    ``unit`` is that of ``--unit``; the criteria are shown in it.
+    """
     counts = Counter(zone.kind for zone in zones.zones if zone.stop > found.start and zone.start < found.stop)
     kinds = [f"{count} {kind}, {found.kinds.get(kind, 0.0):,.1f} m" for kind, count in counts.items()]
     lines: Lines = [("zones", "; ".join(kinds) or "none by the criteria")]

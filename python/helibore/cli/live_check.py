@@ -4,7 +4,7 @@
       bit_depth         0108                ft   the start of the wall comes as 6561.68; no unit stated: taken as ft
       caliper radius    5012 ... 5099 (30)  in   a hole of bit size comes as 4.25; no unit stated: taken as in
 
-Nothing on the wire states a unit. Comparing these numbers with those of the rig is the only check before data come.
+WITS transmits no unit. Before data come, the only check of a unit is to compare these numbers with those of the rig.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def described(settings: Configuration) -> list[str]:
 
 
 def _rows(settings: Configuration, source: Source) -> Iterator[Row]:
-    """Yield name, items, unit and remark of each quantity of a source."""
+    """Yield a row for each quantity of a source: its name, its items, their unit, and a remark."""
     entries, wall, caliper = settings.source[source.name], settings.wall, source.caliper
     depth_unit, size_unit = LENGTHS.get(source.units, ("", ""))
     start = f"the start of the wall, {wall['start_depth']:g} m,", wall["start_depth"]

@@ -27,7 +27,10 @@ if TYPE_CHECKING:
 TICK = 0.25
 """Seconds between two checks of the server."""
 LAST_SECONDS = 1.0
-"""Seconds for which page and metrics show the failure of a thread before the command ends."""
+"""Seconds for which page and metrics show the failure of a thread before the command ends.
+
+The command also waits this long, at most, for the thread that draws the status page.
+"""
 
 
 @click.command(short_help="Build a wall from live sources while a hole is drilled.")
@@ -35,15 +38,15 @@ LAST_SECONDS = 1.0
 @section(
     "Options",
     opt("--journal", "Folder of the journal.  [journal.folder]", type=FOLDER),
-    opt("--snapshot folder", "Folder to write wall, mesh and images to.  [snapshot.folder]", type=FOLDER),
+    opt("--snapshot folder", "Folder to write wall, mesh, logs, images and events to.  [snapshot.folder]", type=FOLDER),
     opt("--every", "Seconds between snapshots.  [snapshot.every]", type=click.FloatRange(1)),
     opt("--metrics-port", "Serve Prometheus metrics on this port.", type=click.IntRange(0, 65535)),
     opt("--view page", "Show the wall in a browser while it grows (extra 'view').", is_flag=True),
     opt("--view-port", "Port of --view; 0: a free one.", type=click.IntRange(0, 65535), default=0),
     opt("--seconds", "Stop after this time.  [until Ctrl-C, or all files are read]", type=click.FloatRange(0)),
-    opt("--check", "Check the configuration, say how each item is understood, and stop.", is_flag=True),
-    opt("-q --quiet", "No status page.", is_flag=True),
-    opt("--host", "Address of page and metrics; other machines need --token.", default="127.0.0.1"),
+    opt("--check", "Check the configuration, print how helibore reads each item, and stop.", is_flag=True),
+    opt("-q --quiet", "Do not show the status page.", is_flag=True),
+    opt("--host", "Address of page and metrics; needs --token if other machines reach it.", default="127.0.0.1"),
     opt("--token", "Secret that page and metrics ask for.  [HELIBORE_TOKEN]", envvar="HELIBORE_TOKEN"),
     opt("--certificate", "PEM file: serve page and metrics over HTTPS.", metavar="FILE"),
     opt("--key", "PEM file of its private key.  [the certificate's file]", metavar="FILE"),
@@ -53,7 +56,7 @@ def live(
     configuration: Path, journal: Path | None, folder: Path | None, every: float | None, metrics_port: int | None,
     page: bool, view_port: int, seconds: float | None, check: bool, quiet: bool, log: str | None, **access: str | None,
 ) -> None:  # fmt: skip
-    """Grow a wall from the sources in CONFIGURATION; store every byte in a journal first.
+    """Build a wall from the sources in CONFIGURATION while they send; every byte is stored in a journal first.
 
     \b
     helibore live rig.toml --journal well-7.journal --snapshot now
@@ -91,7 +94,7 @@ def live(
             window.follow(running)
         server = Server(running, window.show if window else lambda _: None)
         with ExitStack() as serving:
-            show = serving.enter_context(_screen(server, quiet))  # imports rich while file descriptors are left
+            show = serving.enter_context(_screen(server, quiet))  # before the server can use all file descriptors
             if window:
                 serving.callback(window.close)
             server.start()
@@ -108,7 +111,7 @@ def live(
 
 
 def _window(well: str, port: int, access: Access) -> Window:
-    """Serve the page before the journal is opened, so that the command ends here if the page cannot be served."""
+    """Serve a new page and return its window, before the journal is opened: a port in use then ends the command."""
     from helibore.cli.live_view import Window
 
     window = Window(well, port=port, **vars(access))
@@ -119,9 +122,10 @@ def _window(well: str, port: int, access: Access) -> Window:
 
 @contextmanager
 def _screen(server: Server, quiet: bool) -> Iterator[Callable[[], None]]:
-    """Show the status page on a terminal; yield a function that draws the page again.
+    """Show the status page on a terminal; yield a function that lets a thread draw the page again.
 
-    A thread draws, so that a terminal that takes no text (Ctrl-S, a lost connection) delays nothing else.
+    If the terminal takes no text (after Ctrl-S, or without its connection), only this thread waits. Without a terminal,
+    or if ``quiet``, the function does nothing.
     """
     from rich.console import Console
     from rich.live import Live as Screen
@@ -160,8 +164,8 @@ def _loop(
 ) -> None:  # fmt: skip
     """Update the status page (``show``) and the browser's page (``window``) and write snapshots, until the run ends.
 
-    It ends at Ctrl-C, after ``seconds``, or if a thread fails; without a browser's page, also after all files are read.
-    After a hang-up signal, ``reload`` is called, which reads the configuration again.
+    The run ends at Ctrl-C or SIGTERM, after ``seconds``, or if a thread fails; without a browser's page, also after all
+    files are read. After SIGHUP, ``reload`` is called, which reads the configuration again.
     """
     stopped, changed = threading.Event(), threading.Event()
     before = {number: signal.signal(number, lambda *_: stopped.set()) for number in (signal.SIGINT, signal.SIGTERM)}

@@ -1,6 +1,6 @@
-"""The log of ``helibore live``: warnings to stderr, every event to a rotated file, written by a thread of its own.
+"""The log of ``helibore live``: a thread writes warnings to stderr and, with --log, all events to a file.
 
-event -> LogWriter.emit -> queue -> thread -> stderr, file        a blocked terminal or a full disk delays no packet
+event -> LogWriter.emit -> queue -> thread -> stderr, file        a blocked terminal or a slow disk delays no packet
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from contextlib import contextmanager, suppress
 from helibore.live.events import LOGGER
 
 MOST_WAITING = 1000
-"""The most log lines that wait for a slow stderr or file; further lines are counted and left out."""
+"""Most log lines that wait for a slow stderr or file; further lines are left out and counted."""
 SECONDS = 2.0
-"""Most seconds that `LogWriter.stop` waits until the queued lines are written."""
+"""Most seconds that `LogWriter.stop` waits for the queued lines to be written."""
 STOP = logging.LogRecord("", 0, "", 0, "", None, None)
 
 
@@ -42,7 +42,7 @@ class LogWriter(logging.Handler):
             self._lost, self._reason = self._lost + 1, "stderr or the log file takes nothing"
 
     def trouble(self) -> str:
-        """Return how many lines were not written since the previous call, and why; "" if all were written."""
+        """Return how many lines were not written since the previous call, and why the last one was not; "" if none."""
         lost, self._lost = self._lost, 0
         return f"{lost} lines were not written: {self._reason}" if lost else ""
 
@@ -52,7 +52,10 @@ class LogWriter(logging.Handler):
         return self._thread.is_alive()
 
     def stop(self) -> None:
-        """Write the queued lines, for `SECONDS` at most. uvicorn calls ``close`` of all handlers, so this is not it."""
+        """Wait until the queued lines are written, `SECONDS` at most; then the thread ends.
+
+        This is not ``close``, because uvicorn calls ``close`` of all handlers while the log is in use.
+        """
         with suppress(queue.Full):
             self._waiting.put_nowait(STOP)
         self._thread.join(SECONDS)

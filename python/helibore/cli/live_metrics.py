@@ -20,12 +20,12 @@ from helibore.cli.live_status import metrics
 from helibore.live.server import Server
 
 CONNECTIONS, SECONDS = 8, 5.0
-"""Connections at a time, and the longest time of each."""
+"""Most connections at a time, and most seconds that each may take."""
 
 
 @dataclass(frozen=True)
 class Access:
-    """Where page and metrics are served, the secret that they ask for, and the files of certificate and key (PEM).
+    """The address that serves page and metrics, the secret that both ask for, and the PEM files for HTTPS.
 
     Raises
     ------
@@ -60,17 +60,17 @@ class Access:
         return context
 
     def permits(self, query: str, authorization: str) -> bool:
-        """Whether a request has the token, as ``?token=...`` or ``Authorization: Bearer ...``, or needs none."""
+        """Return whether a request needs no token, or has it as ``?token=...`` or ``Authorization: Bearer ...``."""
         given = [*parse_qs(query).get("token", []), authorization.removeprefix("Bearer ")]
         wanted = (self.token or "").encode()
         return not wanted or any(hmac.compare_digest(one.encode(), wanted) for one in given)
 
 
 class MetricsServer(http.server.HTTPServer):
-    """Serves /metrics to a few connections at a time, each for a few seconds at most.
+    """Serves /metrics to at most `CONNECTIONS` connections at a time, and ends a connection after `SECONDS`.
 
-    All its threads start with the server, and it keeps a file descriptor in reserve, so it still answers when the
-    process can get no more threads or file descriptors.
+    All its threads start with the server, and it keeps a file descriptor in reserve. Therefore it still answers when
+    the process can get no more threads or file descriptors.
     """
 
     def __init__(self, server: Server, port: int, access: Access) -> None:
@@ -104,7 +104,7 @@ class MetricsServer(http.server.HTTPServer):
         self._asked: queue.Queue[Any] = queue.Queue()
         self._since: dict[Any, float] = {}  # connections that wait for a thread or are answered, and since when
         self._reserve = os.open(os.devnull, os.O_RDONLY)
-        metrics(server)  # loads its library
+        metrics(server)  # the first call loads a library
         for name, run in (
             ("metrics", self.serve_forever),
             *((f"metrics {n}", self._answer) for n in range(CONNECTIONS)),
@@ -116,7 +116,7 @@ class MetricsServer(http.server.HTTPServer):
             return super().get_request()
         except OSError:
             if self._reserve < 0:
-                time.sleep(0.1)  # the connection still waits
+                time.sleep(0.1)  # the client still waits; `serve_forever` would try again at once
                 raise
             os.close(self._reserve)
             self._reserve = -1

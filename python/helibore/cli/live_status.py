@@ -1,6 +1,6 @@
-"""The status of a running server: a page for people (rich) and a text for Prometheus. Neither changes the server.
+"""The status of a running server: a page for the terminal (rich), and metrics for Prometheus.
 
-Every number is counted where its event happens; no number is estimated from another one.
+Both only read the server.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ PARSED = ("bytes", "frames", "items", "nulls", "not_numbers", *RULE_NAMES)
 
 
 def metrics(server: Server) -> str:
-    """Return every counter of a server in the Prometheus text format."""
+    """Return the metrics of a server in the text format of Prometheus."""
     from prometheus_client import CollectorRegistry
     from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, HistogramMetricFamily, Metric
     from prometheus_client.exposition import generate_latest
@@ -49,13 +49,15 @@ def metrics(server: Server) -> str:
     family("sequence_numbers_missing", "gauge", "Sequence numbers that were skipped and have not come.", lost, "source")
     ages = [((name,), age) for name, age in source_ages(server).items() if age is not None]
     family("source_age_seconds", "gauge", "Time since the last byte.", ages, "source")
-    received, drawn = model.counts["received"], model.counts["drawn"]
-    family("samples_received", "counter", "Samples whose depth is known, or will never be known.", [((), received)])
-    family("samples_drawn", "counter", "Samples drawn in a layer.", [((), drawn)])
+    counts, text = model.counts, "Samples whose depth is known, or will never be known."
+    family("samples_received", "counter", text, [((), counts["received"])])
+    family("samples_drawn", "counter", "Samples drawn in a layer.", [((), counts["drawn"])])
+    family("samples_refused", "counter", "Samples that a flag keeps out of all layers.", [((), counts["not drawn"])])
+    family("samples_in_no_layer", "counter", "Good samples that no layer takes.", [((), counts["kept apart"])])
     family("samples_waiting", "gauge", "Samples and image rows whose depth is not known yet.", [((), model.waiting)])
-    flags = [((str(flag.name).lower(),), float(model.counts[f"flag {flag.name}"])) for flag in Flag]
+    flags = [((str(flag.name).lower(),), float(counts[f"flag {flag.name}"])) for flag in Flag]
     family("samples_flagged", "counter", "Samples with a flag.", flags, "flag")
-    passes = [((name,), float(model.counts[f"pass {name}"])) for name in PASSES]
+    passes = [((name,), float(counts[f"pass {name}"])) for name in PASSES]
     family("samples_of_pass", "counter", "Samples by the pass they belong to.", passes, "pass")
     events = sorted(((event.source, event.rule), event) for event in model.events.latest)
     place = ("source", "rule")
@@ -99,7 +101,7 @@ def source_ages(server: Server) -> dict[str, float | None]:
 
 
 def bytes_left(journal: Journal) -> float:
-    """Return the bytes left on the disk of a journal; NaN if its folder is gone."""
+    """Return the free bytes of the disk that holds a journal; NaN if the folder of the journal cannot be read."""
     try:
         return float(journal.bytes_left)
     except OSError:
@@ -107,13 +109,13 @@ def bytes_left(journal: Journal) -> float:
 
 
 def _local_time(wall: int) -> str:
-    """Return a time (ns since 1970) as "HH:MM:SS here, " in this machine's time zone; "" if this zone is UTC."""
+    """Return a time (ns since 1970) as "HH:MM:SS here, " in the time zone of this machine; "" if that zone is UTC."""
     time = local(wall)
     return f"{time:%H:%M:%S} here, " if time.utcoffset() else ""
 
 
 class Page:
-    """The status page; a rate is the average since the page was last drawn."""
+    """The status page. Its rates are averages over the time since the page was last drawn."""
 
     def __init__(self, server: Server) -> None:
         self._server = server

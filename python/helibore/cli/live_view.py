@@ -1,12 +1,12 @@
 """``helibore live --view``: show the live wall in the viewer's page.
 
-    server's drawing thread --show(update)--> Feed of the viewer (a thread of its own) --> pages
-    command's loop ---------refresh()-------> the wall begins with its first vertex; bit depth, path, sources
+    the server's drawing thread --show(update)--> Feed of the viewer (a thread of its own) --> pages
+    the command's loop -----------refresh()-----> first vertex of the wall; bit depth, path, images, sources, alarms
 
-The page is served before the journal is opened, so that a port in use is an error at the start. Until the first vertex
-the page says what it waits for. It shows layer ``main``. A path that ends above the wall's end is extended straight. If
-there is no path, or it begins below the wall's top, the page shows a vertical hole. ``helibore/viewer`` draws the page;
-it is loaded only with ``--view``.
+The page is served before the journal is opened, so that a port in use is an error at the start. Until the wall has a
+vertex, the page says what it waits for. The page shows the layer ``main``. The path is extended straight, `AHEAD`
+metres below the wall. If there is no path, or if it begins below the top of the wall, the page shows a vertical hole.
+The page is from ``helibore/viewer``, which is loaded only with ``--view``.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     from helibore.viewer.feed import Feed
 
 AHEAD = 100.0
-"""Metres by which the shown path extends below the wall, for the depth drilled next."""
+"""Metres by which the shown path extends below the wall, so that it reaches what is drilled next."""
 IMAGES_SECONDS = 1.0
-"""Least seconds between two mappings of the images on the wall; mapping takes at most about 1/20 of the time."""
+"""Least seconds between two mappings of the images on the wall; they take at most about 1/20 of the time."""
 
 
 class Window:
@@ -83,7 +83,7 @@ class Window:
         Call this a few times a second, with the state of each source.
         """
         live = self._live
-        if self._feed and live.model.layouts.keys() - self._images.keys():  # a new image, not configured
+        if self._feed and live.model.layouts.keys() - self._images.keys():  # an image that is not configured began
             self._feed.close()
             self._feed = None
         if self._feed is None and len(live.wall):
@@ -161,7 +161,7 @@ class Window:
         self._images_due = time.monotonic() + max(IMAGES_SECONDS, 20 * (time.monotonic() - began))
 
     def _waiting_text(self, states: Mapping[str, str], alarms: Sequence[Alarm], lost: Sequence[str]) -> str:
-        """Return, in lines, what the sources do and since when, what came of them, what is wrong, and what to check."""
+        """Return lines on the states of the sources, the samples received, the alarms, and what to check."""
         for name, state in states.items():
             if self._since.get(name, ("", ""))[0] != state:
                 self._since[name] = state, clock_text(time.time_ns())
@@ -169,14 +169,14 @@ class Window:
         received, refused = counts["received"], counts["not drawn"]
         text = f"{received:,} samples received"
         text += f", {refused:,} refused" if refused else ""
-        text += f", {waiting:,} wait for their depth" if waiting else ""
+        text += f", {waiting:,} samples and image rows wait for their depth" if waiting else ""
         unsaid = [alarm for alarm in alarms if alarm.source not in lost or alarm.rule not in ("lost", "no_data")]
         lines = [f"{name}: {state}, since {self._since[name][1]}" for name, state in states.items()]
         lines += [text, *(str(alarm) for alarm in unsaid), *self._advice(lost, received, waiting)]
         return "\n".join(f"{line}." for line in lines)
 
     def _advice(self, lost: Sequence[str], received: int, waiting: int) -> list[str]:
-        """Return what to check first: the connection, then what is sent, then its depth."""
+        """Return what the user should check first: a lost connection, else what is sent, else the depth of the bit."""
         for name in lost:
             address = self._live.configuration.sources[name].address
             if address.kind == "listen":
@@ -193,7 +193,7 @@ class Window:
         return helix_of(wall).ends(len(wall))
 
     def _path(self) -> Path | None:
-        """Return the path so far, extended below the wall; None if it does not cover the wall's top."""
+        """Return the path so far, extended below the wall; None if there is none or it begins below the wall's top."""
         top, bottom = self._span()
         path = self._live.model.stations.reaching(bottom + AHEAD)
         if path is None or path.start_depth > top:

@@ -1,7 +1,7 @@
 """``helibore logs SOURCE -o well.las``: measure every turn, or step of depth, of a wall, and write a file of logs.
 
-Options become calls of `Wall.logs`, `Logs.annulus`, `Wall.zones` and `SectorImage.breakouts` here. ``helibore.logs``
-says what each log is.
+This file turns the options into calls of `Wall.logs`, `Logs.annulus`, `classify` and `SectorImage.breakouts`.
+``helibore.logs`` says what each log is.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from helibore.wall.wall import Wall
 
 ALONG = ("DEPT", "TOP", "BOTTOM", "LENGTH", "NEAREST", "TVD", "PEAK")
-"""Columns whose lengths are along the hole or on the wall, not across the hole."""
+"""Columns that hold lengths along the hole or on the wall, not sizes across the hole."""
 
 DECIMALS = {"in": 4, "mm": 3, "ft": 5}
 
@@ -39,12 +39,12 @@ DECIMALS = {"in": 4, "mm": 3, "ft": 5}
     opt("--step", "One row for each step of depth.  [one a turn]", type=LENGTH),
     opt(
         "--rugosity-window",
-        "Length of hole that rugosity is taken over, made an odd number of turns: 1 m at a pitch of 0.1 m is 9 turns.",
+        "Length of hole for rugosity, made an odd number of turns: 1 m at a pitch of 0.1 m is 9 turns.",
         type=LENGTH,
         default="1m",
     ),
     opt("--sigma", "Also write the uncertainty of diameters and volumes: DEQ_SIGMA, VOL_SIGMA.", is_flag=True),
-    opts("--casing casings", "Outer diameter of a casing: annulus and clearance.", type=LENGTH),
+    opts("--casing casings", "Outer diameter of a casing, for its annulus and clearance.", type=LENGTH),
     opt("--well", "Name of the well, for the files.  [as the source states it, else its name]"),
     HEADER,
     opt(
@@ -57,9 +57,10 @@ DECIMALS = {"in": 4, "mm": 3, "ft": 5}
 )
 @section(
     "Zones",
-    opt("--zones", "Table of washouts, breakouts, key seats and undergauge hole; endings as of --output.", type=FILE),
+    opt("--zones", "Table of washouts, breakouts, key seats and undergauge hole to write; endings as for --output.",
+        type=FILE),
     *CRITERIA,
-    opts("--breakouts", "Table of the dark, opposite sectors of an image.", metavar="IMAGE=FILE"),
+    opts("--breakouts", "Table to write of the breakouts (dark, opposite sectors) of an image.", metavar="IMAGE=FILE"),
 )  # fmt: skip
 @takes_a_wall
 def logs(**options: Any) -> None:
@@ -150,9 +151,11 @@ def _in_unit(table: LogTable, unit: str) -> LogTable:
 
 
 class _Measured(NamedTuple):
-    """Zones of the whole wall, None if its shape was not measured; turns between --from and --to; rows and columns.
+    """What is measured of a wall.
 
-    ``rows`` are to be written: the turns, or steps of depth. ``columns`` are to be added to them: the class of hole.
+    ``zones`` are those of the whole wall; None if its shape was not measured. ``turns`` are the turns between --from
+    and --to. ``rows`` are the rows to write: these turns, or steps of depth. ``columns`` are added to the rows: the
+    class of hole, if a row is a turn and there are zones.
     """
 
     zones: Classification | None
@@ -175,8 +178,10 @@ def _measured(wall: Wall, options: dict[str, Any], reference: Any) -> _Measured:
         every = replace(every, reference=reference)
     inside = every.rows_between(options["start_depth"], options["stop_depth"])
     if not inside.any():
-        reach = f"turns reach from {every.depth.min():g} to {every.depth.max():g} m" if len(every) else "it has none"
-        raise InputError("--from and --to", f"no full turn of the wall lies between them; {reach}")
+        ends = (
+            f"turns reach from {every.depth.min():g} to {every.depth.max():g} m" if len(every) else "the wall has none"
+        )
+        raise InputError("--from and --to", f"no full turn of the wall lies between them; {ends}")
     turns = every.between(options["start_depth"], options["stop_depth"])
     zones = classify(wall, criteria, every) if shaped else None
     if options["step"] is None:

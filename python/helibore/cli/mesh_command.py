@@ -1,7 +1,7 @@
 """``helibore reconstruct`` and ``helibore mesh``: a wall as a mesh, a volume of hexahedra, or an archive.
 
-Both commands do the same with the same options: `reconstruct` is the usual name for caliper files, `mesh` for an
-archive, an average caliper or a gauge hole.
+Both commands have the same options and write the same files: `reconstruct` is the usual name for caliper files, `mesh`
+for an archive, an average caliper or a gauge hole. `reconstruct` also prints the cross-validated error.
 """
 
 from __future__ import annotations
@@ -180,7 +180,7 @@ def _save(wall: Wall, made: Surface | Volume, output: Path, color_by: str | None
 
 
 def _colors(wall: Wall, made: Surface, output: Path, name: str) -> dict[str, Any]:
-    """Return the options of `Surface.save` for the usual colours of the image ``name``; {} where they do not apply."""
+    """Return the options of `Surface.save` for the usual colours of the image ``name``; {} if it cannot have them."""
     from helibore.base.colors import PERCENTILES, customary_map
 
     values = made.attributes[name] if name in wall.images else np.empty(0)
@@ -197,7 +197,7 @@ CENTRE_COLUMNS = (
     ("eccentering", "_m", 7), ("direction", "_deg", 2), ("mean_radius", "_m", 7), ("noise", "_m", 7),
     ("inliers", "", 4), ("one_sided", "", 4), ("samples", "", 0),
 )  # fmt: skip
-"""Columns of the table of centres after the depth: name, unit and number of decimals."""
+"""Columns of the table of centres after the depth: name in `Centres`, unit, and number of decimals."""
 
 
 def _write_centres(found: Centres, depth: Floats | None, file: Path) -> None:
@@ -211,7 +211,7 @@ def _write_centres(found: Centres, depth: Floats | None, file: Path) -> None:
 
 
 def _error_lines(run: Run, threads: int | None) -> Lines:
-    """Return a line on the cross-validated error of the wall, or no line if it has none or was tuned."""
+    """Return a line on the cross-validated error of the wall; no line if it has none, or if tuning has printed it."""
     from helibore.wall.estimates import FEWEST_SAMPLES
     from helibore.wall.tune import cross_validate
 

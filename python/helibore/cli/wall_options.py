@@ -2,9 +2,9 @@
 
     well.wall                                   an archive, as `Wall.save` wrote it
     run1.csv run2.csv --bit-diameter 8.5in      caliper files, prepared and rebuilt
-    --average log.las:CALI --bit-diameter ...   size measured, shape assumed round
-    --gauge --bit-diameter ... --image ...      not measured: carries images only
-    wall.glb.toml, --from-settings wall.glb.toml    what an earlier run made its wall from
+    --average log.las:CALI --bit-diameter ...   an average caliper: the size is measured, the shape is assumed round
+    --gauge --bit-diameter ... --image ...      a hole at bit size that nothing measured, to carry images
+    wall.glb.toml, --from-settings wall.glb.toml    the files and settings of an earlier run
 
 What a channel means is guessed from names and units; ``--map`` overrules the guess, and the column options overrule
 both. A column is NAME[@ANGLE][:UNIT]: md_m, rb:deg, x_in@0, CAL1@90:in.
@@ -46,7 +46,7 @@ class Sectioned(click.Command):
     """A command whose help lists its options in sections."""
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the options under their headings, in the order they were given."""
+        """Write the options under the headings of their sections, in the order in which the command has them."""
         rows: dict[str, list[tuple[str, str]]] = {"Options": []}
         for parameter in (each for each in self.get_params(ctx) if isinstance(each, click.Option)):
             record = parameter.get_help_record(ctx)
@@ -70,13 +70,13 @@ def section(name: str, *options: tuple[str, dict[str, Any]]) -> Callable[[Comman
 
 
 def opt(names: str, help: str, **settings: Any) -> tuple[str, dict[str, Any]]:  # noqa: A002
-    """Return an option for `section`: its names and what `click.option` takes. The help shows its default."""
+    """Return an option for `section`: its names, and the arguments of `click.option`. The help shows its default."""
     shown = settings.get("default") not in (None, ()) and "is_flag" not in settings
     return names, {"help": help, "show_default": shown} | settings
 
 
 def opts(names: str, help: str, **settings: Any) -> tuple[str, dict[str, Any]]:  # noqa: A002
-    """Return an option that may be repeated, for `section`."""
+    """Return an option for `section` that a user may give several times."""
     return opt(names, f"{help} Repeatable.", multiple=True, **settings)
 
 
@@ -87,19 +87,21 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--gauge", "Gauge hole in place of SOURCE; it is not measured and only carries images.", is_flag=True),
         opt("--from-settings", "Repeat the run that wrote this settings file, which may also be SOURCE.", type=FILE),
         opts("--image", "Image on the wall. ORIGIN is what lies at toolface 0 of the image: the centre or the edge "
-             "of sector 1. REFERENCE is what its toolface 0 is, if it differs from the wall's: north or "
-             "high-side.",
+             "of sector 1. REFERENCE, north or high-side, is what that toolface 0 is, if it differs from "
+             "the wall's.",
              metavar="FILE:CHANNEL:ORIGIN[:REFERENCE]"),
         opt("--from start_depth", "Start depth.  [top of the wall]", type=LENGTH),
         opt("--to stop_depth", "Stop depth.  [bottom of the wall]", type=LENGTH),
     ),
     "Columns": (
-        opts("--map maps", "Roles of the channels as TOML (see helibore inspect): one map, or one a file.", type=FILE),
+        opts("--map maps", "Roles of the channels as TOML (see helibore inspect): one map for all files, or one for "
+             "each file.", type=FILE),
         opts("--set sets", "Sets of a source file that holds several, each a pass: by name, by number as helibore "
              "inspect lists them (3 or 2,5-8), or all sets that hold these columns (with=CALX,CALY).", metavar="SETS"),
         opt("--depth", "NAME[:UNIT] of the depth.", metavar="COLUMN"),
         opt("--toolface", "NAME[:UNIT] of the toolface or relative bearing.", metavar="COLUMN"),
-        opts("--radius", "NAME[@ANGLE][:UNIT] of a radius; ANGLE is where the arm is mounted.", metavar="COLUMN"),
+        opts("--radius", "NAME[@ANGLE][:UNIT] of a radius; ANGLE is where on the tool the arm is mounted.",
+             metavar="COLUMN"),
         opts("--diameter", "NAME[@ANGLE][:UNIT] of a diameter, which counts for both sides.", metavar="COLUMN"),
         opt("--time", "NAME[:UNIT] of the time.", metavar="COLUMN"),
         opts("--travel-time", "NAME[@ANGLE][:UNIT] of an echo's travel time.", metavar="COLUMN"),
@@ -110,11 +112,13 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
     "Sensors": (
         opt("--track", "File with depth (and toolface) by time, for a caliper that has only a time.", type=FILE),
         opt("--track-map", "Roles of that file as TOML.", type=FILE),
-        opt("--sensor-offset", "From the depth up to all sensors.", type=LENGTH, default="0m"),
-        opt("--latency", "From measurement to time stamp, of all sensors.", type=TIME, default="0s"),
+        opt("--sensor-offset", "How far every sensor lies above the point whose depth is recorded; added to the offset "
+            "in a map.", type=LENGTH, default="0m"),
+        opt("--latency", "Time from measurement to time stamp, for every sensor; added to the latency in a map.",
+            type=TIME, default="0s"),
         opt("--mud-velocity", "Speed of sound in the mud, m/s, for travel times.", type=float),
-        opt("--tool-radius", "From the tool's axis to the transducer, for travel times.", type=LENGTH),
-        opt("--echo-window", "Time of the echo inside the tool.", type=TIME, default="0s"),
+        opt("--tool-radius", "Distance from the tool's axis to the transducer, for travel times.", type=LENGTH),
+        opt("--echo-window", "Part of the travel time that the echo spends inside the tool.", type=TIME, default="0s"),
         opt("--toolface-from", "What the samples' toolface counts from; automatic: by inclination.  [the map's, "
             "else the wall's]", type=click.Choice(["north", "high-side", "automatic"])),
         opt("--switch", "Automatic: north until the inclination reaches the second angle, high side until it is "
@@ -124,20 +128,20 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
     "Conditioning": (
         opt("--samples-from shallowest", "Drop shallower samples.", type=LENGTH),
         opt("--samples-to deepest", "Drop deeper samples.", type=LENGTH),
-        opt("--keep-saturated saturated", "Keep the flat tops of arms at their limit.  [dropped]", is_flag=True,
-            flag_value=False, default=True),
+        opt("--keep-saturated saturated", "Keep the flat tops of arms that cannot open farther.  [dropped]",
+            is_flag=True, flag_value=False, default=True),
         opt("--keep-closed drop_closed", "Keep the rows in which all arms stay closed, inside the bit.  [dropped]",
             is_flag=True, flag_value=False, default=True),
-        opt("--drop-closed closed", "Drop rows where no arm reads more than the closed tool.", type=LENGTH,
-            metavar="RADIUS"),
-        opt("--drop-stuck stuck", "Drop an arm that does not move for so many rows while others do.", type=int,
+        opt("--drop-closed closed", "Drop rows in which no arm reads 2 mm more than RADIUS, what a closed tool reads.",
+            type=LENGTH, metavar="RADIUS"),
+        opt("--drop-stuck stuck", "Drop an arm that does not move for this many rows while others move.", type=int,
             metavar="ROWS"),
         opt("--radius-range", "Drop radii outside this range.", type=LENGTH, nargs=2, metavar="LEAST GREATEST"),
         opt("--drop-repeated repeated", "Drop samples equal to an earlier one.", is_flag=True),
-        opt("--drop-spikes spikes", "Drop samples that the turns around contradict by so many deviations; 6 is usual.",
-            type=float, metavar="DEVIATIONS"),
-        opt("--turn-height", "Depth of a turn, for a tool that does not turn.  [from its rotation; an image: one row]",
-            type=LENGTH),
+        opt("--drop-spikes spikes", "Drop samples that differ from the turns around them by this many deviations; 6 is "
+            "usual.", type=float, metavar="DEVIATIONS"),
+        opt("--turn-height", "Height of a turn, for a tool that does not turn.  [a turn is a rotation, or a row of an "
+            "image]", type=LENGTH),
         opt("--recentre", "Correct the radii of every turn for the tool's offset from the axis.", is_flag=True),
     ),
     "Passes": (
@@ -162,17 +166,18 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
             default="minimum-curvature"),
         opt("--reference", "What toolface 0 of the wall is.  [high-side with a survey, else not known]",
             type=click.Choice(get_args(Reference))),
-        opt("--extend", "Continue straight so far below the last station.", type=LENGTH, default="0m"),
+        opt("--extend", "Length by which the path goes on straight below the last station.", type=LENGTH, default="0m"),
         opt("--head", "North, east and down of the first station.", type=LENGTH, nargs=3, default=("0m", "0m", "0m")),
     ),
     "Wall": (
-        opt("--sectors", "Vertices a turn.", type=int, default=64),
+        opt("--sectors", "Vertices in a turn.", type=int, default=64),
         opt("--pitch", "Pitch of the helix; negative for a well logged upwards.", type=LENGTH, default="100mm"),
         opt("--start-toolface", "Toolface of the first vertex.", type=ANGLE, default="0deg"),
         opt("--neighbors", "Number of nearest samples that make a vertex.  [8; kriging: 16]", type=int),
         opt("--window", "Search only this many samples around a vertex, as published.  [all]", type=int),
         opt("--power", "Weights are distance^-power.", type=float, default=1.0),
-        opt("--max-distance", "Reach of a sample, or none.", type=LENGTH_OR_NONE, default="1m"),
+        opt("--max-distance", "A vertex uses no sample farther away than this; none: no limit.", type=LENGTH_OR_NONE,
+            default="1m"),
         opt("--max-iterations", "Limit of the iteration.", type=int, default=4),
         opt("--tolerance", "Change of radius that ends the iteration.", type=LENGTH, default="0.001mm"),
         opt("--angular-scale", "1: true arc; 2: as published; 4: neighbours from above and below first.", type=float,
@@ -189,11 +194,11 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
 """Every option of a wall, by section of the help."""
 
 ANYWHERE = ("from_settings", "image", "header_lines", "start_depth", "stop_depth", "threads")
-"""Options that go also with an archive or a settings file, which have their own settings of the wall."""
+"""Options that also go with an archive or a settings file, although these have their own settings of the wall."""
 
 
 def takes_a_wall(command: Command) -> Command:
-    """Give a command SOURCE and the options that say how a wall is made of it."""
+    """Give a command the argument SOURCE and the options that say how to make a wall from it."""
     for name in reversed(SECTIONS):
         command = section(name, *SECTIONS[name])(command)
     return click.argument("source", type=FILE, nargs=-1)(command)
@@ -202,7 +207,7 @@ def takes_a_wall(command: Command) -> Command:
 def open_run(options: dict[str, Any], terminal: Terminal, outputs: Sequence[Path] = ()) -> Run:
     """Open the files that the options of `takes_a_wall` name, and return the run, ready for `make_wall`.
 
-    An output is refused if the output, or the settings beside it, would be written over a file that is read.
+    An output is refused if that file, or the file of its settings, is a file that the run reads.
     """
     _check_source(options)
     given = options["from_settings"] or next(iter(options["source"]), None)
@@ -213,8 +218,9 @@ def open_run(options: dict[str, Any], terminal: Terminal, outputs: Sequence[Path
     with terminal.stage("read", "Opening files"):
         if repeated is not None:
             settings = read_settings(repeated)
-            more = {"image": settings.image + _images(options), "scalar": settings.scalar + _scalars(options)}
-            with_more = replace(settings, **more)
+            with_more = replace(
+                settings, image=settings.image + _images(options), scalar=settings.scalar + _scalars(options)
+            )  # fmt: skip
             _check_outputs(outputs, [repeated, *(each.file for each in with_more.inputs)], settings_file)
             run = reopen(settings)
             run.files.header_lines |= _header_lines(options, ())
@@ -226,9 +232,9 @@ def open_run(options: dict[str, Any], terminal: Terminal, outputs: Sequence[Path
 
 
 def load_picks(run: Run) -> Path | None:
-    """Give the wall the picks saved beside the first file that the run shows (not the survey); return their file.
+    """Give the wall the picks that are saved beside the first file that the run shows, if there are any.
 
-    The file of the picks need not exist yet; None if the run shows no file.
+    Return the file of the picks, which need not exist yet; None if the run shows no file. A survey is not shown.
     """
     from helibore.logs.picks import ENDING, Picks
 
@@ -242,21 +248,22 @@ def load_picks(run: Run) -> Path | None:
     return beside
 
 
-TEMPLATE = opt("--template", "Tracks, their order and widths, units and scale: TOML, as the page saves it.", type=FILE)
+TEMPLATE = opt("--template", "TOML file of tracks, their order and widths, units and scale, as the viewer saves it.",
+               type=FILE)  # fmt: skip
 BESIDE = opts(
     "--beside besides",
-    "Archive of another well or pass, shown on the same depths; its name is that of the file.",
+    "Archive of another well or pass, to show on the same depths; the name shown is that of the file.",
     type=FILE,
 )
 SCALAR = opts(
     "--scalar scalars",
-    "Curve along the hole, in a track of its own; the inclination comes from the survey.",
+    "Curve along the hole, shown in a track of its own; the inclination comes from the survey.",
     metavar=f"FILE:CHANNEL|{INCLINATION}",
 )
 
 
 def walls_beside(options: dict[str, Any]) -> dict[str, Wall]:
-    """Load the walls of ``--beside``; return them by the names of their files, without endings."""
+    """Load the walls of ``--beside``; return them by the names of their files without the last ending."""
     from helibore.wall.load import load
 
     files = {Path(file).stem: Path(file) for file in options["besides"]}
@@ -334,7 +341,7 @@ def _check_outputs(outputs: Sequence[Path], inputs: Sequence[Path], settings_fil
 
 
 def _check_source(options: dict[str, Any]) -> None:
-    """Refuse a missing source, several kinds of source, and options that would have no effect."""
+    """Refuse a mesh as source, no source, several kinds of source, and options that would have no effect."""
     source, settings = options["source"], options["from_settings"]
     endings = {file.suffix.lower() for file in source}
     for file in source:
@@ -392,7 +399,7 @@ def _check_numbers(options: dict[str, Any]) -> None:
         raise click.UsageError("--mud-velocity and --tool-radius: travel times need both")
     if len(options["maps"]) not in (0, 1, len(options["source"])):
         counts = f"{len(options['maps'])} maps for {len(options['source'])} caliper files"
-        raise click.UsageError(f"{counts}: must be one, or one a file")
+        raise click.UsageError(f"{counts}: must be one map for all files, or one for each file")
     if options["track"] is not None and len(options["source"]) > 1:
         raise click.UsageError("--track: goes with one caliper file only")
 
@@ -458,7 +465,7 @@ def _opened(options: dict[str, Any]) -> tuple[RunSettings, OpenFiles]:
 
 
 def _check_caliper(files: OpenFiles, one: Input, options: dict[str, Any]) -> None:
-    """Refuse a source with images but without a caliper around the hole; the error has a command for the images."""
+    """Refuse a source with images but without a caliper around the hole; the error has a command that shows them."""
     from helibore.cli.without_caliper import without_caliper
 
     verb = click.get_current_context().info_name or ""
@@ -557,8 +564,8 @@ def _image(text: str) -> ImageInput:
     """Parse the text of ``--image``, FILE:CHANNEL:ORIGIN[:REFERENCE]."""
     from helibore.runs.run_settings import ImageInput
 
-    reference = next((word for word in ("north", "high-side") if text.endswith(f":{word}")), None)
-    parts = (text.removesuffix(f":{reference}") if reference else text).rsplit(":", 2)
+    reference: Any = next((word for word in ("north", "high-side") if text.endswith(f":{word}")), None)
+    parts: Any = (text.removesuffix(f":{reference}") if reference else text).rsplit(":", 2)
     if len(parts) != 3 or not all(parts) or parts[2] not in ("centre", "edge"):
         forms = "FILE:CHANNEL:ORIGIN or FILE:CHANNEL:ORIGIN:REFERENCE; ORIGIN is centre or edge, REFERENCE"
         raise click.UsageError(f"--image {text}: must be {forms} north or high-side")

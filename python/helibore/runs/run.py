@@ -18,7 +18,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -291,7 +291,7 @@ def read_path(run: Run) -> None:
     """Read the survey of a run, if it has one, and set the path of the run."""
     survey = run.settings.survey
     if survey is not None:
-        how: Any = run.settings.path
+        how = run.settings.path
         run.survey = run.files.log_set(survey).survey(survey.roles)
         run.path = run.survey.path(how.method, how.reference or "high-side", how.head, how.extend)
 
@@ -338,9 +338,9 @@ def _read_image(run: Run, one: ImageInput) -> SectorImage:
     if reference not in ("north", "high-side"):
         rule = f"the wall counts toolfaces from {reference}, but no image does; end its name with :north or :high-side"
         raise InputError(f"image {one.name}", rule)
-    log, origin = run.files.log(one.file).set(), cast(Any, one.origin)
+    log = run.files.log(one.file).set()
     log.channel(one.name)
-    image = log.image(one.name).sector_image(origin, reference)
+    image = log.image(one.name).sector_image(one.origin, reference)
     size = f"{image.depth.size:,} rows x {image.sectors} sectors, {image.missing:,} values missing"
     assumed = "" if stated else ", since no reference is stated (:north or --reference north states one)"
     run.messages.append(("image", f"{one.file.name}:{one.name}: {size}, from {reference}{assumed}"))

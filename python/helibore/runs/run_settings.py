@@ -22,7 +22,7 @@ import types
 import typing
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import Any, Literal, get_type_hints
 
 from helibore._core import __version__
 from helibore.base.atomic_file import write_whole
@@ -31,8 +31,11 @@ from helibore.base.nulls import NULLS
 from helibore.base.settings import Settings
 from helibore.base.toml_file import read_toml
 from helibore.channels.roles import ROLES, Role, RoleMap
+from helibore.images.sector_image import Origin
 from helibore.preparation.conditioning import Echo
 from helibore.preparation.prepare import Preparation
+from helibore.trajectory.references import Reference
+from helibore.trajectory.survey import Method
 
 SOURCES = ("caliper", "average", "archive", "gauge")
 """Keys of what a wall is made from; each run has exactly one of them."""
@@ -63,9 +66,9 @@ class ImageInput:
 
     file: Path
     name: str
-    origin: str
+    origin: Origin
     blake2b: str = ""
-    reference: str | None = None
+    reference: Literal["north", "high-side"] | None = None
     header_line: int | None = None
 
 
@@ -95,8 +98,8 @@ class PathSettings:
     not known.
     """
 
-    method: str = "minimum-curvature"
-    reference: str | None = None
+    method: Method = "minimum-curvature"
+    reference: Reference | None = None
     head: tuple[float, float, float] = (0.0, 0.0, 0.0)
     extend: float = 0.0
 
@@ -230,7 +233,7 @@ class _Reader:
 
     def value(self, place: str, hint: Any, value: Any) -> Any:
         """Return a value of TOML as the type ``hint`` states; "none" stands for None where None is allowed."""
-        kinds = typing.get_args(hint) if isinstance(hint, types.UnionType) else (hint,)
+        kinds = typing.get_args(hint) if typing.get_origin(hint) in (types.UnionType, typing.Union) else (hint,)
         if value == "none" and type(None) in kinds:
             return None
         (kind,) = (one for one in kinds if one is not type(None))
@@ -243,9 +246,11 @@ class _Reader:
             return self.folder / value
         if origin is float and type(value) is int:
             return float(value)
-        if type(value) is origin or (origin is typing.Literal and value in typing.get_args(kind)):
+        known = typing.get_args(kind) if origin is Literal else ()
+        if type(value) is origin or value in known:
             return value
-        raise self.error(place, f"must be {RULES[origin]}", value)
+        rule = f"one of {', '.join(known)}" if known else RULES[origin]
+        raise self.error(place, f"must be {rule}", value)
 
     def tuple_of(self, place: str, parts: tuple[Any, ...], value: Any) -> tuple[Any, ...]:
         """Return a list of TOML as a tuple of the types ``parts``; places of tables are counted from 1."""
@@ -261,5 +266,5 @@ class _Reader:
 
 RULES = {
     float: "a number", int: "a whole number", str: "text", bool: "true or false", Path: "the name of a file",
-    dict: "a table", typing.Literal: "a text that is known",
+    dict: "a table",
 }  # fmt: skip

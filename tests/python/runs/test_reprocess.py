@@ -151,6 +151,8 @@ def test_a_parquet_catalogue_gives_the_same_jobs(field: Path) -> None:
         ('output = "out"', 'output = "out"\noutputs = [["mesh"]]', "m.toml: outputs = [['mesh']]: must contain only "),
         ('output = "out"', 'output = "out"\nblock_samples = true',
          "m.toml: block_samples = True: must be a whole number of at least 1"),
+        ('survey = "s.csv"', 'image = { file = "s.csv", name = "GR", origin = "top" }',
+         "m.toml: well 15/9-F 1: image 1.origin = 'top': must be one of centre, edge"),
         ('survey = "s.csv"', 'survey = ["s.csv", "s.csv"]',
          "m.toml: well 15/9-F 1: survey = ['s.csv', 's.csv']: must name one file"),
         ('survey = "s.csv"', 'survey = { file = "s.csv", map = 3 }',

@@ -156,6 +156,8 @@ def test_options_do_not_go_with_settings(folder: Path, tmp_path: Path) -> None:
         ('bias = "none"', 'bias = "tool"', "preparation: bias = 'tool': must be one of none, arm, side"),
         ("head = [\n    0.0,\n    0.0,\n    0.0,\n]", "head = 3", "path.head = 3: must be a list"),
         ("head = [\n    0.0,\n    0.0,\n    0.0,\n]", "head = [1.0]", "path.head = [1.0]: must be a list of 3"),
+        ("minimum-curvature", "x", "path.method = 'x': must be one of minimum-curvature, radius-of-curvature"),
+        ("[path]", '[path]\nreference = "up"', "path.reference = 'up': must be one of high-side, north, parallel-tr"),
         ("[wall]", "[wail]", "wail: must be one of helibore, verb, nulls"),
         ("[[caliper]]", "[caliper]", ""),
         ('role = "toolface"', 'role = "tf"', "caliper 1: channel toolface: role = 'tf': must be one of depth, time"),
@@ -304,7 +306,7 @@ def test_a_map_overrules_and_several_files_are_passes(folder: Path, tmp_path: Pa
         "reconstruct", *files, "--map", tmp_path / "m.toml", "--map", tmp_path / "m.toml", "-o", tmp_path / "x.ply"
     )
     assert wrong.exit_code == 2
-    assert "3 maps for 2 caliper files: must be one, or one a file" in wrong.stderr
+    assert "3 maps for 2 caliper files: must be one map for all files, or one for each file" in wrong.stderr
 
 
 def test_track_and_travel_times_on_the_command_line(tmp_path: Path) -> None:
