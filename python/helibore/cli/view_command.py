@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from threading import Lock
 from typing import TYPE_CHECKING, Any
 
@@ -106,8 +107,9 @@ def view(**options: Any) -> None:
     viewer.scene.draw_pages = section_printer(wall, drawing)
     viewer.scene.update_state(ended=True, prints=True)  # no samples will be appended
     terminal.summary([("time", terminal.times())])
-    click.echo(f"{viewer.url}   (Ctrl-C ends it)")
-    viewer.wait()
+    with suppress(KeyboardInterrupt):  # it may come before `wait` expects it
+        click.echo(f"{viewer.url}   (Ctrl-C ends it)")
+        viewer.wait()
     viewer.close()
 
 
