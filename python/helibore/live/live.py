@@ -32,7 +32,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
-from helibore.base.arrays import column
+from helibore.base.arrays import column, numbers
 from helibore.base.errors import InputError
 from helibore.images.sector_image import SectorImage
 from helibore.live import checkpoint as checkpoints
@@ -452,7 +452,7 @@ class Live:
         if not can_be_file(name):
             raise ValueError(f"name = {name[:60]!r}: {RULE}")
         try:
-            values = np.asarray(values, np.float64)
+            values = numbers(values)
         except (ValueError, TypeError) as error:
             raise ValueError(f"values: must be numbers: {error}") from None
         if np.ndim(values) != 2 or len(values) != rows or values.shape[1] < 1:
