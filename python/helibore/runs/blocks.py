@@ -7,8 +7,8 @@
 Samples keep their order of arrival in a bin, so that ties are resolved as in one piece. A block reads more bins until
 `Wall.reach` shows that no other sample can change its vertices. Samples that fit in memory are prepared like those of
 any well. Otherwise the samples are read from Parquet as a stream, and steps that need all samples (finding shifts,
-biases, flat tops, closed arms) are refused by name. In both cases a kriging range that must be found, images, and tools
-of two to seven arms are refused.
+biases, flat tops, closed arms) are refused by name. In both cases a kriging range that must be found, images, earlier
+passes to compare with, walls that are not measured around the hole, and tools of two to seven arms are refused.
 """
 
 from __future__ import annotations
@@ -44,19 +44,19 @@ from helibore.trajectory.survey import Path as WellPath
 from helibore.wall.wall import Wall
 
 UNIT = 256
-"""Turns; a block begins at a multiple of this number, as the blocks do in which the core computes logs."""
+"""Turns; each block begins at a multiple of this number, as do the blocks in which the core computes logs."""
 BIN_TURNS = 64
 """Height of a bin, turns."""
 CROWDED = 4
-"""A block of `UNIT` turns may have `block_samples` times this many samples; a worker takes 100 bytes for a sample."""
+"""A block of `UNIT` turns, the least, may have this many times `block_samples` samples, 100 bytes each."""
 VERTICES = 2
-"""A well in one piece may have `block_samples` times this many vertices; a worker takes 160 bytes for a vertex."""
+"""A well in one piece may have this many times `block_samples` vertices, 160 bytes each."""
 TURNS = 2_000_000
 """Most turns of a well in blocks; the merge holds the logs of all turns, 300 bytes a turn."""
 BATCH = 1 << 18
 """Rows read at a time."""
 AS_STREAM: dict[str, Any] = {"pre_buffer": False, "buffer_size": 1 << 20, "page_checksum_verification": True}
-"""Options to read a Parquet file in little memory, whatever its row groups; a pre-buffer would keep all rows read."""
+"""Options to read a Parquet file in little memory, however large its row groups; a pre-buffer would keep all rows."""
 BY_ROW = ("shallowest", "deepest", "least_radius", "greatest_radius", "sensor_offset", "saturated", "drop_closed")
 """Settings of a preparation that a well read as a stream may change; the last two must be changed to false."""
 
@@ -66,14 +66,15 @@ Batches = Iterable[tuple[Floats, ...]]
 
 
 def needs_stream(run: Run, most_samples: int) -> bool:
-    """Return whether the caliper files of a run have more rows than ``most_samples``, the most that fit in memory."""
+    """Return whether the caliper files of a run have more than ``most_samples`` rows, and are read as a stream."""
     return sum(run.files.log_set(each).rows for each in run.settings.caliper) > most_samples
 
 
 def prepared_batches(run: Run, samples: tuple[str, Caliper | Prepared] | None, most_samples: int) -> Batches | None:
-    """Return the prepared samples of a well with too many vertices for one piece; None if the well fits in one piece.
+    """Return the prepared samples of a well that has too many vertices for one piece, as one batch.
 
-    An InputError names the first setting that a well in blocks cannot have.
+    Return None if the well fits in one piece, or if it is an archive, which has no ``samples`` to prepare. An
+    InputError names the first setting that a well in blocks cannot have.
     """
     if samples is None:
         return None
@@ -128,9 +129,9 @@ def stream(run: Run, most_samples: int) -> Batches:
 
 
 def plan_well(run: Run, store: Store, folder: str, made_from: Json, most_samples: int, batches: Batches) -> Json:
-    """Sort the samples of a well into bins by depth, plan its blocks, store bins and then the plan; return the plan.
+    """Sort the samples of a well into bins by depth and plan its blocks; store bins, then plan; return the plan.
 
-    If the store has a plan made from the same files and settings, nothing is done.
+    If the store already has a plan that was made from the same files and settings, return that plan.
     """
     name = f"{folder}/plan.json"
     before: Json | None = store.read_checked(name)
@@ -168,7 +169,7 @@ def plan_well(run: Run, store: Store, folder: str, made_from: Json, most_samples
     vertices, turns = plan["vertices"], plan["vertices"] // wall.sectors
     span = "the wall from {start_depth:g} m to {stop_depth:g} m would have".format_map(plan)
     if not 0 < vertices <= wall.most_vertices:
-        raise InputError("most_vertices", f"{span} {vertices:,} vertices")
+        raise InputError("most_vertices", f"{span} {vertices:,} vertices; it may have 1 to {wall.most_vertices:,}")
     if turns > TURNS:
         raise InputError("pitch", f"{span} {turns:,} turns, of which {TURNS:,} fit in memory", f"{wall.pitch:g}")
     plan |= {"made_from": made_from, "bins": bins, "height": height, "width": width, "ends": ends}
@@ -246,7 +247,10 @@ def _settings(run: Run) -> Settings:
 
 
 def _helix(wall: Settings, ends: tuple[float, float]) -> Json:
-    """Return start, stop, number of vertices and last depth of a helix; ``ends``: depths of the samples of the well."""
+    """Return start, stop, number of vertices and last depth of the helix of a well.
+
+    ``ends`` are the least and the greatest depth of its samples; they apply where the settings state no end.
+    """
     start, stop = ends if wall.pitch > 0 else ends[::-1]
     start = start if wall.start_depth is None else wall.start_depth
     stop = stop if wall.stop_depth is None else wall.stop_depth
@@ -262,7 +266,7 @@ def _vertex_count(settings: Settings, plan: Json) -> int:
 
 
 def _blocks(wall: Settings, plan: Json, most_samples: int) -> list[list[int]]:
-    """Return the turns [start, stop) of the blocks, multiples of `UNIT` turns, about ``most_samples`` samples each."""
+    """Return the turns [start, stop) of the blocks: multiples of `UNIT` turns with about ``most_samples`` samples."""
     turns = -(-plan["vertices"] // wall.sectors)
     found: list[list[int]] = []
     for first in range(0, turns, UNIT):
@@ -283,7 +287,7 @@ def _blocks(wall: Settings, plan: Json, most_samples: int) -> list[list[int]]:
 
 
 def _sample_count(wall: Settings, plan: Json, first: int, stop: int) -> int:
-    """Return the number of samples in the bins of turns [first, stop), or that of their vertices if it is larger."""
+    """Return how many samples the bins of turns [first, stop) have, or how many vertices if these are more."""
     ends = sorted(plan["start_depth"] + turn * wall.pitch for turn in (first, stop))
     low, high = (math.floor(end / plan["height"]) for end in ends)
     counted: int = sum(plan["counts"].get(str(at), 0) for at in range(low, high + 1))
@@ -307,7 +311,7 @@ def _samples_between(store: Store, plan: Json, low: float, high: float) -> list[
 
 
 def stretch(store: Store, plan: Json, settings: Settings, first: int, stop: int) -> Wall:
-    """Return a wall of the vertices [first, stop), bit for bit as in the whole well; empty if no sample is near."""
+    """Return a wall of the vertices [first, stop), bit for bit as in the whole well; it is empty far from samples."""
     own = {"start_depth": plan["start_depth"], "stop_depth": None, "first_vertex": first, "stop_vertex": stop}
     step = settings.pitch / settings.sectors
     shallow, deep = sorted((plan["start_depth"] + first * step, plan["start_depth"] + stop * step))
@@ -338,7 +342,7 @@ def _beyond_gap(plan: Json, along: float, sign: int) -> float:
 
 
 def radii(wall: Wall, count: int) -> tuple[Floats, Floats]:
-    """Return radius and nearest of the ``count`` vertices of a stretch; all NaN if the stretch has no samples."""
+    """Return radius and nearest of the ``count`` vertices of a stretch; all are NaN if the stretch has no samples."""
     nothing = np.full(count, np.nan)
     return (wall.radius, wall.nearest) if len(wall) else (nothing, nothing)
 
@@ -356,9 +360,9 @@ def _first_radius(store: Store, plan: Json, settings: Settings) -> float:
 
 
 def make_block(run: Run, store: Store, folder: str, number: int, archive: str | None) -> None:
-    """Write the archive of a block, if ``archive`` names one, then its part for the merge: logs, radii, overview.
+    """Write the archive of a block, if ``archive`` names its file, then its part for the merge: logs, radii, overview.
 
-    If both files exist, nothing is done.
+    If these files exist, nothing is done. A block without samples has no archive.
     """
     plan, part = read_plan(store, folder), _part_file(folder, number)
     if part in store.sizes(folder) and (archive is None or store.has(archive)):
@@ -392,12 +396,12 @@ def make_block(run: Run, store: Store, folder: str, number: int, archive: str | 
 
 
 def _turn_depth(settings: Settings, plan: Json, turn: int) -> float:
-    """Return the depth of the first vertex of a turn; times -1 if the helix grows upwards, so that it rises by turn."""
+    """Return the depth of the first vertex of a turn; times -1 if the helix grows upwards, so that it increases."""
     return float(plan["start_depth"] + turn * settings.pitch) * math.copysign(1.0, settings.pitch)
 
 
 class PartColumn:
-    """One value per vertex, from the parts of all blocks, sliced like an array; one part at a time is in memory."""
+    """A value for each vertex of a well, sliced like an array; the part of one block at a time is in memory."""
 
     def __init__(self, read: Callable[[int], Floats], stops: list[int]) -> None:
         """``read`` returns the values of a block; ``stops`` holds the vertex before which each block ends."""
@@ -418,7 +422,7 @@ class PartColumn:
 
 
 class Merged(NamedTuple):
-    """A well whose blocks are all made, without its samples; logs, zones, summary and overview need no more."""
+    """A well whose blocks are all made, without its samples, which logs, zones, summary and overview do not need."""
 
     settings: Settings
     start_depth: float

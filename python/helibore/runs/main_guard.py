@@ -1,4 +1,4 @@
-"""Refuse to start processes from a script that would start processes again in each new process.
+"""Refuse to start processes from a script if each new process would start processes again.
 
 A new process runs the user's script from its top, except the part below ``if __name__ == "__main__":``. Without that
 line, each new process makes the same call again, and ends with a traceback.

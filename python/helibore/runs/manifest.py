@@ -2,7 +2,7 @@
 
     output = "s3://field/walls"             # folder of all results, any fsspec address
     outputs = ["archive", "logs"]           # some of archive, mesh, logs, zones; all four if left out
-    block_samples = 2000000                 # a well with more samples is made in blocks of about this many
+    block_samples = 2000000                 # a well with more samples, or twice as many vertices, is made in blocks
     catalogue = "wells.parquet"             # more wells; columns are keys, such as name, caliper, survey, wall.sectors
 
     [defaults.wall]                         # settings of every well that does not state its own
@@ -40,7 +40,7 @@ OUTPUTS = ("archive", "mesh", "logs", "zones")
 """Outputs of a well."""
 
 BLOCK_SAMPLES = 2_000_000
-"""A well with at most this many samples is made in one piece; a worker then takes less than 1 GB."""
+"""A well with at most this many samples, and twice as many vertices, is made in one piece, in less than 1 GB."""
 
 KEYS: dict[str, tuple[type, str]] = {
     "output": (str, "an address"), "outputs": (list, "a list"),
@@ -70,13 +70,13 @@ def path_part(well: str) -> str:
 
 @dataclass(frozen=True)
 class Job:
-    """One well of a manifest, as it is sent to a worker: addresses and settings, no samples."""
+    """One well of a manifest, as Dask sends it to a worker: it holds addresses and settings, but no samples."""
 
     well: str
     tree: Json  # the settings as in a settings file, ``map`` beside a file; files are addresses
     output: str
     outputs: tuple[str, ...] = OUTPUTS
-    block_samples: int = BLOCK_SAMPLES  # a well with more samples is made in blocks of about this many
+    block_samples: int = BLOCK_SAMPLES  # a well with more samples, or twice as many vertices, is made in blocks
 
     @property
     def key(self) -> str:
@@ -85,12 +85,12 @@ class Job:
 
     @property
     def settings_hash(self) -> str:
-        """BLAKE2b of all settings that decide the bytes of the outputs, without folders and file contents."""
+        """BLAKE2b of all settings that decide the bytes of the outputs, but not of folders and contents of files."""
         content = json.dumps([self.well, self.named(), sorted(self.outputs), self.block_samples], sort_keys=True)
         return hashlib.blake2b(content.encode(), digest_size=16).hexdigest()
 
     def named(self) -> Json:
-        """Return the settings with names of files, without folders, in place of addresses."""
+        """Return the settings with the names of the files, without their folders, in place of the addresses."""
         return self.mapped(lambda address: address.rstrip("/").rpartition("/")[2])
 
     def mapped(self, change: Any, keys: tuple[str, ...] = FILES) -> Json:
@@ -111,9 +111,9 @@ class Job:
 
 
 def read_jobs(manifest: str | Path, output: str | None = None) -> list[Job]:
-    """Read a manifest or a catalogue; every well is checked, and no file is opened.
+    """Read a manifest or a catalogue, and check the settings of every well; no file of a well is opened.
 
-    ``output`` replaces that of the manifest. An InputError names the manifest, the well, the key and the rule.
+    ``output`` replaces the output of the manifest. An InputError names the manifest, the well, the key and the rule.
     """
     address = str(manifest)
     name, folder = address.rpartition("/")[2], address.rpartition("/")[0]
@@ -156,7 +156,7 @@ MOST_NAMED = 10
 
 
 def check_files(jobs: list[Job]) -> None:
-    """Raise an InputError that names the files that do not exist, with their wells; 32 threads ask the stores."""
+    """Raise an InputError if files do not exist; it names some of them, with their wells. 32 threads ask the stores."""
 
     def missing(one: tuple[str, str]) -> bool:
         system, path, _ = file_system(one[1])
@@ -210,9 +210,9 @@ def strip_maps(tree: Json) -> Json:
 
 
 def _files(key: str, given: Any, place: str, folder: str) -> Any:
-    """Return what a key of a well names as the table of a file, a list of tables for caliper and image.
+    """Return the value of a key that names files as the table of a file; for caliper and image, a list of tables.
 
-    Addresses are made absolute; an address alone becomes a table.
+    An address alone becomes a table. Relative addresses become absolute.
     """
     many = given if isinstance(given, list) else [given]
     tables = [{"file": of} if isinstance(of, str) else of for of in many]
@@ -229,12 +229,12 @@ def _files(key: str, given: Any, place: str, folder: str) -> Any:
 
 
 def _absolute(address: str, folder: str) -> str:
-    """Return an address; a relative one is taken as below ``folder``."""
+    """Return an address; a relative address becomes one below ``folder``."""
     return address if "://" in address or address.startswith("/") or not folder else f"{folder}/{address}"
 
 
 def _merged(name: str, defaults: Json, own: Json) -> Json:
-    """Return the tables of a well, with missing keys from the defaults of the manifest ``name``."""
+    """Return the tables of a well; the defaults of the manifest ``name`` supply the keys that the well lacks."""
     both: Json = {}
     for key in defaults:
         if isinstance(own.get(key), dict) and key not in FILES:

@@ -5,7 +5,7 @@
         wall.save(path)
 
 A local file is written in place, by writers that rename a complete file; other stores get a copy of the complete file.
-The login comes from fsspec's configuration and the environment variables of the cloud.
+fsspec takes the login from its configuration and from the environment variables of the cloud.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import json
 import shutil
 import tempfile
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -112,7 +112,7 @@ class Store:
             self.system.put([str(of) for of in files], [self.path(f"{name}/{of.name}") for of in files])
 
     def read_array(self, name: str, checksum: int) -> Floats:
-        """Return the numbers of a file of plain float64; raise an InputError if its CRC-32 is not ``checksum``."""
+        """Return the numbers of a file of plain float64; an InputError if its CRC-32 is not ``checksum``."""
         content = self.system.cat_file(self.path(name))
         if zlib.crc32(content) != checksum:
             raise InputError(name, "is damaged")
@@ -157,7 +157,7 @@ class Store:
         return bool(self.system.exists(self.path(name)))
 
     def holds(self, files: dict[str, int]) -> bool:
-        """Return whether all these files exist with these numbers of bytes."""
+        """Return whether all files exist that ``files`` names, each with the number of bytes that ``files`` states."""
         try:
             return all(self.system.info(self.path(name))["size"] == size for name, size in files.items())
         except FileNotFoundError:
@@ -169,8 +169,8 @@ class Store:
         found = self.system.find(self.path(folder), detail=True)
         return {path[len(self.root) + 1 :]: int(of["size"]) for path, of in found.items()}
 
-    def delete(self, names: Iterator[str] | list[str]) -> None:
-        """Delete those of the files that exist."""
+    def delete(self, names: Iterable[str]) -> None:
+        """Delete those of the files ``names`` that exist."""
         for name in names:
             with contextlib.suppress(FileNotFoundError):
                 self.system.rm_file(self.path(name))

@@ -3,7 +3,7 @@
     caliper                              -->  wall          hb.reconstruct(caliper, bit_diameter=0.216)
     readings --preparation--> caliper    -->  wall          hb.reconstruct(file.readings(), bit_diameter=..., ...)
 
-``preparation`` describes the preparation, and ``run`` repeats runs from settings files.
+``helibore.preparation`` describes the preparation; ``helibore.runs.run`` repeats runs from settings files.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from helibore.trajectory.survey import Path
 
 DIFFERENCE = "difference"
-"""The attribute that states the radius of the wall less that of the wall from the earlier passes, metres."""
+"""Name of the attribute with the radius of the wall minus that of the wall from the earlier passes, metres."""
 
 
 def reconstruct(

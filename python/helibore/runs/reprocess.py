@@ -43,17 +43,17 @@ if TYPE_CHECKING:
 
 CATALOGUE, FAILURES = "catalogue.parquet", "failures.json"
 DEATHS = 30
-"""So many workers may die during a task before Dask fails the task. Dask's default, 3, can fail a good task."""
+"""Dask fails a task if more workers than this die during it. Dask's default, 3, can fail a good task."""
 QUIET = {
     "distributed.worker.profile.enabled": False,
     "distributed.admin.tick.interval": "500ms",
     "distributed.admin.system-monitor.interval": "2s",
 }
-"""Dask settings for local workers; Dask's default self-monitoring takes a large part of the time of a small well."""
+"""Dask settings for local workers; Dask's default self-monitoring takes a large share of the time of a small well."""
 IGNORE_CTRL_C = ["helibore.runs.ignore_ctrl_c"]
 """Modules that each worker of this machine loads."""
 TRIES = 3
-"""Most attempts at a task, as a store may not answer or a worker may be killed, and at starting a cluster."""
+"""Most attempts at a task, because a store may not answer or a worker may be killed; also at starting a cluster."""
 
 
 @dataclass
@@ -62,7 +62,7 @@ class Progress:
 
     wells: int
     done: list[str] = field(default_factory=list)  # wells made now
-    skipped: list[str] = field(default_factory=list)  # wells made before, from the same inputs and settings
+    skipped: list[str] = field(default_factory=list)  # wells made earlier, from the same inputs and settings
     failed: dict[str, str] = field(default_factory=dict)  # well to reason
     warnings: dict[str, str] = field(default_factory=dict)  # well to the warnings on its wall
     unwritten: dict[str, str] = field(default_factory=dict)  # catalogue or list of failures, if not written, to reason
@@ -204,9 +204,9 @@ def _start_cluster(start: Callable[[], Any]) -> Any:
 
 
 def status(jobs: Sequence[Job]) -> Progress:
-    """Return the wells that need no work (``skipped``), ``failed``, or are ``outdated``; the others are not made.
+    """Return which wells need no work (``skipped``), have ``failed``, or are ``outdated``; the others are not made yet.
 
-    All inputs are read for their checksums.
+    The input files of the wells that are made are read, to compute their checksums.
     """
     store = Store(jobs[0].output)
     failed = store.read_json(FAILURES) or {}
@@ -223,7 +223,7 @@ def status(jobs: Sequence[Job]) -> Progress:
 
 
 def _orphans(store: Store, jobs: Sequence[Job]) -> list[str]:
-    """Return the wells that have a record in the store and are not among the jobs."""
+    """Return the names of the wells that have a record in the store but are not among the jobs."""
     known = {record_name(job.well) for job in jobs}
     records = (name for name in store.sizes("records") if name.endswith(".json") and name not in known)
     return sorted(unquote(name.removeprefix("records/").removesuffix(".json")) for name in records)

@@ -1,4 +1,4 @@
-"""One run, from files to a wall and its outputs, stage by stage; the commands and the Python functions use it.
+"""A run: from files to a wall, stage by stage, and the settings that repeat it. Commands and `hb.reprocess` use it.
 
     run = repeat("wall.glb.toml")               # the same samples, wall and surface, to the last bit
     run.wall.surface().save("again.glb")
@@ -6,7 +6,7 @@
     caliper files --readings--> --prepare--> samples --> wall     (or an average caliper, a gauge hole, an archive)
     survey --> wall.path        images --> wall.images
 
-A ``RunSettings`` decides every byte of the output. ``cli`` handles options and printing.
+A `RunSettings` decides every byte of the output. ``helibore.cli`` reads options and prints.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ from helibore.wall.load import load
 from helibore.wall.wall import Wall
 
 Stage = Callable[[str, str], AbstractContextManager[None]]
-"""Function of a stage's name and of a text on what it does; the stage runs inside the context that it returns."""
+"""A function of a stage's name and of a text on what the stage does; the stage runs in the context it returns."""
 
 
 def checksum(path: str | os.PathLike[str]) -> str:
@@ -57,10 +57,10 @@ def checksum(path: str | os.PathLike[str]) -> str:
 
 
 class OpenFiles:
-    """The log files of a run: each is parsed once, and hashed once, in a thread, while it is parsed.
+    """The log files of a run. Each is parsed once; meanwhile a thread computes its checksum, once.
 
-    The hash reads the bytes that the parser brings into memory (the page cache), so that the disk is read once.
-    ``header_lines`` holds the line of a table's column names, for the files where it was given.
+    The thread reads the bytes that the parser brings into memory (the page cache), so that the disk is read once.
+    ``header_lines`` holds, by file, the line of a table's column names, if the user stated this line.
     """
 
     def __init__(self, nulls: tuple[float, ...], header_lines: Mapping[Path, int] | None = None) -> None:
@@ -86,7 +86,7 @@ class OpenFiles:
         self, file: Path, set_name: str | None = None, map_file: Path | None = None,
         change: Callable[[LogSet, RoleMap], RoleMap] = lambda _, roles: roles,
     ) -> Input:  # fmt: skip
-        """Return a set of a file with its roles: guessed, or those of the map, then as ``change`` returns them."""
+        """Return a set of a file with its roles, of the map or else guessed, after ``change`` has changed them."""
         log = self.log(file)
         alone = log if set_name is None else LogFile(log.path, log.format, [log.set(set_name)])
         roles = read_map(map_file, alone) if map_file is not None else guess(alone.set())
@@ -132,12 +132,15 @@ class Run:
 
     @property
     def reference(self) -> str | None:
-        """The reference of toolface 0, as the settings, else the path, else all samples state it; None: none does."""
+        """What toolface 0 of the wall is, by the settings, else the path, else all samples; None if none states it."""
         return self.stated or (self.path.reference if self.path is not None else None)
 
     @property
     def stated(self) -> str | None:
-        """The reference of toolface 0, as the settings, else, without a path, all samples state it; None: none does."""
+        """What toolface 0 of the wall is, as the settings state it or, if there is no path either, all samples do.
+
+        None if they do not.
+        """
         if self.settings.path.reference or self.path is not None:
             return self.settings.path.reference
         stated = {self.settings.preparation.toolface_from or one.reference for one in self.readings}
@@ -198,9 +201,9 @@ def make_wall(run: Run, threads: int | None = None, stage: Stage = lambda *_: nu
 def read_run(
     run: Run, stage: Stage = lambda *_: nullcontext()
 ) -> tuple[list[SectorImage], tuple[str, Caliper | Prepared] | None]:
-    """Read the files of a run; return its images, and name and prepared samples of its wall (None for an archive).
+    """Read the files of a run; return its images, and the name and the prepared samples of its wall.
 
-    This also sets the path of the run.
+    An archive has no samples to prepare: None. This function also sets the path of the run.
     """
     settings, wall = run.settings, run.settings.wall
     for each in settings.inputs:
@@ -274,14 +277,14 @@ def build_wall(
 
 
 def preparation_lines(wall: Wall) -> list[tuple[str, str]]:
-    """Return the lines on what preparation left out and corrected, which `reconstruct` keeps in ``wall.made_from``."""
+    """Return the lines, kept in ``wall.made_from``, on what preparation left out and corrected."""
     kept = wall.made_from.get("preparation")
     lines = kept if isinstance(kept, list) else []
     return [(str(line[0]), str(line[1])) for line in lines if isinstance(line, list) and len(line) == 2]
 
 
 def stated_header(run: Run) -> dict[str, str]:
-    """Return the facts on the hole that a run's files state, and those that the files of a saved wall stated."""
+    """Return the facts on the hole that a run's files state, added to those that the files of a saved wall stated."""
     kept = run.wall.made_from.get("header") if run.built is not None else None
     earlier = {str(name): str(text) for name, text in kept.items()} if isinstance(kept, dict) else {}
     return earlier | log_header(run.files.headers())
@@ -309,7 +312,7 @@ def _tune(run: Run, wall: Settings, caliper: Caliper, threads: int | None) -> Se
 
 
 def add_images(wall: Wall, images: list[SectorImage]) -> list[tuple[str, str]]:
-    """Give images to a wall; an image whose name is taken gets a number. Return the messages on these."""
+    """Give images to a wall; an image whose name is taken gets a number. Return a message on each such image."""
     messages = []
     for image in images:
         own, number = image.name, 1
@@ -332,7 +335,7 @@ def _track(log: LogSet, roles: RoleMap) -> Track:
 
 
 def _read_image(run: Run, one: ImageInput) -> SectorImage:
-    """Return a sector image in the reference that is stated for it, or in that of the wall."""
+    """Return a sector image; its toolfaces count from the reference that is stated for it, or else from the wall's."""
     stated = one.reference or run.stated
     reference: Any = stated or run.reference or "high-side"
     if reference not in ("north", "high-side"):
@@ -348,7 +351,7 @@ def _read_image(run: Run, one: ImageInput) -> SectorImage:
 
 
 def _read_round(run: Run, wall: Settings, images: list[SectorImage]) -> tuple[str, Caliper]:
-    """Return name and samples of a caliper that did not measure around the hole: average caliper, gauge hole."""
+    """Return name and samples of an average caliper or a gauge hole, which has no measurement around the hole."""
     if run.settings.average is not None:
         return _read_average(run, run.settings.average)
     run.messages.insert(0, ("wall", "gauge hole: not measured"))
@@ -387,7 +390,7 @@ def _read_average(run: Run, one: Input) -> tuple[str, Caliper]:
 
 
 def _check_interval(name: str, caliper: Caliper, settings: Settings) -> None:
-    """Raise an InputError if no sample of the file ``name`` lies in the wall's interval of depths."""
+    """Raise an InputError if no sample of the file ``name`` lies in the interval of depths that the wall shall have."""
     depth, (top, bottom) = caliper.depth, interval(settings)
     if not ((depth >= top) & (depth <= bottom)).any():
         raise no_samples(name, (float(depth.min()), float(depth.max())), settings)
@@ -411,7 +414,7 @@ def interval(settings: Settings) -> tuple[float, float]:
 
 @contextmanager
 def placing(run: Run, options: str = "") -> Iterator[None]:
-    """If the path misses a part of the wall, add the survey's file and helpful ``options`` to the block's error."""
+    """If the path misses a part of the wall, add the survey's file and ``options`` that help to the block's error."""
     try:
         yield
     except ValueError as error:
@@ -456,7 +459,7 @@ def save_settings(run: Run, output: Path, verb: str, options: dict[str, Any]) ->
 
 
 def _read_lines(run: Run) -> Iterator[tuple[str, str]]:
-    """Yield lines on the caliper files and the roles of their channels; roles as in the file before are left out."""
+    """Yield lines on the caliper files and the roles of their channels, but not roles that the file before has, too."""
     before: tuple[str, ...] = ()
     for each, found in zip(run.settings.caliper, run.readings, strict=True):
         yield "caliper", run.files.description(each)
@@ -485,7 +488,7 @@ def _survey_lines(run: Run) -> Iterator[tuple[str, str]]:
 
 
 def _first_station(log: LogSet, roles: RoleMap, survey: Survey, head: tuple[float, ...]) -> Iterator[tuple[str, str]]:
-    """Yield a line on the origin of positions, if no head is given and the first station is not the origin."""
+    """Yield a line on the origin of positions, if no head is given and the first station seems not to be the origin."""
     top = float(survey.depth[0])
     row = int(np.flatnonzero(column(log, needed(log, roles, "depth")) == top)[0])
     found = [roles.one(name) for name in ("north", "east", "tvd")]

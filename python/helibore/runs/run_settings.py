@@ -10,8 +10,8 @@
     [preparation] [echo] [path] [wall]                settings by their names in Python
     [options]                                         the verb's own options
 
-Files are named relative to the settings file. Defaults are also written, so that a later version with other defaults
-repeats the run. ``run`` has the run itself.
+Files are named relative to the settings file. In [preparation], [echo], [path] and [wall] defaults are also written, so
+that a later version with other defaults repeats the run. ``helibore.runs.run`` has the run itself.
 """
 
 from __future__ import annotations
@@ -43,11 +43,11 @@ SOURCES = ("caliper", "average", "archive", "gauge")
 
 @dataclass(frozen=True)
 class Input:
-    """A file that was read: its checksum, the set, and the role of every channel used."""
+    """A file that was read: its checksum, the set, and the role of every channel that was used."""
 
     file: Path
     blake2b: str = ""  # checksum of its bytes, in hexadecimal; "" while not known
-    set: str | None = None  # None where the file has no sets
+    set: str | None = None  # None: the only set of the file
     channel: tuple[Role, ...] = ()
     header_line: int | None = None  # the line of a table's column names, if it was stated
 
@@ -62,7 +62,7 @@ class Input:
 
 @dataclass(frozen=True)
 class ImageInput:
-    """A sector image that was read; if ``reference`` is None, it is that of the wall."""
+    """A sector image that was read; if ``reference`` is None, its toolfaces count from that of the wall."""
 
     file: Path
     name: str
@@ -74,7 +74,7 @@ class ImageInput:
 
 @dataclass(frozen=True)
 class ScalarInput:
-    """A channel along the hole that was read, for a track of its own."""
+    """A channel along the hole that was read to be drawn in a track of its own."""
 
     file: Path
     name: str
@@ -134,7 +134,7 @@ class RunSettings:
 
     @property
     def inputs(self) -> tuple[Input | ImageInput | ScalarInput, ...]:
-        """Every file that the run reads."""
+        """Every file that the run reads, except role maps."""
         placing = (one for one in (self.track, self.survey) if one is not None)
         return (*self.shown, *placing)
 
@@ -152,7 +152,7 @@ def settings_file(output: str | os.PathLike[str]) -> Path:
 
 
 def write_settings(path: str | os.PathLike[str], settings: RunSettings) -> None:
-    """Write settings as TOML, whole or not at all."""
+    """Write settings as TOML; after an error, the file is as it was before."""
     import tomli_w
 
     path = Path(path)
@@ -166,7 +166,7 @@ COMPLETE = (Settings, Preparation, PathSettings, Echo)
 
 
 def _tree(value: Any, folder: Path) -> Any:
-    """Return a value as TOML has it: tables, lists, names of files relative to ``folder``, and "none" for None."""
+    """Return a value as TOML can hold it: tables, lists, names of files relative to ``folder``, "none" for None."""
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         tree = {}
         for each in dataclasses.fields(value):
@@ -203,7 +203,7 @@ def run_settings(tree: dict[str, Any], place: str) -> RunSettings:
 
 
 class _Reader:
-    """Turns a TOML tree into the types that the dataclasses state; every error names its place."""
+    """Turns a TOML tree into the types that the dataclasses state; every error names the place of the wrong value."""
 
     def __init__(self, name: str, folder: Path) -> None:
         self.name, self.folder = name, folder

@@ -7,8 +7,9 @@
     OUTPUT/zones/well=A-1/zones-0.parquet
     OUTPUT/records/A-1.json                     what the outputs were made from, and the row of the catalogue
 
-A well is complete when its record exists. The record states settings, versions, checksums of the inputs and the files
-written. A well whose record agrees with these is not made again. If there is no record, files of the well are replaced.
+A well is complete when its record exists. The record states the settings, the versions, the checksums of the inputs and
+the files that were written. A well whose record agrees with all of these is not made again. If there is no record, the
+files of the well are replaced.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ from helibore.wall.wall import Wall, wall_of
 
 @functools.cache
 def versions() -> dict[str, str]:
-    """Return the versions, by name, that decide the bytes of the outputs."""
+    """Return, by name, the versions of the libraries that decide the bytes of the outputs."""
     import pyarrow
 
     return {"helibore": __version__, "numpy": np.__version__, "pyarrow": pyarrow.__version__}
@@ -128,13 +129,13 @@ def _make(job: Job, store: Store) -> Json:
 
 
 def _check_path(job: Job, run: Run, *ends: float) -> None:
-    """Refuse a path that does not reach both ends of the wall, if an archive or a mesh is among the outputs."""
+    """Refuse a path that does not reach both ends of the wall, if the outputs include an archive or a mesh."""
     if {"archive", "mesh"} & set(job.outputs):
         check_path(run, *ends)
 
 
 def reprocess_block(job: Job, number: int, expected: dict[str, str] | None = None) -> None:
-    """Make block ``number`` of a large well: `make_block`, on a worker that has the ``expected`` versions."""
+    """Make block ``number`` of a large well by `make_block`; refuse if this worker has not ``expected`` versions."""
     check_versions(expected)
     with _opened(job, ("survey",)) as (run, _):
         archive = f"wells/{job.key}/{job.key}-{number:05}.wall" if "archive" in job.outputs else None
@@ -188,7 +189,7 @@ def _made_from(job: Job, files: OpenFiles, local: dict[str, Path]) -> Json:
 
 
 def _changes(record: Json, now: Json, store: Store) -> str:
-    """Return what differs between ``now`` and a well's record, as text; "" if the well need not be made again."""
+    """Return what differs between a well's record and ``now``, as text; "" if the well need not be made again."""
     before = record["made_from"]
     found = ["its settings"] if before["settings"] != now["settings"] else []
     known = {(of["name"], of["blake2b"]) for of in before["inputs"]}
@@ -261,7 +262,7 @@ Save = Callable[[str, Callable[[Path], object]], None]
 
 
 def _saver(store: Store) -> tuple[dict[str, int], Save]:
-    """Return the sizes, bytes, of the files written so far by name, and a function that writes a file to the store."""
+    """Return the bytes of each file written so far, by name, and a function that writes a file to the store."""
     files: dict[str, int] = {}
 
     def save(name: str, write: Callable[[Path], object]) -> None:
@@ -299,7 +300,7 @@ def _save_tables(job: Job, save: Save, zones: Classification) -> Classification:
 
 
 def _save_overview(job: Job, save: Save, surface: Surface) -> None:
-    """Write the overview mesh of a well; none if the well is too short for a quad."""
+    """Write the overview mesh of a well; write none if the well is too short for a quad."""
     if len(surface.quads):
         save(f"wells/{job.key}/{job.key}-overview.glb", surface.save)
 
@@ -326,7 +327,7 @@ NUMBERS = {
 """Numbers of `WallSummary` in the catalogue: unit and description."""
 
 COLUMNS = NUMBERS | {
-    "diameter_sigma": ("m", "Mean standard uncertainty of DEQ, where sigma is asked for"),
+    "diameter_sigma": ("m", "Mean standard uncertainty of DEQ, if sigma was asked for"),
     "breakout_length": ("m", "Length of breakouts"),
     "breakout_axis": ("deg", "Mean axis of breakouts"),
     "breakout_deviation": ("deg", "Standard deviation of that axis"),
