@@ -1,4 +1,4 @@
-"""What all writing commands share: checks of the output, options in its settings, lines on what was written."""
+"""What the commands that write files share: checks of an output, its recorded options, lines on what was written."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ OF_ANY_COMMAND = ("criteria", "scaled")
 
 
 def OUTPUT(help: str) -> tuple[str, dict[str, Any]]:  # noqa: A002, N802
-    """Return the option of the file to write."""
+    """Return the required option ``--output``; ``help`` says which files it takes."""
     return opt("-o --output", help, type=FILE, required=True)
 
 
@@ -39,7 +39,7 @@ MEASURED = opt("--measured", "Whether a quad is measured (1) or interpolated (0)
 
 
 def add_sigma(wall: Wall, terminal: Terminal) -> Lines:
-    """Give a wall its uncertainty as an attribute; return a line on the part that has none, if there is any."""
+    """Give a wall its uncertainty as the attribute 'sigma'; return a line on the part without, if there is one."""
     import numpy as np
 
     from helibore.wall.interpolation import on_quads
@@ -54,7 +54,7 @@ def add_sigma(wall: Wall, terminal: Terminal) -> Lines:
 
 
 def add_nearest(wall: Wall) -> None:
-    """Give a wall the distance from each quad to the nearest sample as an attribute, for meshes."""
+    """Give a wall the attribute 'nearest', for meshes: the distance from each quad to the nearest sample."""
     from helibore.wall.interpolation import on_quads
 
     wall.attributes["nearest"] = on_quads(wall.nearest, wall.settings.sectors)
@@ -62,7 +62,7 @@ def add_nearest(wall: Wall) -> None:
 
 
 def add_measured(wall: Wall) -> None:
-    """Give a wall the attribute 'measured', which meshes of a tool with few arms have without this option."""
+    """Give a wall the attribute 'measured', for meshes; those of a tool with few arms have it anyway."""
     from helibore.wall.interpolation import measured_quads
     from helibore.wall.state import MEASURED
 
@@ -98,9 +98,9 @@ def _recorded_options(context: click.Context) -> dict[str, click.Parameter]:
 
 
 def own_options(run: Run, verb: str, options: dict[str, Any]) -> dict[str, Any]:
-    """Return ``options``, with those of a repeated run in place of options that the command line does not give.
+    """Return ``options``; where the command line gives no value, a repeated run supplies the value that it recorded.
 
-    If another command made the run, only `OF_ANY_COMMAND` are repeated.
+    If another command made the run, only the values of `OF_ANY_COMMAND` are taken.
     """
     if run.settings.output is None:
         return options
@@ -122,14 +122,14 @@ def own_options(run: Run, verb: str, options: dict[str, Any]) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value in a form that TOML can hold."""
+    """Return a value of an option as TOML can hold it: a path as text, a tuple as a list."""
     if isinstance(value, Path):
         return str(value.resolve())
     return [_plain(each) for each in value] if isinstance(value, tuple | list) else value
 
 
 def save_lines(run: Run, output: Path, verb: str, options: dict[str, Any], more: Sequence[Path] = ()) -> Lines:
-    """Write the settings beside an output; return lines on the files, and whether a repeated run gave the same bytes.
+    """Write the settings beside an output; return lines on the files and on whether a repeated run gave the same bytes.
 
     ``more`` are the other files that the command wrote.
     """

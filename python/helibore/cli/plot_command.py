@@ -1,7 +1,7 @@
 """``helibore plot`` and ``helibore report``: a wall as a log on paper, or as one HTML page.
 
-Options become a `Drawing` here; ``helibore.plot`` draws it. Options that other commands also have are in
-``wall_options``, ``zone_options`` and ``outputs``.
+This file turns the options into the arguments of a `Drawing`, which ``helibore.plot`` draws. Options that other
+commands also have are in ``wall_options``, ``zone_options`` and ``outputs``.
 """
 
 from __future__ import annotations
@@ -47,30 +47,30 @@ PAGES = (".html", ".htm")
 
 takes_a_drawing = section(
     "Drawing",
-    opt("--well", "Title.  [as the files state it, else the name of the file]"),
+    opt("--well", "Name of the well, as the title.  [as the files state it, else the name of the file]"),
     HEADER,
     SCALAR,
     TEMPLATE,
     BESIDE,
-    opt("--scale", "Depth scale, 200 or 1:200.  [the finest usual one that fits]", metavar="N"),
+    opt("--scale", "Depth scale, 200 or 1:200.  [the finest usual scale that fits]", metavar="N"),
     opt("--unit", "Unit of diameters and radii; ft: inches, and feet for depths.",
         type=click.Choice(["in", "mm", "ft"]), default="in"),
     opts("--curve curves", "Curve of the caliper track: largest, across it, across 0 and 90.  [C1, C2]",
          type=click.Choice(["C1", "C2", "D0", "D90", "none"])),
     opt("--left", "Toolface at the left edge of images; 180 puts up in the middle.",
         type=click.Choice(["0", "90", "180", "270"]), default="0"),
-    opt("--elevation", "From sea level up to the zero of depths: true depths are TVDSS.  [TVD]", type=LENGTH),
+    opt("--elevation", "Height of the zero of depths above sea level: true depths are TVDSS.  [TVD]", type=LENGTH),
     opts("--limits", "Ends of an image's colours or of a curve's scale, in its unit.", metavar="NAME=LOW,HIGH"),
     opts("--color-map color_maps", "Colour map of an image.", metavar="NAME=MAP"),
-    opts("--log logs", "Colours of this image follow the logarithm.", metavar="NAME"),
+    opts("--log logs", "Colours of this image follow the logarithm; so does the scale of this curve.", metavar="NAME"),
     opts("--linear", "Colours of this image do not follow the logarithm, although it is a resistivity.",
          metavar="NAME"),
-    opts("--dynamic", "Normalise an image in a sliding window.", metavar="NAME=LENGTH"),
+    opts("--dynamic", "Normalise an image in a sliding window of this length.", metavar="NAME=LENGTH"),
     opts("--polar", "Depth of a cross section.  [up to four]", type=LENGTH),
-    opt("--no-polar", "No cross sections.", is_flag=True),
+    opt("--no-polar", "Draw no cross sections.", is_flag=True),
     *CRITERIA,
     opt("--body", "Interval of the 3-D view.  [the 12 m with most relief]", type=LENGTH, nargs=2),
-    opt("--no-body", "No 3-D view.", is_flag=True),
+    opt("--no-body", "Draw no 3-D view.", is_flag=True),
     SIGMA,
     opt("--dpi", "Pixels an inch.", type=click.IntRange(30, 1200), default=150),
 )  # fmt: skip
@@ -151,8 +151,8 @@ def report(**options: Any) -> None:
 
 
 def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Run, dict[str, Any], dict[str, Any]]:
-    """Make the wall; return the run, all options (also those of a repeated run) and the options of a `Drawing`."""
-    _scale(options["scale"]), _looks(options)  # refuses wrong ones before the work
+    """Make the wall; return the run, all options (also those of a repeated run) and the arguments of a `Drawing`."""
+    _scale(options["scale"]), _looks(options)  # refuses wrong values before the files are read
     run = open_run(options, terminal, (options["output"],))
     options = own_options(run, verb, options)
     scale, looks, unit, template = _scale(options["scale"]), _looks(options), options["unit"], None
@@ -202,7 +202,7 @@ def _trust(run: Run, options: dict[str, Any]) -> Lines:
 
 
 def _with_look(curve: ScalarCurve, looks: dict[str, Look]) -> ScalarCurve:
-    """Return the curve with the scale that --limits and --log state for its name; take its entry out of ``looks``."""
+    """Return the curve with the scale that --limits and --log state for its name; remove its entry from ``looks``."""
     look = looks.pop(curve.name, None)
     if look is None:
         return curve

@@ -21,7 +21,7 @@ else:
 
 
 class Quantity(Parameter[float | None]):
-    """The type of an option that is a number with a unit; it becomes metres, degrees or seconds, by its kind.
+    """The type of an option that is a number with a unit of ``kind``; it becomes metres, degrees or seconds.
 
     A number above ``largest`` is refused. With ``none``, the word none is allowed and becomes None.
     """
@@ -36,7 +36,7 @@ class Quantity(Parameter[float | None]):
             number = units.quantity(value, self.kind) if isinstance(value, str) else value
         except ValueError as error:
             self.fail(str(error), param, ctx)
-        if number is not None and number > self.largest:  # mostly inches that were given without a unit
+        if number is not None and number > self.largest:  # most often the user left out the unit inches
             bare, unit = str(value).strip()[-1:].isdigit(), "mm" if number > 100 else "in"
             meant = f"; a number without a unit is metres; did you mean {value}{unit}?" if bare else ""
             self.fail(f"'{value}': must be at most {self.largest:g} m{meant}", param, ctx)
@@ -91,7 +91,7 @@ def _lift(text: str) -> tuple[float, float]:
 
 
 def split_pair(option: str, text: str, form: str = "NAME=...") -> tuple[str, str]:
-    """Split NAME=VALUE at its last equals sign; a usage error states the form of the option."""
+    """Split NAME=VALUE at its last equals sign; if a part is missing, a usage error states the form of the option."""
     name, equals, value = text.rpartition("=")
     if not (name and equals and value):
         raise click.UsageError(f"--{option} {text}: must be {form}")

@@ -1,4 +1,4 @@
-"""``helibore reprocess manifest.toml``: the walls of many wells, here or on a Dask cluster; ``status`` counts them."""
+"""``helibore reprocess manifest.toml``: rebuild many wells, here or on a Dask cluster; ``status`` counts them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MOST_WARNINGS = 10
 """Most wells whose warnings are shown."""
 
 STOPPED = 130
-"""Exit code after Ctrl-C, as shells have it."""
+"""Exit code after Ctrl-C, the same as that of shells."""
 
 FAILED = 3
 """Exit code if wells failed, or the catalogue could not be written."""
@@ -28,9 +28,14 @@ FAILED = 3
 @click.command("reprocess", cls=Sectioned, short_help="Rebuild the walls of many wells, on this machine or a cluster.")
 @section(
     "Options",
-    opt("-o --output", "Folder of the results, any fsspec address.  [the manifest's]"),
-    opt("--scheduler", "Dask scheduler, such as tcp://host:8786.  [a cluster on this machine]", metavar="ADDRESS"),
-    opt("--workers", "Processes on this machine.  [one a processor]", type=click.IntRange(1), metavar="N"),
+    opt("-o --output", "Folder of the results, at any fsspec address.  [output in the manifest]"),
+    opt("--scheduler", "Address of a Dask scheduler, tcp://host:8786.  [a cluster on this machine]", metavar="ADDRESS"),
+    opt(
+        "--workers",
+        "Number of processes on this machine.  [one for each processor]",
+        type=click.IntRange(1),
+        metavar="N",
+    ),
     QUIET,
 )
 @click.argument("manifest", nargs=-1, required=True, metavar="[status] MANIFEST")
@@ -45,9 +50,10 @@ def reprocess(
     helibore reprocess status manifest.toml
 
     MANIFEST is TOML, or a Parquet table with one row a well. A well whose outputs are there, from the same files and
-    settings, is not made again; status counts the wells, names those out of date or failed, and starts none. Ctrl-C
-    stops; what is done stays, and a second run goes on. Exit code 2: an error before any work; 3: some wells failed,
-    and the others are done; 130: stopped by Ctrl-C.
+    settings, is not made again. status counts the wells, and names those that are out of date or have failed; it makes
+    no well. Ctrl-C stops the command; wells that are done stay, and a second run makes the others. Exit code 2: an
+    error before any work; 3: some wells failed and the others are done, or the catalogue could not be written; 130:
+    stopped by Ctrl-C.
     """
     from helibore.runs.manifest import read_jobs
     from helibore.runs.reprocess import reprocess as run
@@ -91,9 +97,9 @@ def reprocess(
 
 
 def _show(progress: Progress) -> None:
-    """Show the progress in one line, which on a terminal replaces the previous line; elsewhere show ten lines in all.
+    """Show the progress in a line. On a terminal it replaces the line before; elsewhere there are ten lines at most.
 
-    Before the first well is finished, show the address of Dask's dashboard.
+    Before the first well is finished, show the address of Dask's dashboard instead.
     """
     if not progress.finished:
         click.echo(f"Dask shows its work at {progress.dashboard}", err=True)
@@ -112,4 +118,5 @@ def _show_warnings(warnings: Mapping[str, str]) -> None:
     for well in sorted(warnings)[:MOST_WARNINGS]:
         click.echo(f"{well}: {warnings[well]}", err=True)
     if (left := len(warnings) - MOST_WARNINGS) > 0:
-        click.echo(f"{left} more wells have warnings; see the column warnings of the catalogue", err=True)
+        more = f"{left} more wells have" if left > 1 else "1 more well has"
+        click.echo(f"{more} warnings; see the column warnings of the catalogue", err=True)

@@ -1,4 +1,4 @@
-"""``helibore simulate FOLDER``: a known hole and what an imaging-while-drilling tool reports of it, as files.
+"""``helibore simulate FOLDER``: write a known hole, and what an imaging-while-drilling tool reports of it, to files.
 
 caliper.csv   time_s, depth_m, toolface_deg, radius_m       (or .csv.gz, .npz)
 survey.csv    depth_m, inclination_deg, azimuth_deg
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 PLAYED = ("start", "stop", "lifts", "seed", "wits", "telemetry", "speed", "faults", "quiet")
-"""The options that go with --wits."""
+"""Names of the options that go with --wits."""
 
 
 @click.command(cls=Sectioned, short_help="Simulate a hole and a tool, and write the samples to files.")
@@ -39,26 +39,33 @@ PLAYED = ("start", "stop", "lifts", "seed", "wits", "telemetry", "speed", "fault
     opt("--from start", "Depth to start at.", type=LENGTH, default="2000m"),
     opt("--to stop", "Depth to stop at.", type=LENGTH, default="2050m"),
     opt("--bit-diameter", "Bit size.", type=BIT, default="0.216m"),
-    opt("--plain", "A smooth round hole in one rock; the samples have noise only.", is_flag=True),
+    opt("--plain", "Simulate a smooth round hole in one rock; only noise changes the samples.", is_flag=True),
     opt("--samples", "Number of samples.  [as many as --sample-rate gives]", type=int),
     opt("--sample-rate", "Samples a second.", type=float, default=20.0),
     opt("--rotation", "Turns a minute.", type=float, default=117.0),
-    opt("--stick-slip", "Swing of the rotation speed; at 1 the tool stops.", type=float, default=0.7),
-    opt("--advance", "Metres an hour.", type=float, default=20.0),
+    opt(
+        "--stick-slip",
+        "Swing of the rotation speed, as a share of it; at 1 the tool stops once a swing.",
+        type=float,
+        default=0.7,
+    ),
+    opt("--advance", "Rate of penetration, metres an hour.", type=float, default=20.0),
     opt("--noise", "Standard deviation of the radius.", type=LENGTH, default="0.5mm"),
     opt("--missing", "Share of samples that never arrive.", type=float, default=0.0),
-    opts("--lift lifts", "Lift the tool and scan again.", type=LIFT),
+    opts("--lift lifts", "At DEPTH, lift the tool by LENGTH and scan again.", type=LIFT),
     opt("--seed", "Seed of the hole; another seed makes another hole.", type=click.IntRange(0), default=0),
     opt("--format ending", "Format of the samples.", type=click.Choice(["csv", "csv.gz", "npz"]), default="csv"),
     QUIET,
 )
 @section(
     "A rig over WITS",
-    opt("--wits", "Play a rig over WITS to tcp://HOST:PORT or listen://HOST:PORT.", metavar="ADDRESS"),
-    opt("--telemetry", "Rate and delay.", type=click.Choice(["mud-pulse", "em", "wired-pipe", "memory"]),
-        default="wired-pipe"),
-    opt("--speed", "How many times as fast as real time; 0: at once.", type=click.FloatRange(0), default=1.0),
-    opt("--faults", "Shares of frames dropped, sent twice, sent late.", nargs=3, type=float, default=(0.0, 0.0, 0.0)),
+    opt("--wits", "Send the data of a simulated rig over WITS, to tcp://HOST:PORT or as listen://HOST:PORT.",
+        metavar="ADDRESS"),
+    opt("--telemetry", "Telemetry of the rig, which has its rate and delay.",
+        type=click.Choice(["mud-pulse", "em", "wired-pipe", "memory"]), default="wired-pipe"),
+    opt("--speed", "Speed of the rig; 1: real time; 0: everything at once.", type=click.FloatRange(0), default=1.0),
+    opt("--faults", "Shares of the frames that are dropped, sent twice, and sent late.", nargs=3, type=float,
+        default=(0.0, 0.0, 0.0)),
 )  # fmt: skip
 def simulate(folder: Path | None, samples: int | None, seed: int, ending: str, quiet: bool, **options: Any) -> None:
     """Measure a known, seeded hole and write what the tool reports, and the truth, to FOLDER.
@@ -99,7 +106,7 @@ def simulate(folder: Path | None, samples: int | None, seed: int, ending: str, q
 
 
 def _play(options: dict[str, Any], seed: int, quiet: bool) -> None:
-    """Send a rig's WITS to an address; first print the configuration with which ``helibore live`` reads that rig."""
+    """Send the WITS frames of a rig to an address; first print the configuration for ``helibore live`` to read them."""
     from helibore.simulation.rig import Faults, Rig, configuration, connect, play, socket_address
     from helibore.simulation.tool import Lift
 
@@ -141,6 +148,6 @@ def _write(folder: Path, simulation: Simulation, ending: str, seed: int) -> None
     truth = hole.radius(depth, toolface)
     write_table(folder / "truth.csv", {"depth_m": (depth, 6), "toolface_deg": (toolface, 4), "radius_m": (truth, 7)})
     shape = asdict(hole)
-    del shape["_modes"]  # follow from the seed
+    del shape["_modes"]  # the seed decides them
     parameters = {"hole": shape, "tool": asdict(simulation.tool), "seed": seed}
     write_whole(folder / "hole.json", lambda file: file.write(json.dumps(parameters, indent=1).encode()))

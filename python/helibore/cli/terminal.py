@@ -1,6 +1,6 @@
-"""Show the stages of a verb with their times, a moving bar during each of them, and a summary of two columns.
+"""Show the stages of a verb and their times, a moving bar during each stage, and a summary of two columns.
 
-The bar appears on stderr, only on a terminal, only without --quiet. rich is imported when something is shown.
+The bar appears on stderr if this is a terminal and --quiet is not given. rich is imported when something is shown.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Terminal:
         return f"{', '.join(parts)}; {sum(self.seconds.values()):.2f} s in all"
 
     def summary(self, lines: list[tuple[str, str]]) -> None:
-        """Print labels and texts; an empty label continues the label above."""
+        """Print labels and texts in two columns; a line with an empty label belongs to the label above it."""
         if self.quiet:
             return
         from rich.console import Console

@@ -1,4 +1,4 @@
-"""``helibore view SOURCE``: look at a wall in the browser. The page is served on this machine until Ctrl-C."""
+"""``helibore view SOURCE``: show a wall in the browser. This machine serves the page until Ctrl-C."""
 
 from __future__ import annotations
 
@@ -47,9 +47,9 @@ if TYPE_CHECKING:
     HEADER,
     *CRITERIA,
     opt("--well", "Name to show.  [name of the source]", default=""),
-    opt("--host", "Address to serve on; any but this machine's own needs --token.", default="127.0.0.1"),
+    opt("--host", "Address of the page; needs --token if other machines reach it.", default="127.0.0.1"),
     opt("--port", "Port; 0: a free one.", type=click.IntRange(0, 65535), default=0),
-    opt("--token", "Secret that the page's address must have."),
+    opt("--token", "Secret that the page asks for; the address that the command prints has it."),
     opt("--browser/--no-browser", "Open the page.", default=True),
     SIGMA,
     QUIET,
@@ -114,7 +114,7 @@ def view(**options: Any) -> None:
 
 
 def where_saved(picks: Path | None) -> str:
-    """Return where the picks made on the page are saved, or why they are not."""
+    """Return a text on where the picks that are made on the page are saved, or on why they are not saved."""
     from helibore.logs.picks import can_save
 
     if picks is None:
@@ -125,7 +125,10 @@ def where_saved(picks: Path | None) -> str:
 
 
 def section_printer(wall: Wall, drawing: dict[str, Any]) -> Callable[[float, float, str, int | None], bytes]:
-    """Return a function that prints the wall and its picks between two depths as a PDF, one call at a time."""
+    """Return a function that draws the wall and its picks between two depths and returns the PDF.
+
+    If several threads call it, only one of them draws at a time.
+    """
     lock = Lock()
 
     def draw(start: float, stop: float, unit: str, scale: int | None) -> bytes:
@@ -142,7 +145,7 @@ def section_printer(wall: Wall, drawing: dict[str, Any]) -> Callable[[float, flo
 
 
 def path_options(run: Run) -> str:
-    """Return, for an error, the options that make the path reach all of the wall, in brackets; "" if there are none."""
+    """Return, in brackets, the options that make the path reach the whole wall, for an error; "" if there are none."""
     wall, path, fixed = run.wall, run.wall.path, run.settings.output is not None
     if path is None or fixed or not wall.depth.size:
         return ""

@@ -1,4 +1,4 @@
-"""The command that shows the images of a file without a caliper, for errors and for `helibore inspect`."""
+"""Which command shows the images of a file that has no caliper; errors and `helibore inspect` print it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ LARGEST_BIT = 4.0
 def without_caliper(
     file: Path, log: LogFile, roles: RoleMap, verb: str = "view", bit: float | None = None, more: Sequence[str] = ()
 ) -> tuple[str, str]:
-    """Return what a file with images and no caliper around the hole lacks, and the command that shows its images.
+    """Return what a file with images but no caliper around the hole lacks, and the command that shows these images.
 
     Return two empty texts if the file has a caliper, has no images, or has several sets, which ``--image`` cannot read.
     ``more`` are words to add to the command.
@@ -47,7 +47,7 @@ def without_caliper(
 
 
 def _stated_bit(log: LogFile, roles: RoleMap) -> float | None:
-    """Return the bit size that a channel or the header states, metres; None if neither does or it is no bit size."""
+    """Return the bit size that a channel, or else the header, states, metres; None for no size or an impossible one."""
     only = log.set()
     try:
         header = log_header([only.header]).get("bit", "")

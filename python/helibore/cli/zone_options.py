@@ -16,15 +16,18 @@ if TYPE_CHECKING:
     from helibore.wall.wall import Wall
 
 CRITERIA = (
-    opts("--criterion criteria", "Of zones, such as washout=0.3in (least C2 - bit), elongation (least C1 - C2 of a "
-         "breakout), key-seat (least height), undergauge (bit - least diameter), symmetry, least-length, join. C1 is "
-         "the largest diameter, C2 the one across it.", metavar="NAME=VALUE"),
-    opt("--scaled", "Scale the criteria with the bit; the usual ones are for a bit of 8.5 in.", is_flag=True),
+    opts("--criterion criteria", "Criterion of zones, such as washout=0.3in (least C2 - bit), elongation (least C1 - "
+         "C2 of a breakout), key-seat (least height), undergauge (bit - least diameter), symmetry, least-length, join. "
+         "C1 is the largest diameter, C2 the one across it.", metavar="NAME=VALUE"),
+    opt("--scaled", "Scale the usual criteria, which are for a bit of 8.5 in, with the bit.", is_flag=True),
 )  # fmt: skip
 
 
 def criteria_of(wall: Wall, options: dict[str, Any]) -> Criteria:
-    """Return the criteria of zones that ``--criterion`` states; the others are the usual ones, or scaled to the bit."""
+    """Return the criteria of zones: those that ``--criterion`` states, and for the others the usual values.
+
+    With ``--scaled``, the usual values are scaled to the bit.
+    """
     from helibore.base import units
     from helibore.logs.zone_criteria import Criteria
 
