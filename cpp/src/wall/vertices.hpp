@@ -98,7 +98,7 @@ class Vertices {
         return out;
     }
 
-    // One of the sums of the vertices of a block.
+    // One of the kernel's sums (`which`), with a value for each vertex of a block.
     std::span<const double> sum(std::size_t which, Index block) const {
         return (*sums_[static_cast<std::size_t>(block)])[which];
     }

@@ -115,7 +115,7 @@ def frame_rows(
         columns[role] = values * factor(units[role], kind) if role in units and kind else values
     complete = np.logical_and.reduce([~np.isnan(of) for of in columns.values()])
     if not complete.any():
-        raise InputError("table", f"none of {complete.size} rows has all of {', '.join(columns)}")
+        raise InputError("table", f"none of {complete.size} rows has a value for each of {', '.join(columns)}")
     whole = columns if complete.all() else {role: of[complete] for role, of in columns.items()}
     return FrameRows(whole, complete, stated)
 

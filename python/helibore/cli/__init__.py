@@ -1,4 +1,4 @@
-"""The command line: ``helibore <verb>``. Only the module of the verb that is called is loaded.
+"""The command line: ``helibore <verb>``. The module of a verb is loaded when it is called or listed.
 
     exit code 0   done
               1   an error in helibore itself, with a traceback; or Ctrl-C

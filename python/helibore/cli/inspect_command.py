@@ -34,9 +34,13 @@ WIDE = 120
 @click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.option("--map", "map_file", type=FILE, help="Roles of the channels as TOML, in place of the guess.")
 @click.option(
-    "--set", "sets", multiple=True, metavar="SETS", help="Show only these sets: NAME, numbers (2,5-8), or with=COLUMNS."
+    "--set",
+    "sets",
+    multiple=True,
+    metavar="SETS",
+    help="Show only these sets: a name, numbers (2,5-8), or all sets that hold these columns (with=CALX,CALY).",
 )
-@click.option("--header-line", type=int, help="Line of the column names of a table (CSV, XLSX).  [found]")
+@click.option("--header-line", type=int, help="Number of the line of the column names of a table (CSV, XLSX).  [found]")
 @click.option("--toml", is_flag=True, help="Print only the role map, as TOML that a file for --map can hold.")
 def inspect(file: Path, map_file: Path | None, sets: tuple[str, ...], header_line: int | None, toml: bool) -> None:
     """List the channels of FILE, their units, ranges and gaps, and what each is taken for.

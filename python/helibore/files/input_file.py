@@ -209,7 +209,7 @@ def decode(path: Path, content: bytes) -> tuple[str, str]:
 
 
 def _utf8_line(content: bytes) -> int | None:
-    """Return the number of the first line with a multi-byte character in valid UTF-8, or None without such a line."""
+    """Return the number of the first line that is not ASCII and is valid UTF-8 as a whole; None if there is none."""
     for number, line in enumerate(content.split(b"\n"), 1):
         if not line.isascii():
             with suppress(UnicodeDecodeError):

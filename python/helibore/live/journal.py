@@ -149,7 +149,7 @@ def paths(folder: Path) -> list[Path]:
 
 
 def all_paths(folder: Path) -> list[Path]:
-    """Return the segment files of a journal in order; one that is also in the archive is listed once."""
+    """Return the segment files of a journal and of its archive, in order; a segment that is in both is listed once."""
     found = {number_of(path): path for path in paths(folder)}  # first: a segment may be archived meanwhile
     archived = {number_of(path): path for path in (folder / ARCHIVE).glob("*.hbj.gz") if path.name[:-7].isdigit()}
     found = archived | found

@@ -98,7 +98,7 @@ class Annulus:
             raise InputError("cement", f"no row between {top:g} and {bottom:g} m")
         missing = np.isnan(inside).sum()
         if missing:
-            advice = "choose an interval without gaps, or take `total` for the rest"
+            advice = "choose an interval in which every row has a volume"
             length = f"{missing * self.height:g} m between {top:g} and {bottom:g} m"
             raise InputError("cement", f"{length} have a missing radius or are narrower than the casing; {advice}")
         return float(inside.sum() * (1 + excess))

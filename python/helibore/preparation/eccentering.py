@@ -248,10 +248,11 @@ def _widen(covariance: Floats, deviation: Floats) -> None:
 
 
 def _moving(turns: Integers, centre: Complexes, place: Floats, row: Integers) -> Complexes:
-    """Return the tool's centre at each sample's ``place`` along the turns, on the cubic through the four turns around.
+    """Return the tool's centre at each sample; ``place`` is the position of the sample along the turns.
 
-    The cubic goes through the centres in the middles of the turns. Beside a gap, a line goes through two turns; if one
-    of these is missing, the result is the centre of the sample's own turn, ``row``.
+    It lies on a cubic through the centres of the two turns before and the two turns after the place, each in the middle
+    of its turn; beside a gap, on a line through the two nearest. If one of these is missing, it is the centre of the
+    sample's own turn, ``row``.
     """
     line, bend = _line_and_bend(turns, centre, place)
     curve = np.where(np.isfinite(bend), line + bend, line)

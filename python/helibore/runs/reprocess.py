@@ -108,11 +108,11 @@ def reprocess(
     jobs
         A manifest (TOML) or a catalogue (Parquet), or the jobs that `read_jobs` made of it.
     client
-        A Dask client, or the address of a scheduler; None: a cluster on this machine, with one worker a processor.
+        A Dask client, or the address of a scheduler; None: a cluster on this machine, one worker for each processor.
     output
         Folder of the results at any fsspec address, in place of that of the manifest or of the jobs.
     workers
-        Without a client: how many processes work on this machine; None: one a processor.
+        Without a client: how many processes work on this machine; None: one for each processor.
     progress
         Called at the start and after each well.
 

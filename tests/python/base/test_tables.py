@@ -176,7 +176,7 @@ def test_samples_go_round_by_a_data_frame(wall):
     [
         ({}, {"radius": "CAL"}, "column 'CAL': is not in the table (radius)"),
         ({"R": ["a", "b", "c", "d"]}, {}, "column 'R': must be numbers"),
-        ({"R": [np.nan] * 4}, {}, "table: none of 4 rows has all of depth, toolface, radius"),
+        ({"R": [np.nan] * 4}, {}, "table: none of 4 rows has a value for each of depth, toolface, radius"),
         ({}, {"units": {"R": "in"}}, "units: 'R' is none of depth, toolface, radius, time"),
         ({}, {"units": {"radius": "deg"}}, "unit 'deg': measures angle, "
          "must be a unit of length: m, cm, mm, ft, ftUS, in, 0.1in"),

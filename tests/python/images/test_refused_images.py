@@ -84,12 +84,12 @@ INFINITE[1, 2] = np.inf
         (lambda: wall().logs().annulus(0.0), "casing = 0: must be finite and above 0"),
         (lambda: wall().logs().annulus(0.3).cement(top=1000.0, bottom=1001.0),
          "cement: 1 m between 1000 and 1001 m have a missing radius or are narrower than the casing; choose an "
-         "interval without gaps, or take `total` for the rest"),
+         "interval in which every row has a volume"),
         (lambda: wall().logs().annulus(0.1).cement(excess=-0.1), "excess = -0.1: must be finite and not negative"),
         (lambda: wall().logs().annulus(0.1).cement(top=2000.0), "cement: no row between 2000 and 1001.84 m"),
         (lambda: gap().logs().annulus(0.1).cement(top=1000.0, bottom=1006.0),
          "cement: 3.1 m between 1000 and 1006 m have a missing radius or are narrower than the casing; choose an "
-         "interval without gaps, or take `total` for the rest"),
+         "interval in which every row has a volume"),
     ],
 )  # fmt: skip
 def test_whole_texts(call: Callable[[], object], text: str) -> None:

@@ -64,7 +64,7 @@ struct PlainNarrow {
     static PlainNarrow tag(PlainNarrow square, PlainNarrow position) {
         return each([&](int i) { return bits_of<float>((bits(square.v[i]) & ~low) | bits(position.v[i])); });
     }
-    // 1 + position 2^-23: ordinary numbers in the order of the positions.
+    // Returns 1 + position * 2^-23 for each key: normal floats, in the order of the positions.
     static PlainNarrow position_key(PlainNarrow key) {
         return each([&](int i) { return bits_of<float>((bits(key.v[i]) & low) | bits(1.0f)); });
     }

@@ -86,7 +86,7 @@ class Program {
     return { name: name.replace('[0]', ''), type, at: gl.getUniformLocation(this.program, name) };
   }
 
-  // Values by name; those that the program does not have are left out.
+  // Make this the current program, and set its uniforms by name; values without a uniform are not used.
   /** @param {Record<string, any>} values */
   use(values) {
     const { gl } = this.context;

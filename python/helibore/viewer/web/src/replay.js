@@ -1,6 +1,6 @@
-// Replay: the wall as it was at a moment of the run. The server keeps how many vertices the wall had at which time
-// (scene.py). The page shows that many, with the radii of the first pass, and the bit where it was then; radii between
-// two passes are not kept.
+// Replay: the wall as it was at a moment of the run. For moments of the run, the server keeps
+// how many vertices the wall had (scene.py). The page shows that many, with the radii of the first pass, and the bit at
+// its depth of that moment. Radii of passes between the first and the latest are not kept.
 
 import { byId } from './panel.js';
 import { showClock } from './units.js';
