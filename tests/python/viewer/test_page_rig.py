@@ -194,3 +194,14 @@ def test_a_bit_ahead_of_the_wall_has_its_true_depth_where_the_path_reaches(brows
             screen.settle()
             assert screen.inner_text("#rigBitMore") == below
         screen.close()
+
+
+def test_the_figures_reach_the_end_of_a_wall_that_stops_growing(browser: Any) -> None:
+    wall = MadeWall(30_000)
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1055&sec=40", drawn=False)
+        screen.until("window.__wall.app.summary")
+        viewer.update(wall.grow(12_800))
+        end = wall.depth[-1]
+        screen.until(f"Math.abs(window.__wall.app.summary.stop - {end}) < 0.3")
+        screen.close()

@@ -675,6 +675,9 @@ export class App {
       const summary = answer?.ok ? await answer.json() : null;
       if (rig !== this.summaryOf) return; // the mode has changed since this was asked, and another request is under way
       this.summary = summary;
+      const { span: [top, bottom], levels: [{ pitch }] } = this.store;
+      const lacking = summary ? Math.min(to, bottom) - Math.max(from, top) - (summary.stop - summary.start) : 0;
+      if (lacking > 2 * Math.abs(pitch)) this.summarized = ''; // the server is behind: ask again, also if nothing more arrives
       this.writeSummary();
       setTimeout(() => {
         this.summaryPending = false;
