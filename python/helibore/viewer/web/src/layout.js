@@ -47,7 +47,7 @@ export function layout(width, height, { dips = false, measured = true, rig = fal
 function phone(width, measured, dips) {
   const caliper = measured && !dips ? Math.round(width * 0.19) : 0;
   const last = dips ? DIPS.phone : caliper;
-  return { map: 38, axis: 62, image: width - 118 - (last ? last + 6 : 0), caliper, ...(dips ? { dips: DIPS.phone } : {}) };
+  return { map: 38, axis: 70, image: width - 126 - (last ? last + 6 : 0), caliper, ...(dips ? { dips: DIPS.phone } : {}) };
 }
 
 /** @param {number} width @param {{ dips: boolean, measured: boolean, beside: number, curves: number }} of @returns {Record<string, number>} */
