@@ -193,8 +193,8 @@ def test_more_hole_than_gap_reach_without_a_sample_is_told_also_after_a_restart(
         assert drilled(live, 103.25) == ["layer main: no samples from 101.600 m to 103.250 m"]
         assert drilled(live, 102, 102.2) == []  # re-scanned
     up = SENT.replace("start_depth = 100.0", "start_depth = 105.0\npitch = -0.1")
-    told = ["layer main: no samples from 104.500 m to 101.000 m"]
-    assert drilled(Live(parse(up), clock=Clock()), 105, 104.5, 104.9, 101, 101.2) == told
+    expected = ["layer main: no samples from 104.500 m to 101.000 m"]
+    assert drilled(Live(parse(up), clock=Clock()), 105, 104.5, 104.9, 101, 101.2) == expected
     wider = SENT.replace("[wall]", "[wall]\ngap_reach = 2.0")
     assert drilled(Live(parse(wider), clock=Clock()), 100, 101.9) == []
 

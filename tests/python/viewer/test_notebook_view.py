@@ -67,7 +67,7 @@ def test_a_frame_gets_the_wall_its_growth_and_answers(monkeypatch: pytest.Monkey
         tell(id="r", method="GET", address="api/summary?start=100.5&stop=102.5", body="")
         content, [body] = next(part for part in iter(next_sent, None) if "id" in part[0])
         assert (content["id"], content["status"]) == ("r", 500)
-        assert body.startswith(b"ZeroDivisionError"), "the page hears of a bug, and does not wait for ever"
+        assert body.startswith(b"ZeroDivisionError"), "the page receives the error, and does not wait for ever"
         viewer.update(wall.append(np.linspace(103, 104, 1000), np.arange(1000) * 37.0, np.full(1000, 0.11)))
         sizes = (int.from_bytes(parts[0][16:20], "little") for _, parts in iter(next_sent, None) if parts)
         assert next(size for size in sizes if size == len(wall))
