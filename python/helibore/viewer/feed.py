@@ -250,12 +250,13 @@ class Feed:
             size = {"measure": round(zone.measure, 5), "severity": round(zone.severity, 3)}
             side = {} if math.isnan(zone.toolface) else {"toolface": round(zone.toolface, 1)}
             zones.append(place | size | side)
-        if tuple(zones) != self.scene.state.zones:
-            self.scene.update_state(zones=tuple(zones))
-        if len(found.logs):
-            self._logged += 1
-            self.scene.set_curves(curves_of(found.logs), self._logged)
-            self.scene.update_state(shape=found.logs.shape)
+        with self.scene.lock:  # zones and curves reach a page in one message
+            if tuple(zones) != self.scene.state.zones:
+                self.scene.update_state(zones=tuple(zones))
+            if len(found.logs):
+                self._logged += 1
+                self.scene.set_curves(curves_of(found.logs), self._logged)
+                self.scene.update_state(shape=found.logs.shape)
 
     def _classify(self, wall: Any) -> Classification:
         """Measure the turns of a wall and find its zones."""

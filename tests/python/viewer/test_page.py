@@ -88,6 +88,7 @@ def test_tiles_join_without_a_crack(browser: Any) -> None:
 
 def test_new_quads_glow_and_cost_few_bytes(shown: Any) -> None:
     shown.evaluate("window.__wall.app.follow(true)")
+    shown.until("window.__wall.app.zones.length")
     shown.settle()
     before = shown.stats()["bytes"]
     shown.viewer.update(shown.wall.grow(1000))
