@@ -283,9 +283,9 @@ class _Pipeline:
                 column[samples.row[lost]] = seen[lost] + moved[samples.sensor[lost]]
             self.readings[number] = replace(one, depth=depth, toolface=toolface)
 
-    def _drop(self, step: Step, what: str = "samples") -> None:
+    def _drop(self, step: Step) -> None:
         """Remove the samples that a step dropped, and report them."""
-        self._report_step(step, what)
+        self._report_step(step, "samples")
         if step.dropped.any():
             self.samples = self.samples.select(step.kept)
         if not self.samples.depth.size:
