@@ -124,6 +124,7 @@ class Screen:
         self.page.on("request", lambda request: self.requests.append(request.url))
         self.page.on("websocket", lambda socket: self.requests.append(socket.url))
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.drawn = drawn
         if not drawn:
             self.page.add_init_script(UNDRAWN)
         self.page.goto(url + address)
@@ -184,6 +185,7 @@ class Screen:
         ]
 
     def pixels(self, name: str) -> np.ndarray:
+        assert self.drawn, "the screen draws no WebGL"
         got = self.page.evaluate(READ, [name, None])
         bytes_ = base64.b64decode(got["text"])
         return np.frombuffer(bytes_, np.uint8).reshape(got["height"], got["width"], 4)[::-1]

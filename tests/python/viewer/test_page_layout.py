@@ -269,7 +269,7 @@ def test_the_same_depth_is_at_the_same_height_in_every_panel(browser: Any, viewe
 
 
 def test_the_ring_in_3d_is_at_the_cursors_depth(browser: Any, viewer: Any) -> None:
-    screen = Screen(browser, viewer.url, "#md=1030&sec=24&camera=outside")
+    screen = Screen(browser, viewer.url, "#md=1030&sec=24&camera=outside", drawn=False)
     screen.settle()
     screen.point_at(0.4, 0.4)
     before = screen.stats()["pictures"]
@@ -309,7 +309,7 @@ def test_the_ring_in_3d_is_at_the_cursors_depth(browser: Any, viewer: Any) -> No
 
 def test_what_a_wall_without_a_survey_cannot_know_is_not_shown(browser: Any) -> None:
     with hb.view(MadeWall(30_000)) as viewer:
-        screen = Screen(browser, viewer.url, "#md=1010&sec=10&camera=outside")
+        screen = Screen(browser, viewer.url, "#md=1010&sec=10&camera=outside", drawn=False)
         screen.point_at(0.4, 0.4)
         texts = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
         assert {"no survey", "angles from the tool’s zero"} <= set(texts)
@@ -335,7 +335,7 @@ def test_a_saved_wall_of_gauge_starts_with_colours_for_its_own_size(browser: Any
     wall = MadeWall(20_000)
     wall.radius = np.clip(wall.radius, 0.1072, 0.1088)
     with hb.view(wall) as viewer:
-        screen = Screen(browser, viewer.url, "#md=1010&sec=15")
+        screen = Screen(browser, viewer.url, "#md=1010&sec=15", drawn=False)
         screen.settle()
         low, high = screen.evaluate("(({ low, high }) => [low, high])(window.__wall.app.quantity)")
         assert -0.0015 < low <= -0.0008

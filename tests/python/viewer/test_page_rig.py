@@ -39,17 +39,18 @@ def test_digits_can_be_read_from_three_metres(browser: Any, bit: float, size: tu
         screen.until("window.__wall.app.summary?.mean_diameter && window.__wall.app.zones.length")
         screen.settle()
         cells = screen.evaluate(DIGITS)
-        assert len(cells) == 5
+        assert len(cells) == 6
         assert min(cell["height"] for cell in cells) >= 77
         assert all(cell["fits"] for cell in cells)
         assert screen.evaluate(CLIPPED) == []
         texts = [cell["text"] for cell in cells]
         assert texts[0] == f"{bit:.1f} m"
-        assert texts[3] == f"{bit - screen.evaluate('window.__wall.app.store.end'):.1f} m"
+        assert texts[1] == f"{bit:.1f} m", "the hole is as deep as the bit"
+        assert texts[4] == f"{bit - screen.evaluate('window.__wall.app.store.end'):.1f} m"
         worst = screen.evaluate("window.__wall.app.zones.toSorted((a, b) => b.severity - a.severity)[0].measure")
-        assert texts[2] == f"+{1000 * worst:.0f} mm"
+        assert texts[3] == f"+{1000 * worst:.0f} mm"
         diameter = screen.evaluate("window.__wall.app.summary.mean_diameter")
-        assert texts[1] == f"{1000 * diameter:.0f} mm"
+        assert texts[2] == f"{1000 * diameter:.0f} mm"
         screen.close()
 
 

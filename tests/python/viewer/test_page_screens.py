@@ -32,11 +32,15 @@ def test_tabs_show_one_panel_each_within_the_screen(browser: Any, size: tuple[in
         cut = "[well, lampText].filter((e) => e.scrollHeight > e.clientHeight + 1 || e.scrollWidth > e.clientWidth + 1)"
         assert screen.evaluate(f"{cut}.map((e) => e.id)") == []
         shown = {"log": "#ink", "3d": "#ink", "section": "#turn", "zones": "#zones"}
+        tabs: dict[str, Any] = {}
         for tab, panel in shown.items():
             screen.click(f"#tabs button[value='{tab}']")
             screen.settle()
             assert screen.is_visible(panel)
             assert screen.is_visible("#section") == (tab == "section")
+            at = screen.locator("#tabs").bounding_box()
+            assert at == tabs.setdefault("at", at), "the tabs stay where they are"
+            assert screen.is_visible("#rigOpen") == (size[0] >= 600)
             assert screen.evaluate(OUTSIDE) == []
             widths = screen.evaluate("(({ image, wall }) => [image.width, wall.width])(window.__wall.app.rects)")
             assert (widths[0] > 150, widths[1] > 150) == (tab != "3d", tab == "3d")
@@ -87,6 +91,10 @@ def test_every_tab_is_about_the_section_of_the_log_at_any_scale(browser: Any, si
                 assert screen.inner_text("#sectionTitle") == f"{top:.1f}–{top + length:.1f} m"
         assert screen.evaluate("window.__wall.app.paper") == 200
         screen.close()
+        if size[0] >= 600:
+            screen = Screen(browser, viewer.url, "#tab=section", size, drawn=False)
+            assert screen.evaluate("window.__wall.app.view.length") == pytest.approx(length, rel=1e-3)
+            screen.close()
 
 
 def test_the_read_out_of_a_phone_says_why_a_value_is_missing(browser: Any) -> None:

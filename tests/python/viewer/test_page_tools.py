@@ -52,7 +52,7 @@ def place(screen: Screen, toolface: float, depth: float) -> tuple[float, float]:
 
 def test_picked_points_give_the_bed_that_was_made(browser: Any, viewer: Any) -> None:
     """The made beds lie at depth + 0.6 cos(toolface - 40) = constant, deepest at toolface 220."""
-    screen = Screen(browser, viewer.url, "#md=1009&sec=6&quantity=GR")
+    screen = Screen(browser, viewer.url, "#md=1009&sec=6&quantity=GR", drawn=False)
     screen.keyboard.press("d")
     screen.settle()
     assert screen.is_visible("#dips")
@@ -181,7 +181,7 @@ def test_an_address_shows_a_colleague_the_same_picture(browser: Any, viewer: Any
 
 
 def test_notes_are_written_at_the_cursor_and_travel_in_the_address(browser: Any, viewer: Any) -> None:
-    screen = Screen(browser, viewer.url, "#md=1010&sec=20")
+    screen = Screen(browser, viewer.url, "#md=1010&sec=20", drawn=False)
     screen.settle()
     for depth, text in ((1006.0, "tight, reamed twice"), (1013.0, "wash & <b>out</b> " + "x" * 70)):
         screen.mouse.move(*place(screen, 90, depth))
@@ -198,7 +198,7 @@ def test_notes_are_written_at_the_cursor_and_travel_in_the_address(browser: Any,
         "cut to the track's width"
     )
     screen.settle()
-    again = Screen(browser, viewer.url, screen.address())
+    again = Screen(browser, viewer.url, screen.address(), drawn=False)
     again.settle()
     kept = "window.__wall.app.notes.kept.map(({ depth, text }) => [depth.toFixed(3), text])"
     assert again.evaluate(kept) == screen.evaluate(kept)
@@ -256,7 +256,7 @@ def test_an_export_is_bounded_and_says_what_is_wrong(viewer: Any) -> None:
 
 
 def test_what_the_server_cannot_write_is_said_on_the_page(browser: Any, viewer: Any) -> None:
-    screen = Screen(browser, viewer.url, "#md=1012&sec=20")
+    screen = Screen(browser, viewer.url, "#md=1012&sec=20", drawn=False)
     screen.settle()
     for query, text in (
         ("start=1000", "The section was not written: stop: missing; ask for ?start=DEPTH&stop=DEPTH in metres."),
@@ -294,7 +294,7 @@ def test_text_of_an_export_cannot_end_its_script() -> None:
 
 
 def test_fingers_move_and_zoom_the_tracks(browser: Any, viewer: Any) -> None:
-    screen = Screen(browser, viewer.url, "#md=1012&sec=10")
+    screen = Screen(browser, viewer.url, "#md=1012&sec=10", drawn=False)
     screen.settle()
     before = screen.evaluate("(({ top, length }) => ({ top, length }))(window.__wall.app.view)")
     touch = (

@@ -44,7 +44,7 @@ def with_gamma(caliper: hb.Caliper, reference: Any = "high-side") -> hb.Wall:
 
 def test_of_a_gauge_hole_only_the_images_are_shown_as_measured(browser: Any) -> None:
     with hb.view(with_gamma(hb.Caliper.gauge(2000.0, 2040.0, BIT))) as viewer:
-        screen = Screen(browser, viewer.url, "#md=2020&sec=30")
+        screen = Screen(browser, viewer.url, "#md=2020&sec=30", drawn=False)
         screen.point_at()
         said = "No caliper: the hole is drawn at bit size, 216.0 mm (8.504 in). Nothing measured its "
         assert screen.inner_text("#basis") == f"{said}diameter, section, volume or washout."
@@ -89,7 +89,7 @@ def test_an_image_measured_in_rows_is_drawn_in_rows_with_their_values(browser: A
 def test_the_range_of_what_is_in_view_is_chosen_and_said(browser: Any) -> None:
     wall = with_gamma(hb.Caliper.gauge(2000.0, 2040.0, BIT))
     with hb.view(wall) as viewer:
-        screen = Screen(browser, viewer.url, "#md=2020&sec=30")
+        screen = Screen(browser, viewer.url, "#md=2020&sec=30", drawn=False)
         screen.settle()
         ends = "(({ low, high }) => [low, high])(window.__wall.app.look().quantity)"
         whole = screen.evaluate(ends)
@@ -103,7 +103,7 @@ def test_the_range_of_what_is_in_view_is_chosen_and_said(browser: Any) -> None:
         assert low == pytest.approx(np.percentile(rows, 2), abs=4)
         assert high == pytest.approx(np.percentile(rows, 98), abs=4)
         assert [low, high] != pytest.approx(whole)
-        again = Screen(browser, viewer.url, screen.address())
+        again = Screen(browser, viewer.url, screen.address(), drawn=False)
         again.settle()
         assert again.evaluate(ends) == pytest.approx([low, high])
         again.click("#inView")
@@ -119,7 +119,7 @@ def test_without_a_survey_the_sides_are_named_as_in_print(browser: Any, referenc
     wall.made_from["toolface"] = "assumed"  # as a run notes it
     assert content_of(wall, Drawing()).reference == reference
     with hb.view(wall) as viewer:
-        screen = Screen(browser, viewer.url, "#md=2020&sec=30")
+        screen = Screen(browser, viewer.url, "#md=2020&sec=30", drawn=False)
         texts = ink_texts(screen)
         assert [text for text in texts if text in sides][:5] == [*sides, sides[0]]
         assert "no survey" in texts  # of true depth
@@ -134,7 +134,7 @@ def test_an_average_caliper_has_a_size_and_no_shape(browser: Any) -> None:
     depth = np.arange(2000.0, 2040.0, 0.1)
     wall = with_gamma(hb.Caliper.from_average(depth, BIT + 0.03 * (np.abs(depth - 2020) < 3)))
     with hb.view(wall) as viewer:
-        screen = Screen(browser, viewer.url, "#md=2020&sec=38")
+        screen = Screen(browser, viewer.url, "#md=2020&sec=38", drawn=False)
         screen.until("window.__wall.app.zones.length")
         screen.settle()
         assert screen.inner_text("#basis") == "Average caliper: size measured, shape assumed round."
@@ -157,7 +157,7 @@ def test_track_section_and_zones_say_the_diameters_of_the_logs(browser: Any, arm
     logs, K = wall.logs(), wall.settings.sectors
     assert logs.shape == ("arms" if arms == 4 else "wall")
     with hb.view(wall) as viewer:
-        screen = Screen(browser, viewer.url, "#md=2005&sec=8", (1366, 768))
+        screen = Screen(browser, viewer.url, "#md=2005&sec=8", (1366, 768), drawn=False)
         screen.until("window.__wall.app.zones.length")
         screen.until(f"Boolean(window.__wall.app.curves.byArms) === {str(arms == 4).lower()}")
         screen.settle()
@@ -182,7 +182,7 @@ def test_a_measured_wall_has_no_banner_and_the_figures_of_its_summary(browser: A
     larger = np.where(np.abs(depth - 2020) < 3, 0.02, 0.0) + np.where(np.abs(depth - 2021) < 0.3, 0.005, 0.0)
     measured = with_gamma(hb.Caliper(depth, toolface, 0.5 * BIT + larger))
     with hb.view(measured) as viewer:
-        screen = Screen(browser, viewer.url, "#md=2020&sec=20")
+        screen = Screen(browser, viewer.url, "#md=2020&sec=20", drawn=False)
         screen.until("window.__wall.app.summary && window.__wall.app.zones.length")
         screen.settle()
         assert not screen.is_visible("#basis")
@@ -254,7 +254,7 @@ def test_true_depth_is_that_of_the_survey_or_none(
 ) -> None:
     path = hb.Survey(survey[0], survey[1], [30.0] * len(survey[0])).path(head=head)
     with hb.view(MadeWall(20_000, start=2000.0), path=path) as viewer:
-        screen = Screen(browser, viewer.url, "#md=2020&sec=20&at=2020_0")
+        screen = Screen(browser, viewer.url, "#md=2020&sec=20&at=2020_0", drawn=False)
         screen.settle()
         texts = ink_texts(screen)
         assert ("TVD m" in texts, "no TVD" in texts) == (known is not None, known is None)

@@ -50,8 +50,8 @@ def test_a_page_opened_before_the_first_sample_waits_and_then_shows_the_wall(bro
     )
     screen.until(f"{WORDS}.endsWith('12 samples received, 12 wait for their depth.')")
     scene.update_state(lost=("mwd",))
-    screen.until("document.getElementById('lampText').textContent === 'mwd not connected'")
-    assert screen.evaluate("document.getElementById('lamp').className") == "lamp lost"
+    screen.until("document.getElementById('lampText').textContent === 'waiting for mwd to connect'")
+    assert screen.evaluate("document.getElementById('lamp').className") == "lamp late"
     scene.update_state(lost=())
     for key in "f[hidrc1 p":
         screen.keyboard.press(key)
@@ -96,7 +96,7 @@ def test_the_first_survey_places_a_page_that_was_open_before_it(browser: Any) ->
 def test_a_page_with_the_token_of_before_says_so_and_lives_again_with_the_right_one(browser: Any) -> None:
     port = free_port()
     with hb.view(MadeWall(20_000), port=port, token="first") as viewer:
-        screen = Screen(browser, viewer.url, "#md=1010&sec=10", SIZE)
+        screen = Screen(browser, viewer.url, "#md=1010&sec=10", SIZE, drawn=False)
         screen.settle()
     screen.until("document.getElementById('lampText').textContent === 'The server was stopped, trying again'")
     assert not screen.is_visible("#connection")

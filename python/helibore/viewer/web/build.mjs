@@ -13,9 +13,9 @@ const esbuild = await import(pathToFileURL(createRequire(join(modules, 'x.js')).
 
 mkdirSync(out, { recursive: true });
 const unindented = (file) => readFileSync(file, 'utf8').replace(/\n\s+/g, '\n');
-const shaders = { // their texts are strings, which esbuild keeps as they are
+const shaders = { // their texts are strings, which esbuild keeps as they are, with their comments
   name: 'shaders',
-  setup: (build) => build.onLoad({ filter: /shaders\.js$/ }, ({ path }) => ({ contents: unindented(path) })),
+  setup: (build) => build.onLoad({ filter: /shaders\.js$/ }, ({ path }) => ({ contents: unindented(path).replace(/ *\/\/.*/g, '') })),
 };
 await esbuild.build({
   entryPoints: [join(here, 'src', 'main.js')],

@@ -27,7 +27,7 @@ export function drawColours(ink, look, left, top, width) {
   ink.closePath();
   ink.fillStyle = colours;
   ink.fill();
-  ink.strokeStyle = PALETTES[view.theme].line;
+  ink.strokeStyle = PALETTES[view.theme].soft;
   ink.lineWidth = 1;
   ink.stroke();
 }

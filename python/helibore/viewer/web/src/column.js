@@ -109,8 +109,9 @@ function bitGlyph(ink, x, y, bit, down, palette) {
   ink.beginPath();
   for (const [across, along] of [[-1, -0.22], [1, -0.22], [0.7, 0], [-0.7, 0]]) ink.lineTo(x + across * bit, y + along * bit * down);
   ink.closePath();
-  ink.fillStyle = palette.ink;
-  ink.fill();
+  ink.strokeStyle = palette.ink;
+  ink.lineWidth = 2;
+  ink.stroke(); // the newest wall stays visible in it
 }
 
 // The curve of a picked plane on the visible wall: its front in the left half, its back in the right one.

@@ -328,7 +328,8 @@ export class Gpu {
     return alpha === 0 ? null : { tile: this.drawn[alpha - 1].tile, at: red + 256 * green + 65536 * blue };
   }
 
-  // A place of the hole on the 3-D view in pixels, or null behind the camera.
+  // Returns where a place of the hole appears on the 3-D view, in pixels; null if it is behind the camera, too near or too far.
+  // `aside` shifts the place.
   /** @param {Pick<Frame, 'centre'>} frame @param {Rect} rect @param {Vector} [aside] @returns {Pair | null} */
   project(frame, rect, aside = [0, 0, 0]) {
     const seen = this.camera.project(plus(this.position(frame), aside));

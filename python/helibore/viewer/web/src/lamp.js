@@ -3,7 +3,7 @@
 
 import { shortOf } from './alarms.js';
 import { byId } from './panel.js';
-import { showAge, showClock, showCount, showDepth } from './units.js';
+import { showAge, showClock, showDepth, showSpan } from './units.js';
 import { zoneAt, zoneText } from './zones.js';
 
 const LATE = 60; // seconds without a sample
@@ -37,13 +37,13 @@ function troubleOf({ alarms: { feed }, lost }) {
 /** @param {App} app */
 export function lampWords({ status, words, store, alarms, lost, bitDepth, newest, ended, sources, lastWrite, replay, contents, view }) {
   if (status === 'waiting') {
-    const trouble = troubleOf({ alarms, lost });
+    const trouble = lost.length ? `waiting for ${lost.join(', ')} to connect` : troubleOf({ alarms, lost });
     const text = store ? 'waiting for the new run, picture from before' : 'waiting';
-    return [lost.length ? 'lost' : trouble || store ? 'late' : '', trouble || text];
+    return [trouble || store ? 'late' : '', trouble || text];
   }
   if (status !== 'live' || !store) return ['lost', words || 'connecting'];
-  if (replay.past) return ['late', `replay, first pass, as at ${showClock(replay.past.moment)} · ${showCount(replay.past.vertices)} vertices`];
-  if (contents) return ['', `export of ${showClock(contents.made)} · ${showCount(store.levels[0].size)} vertices in the well`];
+  if (replay.past) return ['late', `replay, first pass, as at ${showClock(replay.past.moment)} · wall to ${showDepth(store.end, view.units, 1)}`];
+  if (contents) return ['', `export of ${showClock(contents.made)} · wall ${showSpan(store.span[0], store.span[1], view.units)}`];
   const seconds = ageOf({ newest, lastWrite });
   const parts = [];
   if (Number.isFinite(seconds)) parts.push(...(ended ? ['run ended'] : []), `${showAge(seconds)} old`);
@@ -53,7 +53,7 @@ export function lampWords({ status, words, store, alarms, lost, bitDepth, newest
   const late = !ended && seconds > LATE;
   if (trouble) parts.unshift(trouble);
   else if (late && sources) parts.push(sources);
-  if (!Number.isFinite(seconds)) parts.push(`${showCount(store.levels[0].size)} vertices`);
+  if (!Number.isFinite(seconds)) parts.push(`wall ${showSpan(store.span[0], store.span[1], view.units)}`);
   const colour = trouble ? (lost.length ? 'lost' : 'late') : ended || !Number.isFinite(seconds) ? '' : late ? 'late' : 'live';
   return [colour, parts.join(' · '), trouble || (late ? 'no new data' : colour === 'live' ? 'live' : parts[0])];
 }

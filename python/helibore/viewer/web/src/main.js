@@ -131,6 +131,8 @@ export class App {
     bindSaving(this);
     /** @type {Replay} */
     this.replay = new Replay(this);
+    byId('zoneBefore').addEventListener('click', () => this.jump(-1));
+    byId('zoneNext').addEventListener('click', () => this.jump(1));
     /** @type {Curves} */
     this.curves = new Curves(this);
     /** @type {Picking} */
@@ -139,6 +141,10 @@ export class App {
     this.notes = new Notes(this);
     /** @type {Alarms} */
     this.alarms = new Alarms(this);
+    // The figures of the section stand below the log, or on a narrow screen in the tab of the section.
+    const placeFigures = () => document.querySelector(NARROW.matches ? 'aside' : 'footer')?.prepend(byId('foot'));
+    NARROW.addEventListener('change', placeFigures);
+    placeFigures();
     new ResizeObserver(() => this.resize()).observe(byId('stage'));
     this.resize();
     this.contents = exportedContents();
@@ -208,6 +214,8 @@ export class App {
       return old ? { ...q, ...old } : q;
     });
     options('quantity', this.quantities.map(({ id, name }) => [id, name]));
+    const { tab } = this.view;
+    this.view.tab = 'log'; // its height gives the section its length, in whatever tab the page begins
     if (handshake.template) this.arrange(handshake.template);
     else this.view.usual(...this.usualTracks(handshake.curves ?? []));
     if (this.colours) Object.assign(this.quantity, this.colours);
@@ -220,6 +228,7 @@ export class App {
       this.setLength(`1:${USUAL_SCALE}`);
       this.view.keepLength();
     }
+    this.view.tab = tab;
     if (this.view.follow) this.view.followEnd(this.store);
     this.ask();
     this.redraw();

@@ -131,8 +131,8 @@ function letters(ink, view, known, left, width, palette, reference) {
   });
 }
 
-// The stretches of the section above and below the wall, in pixels, with the words for them: where the data begin and end.
-// Where a wall still grows, nothing is measured yet.
+// The stretches of the section above and below the wall, in pixels, each with its words: the start or the end of the data. At
+// the end where the wall still grows, the words say that nothing is measured there yet.
 /** @param {Look} look @param {Rect} rect */
 export function outside({ view, store, growing }, rect) {
   const [shallow, deep] = store.span;
