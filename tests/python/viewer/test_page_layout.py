@@ -236,9 +236,14 @@ def test_a_jump_turns_the_side_of_a_zone_to_the_front_until_the_user_turns_the_h
     screen.mouse.move(x + 80, y, steps=3)
     screen.mouse.up()
     assert screen.evaluate(turn) == pytest.approx((turned - 40) % 360)
-    screen.keyboard.press("n")
+    middle = screen.evaluate("window.__wall.app.view.middle")
+    screen.click("#zoneNext")
     screen.settle()
+    assert screen.evaluate("window.__wall.app.view.middle") != middle
     assert screen.evaluate(turn) == pytest.approx((turned - 40) % 360)
+    screen.click("#zoneBefore")
+    screen.settle()
+    assert screen.evaluate("window.__wall.app.view.middle") == pytest.approx(middle)
     screen.close()
 
 
