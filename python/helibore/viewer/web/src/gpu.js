@@ -105,6 +105,7 @@ export class Gpu {
         relief: 0.15 * scale.times,
         viewTop: view.top - tile.startDepth,
         viewLength: view.length,
+        pixelHeight: view.length / Math.round(wallRect.height * this.ratio),
         reference: reference === 'up' ? 0 : 1,
         offset: ((offset - view.turn) * Math.PI) / 180,
         top: Math.max(a, view.top) - tile.startDepth,

@@ -157,9 +157,9 @@ void main() {
 `;
 
 const CELL = /* glsl */ `
-int quad() {
+int quad(float depth) {
   int row = clamp(int(floor(grid.y)), 0, rows - 1);
-  int level = imageRows.y == 0.0 ? row : int(floor(turnAt(depthHere, grid.x)));
+  int level = imageRows.y == 0.0 ? row : int(floor(turnAt(depth, grid.x)));
   if (level >= 0 && level < rows) row = level; // else a neighbouring tile's
   return row * K + clamp(int(floor(grid.x)), 0, K - 1);
 }
@@ -177,7 +177,7 @@ uniform float lamp;           // metres that the lamp beside the eye reaches; 0:
 out vec4 colour;
 void main() {
   if (depthHere < top || depthHere > bottom) discard;
-  int k = quad();
+  int k = quad(depthHere);
   if (missing(k)) discard;
   vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
   float facing = abs(dot(normal, normalize(seen)));
@@ -223,11 +223,12 @@ export const COLUMN_FRAGMENT = /* glsl */ `${COMMON}${COLOUR}
 in vec2 grid, side;
 in float depthHere, light;
 uniform float top, bottom;    // metres from the tile's start: what is shown of it
+uniform float viewTop, pixelHeight; // metres, viewTop from the tile's start
 ${CELL}
 out vec4 colour;
 void main() {
   if (depthHere < top || depthHere > bottom || (side.x > 0.0 && side.y > 0.0)) discard;
-  int k = quad();
+  int k = quad(viewTop + (floor((depthHere - viewTop) / pixelHeight) + 0.5) * pixelHeight); // one depth for a row of pixels: an edge of an image row is a line, not dashes
   if (k + (rings ? 0 : K + 1) >= size) discard; // not drilled yet
   float v = value(k);
   vec3 base = missing(k) ? nothing() : lit(known(v) ? interpolated(colourOf(v, k / K), k) : nothing(), light);
@@ -267,7 +268,7 @@ uniform int number;
 out vec4 colour;
 void main() {
   if (depthHere < top || depthHere > bottom) discard;
-  int k = quad();
+  int k = quad(depthHere);
   if (missing(k)) discard;
   colour = vec4(float(k & 255), float((k >> 8) & 255), float((k >> 16) & 255), float(number)) / 255.0;
 }
