@@ -139,7 +139,7 @@ export function reflect(view, quantity, image) {
   for (const end of /** @type {const} */ (['low', 'high'])) {
     const input = byId(end);
     const value = quantity[end] * scale;
-    if (document.activeElement !== input) input.value = Number.isFinite(value) ? String(Number(value.toPrecision(4))) : '';
+    if (document.activeElement !== input) input.value = Number.isFinite(value) ? String(Number(value.toPrecision(5))) : '';
     input.disabled = quantity.dynamic || quantity.inView;
   }
   const unit = unitOf(quantity, view.units);
