@@ -59,8 +59,12 @@ AT_REST = """(patience) => new Promise((done, failed) => {
   look();
 })"""
 
-UNDRAWN = """for (const name of ['drawArrays', 'drawElements', 'blitFramebuffer'])
-  WebGL2RenderingContext.prototype[name] = () => {};"""
+UNDRAWN = """
+const gl = WebGL2RenderingContext.prototype;
+for (const name of ['compileShader', 'linkProgram', 'drawArrays', 'drawElements', 'blitFramebuffer'])
+  gl[name] = () => {};
+gl.getProgramParameter = (program, what) => what === gl.LINK_STATUS ? true : 0;
+"""
 
 # Draws at once and reads the WebGL canvas back, as RGBA bytes of a rectangle in CSS pixels.
 READ = """([name, strip]) => {
