@@ -102,7 +102,7 @@ def load(path: Path) -> None:
 
 
 def alternately(ours: Callable[[], object], theirs: Callable[[], object], turns: int) -> dict[str, Any]:
-    """Time two works in turn; return the milliseconds of each, and the ratio of the first to the second."""
+    """Time two functions in turn for ``turns`` rounds; return milliseconds and the ratio of the first to the second."""
     seconds = in_turn({"helibore": ours, "peer": theirs}, turns)
     times = {work: milliseconds(of) for work, of in seconds.items()}
     return {"milliseconds": times, "helibore / peer": ratio(seconds["helibore"], seconds["peer"])}

@@ -1,9 +1,9 @@
-"""What a better estimate costs: kriging against inverse distance with as many neighbours, sigma in addition, and tune.
+"""Time kriging beside inverse distance with the same number of neighbours, both also with sigma; then time tune.
 
     python -m bench kriging
 
-Walls of 1.2 M samples and 128 k vertices, and of four times that, are made anew each time. `Wall.sigma` includes its
-calibration, which costs no more for larger walls.
+Each measurement builds a wall: of 1.2 M samples and 128 k vertices, or of four times as many. The time of `Wall.sigma`
+includes its calibration, which takes no longer for a larger wall.
 """
 
 from __future__ import annotations

@@ -57,7 +57,7 @@ def summary_lines(found: WallSummary, cells: str = "") -> Lines:
 
 
 def trust_lines(found: WallSummary) -> Lines:
-    """Return the warnings of a summary as lines; one warns that a tool with few arms measured the wall."""
+    """Return the warnings of a summary as lines, for example that a tool with few arms measured the wall."""
     return [("warning", text) for text in found.warnings]
 
 

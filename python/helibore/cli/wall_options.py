@@ -352,7 +352,7 @@ def _check_source(options: dict[str, Any]) -> None:
             raise InputError(file.name, f"a mesh has no samples; use {instead}")
     if bool(source) + (options["average"] is not None) + options["gauge"] + (settings is not None) != 1:
         one = "exactly one of SOURCE, --average, --gauge and --from-settings"
-        raise click.UsageError(f"{one} must say what the wall is made from")
+        raise click.UsageError(f"give {one}")
     if len(source) > 1 and endings & {ARCHIVE, SETTINGS}:
         raise click.UsageError("several SOURCE files must all be caliper files, not archives or settings")
     of_calipers = ("Columns", "Sensors", "Conditioning", "Passes")

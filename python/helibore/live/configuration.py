@@ -274,7 +274,7 @@ class Configuration(Table):
                     raise InputError(f"{place}.{key}", f"is mapped by source.{seen[key]} already")
                 seen[key] = name
             if source.items.pass_number and not source.caliper:
-                rule = "numbers the caliper's samples, and there is no caliper"
+                rule = "needs a caliper in this source: it is the pass number of caliper samples"
                 raise InputError(f"{place}.items.pass_number", rule)
             if source.pass_numbers.listed and not source.items.pass_number:
                 raise InputError(f"{place}.pass_numbers", "items.pass_number must be set: it has the number")

@@ -130,21 +130,22 @@ class RigHistory:
     def place(
         self, time: Times, order: Times, depth: Values, offset: Values, now: int
     ) -> tuple[Values, Times, Times, npt.NDArray[np.bool_]]:
-        """Return (depth, pass, flags, ready) of measurements made at ``time``.
+        """Return (depth, pass, flags, ready) of measurements, each (n,). Ready: no later record can change the depth.
 
         Parameters
         ----------
         time
             Time of each measurement, ns.
         order
-            Number of the frame that contained the measurement; -1 if it was made before its frame (latency), so that
-            ``time`` decides.
+            Number of the frame that contained the measurement: the latest bit depth in or before this frame counts. If
+            the source has a latency, -1: the latest bit depth at or before ``time`` counts.
         depth
             The sensor's depth if it was sent; NaN if it must be computed from the bit depth.
         offset
             Metres from the bit up to the sensor.
         now
-            Time of the latest record; a measurement that can no longer get a depth is ready with the flag NO_DEPTH.
+            Time of the latest record, ns. A measurement that is older by more than ``max_depth_gap`` waits no longer:
+            without a depth, it is ready with the flag NO_DEPTH.
         """
         bit = self.tracks["bit_depth"]
         at = self._bit_before(time, order)

@@ -80,7 +80,7 @@ class PassNumbers(Table):
                 if not 0 <= number <= LARGEST:
                     raise InputError(name, f"must be whole numbers from 0 to {LARGEST}", str(number))
                 if number in listed:
-                    raise InputError(name, f"is {PASSES[listed[number]]} already", str(number))
+                    raise InputError(name, f"is already listed under {PASSES[listed[number]]}", str(number))
                 listed[number] = PASSES.index(name)
         self._derive(listed=dict(sorted(listed.items())))
 

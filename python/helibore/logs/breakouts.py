@@ -1,10 +1,10 @@
-"""Find the direction and the opening of breakout lobes in a section (``base.axial`` has the part shared with images).
+"""Find the direction and the opening of breakout lobes in a section; ``base.axial`` has the part shared with images.
 
 height(toolface) = distance of the wall from the centre of the area, less C2/2
 
-     .-----.             the axis of a turn is half the direction of sum w exp(2 i toolface); w is the part of
-   (  o   )  )  lobe     the height above opening_level times the greatest height. As angles are doubled,
-     `-----'             opposite lobes add up.
+     .-----.             The axis of a turn is half the angle of sum w exp(2 i toolface). The weight w is the height
+   (  o   )  )  lobe     less opening_level times the turn's greatest height; it is 0 where that is negative.
+     `-----'             Opposite lobes add up, because the angles are doubled.
 """
 
 from __future__ import annotations

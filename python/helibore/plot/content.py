@@ -188,7 +188,7 @@ class Drawing:
         if self.polar is not None and len(self.polar) > MOST_SECTIONS:
             raise InputError(f"polar: {len(self.polar)} depths", f"must be at most {MOST_SECTIONS}")
         if self.body is not None and len(self.body) not in (0, 2):
-            raise InputError(f"body: {len(self.body)} depths", "must be two, or none for no body")
+            raise InputError(f"body: {len(self.body)} depths", "must be two, or zero to draw no body")
         if self.body is not None and not all(map(math.isfinite, self.body)):
             raise InputError("body", "must be finite depths", str(tuple(self.body)))
 

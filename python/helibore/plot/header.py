@@ -112,7 +112,7 @@ def measured_text(content: Content) -> str:
 
 
 def draw_header(sheet: Sheet, content: Content, x: float, y: float, width: float) -> None:
-    """Draw the well, who logged what and when, and the facts, in a frame."""
+    """Draw a frame with the title, the subtitle, the entries of `HEADER` (company, date ...), and the `facts`."""
     title = content.drawing.title or "Borehole wall"
     rows = facts(content)
     half = (len(rows) + 1) // 2

@@ -96,7 +96,7 @@ def _nearest_rows(depths: Floats, values: Floats, depth: Floats, reach: float) -
 
 
 def _running_sums(columns: Floats) -> tuple[Floats, Floats]:
-    """Return running sums down each column, and running counts of its values, both after a row of zeros."""
+    """Return the running sums and running counts of each column's finite values; the first row of both is zeros."""
     there = np.isfinite(columns)
     sums, counts = np.zeros((2, columns.shape[0] + 1, columns.shape[1]))
     np.cumsum(np.where(there, columns, 0.0), axis=0, out=sums[1:])

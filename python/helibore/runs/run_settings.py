@@ -128,7 +128,7 @@ class RunSettings:
 
     def __post_init__(self) -> None:
         if sum(bool(getattr(self, name)) for name in SOURCES) != 1:
-            raise InputError(", ".join(SOURCES), "exactly one of them must say what the wall is made from")
+            raise InputError(", ".join(SOURCES), "give exactly one of them")
         if (self.wall is None) != (self.archive is not None):
             raise InputError("wall", "must not stand beside an archive" if self.archive else "is missing")
 

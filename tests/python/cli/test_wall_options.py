@@ -146,7 +146,7 @@ def test_every_command_has_every_option_of_a_wall(verb: str) -> None:
 @pytest.mark.parametrize(
     ("options", "rule"),
     [
-        ((), "exactly one of SOURCE, --average, --gauge and --from-settings must say what the wall is made from"),
+        ((), "give exactly one of SOURCE, --average, --gauge and --from-settings"),
         (("p.json", "w.wall"), "several SOURCE files must all be caliper files, not archives or settings"),
         (("p.json", "--set", "1"), "Missing option '--bit-diameter': only archives (.wall) and settings (.toml) have "
          "it."),

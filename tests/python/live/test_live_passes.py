@@ -188,7 +188,7 @@ def test_a_journal_of_before_goes_on_whether_a_number_is_mapped_or_not(tmp_path)
         (("0812", "08x2"), "source.mwd.items.pass_number = '08x2': must be four digits RRII, 01 to 99 each"),
         (
             ("drill = [4]", "drill = [5]"),
-            "source.mwd.pass_numbers.rescan = 5: is drill already",
+            "source.mwd.pass_numbers.rescan = 5: is already listed under drill",
         ),
         (("[4]", "[-1]"), "source.mwd.pass_numbers.drill = -1: must be whole numbers from 0 to 32767"),
         (("[4]", '["4"]'), "source.mwd.pass_numbers.drill[0] = '4': must be a whole number"),
@@ -199,7 +199,7 @@ def test_a_journal_of_before_goes_on_whether_a_number_is_mapped_or_not(tmp_path)
         ),
         (
             ('hole_depth = "0110"', 'pass_number = "0812"'),
-            "source.rig.items.pass_number: numbers the caliper's samples, and there is no caliper",
+            "source.rig.items.pass_number: needs a caliper in this source: it is the pass number of caliper samples",
         ),
     ],
 )

@@ -140,7 +140,7 @@ def test_a_parquet_catalogue_gives_the_same_jobs(field: Path) -> None:
         ("sectors = 32", "sectors = 2", "m.toml: well B: wall: sectors = 2: must lie in 3 to 1000000"),
         ("bit_diameter = 0.2159", "", "m.toml: well 15/9-F 1: wall.bit_diameter: is missing"),
         ('caliper = "0.parquet"', "",
-         "m.toml: well 15/9-F 1: caliper, average, archive, gauge: exactly one of them must say"),
+         "m.toml: well 15/9-F 1: caliper, average, archive, gauge: give exactly one of them"),
         ('caliper = "0.parquet"', "caliper = 3", "m.toml: well 15/9-F 1: caliper: must name a file"),
         ('caliper = "0.parquet"', 'caliper = { file = "0.parquet", mapp = "m.toml" }',
          "m.toml: well 15/9-F 1: caliper: mapp: must be one of file, blake2b, set, channel, header_line, map"),

@@ -141,7 +141,7 @@ def test_options_do_not_go_with_settings(folder: Path, tmp_path: Path) -> None:
         result = run(*from_settings, *option)
         assert result.exit_code == 2
         rule = f"{option[0]}: does not go with w.glb.toml, which repeats a run"
-        source = "exactly one of SOURCE, --average, --gauge and --from-settings must say what the wall is made from"
+        source = "give exactly one of SOURCE, --average, --gauge and --from-settings"
         assert (rule if str(option[0]).startswith("-") else source) in result.stderr
     assert run(*from_settings, "--threads", 1, "-q").exit_code == 0
     assert (tmp_path / "x.glb").read_bytes() == (tmp_path / "w.glb").read_bytes()

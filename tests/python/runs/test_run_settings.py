@@ -117,7 +117,7 @@ def test_no_option_of_the_wall_goes_beside_settings(option: tuple[str, ...]) -> 
     again = run("mesh", "--from-settings", "m.stl.toml", "-o", "again.stl", *option)
     rule = f"{option[0]}: does not go with m.stl.toml, which repeats a run"
     if option[0] in ("--gauge", "w.wall"):
-        rule = "exactly one of SOURCE, --average, --gauge and --from-settings must say what the wall is made from"
+        rule = "give exactly one of SOURCE, --average, --gauge and --from-settings"
     assert (again.exit_code, again.stderr) == (2, f"helibore: {rule} (see cli mesh --help)\n")
 
 
@@ -127,11 +127,11 @@ def test_no_option_of_the_wall_goes_beside_settings(option: tuple[str, ...]) -> 
         ("sectors = 64", "sektors = 64", "wall.sektors: must be one of bit_diameter, sectors, "),
         ("sectors = 64", "sectors = 6.5", "wall.sectors = 6.5: must be a whole number"),
         ("sectors = 64", "sectors = true", "wall.sectors = True: must be a whole number"),
-        ("gauge = true", "gauge = false", "caliper, average, archive, gauge: exactly one of them must say what the "),
+        ("gauge = true", "gauge = false", "caliper, average, archive, gauge: give exactly one of them"),
         ("gauge = true", 'gauge = true\narchive = "w.wall"', "archive: must be a table"),
         ("[wall]", "[[image]]\nfile = 'g.csv'\n[wall]", "image 1.name: is missing"),
         ("[wall]", "[survey]\nfile = 3\n[wall]", "survey.file = 3: must be the name of a file"),
-        ("[wall]", "[archive]\nfile = 'w.wall'\n[wall]", "caliper, average, archive, gauge: exactly one of them must"),
+        ("[wall]", "[archive]\nfile = 'w.wall'\n[wall]", "caliper, average, archive, gauge: give exactly one of them"),
         ("[options]", "[optons]", "optons: must be one of helibore, verb, "),
         (
             "[options]",

@@ -97,8 +97,10 @@ struct Numbers {
 };
 inline constexpr Numbers numbers;
 
-// The squared distances of the vertices to one or two candidates of a list at a time, as floats tagged with the
-// position. `wraps`: the list may span more than half a turn.
+// Computes the keys of a list's candidates for the vertices of a group, one or two candidates at a time. A key is a
+// float: the squared distance, whose lowest bits are replaced by the candidate's position in the list. `windowed`:
+// candidates outside a vertex's window get keys larger than any real square. `wraps`: the list may span more than half
+// a turn.
 template <class P, bool windowed, bool wraps>
 struct NarrowEye {
     using Pack = typename P::Narrow;
