@@ -4,7 +4,7 @@ height(toolface) = distance of the wall from the centre of the area, less C2/2
 
      .-----.             The axis of a turn is half the angle of sum w exp(2 i toolface). The weight w is the height
    (  o   )  )  lobe     less opening_level times the turn's greatest height; it is 0 where that is negative.
-     `-----'             Opposite lobes add up, because the angles are doubled.
+     `-----'             Opposite breakout lobes add up, because the angles are doubled.
 """
 
 from __future__ import annotations
