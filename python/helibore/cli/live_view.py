@@ -92,9 +92,10 @@ class Window:
             self._path_moved = False
             self._feed.set_path(self._path())
         self._show_images()
-        bit = live.model.rig.tracks["bit_depth"].value[-1:].tolist()
-        known = {"bit_depth": bit[0] if bit else None, "newest": self._newest}
-        known = {name: value for name, value in known.items() if value is not None}
+        known = {} if self._newest is None else {"newest": self._newest}
+        for name in ("bit_depth", "hole_depth"):
+            if received := live.model.rig.tracks[name].value[-1:].tolist():
+                known[name] = received[0]
         sources = live.configuration.sources
         states_of = ((name, state) for name, state in states.items() if name in sources)
         lost = tuple(name for name, state in states_of if not is_connected(sources[name], state))

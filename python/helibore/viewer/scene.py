@@ -147,6 +147,7 @@ class RunState:
     """What changes while a wall is shown, apart from its values; every page receives each change."""
 
     bit_depth: float = math.nan  # metres; NaN: not known
+    hole_depth: float = math.nan  # metres; NaN: not known
     newest: float = math.nan  # time of the newest sample, seconds since 1970; NaN for a saved wall
     ended: bool = False
     sources: str = ""  # what the sources are doing, in words

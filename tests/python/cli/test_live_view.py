@@ -232,6 +232,8 @@ def test_a_played_rig_grows_on_the_page(tmp_path, browser):
         screen.until(f"window.__wall.stats.size > {first} + 200")
         assert screen.evaluate("window.__wall.app.quantities.find(({ id }) => id === 'GR').map") == "gamma"
         screen.until("[...__wall.app.store.levels[0].tiles.values()].some((t) => t.columns[0]?.some(Number.isFinite))")
+        bit, hole = screen.evaluate("[window.__wall.app.bitDepth, window.__wall.app.holeDepth]")
+        assert 2000 < bit <= hole < 2004.1
         screen.close()
         played.terminate()
         running.terminate()

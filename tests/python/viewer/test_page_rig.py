@@ -33,7 +33,7 @@ CLIPPED = """[...document.querySelectorAll('#rig h2, #rig p')].filter((at) => {
 @pytest.mark.parametrize(("bit", "size"), [(1033.4, (1366, 768)), (12345.6, (1366, 768)), (1033.4, (3840, 2160))])
 def test_digits_can_be_read_from_three_metres(browser: Any, bit: float, size: tuple[int, int]) -> None:
     with hb.view(MadeWall(20_000)) as viewer:
-        viewer.scene.update_state(bit_depth=bit, newest=time.time())
+        viewer.scene.update_state(bit_depth=bit, hole_depth=bit + 40.5, newest=time.time())
         screen = Screen(browser, viewer.url, "#md=1010&sec=10", size, drawn=False)
         screen.keyboard.press("k")
         screen.until("window.__wall.app.summary?.mean_diameter && window.__wall.app.zones.length")
@@ -45,7 +45,7 @@ def test_digits_can_be_read_from_three_metres(browser: Any, bit: float, size: tu
         assert screen.evaluate(CLIPPED) == []
         texts = [cell["text"] for cell in cells]
         assert texts[0] == f"{bit:.1f} m"
-        assert texts[1] == f"{bit:.1f} m", "the hole is as deep as the bit"
+        assert texts[1] == f"{bit + 40.5:.1f} m", "the bit was pulled up"
         assert texts[4] == f"{bit - screen.evaluate('window.__wall.app.store.end'):.1f} m"
         worst = screen.evaluate("window.__wall.app.zones.toSorted((a, b) => b.severity - a.severity)[0].measure")
         assert texts[3] == f"+{1000 * worst:.0f} mm"

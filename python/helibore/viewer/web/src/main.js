@@ -66,6 +66,8 @@ export class App {
   /** @type {number | null} */
   bitDepth = null;
   /** @type {number | null} */
+  holeDepth = null;
+  /** @type {number | null} */
   newest = null;
   ended = false;
   shape = 'wall'; // whose diameters the zones are judged by: the wall's, or those of a tool with few arms
@@ -250,7 +252,7 @@ export class App {
   }
 
   /** @param {State} state */
-  takeState({ begun, sources, bit_depth: bit, newest, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false, shape = 'wall' }) {
+  takeState({ begun, sources, bit_depth: bit, hole_depth: hole, newest, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false, shape = 'wall' }) {
     Object.assign(this, { sources, lost, shape });
     if (!begun) this.alarms.feed = [...alarms].reverse();
     if (!begun) return this.say('waiting', `${this.store ? 'The server was started again; this is the picture from before. ' : ''}Waiting for the first samples.${sources ? `\n${sources}` : ''}`);
@@ -263,6 +265,7 @@ export class App {
     takeRanges(this.quantities, ranges);
     this.prints = prints;
     this.bitDepth = bit;
+    this.holeDepth = hole;
     this.newest = newest === null ? null : newest + (Date.now() / 1000 - now); // the server's clock, on ours
     this.ended = ended;
     if (this.view.follow && this.store) this.view.followEnd(this.store, this.bit);

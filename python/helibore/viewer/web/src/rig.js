@@ -48,8 +48,8 @@ export function writeRig(app) {
   const tvd = path.tvd(bit ?? NaN);
   const whyNot = path.whyNoTvd(bit ?? NaN);
   cell('rigBit', bit === null ? '–' : depthNumber(bit, view.units, 1), bit === null ? '' : depthUnit(view.units), bit === null ? 'no bit depth received' : Number.isFinite(tvd) ? `TVD ${showDepth(tvd, view.units, 1)}` : whyNot ? `TVD: ${whyNot}` : 'MD');
-  const deepest = Math.max(store.span[1], bit ?? -Infinity); // the hole is at least as deep as the bit
-  cell('rigHole', depthNumber(deepest, view.units, 1), depthUnit(view.units), `wall to ${showDepth(store.span[1], view.units, 1)}`);
+  const { holeDepth: hole } = app;
+  cell('rigHole', hole === null ? '–' : depthNumber(hole, view.units, 1), hole === null ? '' : depthUnit(view.units), hole === null ? 'no hole depth received' : 'MD');
   const measured = store.basis !== 'gauge' && summary?.mean_diameter;
   cell('rigSize', measured ? size(summary.mean_diameter) : '–', measured ? unit : '', measured
     ? `${size(summary.least_diameter)} to ${size(summary.greatest_diameter)}, bit ${size(2 * store.bitRadius)}` : `${store.basis === 'gauge' || summary ? 'not measured' : '…'}, bit ${size(2 * store.bitRadius)} ${unit}`);
