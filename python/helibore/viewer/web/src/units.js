@@ -28,7 +28,11 @@ export const showDepth = (metres = NaN, units, digits = 2) => (Number.isFinite(m
 /** @param {number} start @param {number} stop @param {Units} units */
 export const showSpan = (start, stop, units) => `${depthNumber(start, units, 1)}–${showDepth(stop, units, 1)}`;
 /** @param {number} degrees @param {number} [digits] */
-export const showAngle = (degrees, digits = 1) => (Number.isFinite(degrees) ? `${degrees.toFixed(digits)}°` : '–');
+export const showAngle = (degrees, digits = 1) => {
+  if (!Number.isFinite(degrees)) return '–';
+  const text = degrees.toFixed(digits);
+  return `${text === (360).toFixed(digits) ? (0).toFixed(digits) : text}°`; // 359.96 is 0.0
+};
 
 // Five significant digits: what a float32 certainly holds.
 /** @param {number} value @param {string} [unit] */

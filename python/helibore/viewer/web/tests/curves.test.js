@@ -2,7 +2,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { curveAt, decodeCurve, rowAt } from '../src/curves.js';
 import { fromTemplate, toTemplate } from '../src/template.js';
-import { showDepth, showSpan } from '../src/units.js';
+import { showAngle, showDepth, showSpan } from '../src/units.js';
 import { ticks } from '../src/view.js';
 
 function bytes(first, offsets, values) {
@@ -44,6 +44,7 @@ test('a template is what the page shows, and gives it back', () => {
 test('feet are round numbers of feet at depths in metres', () => {
   const found = ticks(304.8, 335.28, 500, 60, 1 / 0.3048);
   assert.deepEqual(found.values.map((depth) => Math.round(depth / 0.3048)), [1000, 1020, 1040, 1060, 1080, 1100]);
+  assert.deepEqual([showAngle(359.96), showAngle(359.7, 0), showAngle(359.94), showAngle(NaN)], ['0.0°', '0°', '359.9°', '–']);
   assert.equal(showDepth(304.8, 'ft'), '1000.00 ft');
   assert.equal(showDepth(304.8, 'in'), '304.80 m');
   assert.equal(showSpan(304.8, 335.28, 'ft'), '1000.0–1100.0 ft');
