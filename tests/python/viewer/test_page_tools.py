@@ -402,7 +402,7 @@ def test_the_page_prints_what_is_in_view_with_its_picks(browser: Any) -> None:
         with screen.expect_download():
             screen.click("#dipPrint")
         assert scales == [100, 50], "12 m on 468 pixels are 1:97"
-        screen.page.get_by_text("is on paper. Print well, below the log, prints it all.").wait_for()
+        screen.page.get_by_text("is saved as a PDF. Print well, below the log, prints it all.").wait_for()
         with screen.expect_download() as saved:
             screen.click("#printAll")
         assert saved.value.suggested_filename == "log-1000.0-1030.0.pdf"

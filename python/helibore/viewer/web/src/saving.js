@@ -20,7 +20,7 @@ export function bindSaving(app) {
       event.preventDefault();
       const { view, store } = app;
       const part = id === 'print' && view.length < store.span[1] - store.span[0];
-      const said = part ? `${showSpan(view.top, view.bottom, view.units)} is on paper. Print well, below the log, prints it all.` : '';
+      const said = part ? `${showSpan(view.top, view.bottom, view.units)} is saved as a PDF. Print well, below the log, prints it all.` : '';
       download(app, byId(id).href, id === 'printAll' ? 'The well was' : 'The section was', said);
     });
   }
