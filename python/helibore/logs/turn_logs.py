@@ -374,7 +374,7 @@ class Logs(Tabular):
         more: Iterable[LogColumn] = (),
         facts: Mapping[str, str] | None = None,
     ) -> None:
-        """Write `table` to .las, .csv, .parquet or .dlis; ``more`` are `LogColumn`s with a value for each row."""
+        """Write `table` to .las, .csv, .parquet or .dlis. Each `LogColumn` of ``more`` has a value for each row."""
         self.table(more, facts).save(filename)
 
     def _repr_html_(self) -> str:
