@@ -1,4 +1,4 @@
-"""``helibore plot`` and ``helibore report``: a wall as a log on paper, or as one HTML page.
+"""``helibore plot`` and ``helibore report``: draw a wall as a log on paper, or write a report as one HTML page.
 
 This file turns the options into the arguments of a `Drawing`, which ``helibore.plot`` draws. Options that other
 commands also have are in ``wall_options``, ``zone_options`` and ``outputs``.
@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -52,24 +53,28 @@ takes_a_drawing = section(
     SCALAR,
     TEMPLATE,
     BESIDE,
+    opt("--picks", "Table of the picks (CSV).  [FILE.picks.csv beside the first file shown]",
+        type=click.Path(exists=True, dir_okay=False, path_type=Path)),
     opt("--scale", "Depth scale, 200 or 1:200.  [the finest usual scale that fits]", metavar="N"),
     opt("--unit", "Unit of diameters and radii; ft: inches, and feet for depths.",
         type=click.Choice(["in", "mm", "ft"]), default="in"),
-    opts("--curve curves", "Curve of the caliper track: largest, across it, across 0 and 90.  [C1, C2]",
+    opts("--curve curves", "Diameter in the caliper track: C1 largest, C2 across C1, D0 and D90 through toolface 0 "
+         "and 90.  [C1, C2]",
          type=click.Choice(["C1", "C2", "D0", "D90", "none"])),
-    opt("--left", "Toolface at the left edge of images; 180 puts up in the middle.",
+    opt("--left", "Toolface at the left edge of images; 180 puts toolface 0 in the middle.",
         type=click.Choice(["0", "90", "180", "270"]), default="0"),
-    opt("--elevation", "Height of the zero of depths above sea level: true depths are TVDSS.  [TVD]", type=LENGTH),
+    opt("--elevation", "Height of depth 0 above sea level; true depths are then TVDSS.  [TVD]", type=LENGTH),
     opts("--limits", "Ends of an image's colours or of a curve's scale, in its unit.", metavar="NAME=LOW,HIGH"),
     opts("--color-map color_maps", "Colour map of an image.", metavar="NAME=MAP"),
-    opts("--log logs", "Colours of this image follow the logarithm; so does the scale of this curve.", metavar="NAME"),
-    opts("--linear", "Colours of this image do not follow the logarithm, although it is a resistivity.",
+    opts("--log logs", "Image whose colours, or curve whose scale, follows the logarithm.", metavar="NAME"),
+    opts("--linear", "Resistivity image whose colours do not follow the logarithm.",
          metavar="NAME"),
     opts("--dynamic", "Normalise an image in a sliding window of this length.", metavar="NAME=LENGTH"),
-    opts("--polar", "Depth of a cross section.  [up to four]", type=LENGTH),
+    opts("--polar", "Depth of a cross section.  [helibore chooses up to four]", type=LENGTH),
     opt("--no-polar", "Draw no cross sections.", is_flag=True),
     *CRITERIA,
-    opt("--body", "Interval of the 3-D view.  [the 12 m with most relief]", type=LENGTH, nargs=2),
+    opt("--body", "Interval of the 3-D view.  [the 12 m with most relief, if measured all around]",
+        type=LENGTH, nargs=2),
     opt("--no-body", "Draw no 3-D view.", is_flag=True),
     SIGMA,
     opt("--dpi", "Pixels an inch.", type=click.IntRange(30, 1200), default=150),
@@ -168,7 +173,7 @@ def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Ru
     make_wall(run, options["threads"], terminal.stage)
     if options["sigma"]:
         run.messages += add_sigma(run.wall, terminal)
-    load_picks(run)
+    load_picks(run, options["picks"])
     header = header_of(run, options)
     # The settings hold the curves from files with their checksums, the options only the inclination.
     options["scalars"] = tuple(text for text in options["scalars"] if text == INCLINATION)

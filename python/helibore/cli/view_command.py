@@ -17,6 +17,7 @@ from helibore.cli.terminal import Terminal
 from helibore.cli.wall_options import (
     BESIDE,
     HEADER,
+    PICKS,
     SCALAR,
     TEMPLATE,
     Sectioned,
@@ -44,12 +45,13 @@ if TYPE_CHECKING:
     SCALAR,
     TEMPLATE,
     BESIDE,
+    PICKS,
     HEADER,
     *CRITERIA,
     opt("--well", "Name to show.  [name of the source]", default=""),
     opt("--host", "Address of the page; needs --token if other machines reach it.", default="127.0.0.1"),
     opt("--port", "Port; 0: a free one.", type=click.IntRange(0, 65535), default=0),
-    opt("--token", "Secret that the page asks for; the address that the command prints has it."),
+    opt("--token", "Secret that the page requires; the address that the command prints contains it."),
     opt("--browser/--no-browser", "Open the page.", default=True),
     SIGMA,
     QUIET,
@@ -66,7 +68,7 @@ def view(**options: Any) -> None:
 
     SOURCE is an archive (.wall), caliper files, or the settings beside an output. Beds and fractures that you pick on
     the page are saved in FILE.picks.csv, never beside the survey; FILE is the archive or the first caliper file, else
-    the file of --average, else that of the first --image. Nothing else is written.
+    the file of --average, else that of the first --image. --picks names another file. Nothing else is written.
     """
     terminal = Terminal(options["quiet"])
     check_page()
@@ -85,7 +87,7 @@ def view(**options: Any) -> None:
     if options["sigma"]:
         run.messages += add_sigma(wall, terminal)
     criteria = criteria_of(wall, options)
-    picks = load_picks(run)
+    picks = load_picks(run, options["picks"])
     run.messages.append(("picks", where_saved(picks)))
     header = header_of(run, options)
     well = header.pop("well", run.name)
@@ -107,7 +109,7 @@ def view(**options: Any) -> None:
     viewer.scene.draw_pages = section_printer(wall, drawing)
     viewer.scene.update_state(ended=True, prints=True)  # no samples will be appended
     terminal.summary([("time", terminal.times())])
-    with suppress(KeyboardInterrupt):  # it may come before `wait` expects it
+    with suppress(KeyboardInterrupt):  # Ctrl-C may come before `wait` expects it
         click.echo(f"{viewer.url}   (Ctrl-C ends it)")
         viewer.wait()
     viewer.close()
@@ -121,7 +123,7 @@ def where_saved(picks: Path | None) -> str:
         return "not saved: only a survey was given"
     if can_save(picks):
         return f"saved in {picks}"
-    return f"not saved in {picks}: its folder cannot be written; Download on the page keeps them"
+    return f"not saved in {picks}: its folder cannot be written; click Download on the page to keep them"
 
 
 def section_printer(wall: Wall, drawing: dict[str, Any]) -> Callable[[float, float, str, int | None], bytes]:
@@ -145,7 +147,7 @@ def section_printer(wall: Wall, drawing: dict[str, Any]) -> Callable[[float, flo
 
 
 def path_options(run: Run) -> str:
-    """Return, in brackets, the options that make the path reach the whole wall, for an error; "" if there are none."""
+    """Return options, in brackets for an error text, that make the path reach the whole wall; "" if none can."""
     wall, path, fixed = run.wall, run.wall.path, run.settings.output is not None
     if path is None or fixed or not wall.depth.size:
         return ""
@@ -158,7 +160,7 @@ def path_options(run: Run) -> str:
 
 
 def check_page() -> None:
-    """Raise an error if the viewer's extra or its built page is missing; the error says how to get it."""
+    """Raise an error if the viewer's extra or its built page is missing; the error says how to install it."""
     from helibore.viewer.page_server import import_server
 
     import_server()

@@ -1,4 +1,4 @@
-"""The one set of options that turns files into a wall, the same in every command: `takes_a_wall` and `open_run`.
+"""Define the options that turn files into a wall, the same in every command, in `takes_a_wall` and `open_run`.
 
     well.wall                                   an archive, as `Wall.save` wrote it
     run1.csv run2.csv --bit-diameter 8.5in      caliper files, prepared and rebuilt
@@ -111,7 +111,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
     ),
     "Sensors": (
         opt("--track", "File with depth (and toolface) by time, for a caliper that has only a time.", type=FILE),
-        opt("--track-map", "Roles of that file as TOML.", type=FILE),
+        opt("--track-map", "Roles of the channels of the --track file, as TOML.", type=FILE),
         opt("--sensor-offset", "How far every sensor lies above the point whose depth is recorded; added to the offset "
             "in a map.", type=LENGTH, default="0m"),
         opt("--latency", "Time from measurement to time stamp, for every sensor; added to the latency in a map.",
@@ -121,8 +121,8 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--echo-window", "Part of the travel time that the echo spends inside the tool.", type=TIME, default="0s"),
         opt("--toolface-from", "What the samples' toolface counts from; automatic: by inclination.  [the map's, "
             "else the wall's]", type=click.Choice(["north", "high-side", "automatic"])),
-        opt("--switch", "Automatic: north until the inclination reaches the second angle, high side until it is "
-            "down to the first.", type=ANGLE,
+        opt("--switch", "For --toolface-from automatic: toolfaces count from north until the inclination reaches the "
+            "second angle, and from the high side until it falls to the first.", type=ANGLE,
             nargs=2, default=("4deg", "6deg")),
     ),
     "Conditioning": (
@@ -132,7 +132,8 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
             is_flag=True, flag_value=False, default=True),
         opt("--keep-closed drop_closed", "Keep the rows in which all arms stay closed, inside the bit.  [dropped]",
             is_flag=True, flag_value=False, default=True),
-        opt("--drop-closed closed", "Drop rows in which no arm reads 2 mm more than RADIUS, what a closed tool reads.",
+        opt("--drop-closed closed", "Drop rows in which no arm reads 2 mm more than RADIUS, the reading of a closed "
+            "tool.",
             type=LENGTH, metavar="RADIUS"),
         opt("--drop-stuck stuck", "Drop an arm that does not move for this many rows while others move.", type=int,
             metavar="ROWS"),
@@ -150,14 +151,15 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--latest", "In each 0.5 m, use the last pass that measured there.  [merge them]", is_flag=True),
         opts("--shift shifts", "Add a length to a pass's depths, such as 3=-0.2m.", type=SHIFT),
         opt("--find-shifts", "Find each pass's depth shift from the overlap, unless --shift sets it.", is_flag=True),
-        opt("--bias", "Subtract what each pass and arm reads too much; side: by the side of the hole an arm lies on.",
+        opt("--bias", "Subtract the bias of each pass and arm; with side, a separate bias for each side of "
+            "the hole.",
             type=click.Choice(["none", "arm", "side"]), default="none"),
-        opt("--compare-with earlier", "Earlier passes. The wall is made from the other passes; the attribute "
-            "'difference' says how much larger it is than the wall of the earlier ones.", type=NUMBERS, default=()),
+        opt("--compare-with earlier", "Earlier passes. The wall is made from the other passes; its attribute "
+            "'difference' is its radius minus the radius of the wall of the earlier passes.", type=NUMBERS, default=()),
     ),
     "Path and toolface": (
         opt("--survey", "Survey file.  [the hole is straight and vertical]", type=FILE),
-        opt("--survey-map", "Roles of the survey file as TOML.", type=FILE),
+        opt("--survey-map", "Roles of the channels of the survey file, as TOML.", type=FILE),
         opt("--survey-set", "Set of the survey file, if it holds several.", metavar="NAME"),
         opt("--survey-depth", "NAME[:UNIT] of the stations' depth.", metavar="COLUMN"),
         opt("--inclination", "NAME[:UNIT] of the inclination.", metavar="COLUMN"),
@@ -178,13 +180,14 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--power", "Weights are distance^-power.", type=float, default=1.0),
         opt("--max-distance", "A vertex uses no sample farther away than this; none: no limit.", type=LENGTH_OR_NONE,
             default="1m"),
-        opt("--max-iterations", "Limit of the iteration.", type=int, default=4),
+        opt("--max-iterations", "Greatest number of iterations for a radius.", type=int, default=4),
         opt("--tolerance", "Change of radius that ends the iteration.", type=LENGTH, default="0.001mm"),
-        opt("--angular-scale", "1: true arc; 2: as published; 4: neighbours from above and below first.", type=float,
+        opt("--angular-scale", "Factor on distances around the hole. 1: true arcs; 2: as published; above 1, more "
+            "neighbours lie above and below.", type=float,
             default=1.0),
-        opt("--estimator", "How a radius follows from its neighbours.", default="inverse-distance",
+        opt("--estimator", "Method that computes a radius from its neighbours.", default="inverse-distance",
             type=click.Choice(["inverse-distance", "kriging"])),
-        opt("--kriging-range", "Distance at which radii have nothing in common.  [found]", type=LENGTH),
+        opt("--kriging-range", "Distance from which two radii are not correlated.  [helibore finds it]", type=LENGTH),
         opt("--nugget", "Kriging: variance of the noise over that of the shape.", type=float, default=0.1),
         opt("--tune", "Find the estimator, its angular scale and nugget by leaving samples out. The settings beside "
             "the output hold the result.", is_flag=True),
@@ -231,22 +234,26 @@ def open_run(options: dict[str, Any], terminal: Terminal, outputs: Sequence[Path
     return run
 
 
-def load_picks(run: Run) -> Path | None:
-    """Give the wall the picks that are saved beside the first file that the run shows, if there are any.
+def load_picks(run: Run, file: Path | None) -> Path | None:
+    """Give the wall the picks of ``file``, if it exists; None: those saved beside the first file that the run shows.
 
-    Return the file of the picks, which need not exist yet; None if the run shows no file. A survey is not shown.
+    Return the file of the picks, which need not exist yet; None if ``file`` is None and the run shows no file. A survey
+    does not count as shown.
     """
     from helibore.logs.picks import ENDING, Picks
 
-    first = next(iter(run.settings.shown), None)
-    if first is None:
-        return None
-    beside = first.file.with_name(f"{first.file.name}{ENDING}")
-    if beside.exists():
-        run.wall.picks = Picks.load(beside, run.wall.path)
-        run.messages.append(("picks", f"{len(run.wall.picks)} of {beside.name}"))
-    return beside
+    if file is None:
+        first = next(iter(run.settings.shown), None)
+        if first is None:
+            return None
+        file = first.file.with_name(f"{first.file.name}{ENDING}")
+    if file.exists():
+        run.wall.picks = Picks.load(file, run.wall.path)
+        run.messages.append(("picks", f"{len(run.wall.picks)} of {file.name}"))
+    return file
 
+
+PICKS = opt("--picks", "Table of the picks (CSV).  [FILE.picks.csv beside the first file shown]", type=FILE)
 
 TEMPLATE = opt("--template", "TOML file of tracks, their order and widths, units and scale, as the viewer saves it.",
                type=FILE)  # fmt: skip
@@ -337,7 +344,7 @@ def _check_outputs(outputs: Sequence[Path], inputs: Sequence[Path], settings_fil
     for output in outputs:
         for file in inputs:
             if file.resolve() in (output.resolve(), settings_file(output).resolve()):
-                raise InputError(str(output), f"would be written over {file}, which it is made from")
+                raise InputError(str(output), f"would overwrite {file}, from which it is made")
 
 
 def _check_source(options: dict[str, Any]) -> None:

@@ -65,7 +65,7 @@ REFERENCES = tuple(reference for reference in SIDES if reference)
 MOST_SECTIONS = len(ascii_uppercase)
 LARGEST_SCALE = 1_000_000
 ROOM = 192.0
-"""Millimetres across A4 for the tracks, each with a gap of 2."""
+"""Width of A4 that is free for the tracks and the gap of 2 after each of them, millimetres."""
 NARROW_CURVE, NARROW_IMAGE = 15.0, 24.0
 """Least widths of the track of a curve and of an image, millimetres, unless a template states a width."""
 
@@ -132,7 +132,8 @@ class Drawing:
         Depths of the cross sections, metres; None: those of the largest, most oval, most usual and smallest turn;
         empty: none.
     body
-        Ends of the interval drawn as a shaded body, metres; None: the 12 m with most relief; empty: none.
+        Ends of the interval drawn as a shaded body, metres; None: the 12 m with most relief, or no body if calipers did
+        not measure all around; empty: no body.
     dpi
         Pixels an inch.
     elevation
@@ -243,7 +244,7 @@ class Content:
 
     @property
     def hatching(self) -> str:
-        """What the hatching means; "" where there is none."""
+        """The words for what the hatching means; "" if nothing is hatched."""
         between = " between arms" if self.zones.logs.shape == "arms" else ""
         return "" if self.interpolated is None else f"interpolated{between}"
 
@@ -253,7 +254,7 @@ class Content:
         return ascii_uppercase[: len(self.sections)]
 
     def paper_length(self) -> float:
-        """Millimetres of paper that the interval takes."""
+        """Return the length of paper, in millimetres, that the interval takes."""
         return (self.bottom - self.top) * 1000.0 / self.scale
 
 
@@ -310,7 +311,7 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
         tracks = _arranged(drawing.template, tracks, [*drawing.scalars, *_logged(zones.logs)], top, bottom)
     for one, caliper in zip(others, calipers, strict=True):
         tracks += [caliper, *one.image(radius[0].scale, drawing, width, top, bottom)]
-    stretched = _stretched(wall, drawing, top, bottom, images)
+    stretched = _stretched(wall, drawing, top, bottom)
     bodies = []
     if stretched is not None:
         bodies = _bodies(wall, stretched, radius, pairs)
@@ -480,7 +481,7 @@ def _radius(wall: Wall, look: Look, top: float, bottom: float, unit: str) -> tup
 def _uncertainty(wall: Wall, top: float, bottom: float, unit: str) -> tuple[Shown, Floats] | None:
     """Return how the uncertainty is shown, and half the 95 % interval of each radius by vertex, in ``unit``.
 
-    None if the wall has no attribute sigma, or sigma has no value.
+    Return None if the wall has no attribute ``sigma``, or if ``sigma`` has no value.
     """
     if "sigma" not in wall.attributes:
         return None
@@ -498,7 +499,7 @@ def _uncertainty(wall: Wall, top: float, bottom: float, unit: str) -> tuple[Show
 def _diameter_limits(
     walls: Sequence[tuple[Wall, Diameters]], top: float, bottom: float, drawing: Drawing
 ) -> tuple[float, float]:
-    """Return the diameters at the edges of the caliper tracks, in the drawing's unit, alike for all ``walls``."""
+    """Return the diameters at the edges of the caliper tracks, in the drawing's unit, the same for all ``walls``."""
     length = LENGTHS[drawing.size_unit]
     drawn = []
     for wall, turns in walls:
@@ -516,27 +517,11 @@ def _caliper(
     return CaliperTrack(turns, wall.basis, bit, unit, limits, curves, reference, name)
 
 
-def _stretched(wall: Wall, drawing: Drawing, top: float, bottom: float, images: list[SectorImage]) -> Stretched | None:
+def _stretched(wall: Wall, drawing: Drawing, top: float, bottom: float) -> Stretched | None:
     if drawing.body is not None:
         return turns_between(wall, drawing.body[0], drawing.body[1]) if drawing.body else None
-    if wall.basis != "azimuthal" and not images:
-        return None
-    found = most_relief(wall, top, bottom)
-    if found is not None and wall.basis == "gauge":  # no relief: the first image decides
-        found = _image_interval(wall, images[0], top, bottom, 0.5 * (found[1] - found[0]))
+    found = most_relief(wall, top, bottom) if wall.basis == "azimuthal" else None
     return None if found is None else turns_between(wall, *found)
-
-
-def _image_interval(wall: Wall, image: SectorImage, top: float, bottom: float, half: float) -> tuple[float, float]:
-    """Return the ends of an interval, ``half`` metres to each side of the median depth of the image's complete rows.
-
-    Rows count from ``top`` to ``bottom``. The interval stays within these depths and the wall.
-    """
-    whole = np.isfinite(image.values).all(axis=1) & (image.depth >= top) & (image.depth <= bottom)
-    low, high = max(top, float(wall.depth.min())), min(bottom, float(wall.depth.max()))
-    middle = float(np.median(image.depth[whole])) if whole.any() else low + half
-    middle = float(np.clip(middle, low + half, high - half))
-    return middle - half, middle + half
 
 
 def _bodies(

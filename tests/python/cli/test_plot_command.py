@@ -262,6 +262,7 @@ def test_pages_wider_than_their_paper_are_named(tmp_path: Path, archive: Path) -
         (["-o", "log.png", "--limits", "GR=9,1"], "--limits GR=9,1: LOW must be below HIGH"),
         (["-o", "log.png", "--limits", "9,1"], "--limits 9,1: must be NAME=..."),
         (["-o", "log.png", "--color-map", "GR=jet"], "color_map = 'jet': must be one of image, viridis"),
+        (["-o", "log.png", "--picks", "no.csv"], "Invalid value for '--picks': File 'no.csv' does not exist."),
         (["-o", "log.png", "--gauge"], "give exactly one of SOURCE, --average, --gauge and --from-settings"),
         (
             ["-o", "log.png", "--image", "x.las"],

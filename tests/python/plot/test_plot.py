@@ -483,16 +483,15 @@ def test_toolfaces_count_from_what_the_path_says(own: Any) -> None:
         plot.log(wall, reference="north" if own != "north" else "high-side")
 
 
-@pytest.mark.parametrize("ends", [(1000.0, 1010.0), (1045.0, 1060.0), (1000.0, 1060.0), (1020.0, 1022.0)])
-def test_the_body_of_a_gauge_hole_lies_in_the_interval(ends: tuple[float, float]) -> None:
+def test_a_hole_without_relief_has_no_body_unless_one_is_asked_for() -> None:
     wall = hb.reconstruct(hb.Caliper.gauge(1000.0, 1060.0, BIT), bit_diameter=BIT, sectors=8)
-    depth = np.arange(1030.0, 1060.0, 0.1)
+    depth = np.arange(1000.0, 1060.0, 0.1)
     wall.images["X"] = image_of(depth, np.add.outer(depth, np.arange(4.0)), "X")
-    wall.images["Y"] = image_of(depth - 30.0, np.add.outer(depth, np.arange(4.0)), "Y")
-    shown = ["X"] if ends[0] > 1030 else ["Y"]
-    stretched = content_of(wall, plot.Drawing(start=ends[0], stop=ends[1], images=shown)).stretched
-    assert stretched is not None
-    assert ends[0] - 1e-9 <= stretched.depth[0] < stretched.depth[1] <= ends[1] + 1e-9
+    assert content_of(wall, plot.Drawing()).stretched is None
+    content = content_of(wall, plot.Drawing(body=(1010.0, 1020.0)))
+    assert content.stretched is not None
+    assert [body.name for body in content.bodies] == ["X"]
+    assert content.stretched.depth == pytest.approx((1010.0, 1020.0), abs=wall.settings.pitch)
 
 
 def test_what_a_colour_scale_cuts_off_is_counted() -> None:
@@ -536,7 +535,7 @@ def test_paper_too_long_for_its_format(wall: hb.Wall, tmp_path: Path) -> None:
     figure.set_size_inches(8, 2000)
     with pytest.raises(ValueError, match=r"at 40 dpi are 80,000 pixels: must be at most 65,000"):
         plot.save(figure, tmp_path / "log.png")
-    with pytest.raises(ValueError, match=r"2 pages: only \.pdf holds more than one"):
+    with pytest.raises(ValueError, match=r"2 pages: only a \.pdf file holds more than one page"):
         plot.save([figure, figure], tmp_path / "log.png")
     with pytest.raises(ValueError, match=r"log\.pdf: no figure: a file needs at least one$"):
         plot.save([], tmp_path / "log.pdf")

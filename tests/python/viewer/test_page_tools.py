@@ -381,13 +381,15 @@ def test_the_page_prints_what_is_in_view_with_its_picks(browser: Any) -> None:
     )
     wall.picks.append(Pick(kind="bed", depth=1009.0, toolface=40.0, apparent_dip=60.0))
     with hb.view(wall) as viewer:
-        screen = Screen(browser, viewer.url, "#md=1004&sec=12&units=ft", drawn=False)
+        screen = Screen(browser, viewer.url, "#units=ft", drawn=False)
         screen.settle()
         assert not screen.is_visible("#print")
         scales, draw = [], section_printer(wall, {"title": "A"})
         viewer.scene.draw_pages = lambda *wanted: scales.append(wanted[-1]) or draw(*wanted)
-        viewer.scene.update_state(prints=True)
+        viewer.scene.update_state(ended=True, prints=True)
         screen.until("window.__wall.app.prints")
+        screen.until("Math.abs(window.__wall.app.view.middle - 1009) < 0.01")  # without a zone, it opens at the picks
+        screen.evaluate("window.__wall.app.view.show(998, 12, window.__wall.app.store)")
         screen.keyboard.press("d")
         screen.settle()
         with screen.expect_download() as saved:

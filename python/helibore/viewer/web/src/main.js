@@ -46,10 +46,10 @@ const DARK = window.matchMedia('(prefers-color-scheme: dark)');
 const FINE_TILES = 64; // a longer section is drawn from the overview
 const MEMORY = 256 * 2 ** 20; // bytes of tiles, textures included
 const UNSEEN = 250; // milliseconds that a change outside the section may wait for a frame
-const SLOW = 40; // milliseconds of a picture
-const MOVING = 200; // milliseconds, besides the time to draw, between two pictures that move
+const SLOW = 40; // milliseconds: a picture that takes longer is drawn coarse while it moves
+const MOVING = 200; // milliseconds: a picture moves if the next one follows within this and twice the time to draw it
 const USUAL_SCALE = 200; // of paper, at first
-const ROOM_FOR_CURVES = 800; // pixels of a stage whose other tracks need not be narrower for a track of curves
+const ROOM_FOR_CURVES = 800; // pixels: in a narrower stage, a track of curves would make the other tracks narrower
 const SUMMARY_WAIT = 250; // milliseconds that the section rests before its figures are requested
 const START = ['Pick dips (D), then drag along a bed on the image. Help (?) has the steps.', 'Pick dips (D); Help (?) has the steps'];
 const seconds = () => performance.now() / 1000;
@@ -71,7 +71,7 @@ export class App {
   newest = null;
   ended = false;
   shape = 'wall'; // whose diameters the zones are judged by: the wall's, or those of a tool with few arms
-  prints = false; // the server draws sections on paper
+  prints = false; // whether the server prints sections
   /** @type {number | null} */
   opened = null; // the top of the section that a saved wall began with
   sources = '';
@@ -99,18 +99,18 @@ export class App {
   paintedAt = 0;
   arranged = '';
   /** @type {Colours | null} */
-  colours = null; // of the address, for the quantities to come
+  colours = null; // the colours of the address, until the quantities are known
   /** @type {Quad | null} */
   quad = null; // under the cursor
   /** @type {string[][]} */
   read = []; // the read-out: pairs of name and text
   rects = /** @type {Rects} */ (/** @type {unknown} */ (null));
   /** @type {Host | null} */
-  notebook = null; // that shows the page
+  notebook = null; // the notebook that shows the page
   /** @type {Contents | null} */
   contents = null; // of an exported file
   /** @type {Gpu | null} */
-  gpu = null; // where there is WebGL 2
+  gpu = null; // null without WebGL 2
   /** @type {import('./camera.js').Orbit | null} */
   controls = null;
   toSay = false; // say the values at the cursor when they have arrived
@@ -217,7 +217,7 @@ export class App {
     });
     options('quantity', this.quantities.map(({ id, name }) => [id, name]));
     const { tab } = this.view;
-    this.view.tab = 'log'; // its height gives the section its length, in whatever tab the page begins
+    this.view.tab = 'log'; // the height of this tab gives the section its length, also if the page begins in another tab
     if (handshake.template) this.arrange(handshake.template);
     else this.view.usual(...this.usualTracks(handshake.curves ?? []));
     if (this.colours) Object.assign(this.quantity, this.colours);
@@ -259,25 +259,29 @@ export class App {
     this.alarms.take(this.zonesBefore, zones, !this.contents && !ended && (newest !== null || (this.lastWrite !== null && this.zones.length > 0)), alarms);
     this.zones = this.zonesBefore = zones;
     document.body.classList.toggle('saved', ended && newest === null);
-    if (ended && newest === null && this.store && (this.view.follow || this.view.top === this.opened)) this.openSaved();
     this.curves.offer(curves, version);
     this.path.trueDepth = trueDepth;
     takeRanges(this.quantities, ranges);
     this.prints = prints;
     this.bitDepth = bit;
     this.holeDepth = hole;
-    this.newest = newest === null ? null : newest + (Date.now() / 1000 - now); // the server's clock, on ours
+    this.newest = newest === null ? null : newest + (Date.now() / 1000 - now); // from the server's clock to the clock of this machine
     this.ended = ended;
+    this.openSaved();
     if (this.view.follow && this.store) this.view.followEnd(this.store, this.bit);
     lamp(this);
     return this.redraw();
   }
 
-  // A saved wall does not grow: begin with its worst zone, or in its middle.
+  // A saved wall does not grow. Until its reader moves or picks, show its worst zone, else the middle one of its picks, else
+  // its middle.
   openSaved() {
-    const { view, store, zones } = this;
+    const { view, store, zones, picking } = this;
+    if (!this.ended || this.newest !== null || !store || picking.on || !(view.follow || view.top === this.opened)) return;
     const [worst] = bySeverity(zones);
-    view.show(worst ? (worst.start + worst.stop - view.length) / 2 : (store.span[0] + store.span[1] - view.length) / 2, view.length, store);
+    const picked = picking.kept.map(({ depth }) => depth).sort((a, b) => a - b);
+    const [top, bottom] = worst ? [worst.start, worst.stop] : picked.length ? Array(2).fill(picked[picked.length >> 1]) : store.span;
+    view.show((top + bottom - view.length) / 2, view.length, store);
     this.opened = view.top;
   }
 
@@ -353,8 +357,9 @@ export class App {
     return this.view.beside.filter((id) => id !== this.quantity?.id).map((id) => this.quantities.find((one) => one.id === id)).filter((one) => one !== undefined);
   }
 
-  // Images that stand beside the first one at first: as many of the wall's as have room beside the panel, which rig mode hides.
-  // And the curves of files, if there is room for some; an exported file holds those that it was made with.
+  // Return the images beside the first image, and the curves, with which the page begins: as many images of the wall as have room
+  // beside the panel, which rig mode hides; and the curves of files (`given`), if a track of curves has room. An exported file
+  // holds only the curves that it was made with.
   /** @param {string[]} given @returns {[beside: string[], curves: string[]]} */
   usualTracks(given) {
     const { contents } = this;
@@ -451,6 +456,7 @@ export class App {
 
   draw() {
     applyTheme(this.view);
+    document.body.classList.toggle('rig', this.view.rig);
     if (!this.store || !this.path.count || !this.rects) return;
     const began = performance.now();
     clearTimeout(this.timers.unseen);
@@ -470,8 +476,8 @@ export class App {
     this.timers.addressing = setTimeout(() => (this.notebook ? this.notebook.look(looked(this)) : history.replaceState(null, '', toAddress(this))), 400);
   }
 
-  // Draw the WebGL canvas if it would look different: the cursor is in the ink. While a slow machine moves the picture, it
-  // is drawn coarse.
+  // Draw the WebGL canvas if it would look different; the cursor is drawn on the other canvas. On a slow machine the picture is
+  // coarse while it moves.
   /** @param {Gpu} gpu @param {Looks} look */
   paint(gpu, look) {
     const { view } = this;
@@ -517,7 +523,7 @@ export class App {
     const calipers = drawCaliper(ink, look);
     if (this.rects.curves) this.curves.draw(ink, look);
     drawOutside(ink, look);
-    this.map.draw(ink, look);
+    this.map.draw(ink, look, this.picking.kept);
     const planes = this.picking.planes();
     drawDips(ink, look, planes, this.gpu);
     drawLegend(ink, look, planes, this.picking.on ? [] : NARROW.matches ? ['☰ has Pick dips and Help'] : START);
@@ -544,7 +550,7 @@ export class App {
     this.quad = covered ? store.quad(k) : null;
     this.read = readout({ store, view, path, quad: this.quad });
     this.read.push(...this.curves.readout(cursor?.depth ?? view.middle));
-    write('readout', cursor || !NARROW.matches ? this.read : this.read.filter(([, text]) => !/^[–/ ]*$/.test(text))); // a finger hovers nowhere
+    write('readout', cursor || !NARROW.matches ? this.read : this.read.filter(([, text]) => !/^[–/ ]*$/.test(text))); // on a touch screen nothing hovers: empty values are left out
     if (this.toSay && (!covered || wall.locate(k).tile)) {
       this.toSay = false;
       byId('spoken').textContent = spokenText(this);
@@ -567,7 +573,7 @@ export class App {
     lamp(this);
   }
 
-  // Lay the tracks out anew. In another window they keep a scale of paper; another tab shows the same section.
+  // Lay the tracks out anew. If the size of the window changed, they keep a scale of paper; a change of tab keeps the section.
   resize() {
     const { tab } = this.arrangement;
     const sameTab = document.body.dataset.tab === (tab ?? '');
@@ -653,7 +659,7 @@ export class App {
     else this.redraw();
   }
 
-  // The figures below the log, under the depths that they are of: a wall that grows is ahead of its figures.
+  // Write the figures below the log, with the depths between which they were measured: a growing wall may be ahead of them.
   writeSummary() {
     const { store, view, summary } = this;
     const [start, stop] = summary ? [summary.start, summary.stop] : [Math.max(view.top, store.span[0]), Math.min(view.bottom, store.span[1])];
@@ -721,7 +727,7 @@ export class App {
   goTo(shown) {
     const { view, store } = this;
     const depth = shown / LENGTHS[view.units].depth.scale;
-    this.redraw(); // a depth that is refused leaves the field
+    this.redraw(); // so that a refused depth does not stay in the field
     if (!Number.isFinite(depth)) return undefined;
     const [top, bottom] = store.span;
     if (depth < top || depth > bottom) return this.notice(`${showDepth(depth, view.units)} is outside the wall, ${showSpan(top, bottom, view.units)}`, 10);

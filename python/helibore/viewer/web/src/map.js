@@ -1,6 +1,6 @@
 // The map: the whole well from the overview, in the colours of the current quantity, with zones and enlargement beside it,
-// the section as a window to drag, the cursor and the bit. Grey at the left edge: a vertex there is not measured; grey dots:
-// the turn is interpolated between arms.
+// the section as a window to drag, the picks, the cursor and the bit. Grey at the left edge: a vertex there is not measured;
+// grey dots: the turn is interpolated between arms.
 
 import { lookup, scaling, themed } from './color.js';
 import { pen } from './device.js';
@@ -35,8 +35,8 @@ export class DepthMap {
     return a + ((y - top) / height) * (b - a);
   }
 
-  /** @param {Ink} ink @param {Look} look */
-  draw(ink, look) {
+  /** @param {Ink} ink @param {Look} look @param {WallPick[]} picks */
+  draw(ink, look, picks) {
     const { store, view, rects, bitDepth, notes, zones } = look;
     const palette = PALETTES[view.theme];
     const rect = rects.map;
@@ -60,6 +60,7 @@ export class DepthMap {
     ink.fillStyle = palette.grid;
     ink.fillRect(rect.left, upper, rect.width, tall);
     edges(ink, { left: rect.left + 1, top: upper, width: rect.width - 2, height: tall }, palette.ink, 2);
+    for (const { depth, kind } of picks) line(ink, rect.left + rect.width - 7, y(depth), rect.left + rect.width - 2, y(depth), palette.picks[kind], [], 2);
     for (const { depth } of notes) line(ink, rect.left + rect.width - 9, y(depth), rect.left + rect.width, y(depth), palette.pin);
     if (view.cursor) line(ink, rect.left, y(view.cursor.depth), rect.left + rect.width, y(view.cursor.depth), palette.ink);
     if (bitDepth !== null) pointer(ink, rect.left + rect.width - 8, y(bitDepth), 9, palette.ink);

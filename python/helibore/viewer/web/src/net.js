@@ -1,5 +1,5 @@
 // The picks in view as a stereonet (poles of planes on the lower hemisphere, equal area, north up) and as a rose (dip
-// azimuths of planes; both ends of breakout axes, from north). Without a survey both count from toolface 0.
+// azimuths of planes; both ends of breakout axes, from north). Without a survey the angles of both count from toolface 0.
 
 import { symbol } from './dip_ink.js';
 import { wrap360 } from './helix.js';
@@ -25,7 +25,7 @@ export function rose(directions) {
   return counts;
 }
 
-// What lies at the top of both and, clockwise, at their other sides.
+// Return the letters at the top of the stereonet and the rose and, clockwise, at their other sides.
 /** @param {Path} path */
 const sidesOf = ({ surveyed, reference }) => {
   if (surveyed || reference === 'north') return ['N', 'E', 'S', 'W'];
@@ -35,7 +35,7 @@ const sidesOf = ({ surveyed, reference }) => {
 /** @type {(plane: Plane, path: Path) => Pair} */
 const attitude = ({ dip, azimuth, apparent, deepest }, { surveyed }) => (surveyed ? [dip, azimuth] : [apparent, deepest]);
 
-// Draw both, and return what they show in words.
+// Draw the stereonet and the rose, and return in words what they show.
 /** @param {Canvas} canvas @param {Look} look @param {Planes} planes */
 export function drawNet(canvas, { view, path }, { kept, boxes }) {
   const palette = PALETTES[view.theme];
@@ -45,7 +45,7 @@ export function drawNet(canvas, { view, path }, { kept, boxes }) {
   const inView = ({ depth }) => depth >= view.top && depth <= view.bottom;
   const planes = kept.filter(inView);
   const breakouts = boxes.filter(inView);
-  const radius = Math.min(width / 4, height / 2) - 14;
+  const radius = Math.min(width / 4, height / 2) - 18;
   const [net, flower] = [width / 4, (3 * width) / 4].map((x) => ({ x, y: height / 2, radius }));
   for (const place of [net, flower]) circle(ink, place, palette, sidesOf(path));
   for (const plane of planes) {
@@ -71,7 +71,7 @@ function circle(ink, { x, y, radius }, palette, names) {
     ink.arc(x, y, share * radius, 0, 2 * Math.PI);
     ink.stroke();
   }
-  names.forEach((name, i) => label(ink, name, x + (radius + 8) * Math.sin(i * 90 * RAD), y - (radius + 8) * Math.cos(i * 90 * RAD), { colour: palette.soft, align: 'center', font: SMALL }));
+  names.forEach((name, i) => label(ink, name, x + (radius + 12) * Math.sin(i * 90 * RAD), y - (radius + 12) * Math.cos(i * 90 * RAD), { colour: palette.soft, align: 'center', font: SMALL }));
 }
 
 /** @param {Ink} ink @param {{ x: number, y: number, radius: number }} of @param {number[]} counts @param {string} colour */

@@ -50,11 +50,11 @@ export class Picking {
   /** @type {Map<string, WallPick>} */
   served = new Map(); // as the server has them
   /** @type {Map<string, WallPick>} */
-  saved = new Map(); // those with the changes that the server has not taken yet; while one is dragged, as it was before
+  saved = new Map(); // the server's picks with the changes that the server has not taken yet; a dragged pick is in it as before the drag
   /** @type {Unsaved} */
   unsaved = new Map(); // what the server has not taken yet: a pick, or null where it is deleted
   /** @type {Map<string, Unsaved>} */
-  ofWalls = new Map(); // the same of every wall that was shown here
+  ofWalls = new Map(); // the unsaved changes of every wall that this page has shown
   wall = ''; // well and file of the picks
   file = '';
   saves = true; // false: the folder of the file cannot be written
@@ -65,9 +65,9 @@ export class Picking {
   /** @type {PickChange[][]} */
   undone = []; // taken back, for redo; a new change empties it
   /** @type {PickChange[] | null} */
-  opened = null; // the step that takes the table opened last back, or adds it again
+  opened = null; // the step that removes the picks of the table opened last, or adds them again
   /** @type {string | null} */
-  selected = null; // key of one
+  selected = null; // key of the selected pick
   /** @type {WallPick | null} */
   dragged = null;
   /** @type {WeakMap<WallPick, { version: number, plane: Plane }>} */
@@ -117,6 +117,7 @@ export class Picking {
   receive(picks) {
     this.served = new Map(picks.map((pick) => [pick.key, pick]));
     this.show();
+    this.app.openSaved();
     this.sendUnsaved();
   }
 
@@ -176,7 +177,8 @@ export class Picking {
     return this.app.redraw();
   }
 
-  // With the wall's radius; where it is not measured, with bit size, which the text says. `seen`: something was measured there.
+  // Return a point of the wall with the wall's radius; where this is not measured, with bit radius, and the card says so. `seen`
+  // is whether anything was measured there.
   /** @param {Aim} aim @returns {WallPoint} */
   point({ depth, toolface, image }) {
     const { store } = this.app;
@@ -211,7 +213,7 @@ export class Picking {
     return found.find(({ key }) => key === this.selected) ?? found[0] ?? null;
   }
 
-  // A click on the image: on a pick it selects it or ends that; elsewhere it adds a point.
+  // A click on the image: on a pick it selects or deselects the pick; elsewhere it adds a point.
   /** @param {Aim} cursor @param {number} reach */
   click(cursor, reach) {
     const found = this.points.length ? null : this.near(cursor, reach);
@@ -233,7 +235,7 @@ export class Picking {
     return pick.kind === BREAKOUT || crest === undefined ? { act: 'move', from, pick } : { act: 'dip', from, pick, crest };
   }
 
-  // The drag goes on, to a place on the image; its pick is as it was when the drag began.
+  // The drag goes on, to a place on the image; `drag.pick` is the pick as it was when the drag began.
   /** @param {Drag} drag @param {Aim} aim */
   drag(drag, { depth, toolface }) {
     const { from } = drag;
@@ -262,7 +264,7 @@ export class Picking {
     if (turn < LEAST.turn) return this.cancel();
     const ends = [from, to].map((aim) => this.point(aim));
     const radius = (ends[0].radius + ends[1].radius) / 2;
-    const height = (to.depth - from.depth) / (1 - Math.cos((turn * Math.PI) / 180)); // half of the sine's
+    const height = (to.depth - from.depth) / (1 - Math.cos((turn * Math.PI) / 180)); // half the height of the sine
     const plane = fitPlane(this.app.path, [0, 120, 240].map((on) => ({ depth: from.depth + (on ? 1.5 * height : 0), toolface: from.toolface + on, radius })));
     if (!plane) return undefined;
     this.dragged = { ...this.made(plane, ends), ...BY_HAND, key: this.dragged?.key ?? newKey() };
@@ -375,7 +377,7 @@ export class Picking {
     if (this.put(pick)) this.points = [];
   }
 
-  // A pick of a plane through points of the wall.
+  // Return a new pick of a plane through points of the wall.
   /** @param {Plane} plane @param {WallPoint[]} points @returns {PlanePick} */
   made({ depth, deepest, apparent, radius, misfit }, points) {
     const measured = points.some((point) => point.measured);
@@ -415,14 +417,14 @@ export class Picking {
     return `api/${name}?${query}`;
   }
 
-  // An answer of the server; status 0: there was none.
+  // Return the server's answer to a request; status 0: there was no answer.
   /** @param {string} name @param {RequestInit} request @param {Record<string, string>} [more] */
   ask(name, request, more) {
     return fetch(this.address(name, more), { ...request, signal: AbortSignal.timeout(PATIENCE.answer) }).catch((error) => ({ status: 0, text: async () => messageOf(error) }));
   }
 
-  // Send the server what it has not taken yet, one change after the other. What breaks a rule (400) is dropped, and the page
-  // says why; anything else stays, and is sent again.
+  // Send the server what it has not taken yet, one change after the other. A change that breaks a rule (400) is dropped, and the
+  // page says why; after any other failure, the change stays and is sent again.
   async sendUnsaved() {
     const { unsaved, app } = this;
     const waiting = unsaved.size;
@@ -469,7 +471,7 @@ export class Picking {
     this.app.redraw();
   }
 
-  // Add the picks of a table, in place of those with their keys: one step for undo.
+  // Add the picks of a table; they replace picks with the same keys. Undo takes the whole table back in one step.
   /** @param {HTMLInputElement} input */
   async load(input) {
     const [file] = input.files ?? [];
@@ -514,7 +516,7 @@ export class Picking {
     byId('dipRemove').hidden = !pick;
     byId('dipUndo').disabled = !this.points.length && !this.changes.length;
     byId('dipRedo').disabled = !this.undone.length;
-    byId('dipKeep').hidden = !this.points.length; // it, Delete and Open take turns, so that all have room in one row
+    byId('dipKeep').hidden = !this.points.length; // Keep, Delete and Open are shown one at a time, so that the buttons have room in one row
     byId('dipSave').hidden = Boolean(this.app.contents);
     byId('dipLoad').hidden = Boolean(pick) || this.points.length > 0 || Boolean(this.app.contents);
     const plane = pick && pick.kind !== BREAKOUT ? this.plane(pick) : current;
@@ -538,7 +540,7 @@ export class Picking {
     return `Picks are not saved in ${this.file}: its folder cannot be written. Download keeps them.`;
   }
 
-  // Where the server saves every change, or how many it has not.
+  // Write in which file the server saves the picks, or how many changes it has not saved.
   writeSaved() {
     const { unsaved: { size }, trouble, file, saves } = this;
     const text = size ? (trouble ? `${counted(size, 'change')} not saved` : 'saving …') : !saves ? 'not saved: Download' : file ? `saved in ${file}` : 'not saved in a file';
@@ -548,7 +550,7 @@ export class Picking {
   }
 }
 
-// Numbers of the selected pick as fields, but for the one that somebody is typing in.
+// Show the numbers of the selected pick in fields; a field in which the user types is left as it is.
 /** @param {WallPick | null} pick @param {Units} units */
 function writeFields(pick, units) {
   const box = byId('pickFields');

@@ -1,7 +1,8 @@
 // The cross-section at the cursor: one turn of the wall, looking down the hole, high side (or north) up.
-// Bit circle dashed, rings at round radii, C1 and C2 across the hole. Between bit and wall it has
-// the colours of the image of the radius over the bit; dotted and pale where it is interpolated between arms; a band of 95 %
-// if the wall has its uncertainty; kept sections behind. The view sets the shape's exaggeration, and the picture states it.
+// The bit is a dashed circle; rings are at round radii; C1 and C2 go across the hole. The area between bit and wall has the
+// colours of the image of the radius over the bit; where the wall is interpolated between arms, its line is dotted and the
+// area is pale. If the wall has an uncertainty, a band encloses 95 %. Kept sections are drawn in another colour. The view sets
+// the shape's exaggeration, and the picture states it.
 
 import { lookup, themed } from './color.js';
 import { pen, pixelRatio } from './device.js';
@@ -19,16 +20,16 @@ import { MEASURES, zoneAt } from './zones.js';
 
 const CERTAIN = 1.96; // standard deviations that enclose 95 %
 const EDGE = 16; // pixels around the outer ring, for the letters
-const ANGLES = 31; // the same at its sides, for angles
-const ROOM = 60; // pixels of a radius that has room for the names of the diameters
-const CHORDS = 48; // of a circle
+const ANGLES = 31; // pixels at the two sides of the outer ring, if angles are there in place of letters
+const ROOM = 60; // pixels: a smaller outer ring has no room for the names of the diameters
+const CHORDS = 48; // straight pieces of a circle, from which texts keep clear
 const PALE = 0.4; // of a colour where the wall is interpolated
 
 // The middle of the picture, the outer ring around it, and the room at its sides, in pixels.
 /** @typedef {{ x: number, y: number, reach: number, side: number }} Middle */
 
 // The turn at a depth: {k, radii, sigma, between, measured, level}, from the wall; without radii where the page has not
-// received that part of the wall. The diameters are those of the arms where they give the shape.
+// received that part of the wall. If `arms` is given, the diameters are those of the arms.
 /** @param {Store} store @param {View} view @param {number} depth @param {Arms | null} arms */
 export function turnAt(store, view, depth, arms) {
   const level = store.levels[0];
@@ -120,7 +121,7 @@ function colourOver(ink, { radii, between }, place, R, { map, low, high }, dark)
   ink.globalAlpha = 1;
 }
 
-// Where around the hole the cursor is.
+// Draw a mark on the wall at the cursor's toolface.
 /** @param {Ink} ink @param {Look} look @param {Aim} cursor @param {Turn} turn @param {number} scale @param {(radius: number) => number} exaggerated @param {number} width @param {number} height @param {Palette} palette */
 function hand(ink, look, { depth, toolface }, { level, k, radii }, scale, exaggerated, width, height, palette) {
   const angle = ((toolface - zero(look, depth)) * Math.PI) / 180;
@@ -203,7 +204,7 @@ function diameters(ink, { radii, measured }, place, { x, y, reach }, palette) {
   });
 }
 
-// What lies at the top of the picture and, clockwise, at its other sides.
+// Write the letters, or else the angles, of the four sides of the picture.
 /** @param {Ink} ink @param {Middle} middle @param {Look} look @param {number} depth @param {Palette} palette */
 function letters(ink, { x, y, reach, side }, { view, path }, depth, palette) {
   const known = leftEdge(path, view.cut, depth).known;
@@ -234,10 +235,11 @@ export function turnText(look, found, show) {
   const { measured } = found;
   /** @param {number} j */
   const axis = (j) => `${(dial(look, depth, found, j) % 180).toFixed(0)}°`;
+  const of = look.arms ? ' of arms' : '';
   const equivalent = 2 * Math.sqrt(measured.area / Math.PI);
   return [
-    [Number.isNaN(measured.c1) ? 'C1' : `C1 at ${axis(measured.maxAt)}`, show(measured.c1)],
-    ['C2', show(measured.c2)],
+    [`C1${of}${Number.isNaN(measured.c1) ? '' : ` at ${axis(measured.maxAt)}`}`, show(measured.c1)],
+    [`C2${of}`, show(measured.c2)],
     ['Least', show(Number.isNaN(measured.c1) ? NaN : measured.min)],
     ['Area diameter', show(equivalent)],
     ...certainty(found.sigma, show),
@@ -246,7 +248,7 @@ export function turnText(look, found, show) {
   ];
 }
 
-// How sure the radii of the turn are, in the mean, if that is known.
+// Return the 95 % uncertainty of a radius, the mean over the turn, as a row of text; no row if it is not known.
 /** @param {Float64Array} sigma @param {(metres: number, digits?: number) => string} show */
 function certainty(sigma, show) {
   const known = sigma.filter((one) => !Number.isNaN(one));

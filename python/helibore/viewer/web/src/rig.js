@@ -38,7 +38,6 @@ function cell(id, digits, unit, more) {
 export function writeRig(app) {
   const { view, store, path, bit, zones, summary, alarms } = app;
   byId('rig').hidden = !view.rig;
-  document.body.classList.toggle('rig', view.rig);
   if (!view.rig) return;
   const [top, bottom] = recent(store);
   for (const at of document.getElementsByClassName('recent')) at.textContent = `last ${showDepth(bottom - top, view.units, 0)}`;

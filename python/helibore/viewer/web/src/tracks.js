@@ -11,7 +11,7 @@ import { ticks } from './view.js';
 import { drawZones, letterZones, STRIP } from './zones.js';
 
 const APART = 58; // pixels between two depths that are labelled
-const APART_ACROSS = 12; // pixels between two values of the colours, also of the next image
+const APART_ACROSS = 12; // pixels between two values below the colours
 
 /** @param {Ink} ink @param {Look} look */
 export function drawAxis(ink, { view, rects, zones }) {
@@ -49,16 +49,16 @@ export function drawAxisLabels(ink, { view, path, rects, zones }) {
   const unit = depthUnit(view.units);
   label(ink, `MD ${unit}`, end, 11, { colour: palette.ink, align: 'right', font: BOLD });
   label(ink, path.trueDepth ? `TVD ${unit}` : path.surveyed ? 'no TVD' : 'no survey', end, 27, { colour: palette.soft, align: 'right', font: SMALL });
-  const beside = rects.image.width && rects.image.left - end < 24; // the letters of the sides
+  const beside = rects.image.width && rects.image.left - end < 24; // whether the letters of the sides stand beside this
   if (beside && path.assumed && leftEdge(path, view.cut, view.middle).known) label(ink, 'assumed', end + 2, HEAD - 11, { colour: palette.soft, align: 'right', font: SMALL, yields: true });
   if (!view.rig) label(ink, `1:${Number((view.length / scaleLength(rect, 1)).toPrecision(3))}`, end, 43, { colour: palette.soft, align: 'right', font: SMALL });
   const { values, digits } = ticks(view.top, view.bottom, rect.height, APART, LENGTHS[view.units].depth.scale);
   for (const depth of values) {
     const y = Math.round(yOf(view, rect, depth)) + 0.5;
-    if (y < rect.top + 12 || y > rect.top + rect.height - 14) continue;
-    label(ink, depthNumber(depth, view.units, digits), end, y - 1, { colour: palette.ink, align: 'right', baseline: 'bottom', font: FONT, yields: true });
+    const high = y < rect.top + 12; // no room above the tick
+    label(ink, depthNumber(depth, view.units, digits), end, high ? y + 1 : y - 1, { colour: palette.ink, align: 'right', baseline: high ? 'top' : 'bottom', font: FONT, yields: true });
     const tvd = path.tvd(depth);
-    if (Number.isNaN(tvd)) continue;
+    if (Number.isNaN(tvd) || high || y > rect.top + rect.height - 14) continue;
     label(ink, depthNumber(tvd, view.units, Math.max(digits, 1)), end, y + 1, { colour: palette.soft, align: 'right', baseline: 'top', font: SMALL, yields: true });
   }
 }
@@ -149,7 +149,7 @@ export function outside({ view, store, growing }, rect) {
   ].filter(({ from, to }) => to - from >= 2);
 }
 
-// Images and caliper are hatched there; the first image has the words, near the end of the wall.
+// Hatch the images and the caliper above and below the wall; the first image has the words, near the end of the wall.
 /** @param {Ink} ink @param {Look} look */
 export function drawOutside(ink, look) {
   const { view, rects } = look;
@@ -181,7 +181,7 @@ export function drawCursor(ink, look) {
     const y = Math.round(yOf(view, rect, depth)) + 0.5;
     line(ink, rects.image.left, y, right, y, palette.pin, [3, 3]);
   }
-  if (!view.cursor && !view.rig) pointer(ink, rect.left + rect.width, Math.round(yOf(view, rect, view.middle)) + 0.5, -9, palette.ink); // the section's depth
+  if (!view.cursor && !view.rig) pointer(ink, rect.left + rect.width, Math.round(yOf(view, rect, view.middle)) + 0.5, -9, palette.ink); // marks the middle of the section
   if (!view.cursor || view.cursor.depth < view.top || view.cursor.depth > view.bottom) return;
   const y = Math.round(yOf(view, rect, view.cursor.depth)) + 0.5;
   lineOnHalo(ink, rect.left + rect.width, y, right, y, palette);

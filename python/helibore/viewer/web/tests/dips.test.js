@@ -143,7 +143,7 @@ function picking(more = {}) {
   globalThis.document = { getElementById: () => ({ addEventListener() {}, replaceChildren() {}, classList: { toggle() {} } }) };
   globalThis.Option = class {};
   const sent = [];
-  const app = { path: path(20, 0), store: { span: [1000, 1030], attributes: [], bitRadius: 0.1, quad: () => ({ radius: 0.1 }), levels: [{ quadAt: () => 0 }] }, contents: {}, redraw() {}, resize() {}, view: { units: 'mm', set() {} }, notice: (text) => sent.push(text), ...more };
+  const app = { path: path(20, 0), store: { span: [1000, 1030], attributes: [], bitRadius: 0.1, quad: () => ({ radius: 0.1 }), levels: [{ quadAt: () => 0 }] }, contents: {}, redraw() {}, resize() {}, openSaved() {}, view: { units: 'mm', set() {} }, notice: (text) => sent.push(text), ...more };
   return { made: new Picking(app), sent };
 }
 
