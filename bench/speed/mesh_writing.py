@@ -94,7 +94,8 @@ def archive(samples: int = 2_400_000, vertices: int = 256_000, rounds: int = 5) 
     with tempfile.TemporaryDirectory() as folder:
         ours, theirs, zipped = (Path(folder) / name for name in ("ours.wall", "theirs.npy", "theirs.npz"))
         wall.save(ours)
-        np.savez(zipped, *(of for columns in wall._state()[:2] for of in columns))
+        state = wall._state()
+        np.savez(zipped, *state.sample_columns, state.radius, state.nearest, state.support, state.iterations)
         assert hb.load(ours).radius.tobytes() == wall.radius.tobytes()
         same = np.zeros(ours.stat().st_size // 8)
         works: dict[str, Callable[[], object]] = {
