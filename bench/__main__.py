@@ -1,7 +1,8 @@
 """Run the benchmarks of `NAMES`: ``python -m bench``, or some of them: ``python -m bench reconstruction appends``.
 
-They print one line for each figure, and write all figures to bench-results.json and bench-results.html. Compare ratios
-and their spread (``python -m bench compare BEFORE.json AFTER.json``), because absolute times belong to one machine.
+The command prints one line for each figure, and writes all figures to bench-results.json and bench-results.html.
+Compare ratios and their spread (``python -m bench compare BEFORE.json AFTER.json``), because absolute times depend on
+the machine.
 """
 
 from __future__ import annotations

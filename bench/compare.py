@@ -1,8 +1,9 @@
 """Compare the benchmarks of two revisions: ``python -m bench compare BEFORE.json AFTER.json``.
 
-Each file is what ``python -m bench`` wrote at a revision. Several files of each revision, made in turn, tell more:
-``compare before1.json,before2.json after1.json,after2.json``. Every ratio to a peer or a copy was measured in rounds,
-so its spread is known. A ratio has changed if its two spreads do not overlap; all else is noise.
+Each file is what ``python -m bench`` wrote at a revision. Several files of each revision, made in turn, are more
+reliable: ``compare before1.json,before2.json after1.json,after2.json``. Every ratio to a peer or a copy was measured in
+rounds, so its spread is known. A ratio has changed if its spreads before and after do not overlap; other differences
+are noise.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ Spread = tuple[float, float, float]  # least, median, greatest
 def spreads(files: str) -> dict[str, Spread]:
     """Return the spread of every ratio in the files, by benchmark, case and name; ``files`` are separated by commas.
 
-    The spread over several files has the least, the median of the medians, and the greatest.
+    Over several files, a spread is the least value of all, the median of the medians, and the greatest value of all.
     """
     found: dict[str, list[Spread]] = {}
     for file in files.split(","):

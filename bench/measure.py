@@ -1,4 +1,4 @@
-"""How the benchmarks measure time: several works in turn in one run, so that a slower machine slows all alike."""
+"""Measure the time of several functions, here called works, in turn in one run, so that all see the same machine."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ PEERS = ("pykdtree", "scipy")
 def repeated(work: Callable[[], object], until: Callable[[], bool] | None = None) -> float:
     """Return the mean seconds of a work, repeated for `A_ROUND`, or until ``until`` is true, without keeping results.
 
-    The work runs once before that, so that it does not pay for the caches and pages that another work left behind. In
-    less than a tenth of a second, a machine shared with others is fast in one run and slow in the next.
+    The work runs once before it is measured, so that the caches and pages that another work left behind do not count. A
+    round of less than `A_ROUND` would not do: a machine shared with others is fast in one moment and slow in the next.
     """
     work()
     took: list[float] = []
@@ -38,7 +38,7 @@ def repeated(work: Callable[[], object], until: Callable[[], bool] | None = None
 
 
 def in_turn(works: dict[str, Callable[[], object]], rounds: int) -> dict[str, list[float]]:
-    """Return, by work, its seconds in each round, as `repeated` measures them; works take turns in a round."""
+    """Return, by name of work, the seconds in each round, as `repeated` measures them; works run in turn in a round."""
     seconds: dict[str, list[float]] = {name: [] for name in works}
     for _ in range(rounds):
         for name, work in works.items():
@@ -49,7 +49,7 @@ def in_turn(works: dict[str, Callable[[], object]], rounds: int) -> dict[str, li
 def ratio(above: list[float], below: list[float]) -> dict[str, float]:
     """Return median, least and greatest of the ratios of the rounds, and the ratio of the least times, "undisturbed".
 
-    An undisturbed machine would show the latter, because other programs can only add to a time.
+    On an undisturbed machine, all ratios would be near this last one, because other programs can only add to a time.
     """
     ratios = [a / b for a, b in zip(above, below, strict=True)]
     least = min(above) / min(below)

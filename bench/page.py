@@ -66,6 +66,6 @@ def cost_by_size(cases: Sequence[dict[str, Any]]) -> str:
         marks.append(f'<polyline points="{path}" fill="none" stroke="{color}" stroke-width="2"/>')
         marks.append(f'<text x="{float(x) + 8}" y="{float(y) + 4}" fill="{color}">{escape(work)}</text>')
     return (
-        f'<p>Nanoseconds for each sample, by samples.</p><svg viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" '
+        f'<p>Nanoseconds for each sample, by number of samples.</p><svg viewBox="0 0 {WIDTH} {HEIGHT}" width="{WIDTH}" '
         f'font-family="system-ui,sans-serif" font-size="12" fill="currentColor">{"".join(marks)}</svg>'
     )

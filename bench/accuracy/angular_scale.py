@@ -1,9 +1,11 @@
-"""What ``angular_scale`` is worth in a hole whose shape goes on along it: ``python -m bench.accuracy.angular_scale``.
+"""Measure how much ``angular_scale`` helps where a shape continues along the hole.
 
-Washouts, breakouts and spirals go on for decimetres along the hole, while a lobe ends within centimetres around it.
+    python -m bench.accuracy.angular_scale
+
+Washouts, breakouts and spirals continue for decimetres along the hole, while a lobe ends within centimetres around it.
 ``angular_scale`` stretches the arc in the distance, so that neighbours come from above and below first. The benchmark
 measures 28 m of ``helibore.simulation.hole.Hole.example`` (oval, spiral, rough, washed and broken out) with tools of
-various density and 0.5 mm of noise. It prints the rms of the rebuilt less the true radius, mm. The default is 1, true
+various density and 0.5 mm of noise. It prints the rms of rebuilt minus true radius, mm. The default scale is 1, true
 arcs, which favours no direction; the published method has 2.
 """
 

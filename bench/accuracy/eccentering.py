@@ -1,26 +1,29 @@
-"""How well the tool's centre is found, and what is left in the wall: ``python -m bench.accuracy.eccentering [whirls]``.
+"""Measure how well the tool's centre is found, and which errors remain in the wall.
+
+    python -m bench.accuracy.eccentering [centres] [whirls] [walls]
 
 "centres": 300 turns of a simulated tool 10 mm off centre (tests/python/preparation/test_eccentering.py), each case with
 two seeds. Unless a case is "one hole", each turn has random toolfaces and a shape of its own, so that no turn helps
 another.
 
-    error    rms over the samples of corrected less true radius, without each sample's own noise, mm
+    error    rms over the samples of corrected minus true radius, without each sample's own noise, mm
     bound    least rms of an unbiased fit (Cramer and Rao) that knows shape and place of oval and lobes but not their
              size; only for cases whose samples miss a random half
-    covered  turns whose true centre lies within three standard deviations on both axes, %; bar 99
+    covered  turns whose true centre lies within three standard deviations on both axes, %; the bar is 99
     sigma    stated standard deviation of the centre, median of turns, mm
     doubt    turns in which a wall enlarged on one side counts fully (``Centres.one_sided``), %
 
-"whirls": the share of turns covered or refused, with the bit size known, for a tool that whirls at 30 to 330 degrees a
-turn in each of `HOLES`, and for a tool that rests centred: least and mean of two seeds that no test uses.
+"whirls": the share of turns that are covered (as above) or refused (no centre is found). The bit size is known. A tool
+whirls at 30 to 330 degrees a turn in each of `HOLES`, or rests centred. The least and the mean share over the rates are
+printed, each with two seeds that no test uses.
 
 "walls": the rms error of a wall that ``hb.reconstruct`` makes from half of the samples, and its causes:
 
     points   samples at their true places, without noise and centred; only interpolation errs
     noise    the same samples with their noise
     found    samples as measured, recentred by the library
-    left     sqrt(found^2 - noise^2), which the correction adds
-    along    as found, with ``angular_scale=4``, which takes neighbours from above and below first
+    left     sqrt(found^2 - noise^2), the error that the correction adds
+    along    as "found", with ``angular_scale=4``, which takes neighbours from above and below first
 """
 
 from __future__ import annotations
@@ -51,7 +54,10 @@ CASES = {
 
 
 def bound(tool: Simulated) -> float:
-    """Return the bound of the module's text, metres, by the Fisher matrix of centre, mean radius, oval, lobe depth."""
+    """Return the bound that the module's docstring defines, metres.
+
+    It comes from the Fisher matrix of centre, mean radius, oval and lobe depth.
+    """
     reach = (tool.radius - tool.noise) * np.exp(1j * np.radians(tool.toolface))
     phi = np.angle((tool.x + 1j * tool.y)[tool.turn] + reach).reshape(tool.x.size, -1)
     terms = [np.cos(phi), np.sin(phi), np.ones_like(phi), np.cos(2 * phi), np.sin(2 * phi)]
@@ -91,8 +97,8 @@ RATES = (30, 60, 84, 100, 120, 150, 180, 200, 230, 250, 270, 300, 330, -30, -84,
 def whirling(seed: int, hole: str, rate: float, far: float, turns: int = 63, samples: int = 64) -> tuple[float, float]:
     """Return the share of turns whose centre is covered at three standard deviations or refused, and the share refused.
 
-    ``far`` is the distance of the tool from the axis of the bit, m, from which centres count, and ``rate`` the whirl in
-    degrees a turn. A wall enlarged on one side does not show that axis.
+    ``far`` is the distance of the tool from the axis of the bit, metres; ``rate`` is the whirl in degrees a turn.
+    Centres are measured from this axis. A wall enlarged on one side does not show where the axis is.
     """
     rng = np.random.default_rng(seed)
     position = (np.arange(turns * samples) + 0.8 * rng.random(turns * samples)) / samples

@@ -1,10 +1,13 @@
-"""How good the wall is, and how sure: ``./develop evidence [SEED ...]`` writes docs/evidence.md and its figures.
+"""Measure the errors of walls, and whether `Wall.sigma` states them rightly; write docs/evidence.md and its figures.
 
-Cases are five kinds of hole of known truth, three rotating tools, a tool with four fixed arms, stick-slip, telemetry,
-three noises, and several seeds. Each hole is rebuilt by default settings, by kriging, by tuned settings, and by other
-methods and libraries (`peers`) if they are installed. The page also has the published experiment (`published`), and
-passes of a real caliper, each predicted from the others. Ratios are rms errors over those of the default; their means
-are geometric, with 95 % intervals by bootstrap over cases. helibore was not developed with these seeds.
+    ./develop evidence [SEED ...]
+
+Cases combine five kinds of hole whose true shape is known; three rotating tools, a tool with four fixed arms,
+stick-slip and telemetry; three noises; and several seeds. Each hole is rebuilt by default settings, by kriging, by
+tuned settings, and by other methods and libraries (`peers`) if they are installed. The page also has the published
+experiment (`published`), and passes of a real caliper, each predicted from the others. A ratio is the rms error of a
+method divided by that of the default settings. Means of ratios are geometric, with 95 % intervals by bootstrap over
+cases. helibore was not developed with these seeds.
 """
 
 from __future__ import annotations
@@ -31,7 +34,7 @@ EDGE = 0.5  # metres at each end of the hole that are not compared
 
 
 class Case(NamedTuple):
-    """One hole measured by one tool: rms errors (m) by method, and, of the tuned wall, what `_coverage` returns."""
+    """One hole measured by one tool: rms errors (m) by method, and what `_coverage` returns for the tuned wall."""
 
     hole: str
     tool: str
@@ -43,7 +46,10 @@ class Case(NamedTuple):
 
 
 def run(kind: str, tool: str, noise: float, seed: int, peers: bool, slow: bool) -> Case:
-    """Rebuild one hole by every method; ``peers``: also by other methods, ``slow``: also by those that take long."""
+    """Rebuild one hole by the estimators of helibore, and return the errors.
+
+    With ``peers``, other methods rebuild it too; with ``slow``, also those that take long.
+    """
     hole, caliper = measured(kind, tool, noise, seed)
     tuned = hb.tune(caliper, bit_diameter=BIT, threads=1).settings
     walls = {
@@ -66,7 +72,10 @@ def run(kind: str, tool: str, noise: float, seed: int, peers: bool, slow: bool) 
 
 
 def _coverage(hole: Hole, wall: hb.Wall, inside: np.ndarray, truth: Floats) -> tuple[dict[str, float], float]:
-    """Return, by class, the share of vertices whose 95 % interval holds the truth; and mean sigma over rms error."""
+    """Return the share of vertices whose 95 % interval holds the true radius, and the mean sigma over the rms error.
+
+    There is a share for each class of vertices, as in the last section of the page, if it has more than 100 vertices.
+    """
     sigma, off = wall.sigma, np.abs(wall.radius - truth)
     known = inside & np.isfinite(sigma)
     if not known.any():
@@ -93,7 +102,10 @@ def mean_ratio(cases: Iterable[Case], method: str) -> str:
 
 
 def between_arms() -> str:
-    """Return as text the rms error, default and tuned, of four arms in an ellipse, one turn in 30 m, every 5 cm."""
+    """Return as text the rms errors of two walls, by default and by tuned settings.
+
+    A tool with four arms measures an ellipse; it makes one turn in 30 m and samples every 5 cm.
+    """
     depth = np.repeat(np.arange(0, 60, 0.05), 4)
     toolface = (depth * 12 + np.tile([0, 90, 180, 270], depth.size // 4)) % 360
 
@@ -116,8 +128,8 @@ def _unit(toolface: Floats) -> Floats:
 def left_out_passes() -> list[list[str]]:
     """Return a row for each pass of the F-12 caliper, predicted from the other passes, and a last row of the means.
 
-    The columns are the pass, the mean of |error| and the rms error, mm, by the default settings, and both by tuned
-    settings. Return [] if the file is not there.
+    The columns are the pass, the mean of |error| and the rms error, mm, by the default settings, and then the same two
+    errors by tuned settings. Return [] if the caliper's file is not there.
     """
     if not f12.FILE.exists():
         return []

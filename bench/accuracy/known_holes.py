@@ -15,7 +15,7 @@ OTHERS = ("four arms", "stick-slip", "telemetry")
 
 
 class Hole:
-    """A hole of a kind; `radius` is its true radius (m) at depths (m) and toolfaces (deg)."""
+    """A hole of one of the kinds `HOLES`; `radius` returns its true radius (m) at depths (m) and toolfaces (deg)."""
 
     def __init__(self, kind: str, seed: int) -> None:
         rng = np.random.default_rng([seed, 1])

@@ -1,4 +1,4 @@
-"""How well passes of a real caliper predict each other: ``python -m bench.accuracy.leave_one_pass_out [FILE]``.
+"""Measure how well passes of a real caliper predict each other: ``python -m bench.accuracy.leave_one_pass_out [FILE]``.
 
 Volve F-12, 2010: an X-Y caliper that went ten times over 3080 to 3240 m of cased hole at 53 deg. One pass is left out,
 the wall is built from the others, and the wall predicts each sample of the pass at its depth and toolface. The
@@ -8,18 +8,19 @@ benchmark prints the median, then the mean, of |predicted - measured| over the s
     own, best     constants that know the answer: the pass's own median, and the constant with the least median error
     raw           the wall from the samples as they are in the file
     shift         the wall after depth shifts, found by correlation
-    bias          also without the bias of each pass and each arm, found from the overlap
-    sides         the same, with each arm's bias by the side of the hole on which it lies (the arms sag)
+    bias          also without the bias of each pass and each arm, found where passes overlap
+    sides         as bias, but the bias of each arm depends on the side of the hole on which the arm lies (arms sag)
 
-Nine of the ten passes have nearly one bearing in the hole (-22 to 67 deg), so that the sag of an arm and the shape of
-the hole cannot be told apart. Only pass 26 turned all around. For most of its bearings the wall of the others has
-another sag, by up to 1 mm, and one wall for both arms cannot be right for either. Without a bias by side, pass 26 is
-predicted worse, by the median, than by the mean of the others, which lies on one of the file's steps; but not worse by
-the mean, and not worse than by its own median. Only a bias by side takes the sag out of the wall.
+In nine of the ten passes the toolface of the tool stays in a narrow range (-22 to 67 deg), so that the sag of an arm
+and the shape of the hole cannot be told apart. Only in pass 26 does the tool turn all around. For the larger part of
+this turn, the wall of the other passes contains a sag that differs by up to 1 mm, and one wall cannot be right for both
+arms. Without a bias by side, the median error of pass 26 is larger than that of the constant "others", which lies on
+one of the file's steps. The mean error is not larger than that of "others", and the median error is not larger than
+that of "own". Only a bias by side removes the sag from the wall.
 
-Shifts and biases of the left-out pass come from every second block of 10 m, and the pass is scored in the others; then
-the other way round. So no sample predicts itself. One step of the file, 0.03 in of diameter, is 0.38 mm of radius. The
-exit code is 1 if ``sides`` loses to any constant on any pass, or exceeds 0.108 mm on average.
+Shifts and biases of the left-out pass come from every second block of 10 m, and its errors are computed in the other
+blocks; then the blocks change roles. So no sample predicts itself. One step of the file, 0.03 in of diameter, is
+0.38 mm of radius. The exit code is 1 if ``sides`` loses to any constant on any pass, or exceeds 0.108 mm on average.
 """
 
 from __future__ import annotations
@@ -65,7 +66,10 @@ def predict(depth, toolface, radius, train, test):
 
 
 def level_of(bias, passes, classes):
-    """Return the bias of every sample; on a side without other samples of its arm, that of its pass alone."""
+    """Return the bias of every sample.
+
+    Where ``bias`` does not know a sample's class (its arm, or its arm on this side), only the bias of its pass counts.
+    """
     known = np.isin(classes, bias.arms)
     level = np.nan_to_num(bias.by_pass)[np.searchsorted(bias.passes, passes)]
     level[known] = bias.at(passes[known], classes[known])
@@ -95,7 +99,7 @@ def score(depth, toolface, radius, passes, classes, left_out):
 
 
 def constants(radius, mine):
-    """Return the errors of the three constants at the samples of a pass, mm, (3, n).
+    """Return the errors of the constants others, own and best at the samples of a pass, mm, (3, n).
 
     The best constant is searched in steps of 0.02 mm.
     """

@@ -1,4 +1,4 @@
-"""How exact the numbers of a log are, on known holes that no test uses: ``python -m bench.accuracy.numbers``.
+"""Measure how exact the numbers of a log are, on known holes that no test uses: ``python -m bench.accuracy.numbers``.
 
     ellipse     four arms, one turn in 30 m, every 5 cm: largest error of a diameter and of C1 - C2, mm; coverage
     X-Y         of twenty logs of a breakout or a washout, 20 mm deep, the number that are classified rightly

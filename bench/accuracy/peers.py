@@ -1,4 +1,4 @@
-"""Other methods to rebuild a wall, on the unrolled wall, which is continued by a third of a turn on both sides.
+"""Other methods to rebuild a wall. They work on the unrolled wall, continued by a third of a turn on both sides.
 
 IDW on a tree, Delaunay, thin plate     by SciPy
 natural neighbour                       Sibson's, on a raster (Park and others, 2006), with SciPy's tree

@@ -1,7 +1,8 @@
-"""The published experiment (Energies 2021, 14, 291, section 4.2) with its parameters, on a hole of known shape.
+"""Repeat the published experiment (Energies 2021, 14, 291, section 4.2) with its parameters, on a hole of known shape.
 
-It has 10 samples and 4 mm a turn, 8 neighbours of a window of 100 samples, twice the arc, weights 1 / distance, and 390
-points. The measurements of the paper are not public; a hole of 11 cm radius, oval and rough, takes their place.
+The experiment has 10 samples and 4 mm a turn, 8 neighbours of a window of 100 samples, arcs stretched by a factor of 2,
+weights 1 / distance, and 390 points. The measurements of the paper are not public; samples of an oval, rough hole of
+11 cm radius take their place.
 """
 
 from __future__ import annotations

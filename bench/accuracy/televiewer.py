@@ -1,4 +1,4 @@
-"""A geologist's picks on a televiewer's amplitude image, beside what helibore finds in image and caliper.
+"""Compare a geologist's picks on a televiewer's amplitude image with what helibore finds in image and caliper.
 
     python -m bench.accuracy.televiewer ../shared/data/calipers
 
@@ -24,7 +24,7 @@ from helibore.logs.zone_criteria import Criteria
 BREAKOUT = "1"
 """The type of the picks in opposite pairs. Four of fourteen picks are of types 0 and 2; no file explains the types."""
 NEAR = 20.0
-"""Most degrees between a pick and a lobe that count as the same."""
+"""A pick and a lobe count as the same if they lie at most this many degrees apart."""
 GAUGE = 0.104
 """Diameter of the hole without breakouts, metres; at the top the mean caliper reads 104.04 mm."""
 
@@ -45,13 +45,13 @@ class Pick:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Top and bottom, metres."""
+        """Top and bottom of the feature, metres."""
         return self.depth - self.length / 2, self.depth + self.length / 2
 
 
 @dataclass(frozen=True)
 class Match:
-    """A pick, and the breakout and its lobe that were found there, or None and None."""
+    """A pick, and the breakout (``zone``) and its lobe that were found at the pick, or None and None."""
 
     pick: Pick
     zone: ImageBreakout | None
@@ -111,7 +111,7 @@ def _meet(zone: ImageBreakout, pick: Pick) -> bool:
 
 
 def enlargements(folder: Path, picks: list[Pick]) -> list[tuple[float, float]]:
-    """Return, for each pick, the most that the maximum and the mean diameter exceed gauge there, metres."""
+    """Return, for each pick, by how much the maximum and the mean diameter exceed `GAUGE` at most there, metres."""
     size = np.genfromtxt(folder / "caliper_max_ave.csv", delimiter=",", names=True)
     rows = []
     for pick in picks:
@@ -122,7 +122,10 @@ def enlargements(folder: Path, picks: list[Pick]) -> list[tuple[float, float]]:
 
 
 def sensitivity(image: hb.SectorImage, picks: list[Pick]) -> list[tuple[int, int, int]]:
-    """Return, for criteria around the defaults, how many picked breakouts, other picks and false ones are found."""
+    """Return, for each set of criteria near the defaults, how many picked breakouts and other picks are found.
+
+    The third number is that of the false breakouts (`false_ones`).
+    """
     counts = []
     for dark, opening, join in itertools.product((0.5, 0.6, 0.7), (7.5, 10.0, 12.5), (0.0, 0.02, 0.05)):
         found = image.breakouts(ImageCriteria(dark=dark, least_opening=opening, join=join))
@@ -180,5 +183,5 @@ def main(folder: Path) -> int:
 
 if __name__ == "__main__":
     if len(sys.argv) != 2:
-        sys.exit("usage: python -m bench.accuracy.televiewer FOLDER, that of breakout_picks.csv")
+        sys.exit("usage: python -m bench.accuracy.televiewer FOLDER; FOLDER must hold breakout_picks.csv")
     sys.exit(main(Path(sys.argv[1])))

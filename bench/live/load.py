@@ -1,11 +1,12 @@
-"""The live wall under load over loopback, journal on: ``python -m bench.live.load --minutes 10 [--page or --reader]``.
+"""Measure the live wall under load, with a journal: ``python -m bench.live.load --minutes 10 [--page or --reader]``.
 
-A child process sends 2,000 triples/s in frames of 30 and 4,000 other items/s in frames of 40 while the hole gets 100 m
-deeper. At the end the wall is compared with the batch reconstruction of its samples. Then the benchmark prints triples
-lost, the time from a packet's arrival to its changed vertices, the share of a core, and memory. ``--page`` shows the
-wall in Debian's chromium, and prints how long after the wall the page has new vertices, and how long after it draws
-them. That browser draws a picture of 683 by 384 with the processor, in idle time only; at a rig a graphics card draws,
-mostly that of another computer. With ``--reader``, a process receives what such a page receives, and draws nothing.
+A child process on the same machine sends 2,000 triples/s in frames of 30 and 4,000 other items/s in frames of 40, while
+the hole gets 100 m deeper. At the end the wall is compared with the batch reconstruction of its samples. Then the
+benchmark prints triples lost, the time from a packet's arrival to its changed vertices, the share of a core, and
+memory. ``--page`` shows the wall in Debian's chromium, and prints how long after the wall the page has new vertices,
+and how long after the wall it draws them. That browser draws a picture of 683 by 384 with the processor, in idle time
+only; at a rig a graphics card draws, mostly that of another computer. With ``--reader``, a process receives what such a
+page receives, and draws nothing.
 """
 
 from __future__ import annotations
@@ -51,7 +52,7 @@ caliper = {{ first = "5010", groups = 30, order = ["toolface", "depth", "radius"
 """
 
 
-# Notes when the page has more vertices than before, and when it has drawn them: [ms since 1970, number of vertices].
+# Records when the page has more vertices than before, and when it has drawn them: [ms since 1970, number of vertices].
 RECORDER = """() => {
   const seen = (window.seen = { taken: [], drawn: [] });
   let waiting = null;  // [number, frames before, fence or null]
@@ -74,7 +75,10 @@ RECORDER = """() => {
 
 
 def watch(url: str, stop: Event, seen: multiprocessing.Queue[dict[str, Any]]) -> None:
-    """Open the page in a browser until ``stop``; put the times that the page had and drew vertices into ``seen``."""
+    """Open the page in a browser until ``stop``.
+
+    Put into ``seen`` the times at which the page had new vertices (taken), and at which it had drawn them (drawn).
+    """
     from playwright.sync_api import sync_playwright
     from screen import FLAGS
 
@@ -90,7 +94,7 @@ def watch(url: str, stop: Event, seen: multiprocessing.Queue[dict[str, Any]]) ->
 
 
 def read(url: str, stop: Event, seen: multiprocessing.Queue[dict[str, Any]]) -> None:
-    """Take all that a page takes until ``stop``, and draw nothing; put the times of new vertices into ``seen``."""
+    """Receive until ``stop`` what a page receives, and draw nothing; put the times of new vertices into ``seen``."""
     from page_protocol import unpack
     from websockets.asyncio.client import connect
 
@@ -119,7 +123,7 @@ def read(url: str, stop: Event, seen: multiprocessing.Queue[dict[str, Any]]) -> 
 
 
 def send(port: int, seconds: float, triples: int, items: int, counts: multiprocessing.Queue[int]) -> None:
-    """Send frames as a rig, every 10 ms those that are due; put the number of triples sent into ``counts``."""
+    """Send frames like a rig, every 10 ms those that are due; put the number of triples sent into ``counts``."""
     draw = np.random.default_rng(1)
     step = 100.0 / (triples * max(seconds, 60.0))
     link = socket.create_connection(("127.0.0.1", port))

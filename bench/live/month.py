@@ -1,4 +1,4 @@
-"""Thirty days at a rig, as fast as they can be read: ``python -m bench.live.month --days 30``.
+"""Play thirty days at a rig as fast as they can be read: ``python -m bench.live.month --days 30``.
 
 Each second brings a rig frame of 34 items and a caliper frame, each tenth second an image row of 16 sectors. The tool
 drills half of the time and turns off bottom, at one depth, for the rest. In the last --reamed days (a third of all) the
@@ -50,11 +50,11 @@ image.GR = { first = "5110", count = 16, unit = "gAPI", depth = "0821", origin =
 DAY, HOUR = 86_400, 3600
 SECOND = 1_000_000_000
 RATE = 100 / (DAY / 2)
-"""Metres a second while it drills: 100 m a day."""
+"""Metres a second while the tool drills, which is half of the time: 100 m a day."""
 
 
 def restart(folder: str) -> None:
-    """Open the journal in ``folder``; print as JSON the seconds it took, resident memory and a checksum of the wall."""
+    """Open the journal in ``folder``; print as JSON the seconds taken, resident memory and a checksum of the wall."""
     began = time.perf_counter()
     with Live(parse(CONFIGURATION), folder) as live:
         seconds = time.perf_counter() - began

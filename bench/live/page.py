@@ -4,7 +4,7 @@
 
 This needs Debian's chromium and playwright; the browser draws with software GL, as a weak computer at a rig would. The
 wall is that of tests/python/made_wall.py, and the page is checked to hold its values before anything is timed. The
-command prints one line for each figure, and the machine's load before and after, which makes every time longer.
+command prints one line for each figure, and the machine's load before and after; load makes every time longer.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from screen import FLAGS
 import helibore as hb
 from helibore.viewer import Viewer
 
-# Pans by a hundredth of the section in each frame; returns the milliseconds that the page's own script takes of each.
+# Pans by a hundredth of the section in each frame; returns the milliseconds that the page's own script takes in each.
 PAN = """(frames) => new Promise((done) => {
   const { app } = window.__wall;
   const times = [];
@@ -52,7 +52,7 @@ PAN = """(frames) => new Promise((done) => {
   step();
 })"""
 
-# Resolves when the page has drawn a wall of so many vertices and the GPU has finished.
+# Resolves when the page has drawn a wall of `size` vertices or more and the GPU has finished.
 DRAWN = """(size) => new Promise((done) => {
   const { app } = window.__wall;
   const gl = app.gpu.gl;
@@ -264,7 +264,7 @@ def many_clients(count: int, rounds: int = 3) -> None:
 
 
 def with_clients(pages: int) -> tuple[float, float, float]:
-    """Append 300 times with so many pages; return p50 and p99 in ms, and by how many MB this process grew."""
+    """Append 300 times while ``pages`` pages read; return p50 and p99 in ms, and by how many MB this process grew."""
     wall = hb.Wall(bit_diameter=BIT, start_depth=1000.0)
     rng = np.random.default_rng(1)
     wall.append(*samples(rng, 0))
@@ -356,7 +356,7 @@ def read(url: str, pages: int, stop: Any, started: Any) -> None:
 
 
 async def read_all(url: str, pages: int, stop: Any, started: Any) -> None:
-    """Read as so many ``pages`` until ``stop``; the first of them reads nothing after it has subscribed."""
+    """Read like ``pages`` pages until ``stop``; the first of them reads nothing after it has subscribed."""
     from websockets.asyncio.client import connect
 
     async def reader(stalls: bool) -> None:

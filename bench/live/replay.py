@@ -1,8 +1,8 @@
-"""How fast a journal is replayed into a wall: ``python -m bench.live.replay --triples 10000000``.
+"""Measure how fast a journal is replayed into a wall: ``python -m bench.live.replay --triples 10000000``.
 
 The journal is written as it would be live, one record for each frame of 30 triples. Before anything is printed, the
-replayed wall is compared with the batch reconstruction of its samples, bit for bit. The rate of each quarter shows a
-cost that grows with the journal.
+replayed wall is compared with the batch reconstruction of its samples, bit for bit. The rates of the four quarters show
+whether the cost grows with the journal.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How fast the WITS parser reads, MB in a second of processor time: ``python -m bench.live.wits``.
+"""Measure how fast the WITS parser reads, MB in a second of processor time: ``python -m bench.live.wits``.
 
 There are two streams: rig frames of 40 items, and caliper frames of 30 triples. The number of items is checked first.
 """

@@ -36,21 +36,21 @@ def _radius(depth: Floats, toolface: Floats) -> Floats:
 
 
 def arms(count: int, angles: int) -> Samples:
-    """Return samples of a tool that does not turn, at so many fixed toolfaces."""
+    """Return ``count`` samples of a tool that does not turn, at ``angles`` fixed toolfaces."""
     depth, toolface, _ = hole(count)
     toolface = np.floor(toolface * angles / 360) * (360 / angles) + 11.0
     return depth, toolface, _radius(depth, toolface)
 
 
 def levels(count: int, depths: int) -> Samples:
-    """Return samples of a tool that turns at so many depths, and measures nothing between them."""
+    """Return ``count`` samples of a tool that turns at ``depths`` depths, and measures nothing between them."""
     _, toolface, _ = hole(count)
     depth = np.sort(np.floor(np.random.default_rng(3).uniform(0, depths, count))) * LENGTH / depths
     return depth, toolface, _radius(depth, toolface)
 
 
 def crowd(count: int = 1_200_000) -> Samples:
-    """Return samples of which half lie within 5 cm of depth."""
+    """Return ``count`` samples, half of which lie in one depth interval of 5 cm."""
     depth, toolface, _ = hole(count)
     depth[::2] = LENGTH / 2 + depth[::2] / LENGTH * 0.05
     depth.sort()
@@ -82,7 +82,7 @@ def reconstruct(data: Samples, **settings: Any) -> hb.Wall:
 
 
 def peer(data: Samples, wall: hb.Wall, *, neighbors: int = 8, power: float = 1.0, angular_scale: float = 1.0) -> Floats:
-    """Return radii by a k-d tree on the unrolled cylinder, weighted once; samples near 0 and 360 are doubled."""
+    """Return radii by a k-d tree on the unrolled cylinder, weighted once; samples near 0 and 360 appear twice."""
     from pykdtree.kdtree import KDTree
 
     depth, toolface, radius = data
@@ -121,7 +121,7 @@ def case(name: str, rounds: int) -> dict[str, Any]:
     }
 
 
-# Functions that return the toolfaces of so many samples while the tool turns off bottom.
+# Functions that return the toolfaces of ``count`` samples while the tool turns off bottom.
 TOOLFACES: dict[str, Callable[[np.random.Generator, int], Floats]] = {
     "any toolface": lambda random, count: random.uniform(0, 360, count),
     "whole degrees": lambda random, count: np.floor(random.uniform(0, 360, count)),
@@ -132,7 +132,10 @@ TOOLFACES: dict[str, Callable[[np.random.Generator, int], Floats]] = {
 def turning_at_one_depth(
     toolfaces: str, samples: int = 1_200_000, appends: int = 300, batch: int = 1000
 ) -> dict[str, Any]:
-    """Return the time of appends while the tool turns off bottom, after so many ``samples`` there, and drills on."""
+    """Return the times of appends while the tool turns at one depth, and while it then drills on.
+
+    Before the first of these appends, the wall holds ``samples`` samples at that depth.
+    """
     random = np.random.default_rng(5)
     wall = hb.Wall(bit_diameter=BIT_DIAMETER, sectors=SECTORS, pitch=PITCH, start_depth=0.0)
     wall.append(*hole(100_000, 20.0))

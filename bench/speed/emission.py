@@ -1,4 +1,4 @@
-"""Compare placing vertices and making quads with copying the same bytes, and saving a GLB with trimesh.
+"""Compare placing vertices and making quads with copying the same bytes, and saving a GLB with trimesh's export.
 
     python -m bench.speed.emission
 
@@ -39,7 +39,7 @@ def _path(method: str = "minimum-curvature") -> hb.Path:
 
 
 def _check(surface: Surface, wall: WallLike, path: hb.Path) -> None:
-    """Check some vertices against the formula of the conventions, and all quads against their vertex numbers."""
+    """Check some vertices against the formula for positions, and all quads against the numbers of their vertices."""
     k = np.random.default_rng(3).integers(0, len(surface.vertices), 500)
     depth = wall.start_depth + k * wall.settings.pitch / SECTORS
     toolface = np.radians(k % SECTORS * 360 / SECTORS)
@@ -52,7 +52,7 @@ def _check(surface: Surface, wall: WallLike, path: hb.Path) -> None:
 
 
 def emission(vertices: int, method: str = "minimum-curvature", rounds: int = 11) -> dict[str, Any]:
-    """Compare the vertices and quads of a wall on a curved survey, on all cores and on one, with their copy."""
+    """Compare making vertices and quads of a wall on a curved survey, on all cores and on one, with copying them."""
     wall, path = _wall(vertices, 2990.0), _path(method)
     surface = surface_of(wall, path)
     _check(surface, wall, path)

@@ -1,13 +1,13 @@
 """Compare the time to open field files with that of the libraries that read them.
 
-    las()          P11-A-02 (7,361 rows, 52 columns, 24 of them sectors) or a file written like it, beside lasio
-    table()        a CSV of samples of 100 MB (depth, toolface, radius, time), beside pyarrow's own read
-    small_table()  such a CSV of 1.6 MB, beside ``numpy.loadtxt``
-    json_log()     a log in JSON Well Log Format, 20,000 rows of 20 curves, beside json and a pandas data frame
+    las()          P11-A-02 (7,361 rows, 52 columns, 24 of them sectors) or a file written like it; peer: lasio
+    table()        a CSV of samples of 100 MB (depth, toolface, radius, time); peer: pyarrow.csv
+    small_table()  such a CSV of 1.6 MB; peer: ``numpy.loadtxt``
+    json_log()     a log in JSON Well Log Format, 20,000 rows of 20 curves; peer: json and a pandas data frame
 
 Each function compares the values first; then helibore and its peer run in turn in one process. The results are the
-milliseconds of both, and the ratio of helibore's time to its peer's, with its spread. helibore loads every value, with
-nulls replaced and counted.
+milliseconds of helibore and peer, and the ratio of helibore's time to its peer's, with its spread. helibore loads every
+value, with nulls replaced and counted.
 
     python -m bench.speed.file_reading [las file]
 """
@@ -109,7 +109,7 @@ def alternately(ours: Callable[[], object], theirs: Callable[[], object], turns:
 
 
 def written_table(path: Path, megabytes: int) -> Path:
-    """Write samples of a turning tool to ``path`` until the file has so many megabytes; return ``path``."""
+    """Write samples of a turning tool to ``path`` until the file has ``megabytes`` MB or more; return ``path``."""
     random = np.random.default_rng(1)
     rows = 100_000
     with path.open("w") as file:

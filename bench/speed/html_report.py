@@ -1,4 +1,4 @@
-"""How long the HTML report of 420 m of hole takes, with pictures, tables and zones, on all cores.
+"""Measure how long the HTML report of 420 m of hole takes, with pictures, tables and zones, on all cores.
 
 The hole is simulated, with breakouts, washouts and a gamma image. The bar is 10 s on two cores.
 
@@ -20,7 +20,7 @@ BIT = 0.216
 
 
 def seconds(metres: float = 420.0) -> dict[str, float]:
-    """Simulate and rebuild a hole; return the seconds that its report takes, and the sizes of both."""
+    """Simulate and rebuild a hole; return the seconds that its report takes, and the sizes of hole and report."""
     run = simulate(Hole.example(2000.0, 2000.0 + metres), Tool(sample_rate=5.0))
     wall = hb.reconstruct(hb.Caliper(run.depth, run.toolface, run.radius), bit_diameter=BIT)
     wall.images["GR"] = hb.SectorImage(run.gamma_depth, run.gamma, "GR", "gAPI", origin="edge", reference="high-side")

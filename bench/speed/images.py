@@ -20,7 +20,7 @@ SECTORS, PITCH, QUADS = 64, 0.1, 1_000_000
 
 
 def cases(rounds: int = 15) -> list[dict[str, Any]]:
-    """Return the results of a 16-sector image, rows 5 cm apart, on a wall of 64 sectors; the gather is of its cells."""
+    """Return the results of a 16-sector image, rows 5 cm apart, on a wall of 64 sectors; np.take gathers its cells."""
     settings = SimpleNamespace(sectors=SECTORS, pitch=PITCH, start_toolface=0.0)
     wall = SimpleNamespace(settings=settings, start_depth=0.0, radius=np.full(QUADS + SECTORS + 1, 0.108))
     rows = np.arange(0, QUADS / SECTORS * PITCH + 1, 0.05)
@@ -29,7 +29,7 @@ def cases(rounds: int = 15) -> list[dict[str, Any]]:
     k = np.arange(QUADS)
     depth = (k + (SECTORS + 1) / 2) * (PITCH / SECTORS)
     taken = np.floor(depth / 0.05 + 0.5).astype(np.int64) * 16 + k % SECTORS // 4
-    assert (image.on(wall) == values.ravel()[taken]).mean() > 0.999  # borders apart, by rounding
+    assert (image.on(wall) == values.ravel()[taken]).mean() > 0.999  # quads on borders of cells may differ
     seconds = in_turn(
         {
             "cell": lambda: image.on(wall),

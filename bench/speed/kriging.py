@@ -1,4 +1,4 @@
-"""Time kriging beside inverse distance with the same number of neighbours, both also with sigma; then time tune.
+"""Compare kriging with inverse distance of the same number of neighbours, each without and with sigma; then time tune.
 
     python -m bench kriging
 

@@ -1,4 +1,4 @@
-"""Peak memory of a reconstruction beyond its input and output, in a process of its own (Linux: /proc)."""
+"""Measure the peak memory of a reconstruction beyond its input and output, in a process of its own (Linux: /proc)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from bench.speed.reconstruction import CASES, reconstruct, samples
 
 
 def _status(name: str) -> float:
-    """Return the number in a line of this process's status, in bytes."""
+    """Return the value ``name`` of /proc/self/status, in bytes."""
     lines = Path("/proc/self/status").read_text().splitlines()
     return 1024.0 * next(int(line.split()[1]) for line in lines if line.startswith(name + ":"))
 
@@ -21,7 +21,7 @@ def measure(count: int, vertices: int, order: str) -> float:
     """Return the peak bytes of a reconstruction in this process beyond its input and output, by Linux's account."""
     data = samples(count, vertices, order)
     depth, toolface, radius, stop = data
-    reconstruct((depth[:1000], toolface[:1000], radius[:1000], stop))  # code and allocator warm
+    reconstruct((depth[:1000], toolface[:1000], radius[:1000], stop))  # warms up code and allocator
     before = _status("VmRSS")
     Path("/proc/self/clear_refs").write_text("5")  # the peak counts from here
     wall = reconstruct(data)
@@ -37,7 +37,7 @@ def measure_apart(count: int, vertices: int, order: str) -> float:
 
 
 def cases() -> list[dict[str, Any]]:
-    """Return the results of the large case in both orders; 48 bytes a sample and 24 a vertex are allowed."""
+    """Return the results of the large case, sorted and unsorted; 48 bytes a sample and 24 a vertex are allowed."""
     count, vertices = CASES["2.4 M samples, 256 k vertices"]
     found = []
     for order in ("as recorded", "in random order"):

@@ -1,8 +1,8 @@
 """Compare rebuilding a wall from raw arrays, sorting included, with k-d trees and a vectorised NumPy estimate.
 
-The peers find the 8 nearest neighbours on the unrolled cylinder, with samples near 0 and 360 doubled, and weight them
-once; helibore iterates up to four times. SciPy's and pykdtree's trees use all cores. Before anything is timed, helibore
-with one iteration is checked against the peers, and with all its iterations against brute force.
+The peers find the 8 nearest neighbours on the unrolled cylinder, where samples near 0 and 360 appear twice, and weight
+them once; helibore iterates up to four times. SciPy's and pykdtree's trees use all cores. Before anything is timed,
+helibore with one iteration is checked against the peers, and with all its iterations against brute force.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ CASES = {"2.4 M samples, 256 k vertices": (2_400_000, 262_144), "240 k samples, 
 
 
 def samples(count: int, vertices: int, order: str, seed: int = 1) -> tuple[Floats, Floats, Floats, float]:
-    """Return samples scattered over so many vertices: depth, toolface, radius; and the depth of the last vertex."""
+    """Return depth, toolface and radius of samples among ``vertices`` vertices, and the depth of the last vertex."""
     random = np.random.default_rng(seed)
     stop = (vertices - 1) * PITCH / SECTORS
     depth, toolface = random.uniform(0, stop, count), random.uniform(0, 360, count)
@@ -38,7 +38,7 @@ def kd_tree(make_tree: Callable[[Floats], Any], query: dict[str, Any]) -> Callab
     def estimate(depth: Floats, toolface: Floats, radius: Floats, at_depth: Floats, at_toolface: Floats) -> Floats:
         metres = np.radians(1) * BIT_DIAMETER / 2
         around, turn = toolface * metres, 360 * metres
-        margin = turn / 8  # far more than the distance to the eighth neighbour, as _check sees
+        margin = turn / 8  # far more than the distance to the eighth neighbour, as the assertion below checks
         low, high = around < margin, around > turn - margin
         points = np.concatenate(
             [

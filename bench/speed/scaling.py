@@ -1,11 +1,12 @@
-"""What a second core is worth: two threads compared with two processes, which share nothing but the machine.
+"""Measure what a second core gains: compare two threads with two processes, which share nothing but the machine.
 
 On a machine that others also use, cores are not alike. A core that shares its arithmetic with a busy neighbour runs at
-three quarters of its speed, for milliseconds or for minutes, and at times our two cores are halves of one. Therefore
+three quarters of its speed, for milliseconds or for minutes. At times our two cores are the two halves of one physical
+core. Therefore
 
-- the time of one core is that at the mean speed of both cores, each measured by itself;
-- two processes, each on a core, do the same work, and two others only count, without memory. If these gain less than a
-  factor of 2, threads cannot gain more.
+- the time of one core is the time at the mean speed of the two cores, each measured by itself;
+- two processes, each on a core, do the same work, and two other processes only count, without memory. If the processes
+  gain less than a factor of 2, threads cannot gain more than they do.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from bench.speed.reconstruction import CASES, reconstruct, samples
 
 @contextmanager
 def on_cores(cores: set[int]) -> Iterator[None]:
-    """Run the block on these cores, with as many threads as there are of them."""
+    """Run the block on these cores, with one thread for each of them."""
     before = os.sched_getaffinity(0)
     os.sched_setaffinity(0, cores)
     try:
@@ -87,7 +88,7 @@ def _serve(there: Any, stop: Any, core: int, name: str, order: str) -> None:
 
 
 def at_mean_speed(seconds: list[float]) -> float:
-    """Return the seconds that a work would take at the mean speed of some cores; on these it took ``seconds``."""
+    """Return the seconds that a work would take at the mean speed of some cores, on which it took ``seconds``."""
     return statistics.harmonic_mean(seconds)
 
 

@@ -1,4 +1,4 @@
-"""The cost of 10,000 to 10 million samples, compared with k-d trees and with copying as many bytes.
+"""Measure the cost of 10,000 to 10 million samples, compared with k-d trees and with copying as many bytes.
 
 A wall must read 24 bytes a sample (depth, toolface, radius), and write 24 bytes a vertex (radius and nearest; support,
 iterations and flags). ``copies`` is the time of a wall over that of a plain copy of as many bytes, in the same rounds;
@@ -23,7 +23,7 @@ LARGEST_OF_PEERS = 1_000_000
 
 
 def case(count: int, rounds: int) -> dict[str, Any]:
-    """Return the results for so many samples."""
+    """Return the results for ``count`` samples."""
     data = samples(count, count // SAMPLES_A_VERTEX, "as recorded")
     wall = reconstruct(data)
     at = (wall.depth, wall.toolface)

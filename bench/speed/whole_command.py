@@ -1,12 +1,12 @@
-"""Compare the whole command, from process start to GLB on disk, with the least NumPy and trimesh need for these files.
+"""Compare the whole command, from process start to GLB on disk, with NumPy and trimesh doing the least work for it.
 
     python -m bench.speed.whole_command [--samples 2400000] [--rounds 5]
 
 Ours    `helibore reconstruct samples.npz --survey survey.csv -o ours.glb`: load, rebuild, place, save, summary
 Peer    one Python process that imports NumPy and trimesh, loads the same arrays and the finished mesh, exports the mesh
 
-The files are checked before anything is timed. Both run in turn, each in a fresh process with its output in a pipe. The
-bar is 2 x the peer's time, with 2.4 M samples and 256 k quads.
+The files are checked before anything is timed. The two commands run in turn, each in a fresh process with its output in
+a pipe. The bar is 2 x the peer's time, with 2.4 M samples and 256 k quads.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Make a well that is larger than memory in blocks; measure memory and time, and compare its bits with one piece.
+"""Make a well that is larger than memory in blocks; measure memory and time; compare bits with walls made in memory.
 
     python -m bench.wells.large FOLDER [--samples 200000000] [--pitch 0.1] [--whole]
 

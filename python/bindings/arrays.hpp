@@ -16,7 +16,7 @@ namespace helibore::bindings {
 namespace py = pybind11;
 
 // An array that the core reads in place: exactly numpy.ndarray, C-contiguous, aligned and native float64. The Python
-// layer (base/arrays.py) converts others. pybind11's array_t takes 200 ns more, three times in an append.
+// layer (base/arrays.py) converts others. pybind11's array_t takes 200 ns more for each column of an append.
 struct Column {
     py::object array;
     std::span<const double> values;
@@ -37,7 +37,7 @@ inline std::span<const double> span_of(const Column& column) {
     return column.values;
 }
 
-// An owned array of exact size that takes over the vector's memory: no copy.
+// Returns an array that takes over the vector's memory without a copy.
 template <class T>
 py::array_t<T> array_of(std::vector<T>&& values, std::vector<py::ssize_t> shape = {}) {
     if (shape.empty()) shape = {static_cast<py::ssize_t>(values.size())};
@@ -47,7 +47,7 @@ py::array_t<T> array_of(std::vector<T>&& values, std::vector<py::ssize_t> shape 
     return py::array_t<T>(shape, first, release);
 }
 
-// The shape below the first axis of one element: a vector is (3,), a frame (3, 3).
+// Returns the shape of one element of an array of rows: (3,) for a vector, (3, 3) for a frame.
 inline std::vector<py::ssize_t> shape_of(double) {
     return {};
 }
@@ -58,7 +58,7 @@ std::vector<py::ssize_t> shape_of(const std::array<T, n>&) {
     return shape;
 }
 
-// An owned (n, 3) or (n, 3, 3) array that takes over the memory of n vectors or frames: no copy.
+// Returns an (n, 3) or (n, 3, 3) array that takes over the memory of n vectors or frames without a copy.
 template <class Row>
 py::array_t<double> rows_of(std::vector<Row>&& rows) {
     auto shape = shape_of(Row{});

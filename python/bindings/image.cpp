@@ -1,4 +1,4 @@
-// Values of a sector image for Python: one value for each quad.
+// helibore._core: cell_values and linear_values, which return one value of a sector image for each quad.
 #include "helibore/image.hpp"
 
 #include "arrays.hpp"
@@ -14,7 +14,7 @@ ImageRows rows_of(const Column& depth, const Column& values) {
             .sectors = depth.size() ? static_cast<int>(values.size() / depth.size()) : 0};
 }
 
-// Quads as Python passes them: start depth, pitch, count.
+// Converts quads as Python passes them: the tuple (start depth, pitch, count), and the column of sectors.
 QuadCentres quads_of(const py::tuple& quads, const Column& sector) {
     return {.start_depth = quads[0].cast<double>(),
             .pitch = quads[1].cast<double>(),

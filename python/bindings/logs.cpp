@@ -1,4 +1,4 @@
-// Logs of turns for Python: a dictionary of owned columns by name.
+// helibore._core: turn_columns, which returns the logs of turns as a dictionary of columns, and angular_gaps.
 #include "helibore/logs.hpp"
 
 #include <pybind11/stl.h>

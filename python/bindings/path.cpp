@@ -1,4 +1,4 @@
-// Survey, Path and Stations for Python: arrays in, arrays out.
+// helibore._core: the classes Survey, Path and Stations, which take and return arrays.
 #include "helibore/path.hpp"
 
 #include "arrays.hpp"

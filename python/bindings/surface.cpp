@@ -9,13 +9,14 @@ namespace helibore::bindings {
 
 namespace {
 
-// The rows of a new array, not yet written. NumPy's allocator uses huge pages, so the first write is cheap.
+// Returns the rows of a new array, which are not yet written. NumPy's allocator uses huge pages, so the first write is
+// cheap.
 template <class Row, class Number>
 std::span<Row> rows_in(py::array_t<Number>& array) {
     return {reinterpret_cast<Row*>(array.mutable_data()), static_cast<std::size_t>(array.shape(0))};
 }
 
-// (runs, 2) start and stop of the k of each run.
+// Returns a (runs, 2) array: for each run, the first k and the k after the last.
 template <class Run, class RangeOf>
 py::array_t<Index> ranges_of(const std::vector<Run>& runs, const RangeOf& range_of) {
     std::vector<Index> ranges;
@@ -85,7 +86,7 @@ py::tuple volume(const py::tuple& helix, Index first, const std::vector<Column>&
     return py::make_tuple(vertices, hexahedra, shell_ranges, layer_ranges);
 }
 
-// Rows of a two-dimensional array that the Python layer has made C-contiguous.
+// Returns the rows of a two-dimensional array that is C-contiguous.
 template <class Row, class Number>
 std::span<const Row> rows_of_array(const py::array_t<Number, py::array::c_style>& array) {
     if (array.ndim() != 2 || array.shape(1) != static_cast<py::ssize_t>(std::tuple_size_v<Row>))

@@ -91,8 +91,8 @@ auto number(T (Wall::*read)() const) {
     return [read](const Wall& wall) { return read_of(wall, read); };
 }
 
-// Reads the radii into an array on all threads of the wall. If the wall has grown since the array was made, it takes
-// the vector that the wall returns.
+// Reads the radii into an array on all threads of the wall. If the wall has grown since the array was made, returns
+// the result of `Wall::radius` instead.
 py::array_t<double> radius_of(const Wall& wall) {
     py::array_t<double> radius(read_of(wall, &Wall::size));
     const std::span<double> into(radius.mutable_data(), static_cast<std::size_t>(radius.size()));
@@ -104,7 +104,7 @@ py::array_t<double> radius_of(const Wall& wall) {
 }
 
 // Reads columns into NumPy arrays, which lie in large pages. Returns () if the wall has grown in the meantime, or if
-// its columns are not as many as `kinds`.
+// the number of its columns is not `kinds`.
 py::tuple read_into_arrays(const Wall& wall, Index count, std::size_t kinds,
                            bool (Wall::*read)(std::span<const std::span<double>>) const) {
     py::list arrays;
@@ -146,7 +146,7 @@ auto reader(std::vector<T> (Wall::*read)() const) {
     return [read](const Wall& wall) { return array_of(read_of(wall, read)); };
 }
 
-// Bytes of 0 and 1 as an array of bool.
+// Returns bytes of 0 and 1 as an array of bool.
 py::array flags_of(std::vector<std::uint8_t> values) {
     return array_of(std::move(values)).view("?");
 }

@@ -1,4 +1,4 @@
-// helibore._core.WitsParser: bytes in; text and structured arrays of items, frames and events out.
+// helibore._core.WitsParser takes bytes, and returns text and structured arrays of items, frames and events.
 #include "helibore/wits.hpp"
 
 #include <pybind11/stl.h>
@@ -71,7 +71,8 @@ void register_wits(py::module_& m) {
              }),
              py::arg("nulls"), py::arg("line_limit"), py::arg("frame_limit"), py::arg("item_limit"))
         .def("feed", &feed, py::arg("bytes"),
-             "Return (base, text, items, frames, events) of the frames that these bytes complete.")
+             "Return (base, text, items, frames, events) of the frames that these bytes complete. The text begins at "
+             "the offset base of the stream.")
         .def(
             "finish", [](wits::Parser& parser) { return arrays_of(parser.finish()); },
             "Return, as feed does, what the end of the stream completes.")

@@ -152,7 +152,7 @@ void refusals() {
     CHECK_THROWS(InputError, "inclination has 1 values, depth has 2: must be equal",
                  live.append_stations(two, one, two));
     CHECK_THROWS(InputError, "depth[0] = nan: must be finite", live.append_image("GR", none, two));
-    CHECK_THROWS(InputError, "values has 1 values, depth has 2: must be equally many for each depth",
+    CHECK_THROWS(InputError, "values has 1 values, depth has 2: each depth must have equally many values",
                  live.append_image("GR", two, one));
     live.append_image("GR", one, two);
     CHECK_THROWS(InputError, "values has 1 sectors: image 'GR' has 2", live.append_image("GR", one, one));

@@ -7,8 +7,8 @@
 
 namespace helibore {
 
-// Bad input: where it stands, which rule it breaks, and its value if a single value is at fault. The text is
-// "toolface[17] = nan: must be finite", or "path: must not be empty" without a value.
+// Bad input: the place of the input, the rule that the input breaks, and its value if a single value is at fault. The
+// text is "toolface[17] = nan: must be finite", or without a value "path: must not be empty".
 class InputError : public std::invalid_argument {
   public:
     InputError(std::string where, std::string broken, std::optional<std::string> given = std::nullopt);

@@ -31,13 +31,14 @@ struct PointEstimates {
 };
 
 // `samples` must be in canonical order, as Wall::samples returns them. The helix, the window and `direct` of the
-// settings have no effect. If there are several nuggets, the neighbours of a point are searched for once. Throws
+// settings have no effect. The neighbours of a point are searched for only once, also for several nuggets. Throws
 // InputError on a bad setting, if columns differ in length, if depths of samples fall, or if a depth, toolface, radius
 // or nugget breaks its rule.
 PointEstimates estimate_at(const SampleColumns& samples, const PointColumns& points, const Settings& settings,
                            std::span<const double> nuggets = {});
 
-// The standard uncertainties of radii from their sums W, S, A and C: columns of equal length, NaN without neighbours.
+// Returns the standard uncertainty of each radius, computed from its sums W, S, A and C, which are four columns of
+// equal length. It is NaN where the sums are NaN (no neighbours), and where A + C is above the square of `rule.reach`.
 std::vector<double> sigma_of(const std::array<std::span<const double>, 4>& sums, const SigmaRule& rule);
 
 }  // namespace helibore

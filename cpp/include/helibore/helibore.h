@@ -9,8 +9,8 @@
            puts(hb_last_error());
 
    Every function but hb_version, hb_instruction_set and hb_last_error returns a status. A call that fails changes no
-   object, and hb_last_error then returns the text of the error. After such a call the values in the host's arrays have
-   no meaning.
+   object, and hb_last_error then returns the text of the error. After a failed call the values in the host's arrays
+   have no meaning.
 
    Handles are numbers above 0. A number is never used again, so the use of a closed or wrong handle is an error.
    hb_close closes handles of every kind. Any thread may use any handle; calls on one wall wait for each other.
@@ -57,8 +57,10 @@ extern "C" {
 #define HB_INTERNAL 3         /* a bug in helibore */
 #define HB_BUFFER_TOO_SMALL 4 /* *count says how much room is needed */
 
-HB_API const char* HB_CALL hb_version(void);         /* "0.1.0" */
-HB_API const char* HB_CALL hb_instruction_set(void); /* that HB_AUTOMATIC chooses: "plain", "avx2" or "avx512" */
+HB_API const char* HB_CALL hb_version(void); /* "0.1.0" */
+
+/* Returns the name of the instruction set that HB_AUTOMATIC chooses: "plain", "avx2" or "avx512". */
+HB_API const char* HB_CALL hb_instruction_set(void);
 
 /* Returns the error of this thread's last call that returned a status, for example "toolface[17] = nan: must be
    finite", or "" if that call succeeded. The text is at most 1023 bytes of UTF-8; a longer text is cut. The thread's
@@ -89,8 +91,8 @@ typedef struct hb_settings {
     int32_t sectors;
     double bit_diameter; /* must be set */
     double pitch;
-    double start_depth; /* NaN: the first sample; a live well must have a number */
-    double stop_depth;  /* NaN: the last sample */
+    double start_depth; /* NaN: the depth of the first sample; a live well must have a number here */
+    double stop_depth;  /* NaN: the depth of the last sample */
     double start_toolface;
     int64_t window; /* 0: all samples */
     int64_t most_vertices;
@@ -136,17 +138,17 @@ typedef struct hb_wall_state {
     int32_t reserved;
     int64_t vertices;
     int64_t samples;
-    int64_t settled;    /* vertices below this no longer change while the hole only gets deeper */
+    int64_t settled;    /* vertices with a lower number no longer change while the hole only gets deeper */
     double start_depth; /* of vertex 0; NaN while neither the settings nor a sample give it */
 } hb_wall_state;
 
 typedef struct hb_change {
     uint32_t size;
     int32_t reserved;
-    int64_t ranges; /* number of ranges of vertices that are new or whose values changed: the room for hb_ranges */
-    int64_t settled;
-    int64_t accepted;  /* samples taken */
-    int64_t redundant; /* samples dropped: equal to another in depth, time, toolface and radius */
+    int64_t ranges;    /* number of ranges of vertices that are new or whose values changed: the room for hb_ranges */
+    int64_t settled;   /* as in hb_wall_state */
+    int64_t accepted;  /* number of samples taken */
+    int64_t redundant; /* number of samples dropped: equal to another in depth, time, toolface and radius */
 } hb_change;
 
 /* Creates an empty wall; *wall is its handle. */
@@ -160,7 +162,7 @@ HB_API int32_t HB_CALL hb_wall_append(int64_t wall, int64_t n, const double* dep
    of start and stop, half-open. */
 HB_API int32_t HB_CALL hb_ranges(int64_t wall_or_live, int64_t* count, int64_t* start_stop);
 
-/* Fills in what the wall holds now. */
+/* Writes the present state of the wall into *state. */
 HB_API int32_t HB_CALL hb_wall_get(int64_t wall, hb_wall_state* state);
 
 #define HB_DEPTH 0
@@ -170,7 +172,7 @@ HB_API int32_t HB_CALL hb_wall_get(int64_t wall, hb_wall_state* state);
 #define HB_SUPPORT 4
 #define HB_ITERATIONS 5
 #define HB_PROVISIONAL 6
-#define HB_TIME 7 /* of samples only */
+#define HB_TIME 7 /* only for hb_wall_samples */
 
 /* Copies one column of the vertices [start, stop): stop - start values. */
 HB_API int32_t HB_CALL hb_wall_read(int64_t wall, int32_t column, int64_t start, int64_t stop, double* values);
@@ -178,8 +180,8 @@ HB_API int32_t HB_CALL hb_wall_read(int64_t wall, int32_t column, int64_t start,
 /* Copies one column of all samples kept, in canonical order: HB_DEPTH, HB_TOOLFACE, HB_RADIUS or HB_TIME. */
 HB_API int32_t HB_CALL hb_wall_samples(int64_t wall, int32_t column, int64_t* count, double* values);
 
-/* Interpolates at all vertices values measured with the samples: *count values. `samples` has one value for each of the
-   n samples, in the order of hb_wall_samples. */
+/* Interpolates at all vertices the values of a channel that was measured with the samples; fills *count values.
+   `samples` has one value of the channel for each of the n samples, in the order of hb_wall_samples. */
 HB_API int32_t HB_CALL hb_wall_interpolate(int64_t wall, int64_t n, const double* samples, int64_t* count,
                                            double* values);
 
@@ -211,8 +213,8 @@ typedef struct hb_update {
     int32_t reserved;
     hb_change change; /* all 0 if no samples came; its size need not be set */
     double path_from; /* the path changed below this depth; NaN: nowhere */
-    int64_t images;   /* images with new rows */
-    int64_t events;   /* stations that were left out: hb_live_event */
+    int64_t images;   /* number of images with new rows */
+    int64_t events;   /* number of stations that were left out; hb_live_event says why */
 } hb_update;
 
 /* Creates a live well; *live is its handle. Samples (time may be NULL), stations and image rows are then appended. */
@@ -227,10 +229,10 @@ HB_API int32_t HB_CALL hb_live_append_stations(int64_t live, int64_t n, const do
 HB_API int32_t HB_CALL hb_live_append_image(int64_t live, const char* name, const char* unit, int64_t n,
                                             int32_t sectors, const double* depth, const double* values);
 
-/* Fills in what changed since the last poll. After it, hb_ranges copies the ranges. */
+/* Writes into *update what changed since the last poll. After this call, hb_ranges copies the changed ranges. */
 HB_API int32_t HB_CALL hb_live_poll(int64_t live, hb_update* update);
 
-/* Copies the text of event `index` of the last poll: *count bytes with the 0 at its end. */
+/* Copies the text of event `index` of the last poll: *count bytes, including the 0 at the end of the text. */
 HB_API int32_t HB_CALL hb_live_event(int64_t live, int64_t index, int64_t* count, char* text);
 
 /* Copies all rows of an image, sorted by depth: *rows depths, *rows times *sectors values. Of several rows at one
@@ -238,8 +240,8 @@ HB_API int32_t HB_CALL hb_live_event(int64_t live, int64_t index, int64_t* count
 HB_API int32_t HB_CALL hb_live_image(int64_t live, const char* name, int32_t* sectors, int64_t* rows, double* depth,
                                      double* values);
 
-/* Open a handle of the wall, for reading only, and a handle of the path as it is now. Both stay open when `live` is
-   closed. */
+/* hb_live_wall opens a handle of the wall, for reading only. hb_live_path opens a handle of the path as it is now.
+   These handles stay open when `live` is closed. */
 HB_API int32_t HB_CALL hb_live_wall(int64_t live, int64_t* wall);
 HB_API int32_t HB_CALL hb_live_path(int64_t live, int64_t* path);
 

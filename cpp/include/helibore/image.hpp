@@ -1,8 +1,8 @@
-// A sector image on the quads of a helix: the value of the cell that holds a quad's centre, or a value linear in depth
-// and periodically linear in toolface.
+// Computes the value of a sector image at the centre of each quad of a helix: the value of the cell that holds the
+// centre (cell_values), or a value that is linear in depth and in toolface, also across 360 degrees (linear_values).
 //
 //     row i    --- s --------- s+1 ---      value = top + down (bottom - top)
-//                    x                      top = left + across (right - left), and so below
+//                    x                      top = left + across (right - left), bottom likewise in row i+1
 //     row i+1  --- s --------- s+1 ---
 //
 // A linear value is NaN where a cell that it needs is missing, between rows that are too far apart, above the first row
@@ -17,7 +17,8 @@
 
 namespace helibore {
 
-// Borrowed: one row for each depth, in rising order, with `sectors` values each.
+// The rows of an image: one row for each depth, in rising order, with `sectors` values each. Borrowed: the arrays must
+// outlive the call.
 struct ImageRows {
     std::span<const double> depth;  // metres
     std::span<const double> values;
@@ -29,14 +30,14 @@ struct QuadCentres {
     double start_depth = 0.0;
     double pitch = 0.1;
     Index count = 0;
-    // Where each of the K quads of a turn lies among the sectors, any real number: counted from the start of sector 1
-    // for cells, from its centre for linear values.
+    // The position of each of the K quads of a turn in sectors, any real number: counted from the start of sector 1 for
+    // cell_values, from the centre of sector 1 for linear_values.
     std::span<const double> sector;
 };
 
-// Both return one value for each quad; the result does not depend on `threads`. Both throw InputError if `values` does
-// not hold `sectors` values for each depth (a missing value is NaN), if depths fall, if `sector` is empty, or if a
-// number breaks its rule.
+// The two functions below return one value for each quad; the result does not depend on `threads`. They throw
+// InputError if `values` does not hold `sectors` values for each depth (a missing value is NaN), if depths fall, if
+// `sector` is empty, or if a number breaks its rule.
 //
 // low, high: row i covers the depths [low[i], high[i]). Rows must not overlap; quads between two rows get NaN.
 std::vector<double> cell_values(const ImageRows& image, std::span<const double> low, std::span<const double> high,

@@ -39,10 +39,10 @@ struct Scan {
     std::vector<Range> damage;    // byte ranges without an intact record; the last may reach to the end of the bytes
 };
 
-// CRC-32C (Castagnoli) of the bytes, continuing from `crc` (0 to begin).
+// Returns the CRC-32C (Castagnoli) of the bytes, continuing from `crc` (0 to begin).
 std::uint32_t crc32c(std::string_view bytes, std::uint32_t crc = 0);
 
-// The header that makes `payload` a record. Throws InputError for a payload over longest_payload.
+// Returns the header that makes `payload` a record. Throws InputError if the payload is longer than longest_payload.
 std::array<char, header_size> seal(const Record& record, std::string_view payload, std::uint32_t salt);
 
 // Finds the intact records of bytes[from, end), whose sequence numbers must grow. The work is linear in the bytes.

@@ -7,10 +7,10 @@
 //     const helibore::Update update = live.poll();                // everything since the last poll
 //     if (update.change) for (const helibore::Range k : update.change->ranges) ...
 //
-// The same samples, with their times, give the same bits as Python's hb.Live, however the samples are grouped. There is
-// no callback and no clock, and no thread unless the settings ask for more than one. Any thread may call; one call
-// waits for the other. This class reads no WITS, knows no passes and writes no journal files (see wits.hpp and
-// journal.hpp).
+// The same samples, with their times, give the same bits as Python's hb.Live, however the samples are grouped. The
+// class calls no callback, reads no clock, and starts threads only if Settings::threads is above 1. Any thread may
+// call; one call waits for the other. This class reads no WITS, knows no passes and writes no journal files (see
+// wits.hpp and journal.hpp).
 #pragma once
 
 #include <map>
@@ -27,10 +27,10 @@ namespace helibore {
 
 struct LiveSettings {
     Settings wall;                          // start_depth must be set, so that vertices keep their numbers
-    PathSettings path = {.extend = 100.0};  // of the survey; the sensors are deeper than its last station
+    PathSettings path = {.extend = 100.0};  // metres, because the sensors are deeper than the last station
 };
 
-// What one call changed, or all calls since the last poll.
+// What one call changed, or what all calls since the last poll changed.
 struct Update {
     std::optional<Change> change;         // of the wall; none if no samples came
     std::map<std::string, Range> images;  // new rows of each image, in order of arrival: Live::rows
@@ -41,12 +41,12 @@ struct Update {
     // never polls uses little memory.
     static constexpr std::size_t most_ranges = 1024;
 
-    // The quads with a new or changed vertex. Quad k has the vertices k, k + 1, k + 1 + K and k + K, K = `sectors`. The
-    // caller cuts off quads beyond the end of the wall.
+    // Returns the ranges of quads with a new or changed vertex. Quad k has the vertices k, k + 1, k + 1 + K and k + K,
+    // K = `sectors`. The caller cuts off quads beyond the end of the wall.
     std::vector<Range> quads(int sectors) const;
 };
 
-// Rows as cell_values and linear_values take them.
+// Rows of an image, in the form that cell_values and linear_values take.
 struct ImageArrays {
     std::vector<double> depth;   // metres
     std::vector<double> values;  // `sectors` for each row
@@ -71,26 +71,27 @@ class Live {
     Update append_stations(std::span<const double> depth, std::span<const double> inclination,
                            std::span<const double> azimuth);
 
-    // Rows of a sector image: one depth for each row, and equally many values for each depth. The image keeps the unit
-    // of its first rows. Throws InputError on a depth that is not finite or not within 1e7 m of 0, if the values are
-    // not equally many for each depth, or if the number of sectors differs from that of the rows before.
+    // Appends rows of a sector image: one depth for each row, and the same number of values for each depth. The image
+    // keeps the unit of its first rows. Throws InputError on a depth that is not finite or not within 1e7 m of 0, if
+    // the number of values is not a multiple of the number of depths, or if the number of sectors differs from that of
+    // earlier rows.
     Update append_image(const std::string& name, std::span<const double> depth, std::span<const double> values,
                         const std::string& unit = {});
 
-    // Everything that changed since the last poll. If memory ran out, ranges may contain more than changed, and events
-    // may be missing.
+    // Returns everything that changed since the last poll. If memory ran out, the ranges may contain more vertices than
+    // changed, and events may be missing.
     Update poll();
 
     const Wall& wall() const;
     std::optional<Survey> survey() const;     // none until there are two stations
     std::optional<Path> path() const;         // none until there are two stations
-    std::vector<std::string> images() const;  // the names
-    // All rows of an image, sorted by depth; of several rows at one depth, only the latest. Throws InputError for an
-    // unknown name.
+    std::vector<std::string> images() const;  // the names of the images
+    // Returns all rows of an image, sorted by depth; of several rows at one depth, only the latest. Throws InputError
+    // for an unknown name.
     ImageArrays image(const std::string& name) const;
 
-    // Rows of an image in order of arrival, such as those of Update::images. Throws InputError for rows that have not
-    // arrived.
+    // Returns the rows [start, stop) of an image in order of arrival; Update::images holds such ranges. Throws
+    // InputError for rows that have not arrived.
     ImageArrays rows(const std::string& name, Range arrived) const;
 
   private:

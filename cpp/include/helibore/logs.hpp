@@ -9,10 +9,10 @@
 //      `. `-----' __.'
 //        `-----'
 //
-// The means over evenly spaced toolfaces are the periodic trapezoid rule: exact to rounding for a smooth hole, where
-// the polygon of 16 vertices loses 2.5 %. A turn with a missing radius is NaN in all columns except `coverage`,
-// `smallest` and `largest`; the last two are NaN only if all radii of the turn are missing. The caller computes
-// volumes, ratios and depths from these.
+// The integrals are means over evenly spaced toolfaces (the periodic trapezoid rule). For a smooth hole they are exact
+// to rounding; the area of a polygon of 16 vertices would be 2.5 % too small. A turn with a missing radius is NaN in
+// all columns except `coverage`, `smallest` and `largest`; the last two are NaN only if all radii of the turn are
+// missing. The caller computes volumes, ratios and depths from these columns.
 #pragma once
 
 #include <limits>
@@ -23,7 +23,8 @@
 
 namespace helibore {
 
-// Radii of consecutive vertices, starting with the first of a turn; an incomplete last turn is left out. Borrowed.
+// Radii of consecutive vertices, starting with the first vertex of a turn; an incomplete last turn is left out.
+// Borrowed: the radii must outlive the call.
 struct Turns {
     double start_toolface = 0.0;     // degrees, of the first vertex
     int sectors = 64;                // K: vertices per turn, 3 or more
@@ -44,12 +45,12 @@ struct Turns {
 struct TurnLogs {
     std::vector<double> coverage;                 // share of the vertices that have a radius
     std::vector<double> mean, mean_square;        // of the radius
-    std::vector<double> smallest, largest;        // radius
+    std::vector<double> smallest, largest;        // radius of the turn
     std::vector<double> c1, c1_toolface, c2;      // toolface in [0, 180)
     std::vector<double> least_diameter;           // the least one through the axis
     std::vector<double> diameter_0, diameter_90;  // across toolfaces 0 and 180, 90 and 270
     std::vector<double> centre_0, centre_90;      // of the area, from the axis towards toolfaces 0 and 90
-    std::vector<double> inscribed_diameter, inscribed_0, inscribed_90;  // the diameter, and the centre from the axis
+    std::vector<double> inscribed_diameter, inscribed_0, inscribed_90;  // diameter; centre, as in centre_0 and _90
     std::vector<double> enclosing_diameter;
     // Root mean square of the radii in the window around the turn, minus a straight line along the hole in each sector;
     // each line takes two degrees of freedom. NaN where the window reaches beyond the ends or over a turn with a
@@ -57,8 +58,8 @@ struct TurnLogs {
     std::vector<double> rugosity;
 };
 
-// The result does not depend on `threads`. Throws InputError on sectors < 3, on a window that is even or below 3, on a
-// negative `first`, and on a radius that is neither NaN nor between 1e-50 and 1e50 m.
+// Returns the logs of each full turn; they do not depend on `threads`. Throws InputError on sectors < 3, on a window
+// that is even or below 3, on a negative `first`, and on a radius that is neither NaN nor between 1e-50 and 1e50 m.
 TurnLogs turn_logs(const Turns& turns, int threads = 1);
 
 // The first `count` vertices of a helix, metres and degrees.
@@ -71,14 +72,15 @@ struct HelixVertices {
     Index first = 0;  // number of vertex 0 on the whole helix, a multiple of `sectors`
 };
 
-// Where samples lie, the depth rising, as Wall::samples has them. Borrowed.
+// The depths and toolfaces of samples, in order of depth, as Wall::samples returns them. Borrowed: they must outlive
+// the call.
 struct SamplePlaces {
     std::span<const double> depth, toolface;
 };
 
-// The angular gap of each vertex: degrees between the nearest samples on its two sides. Only samples within `reach`
-// metres of its depth count. The gap is 0 at a sample's toolface, and 360 if no sample counts, or if the only one that
-// counts lies at another toolface. The result does not depend on `threads`.
+// Returns the angular gap of each vertex: degrees between the nearest samples on its two sides. Only samples within
+// `reach` metres of the vertex's depth count. The gap is 0 at a sample's toolface, and 360 if no sample counts, or if
+// the only sample that counts lies at another toolface. The result does not depend on `threads`.
 std::vector<double> angular_gaps(const HelixVertices& vertices, const SamplePlaces& samples, double reach,
                                  int threads = 1);
 

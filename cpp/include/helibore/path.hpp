@@ -1,4 +1,4 @@
-// The path of the hole: survey stations in, positions and frames at any depth out.
+// The path of the hole: computes positions and frames at any depth from survey stations.
 //
 //     const helibore::Survey survey({0, 100}, {15, 25}, {20, 45});   // metres, degrees, degrees
 //     const helibore::Path path(survey, {.extend = 20});
@@ -7,8 +7,9 @@
 // Between stations the path follows the curve that its method is named for, never a straight line:
 //   minimum curvature    a circular arc from tangent to tangent
 //   radius of curvature  a curve on an upright cylinder: inclination linear in depth, azimuth linear in the horizontal
-//                        distance covered. Both its projections are circular arcs, and it passes through the
-//                        positions of the closed form; a curve with azimuth linear in depth would not.
+//                        distance covered. Seen from above, and on the unrolled cylinder, it is a circular arc. It
+//                        ends where the method's usual formulas place the next station; a curve with azimuth linear
+//                        in depth would not.
 // A path never changes. A longer survey gives a new path with the same bits down to its previous last station.
 // This header does not correct a survey (grid convergence, declination, sag) and computes no uncertainty.
 #pragma once
@@ -46,7 +47,7 @@ class Survey {
 
 enum class Method { minimum_curvature, radius_of_curvature };
 
-// What toolface 0 points to.
+// The direction in which toolface 0 points.
 //   high side            up, at a right angle to the hole; undefined where the hole is vertical
 //   north                north, at a right angle to the hole; undefined where the hole runs level north or south
 //   parallel transport   north at the first station (the high side if that station lies within 45 deg of level north or
@@ -54,8 +55,8 @@ enum class Method { minimum_curvature, radius_of_curvature };
 //                        so a well from vertical to horizontal has one continuous angle.
 enum class Reference { high_side, north, parallel_transport };
 
-// "minimum-curvature", "radius-of-curvature"; "high-side", "north", "parallel-transport". Throws InputError at any
-// other name.
+// Return the value that has this name: "minimum-curvature", "radius-of-curvature"; "high-side", "north",
+// "parallel-transport". Throw InputError for any other name.
 Method method_of(std::string_view name);
 Reference reference_of(std::string_view name);
 
@@ -105,8 +106,9 @@ class Path {
 };
 
 // A survey that grows while the hole is drilled. Stations come in any order; a station at the depth of an earlier one
-// replaces it. Taking a station checks only the courses above and below it. path() computes only what lies below the
-// first station that changed since its last call, and has the bits of Path(survey(), settings).
+// replaces it. A course is the interval between two neighbouring stations; taking a station checks only the courses
+// above and below that station. path() computes only what lies below the first station that changed since its last
+// call, and returns the same bits as Path(survey(), settings).
 class Stations {
   public:
     // Throws InputError on bad settings.
@@ -125,7 +127,7 @@ class Stations {
     std::span<const double> inclination() const { return inclination_; }
     std::span<const double> azimuth() const { return azimuth_; }
     std::optional<Survey> survey() const;  // none until there are two stations
-    std::optional<Path> path();            // likewise
+    std::optional<Path> path();            // none until there are two stations
 
   private:
     std::optional<double> take_one(double depth, double inclination, double azimuth);

@@ -1,4 +1,4 @@
-// The host's threads in place of the library's own.
+// Lets the library use the host's threads instead of its own.
 //
 //     const helibore::UseRunner use({run_on_my_pool, &pool});   // for the calls of this thread, as long as `use` lives
 //     wall.append(samples);
@@ -11,8 +11,9 @@ namespace helibore {
 inline constexpr int most_threads = 1024;  // of one call
 
 // `run` calls job(context, worker) once for each worker in [0, workers), on any threads, and returns when all these
-// calls have returned. The calls may run at once or one after the other: the result is the same. `run` must not throw.
-// If it leaves out a call, the caller's thread does that work. A worker needs 64 KB of stack at most.
+// calls have returned. The calls may run at the same time or one after the other: the result is the same. `run` must
+// not throw. If `run` omits the call of a worker, the caller's thread does the work. A worker needs 64 KB of stack at
+// most.
 struct Runner {
     using Job = void (*)(void* context, std::int32_t worker);
     using Run = void (*)(void* host, std::int32_t workers, Job job, void* context);

@@ -18,30 +18,30 @@ enum class Estimator { inverse_distance, kriging };
 inline constexpr double no_limit = std::numeric_limits<double>::infinity();
 
 struct Settings {
-    double bit_diameter = 0.0;               // metres, 0.001 to 4; the first trial radius is half. Must be set.
+    double bit_diameter = 0.0;               // metres, 0.001 to 4; half of it is the first trial radius. Required.
     int sectors = 64;                        // K: vertices per turn of the helix, 3 or more
     double pitch = 0.1;                      // metres per turn along the hole; negative for a well logged upwards
     std::optional<double> start_depth = {};  // depth of vertex 0, within 1e7 m of 0; none: the first sample
-    std::optional<double> stop_depth = {};   // the wall ends here; none: the last sample along the helix
+    std::optional<double> stop_depth = {};   // the wall ends here; none: at the last sample along the helix
     double start_toolface = 0.0;             // toolface of vertex 0, degrees
-    int neighbors = 8;                 // V: nearest samples a vertex is estimated from, 1 to 256; kriging: 1 to 64
-    std::optional<Index> window = {};  // U: search only this many consecutive samples; none: all samples
-    double power = 1.0;                // weight = distance^-power; above 0, at most 100
-    double max_distance = 1.0;         // metres, 1e-9 or more; samples farther away are not used. no_limit: none
-    int max_iterations = 4;            // the most estimates per vertex
-    double tolerance = 1e-6;           // metres; stop when the radius changes by no more
-    double angular_scale = 1.0;        // 0.001 to 1000. 1: true arc length; 2: as published (Energies 2021, 14, 291)
+    int neighbors = 8;                       // V: how many nearest samples give a radius, 1 to 256; kriging: 1 to 64
+    std::optional<Index> window = {};        // U: search only this many consecutive samples; none: all samples
+    double power = 1.0;                      // weight = distance^-power; above 0, at most 100
+    double max_distance = 1.0;               // metres, 1e-9 or more; samples farther away are not used; may be no_limit
+    int max_iterations = 4;                  // at most this many estimates per vertex, 1 to 255
+    double tolerance = 1e-6;                 // metres; stop when the radius changes by no more than this
+    double angular_scale = 1.0;  // 0.001 to 1000. 1: true arc length; 2: as published (Energies 2021, 14, 291)
     Estimator estimator = Estimator::inverse_distance;
     double kriging_range = 0.0;         // metres in the metric of angular_scale; kriging: must be set
-    double nugget = 0.1;                // kriging: variance of the noise over that of the shape, at least 1e-6
+    double nugget = 0.1;                // kriging: noise variance divided by the variance of the shape, at least 1e-6
     bool sigma = false;                 // the wall keeps Wall::sums for uncertainties; radii do not depend on it
     bool direct = false;                // a vertex that is not settled shows its latest sample, provisionally
     Index most_vertices = 100'000'000;  // an append that would exceed this is refused, because a depth must be wrong
     int threads = 1;                    // 1 to most_threads; the result does not depend on it
     InstructionSet instruction_set = InstructionSet::automatic;
 
-    // The wall is a part of the helix: from first_vertex, a multiple of `sectors`, up to but without stop_vertex, which
-    // replaces stop_depth. If first_vertex is not 0, start_depth must be set.
+    // The wall has the vertices [first_vertex, stop_vertex) of the helix. first_vertex is a multiple of `sectors`; if
+    // it is not 0, start_depth must be set. stop_vertex replaces stop_depth.
     Index first_vertex = 0;
     std::optional<Index> stop_vertex = {};  // none: up to stop_depth, or to the last sample along the helix
 

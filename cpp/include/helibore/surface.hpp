@@ -17,7 +17,8 @@
 //
 // A vertex whose radius is NaN is left out, with every quad and hexahedron that touches it. The remaining vertices form
 // runs: consecutive vertices k that are also consecutive in the output. A layout holds the runs, so that a caller can
-// reserve exactly the memory needed and have it filled once, by several threads. Attributes and files are not here.
+// reserve exactly the memory needed and have it filled once, by several threads. This header has no attributes and no
+// files.
 #pragma once
 
 #include <array>
@@ -49,10 +50,10 @@ struct VertexRun {
 struct QuadRun {
     Range k;             // the quads of these vertices
     Index shift;         // the quad of vertex k is row k + shift of the output
-    Index upper, lower;  // its corners are rows k + upper, k + 1 + upper, k + 1 + K + lower, k + K + lower
+    Index upper, lower;  // the quad's corners: rows k + upper, k + 1 + upper, k + 1 + K + lower, k + K + lower
 };
 struct HexahedronRun {
-    QuadRun inner, outer;  // the same k and shift
+    QuadRun inner, outer;  // both have the same k and shift
 };
 
 struct SurfaceLayout {
@@ -68,31 +69,31 @@ struct VolumeLayout {
     Index vertex_count = 0, hexahedron_count = 0;
 };
 
-// Throws InputError on sectors < 3, on a pitch of 0, on a number of the helix that is not finite or too large, and on a
-// radius that is neither NaN nor finite and above 0.
+// Returns the layout of the surface. Throws InputError on sectors < 3, on a pitch of 0, on another number of the helix
+// that is not finite or is too large, and on a radius that is neither NaN nor finite and above 0.
 SurfaceLayout surface_layout(const HelixRadii& radii);
 
-// `shells`: two or more, each with the radii of the same vertices as radii.radius; the first is radii.radius itself.
-// Throws InputError unless every shell lies beyond the shell before it, wherever both have a radius ("shells[0][17] =
-// 0.1 at depth 12.5: must lie beyond radius[17] = 0.11").
+// Returns the layout of a volume between shells. `shells`: two or more, each with the radii of the same vertices as
+// radii.radius; the first shell is radii.radius itself. Throws InputError unless every shell lies beyond the shell
+// before it, wherever both have a radius ("shells[0][17] = 0.1 at depth 12.5: must lie beyond radius[17] = 0.11").
 VolumeLayout volume_layout(const HelixRadii& radii, std::span<const std::span<const double>> shells);
 
 // place fills `vertices`; join fills `quads` or `hexahedra`. The caller provides the memory, with as many rows as the
-// layout counts (vertex_count, quad_count, hexahedron_count). The result does not depend on `threads`. Both throw
-// InputError if a run lies outside the radii or the memory; place also does if the path does not reach a vertex, or its
-// reference is undefined there ("vertex 7 at depth 12: ...").
+// layout counts (vertex_count, quad_count, hexahedron_count). The result does not depend on `threads`. Both functions
+// throw InputError if a run lies outside the radii or the memory. place also throws it if the path does not reach a
+// vertex, or if the path's reference is undefined at a vertex ("vertex 7 at depth 12: ...").
 void place(const HelixRadii& radii, const Path& path, std::span<const VertexRun> runs, std::span<Vector3> vertices,
            int threads = 1);
 void join(const HelixRadii& radii, const SurfaceLayout& layout, std::span<Quad> quads, int threads = 1);
 void join(const HelixRadii& radii, const VolumeLayout& layout, std::span<Hexahedron> hexahedra, int threads = 1);
 
 // Throws an InputError that names the first hexahedron with a corner turned inside out ("shells[1] at vertex 7, depth
-// 12.5: ..."). With nested radii that happens only where the path bends with a radius below that of a shell, or where
-// its frame turns fast, as that of the high side does where the hole is nearly vertical.
+// 12.5: ..."). If the radii are nested, this happens only where the path bends with a radius smaller than that of a
+// shell, or where the frame of the path turns fast, as the high-side frame does where the hole is nearly vertical.
 void require_upright(const HelixRadii& radii, const VolumeLayout& layout, std::span<const Vector3> vertices,
                      std::span<const Hexahedron> hexahedra, int threads = 1);
 
-// Cubic metres of each hexahedron; its faces are bilinear patches, which neighbours share.
+// Returns the volume of each hexahedron in cubic metres. Its faces are bilinear patches, which neighbours share.
 std::vector<double> volumes(std::span<const Vector3> vertices, std::span<const Hexahedron> hexahedra, int threads = 1);
 
 struct Surface {

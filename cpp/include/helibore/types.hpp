@@ -1,5 +1,5 @@
 // Types that all other headers use: indices, half-open ranges, three-vectors.
-// Quantities are metres and degrees at every public border; README.md states the conventions.
+// All public functions take and return metres and degrees; README.md states the conventions.
 #pragma once
 
 #include <array>

@@ -46,9 +46,9 @@ struct VertexColumns {
 
 struct Change {
     std::vector<Range> ranges;  // vertices that are new or whose values changed; sorted and apart
-    Index settled = 0;          // vertices below this no longer change while the hole only gets deeper
-    Index accepted = 0;         // samples taken
-    Index redundant = 0;        // samples dropped: equal to another in depth, time, toolface and radius
+    Index settled = 0;          // vertices with a lower number no longer change while the hole only gets deeper
+    Index accepted = 0;         // number of samples taken
+    Index redundant = 0;        // number of samples dropped: equal to another in depth, time, toolface and radius
 };
 
 // The ends of an interval, metres.
@@ -74,27 +74,27 @@ class Wall {
     // Vertex numbers, here and in a Change, count from vertex 0 of the helix; those of a part of a wall start at
     // first_vertex.
 
-    Index size() const;          // vertices
-    Index sample_count() const;  // samples kept
-    Index settled() const;       // vertices below this no longer change while the hole only gets deeper
+    Index size() const;          // number of vertices
+    Index sample_count() const;  // number of samples kept
+    Index settled() const;       // vertices with a lower number no longer change while the hole only gets deeper
     double start_depth() const;  // depth of the first vertex; NaN while neither the settings nor a sample give it
 
-    // Copies of a range of vertices, or of all vertices; no append runs while they are made. Throws InputError if the
-    // range reaches beyond the wall.
+    // Return copies of a range of vertices, or of all vertices; no append runs while the copies are made. Throw
+    // InputError if the range reaches beyond the wall.
     VertexColumns vertices(Range range) const;
     VertexColumns vertices() const;
 
-    // The depths between which samples decide the values of a range of vertices. A wall of all samples between them has
-    // the same bits at these vertices, whatever samples lie beyond. A depth is infinite if a vertex found too few
-    // samples and max_distance sets no limit, or if its window is cut short by the end of the samples. Of an empty
-    // range, shallow is infinity and deep is -infinity.
+    // Returns the depths between which samples decide the values of a range of vertices. Any wall with the same samples
+    // between these depths has the same bits at these vertices, whatever samples lie beyond. A depth is infinite if a
+    // vertex found too few samples and max_distance sets no limit, or if its window is cut short by the end of the
+    // samples. For an empty range, shallow is infinity and deep is -infinity.
     Depths reach(Range range) const;
 
     // Writes the radii of all vertices into the host's own memory and returns size(). If `into` has another length, it
     // writes nothing: the wall may have grown since the host asked for its size.
     [[nodiscard]] Index read_radius(std::span<double> into) const;
 
-    // One column of all vertices.
+    // Return one column of all vertices.
     std::vector<double> depth() const;
     std::vector<double> toolface() const;
     std::vector<double> radius() const;
@@ -103,11 +103,11 @@ class Wall {
     std::vector<std::int32_t> iterations() const;
     std::vector<std::uint8_t> provisional() const;
 
-    // The sums W, S, A and C of SigmaRule, from which the uncertainties of all radii are computed; NaN where the radius
-    // is NaN. Throws InputError without Settings::sigma.
+    // Returns the sums W, S, A and C of SigmaRule, from which the uncertainties of all radii are computed; NaN where
+    // the radius is NaN. Throws InputError if Settings::sigma is false.
     std::array<std::vector<double>, 4> sums() const;
-    // Writes the same values into columns of the caller. Returns false, and writes nothing, if there are not four
-    // columns of size() values.
+    // Writes these sums into columns of the caller. Returns false, and writes nothing, if there are not four columns of
+    // size() values. Throws like sums().
     [[nodiscard]] bool read_sums(std::span<const std::span<double>> into) const;
 
     // Interpolates channels, values measured with the samples, at the vertices, with the neighbours and weights of the
@@ -116,9 +116,9 @@ class Wall {
     std::vector<std::vector<double>> interpolate_samples(std::span<const std::span<const double>> channels,
                                                          int threads = 1) const;
 
-    // The samples kept, in canonical order: depth, toolface, radius, and time if they have one.
+    // Returns the samples kept, in canonical order, as columns: depth, toolface, radius, and time if they have one.
     std::vector<std::vector<double>> samples() const;
-    // Writes the same values into the caller's columns: three, or four with time. Returns false, and writes nothing, if
+    // Writes these samples into the caller's columns: three, or four with time. Returns false, and writes nothing, if
     // the number or a length of the columns is wrong.
     [[nodiscard]] bool read_samples(std::span<const std::span<double>> into) const;
 
@@ -127,7 +127,7 @@ class Wall {
     std::unique_ptr<State> state_;
 };
 
-// The name of the instruction set that `automatic` stands for on this machine: "plain", "avx2" or "avx512".
+// Returns the name of the instruction set that `automatic` stands for on this machine: "plain", "avx2" or "avx512".
 std::string_view instruction_set_in_use();
 
 }  // namespace helibore

@@ -1,7 +1,7 @@
 // Turns WITS level 0 text into rows of numbers: which item, what value, where the text stood in the stream.
 //
-//   &&            a frame begins            only a line that is exactly "&&", "!!" or "!!&&" is a delimiter,
-//   01083650.40   record 01, item 08        because text items may hold both ("2210Watch out!! kick")
+//   &&            a frame begins            only a line that is exactly "&&", "!!" or "!!&&" is a delimiter, because
+//   01083650.40   record 01, item 08        text items may contain "&&" and "!!" ("2210Watch out!! kick")
 //   !!            the frame ends
 //
 // The parser returns a frame when it has read the "!!" of the frame, never before, so the frames do not depend on how
@@ -19,8 +19,9 @@
 
 namespace helibore::wits {
 
-// Bytes of a line without its end, bytes of a frame after its "&&" line, and lines of a frame. A longer line or frame
-// is dropped, counted and reported as an Event; reading continues at the next line, or for a frame at the next "&&".
+// The largest number of bytes in a line (without its line end), of bytes in a frame (after its "&&" line), and of lines
+// in a frame. A longer line or frame is dropped, counted and reported as an Event; reading continues at the next line,
+// or for a frame at the next "&&".
 // `helibore live` has the same limits as settings of a source, with their bounds: python/helibore/live/sources.py.
 struct Limits {
     Index line = 1024;
@@ -48,7 +49,7 @@ inline constexpr std::uint16_t not_a_number = 2;  // neither empty nor a number 
 // the first digits ("5.", ".5"), and if a double can hold the number. Spaces around the text do not count. Not numbers
 // are: nan, inf, 1_2, 1,5, 1e400, 1e-400, 0x1p3.
 struct Item {
-    Index frame = 0;   // number of the item's frame: how many frames this parser returned before it
+    Index frame = 0;   // number of the item's frame: how many frames this parser returned before that frame
     Index offset = 0;  // of the value's text in the stream
     double value = 0;  // NaN when a flag is set
     std::int32_t length = 0;
@@ -59,7 +60,7 @@ struct Item {
 struct Frame {
     Index start = 0;  // stream offset of "&&"
     Index stop = 0;   // stream offset after the end of the "!!" line
-    Index first = 0;  // its items are batch.items[first, first + items)
+    Index first = 0;  // the items of the frame are batch.items[first, first + items)
     Index items = 0;
     Index line = 0;  // number of the "&&" line in the stream, from 1
 };
@@ -110,9 +111,9 @@ class Parser {
 
     Counts counts() const;
 
-    // The complete state of the parser between two calls, in the byte order of this machine. A parser with the same
-    // nulls and limits that restores this state returns the same further frames. restore throws InputError for other
-    // bytes.
+    // state() returns the complete state of the parser between two calls, in the byte order of this machine. A parser
+    // with the same nulls and limits that restores this state returns the same further frames. restore() throws
+    // InputError for bytes that are not such a state.
     std::string state() const;
     void restore(std::string_view state);
 

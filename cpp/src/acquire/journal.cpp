@@ -46,7 +46,7 @@ T get(const char* at) {
     return value;
 }
 
-// The record whose header is at `at`, if the header is intact. The payload is not checked.
+// Returns the record whose header starts at `at`, or none if no intact header does. The payload is not checked.
 std::optional<Record> header_at(std::string_view bytes, std::size_t at, std::uint32_t salt) {
     if (bytes.size() - at < header_size || bytes.substr(at, magic.size()) != magic) return std::nullopt;
     const char* p = bytes.data() + at;

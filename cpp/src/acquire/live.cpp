@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::size_t most_events = 100;
 
-// Closes the narrowest gaps between ranges until most_ranges are left; of equal gaps, the deepest first.
+// Returns Update::most_ranges ranges that contain the given ones: it closes the narrowest gaps, of equal gaps the last.
 std::vector<Range> widened(const std::vector<Range>& ranges) {
     std::vector<std::size_t> gaps(ranges.size() - 1);  // gap i lies before range i + 1
     std::iota(gaps.begin(), gaps.end(), std::size_t{0});
@@ -39,7 +39,7 @@ std::vector<Range> widened(const std::vector<Range>& ranges) {
     return found;
 }
 
-// The union of ranges, widened so that there are most_ranges at most.
+// Returns the union of ranges, widened so that there are Update::most_ranges ranges at most.
 std::vector<Range> bounded_union(std::vector<Range> ranges) {
     std::vector<Range> found = union_of(std::move(ranges));
     return found.size() <= Update::most_ranges ? found : widened(found);
@@ -73,9 +73,9 @@ Settings with_a_start(const Settings& settings) {
 struct Live::State {
     std::mutex lock;
     Wall wall;
-    Stations stations;                          // it builds its path when asked
+    Stations stations;                          // builds the path only when path() is called
     std::map<std::string, ImageArrays> images;  // rows in order of arrival
-    Update pending;                             // since the last poll
+    Update pending;                             // what changed since the last poll
 
     explicit State(const LiveSettings& settings) : wall(with_a_start(settings.wall)), stations(settings.path) {}
 
@@ -130,7 +130,7 @@ Update Live::append_stations(std::span<const double> depth, std::span<const doub
     update.events = std::move(taken.refused);
     try {
         join(state_->pending, update);
-    } catch (const std::bad_alloc&) {  // the path is reported, and only events are lost
+    } catch (const std::bad_alloc&) {  // join() has stored path_from before, so only events are lost
     }
     return update;
 }
@@ -142,7 +142,7 @@ Update Live::append_image(const std::string& name, std::span<const double> depth
     if (depth.empty() ? !values.empty() : values.empty() || values.size() % depth.size() != 0)
         throw InputError(
             "values has " + std::to_string(values.size()) + " values, depth has " + std::to_string(depth.size()),
-            "must be equally many for each depth");
+            "each depth must have equally many values");
     if (depth.empty()) return {};
     const std::size_t width = values.size() / depth.size();
     require(width <= 1000000, "sectors", static_cast<Index>(width), "must be at most 1000000");

@@ -28,7 +28,7 @@ Index as_index(std::size_t n) {
     return static_cast<Index>(n);
 }
 
-// RRII as 100 RR + II, or 0.
+// Returns the code RRII at the start of a line as 100 RR + II, or 0 if the line does not start with a code.
 std::uint16_t code_of(std::string_view line) {
     if (line.size() < 4) return 0;
     unsigned digit[4];
@@ -45,7 +45,8 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double power_of_ten[] = {1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                    1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
 
-// Reads eight bytes, one digit each, the first in the lowest byte: pairs, then fours, then all. -1 if one is no digit.
+// Returns the number that eight digits make, or -1 if a byte is no digit. Each byte of `word` is a digit, the first
+// digit in the lowest byte. The digits are joined to pairs, then to fours, then to eight.
 std::int64_t eight_digits(std::uint64_t word) {
     if (((word & 0xF0F0F0F0F0F0F0F0) | (((word + 0x0606060606060606) & 0xF0F0F0F0F0F0F0F0) >> 4)) != 0x3333333333333333)
         return -1;
@@ -54,8 +55,9 @@ std::int64_t eight_digits(std::uint64_t word) {
     return static_cast<std::int64_t>((word & 0x0000FFFF0000FFFF) * 42949672960001 >> 32);
 }
 
-// Reads 1 to 8 digits with at most one point, all at once, in a word; NaN for any other text. The eight bytes before
-// `last` must be readable, as they are within a frame: "&&", a line end and an item code come before every value.
+// Returns the number that a text of 1 to 8 bytes makes, which are digits with at most one point; NaN for any other
+// text. All bytes are read at once, in a word. The eight bytes before `last` must be readable. Within a frame they are:
+// "&&", a line end and an item code come before every value.
 //
 //     |x|x|1|2|3|.|4|5|   ->   |0|0|0|1|2|3|4|5|   and two decimals
 double word_number(const char* first, const char* last) {
@@ -77,7 +79,8 @@ double word_number(const char* first, const char* last) {
     return static_cast<double>(numerator) / power_of_ten[7 - below / 8];
 }
 
-// Strict decimal number: from_chars without its "inf" and "nan", with an optional '+'. NaN for other texts.
+// Returns the decimal number that a text makes; NaN for other texts. It reads what std::from_chars reads, but also a
+// leading '+', and not "inf" and "nan".
 double strict_number(const char* first, const char* last) {
     const bool negative = *first == '-';
     const std::ptrdiff_t length = last - first - negative;
@@ -92,7 +95,7 @@ double strict_number(const char* first, const char* last) {
     return error == std::errc() && end == last ? value : nan;
 }
 
-// The value and flags of an item's text.
+// Sets the value and the flags of an item from its text.
 void read_value(std::string_view text, std::span<const double> nulls, Item& item) {
     const char* first = text.data();
     const char* last = first + text.size();
@@ -242,7 +245,7 @@ Counts Parser::counts() const {
 namespace {
 
 // The start of what state() returns; the held text and the items of the open frame follow it. Between two calls, all
-// else is as in a new parser.
+// other members are as in a new parser.
 struct Saved {
     Counts counts;
     Index held_base, held, line_start, body_start, frame_line, frame_lines, items;

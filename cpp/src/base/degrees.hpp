@@ -16,7 +16,7 @@ inline SineCosine sine_cosine(double degrees) {
     return turned(sine_cosine_within(within * degree), static_cast<int>(quarters));
 }
 
-// The signed difference of two angles, in [-180, 180).
+// Returns a difference of two angles, in degrees, wrapped to [-180, 180).
 inline double wrap_difference(double degrees) {
     const double wrapped = std::remainder(degrees, 360.0);
     return wrapped == 180.0 ? -180.0 : wrapped;

@@ -8,7 +8,7 @@ namespace helibore {
 
 inline constexpr std::size_t large_page_size = std::size_t{2} << 20;  // bytes
 
-// One page, not zeroed. Throws std::bad_alloc.
+// Returns one page, whose memory is not zeroed. Throws std::bad_alloc.
 std::shared_ptr<double[]> large_page();
 
 }  // namespace helibore

@@ -1,4 +1,4 @@
-// The places and values that input errors name, and the rules that many arguments share.
+// Texts of the places and values that input errors name, and checks of the rules that many arguments share.
 #pragma once
 
 #include <charconv>
@@ -11,14 +11,14 @@
 
 namespace helibore {
 
-// The shortest text that reads back as the same number. The host's locale and the sign of a NaN do not show.
+// Returns the shortest text that reads back as the same number, whatever the host's locale; "nan" for any NaN.
 inline std::string number_text(double value) {
     if (std::isnan(value)) return "nan";
     char text[32];
     return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
 
-// Six digits, as with Python's :g.
+// Returns the number with six significant digits, like Python's :g.
 inline std::string short_text(double value) {
     if (std::isnan(value)) return "nan";
     char text[32];
@@ -41,13 +41,13 @@ inline std::string range_text(const Range& range) {
     return text.append(std::to_string(range.start)).append(", ").append(std::to_string(range.stop)).append(")");
 }
 
-// The error of one value of a column.
+// Returns the error for one value of a column.
 inline InputError entry_error(const std::string& column, Index index, double value, const std::string& rule) {
     return {entry_name(column, index), rule, number_text(value)};
 }
 
-// Depths lie within this many metres of 0: beyond any hole, while squares of distances stay finite and depths
-// stay apart to 2 nanometres.
+// Depths must lie within this many metres of 0. No hole is that deep, doubles resolve such depths to 2 nanometres, and
+// squares of distances stay finite.
 inline constexpr double largest_depth = 1e7;
 inline constexpr const char* depth_rule = "must lie in -10000000 to 10000000 m";
 
@@ -73,7 +73,7 @@ inline void require_pitch(double pitch) {
     require(std::abs(pitch) <= largest_depth, "pitch", pitch, depth_rule);
 }
 
-// `first` is the number on the whole helix of the first vertex of a part.
+// Checks `first`: the number, on the whole helix, of the first vertex of a part of a wall.
 inline void require_first(const char* name, Index first, Index sectors) {
     require(first >= 0 && first <= Index{1} << 40, name, first, "must lie in 0 to 1099511627776");
     require(first % sectors == 0, name, first, "must be a multiple of sectors");

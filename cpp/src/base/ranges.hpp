@@ -1,4 +1,4 @@
-// Lists of half-open ranges: sorted, not empty, and apart.
+// Sorted lists of half-open ranges that are not empty and do not touch each other.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,8 @@
 
 namespace helibore {
 
-// Adds a range to the list; it must start where the last one starts, or later.
+// Adds a range to the end of a list, and merges it with the last range if they touch. It must not start before the last
+// range starts.
 inline void add_range(std::vector<Range>& ranges, Range range) {
     if (range.start >= range.stop) return;
     if (!ranges.empty() && range.start <= ranges.back().stop)
@@ -17,7 +18,7 @@ inline void add_range(std::vector<Range>& ranges, Range range) {
         ranges.push_back(range);
 }
 
-// The union of ranges in any order.
+// Returns the union of ranges, which may be in any order.
 inline std::vector<Range> union_of(std::vector<Range> ranges) {
     std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) { return a.start < b.start; });
     std::vector<Range> found;
@@ -25,7 +26,7 @@ inline std::vector<Range> union_of(std::vector<Range> ranges) {
     return found;
 }
 
-// `ranges` and `more` together, unsorted.
+// Returns `ranges` followed by `more`, unsorted.
 inline std::vector<Range> concatenated(std::vector<Range> ranges, const std::vector<Range>& more) {
     ranges.insert(ranges.end(), more.begin(), more.end());
     return ranges;

@@ -1,4 +1,4 @@
-// Each thread's runner.
+// The runner of each thread.
 #include "base/threads.hpp"
 
 #include <utility>

@@ -1,5 +1,5 @@
-// Shares work out to threads, which are joined before the call returns, or to the host's runner. No exception crosses a
-// thread.
+// Shares work out to threads, which are joined before the call returns, or to the host's runner. An exception in one of
+// these threads is rethrown in the caller's thread.
 //
 //     thread 0   |-- part 0 --|-- part 1 --|-- part 2 --|-- part 5 --|
 //     thread 1   |-- part 3 --------|-- part 4 ---------|
@@ -36,7 +36,8 @@ inline void require_threads(int threads) {
             "must lie in 1 to " + std::to_string(most_threads));
 }
 
-// How many of `threads` to use for `work`, if each must have at least `least` of it.
+// Returns how many threads, at most `threads`, to use for `work` units of work, if each must have at least `least`
+// units.
 inline int threads_for(Index work, Index least, int threads) {
     return static_cast<int>(std::clamp<Index>(work / least, 1, std::max(threads, 1)));
 }
@@ -97,7 +98,7 @@ void for_each_part(int threads, Index parts, const Job& job) {
                     const StandardArithmetic standard;
                     work(worker);
                 });
-        } catch (const std::system_error&) {  // the system grants no more threads: those that run do the work
+        } catch (const std::system_error&) {  // the system grants no more threads: the threads that run do the work
             if (started.empty()) work(0);
         }
     }

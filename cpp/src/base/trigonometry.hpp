@@ -10,8 +10,8 @@
 
 namespace helibore {
 
-// The whole number nearest to x, for |x| < 2^51; the even one of two equally near. MinGW's std::nearbyint rounds as the
-// host has set the x87, which StandardArithmetic leaves alone.
+// Returns the whole number nearest to x, for |x| < 2^51; of two equally near, the even one. std::nearbyint is not used,
+// because MinGW's version rounds as the host has set the x87, which StandardArithmetic does not set.
 inline double nearest_whole(double x) {
     return (x + 0x1.8p52) - 0x1.8p52;
 }
@@ -20,7 +20,7 @@ struct SineCosine {
     double sine, cosine;
 };
 
-// The sine and cosine of x + rest, radians in [-pi/4, pi/4]; `rest` holds the digits that x has no room for.
+// Returns the sine and cosine of x + rest, radians in [-pi/4, pi/4]; `rest` holds the digits that x has no room for.
 inline SineCosine sine_cosine_within(double x, double rest = 0.0) {
     const double z = x * x, w = z * z, v = z * x;
     const double s =
@@ -35,7 +35,7 @@ inline SineCosine sine_cosine_within(double x, double rest = 0.0) {
     return {sine, most + (((1.0 - most) - half) + (z * c - x * rest))};
 }
 
-// The sine and cosine of an angle plus a number of quarter turns, from those of the angle.
+// Returns the sine and cosine of an angle plus a number of quarter turns; `of` has those of the angle.
 inline SineCosine turned(const SineCosine& of, int quarters) {
     switch (quarters & 3) {
         case 1:
@@ -49,16 +49,16 @@ inline SineCosine turned(const SineCosine& of, int quarters) {
     }
 }
 
-// The sine and cosine of radians in [-2 pi, 2 pi].
+// Returns the sine and cosine of x, radians in [-2 pi, 2 pi].
 inline SineCosine sine_cosine_of_radians(double x) {
     const double quarters = nearest_whole(x * (2.0 / std::numbers::pi));
     const double first = x - quarters * 1.57079632673412561417e+00;  // pi/2 to 33 bits: the product is exact
-    const double rest = quarters * 6.07710050650619224932e-11;       // pi/2 beyond
+    const double rest = quarters * 6.07710050650619224932e-11;       // pi/2 beyond these bits
     const double within = first - rest;
     return turned(sine_cosine_within(within, (first - within) - rest), static_cast<int>(quarters));
 }
 
-// The arc tangent of x >= 0, radians in [0, pi/2].
+// Returns the arc tangent of x >= 0, radians in [0, pi/2].
 inline double arc_tangent(double x) {
     static constexpr double high[] = {0.0, 4.63647609000806093515e-01, 7.85398163397448278999e-01,
                                       9.82793723247329054082e-01, 1.57079632679489655800e+00};
@@ -81,7 +81,7 @@ inline double arc_tangent(double x) {
     return high[part] - ((t * (z * series) - low[part]) - t);
 }
 
-// The angle of the vector (x, y), radians in [-pi, pi]; 0 for (0, 0).
+// Returns the angle of the vector (x, y), radians in [-pi, pi]; 0 for (0, 0).
 inline double arc_tangent(double y, double x) {
     if (x == 0.0 && y == 0.0) return 0.0;
     const double sharp = arc_tangent(std::abs(y) / std::abs(x));

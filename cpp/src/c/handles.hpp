@@ -1,4 +1,4 @@
-// Handles and errors of the C interface: numbers stand for objects, a status and a text for exceptions.
+// Handles and errors of the C interface: a number stands for an object, and a status with a text for an exception.
 //
 // The table of handles and each thread's error text are the only state of the library outside the host's objects. A
 // number is never used again, so the use of a closed handle is an error, not an access to freed memory. A call in
@@ -24,7 +24,7 @@ namespace helibore::c {
 struct WallHandle {
     static constexpr const char* kind = "a wall";
     std::shared_ptr<const Wall> read;
-    std::shared_ptr<Wall> append;  // none for the wall of a live well
+    std::shared_ptr<Wall> append;  // null for the wall of a live well
     std::mutex lock;
     std::vector<Range> ranges;  // of the last append
 };
@@ -74,16 +74,16 @@ std::shared_ptr<T> find(const char* name, std::int64_t handle) {
     throw InputError(name, std::string("must be the handle of ") + T::kind, std::to_string(handle));
 }
 
-// Not enough room for the output.
+// The error of a call whose output does not fit into the host's arrays.
 struct BufferTooSmall : InputError {
     using InputError::InputError;
 };
 
-// The status of the exception being handled, whose text hb_last_error returns.
+// Returns the status of the exception being handled, and stores its text for hb_last_error.
 std::int32_t status_of_exception() noexcept;
 void clear_error() noexcept;
 
-// Runs the body of a function. No exception leaves it.
+// Runs the body of a C function and returns its status. No exception leaves it.
 template <class Body>
 std::int32_t guarded(const Body& body) noexcept {
     try {
@@ -99,7 +99,7 @@ inline void require_pointer(const char* name, const void* pointer) {
     if (!pointer) throw InputError(name, "must not be null");
 }
 
-// `size` values of a host's array, which may be null only if there are none.
+// Returns `size` values of a host's array, which may be null only if `size` is 0.
 template <class T>
 std::span<T> array(const char* name, T* first, std::int64_t size) {
     if (size > 0) require_pointer(name, first);
@@ -110,7 +110,7 @@ inline void require_count(std::int64_t n) {
     if (n < 0) throw InputError("n", "must be 0 or more", std::to_string(n));
 }
 
-// Throws BufferTooSmall if one of the counts is less than what is needed. Writes what is needed.
+// Writes to each count the number of values that is needed. Throws BufferTooSmall if a count was less than that.
 void require_room(std::initializer_list<std::int64_t*> counts, std::initializer_list<std::int64_t> needed);
 
 template <class Struct>

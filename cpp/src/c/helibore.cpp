@@ -1,4 +1,4 @@
-// The functions of helibore.h: each checks its pointers, calls the core and copies what it returns.
+// The functions of helibore.h: each checks its pointers, calls the core and copies the core's results.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -108,7 +108,7 @@ void copy_to(T* into, const Values& values) {
     if (into) std::transform(values.begin(), values.end(), into, [](const auto& v) { return static_cast<T>(v); });
 }
 
-// Fills an array of *count values.
+// Copies `values` to the host's array `into`, which has room for *count values; sets *count to their number.
 template <class T, class Values>
 void fill(std::int64_t* count, const char* name, T* into, const Values& values) {
     require_room({count}, {static_cast<Index>(values.size())});
@@ -120,7 +120,7 @@ void open(std::int64_t* handle, std::shared_ptr<T> object) {
     *handle = handles().open(std::move(object));
 }
 
-// The radii of some vertices and their helix, both read from one state of the wall.
+// The radii of a range of vertices, and their helix, read from the same state of the wall.
 struct WallRadii {
     Settings settings;
     std::vector<double> radius;
@@ -216,7 +216,7 @@ int32_t hb_wall_get(int64_t wall, hb_wall_state* state) {
         const auto handle = find<WallHandle>("wall", wall);
         require_struct("state", state);
         const Wall& w = *handle->read;
-        const Index settled = w.settled();  // first: an append between these calls only adds vertices
+        const Index settled = w.settled();  // read first: an append between these calls only adds vertices
         *state = {sizeof *state, 0, w.size(), w.sample_count(), settled, w.start_depth()};
     });
 }

@@ -1,5 +1,5 @@
-// Both circles are found by exchanging the points that they touch. If that fails for the inscribed circle, a climb
-// finds it.
+// Finds the inscribed and the enclosing circle by exchanging the points that the circle touches. If this fails for the
+// inscribed circle, climb() finds it.
 #include "measure/circles.hpp"
 
 #include <algorithm>
@@ -25,7 +25,8 @@ struct Trial {
     double square;  // of the radius
 };
 
-// The circle through three points if its centre lies in their triangle: only such a circle is fixed by all three.
+// Returns the circle through three points if its centre lies in their triangle: only such a circle is fixed by all
+// three.
 std::optional<Trial> through(Point a, Point b, Point c) {
     const double bx = b.x - a.x, by = b.y - a.y, cx = c.x - a.x, cy = c.y - a.y;
     const double twice = 2.0 * (bx * cy - by * cx);
@@ -40,12 +41,13 @@ Trial across(Point a, Point b) {
     return {centre, square_distance(a, centre)};
 }
 
-// How far the centre can move along a direction, equally far from all points in `rests`, until another point is as
-// near.
+// The point that stops a moving centre, and how far along its direction the centre has moved by then.
 struct Stop {
     std::size_t index;
     double along;
 };
+// Moves a centre in a direction in which it stays equally far from all points in `rests`. Returns the first other point
+// that is as near as these, or none if no point ever is.
 std::optional<Stop> first_met(const Points& points, Point centre, Point direction,
                               std::initializer_list<std::size_t> rests) {
     const Point held = points[*rests.begin()];
@@ -102,7 +104,8 @@ Circle climb(const Points& points, Point centre) {
 
 using Triple = std::array<std::size_t, 3>;
 
-// Of four points, the three, `joined` among them, that touch the largest circle without the fourth point inside.
+// Returns, of four points, the three that touch the largest circle without the fourth point inside; `joined` is among
+// them.
 std::optional<std::pair<Triple, Trial>> exchange(const Points& points, const Triple& held, std::size_t joined) {
     std::optional<std::pair<Triple, Trial>> best;
     for (std::size_t leaves = 0; leaves < 3; ++leaves) {

@@ -1,8 +1,9 @@
 // Circles of a section: the largest that fits inside its points, and the smallest around them.
 //
-// Both touch two or three points. A circle through such points is compared with all points; the point that violates it
-// most replaces one of the others. The radius only grows, or only shrinks, so the search ends. The inscribed circle is
-// the one near the given centre that no small move makes larger; the enclosing circle is unique.
+// Each circle touches two or three points. A trial circle through such points is compared with all points; the point
+// that violates it most replaces one of the points that it touches. The radius only grows, or only shrinks, so the
+// search ends. The inscribed circle is the one near the given centre that no small move makes larger; the enclosing
+// circle is unique.
 #pragma once
 
 #include <cstddef>
@@ -33,7 +34,7 @@ class Points {
         x_[i] = point.x;
         y_[i] = point.y;
     }
-    // To be called when all points are put.
+    // Must be called after all points are put.
     void fill_packs() {
         for (std::size_t i = size_; i < x_.size(); ++i) put(i, (*this)[0]);
     }

@@ -1,6 +1,6 @@
-// Angular gaps. Samples are put into the sectors of the helix, by depth in each sector. For every vertex, the sectors
-// on its two sides are searched outwards until one holds a sample within reach. If the tool sees all around, that is
-// the first or second sector.
+// Angular gaps. Samples are put into the sectors of the helix, sorted by depth in each sector. For every vertex, the
+// sectors on its two sides are searched outwards until one holds a sample within reach. If the tool measures all around
+// the hole, this is the first or second sector.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -35,8 +35,8 @@ Index sector_of(double toolface, Index sectors) {
     return s;
 }
 
-// The toolface of a sample, counted from that of vertex 0. A sample at the toolface of a vertex lies exactly there:
-// without that, a rounding error would make the gap of the vertex 360 instead of 0.
+// Returns the toolface of a sample, counted from that of vertex 0. A sample that differs from the toolface of a vertex
+// by rounding only is moved to it; otherwise the gap of the vertex would be 360 instead of 0.
 double counted_from(double start_toolface, double toolface, Index sectors) {
     const double turned = wrap_toolface(toolface - start_toolface);
     const auto nearest = static_cast<Index>(std::round(turned * static_cast<double>(sectors) / whole_turn));
@@ -99,7 +99,8 @@ void look_into(const Sectors& in, std::size_t s, double reach, const Off& off, L
     line.open.resize(left);
 }
 
-// Degrees from toolface `own`, the border before sector `number`, to the nearest samples clockwise or the other way.
+// Sets line.side: for each vertex, degrees from its toolface, the border before sector `number`, to the nearest sample
+// clockwise, or counter-clockwise if `clockwise` is false.
 void look_around(const Sectors& in, Index number, Index sectors, double reach, bool clockwise, Line& line) {
     const double own = border(number, sectors);
     line.side.assign(line.depth.size(), whole_turn);

@@ -14,16 +14,16 @@
 namespace helibore {
 namespace {
 
-constexpr Index quads_a_part = 1 << 14;  // that a thread takes at a time
+constexpr Index quads_a_part = 1 << 14;  // quads that a thread takes at a time
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
-// Where a quad of the turn lies among the sectors of a row.
+// The position of a quad of a turn in a row: its sector `left`, the next sector, and the share of the way to it.
 struct Across {
     std::size_t left, right;
     double share;
 };
 
-// At share 0 only the start counts, so that a missing value at the stop does not reach it.
+// Returns the value at a share of the way from start to stop. At share 0 it is `start` even if `stop` is missing (NaN).
 double between(double start, double stop, double share) {
     return share == 0.0 ? start : start + share * (stop - start);
 }

@@ -25,10 +25,10 @@ constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 // A toolface between two vertices of a turn.
 struct Between {
     std::size_t vertex;
-    double share;  // of the way to the next
+    double share;  // of the way to the next vertex
 };
 
-// What all turns share.
+// Values that are the same for all turns.
 struct Round {
     std::size_t sectors;
     double start_toolface;
@@ -141,7 +141,7 @@ void measure(const Turns& turns, const Round& round, Scratch& scratch, std::size
     measure_whole(round, scratch, turn, logs);
 }
 
-// Sums over a window of turns, x = -half .. half along the hole, of radii minus a reference that keeps them small:
+// Sums, over a window of turns x = -half .. half along the hole, of radii minus a reference that keeps the sums small:
 //
 //     residual = sum r^2 - sum over sectors of ((sum r)^2 / W + (sum x r)^2 / sum x^2)
 class Window {
@@ -154,7 +154,7 @@ class Window {
           sum_(sectors_),
           moment_(sectors_) {}
 
-    // Fill the window around a turn.
+    // Fills the window around turn `centre`.
     void fill(Index centre) {
         std::ranges::fill(sum_, 0.0);
         std::ranges::fill(moment_, 0.0);
@@ -174,7 +174,7 @@ class Window {
         }
     }
 
-    // Move the window from the turn it is around to the next.
+    // Moves the window from around turn `centre` to around the next turn.
     void advance(Index centre) {
         const auto half = static_cast<double>(half_);
         bool left_whole = true, joined_whole = true;

@@ -1,5 +1,6 @@
 // The uniform helix: vertex k lies at toolface (start + k 360/K) mod 360 and depth start + k pitch/K. A wall may be a
-// stretch of the helix, from vertex `first` on; inside the wall its vertices count from 0, and keep their bits.
+// stretch of the helix, from vertex `first` on. Inside the wall its vertices count from 0; they have the same bits as
+// on the whole helix.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +10,7 @@
 
 namespace helibore {
 
-// Degrees in [0, 360) for any finite angle.
+// Returns any finite angle wrapped to [0, 360) degrees.
 inline double wrap_toolface(double degrees) {
     if (degrees >= 0.0 && degrees < 360.0) return degrees + 0.0;  // + 0.0 turns -0 into 0
     const double wrapped = std::fmod(degrees, 360.0);
@@ -30,8 +31,8 @@ struct Helix {
     double toolface(Index k) const {
         return wrap_toolface(start_toolface + static_cast<double>(k % sectors) * 360.0 / static_cast<double>(sectors));
     }
-    // The number of vertices down to `stop_depth`: floor(K (stop - start) / pitch) + 1 less `first`, or 0 if that is
-    // negative. A double, because it may exceed an Index.
+    // Returns the number of vertices to `stop_depth`: floor(K (stop - start) / pitch) + 1 less `first`, or 0 if that is
+    // negative. It is a double, because it may exceed an Index.
     double count(double stop_depth) const {
         const double turns = static_cast<double>(sectors) * (stop_depth - start_depth) / pitch;
         return std::max(0.0, std::floor(turns) + 1.0 - static_cast<double>(first));

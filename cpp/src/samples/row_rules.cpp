@@ -1,4 +1,4 @@
-// A fast check of many rows, and a slow one that finds the row for the error.
+// A fast check of many rows, and a slow check that finds the bad row for the error.
 #include "samples/row_rules.hpp"
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace {
 constexpr double largest_radius = 2.0;  // metres; a diameter or a value in inches is an error
 constexpr double largest = std::numeric_limits<double>::max();
 constexpr double least_radius = std::numeric_limits<double>::denorm_min();
-constexpr Index rows_a_part = 4096;  // that a thread takes at a time
+constexpr Index rows_a_part = 4096;  // rows that a thread takes at a time
 
 }  // namespace
 

@@ -8,15 +8,15 @@
 
 namespace helibore {
 
-inline constexpr Index rows_a_thread = 32768;  // at least; fewer are not worth the start of a thread
+inline constexpr Index rows_a_thread = 32768;  // least number of rows; fewer are not worth the start of a thread
 
 // Throws InputError unless all columns are as long as depth; time may be empty.
 void check_lengths(const SampleColumns& columns);
 
-// Throws InputError with the first bad row of the first bad column.
+// Throws an InputError that names the first bad row of the first bad column, if there is one.
 void check_rows(const SampleColumns& columns);
 
-// Do all of these rows follow the rules?
+// Returns whether all of these rows follow the rules.
 bool rows_valid(const SampleColumns& columns, Range rows, const kernel::Functions& functions);
 
 }  // namespace helibore

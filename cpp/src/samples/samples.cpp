@@ -30,8 +30,8 @@ class Reader {
     bool timed_;
 };
 
-// Writes a number of rows into as few and as equal chunks as possible, without free room. One row too many for a chunk
-// gives two halves, not a full chunk and a nearly empty one.
+// Writes a number of rows into as few and as equal chunks as possible, without free room. If there is one row too many
+// for a chunk, the result is two half chunks, not a full chunk and a nearly empty one.
 class Writer {
   public:
     Writer(Index rows, bool timed) : timed_(timed), left_(rows), chunks_left_((rows + Chunk::full - 1) / Chunk::full) {}
@@ -88,7 +88,7 @@ Chunks merge(const Chunks& old, SortedBatch& batch) {
     return std::move(writer.chunks);
 }
 
-// Chunks of a large batch. They share large pages, if they fill at least three quarters of a page.
+// Returns empty chunks for a large batch. Several chunks share a large page if they fill at least three quarters of it.
 Chunks full_chunks(Index count, bool timed) {
     const Index size = Chunk::size(Chunk::full, timed), total = (count + Chunk::full - 1) / Chunk::full;
     const Index a_page = static_cast<Index>(large_page_size / sizeof(double)) / size;
@@ -104,7 +104,8 @@ Chunks full_chunks(Index count, bool timed) {
     return chunks;
 }
 
-// Sorts rows [first, last), which lie at one depth, by toolface: by part of the circle, then by comparison.
+// Returns the level of rows [first, last), which lie at one depth. The rows are sorted by toolface: first into parts of
+// the circle, then by comparison within each part.
 Level level_of(const Chunk& chunk, Index first, Index last, int neighbors) {
     const auto n = static_cast<std::size_t>(last - first), parts = 2 * n;
     Level level{chunk.depth()[first], first, last, {}, {}, std::vector<std::uint16_t>(parts + 2)};
@@ -167,7 +168,7 @@ double ChunkToolfaces::least_turn(double toolface) const {
     const std::size_t at = part(toolface);
     const double next = next_[at] >= toolface ? next_[at] : next_[at + 1];
     const double previous = previous_[at + 1] <= toolface ? previous_[at + 1] : previous_[at];
-    if (next_[at] < toolface && toolface < previous_[at + 1]) return 0.0;  // toolfaces of its part lie on both sides
+    if (next_[at] < toolface && toolface < previous_[at + 1]) return 0.0;  // its part has toolfaces on both sides of it
     return std::max(0.0, std::min(next - toolface, toolface - previous));
 }
 
@@ -236,7 +237,7 @@ Samples::Undo Samples::merge_in(SortedBatch& batch) {
     auto first =
         std::partition_point(chunks_.begin(), chunks_.end(), [&](const auto& c) { return before(*c, front, true); });
     auto last = std::partition_point(first, chunks_.end(), [&](const auto& c) { return !before(back, *c, false); });
-    // A short neighbour is merged as well; otherwise many small batches would leave many short chunks.
+    // A short neighbouring chunk is merged as well; otherwise many small batches would leave many short chunks.
     constexpr Index few = 512;
     if (last != chunks_.end() && (*last)->count < few)
         ++last;

@@ -43,11 +43,12 @@ struct Level {
     std::size_t part(double of) const {
         return static_cast<std::size_t>(of * (static_cast<double>(starts.size() - 2) / 360.0));
     }
-    // Whether a toolface from low to high may exist. Usually one read of memory decides.
+    // Returns false only if the level has no toolface from low to high; if it has none, it may still return true.
+    // Usually one read of memory decides.
     bool any_between(double low, double high) const {
         return low < 0.0 || high >= 360.0 || starts[part(low)] < starts[part(high) + 1];
     }
-    // Where a toolface is in the list, or would be.
+    // Returns the place in the list of the first toolface that is not less than `of`.
     std::ptrdiff_t position(double of) const {
         const auto begin = toolface.begin();
         return std::lower_bound(begin + starts[part(of)], begin + starts[part(of) + 1], of) - begin;
@@ -60,19 +61,19 @@ using Levels = std::vector<Level>;
 class ChunkToolfaces {
   public:
     ChunkToolfaces(const double* toolface, Index n);
-    // A lower bound of the angle from `toolface` to the nearest toolface of the chunk.
+    // Returns a lower bound of the angle from `toolface` to the nearest toolface of the chunk, degrees.
     double least_turn(double toolface) const;
 
   private:
     static constexpr std::size_t parts = 256;
     static std::size_t part(double toolface) { return static_cast<std::size_t>(toolface * (parts / 360.0)); }
 
-    // For each part, the least toolface in it or behind it, and the greatest before it. Across the end of the circle,
-    // 360 degrees are added or subtracted.
+    // next_[p]: the least toolface in part p or a later part. previous_[p]: the greatest toolface in a part before p.
+    // Beyond the ends of the circle, 360 degrees are added or subtracted.
     double next_[parts + 2], previous_[parts + 2];
 };
 
-// A value that is computed from a chunk when it is first asked for; several threads may ask at once.
+// A value that is computed from a chunk when get() is first called; several threads may call get() at the same time.
 template <class T>
 class FoundOnce {
   public:
@@ -99,12 +100,12 @@ class Chunk {
   public:
     static constexpr Index full = 4096;
 
-    // How many doubles the columns of a chunk take.
+    // Returns how many doubles the columns of a chunk take.
     static Index size(Index capacity, bool timed) { return capacity * (timed ? 4 : 3); }
 
     Chunk(Index capacity, bool timed)
         : Chunk(capacity, whole_lines(capacity), lines(size(whole_lines(capacity), timed))) {}
-    // In memory that other chunks may share, with columns `stride` doubles apart.
+    // Makes a chunk in memory that other chunks may share; its columns lie `stride` doubles apart.
     Chunk(Index capacity, Index stride, std::shared_ptr<double[]> columns)
         : columns_(std::move(columns)), capacity_(capacity), stride_(stride) {}
 
@@ -127,12 +128,12 @@ class Chunk {
     }
     Index free_room() const { return capacity_ - count; }
 
-    // The free room as a chunk of its own in the same memory.
+    // Returns the free room as a separate chunk in the same memory.
     std::shared_ptr<Chunk> room() const {
         return std::make_shared<Chunk>(free_room(), stride_,
                                        std::shared_ptr<double[]>(columns_, columns_.get() + count));
     }
-    // Whether this chunk begins where the free room of `other` begins.
+    // Returns whether this chunk begins where the free room of `other` begins.
     bool lies_behind(const Chunk& other) const { return depth() == other.depth() + other.count; }
 
     // Returns true if at least Level::least of the rows [start, stop) lie at one depth. It may also return true if only
@@ -183,7 +184,7 @@ struct SortedBatch {
 
     double first_depth() const { return chunks.front()->first_depth(); }
     double last_depth() const { return chunks.back()->last_depth(); }
-    // Is there a sample with depth in [low, high] whose depth and toolface pass the test?
+    // Returns whether a sample with depth in [low, high] has a depth and toolface that pass the test.
     template <class Test>
     bool any_within(double low, double high, const Test& test) const {
         auto chunk =
@@ -221,7 +222,7 @@ class Samples {
     double first_depth() const { return chunks_.front()->first_depth(); }
     double last_depth() const { return chunks_.back()->last_depth(); }
 
-    // Chunks for the `count` rows of a batch, all full except the last.
+    // Returns chunks for the `count` rows of a batch, all full except the last.
     Chunks room_for(Index count, bool timed) const;
 
     // Computes the levels of the chunk before the last if that chunk ends with a level. Every append calls this
@@ -234,18 +235,18 @@ class Samples {
     Undo insert(SortedBatch& batch);
     void undo(Undo&& undo) noexcept;
 
-    // Rank of a place and place of a rank, in canonical order.
+    // Convert the place of a sample to its rank, its number in canonical order, and back.
     Index rank(Place place) const { return first_rank_[place.chunk] + place.offset; }
     Place place(Index rank) const;
-    // Number of samples at this depth or above it. `near` is the index of the chunk that is looked at first; it is set
-    // to that of the chunk where the depth lies.
+    // Returns the number of samples at `depth` or above it. `near` is the index of the chunk that is looked at first;
+    // it is set to the index of the chunk where the depth lies.
     Index count_to(double depth, std::size_t& near) const;
     double depth(Index rank) const;
-    // Are there `neighbors` samples at this depth and toolface among the first `before` of the hole? Then no vertex
-    // needs a further sample there. Looks into a few chunks only.
+    // Returns whether `neighbors` samples have this depth and toolface among the first `before` samples of the hole. If
+    // so, no vertex needs a further sample there. It looks into a few chunks only, so it may return false wrongly.
     bool repeats(double depth, double toolface, int neighbors, Index before) const;
-    // The place of the first sample with depth >= low, or of a sample less than `stride` before it in its chunk. The
-    // search goes in steps from `hint` if `hint` lies in the same chunk, or else by bisection.
+    // Returns the place of the first sample with depth >= low, or of a sample less than `stride` before it in its
+    // chunk. The search goes in steps from `hint` if `hint` lies in the same chunk, or else by bisection.
     Place step_to(double low, Place hint, Index stride) const;
 
   private:

@@ -29,7 +29,8 @@ namespace {
 
 constexpr int slabs_a_thread = 8;  // so that all threads end at about the same time
 
-// Does row i come after row i - 1? Equal timed rows count as not in order, because one of them must be dropped.
+// Returns whether row i comes after row i - 1. Equal timed rows count as not in order, because one of them must be
+// dropped.
 bool in_order(const SampleColumns& c, std::size_t i) {
     if (c.depth[i - 1] != c.depth[i] || c.time.empty()) return c.depth[i - 1] <= c.depth[i];
     const auto row = [&](std::size_t j) {
@@ -60,7 +61,8 @@ void copy_rows(const SampleColumns& c, Range rows, Chunk& chunk, const kernel::F
         std::transform(toolface, toolface + n, chunk.toolface(), wrap_toolface);
 }
 
-// Copies rows that are in order already, and checks them while they are in the cache; false if some are not in order.
+// Copies rows that are in order already, and checks them while they are in the cache. Returns false if some are not in
+// order.
 bool copy_if_in_order(const SampleColumns& c, SortedBatch& batch, int threads, const kernel::Functions& f) {
     std::atomic<bool> in_order{true}, valid{true};
     for_each_range(threads, batch.count, Chunk::full, [&](int, const Range& rows) {
@@ -90,7 +92,7 @@ std::pair<double, double> depth_extent(const SampleColumns& c, int threads, cons
     return {extremes[0].least(), extremes[0].greatest()};
 }
 
-// Which bucket a depth belongs to: a non-decreasing function of it.
+// Finds the bucket of a depth. A greater depth never belongs to an earlier bucket.
 struct Buckets {
     double least, scale = 0.0;
     Index count;
@@ -124,7 +126,7 @@ class BucketSorter {
     }
 
   private:
-    // Calls call(chunk, offset in it, index in the rows, length) for each chunk that the rows lie in.
+    // Calls call(chunk, offset in the chunk, index in the rows, length) for each chunk that the rows lie in.
     template <class Call>
     static void for_each_chunk(const SortedBatch& batch, Range rows, const Call& call) {
         for (Index i = rows.start; i < rows.stop;) {
@@ -134,7 +136,7 @@ class BucketSorter {
         }
     }
 
-    // A stable counting sort into about one bin for each row; large bins are then sorted by comparison.
+    // Sorts the rows by a stable counting sort into about one bin for each row, then large bins by comparison.
     void put_in_bins(const SortedBatch& batch, Range rows, const Buckets& bins) {
         const auto n = static_cast<std::size_t>(rows.stop - rows.start);
         bin_.resize(std::max(bin_.size(), n));
@@ -231,7 +233,7 @@ struct Collected {
     }
 };
 
-// The rows of slab `which`, if the rows [0, n) are cut into `slabs` nearly equal slabs.
+// Returns the rows of slab `which`, if the rows [0, n) are cut into `slabs` nearly equal slabs.
 Range slab(Index n, int slabs, Index which) {
     return {n * which / slabs, n * (which + 1) / slabs};
 }

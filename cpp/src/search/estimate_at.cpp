@@ -1,5 +1,5 @@
-// Estimates at points from the nearest samples that are not left out. Each point looks at the samples above and below
-// it, some at once, until no other sample can be nearer than those found.
+// Estimates at points from the nearest samples that are not left out. For each point, the search looks at the samples
+// above and below it, a few at a time, until no other sample can be nearer than those found.
 //
 // The method is that of the wall, except that an estimate which alternates between two radii is not replaced by their
 // mean.
@@ -21,7 +21,9 @@ namespace helibore {
 namespace {
 
 constexpr std::size_t lanes = kernel::lanes;
-constexpr std::size_t at_once = 8;  // samples above, then below: the processor cannot predict which side is nearer
+// The search looks at this many samples above the point, then at this many below it: the processor cannot predict
+// which side is nearer.
+constexpr std::size_t at_once = 8;
 constexpr Index groups_a_part = 4, groups_a_thread = 16;
 
 struct Neighbour {
@@ -35,7 +37,7 @@ std::vector<double> wrapped(std::span<const double> toolface) {
     return out;
 }
 
-// Its samples and points have toolfaces in [0, 360).
+// Estimates groups of eight points. The toolfaces of its samples and points must lie in [0, 360).
 class PointEstimator {
   public:
     PointEstimator(const SampleColumns& samples, const PointColumns& points, const Settings& settings,
@@ -65,8 +67,8 @@ class PointEstimator {
     const kernel::Functions& functions_;
 };
 
-// The nearest samples, in canonical order. The distances have the bits that the kernel computes: it gives no weight to
-// a neighbour beyond max_distance.
+// Finds the nearest samples, in canonical order. The distances have the same bits as in the kernel, which gives no
+// weight to a neighbour beyond max_distance.
 void PointEstimator::find(std::size_t point, double trial, std::vector<Neighbour>& found) const {
     const auto wanted = static_cast<std::size_t>(settings_.neighbors);
     const double scale = trial * rules_.scale, depth = points_.depth[point], limit = rules_.max_square;
@@ -112,7 +114,7 @@ void PointEstimator::find(std::size_t point, double trial, std::vector<Neighbour
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.sample < b.sample; });
 }
 
-// Points [first, first + lanes).
+// Estimates points [first, first + lanes).
 void PointEstimator::group(std::size_t first, kernel::Room& room, PointEstimates& out) const {
     const auto wanted = static_cast<std::size_t>(settings_.neighbors);
     const std::size_t used = std::min(lanes, points_.depth.size() - first), none = lanes * wanted;
@@ -222,7 +224,7 @@ std::vector<double> sigma_of(const std::array<std::span<const double>, 4>& sums,
     std::vector<double> out(n);
     const double* from[] = {sums[0].data(), sums[1].data(), sums[2].data(), sums[3].data()};
     functions.sigma(from, static_cast<std::int64_t>(whole), rule, out.data());
-    double rest[5][lanes] = {};  // the last few, and their results
+    double rest[5][lanes] = {};  // the last sums, fewer than `lanes`, and their results
     for (std::size_t s = 0; s < sums.size(); ++s) std::copy_n(sums[s].data() + whole, n - whole, rest[s]);
     const double* last[] = {rest[0], rest[1], rest[2], rest[3]};
     functions.sigma(last, lanes, rule, rest[4]);

@@ -3,10 +3,10 @@
 //     value(vertex) = sum(w v) / sum(w)   over the neighbours that have a value, w = distance^-power at the last trial
 //                                         radius
 //
-// If the radius of a vertex is the mean of two estimates, its value is the mean of the two values that have their
-// weights, or the only one of them that exists.
+// If the radius of a vertex is the mean of two estimates, its value is the mean of the two values that the weights of
+// these estimates give. If only one of these two values exists, the vertex has that value.
 //
-// If the radius is kriged, so are the values, each channel from the neighbours of a vertex that have a value.
+// If the radius is kriged, the values are kriged too: each channel from the neighbours of a vertex that have a value.
 //
 // This is not part of the kernel, because it runs on demand, once for all channels, and not in every append.
 #include <algorithm>
@@ -46,7 +46,7 @@ void Search::interpolate(const Samples& samples, const Helix& helix, Index group
         }
         return weights > 0.0 ? weighted / weights : std::numeric_limits<double>::quiet_NaN();
     };
-    bool means = false;  // is a radius the mean of two estimates?
+    bool means = false;  // whether any radius of the group is the mean of two estimates
     for (Index lane = 0; lane < used; ++lane) {
         weigh(g, lane, g.trial[lane], scratch.list, neighbours);
         for (std::size_t c = 0; c < channels.size(); ++c) out[c][lane] = value_of(channels[c]);
@@ -93,7 +93,7 @@ void Search::krige(kernel::Group g, Index used, std::span<const double> channel,
         out[lane] = known[lane] ? g.radius[lane] : std::numeric_limits<double>::quiet_NaN();
 }
 
-// The neighbours of one vertex in canonical order.
+// Lists the neighbours of one vertex in canonical order.
 void Search::choose(const kernel::Group& g, Index lane, double trial, const kernel::CandidateList& list,
                     std::vector<Neighbour>& neighbours) const {
     neighbours.clear();
@@ -119,7 +119,7 @@ void Search::choose(const kernel::Group& g, Index lane, double trial, const kern
               [](const Neighbour& a, const Neighbour& b) { return a.rank < b.rank; });
 }
 
-// The neighbours of one vertex with their weights, relative to the nearest.
+// Lists the neighbours of one vertex that have a weight. Weights are relative to that of the nearest neighbour.
 void Search::weigh(const kernel::Group& g, Index lane, double trial, const kernel::CandidateList& list,
                    std::vector<Neighbour>& neighbours) const {
     choose(g, lane, trial, list, neighbours);

@@ -1,4 +1,5 @@
-// The search around the kernel: which samples a group may need, and whether it has seen all that matter.
+// The search around the kernel: lists the samples that a group may need, and repeats this with a larger box until the
+// list holds all samples that matter.
 #include "search/search.hpp"
 
 #include <algorithm>
@@ -98,8 +99,8 @@ kernel::Group Search::start(const Helix& helix, Index group, Index vertex_count)
     return g;
 }
 
-// Estimates the group. If the list is then the first of its group and was never shrunk, it holds the neighbours of
-// every vertex at each of its trial radii. A later list holds those of the vertices that were not done.
+// Estimates the group. If the list in `scratch` is then the first of its group and was never shrunk, it holds the
+// neighbours of every vertex at each of its trial radii. A later list holds those of the vertices that were not done.
 kernel::Group Search::solve(const Samples& samples, const Helix& helix, Index group, Index vertex_count,
                             Scratch& scratch) const {
     if (rules_.range > 0.0 && !scratch.kriging) {
@@ -120,12 +121,13 @@ kernel::Group Search::solve(const Samples& samples, const Helix& helix, Index gr
         search_box(samples, Span(g, helix), rules_, g, scratch);
         const double least = *std::min_element(g.least_trial, g.least_trial + lanes);
         if (least >= scratch.least_trial) return g;
-        scratch.least_trial = least / 16.0;  // rare: the wall is much nearer to the axis than the bit
+        scratch.least_trial = least / 16.0;  // rare: the radius of the wall is much less than that of the bit
         g = start(helix, group, vertex_count);
     }
 }
 
-// Makes a list that holds the neighbours of every vertex at these trial radii; returns the group for it.
+// Makes a list that holds the neighbours of every vertex at these trial radii; returns the group that belongs to the
+// list.
 kernel::Group Search::list_at(const Samples& samples, const Helix& helix, Index group, Index vertex_count,
                               const double (&trial)[lanes], Scratch& scratch) const {
     kernel::Group g = start(helix, group, vertex_count);
@@ -159,7 +161,7 @@ void Search::run(const Samples& samples, const Helix& helix, Index group, Index 
     if (rules_.windowed)
         window_reach(samples, scratch.windows, span, result);
     else {
-        // Rounded outwards; without a limit, any sample may change a vertex that has too few.
+        // Rounded outwards. If max_distance sets no limit, any sample may change a vertex that has too few neighbours.
         reach = reach < kernel::missing_square / 2 ? std::sqrt(reach) * (1.0 + 1e-6) : no_limit;
         result.shallow = span.shallow - reach;
         result.deep = span.deep + reach;
@@ -198,8 +200,8 @@ Index Search::place_windows(const Windows& windows, const kernel::CandidateList&
     return least;
 }
 
-// A window changes if a new sample lies in it, or between it and the vertex, or on a side where the window is cut short
-// by the end of the samples.
+// Sets the depths between which a new sample can change a group with windows. A window changes if a new sample lies in
+// it, or between the window and its vertex, or on a side where the window is cut short by the end of the samples.
 void Search::window_reach(const Samples& samples, const Windows& windows, const Span& span, GroupResult& result) const {
     const Index n = samples.size();
     const auto [least, greatest] = std::minmax(windows.centered[0], windows.centered[lanes - 1]);
@@ -211,7 +213,7 @@ void Search::window_reach(const Samples& samples, const Windows& windows, const 
 void Search::search_box(const Samples& samples, const Span& span, const kernel::Rules& rules, kernel::Group& g,
                         Scratch& scratch) const {
     if (scratch.half_height == 0.0) scratch.half_height = first_guess(samples);
-    const bool by_turns = scratch.mean_height > 0.0;  // then the box is low and goes all around
+    const bool by_turns = scratch.mean_height > 0.0;  // if so, the box is low and covers all toolfaces
     const double half_height = by_turns ? std::sqrt(4.0 * scratch.mean_height) : scratch.half_height;
     const Windows& windows = scratch.windows;
     double area = 0.0;
@@ -227,7 +229,7 @@ void Search::search_box(const Samples& samples, const Span& span, const kernel::
             return samples.size() == 0 ||
                    (span.shallow - above <= windows.shallow && span.deep + above >= windows.deep);
         };
-        // Finite also if the trial radius is so small that `degree` is 0.
+        // `across` is finite even if the trial radius is so small that `degree` is 0.
         const double across = std::min(span.half_width + width + 1e-9, 360.0);
         const kernel::Filter filter{across, g.center - across < 0.0 || g.center + across >= 360.0};
         kernel::Box box{holds_all(height) ? no_limit : height,
@@ -252,7 +254,7 @@ void Search::search_box(const Samples& samples, const Span& span, const kernel::
         if (verdict == kernel::Verdict::done) break;
         if (verdict == kernel::Verdict::widen) growth *= 1.5;
     }
-    // The first box of the next group: if samples are spread evenly, few vertices need 2.4 times the mean area.
+    // Sizes the first box of the next group: if samples are spread evenly, few vertices need 2.4 times the mean area.
     const auto mean_of = [&](const double (&squares)[lanes]) {
         double sum = 0.0;
         for (const double square : squares) sum += std::min(square, rules_.max_square);
@@ -276,7 +278,7 @@ void Search::search_box(const Samples& samples, const Span& span, const kernel::
     }
 }
 
-// The mean squared distance of the vertices from the toolfaces in the list.
+// Returns the mean, over the vertices, of the squared distance around the hole to the nearest toolface in the list.
 double Search::mean_across(const kernel::Group& g, const kernel::CandidateList& list) const {
     double mean = 0.0;
     for (Index lane = 0; lane < lanes; ++lane) {
@@ -291,7 +293,7 @@ double Search::mean_across(const kernel::Group& g, const kernel::CandidateList& 
     return mean;
 }
 
-// A lower bound of the angle from each vertex to the samples between two depths, computed from whole chunks.
+// Sets g.least_turn: a lower bound of the angle from each vertex to any sample between two depths, from whole chunks.
 void Search::find_turns(const Samples& samples, double low, double high, kernel::Group& g) const {
     std::fill_n(g.least_turn, lanes, 180.0);
     for (std::size_t i = samples.step_to(low, {}, stride).chunk; i < samples.chunks().size(); ++i) {
@@ -302,7 +304,7 @@ void Search::find_turns(const Samples& samples, double low, double high, kernel:
     }
 }
 
-// The distance within which a vertex would find its neighbours if the samples were spread evenly.
+// Returns the distance within which a vertex would find its neighbours if the samples were spread evenly.
 double Search::first_guess(const Samples& samples) const {
     const double n = static_cast<double>(std::max<Index>(samples.size(), 1));
     const double length = samples.size() == 0 ? 0.0 : samples.last_depth() - samples.first_depth();
@@ -353,9 +355,9 @@ void Search::gather(const Chunk& chunk, Index start, Index stop, Index rank, con
     }
 }
 
-// Of the samples at one depth, a vertex needs only the V nearest in toolface, whatever its radius, because the order of
-// the distances is that of the angles. Samples at angles so close that distances may tie are also listed if they lie in
-// one chunk; in a tie, the sample of the later chunk loses.
+// Adds to the list the samples of a level that a vertex may need. Of the samples at one depth, a vertex needs only the
+// V nearest in toolface, whatever its radius, because a larger angle gives a larger distance. Samples at angles so
+// close that distances may tie are also listed if they lie in one chunk; in a tie, the sample of the later chunk loses.
 void Search::gather_level(const Chunk& chunk, const Level& level, Index rank, const kernel::Box& box, kernel::Group& g,
                           Scratch& scratch) const {
     const auto wanted = static_cast<std::size_t>(rules_.neighbors);
@@ -377,7 +379,7 @@ void Search::gather_level(const Chunk& chunk, const Level& level, Index rank, co
         const double before = farthest, toolface = g.toolface[lane], limit = limit_of(lane);
         const double along = (level.depth - g.depth[lane]) / (scratch.least_trial * rules_.scale);
         const double tied = 0x1p-38 * along * along;
-        // Lists an entry that lies on the given side; false if the entries behind it are not needed.
+        // Lists an entry that lies on the given side. Returns false if the entries behind it are not needed.
         const auto list = [&](std::ptrdiff_t i, bool growing) {
             const double difference = level.toolface[static_cast<std::size_t>(i)] - toolface;
             if ((difference < 0.0 ? difference <= -180.0 : difference < 180.0) != growing) return false;

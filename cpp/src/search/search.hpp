@@ -26,8 +26,8 @@ struct GroupResult {
     std::uint8_t iterations[kernel::lanes];
     // A new sample shallower than `shallow` or deeper than `deep` changes nothing in this group.
     double shallow, deep;
-    // Neither does a sample whose squared distance from each vertex, at the radius `least_trial`, is above the vertex's
-    // `reach_square`.
+    // A new sample also changes nothing if its squared distance from each vertex, at the radius `least_trial`, is above
+    // the vertex's `reach_square`.
     double reach_square[kernel::lanes], least_trial;
     kernel::Sums sums;  // with Settings::sigma only
 };
@@ -36,10 +36,10 @@ class Search {
   public:
     explicit Search(const Settings& settings);
 
-    // Which samples a group may use: all, or those in the windows of its vertices.
+    // The samples that a group may use: all samples, or those in the windows of its vertices.
     struct Windows {
         Index centered[kernel::lanes];  // rank at which the window of each vertex starts if the vertex is its middle
-        Index first[kernel::lanes];     // the same, moved so that the window lies within the samples
+        Index first[kernel::lanes];     // this rank, moved so that the window lies within the samples
         Index length;                   // samples in a window
         Range all;                      // ranks of all windows together
         double shallow, deep;           // depths of the first and last of these samples
@@ -70,10 +70,10 @@ class Search {
         double level_depth = 0.0;
         double least_trial = 0.0;  // the least radius for which the levels in the list are valid
         double half_height = 0.0;  // of the first box of the next group; 0: not known yet
-        double mean_square = 0.0;  // of the reach of previous groups
+        double mean_square = 0.0;  // running mean of the squared reach of previous groups
         double mean_height = 0.0;  // mean squared height that previous groups needed; 0: turns are not looked at
-        bool first_list = false;   // is the list the first of its group, and was it never shrunk?
-        Index even = 0;            // how many next groups skip the check for few toolfaces, after one that found many
+        bool first_list = false;   // whether the list is the first of its group and was never shrunk
+        Index even = 0;            // how many of the next groups skip the check for samples on few toolfaces
     };
 
     // Searches vertices [8 group, 8 group + 8) of the helix; those from vertex_count on are left out.
@@ -92,7 +92,7 @@ class Search {
     struct Span;  // the depths and toolfaces of a group
 
     struct Neighbour {
-        std::uint64_t key;  // the squared distance, tagged as in the kernel
+        std::uint64_t key;  // the squared distance; its low bits are the position in the list, as in the kernel
         double square, weight;
         Index rank;
     };

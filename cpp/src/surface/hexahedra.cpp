@@ -1,4 +1,4 @@
-// Volumes of hexahedra, and whether any is turned inside out.
+// Computes the volumes of hexahedra, and checks that none is turned inside out.
 //
 //        7 ---- 6        the outer quad over the inner one; edges run straight, faces are the bilinear
 //       /|     /|        patches between them, which neighbours share: volumes add up without gaps
@@ -48,7 +48,7 @@ double volume_of(const Corners& c) {
     return (determinant(b + a, d, e) + determinant(a, d + f, g) + determinant(b, f, g + e)) / 12.0;
 }
 
-// Do the three edges at every corner form a right-handed system?
+// Returns whether the three edges at every corner form a right-handed system.
 bool upright(const Corners& c) {
     constexpr std::size_t edges[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
                                          {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
@@ -60,7 +60,7 @@ bool upright(const Corners& c) {
     return all;
 }
 
-// The first row below `count` that is not `good`, or `none`; looks on several threads.
+// Returns the first row below `count` that is not `good`, or `none`. It searches on several threads.
 template <class Good>
 Index first_bad(Index count, int threads, const Good& good) {
     std::atomic<Index> first{none};
@@ -88,7 +88,7 @@ void require_corners(std::span<const Vector3> vertices, std::span<const Hexahedr
             "must be a row of the " + std::to_string(rows) + " vertices");
 }
 
-// "shells[1] at vertex 7, depth 12.5": the outer side of the hexahedron in this row.
+// Returns the place of the outer side of the hexahedron in this row: "shells[1] at vertex 7, depth 12.5".
 std::string place_of(const HelixRadii& radii, const VolumeLayout& layout, Index row) {
     const Helix helix{radii.start_depth, radii.start_toolface, radii.pitch, radii.sectors};
     for (std::size_t layer = 0; layer < layout.layers.size(); ++layer) {

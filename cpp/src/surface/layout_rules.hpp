@@ -39,7 +39,7 @@ inline const VertexRun& placed(const VertexRun& run) {
 }
 
 // Throws InputError unless the runs of a layout are in order, do not overlap, take only vertices that `radii` has, and
-// fill only the `size` rows of the memory. The error calls the runs `name`, and the rows those of `memory`.
+// fill only the `size` rows of the memory. In the error, `name` is the name of the runs and `memory` that of the rows.
 template <class Run>
 void require_runs(const HelixRadii& radii, const std::string& name, std::span<const Run> runs, std::size_t size,
                   const char* memory) {

@@ -42,7 +42,7 @@ constexpr double least_from_opposite = 1e-8;
 constexpr double least_across = 1e-12;
 constexpr double least_course = 1e-6;  // metres between two stations; the curvature stays finite
 
-// Throws InputError unless all values lie in [low, high]; it calls the first of `values` entry `first` of its column.
+// Throws InputError unless all values lie in [low, high]. In the error, values[0] is entry `first` of its column.
 void require_between(const char* name, std::span<const double> values, double low, double high, Index first) {
     for (std::size_t i = 0; i < values.size(); ++i) {
         if (values[i] >= low && values[i] <= high) continue;
@@ -82,7 +82,8 @@ Station station(const StationColumns& columns, std::size_t index) {
     return {depth, inclination, azimuth, i, a, {i.sine * a.cosine, i.sine * a.sine, i.cosine}};
 }
 
-// |t2 - t1| / 2 is written as the haversine, which is exact for doglegs far below a millionth of a degree.
+// Returns the dogleg in radians. |t2 - t1| / 2 is written as the haversine, which is exact for doglegs far below a
+// millionth of a degree.
 double dogleg_between(const Station& above, const Station& below) {
     const double build = sine_cosine(0.5 * (below.inclination - above.inclination)).sine;
     const double turn = sine_cosine(0.5 * wrap_difference(below.azimuth - above.azimuth)).sine;
@@ -94,7 +95,7 @@ int segments_for(double bend) {
     return std::max(1, static_cast<int>(std::ceil(bend / max_bend)));
 }
 
-// Appends the arcs of one course that starts at `head`; returns where it ends.
+// Appends the arcs of one course that starts at `head`; returns the position of its end.
 //
 //         m = unit(t1 + t2)          The arc lies in the plane of m, its tangent half-way, and e, normal to m.
 //     t1 \ | / t2                    t(x) = cos(x - b/2) m + sin(x - b/2) e,  x from 0 to b,
@@ -124,7 +125,7 @@ dvec3 append_course(std::vector<Arc>& arcs, const Station& above, const Station&
     return head + 0.5 * length * (half.sine / (half.cosine * (0.5 * bend))) * sum;
 }
 
-// Appends the cylinder curves of one course; returns where it ends.
+// Appends the cylinder curves of one course that starts at `head`; returns the position of its end.
 dvec3 append_course(std::vector<CylinderCurve>& curves, const Station& above, const Station& below, const dvec3& head) {
     const double length = below.depth - above.depth;
     const double build = (below.inclination - above.inclination) * degree / length;
@@ -142,7 +143,8 @@ dvec3 append_course(std::vector<CylinderCurve>& curves, const Station& above, co
         const double down = beyond * sine_cosine(above.inclination + half / degree).cosine * sinc(half);
         return head + dvec3(level * a.cosine, level * a.sine, down);
     };
-    // On a course the sine of the inclination is at most twice its mean, and so is the rate of the azimuth.
+    // On a course the sine of the inclination is at most twice its mean. So the azimuth changes at most at twice its
+    // mean rate.
     const int count = segments_for(std::max(std::abs(build) * length, 2.0 * std::abs(azimuth_change)));
     for (int j = 0; j < count; ++j) {
         const double beyond = length * j / count;
@@ -196,7 +198,7 @@ CylinderCurve straight(const Station& end, const dvec3& head, const CylinderCurv
     return {end.depth, head, end.i.sine, end.i.cosine, end.a.sine, end.a.cosine, 0.0, 0.0};
 }
 
-// Builds the segments from station `first` on; those above it stay.
+// Builds the segments from station `first` on; the segments above this station stay.
 template <class Segment>
 void build_from(std::vector<Segment>& segments, const StationColumns& columns, std::size_t first, dvec3 head) {
     auto at = segments.begin();
@@ -417,7 +419,7 @@ Stations::Taken Stations::take(std::span<const double> depth, std::span<const do
             }
             if (!bad.empty()) taken.refused.push_back("station at " + short_text(depth[i]) + " m: " + bad);
         }
-    } catch (const std::bad_alloc&) {  // all or nothing
+    } catch (const std::bad_alloc&) {  // take all stations or none
         depth_.swap(before[0]);
         inclination_.swap(before[1]);
         azimuth_.swap(before[2]);
@@ -477,7 +479,7 @@ std::optional<Survey> Stations::survey() const {
 std::optional<Path> Stations::path() {
     if (depth_.size() < 2) return {};
     if (!path_) {
-        const std::size_t first = std::exchange(built_, 0);  // if memory ends below, all is built anew
+        const std::size_t first = std::exchange(built_, 0);  // if memory runs out below, the next call builds all anew
         build_from(*segments_, {depth_, inclination_, azimuth_}, first > 0 ? first - 1 : 0, settings_);
         built_ = depth_.size();
         path_ = Path(std::make_shared<const Segments>(*segments_));

@@ -1,4 +1,5 @@
-// Positions of vertices: P = C(depth) + R (cos(toolface) h + sin(toolface) right), for millions of them.
+// Computes the positions of millions of vertices: P = C(depth) + R (cos(toolface) h + sin(toolface) right), where C is
+// the path, h points to toolface 0, and `right` points to toolface 90.
 //
 // Vertices are placed in chunks, each on one segment of the path. A chunk is plain loops without a library call or
 // branch: the segment's series give position and tangent, the tangent gives the frame, and a table holds the sines and
@@ -23,7 +24,7 @@ namespace helibore {
 namespace {
 
 constexpr int chunk_size = 256;
-constexpr Index vertices_a_part = 4096;  // that a thread takes at a time
+constexpr Index vertices_a_part = 4096;  // vertices that a thread takes at a time
 constexpr Index none = std::numeric_limits<Index>::max();
 
 // Entry k % K has the cosine and sine of the toolface of vertex k. The table continues for one chunk, so that a chunk
@@ -73,7 +74,7 @@ int place_chunk(const Task& task, const Segment& segment, Index k, int count, Ve
     return without;
 }
 
-// How many of the `count` vertices from k on lie on the segment that k lies on.
+// Returns how many of the `count` vertices from k on lie on `segment`. Vertex k does.
 template <class Segment>
 int count_on(const std::vector<Segment>& segments, const Segment& segment, const Helix& helix, Index k, int count) {
     const double upper = &segment == segments.data() ? -no_limit : segment.depth;
@@ -91,7 +92,8 @@ int count_on(const std::vector<Segment>& segments, const Segment& segment, const
     return on;
 }
 
-// Places vertices [k.start, k.stop) from row `out` on. Returns the first that has no frame, or `none`.
+// Places vertices [k.start, k.stop) from row `out` on. Returns the start of the first chunk with a vertex that has no
+// frame, or `none`.
 template <Reference reference, class Segment>
 Index place_range(const Task& task, const std::vector<Segment>& segments, Range k, Vector3* out) {
     Index refused = none;
@@ -121,8 +123,8 @@ void require_reach(const Task& task, std::span<const VertexRun> runs) {
     }
 }
 
-// Throws for the first vertex from k on that has no frame. There is such a vertex; parallel transport has a frame
-// everywhere.
+// Throws the error of the first vertex from k on that has no frame. The caller has found that there is such a vertex.
+// The reference is not parallel transport, which has a frame everywhere.
 [[noreturn]] void refuse(const Task& task, Index k) {
     for (;; ++k) {
         const double depth = task.helix.depth(k);

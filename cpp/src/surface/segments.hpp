@@ -1,5 +1,5 @@
 // A path cut into segments so short that two series give every sine and cosine on them. A vertex needs no library call,
-// compilers vectorise the arithmetic, and path.cpp (one depth) and place.cpp (millions) give the same bits.
+// compilers vectorise the arithmetic, and path.cpp (one depth) and place.cpp (millions of vertices) give the same bits.
 //
 //     station i           station i+1
 //        |-segment-|-segment-|-segment-|...      each bends by at most max_bend from its start
@@ -150,7 +150,7 @@ auto with_reference(Reference reference, const Visit& visit) {
     return visit(std::integral_constant<Reference, Reference::parallel_transport>{});
 }
 
-// Whose depth an error names: depth[index], or a vertex.
+// How an error names a depth: as depth[index], or as the depth of vertex `index`.
 struct DepthOf {
     Index index;
     bool vertex = false;
@@ -158,7 +158,7 @@ struct DepthOf {
 };
 
 struct Segments {
-    // One of the two is filled, by the path's method; sorted by depth.
+    // The path's method decides which of these two is filled. Sorted by depth.
     std::vector<Arc> arcs;
     std::vector<CylinderCurve> curves;
     Reference reference = Reference::north;
@@ -173,7 +173,7 @@ struct Segments {
 // Throws the InputError for a depth at which the reference is undefined.
 [[noreturn]] void refuse_frame(Reference reference, double depth, const DepthOf& of);
 
-// The last segment that starts at or above `depth`; the first one for depths above all.
+// Returns the last segment that starts at or above `depth`, or the first segment if all start below `depth`.
 template <class Segment>
 inline const Segment& segment_at(const std::vector<Segment>& segments, double depth) {
     const auto below = std::upper_bound(segments.begin(), segments.end(), depth,

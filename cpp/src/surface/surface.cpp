@@ -16,16 +16,16 @@
 namespace helibore {
 namespace {
 
-constexpr Index cells_a_part = 16384;  // that a thread takes at a time
+constexpr Index cells_a_part = 16384;  // cells that a thread takes at a time
 
 bool is_there(double radius) {
     return radius > 0.0 && radius <= std::numeric_limits<double>::max();
 }
 
-// How many values from `start` on are there (or, with there = false, missing) without interruption.
+// Returns how many consecutive values from `start` on are present (or, with there = false, missing).
 Index run_length(std::span<const double> radius, std::size_t start, bool there) {
     std::size_t i = start;
-    constexpr std::size_t stride = 64;  // checked without branches
+    constexpr std::size_t stride = 64;  // number of values that are checked without a branch
     for (int all = 1; i + stride <= radius.size(); i += stride) {
         for (std::size_t j = i; j < i + stride; ++j) all &= static_cast<int>(is_there(radius[j]) == there);
         if (all == 0) break;
@@ -34,7 +34,7 @@ Index run_length(std::span<const double> radius, std::size_t start, bool there) 
     return static_cast<Index>(i - start);
 }
 
-// Runs of vertices that have a radius. Their rows begin at `row`, which is advanced past the last.
+// Returns the runs of vertices that have a radius. Their rows begin at `row`, which is advanced past the last row.
 std::vector<VertexRun> vertex_runs(std::span<const double> radius, Index first, const char* name, Index& row) {
     std::vector<VertexRun> runs;
     for (std::size_t i = 0; i < radius.size();) {
@@ -53,8 +53,8 @@ std::vector<VertexRun> vertex_runs(std::span<const double> radius, Index first, 
     return runs;
 }
 
-// Runs of quads: those k whose upper corners k, k+1 lie in one vertex run and whose lower corners k+K, k+K+1 lie in one
-// run. These are the overlaps of the runs with the same runs moved up by a turn.
+// Returns the runs of quads: those k whose upper corners k, k+1 lie in one vertex run and whose lower corners k+K,
+// k+K+1 lie in one run. These are the overlaps of the runs with the same runs moved up by a turn.
 std::vector<QuadRun> quad_runs(const std::vector<VertexRun>& vertices, Index sectors) {
     std::vector<QuadRun> runs;
     for (std::size_t upper = 0, lower = 0; upper < vertices.size() && lower < vertices.size();) {
@@ -83,7 +83,7 @@ std::vector<HexahedronRun> hexahedron_runs(const std::vector<QuadRun>& inner, co
     return runs;
 }
 
-// "radius" for the wall, then "shells[0]" and so on.
+// Returns the name of a shell in errors: "radius" for the wall, then "shells[0]" and so on.
 std::string name_of_shell(std::size_t s) {
     return s == 0 ? "radius" : "shells[" + std::to_string(s - 1) + "]";
 }
@@ -101,7 +101,7 @@ void require_nested(const HelixRadii& radii, std::span<const std::span<const dou
     }
 }
 
-// The part of a run that lies in `within`.
+// Returns the part of a run that lies in `within`.
 Range overlap(const Range& run, const Range& within) {
     return {std::max(run.start, within.start), std::min(run.stop, within.stop)};
 }

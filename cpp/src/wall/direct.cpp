@@ -1,4 +1,4 @@
-// Which samples are shown at vertices that are not settled.
+// Finds the samples that are shown at vertices that are not settled.
 #include "wall/direct.hpp"
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
-// The vertex in whose cell a sample lies.
+// Returns the number of the vertex in whose cell a sample lies.
 double vertex_of(const Helix& helix, double depth, double toolface) {
     const auto sectors = static_cast<double>(helix.sectors);
     double sector = std::floor(wrap_toolface(toolface - helix.start_toolface) / 360.0 * sectors + 0.5);

@@ -4,7 +4,7 @@
 //         |<- 360/K ->|
 //     ----+-----------+----   pitch/2 above
 //         |           |
-//         |     k     |       the last sample in canonical order counts, which while drilling is the newest
+//         |     k     |       of several samples the last in canonical order counts: while drilling, the newest
 //         |           |
 //     ----+-----------+----   pitch/2 below
 #pragma once
@@ -27,11 +27,11 @@ struct DirectRadii {
         return start <= k && k - start < static_cast<Index>(radii.size()) &&
                !std::isnan(radii[static_cast<std::size_t>(k - start)]);
     }
-    // The radius that a vertex shows if its estimate is `radius`.
+    // Returns the radius that a vertex shows if its estimate is `radius`.
     double shown(Index k, double radius) const {
         return stands_for(k) ? radii[static_cast<std::size_t>(k - start)] : radius;
     }
-    // The part of a range in which vertices may show samples: most often few vertices, or none.
+    // Returns the part of a range in which vertices may show samples; it is usually short or empty.
     Range among(Range range) const {
         const Index first = std::max(range.start, start);
         return {first, std::max(first, std::min(range.stop, start + static_cast<Index>(radii.size())))};
@@ -45,7 +45,7 @@ struct DirectRadii {
 
 DirectRadii direct_radii(const Samples& samples, const Helix& helix, Range vertices);
 
-// The vertices of [0, count) where the two differ.
+// Returns the vertices of [0, count) that show different samples before and after.
 std::vector<Range> direct_changes(const DirectRadii& before, const DirectRadii& after, Index count);
 
 }  // namespace helibore

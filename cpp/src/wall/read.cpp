@@ -13,7 +13,7 @@ namespace helibore {
 namespace {
 
 constexpr Index chunks_a_thread = 16;
-constexpr Index blocks_a_thread = 64;  // at least; copying fewer is not worth the start of a thread
+constexpr Index blocks_a_thread = 64;  // least number of blocks; copying fewer is not worth the start of a thread
 
 std::size_t length_of(Range range) {
     return static_cast<std::size_t>(range.stop - range.start);
@@ -45,8 +45,8 @@ void copy_sums(const Vertices& vertices, Index count, int threads, const std::ve
     });
 }
 
-// Copies depth, toolface, radius and any time of all samples. It uses several threads, because new memory takes longer
-// than the copy.
+// Copies depth, toolface, radius and, if there is one, time of all samples. It uses several threads, because the first
+// use of new memory takes longer than the copy.
 void copy_samples(const Samples& samples, int threads, const std::vector<std::span<double>>& into) {
     const Chunks& chunks = samples.chunks();
     const auto count = static_cast<Index>(chunks.size());
@@ -151,7 +151,7 @@ VertexColumns Wall::vertices() const {
     return locked(*state_, [](const State& s) { return s.read(s.all()); });
 }
 
-// One column alone moves less memory than all of them.
+// Each of these functions copies one column only, which moves less memory than vertices() does.
 std::vector<double> Wall::depth() const {
     return locked(*state_, [](const State& s) { return s.depth(s.all()); });
 }

@@ -33,7 +33,7 @@ void Settings::validate() const {
     if (start_depth) require_depth("start_depth", *start_depth);
     if (stop_depth) require_depth("stop_depth", *stop_depth);
     require(std::isfinite(start_toolface), "start_toolface", start_toolface, "must be finite");
-    require(std::abs(start_toolface) <= 1e6, "start_toolface", start_toolface,  // then sectors differ by their angle
+    require(std::abs(start_toolface) <= 1e6, "start_toolface", start_toolface,  // so that toolfaces of sectors differ
             "must lie in -1000000 to 1000000 degrees");
     require_first("first_vertex", first_vertex, sectors);
     require(first_vertex == 0 || start_depth, "first_vertex", first_vertex, "needs a start_depth");
@@ -45,7 +45,7 @@ void Settings::validate() const {
     require_positive("power", power);
     require(power <= 100.0, "power", power, "must be at most 100");  // so that no exponent of a weight overflows
     require(max_distance > 0.0, "max_distance", max_distance, "must be above 0");
-    require(max_distance >= 1e-9, "max_distance", max_distance, "must be at least 1e-9 m");  // its square is not 0
+    require(max_distance >= 1e-9, "max_distance", max_distance, "must be at least 1e-9 m");  // so its square is not 0
     require_within("max_iterations", max_iterations, 1, 255);
     require(tolerance >= 0.0, "tolerance", tolerance, "must be 0 or above");
     require_positive("angular_scale", angular_scale);

@@ -18,7 +18,7 @@
 namespace helibore {
 
 inline constexpr Index lanes = kernel::lanes;
-inline constexpr Index groups_a_part = 16;  // that a thread takes at a time
+inline constexpr Index groups_a_part = 16;  // groups that a thread takes at a time
 
 inline Index groups_of(Index vertices) {
     return (vertices + lanes - 1) / lanes;
@@ -45,9 +45,9 @@ struct Wall::State {
     Index settled_after(const Helix& on, const Vertices& of, Index from, Index vertex_count,
                         const std::vector<Index>& old, const std::vector<GroupResult>& staged) const;
 
-    // Of a range of vertices; read.cpp.
+    // These functions read a range of vertices, or return one; most are defined in read.cpp.
     Range all() const { return {0, count}; }
-    Range local(Range range) const;  // of numbers on the whole helix
+    Range local(Range range) const;  // converts numbers on the whole helix to numbers in this wall
     VertexColumns read(Range range) const;
     std::vector<double> depth(Range range) const;
     std::vector<double> toolface(Range range) const;

@@ -21,7 +21,7 @@ class Vertices {
         std::array<std::uint16_t, block_size> support;
         std::array<std::uint8_t, block_size> iterations;
         std::array<double, block_size> reach_square;
-        std::array<double, groups_per_block> shallow, deep, least_trial;  // GroupResult's, for each group
+        std::array<double, groups_per_block> shallow, deep, least_trial;  // as in GroupResult, for each group
     };
     // kernel::Sums of the vertices of a block; kept only if Settings::sigma is set.
     using Sums = std::array<std::array<double, block_size>, kernel::sum_count>;
@@ -34,7 +34,7 @@ class Vertices {
         if (needed > blocks_.capacity()) blocks_.reserve(std::max(needed, 2 * blocks_.capacity()));
         while (blocks_.size() < needed) blocks_.push_back(std::make_unique_for_overwrite<Block>());
         while (with_sums_ && sums_.size() < needed) sums_.push_back(std::make_unique_for_overwrite<Sums>());
-        hulls_.resize(static_cast<std::size_t>(blocks_of(kept)));  // drops those that a failed append measured
+        hulls_.resize(static_cast<std::size_t>(blocks_of(kept)));  // drops hulls that a failed append measured
         hulls_.resize(needed);
     }
 
@@ -84,7 +84,7 @@ class Vertices {
         hulls_[static_cast<std::size_t>(b)] = all;
     }
 
-    // A member of the blocks for a range of vertices.
+    // Returns one member of the blocks for a range of vertices.
     template <class Out, class T, std::size_t n>
     std::vector<Out> column(std::array<T, n> Block::* member, Range range) const {
         std::vector<Out> out;
@@ -98,7 +98,7 @@ class Vertices {
         return out;
     }
 
-    // One of the kernel's sums (`which`), with a value for each vertex of a block.
+    // Returns one of the kernel's sums (`which`), with a value for each vertex of a block.
     std::span<const double> sum(std::size_t which, Index block) const {
         return (*sums_[static_cast<std::size_t>(block)])[which];
     }

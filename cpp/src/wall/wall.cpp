@@ -1,8 +1,8 @@
-// The one stateful class: samples in, changed vertices out.
+// The class Wall: it keeps samples and vertices, takes new samples, and returns which vertices changed.
 //
 // An append sorts the batch, inserts it, finds the groups of vertices that it can change (GroupResult::shallow and deep
 // bound the samples that each depends on), searches those again, compares the results with the old values, and only
-// then writes them. Anything that throws does so before the writing, and then the insertion is undone.
+// then writes them. All steps that can throw come before the writing; if one throws, the insertion is undone.
 #include "helibore/wall.hpp"
 
 #include <algorithm>
@@ -21,11 +21,11 @@
 namespace helibore {
 namespace {
 
-// At least; fewer are not worth the start of a thread.
+// The least number of groups for a thread; fewer are not worth its start.
 constexpr Index groups_a_thread = 256;
 
-// The first of values[from, to) that is `good`, or `to`. It takes sixteen at a time, which the compiler compares as
-// vectors, because every append looks through the last block.
+// Returns the index of the first of values[from, to) that is `good`, or `to`. Every append looks through the last
+// block, so the function takes sixteen values at a time, which the compiler compares as vectors.
 template <class Good>
 Index first_that(const double* values, Index from, Index to, const Good& good) {
     for (; from + 16 <= to; from += 16) {
@@ -37,7 +37,7 @@ Index first_that(const double* values, Index from, Index to, const Good& good) {
     return from;
 }
 
-// The last block, which every append looks through: its hull is not measured while it grows.
+// Returns the number of the last block. Every append looks through it, so its hull is not measured while it grows.
 Index growing_block(Index vertex_count) {
     return Vertices::blocks_of(vertex_count) - 1;
 }
@@ -60,7 +60,8 @@ Change Wall::State::append(const SampleColumns& columns) {
     }
 }
 
-// The helix starts at start_depth, or at the first sample along it; at 0 where that is -0.
+// Returns the helix for the present samples. It starts at start_depth, or at the first sample along the helix; at 0 if
+// this depth is -0.
 Helix Wall::State::helix_now() const {
     const bool down = settings.pitch > 0.0;
     const double start = settings.start_depth.value_or(down ? samples.first_depth() : samples.last_depth());
@@ -85,7 +86,8 @@ Index Wall::State::count_now(const Helix& next) const {
                      number_text(at_start ? start : stop));
 }
 
-// A wall has no vertices before its first sample.
+// Recomputes what the inserted batch can change, and stores it; returns the change. A wall has no vertices before its
+// first sample.
 Change Wall::State::update(const SortedBatch& batch) {
     if (samples.size() == 0) return {};
     if (!settings.window) samples.prepare_levels(settings.neighbors);
@@ -140,14 +142,14 @@ void Wall::State::measure_hulls(const std::vector<Index>& old, Index kept) {
     if (kept > 0) measure(growing_block(kept));
 }
 
-// Does the batch lie at the far end of the hole or beyond? Then settled vertices do not change and are not looked at,
-// so an append takes no longer in a long hole.
+// Returns whether the batch lies at the far end of the hole or beyond it. If so, settled vertices do not change and are
+// not looked at, so an append takes no longer in a long hole.
 bool Wall::State::advances(const SortedBatch& batch) const {
     return batch.count == 0 || (settings.pitch > 0.0 ? batch.first_depth() >= far_end : batch.last_depth() <= far_end);
 }
 
-// Is there a sample in the batch that is near enough to a vertex of the group to change it? If the tool turns at one
-// depth, a sample changes no vertex if enough earlier samples have its toolface.
+// Returns whether a sample of the batch is near enough to a vertex of the group to change it. While the tool turns at
+// one depth, a sample changes no vertex if enough earlier samples have the same toolface.
 bool Wall::State::reaches(const SortedBatch& batch, Index group) const {
     const Vertices::Block& block = vertices.block(group / Vertices::groups_per_block);
     const auto g = static_cast<std::size_t>(group % Vertices::groups_per_block);
@@ -171,7 +173,7 @@ bool Wall::State::reaches(const SortedBatch& batch, Index group) const {
     });
 }
 
-// The groups from `open` on whose values some sample of the batch can change, in order.
+// Returns, in order, the groups from `open` on whose values some sample of the batch can change.
 std::vector<Index> Wall::State::touched_groups(const SortedBatch& batch, Index open) const {
     std::vector<Index> touched;
     if (batch.count == 0) return touched;
@@ -215,7 +217,7 @@ void Wall::State::search_groups(const Helix& on, const std::vector<Index>& old, 
     });
 }
 
-// The vertices of searched groups that differ in any bit from their present values.
+// Returns the vertices of searched groups whose new values differ in any bit from their present values.
 std::vector<Range> Wall::State::compare(const std::vector<Index>& groups, const std::vector<GroupResult>& staged,
                                         Index new_count, const DirectRadii& next_direct) const {
     const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
@@ -235,8 +237,8 @@ std::vector<Range> Wall::State::compare(const std::vector<Index>& groups, const 
     return ranges;
 }
 
-// The first vertex, from group `from` on, that a sample at the far end of the hole or beyond could still change. Staged
-// groups count with their staged bounds.
+// Returns the first vertex, from group `from` on, that a sample at the far end of the hole or beyond could still
+// change. For the groups of `old`, the bounds in `staged` count.
 Index Wall::State::settled_after(const Helix& on, const Vertices& of, Index from, Index vertex_count,
                                  const std::vector<Index>& old, const std::vector<GroupResult>& staged) const {
     const bool down = on.pitch > 0.0;
@@ -244,7 +246,7 @@ Index Wall::State::settled_after(const Helix& on, const Vertices& of, Index from
     const auto open = [&](double bound) { return down ? bound >= end : bound <= end; };
     const auto bound = [&](const auto& depths) { return down ? depths.deep : depths.shallow; };
     const Index groups = groups_of(vertex_count);
-    std::size_t next = 0;  // of the staged
+    std::size_t next = 0;  // index of the next staged group
     for (Index b = from / Vertices::groups_per_block; b * Vertices::groups_per_block < groups; ++b) {
         const Index first = b * Vertices::groups_per_block, last = std::min(groups, first + Vertices::groups_per_block);
         const bool as_measured = next == old.size() || old[next] >= last;

@@ -13,7 +13,7 @@ from helibore.base.arrays import Floats
 
 
 def wrapped(angle: Floats, period: float = 360.0) -> Floats:
-    """Return angles in [0, ``period``), degrees; NaN stays NaN. If all lie in it already, return the array itself."""
+    """Return angles in [0, ``period``), degrees; NaN stays NaN. If no angle must change, return ``angle`` itself."""
     if angle.size and angle.min() >= 0.0 and angle.max() < period:
         return angle
     turned = angle % period

@@ -57,7 +57,7 @@ def numbers_or_dates(values: npt.ArrayLike, *, dates: bool) -> Floats:
 
 def _in_utc(moments: Array) -> Array:
     """Return an array of datetime objects as datetime64 in UTC; None and NaT become NaT."""
-    there = [of if of == of else None for of in moments.tolist()]  # NaT is not itself
+    there = [of if of == of else None for of in moments.tolist()]  # NaT does not equal itself
     for row, of in enumerate(there):
         if of is not None and not isinstance(of, datetime.datetime):
             raise InputError(f"row {row}", "must be a date with a time of day, as others are", repr(of))
@@ -71,8 +71,8 @@ def _in_utc(moments: Array) -> Array:
 def column(name: str, values: npt.ArrayLike, length: int | None = None, like: str = "") -> Floats:
     """Return ``values`` as a one-dimensional, C-contiguous float64 array; ``name`` is the argument's name, for errors.
 
-    If ``length`` is given, the column must have this length, that of the column ``like``. Masked arrays are refused,
-    because the mask would be lost without a message.
+    If ``length`` is given, the column must have this length; ``like`` is the name, for errors, of the column that has
+    it. Masked arrays are refused, because the mask would be lost without a message.
     """
     if isinstance(values, np.ma.MaskedArray):
         raise InputError(name, "masked arrays are not taken; drop the masked rows or use compressed()")
@@ -119,10 +119,10 @@ def sample_columns(
 ) -> tuple[Floats, Floats, Floats, Floats | None]:
     """Return the columns of samples for the core, each converted by `column`; the core compares their lengths."""
     columns: tuple[Any, Any, Any, Any] = depth, toolface, radius, time
-    if not _core.are_columns(*columns):  # at once: a live host appends thousands of small batches
+    if not _core.are_columns(*columns):  # one quick test: a live host appends thousands of small batches
         when = None if time is None else column("time", time)
         columns = column("depth", depth), column("toolface", toolface), column("radius", radius), when
-    if time is not None and columns[3].size == 0 < columns[0].size:  # which the core would take for none
+    if time is not None and columns[3].size == 0 < columns[0].size:  # the core would take this for no times
         raise InputError(f"time has 0 values, depth has {columns[0].size}", "must be equal")
     return columns
 

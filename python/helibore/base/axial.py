@@ -1,6 +1,7 @@
 """Axes and lobes around a circle, for breakouts of a wall and breakouts of an image.
 
-Axes have no sense of direction: 1 and 179 degrees are 2 apart. Their mean and spread, with weights L, are Mardia's:
+Axes have no sense of direction: 1 and 179 degrees are 2 apart. With weights L, the mean and the spread s of axes at the
+angles a are those of Mardia:
 
     mean = 1/2 atan2(sum L sin 2a, sum L cos 2a)     R = |sum L exp(2 i a)| / sum L     s = 1/2 sqrt(-2 ln R)
 """
@@ -20,7 +21,7 @@ class BreakoutLobe:
     """One side of a breakout, or a key seat, from the mean section of its zone."""
 
     toolface: float  # direction of its weighted middle, [0, 360), degrees
-    opening: float  # the angle over which it is higher than the floor, degrees; NaN if the tool has too few arms
+    opening: float  # angle over which the lobe is above the floor of `lobe_of`, degrees; NaN if the arms are too few
     height: float  # in a wall: the greatest height above the circle of C2, metres; in an image: the greatest darkness
 
 
@@ -30,7 +31,7 @@ class Axes:
 
     mean: float  # [0, 180), degrees; NaN if there are no axes
     deviation: float  # standard deviation, degrees; large to infinite without a preferred direction, NaN if not known
-    concentration: float  # R, from 0 (anywhere) to 1 (all alike)
+    concentration: float  # R, from 0 (no preferred direction) to 1 (all axes are equal)
     count: int
     weight: float  # the sum of the weights (lengths)
 
@@ -42,7 +43,7 @@ class Axes:
 
 
 def axial_mean(axes: Floats, weights: Floats | None = None) -> Axes:
-    """Return weighted mean and spread of axes, which are in degrees; they are NaN if the weights do not sum above 0."""
+    """Return the weighted mean and spread of ``axes``, degrees; both are NaN if the weights add up to 0 or less."""
     weight = np.ones(axes.size) if weights is None else weights
     total = float(weight.sum())
     if not total > 0:
@@ -75,9 +76,9 @@ def lobe_of(height: Floats, toolface: float, start: float, floor: float | None, 
 
 
 def _crossing(side: Floats, floor: float) -> float:
-    """Return the steps from the first value to where values fall to the floor, linear between two values.
+    """Return how many steps after the first value the values fall to ``floor``, interpolated linearly.
 
-    If they never fall to it, return all steps; if the first value is lower than the floor, return 0.
+    If no value is below the floor, return the number of all steps; if the first value is below it, return 0.
     """
     below = np.flatnonzero(side < floor)
     if not below.size:

@@ -35,7 +35,7 @@ def _rgb(text: str) -> tuple[int, int, int]:
 
 
 MISSING: tuple[int, int, int] = _rgb(_DEFINITION["missing"])
-"""Red, green and blue, 0 to 255, of a missing value: a grey that no map comes near."""
+"""Red, green and blue, 0 to 255, of a missing value: a grey that is not close to any colour of a map."""
 
 
 ZONE_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINITION["zones"].items()}
@@ -67,16 +67,16 @@ DIP_LINES: tuple[int, ...] = tuple(_DEFINITION["dips"]["lines"])
 PERCENTILES = (2.0, 98.0)
 """The usual percentiles at the ends of a static scale."""
 NEARLY_ALL = 99.8
-"""Percentile of the distances of a wall from bit size at which the colours of the wall end."""
+"""The colours of a wall end at this percentile of the distances of its radii from half the bit size."""
 
 
 @dataclass(frozen=True)
 class ColorMap:
-    """A colour map: evenly spaced stops, linear between."""
+    """A colour map: evenly spaced colours (stops), and linear interpolation between them."""
 
-    label: str  # what it is for; menus show this text
+    label: str  # what the map is for; menus show this text
     stops: tuple[tuple[int, int, int], ...]  # (red, green, blue) from the least value to the greatest, 0 to 255
-    safe: bool  # whether people with red-green colour blindness can read it: lightness alone shows the order of values
+    safe: bool  # whether people with red-green colour blindness can read the map: lightness alone shows the order
 
 
 COLOR_MAPS: dict[str, ColorMap] = {
@@ -175,7 +175,7 @@ _BLOCK = 1 << 16  # values coloured at a time, so few that intermediate arrays s
 
 @cache
 def _table_with_missing(color_map: str) -> Colors:
-    """Return the colours in `_FINE` steps, then the grey of missing values, (1025, 4)."""
+    """Return (1025, 4) uint8: the colours of the map in `_FINE` steps, then the grey of missing values."""
     table = np.full((_FINE + 1, 4), 255, dtype=np.uint8)
     table[:_FINE, :3] = color_table(color_map, _FINE)
     table[_FINE, :3] = MISSING
@@ -183,7 +183,7 @@ def _table_with_missing(color_map: str) -> Colors:
 
 
 def check_positive(values: Floats) -> None:
-    """Raise an InputError that names the first value a log scale cannot show; missing ones are allowed."""
+    """Raise an InputError that names the first value that is not above 0, as a log scale needs; NaN is allowed."""
     wrong = np.flatnonzero(np.ravel(values) <= 0)
     if wrong.size:
         place = ", ".join(str(index) for index in np.unravel_index(wrong[0], np.shape(values)))
@@ -247,9 +247,9 @@ def percentile_limits(
 
 
 def symmetric_limit(values: Floats, unit: float) -> float:
-    """Return how far a scale centred on zero reaches: ``unit`` times 1, 2, 3 or 5 times a power of ten, 1 or more.
+    """Return the limit L of a scale from -L to L: ``unit`` times 1, 2, 3 or 5 times a power of ten, not below ``unit``.
 
-    It is the least such number within which 99.8 % of the values lie; missing values do not count.
+    L is the least such number for which 99.8 % of the values lie from -L to L; missing values do not count.
     """
     there = np.abs(values[np.isfinite(values)])
     reach = max(float(np.percentile(there, NEARLY_ALL)) / unit, 1.0) if there.size else 1.0

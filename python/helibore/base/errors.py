@@ -83,7 +83,7 @@ class MissingExtraError(ImportError):
     Attributes
     ----------
     library, extra : str
-        The library that is missing, and the extra of helibore that brings it.
+        The library that is missing, and the extra of helibore that installs it.
     """
 
     def __init__(self, library: str, extra: str) -> None:

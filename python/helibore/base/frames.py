@@ -23,8 +23,9 @@ from helibore.base.units import TIME, factor
 OPTIONAL = ("time", "arm")
 """Roles that a table need not have."""
 WAYS = {"fetchall": "df()", "collect": "collect()", "read_all": "read_all()"}
-"""For a DuckDB relation, a lazy frame and an Arrow reader: a method that shows which of them it is, and the call that
-makes a data frame of it."""
+"""Objects that are not data frames, but have a call that returns one: a DuckDB relation, a lazy frame, an Arrow reader.
+
+A key is a method that only one of these three has; the value is that object's call."""
 
 
 @dataclass(frozen=True)
@@ -33,12 +34,12 @@ class FrameRows:
 
     columns: dict[str, Floats]  # by role, in metres, degrees and seconds
     complete: Mask  # which rows of the table are complete, one value for each row of the table
-    # By role: the column's name, its values as in the table, and a blank with their unit ("" if no unit was given).
+    # By role: the column's name, its values as in the table, and the text " UNIT" of the values ("" without a unit).
     stated: dict[str, tuple[str, Floats, str]]
 
     @contextmanager
     def named(self) -> Iterator[None]:
-        """Turn an InputError about an entry of a role into one about the table: its column, row and value."""
+        """Replace an InputError about an entry of a role by one that names the column, row and value in the table."""
         try:
             yield
         except InputError as error:

@@ -20,7 +20,7 @@ from helibore.base.colors import ColorScale, colors_of, usual_scale
 from helibore.base.errors import InputError
 
 _WIDTH, _HEIGHT = 72, 120
-"""The most cells of a map, across and down. Every picture is 144 pixels wide and 240 high, two for each of them."""
+"""The most cells of a map, across and down. Every picture has two pixels for each of them: it is 144 wide, 240 high."""
 _TABLE = "border-collapse:collapse;margin:.3em 0 0;background:none;color:inherit;font-size:inherit"
 
 
@@ -49,7 +49,7 @@ def map_picture(values: Floats, scale: ColorScale | None, label: str) -> str:
     cells = values[np.ix_(rows, columns)]
     pixels = (scale.colors(cells) if scale else colors_of(cells))[..., :3]
     height, width = pixels.shape[:2]
-    lines = np.zeros((height, 1 + 3 * width), np.uint8)  # each line begins with its filter: none
+    lines = np.zeros((height, 1 + 3 * width), np.uint8)  # a line of a PNG begins with the number of its filter; 0: none
     lines[:, 1:] = pixels.reshape(height, -1)
     parts = (b"IHDR", struct.pack(">2I5B", width, height, 8, 2, 0, 0, 0)), (b"IDAT", zlib.compress(lines.tobytes()))
     png = b"\x89PNG\r\n\x1a\n" + b"".join(
@@ -72,8 +72,8 @@ def usual_picture(values: Floats, name: str, unit: str, label: str) -> str:
 def curve_picture(across: Floats, down: Floats, label: str, equal: bool = False) -> str:
     """Return a picture of a curve as HTML; ``across`` grows to the right and ``down`` grows downwards.
 
-    The curve is interrupted where a value is missing; if all are missing, the picture is "". If ``equal``, a metre is
-    as long across as down, as a path needs it.
+    The curve is interrupted where a value is missing; if all are missing, the picture is "". If ``equal``, both
+    directions have the same scale, as the picture of a path needs.
     """
     rows = np.linspace(0, max(across.size - 1, 0), min(across.size, 4 * _HEIGHT)).astype(int)
     points = np.column_stack([across[rows], down[rows]])

@@ -34,8 +34,8 @@ class Settings:
     first_vertex, stop_vertex
         The wall is a stretch of the helix, from ``first_vertex``, a multiple of ``sectors``, up to but without
         ``stop_vertex``, which replaces ``stop_depth``; None: to the last sample. If ``first_vertex`` is not 0,
-        ``start_depth`` must be given. The stretch has the bits of the whole wall if it has all samples within
-        `Wall.reach`.
+        ``start_depth`` must be given. The values of the stretch have the same bits as in the whole wall if it gets all
+        samples within `Wall.reach`.
     neighbors
         V, the number of nearest samples that a vertex is estimated from; 1 to 256, with kriging 1 to 64. None: 8, with
         kriging 16.
@@ -58,9 +58,10 @@ class Settings:
         their distance, so it averages out noise and follows slopes. Its radius may lie outside the radii used, by at
         most half of their range.
     kriging_range
-        Metres, in the metric of ``angular_scale``: the distance at which two radii have nothing in common any more (the
-        covariance is Wendland's C2 function); at most half a turn counts. None: `helibore.reconstruct` takes four times
-        the median distance of the 16th nearest sample; a live wall must be given a range.
+        Metres, in the metric of ``angular_scale``: the distance from which two radii are no longer correlated (the
+        covariance is Wendland's C2 function); a range above half a turn counts as half a turn. None:
+        `helibore.reconstruct` takes four times the median distance of the 16th nearest sample; a live wall must be
+        given a range.
     nugget
         Variance of the noise divided by the variance of the shape, for kriging; at least 1e-6.
     sigma

@@ -1,4 +1,4 @@
-"""A table of logs: named columns that share one column of depths, with units, descriptions, and facts on their making.
+"""A table of logs: named columns at the same depths, with units, descriptions, and facts on how they were made.
 
     table = wall.logs().table()          table["DEQ"].values, table["DEQ"].unit, table.facts["bit diameter"]
 
@@ -77,8 +77,8 @@ class LogColumn:
 
 
 class Tabular(ABC):
-    """Base of the classes that have a `table`. pandas takes their objects by `to_pandas`, and Polars, DuckDB and other
-    readers of Arrow streams take them directly: ``polars.DataFrame(logs)``.
+    """Base of the classes that have a `table`. `to_pandas` makes a pandas data frame of an object. Polars, DuckDB and
+    other readers of Arrow streams read the object directly: ``polars.DataFrame(logs)``.
     """
 
     __slots__ = ()
@@ -128,7 +128,7 @@ class Tabular(ABC):
 
 
 class LogTable(Tabular):
-    """Columns of equal length; no two have one mnemonic. The first is the depth, metres; it rises, or falls, in logs.
+    """Columns of equal length and different mnemonics. The first is the depth, metres; in logs it rises, or it falls.
 
     ``facts`` say how the columns were made: ``{"bit diameter": "0.2159 m"}``. Every file states them.
     """

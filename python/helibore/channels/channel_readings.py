@@ -4,8 +4,8 @@
     diameter      two sensors of half the diameter,   travel-time   times of one sensor or of sectors, which an Echo
                   at its angle and opposite                         converts to radii
 
-Readings keep the flaws of the log; ``helibore.preparation.prepare`` finds and corrects them. A likely mistake is never
-corrected silently; it is an error: a diameter in place of a radius, radians as degrees, a wrong unit
+Readings keep the flaws of the log; ``helibore.preparation.prepare`` finds and corrects them. A likely mistake raises an
+error and is never corrected silently: a diameter in place of a radius, radians read as degrees, a wrong unit
 (``plausibility``).
 """
 
@@ -29,7 +29,7 @@ UNSTATED = {
     units.ANGLE: "deg, since a value is beyond 2 pi (no unit stated)",
     units.TIME: "s, as no unit is stated",
 }
-"""What `note` says in place of the unit of a channel that states none, by what the channel measures."""
+"""Texts of `note` on the unit of a channel without a stated unit; the key is what the channel measures."""
 
 WITH_TIME = re.compile(r"(\S+[T ]\d[\d:.]*) ?(Z|UTC|[+-]\d\d(?::?\d\d)?)?")
 """A date with a time of day, and perhaps its zone."""
@@ -52,7 +52,8 @@ def readings(
     roles
         What each channel means; None: the roles are guessed.
     bit_diameter
-        Metres; None: from a ``bit-diameter`` channel if there is one. It shows whether a radius is a diameter.
+        Metres; None: from a ``bit-diameter`` channel if there is one. A radius is compared with it, to find a diameter
+        in place of the radius.
     echo
         How travel times become radii; None: a channel of travel times is refused.
     tracked
@@ -166,7 +167,8 @@ def _angles(log_set: RawSet, arm: Role, width: int, turning: bool) -> list[float
 def _arm_names(log_set: RawSet, role: Role, width: int) -> list[str]:
     """Return the name of the arm of each value in a row.
 
-    All values belong to one arm, unless there are more than one but too few for an image: then each has its own arm.
+    If a row has two or more values but too few for an image, each value has its own arm. Otherwise all values belong
+    to one arm.
     """
     if not 1 < width < IMAGE_ROW:
         return [role.channel] * width
@@ -237,7 +239,7 @@ def _passes(log_set: RawSet, roles: RoleMap) -> Integers | None:
 
 
 def _high_side(log_set: RawSet, roles: RoleMap) -> Mask | None:
-    """Return in which rows the toolface counts from the high side; None without a toolface-reference channel."""
+    """Return a mask of the rows whose toolface counts from the high side; None without a toolface-reference channel."""
     role = roles.one("toolface-reference")
     if role is None:
         return None

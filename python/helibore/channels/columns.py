@@ -129,7 +129,7 @@ def depths(log_set: RawSet, roles: RoleMap, option: str = "its option") -> tuple
 
 
 def needed(log_set: RawSet, roles: RoleMap, role: str) -> Role:
-    """Return the channel that has a role, or raise an InputError that says how to name one."""
+    """Return the entry of the channel that has ``role``; an InputError says how to name a channel for it."""
     found = roles.one(role)
     if found is None:
         near = [f"; {each.channel} is {each.reason}" for each in roles if f"like {role}, but" in each.reason]
@@ -145,9 +145,9 @@ def about_names(log_set: RawSet) -> str:
 
 
 def north_of(log_set: RawSet, roles: RoleMap) -> str:
-    """Return the north of a survey's azimuths (true, grid or magnetic) if exactly one stands in their channel's text.
+    """Return the north from which a survey's azimuths count: true, grid or magnetic.
 
-    The text is the name and description of the channel. Return "" if it names no north, or several.
+    It is searched in the name and description of the azimuth channel. Return "" if they name no north, or several.
     """
     role = roles.one("azimuth")
     channel = None if role is None else log_set[role.channel]

@@ -53,7 +53,7 @@ class LogFile:
         self.path, self.format, self.sets, self._close = path, format_name, tuple(sets), close
 
     def set(self, name: str | None = None) -> LogSet:
-        """Return the set of that name, or the only set if ``name`` is None.
+        """Return the set with the name ``name``, or the only set if ``name`` is None.
 
         An InputError lists the sets if no set has the name, or if there are several sets and ``name`` is None.
         """

@@ -26,7 +26,7 @@ LIKELY_NULLS = (-999.0, -9999.0, -99999.0, -999999.0, -32768.0, -32767.0, 9999.0
 """Numbers that often mean no value in files that do not declare a null value."""
 
 MANY = 1 << 16
-"""If there are more values than this, the median is taken of evenly chosen values."""
+"""If there are more values than this, the median is that of a part of the values, taken at even steps."""
 
 
 def present(values: Floats) -> Floats:

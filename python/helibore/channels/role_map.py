@@ -139,7 +139,7 @@ def _entry(base: Role, entry: Any, place: str, why: str, own_reference: str) -> 
     for key, value in entry.items():
         if key not in KEYS:
             raise InputError(f"{place}: {key}", f"must be one of {', '.join(KEYS)}")
-        number = isinstance(value, float) or (type(value) is int and abs(value) < 2**63)  # the integers of TOML
+        number = isinstance(value, float) or (type(value) is int and abs(value) < 2**63)  # TOML integers have 64 bits
         if not (number if KEYS[key] is float else isinstance(value, str)):
             raise InputError(f"{place}: {key}", f"must be {'a number' if KEYS[key] is float else 'text'}", repr(value))
     role = entry.get("role", base.role)
@@ -208,8 +208,8 @@ def parse_options(
 def _own_angle(roles: RoleMap, name: str, role: str, turning: bool) -> float | None:
     """Return the angle of an arm whose option states none.
 
-    This is the guessed angle if the role is as guessed, except of an arm pair that turns without a toolface. Else it is
-    0 for a radius or travel time if there is a toolface, and None for any other arm.
+    This is the guessed angle if the role is as guessed, but not for an arm pair that turns with the tool if there is no
+    toolface. Otherwise it is 0 for a radius or travel time if there is a toolface, and None for any other arm.
     """
     known = roles.roles.get(name)
     if known is not None and known.role == role and known.angle is not None and (turning or not known.turns):

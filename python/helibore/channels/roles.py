@@ -4,8 +4,8 @@
     [channels."pfc1_x_in"]  role = "diameter"  unit = "in"  angle = 0.0        (an entry of a map)
 
 A guess uses names, descriptions, units and shapes, never the size of the numbers. ``columns`` converts the values.
-A ``diameter`` is two wall points, at ``angle`` and opposite; a ``radius`` is one. ``angle`` is counted from the
-toolface channel if there is one, else from the toolface reference.
+A ``diameter`` is two wall points, at ``angle`` and opposite; a ``radius`` is one wall point. ``angle`` is counted from
+the toolface channel if there is one, else from the toolface reference.
 """
 
 from __future__ import annotations
@@ -108,10 +108,10 @@ class Role:
     angle: float | None = None  # of a radius or diameter: its direction, degrees from the toolface; None: not known
     first: float | None = None  # of an image: angle of its first sector, degrees; None: not stated
     step: float | None = None  # of an image: angle from one sector to the next, degrees; None: not stated
-    offset: float = 0.0  # of a wall channel: metres up the string from where the depth is counted to its sensor
+    offset: float = 0.0  # of a wall channel: metres from the point whose depth is recorded up to its sensor
     latency: float = 0.0  # seconds from the measurement of this sensor to its time stamp
-    reference: str = ""  # of a toolface: what it counts from, one of REFERENCES; "": what the wall's counts from
-    confirmed: bool = False  # whether a map states this role: the checks for likely mistakes are then skipped
+    reference: str = ""  # of a toolface: what it counts from, one of REFERENCES; "": as the wall's toolface
+    confirmed: bool = False  # whether a map states this role, so that checks for likely mistakes are skipped
 
     @property
     def turns(self) -> bool:
@@ -162,7 +162,7 @@ def guess(log_set: RawSet) -> RoleMap:
 
 
 def _text_roles(log_set: RawSet, roles: dict[str, Role], has_toolface: bool) -> None:
-    """Give a missing role to a text column whose name fits, so that the error of reading it names the bad cell."""
+    """Give a missing role to a text column whose name fits, so that an error names its bad cell later."""
     taken = {each.role for each in roles.values()}
     for channel in log_set:
         if not channel.is_text or roles[channel.name].role != "none" or len(channel.shape) != 1:

@@ -22,10 +22,10 @@ from helibore.files.delimited import FEWEST_SECTORS
 from helibore.files.raw_set import Array, Channel, SectorAxis
 
 NAMELESS = "column"
-"""Name of columns without a name (``column 1``, ``column 2`` ...), whose numbers do not count sectors."""
+"""Start of the names given to nameless columns: ``column 1``, ``column 2`` ... These numbers do not count sectors."""
 
 SURE = 8
-"""This many numbered columns, or more, make an image even without stated angles."""
+"""At least this many numbered columns are an image even if their angles are not stated."""
 
 IMAGE_UNITS = frozenset(["gapi", "api", "aapi", "g/cc", "g/cm3", "g/c3", "kg/m3", "k/m3", "cps", "b/e"])
 """Units, in lower case, of gamma and density images; dip meters measure neither."""

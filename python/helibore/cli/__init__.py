@@ -1,4 +1,4 @@
-"""The command line: ``helibore <verb>``. The module of a verb is loaded when it is called or listed.
+"""The command line: ``helibore <verb>``. The module of a verb is loaded when the verb is called or listed.
 
     exit code 0   done
               1   an error in helibore itself, with a traceback; or Ctrl-C
@@ -42,7 +42,7 @@ def _one_line_errors() -> Iterator[None]:
     try:
         yield
     except click.UsageError as error:
-        if type(error).__name__ == "NoArgsIsHelpError":  # without a verb, click from 8.2 on shows its help by this
+        if type(error).__name__ == "NoArgsIsHelpError":  # click 8.2 and later raise this to show the help
             raise
         hint = f" (see {error.ctx.command_path} --help)" if error.ctx else ""
         raise BadInput(error.format_message() + hint) from error

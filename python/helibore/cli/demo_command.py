@@ -1,4 +1,4 @@
-"""``helibore demo``: a simulated hole, from samples to mesh and picture, and the error of its wall."""
+"""``helibore demo``: simulate a hole, rebuild its wall, write a mesh and a picture, and print the error of the wall."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from helibore.cli.terminal import Terminal
 from helibore.cli.wall_options import opt, section
 
 DEPTH_SCALE, DPI = 250, 120
-"""Depth scale of the picture (50 m of hole become 200 mm), and the number of pixels an inch."""
+"""Depth scale of the picture, 1:250 (50 m of hole are 200 mm on paper), and its resolution, pixels per inch."""
 
 
 @click.command(short_help="Simulate a hole and write its wall as a mesh and a picture.")

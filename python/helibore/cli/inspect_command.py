@@ -1,4 +1,4 @@
-"""``helibore inspect FILE``: what a file holds, which role each channel gets and why, and the map of these roles.
+"""``helibore inspect FILE``: print what a file holds, which role each channel gets and why, and a map of these roles.
 
 The command prints for each set, or for each set that ``--set`` chooses, a table of its channels, remarks, and the role
 map as TOML. The user can edit the map and pass it back with ``--map``. The command builds no wall.
@@ -32,7 +32,7 @@ WIDE = 120
 
 @click.command(short_help="Show what a file holds and which role each channel gets.")
 @click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
-@click.option("--map", "map_file", type=FILE, help="Roles of the channels as TOML, in place of the guess.")
+@click.option("--map", "map_file", type=FILE, help="TOML file of roles that replace the guessed roles of channels.")
 @click.option(
     "--set",
     "sets",
@@ -40,10 +40,10 @@ WIDE = 120
     metavar="SETS",
     help="Show only these sets: a name, numbers (2,5-8), or all sets that hold these columns (with=CALX,CALY).",
 )
-@click.option("--header-line", type=int, help="Number of the line of the column names of a table (CSV, XLSX).  [found]")
+@click.option("--header-line", type=int, help="Line of the column names of a table (CSV, XLSX).  [found]")
 @click.option("--toml", is_flag=True, help="Print only the role map, as TOML that a file for --map can hold.")
 def inspect(file: Path, map_file: Path | None, sets: tuple[str, ...], header_line: int | None, toml: bool) -> None:
-    """List the channels of FILE, their units, ranges and gaps, and what each is taken for.
+    """List the channels of FILE, their units, ranges, missing values, and the role that each channel gets.
 
     \b
     helibore inspect well.las
@@ -87,7 +87,7 @@ def show(console: Console, file: Path, opened: LogFile, names: list[str], mapped
         lacks, command = without_caliper(file, opened, roles)
         if command:
             console.print(f"  - {escape(lacks)}:\n", highlight=False)
-            click.echo(command)  # bare, as the map
+            click.echo(command)  # neither wrapped nor coloured, as the map below
         console.print("\n[bold]Role map[/] (edit, then pass it with --map):\n")
         # Printed bare: neither wrapped nor coloured, so that it can be copied.
         click.echo(write_map(roles, len(opened.sets) > 1, warning))
@@ -133,10 +133,10 @@ def span(channel: Channel) -> str:
 
 
 def short(value: float) -> str:
-    """Return a number with five significant digits; from 10,000 up to 1e9, all digits before the point: 1023720."""
+    """Return a number as text with five significant digits; from 10,000 to 1e9, with all digits before the point."""
     return f"{value:.0f}" if 1e4 <= abs(value) < 1e9 else f"{value:.5g}"
 
 
 def share(channel: Channel) -> str:
-    """Return the number of missing values of a channel, and their percentage of all its values."""
+    """Return the number of missing values of a channel, and their percentage of all its values, as text."""
     return f"{channel.missing:,} ({100 * channel.missing / channel.values.size:.3g} %)" if channel.missing else "0"

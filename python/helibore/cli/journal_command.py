@@ -26,7 +26,7 @@ CONFIGURATION = opt(
 
 @click.group(short_help="Check, list, replay, export and archive a journal.")
 def journal() -> None:
-    """Work with the journal of a live wall. Only archive changes a journal.
+    """Work with the journal of a live wall. Only the command archive changes a journal.
 
     \b
     helibore journal list well-7.journal
@@ -56,7 +56,7 @@ def list_(folder: Path) -> None:
         same = number == 1 or text == begun[number - 2][1]
         click.echo(f"session {number}: {utc(time)}{'' if same else ', with another configuration'}")
     for path in checkpoint.paths(folder):
-        with suppress(FileNotFoundError):  # a running `helibore live` has replaced it meanwhile
+        with suppress(FileNotFoundError):  # a running `helibore live` has replaced the checkpoint
             click.echo(f"{path.name}: {path.stat().st_size:,} bytes, records up to {checkpoint.position(path) - 1:,}")
 
 
@@ -79,7 +79,7 @@ def verify(folder: Path) -> None:
         records += len(numbers)
         damage = segment.damage_texts()
         if len(numbers) and int(numbers[0]) > last + 1 and not damage and last >= 0:
-            damage = [f"{segment.path.name}: records {last + 1} to {int(numbers[0]) - 1} are missing before it"]
+            damage = [f"{segment.path.name}: records {last + 1} to {int(numbers[0]) - 1} are missing before this file"]
         for text in damage:
             click.echo(text)
         lost += len(damage)
@@ -88,7 +88,7 @@ def verify(folder: Path) -> None:
         salt = header.salt if header else salt
     for path in checkpoint.paths(folder):
         try:
-            with suppress(FileNotFoundError):  # a running `helibore live` has replaced it meanwhile
+            with suppress(FileNotFoundError):  # a running `helibore live` has replaced the checkpoint
                 checkpoint.read(path, salt)
         except InputError as error:
             click.echo(str(error))
@@ -129,7 +129,7 @@ def replay(folder: Path, configuration: Path | None, output: Path | None) -> Non
     CONFIGURATION,
     opt(
         "-o --output",
-        "Folder to write to: a file with the bytes of each record, damaged range and torn end.",
+        "Folder to write to: one file for the bytes of each record, damaged range and torn end.",
         type=FOLDER,
     ),
 )
@@ -161,7 +161,7 @@ def quarantine(folder: Path, configuration: Path | None, output: Path | None) ->
         output.mkdir(parents=True, exist_ok=True)
         for name, content in found.items():
             write_whole(output / name, lambda file, content=content: file.write(content))  # type: ignore[misc]
-    click.echo(f"{folder}: {len(found)} set aside" + (f"; written to {output}" if output and found else ""))
+    click.echo(f"{folder}: {len(found)} items set aside" + (f"; written to {output}" if output and found else ""))
 
 
 @journal.command()
@@ -210,11 +210,11 @@ def export(folder: Path, configuration: Path | None, output: Path, source: str |
 
 @journal.command()
 @JOURNAL
-@click.option("--remove", is_flag=True, help="Delete the segments. A replay of the whole journal is then impossible.")
+@click.option("--remove", is_flag=True, help="Delete old segments. A replay of the whole journal is then impossible.")
 def archive(folder: Path, remove: bool) -> None:
     """Compress the old segments of the journal in FOLDER into its folder archive; the journal may be in use.
 
-    A segment is old if both checkpoints contain all its records; the rest is never touched.
+    A segment is old if both checkpoints contain all its records. The other segments are never changed.
 
     \b
     helibore journal archive well-7.journal

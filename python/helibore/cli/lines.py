@@ -1,4 +1,4 @@
-"""The lines, each a label and a sentence, that the commands print about a wall, its logs, zones and images."""
+"""Make the lines, each a label and a sentence, that the commands print about a wall, its logs, zones and images."""
 
 from __future__ import annotations
 
@@ -27,17 +27,17 @@ Lines = list[tuple[str, str]]
 
 
 def summary_lines(found: WallSummary, cells: str = "") -> Lines:
-    """Return lines on a wall or an interval of it; ``cells`` is a text on the cells of the mesh that was written."""
+    """Return the lines on a wall or a part of it; ``cells`` is a text on the number of cells of the written mesh."""
     helix = f"{found.sectors} sectors, pitch {found.pitch:g} m: {found.vertices:,} vertices"
     samples = f", from {found.samples:,} samples" if found.samples else ""
     lines = [("wall", f"{found.start:.2f} to {found.stop:.2f} m, {helix}{cells}{samples}")]
     if found.basis != "azimuthal":
         lines.append(("", found.basis_text))
     lines.append(("bit", size_text(found.bit_diameter)))
-    if found.basis == "gauge":  # nothing was measured
+    if found.basis == "gauge":  # a gauge hole has no measured diameters
         return lines
     if math.isnan(found.mean_diameter):
-        lines.append(("diameter", "missing: no turn is whole"))
+        lines.append(("diameter", "missing: no turn has all its radii"))
     else:
         lines += [
             ("diameter", f"mean      {_size(found.mean_diameter, found)}, by volume"),
@@ -62,7 +62,7 @@ def trust_lines(found: WallSummary) -> Lines:
 
 
 def counts_line(live: Live) -> str:
-    """Return a text on what became of the samples of a live wall, and on the size of its layer ``main``.
+    """Return a text on how many samples of a live wall were drawn, and on the number of vertices of its layer ``main``.
 
     Each sample whose depth is known, or will never be known, is in one of three counts: drawn in a layer; refused by a
     flag; in no layer, since no layer takes its pass, it lies before the wall, or enough samples lie around it.
@@ -109,7 +109,7 @@ def sigma_lines(rows: Logs) -> Lines:
     if not rows.with_sigma:
         return []
     missing = int(np.isnan(rows.diameter_sigma).sum())
-    why = "in each, a vertex lies in a gap, or farther from samples than the uncertainty was tested"
+    why = "in each row, a vertex lies in a gap, or farther from samples than the uncertainty was tested"
     if rows.basis != "azimuthal":
         why = rows.basis_text
     elif rows.shape == "arms":
@@ -127,7 +127,7 @@ def annulus_lines(annuli: Iterable[Annulus]) -> Lines:
         if each.narrower:
             row = int(np.nanargmin(each.hole))
             narrowest = f"narrowest at {each.depth[row]:.2f} m, {size_text(each.hole[row])}"
-            lines.append(("", f"it does not pass {each.narrower:,.1f} m, which have no annulus; {narrowest}"))
+            lines.append(("", f"the casing does not pass {each.narrower:,.1f} m, which have no annulus; {narrowest}"))
         if np.isfinite(each.clearance).any():
             row = int(np.nanargmin(each.clearance))
             least = float(each.clearance[row])
@@ -140,7 +140,7 @@ def annulus_lines(annuli: Iterable[Annulus]) -> Lines:
 def zone_lines(zones: Classification, found: WallSummary, unit: str) -> Lines:
     """Return lines on the zones that lie, at least in part, in the interval of a summary, and on their criteria.
 
-    ``unit`` is that of ``--unit``; the criteria are shown in it.
+    ``unit`` is the value of ``--unit``: the unit in which the criteria are shown.
     """
     counts = Counter(zone.kind for zone in zones.zones if zone.stop > found.start and zone.start < found.stop)
     kinds = [f"{count} {kind}, {found.kinds.get(kind, 0.0):,.1f} m" for kind, count in counts.items()]

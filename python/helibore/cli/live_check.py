@@ -1,10 +1,11 @@
-"""The text of ``helibore live --check``: each quantity of each source, its items, and how their numbers are read.
+"""Make the text of ``helibore live --check``: each quantity of each source, its items, and how their numbers are read.
 
     rig: tcp://127.0.0.1:9872
       bit_depth         0108                ft   the start of the wall comes as 6561.68; no unit stated: taken as ft
       caliper radius    5012 ... 5099 (30)  in   a hole of bit size comes as 4.25; no unit stated: taken as in
 
-WITS transmits no unit. Before data come, the only check of a unit is to compare these numbers with those of the rig.
+WITS transmits no unit. Before data arrive, a user can check a unit only by comparing these numbers with the numbers
+that the rig shows.
 """
 
 from __future__ import annotations

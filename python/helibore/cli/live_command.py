@@ -47,9 +47,9 @@ The command also waits this long, at most, for the thread that draws the status 
     opt("--check", "Check the configuration, print how helibore reads each item, and stop.", is_flag=True),
     opt("-q --quiet", "Do not show the status page.", is_flag=True),
     opt("--host", "Address of page and metrics; needs --token if other machines reach it.", default="127.0.0.1"),
-    opt("--token", "Secret that page and metrics ask for.  [HELIBORE_TOKEN]", envvar="HELIBORE_TOKEN"),
+    opt("--token", "Secret that page and metrics require.  [HELIBORE_TOKEN]", envvar="HELIBORE_TOKEN"),
     opt("--certificate", "PEM file: serve page and metrics over HTTPS.", metavar="FILE"),
-    opt("--key", "PEM file of its private key.  [the certificate's file]", metavar="FILE"),
+    opt("--key", "PEM file of the private key of --certificate.  [the same file]", metavar="FILE"),
     opt("--log", "Also write all events to this file, which is rotated at 10 MB.", metavar="FILE"),
 )
 def live(
@@ -94,7 +94,7 @@ def live(
             window.follow(running)
         server = Server(running, window.show if window else lambda _: None)
         with ExitStack() as serving:
-            show = serving.enter_context(_screen(server, quiet))  # before the server can use all file descriptors
+            show = serving.enter_context(_screen(server, quiet))  # made before the server can use all file descriptors
             if window:
                 serving.callback(window.close)
             server.start()
@@ -111,11 +111,11 @@ def live(
 
 
 def _window(well: str, port: int, access: Access) -> Window:
-    """Serve a new page and return its window, before the journal is opened: a port in use then ends the command."""
+    """Serve a new page and return its `Window`. If the port is in use, the command ends before a journal is opened."""
     from helibore.cli.live_view import Window
 
     window = Window(well, port=port, **vars(access))
-    shown = window.url if sys.stdout.isatty() else window.url.partition("?")[0]  # no secret in the log of a service
+    shown = window.url if sys.stdout.isatty() else window.url.partition("?")[0]  # a log must not show the secret
     click.echo(f"the wall is shown at {shown}")
     return window
 
@@ -124,8 +124,8 @@ def _window(well: str, port: int, access: Access) -> Window:
 def _screen(server: Server, quiet: bool) -> Iterator[Callable[[], None]]:
     """Show the status page on a terminal; yield a function that lets a thread draw the page again.
 
-    If the terminal takes no text (after Ctrl-S, or without its connection), only this thread waits. Without a terminal,
-    or if ``quiet``, the function does nothing.
+    If the terminal takes no text (after Ctrl-S, or if its connection is lost), only the drawing thread waits. Without
+    a terminal, or if ``quiet``, the function does nothing.
     """
     from rich.console import Console
     from rich.live import Live as Screen
@@ -205,7 +205,7 @@ def _reconfigure(server: Server, reload: Callable[[], None]) -> None:
     try:
         reload()
     except (OSError, ValueError) as error:
-        server.live.report("configuration", f"{error}: not used")
+        server.live.report("configuration", f"{error}: the changed configuration is not used")
 
 
 def _show(window: Window, server: Server) -> bool:

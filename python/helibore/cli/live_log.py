@@ -22,7 +22,7 @@ STOP = logging.LogRecord("", 0, "", 0, "", None, None)
 
 
 class LogWriter(logging.Handler):
-    """Queues log records; a thread of its own passes them to ``handlers``."""
+    """Queues log records; a separate thread passes the records to ``handlers``."""
 
     def __init__(self, handlers: list[logging.Handler]) -> None:
         super().__init__()
@@ -39,10 +39,10 @@ class LogWriter(logging.Handler):
         try:
             self._waiting.put_nowait(record)
         except queue.Full:
-            self._lost, self._reason = self._lost + 1, "stderr or the log file takes nothing"
+            self._lost, self._reason = self._lost + 1, "stderr or the log file is blocked or too slow"
 
     def trouble(self) -> str:
-        """Return how many lines were not written since the previous call, and why the last one was not; "" if none."""
+        """Return how many lines were lost since the last call, and the reason for the last loss; "" if none were."""
         lost, self._lost = self._lost, 0
         return f"{lost} lines were not written: {self._reason}" if lost else ""
 
@@ -54,7 +54,7 @@ class LogWriter(logging.Handler):
     def stop(self) -> None:
         """Wait until the queued lines are written, `SECONDS` at most; then the thread ends.
 
-        This is not ``close``, because uvicorn calls ``close`` of all handlers while the log is in use.
+        This method is not named ``close``, because uvicorn calls ``close`` of all handlers while the log is in use.
         """
         with suppress(queue.Full):
             self._waiting.put_nowait(STOP)

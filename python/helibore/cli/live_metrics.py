@@ -1,4 +1,4 @@
-"""The metrics of ``helibore live`` over HTTP or HTTPS, and who may read them and the page."""
+"""Serve the metrics of ``helibore live`` over HTTP or HTTPS, and decide who may read the metrics and the page."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from helibore.cli.live_status import metrics
 from helibore.live.server import Server
 
 CONNECTIONS, SECONDS = 8, 5.0
-"""Most connections at a time, and most seconds that each may take."""
+"""Greatest number of connections at a time, and of seconds that a connection may last."""
 
 
 @dataclass(frozen=True)
 class Access:
-    """The address that serves page and metrics, the secret that both ask for, and the PEM files for HTTPS.
+    """The address that serves page and metrics, the secret that both require, and the PEM files for HTTPS.
 
     Raises
     ------
@@ -102,9 +102,9 @@ class MetricsServer(http.server.HTTPServer):
         if context := access.context():
             self.socket = context.wrap_socket(self.socket, server_side=True, do_handshake_on_connect=False)
         self._asked: queue.Queue[Any] = queue.Queue()
-        self._since: dict[Any, float] = {}  # connections that wait for a thread or are answered, and since when
+        self._since: dict[Any, float] = {}  # by open connection: when it was accepted
         self._reserve = os.open(os.devnull, os.O_RDONLY)
-        metrics(server)  # the first call loads a library
+        metrics(server)  # the first call of `metrics` imports a library
         for name, run in (
             ("metrics", self.serve_forever),
             *((f"metrics {n}", self._answer) for n in range(CONNECTIONS)),

@@ -1,6 +1,6 @@
 """The status of a running server: a page for the terminal (rich), and metrics for Prometheus.
 
-Both only read the server.
+Neither changes the server.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def metrics(server: Server) -> str:
     flags = [((str(flag.name).lower(),), float(counts[f"flag {flag.name}"])) for flag in Flag]
     family("samples_flagged", "counter", "Samples with a flag.", flags, "flag")
     passes = [((name,), float(counts[f"pass {name}"])) for name in PASSES]
-    family("samples_of_pass", "counter", "Samples by the pass they belong to.", passes, "pass")
+    family("samples_of_pass", "counter", "Samples by the kind of pass to which they belong.", passes, "pass")
     events = sorted(((event.source, event.rule), event) for event in model.events.latest)
     place = ("source", "rule")
     family("events", "counter", "Events by source and rule.", [(key, event.count) for key, event in events], *place)
@@ -81,7 +81,7 @@ def metrics(server: Server) -> str:
     family("queue_records", "gauge", "Records stored and not yet drawn.", [((), server.queued)])
     latency, bounds = server.latency, [f"{bound:g}" for bound in server.latency.BOUNDS] + ["+Inf"]
     buckets = list(zip(bounds, itertools.accumulate(latency.counts), strict=True))
-    text = "From a packet's arrival to its changed vertices."
+    text = "Time from the arrival of a packet to the change of its vertices."
     families.append(HistogramMetricFamily("helibore_latency_seconds", text, buckets=buckets, sum_value=latency.sum))
 
     class Families(Collector):
@@ -169,7 +169,7 @@ class Page:
         table.add_row("bit", f"{bit[0]:,.2f} m" if bit else "-", "hole", f"{hole[0]:,.2f} m" if hole else "-")
         for name, wall in server.live.layers.items():
             table.add_row(name, f"{len(wall):,} vertices", "samples", f"{wall.sample_count:,}")
-        for run in list(model.passes.latest.values()):  # copied: other threads change it meanwhile
+        for run in list(model.passes.latest.values()):  # a copy, because other threads change the dict
             called = "" if run.number is None else f", number {run.number}"
             table.add_row("pass", f"{run.name}{called}", run.source or "host", f"{run.samples:,} samples")
         drawn = model.counts["drawn"]

@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     from helibore.viewer.feed import Feed
 
 AHEAD = 100.0
-"""Metres by which the shown path extends below the wall, so that it reaches what is drilled next."""
+"""Metres by which the shown path extends below the wall, so that the path covers the hole that is drilled next."""
 IMAGES_SECONDS = 1.0
-"""Least seconds between two mappings of the images on the wall; they take at most about 1/20 of the time."""
+"""Least seconds between two mappings of the images on the wall; all mappings take at most about 1/20 of the time."""
 
 
 class Window:
@@ -62,7 +62,7 @@ class Window:
         self._path_stop = float("inf")
         self._images: dict[str, int] = {}  # by image: how many of its rows the page shows
         self._images_due = 0.0
-        self._since: dict[str, tuple[str, str]] = {}  # state of each source, and since when, before the wall begins
+        self._since: dict[str, tuple[str, str]] = {}  # by source: its state and since when; until the wall begins
 
     def follow(self, live: Live) -> None:
         """Make ``live`` the wall that the page shows."""
@@ -83,7 +83,7 @@ class Window:
         Call this a few times a second, with the state of each source.
         """
         live = self._live
-        if self._feed and live.model.layouts.keys() - self._images.keys():  # an image that is not configured began
+        if self._feed and live.model.layouts.keys() - self._images.keys():  # an unconfigured image has begun
             self._feed.close()
             self._feed = None
         if self._feed is None and len(live.wall):
@@ -140,13 +140,13 @@ class Window:
         attributes: dict[str | Attribute, Floats] = {
             Attribute.usual(name, units.get(name, "")): values for name in self._images
         }
-        reference = next((layout.reference for layout in live.model.layouts.values()), None)  # one for all images
+        reference = next((layout.reference for layout in live.model.layouts.values()), None)  # the same for all images
         feed = Feed(
             live.wall, path=self._path(), attributes=attributes, well=self._well, scene=self.scene, reference=reference
         )
         feed.start()
         self._feed = feed
-        feed.update()  # changes that came meanwhile
+        feed.update()  # shows the changes that came during the start
 
     def _show_images(self) -> None:
         """Map the images that have new rows on the current wall, and show them; at most every `IMAGES_SECONDS`."""
@@ -155,7 +155,7 @@ class Window:
         began, live = time.monotonic(), self._live
         for name, shown in self._images.items():
             rows = len(live.images[name]) if name in live.images else 0
-            if rows > max(shown, 1):  # one row alone does not say how far it reaches
+            if rows > max(shown, 1):  # an image of one row has no row spacing, hence no reach
                 with contextlib.suppress(InputError):  # no quad of the wall lies under the image yet
                     self._feed.set_attribute(name, live.image(name).on(live.wall))
                     self._images[name] = rows
@@ -194,7 +194,7 @@ class Window:
         return helix_of(wall).ends(len(wall))
 
     def _path(self) -> Path | None:
-        """Return the path so far, extended below the wall; None if there is none or it begins below the wall's top."""
+        """Return the path so far, extended below the wall; None without a path, or if the path begins below the top."""
         top, bottom = self._span()
         path = self._live.model.stations.reaching(bottom + AHEAD)
         if path is None or path.start_depth > top:

@@ -45,7 +45,7 @@ DECIMALS = {"in": 4, "mm": 3, "ft": 5}
     ),
     opt("--sigma", "Also write the uncertainty of diameters and volumes: DEQ_SIGMA, VOL_SIGMA.", is_flag=True),
     opts("--casing casings", "Outer diameter of a casing, for its annulus and clearance.", type=LENGTH),
-    opt("--well", "Name of the well, for the files.  [as the source states it, else its name]"),
+    opt("--well", "Name of the well, for the files.  [as the source states it, else the name of its file]"),
     HEADER,
     opt(
         "--unit",
@@ -134,7 +134,7 @@ def logs(**options: Any) -> None:
 
 
 def _in_unit(table: LogTable, unit: str) -> LogTable:
-    """Return the table with sizes across the hole in another unit; ft: inches, and feet for lengths along it."""
+    """Return the table in ``unit``: the sizes across the hole; for ft, these in inches and lengths along it in feet."""
     from helibore.base import units
     from helibore.base.tables import LogTable
 
@@ -151,7 +151,7 @@ def _in_unit(table: LogTable, unit: str) -> LogTable:
 
 
 class _Measured(NamedTuple):
-    """What is measured of a wall.
+    """The zones and logs that are measured of a wall.
 
     ``zones`` are those of the whole wall; None if its shape was not measured. ``turns`` are the turns between --from
     and --to. ``rows`` are the rows to write: these turns, or steps of depth. ``columns`` are added to the rows: the

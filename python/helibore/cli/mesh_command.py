@@ -1,4 +1,4 @@
-"""``helibore reconstruct`` and ``helibore mesh``: a wall as a mesh, a volume of hexahedra, or an archive.
+"""``helibore reconstruct`` and ``helibore mesh``: write a wall as a mesh, a volume of hexahedra, or an archive.
 
 Both commands have the same options and write the same files: `reconstruct` is the usual name for caliper files, `mesh`
 for an archive, an average caliper or a gauge hole. `reconstruct` also prints the cross-validated error.
@@ -54,8 +54,8 @@ takes_a_mesh = section(
     SIGMA,
     NEAREST,
     MEASURED,
-    opt("--color-by", "An image, difference, sigma, nearest, measured or radius, for GLB, PLY and VTK.  [the first"
-        " image, or else radius]", metavar="NAME"),
+    opt("--color-by", "Attribute that colours a GLB, PLY or VTK file: an image, difference, sigma, nearest, measured"
+        " or radius.  [the first image, or else radius]", metavar="NAME"),
     opt("--centres", "With --recentre: table of centre, deviation and inliers of each turn: .csv, .csv.gz or .npz.",
         type=FILE),
     QUIET,
@@ -180,7 +180,7 @@ def _save(wall: Wall, made: Surface | Volume, output: Path, color_by: str | None
 
 
 def _colors(wall: Wall, made: Surface, output: Path, name: str) -> dict[str, Any]:
-    """Return the options of `Surface.save` for the usual colours of the image ``name``; {} if it cannot have them."""
+    """Return the arguments of `Surface.save` for the usual colours of an image; {} if they cannot be used."""
     from helibore.base.colors import PERCENTILES, customary_map
 
     values = made.attributes[name] if name in wall.images else np.empty(0)
@@ -211,7 +211,7 @@ def _write_centres(found: Centres, depth: Floats | None, file: Path) -> None:
 
 
 def _error_lines(run: Run, threads: int | None) -> Lines:
-    """Return a line on the cross-validated error of the wall; no line if it has none, or if tuning has printed it."""
+    """Return a line on the cross-validated error of the wall; no line if there is none, or if tuning has printed it."""
     from helibore.wall.estimates import FEWEST_SAMPLES
     from helibore.wall.tune import cross_validate
 

@@ -1,4 +1,4 @@
-"""What the commands that write files share: checks of an output, its recorded options, lines on what was written."""
+"""Check the outputs of commands, record the options that they were made with, and make lines on the written files."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from helibore.runs.run import Run
     from helibore.wall.wall import Wall
 
-SIGMA = opt("--sigma", "Standard uncertainty of the radius, as the attribute 'sigma'.", is_flag=True)
+SIGMA = opt("--sigma", "Add the standard uncertainty of the radius as the attribute 'sigma'.", is_flag=True)
 QUIET = opt("-q --quiet", "Print nothing but errors.", is_flag=True)
 
 NOT_RECORDED = ("source", "output", "centres", "zones", "breakouts", "quiet", "help")
@@ -33,13 +33,13 @@ def OUTPUT(help: str) -> tuple[str, dict[str, Any]]:  # noqa: A002, N802
     return opt("-o --output", help, type=FILE, required=True)
 
 
-NEAREST = opt("--nearest", "Distance to the nearest sample, as the attribute 'nearest'.", is_flag=True)
-MEASURED = opt("--measured", "Whether a quad is measured (1) or interpolated (0), as the attribute 'measured'; meshes "
-               "of a tool with few arms always have it.", is_flag=True)  # fmt: skip
+NEAREST = opt("--nearest", "Add the distance to the nearest sample as the attribute 'nearest'.", is_flag=True)
+MEASURED = opt("--measured", "Add the attribute 'measured': whether a quad is measured (1) or interpolated (0). Meshes "
+               "of a tool with few arms always have this attribute.", is_flag=True)  # fmt: skip
 
 
 def add_sigma(wall: Wall, terminal: Terminal) -> Lines:
-    """Give a wall its uncertainty as the attribute 'sigma'; return a line on the part without, if there is one."""
+    """Give a wall its uncertainty as the attribute 'sigma'; return a line on the part without sigma, if any."""
     import numpy as np
 
     from helibore.wall.interpolation import on_quads
@@ -62,7 +62,7 @@ def add_nearest(wall: Wall) -> None:
 
 
 def add_measured(wall: Wall) -> None:
-    """Give a wall the attribute 'measured', for meshes; those of a tool with few arms have it anyway."""
+    """Give a wall the attribute 'measured', for meshes; a wall of a tool with few arms always has it."""
     from helibore.wall.interpolation import measured_quads
     from helibore.wall.state import MEASURED
 

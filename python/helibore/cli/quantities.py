@@ -1,4 +1,4 @@
-"""Option values: ``8.5in``, ``0.216m``, ``90deg`` (a bare number is metres or degrees), lists and pairs of them."""
+"""Parse values of options: ``8.5in``, ``90deg`` (a number without a unit is metres or degrees), lists and pairs."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ else:
 
 
 class Quantity(Parameter[float | None]):
-    """The type of an option that is a number with a unit of ``kind``; it becomes metres, degrees or seconds.
+    """The type of an option that is a number with a unit of ``kind``; the number becomes metres, degrees or seconds.
 
     A number above ``largest`` is refused. With ``none``, the word none is allowed and becomes None.
     """

@@ -1,4 +1,4 @@
-"""``helibore reprocess manifest.toml``: rebuild many wells, here or on a Dask cluster; ``status`` counts them."""
+"""``helibore reprocess manifest.toml``: rebuild many wells, here or on a Dask cluster; ``status`` counts the wells."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from helibore.runs.reprocess import Progress
 
 MOST_WARNINGS = 10
-"""Most wells whose warnings are shown."""
+"""Greatest number of wells whose warnings are shown."""
 
 STOPPED = 130
 """Exit code after Ctrl-C, the same as that of shells."""
@@ -81,7 +81,7 @@ def reprocess(
             found = run(jobs, scheduler, workers=workers, progress=show)
         except KeyboardInterrupt:
             counts = f"; {seen[0].sentence()}" if seen else ""
-            click.echo(f"\nstopped{counts}: run it again to go on, and to write the catalogue", err=True)
+            click.echo(f"\nstopped{counts}: run the command again to go on, and to write the catalogue", err=True)
             click.get_current_context().exit(STOPPED)
         if not quiet:
             click.echo(found.sentence())
@@ -89,7 +89,7 @@ def reprocess(
     for well, reason in sorted(found.failed.items()):
         click.echo(f"{well}: {reason}", err=not words)
     if found.orphans and not quiet:
-        click.echo(f"not in {file}, but in the output and its catalogue: {', '.join(found.orphans)}")
+        click.echo(f"wells in the output and its catalogue, but not in {file}: {', '.join(found.orphans)}")
     for file, reason in found.unwritten.items():
         click.echo(f"{file}: cannot be written: {reason}", err=True)
     if found.failed or found.unwritten:
@@ -97,7 +97,7 @@ def reprocess(
 
 
 def _show(progress: Progress) -> None:
-    """Show the progress in a line. On a terminal it replaces the line before; elsewhere there are ten lines at most.
+    """Show the progress in a line. On a terminal the line replaces the last one; elsewhere at most ten lines are shown.
 
     Before the first well is finished, show the address of Dask's dashboard instead.
     """

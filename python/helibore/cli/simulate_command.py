@@ -1,4 +1,4 @@
-"""``helibore simulate FOLDER``: write a known hole, and what an imaging-while-drilling tool reports of it, to files.
+"""``helibore simulate FOLDER``: simulate a hole and a tool that images it while drilling; write files.
 
 caliper.csv   time_s, depth_m, toolface_deg, radius_m       (or .csv.gz, .npz)
 survey.csv    depth_m, inclination_deg, azimuth_deg
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 PLAYED = ("start", "stop", "lifts", "seed", "wits", "telemetry", "speed", "faults", "quiet")
-"""Names of the options that go with --wits."""
+"""Names of the options that may be given together with --wits."""
 
 
 @click.command(cls=Sectioned, short_help="Simulate a hole and a tool, and write the samples to files.")
@@ -45,7 +45,7 @@ PLAYED = ("start", "stop", "lifts", "seed", "wits", "telemetry", "speed", "fault
     opt("--rotation", "Turns a minute.", type=float, default=117.0),
     opt(
         "--stick-slip",
-        "Swing of the rotation speed, as a share of it; at 1 the tool stops once a swing.",
+        "Amplitude of the swings in rotation speed, as a share of --rotation; at 1 the tool stops once in each swing.",
         type=float,
         default=0.7,
     ),
@@ -61,14 +61,14 @@ PLAYED = ("start", "stop", "lifts", "seed", "wits", "telemetry", "speed", "fault
     "A rig over WITS",
     opt("--wits", "Send the data of a simulated rig over WITS, to tcp://HOST:PORT or as listen://HOST:PORT.",
         metavar="ADDRESS"),
-    opt("--telemetry", "Telemetry of the rig, which has its rate and delay.",
+    opt("--telemetry", "Telemetry of the rig; it decides the rate and the delay of the data.",
         type=click.Choice(["mud-pulse", "em", "wired-pipe", "memory"]), default="wired-pipe"),
     opt("--speed", "Speed of the rig; 1: real time; 0: everything at once.", type=click.FloatRange(0), default=1.0),
     opt("--faults", "Shares of the frames that are dropped, sent twice, and sent late.", nargs=3, type=float,
         default=(0.0, 0.0, 0.0)),
 )  # fmt: skip
 def simulate(folder: Path | None, samples: int | None, seed: int, ending: str, quiet: bool, **options: Any) -> None:
-    """Measure a known, seeded hole and write what the tool reports, and the truth, to FOLDER.
+    """Simulate a hole, measure it with a simulated tool, and write the samples and the true wall to FOLDER.
 
     \b
     helibore simulate hole
@@ -80,7 +80,7 @@ def simulate(folder: Path | None, samples: int | None, seed: int, ending: str, q
         _play(options, seed, quiet)
         return
     if folder is None:
-        raise click.UsageError("no FOLDER to write to, and no --wits ADDRESS to play to")
+        raise click.UsageError("no FOLDER to write to, and no --wits ADDRESS to send to")
     from helibore.simulation.tool import Hole, Lift, Tool
     from helibore.simulation.tool import simulate as run
 
@@ -106,7 +106,7 @@ def simulate(folder: Path | None, samples: int | None, seed: int, ending: str, q
 
 
 def _play(options: dict[str, Any], seed: int, quiet: bool) -> None:
-    """Send the WITS frames of a rig to an address; first print the configuration for ``helibore live`` to read them."""
+    """Send the WITS frames of a rig to an address; first print a configuration that reads them."""
     from helibore.simulation.rig import Faults, Rig, configuration, connect, play, socket_address
     from helibore.simulation.tool import Lift
 
@@ -148,6 +148,6 @@ def _write(folder: Path, simulation: Simulation, ending: str, seed: int) -> None
     truth = hole.radius(depth, toolface)
     write_table(folder / "truth.csv", {"depth_m": (depth, 6), "toolface_deg": (toolface, 4), "radius_m": (truth, 7)})
     shape = asdict(hole)
-    del shape["_modes"]  # the seed decides them
+    del shape["_modes"]  # the seed decides the modes
     parameters = {"hole": shape, "tool": asdict(simulation.tool), "seed": seed}
     write_whole(folder / "hole.json", lambda file: file.write(json.dumps(parameters, indent=1).encode()))

@@ -1,6 +1,6 @@
 """Show the stages of a verb and their times, a moving bar during each stage, and a summary of two columns.
 
-The bar appears on stderr if this is a terminal and --quiet is not given. rich is imported when something is shown.
+The bar appears on stderr if stderr is a terminal and --quiet is not given. rich is imported when something is shown.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ class Terminal:
 
     @contextmanager
     def stage(self, name: str, doing: str) -> Iterator[None]:
-        """Time a stage; while it lasts, show what is being done."""
+        """Time a stage; while the stage lasts, show the text ``doing``."""
         start = time.perf_counter()
         with self._bar(doing):
             yield

@@ -1,4 +1,4 @@
-"""Which command shows the images of a file that has no caliper; errors and `helibore inspect` print it."""
+"""Make the command that shows the images of a file without a caliper; errors and `helibore inspect` print it."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ LARGEST_BIT = 4.0
 def without_caliper(
     file: Path, log: LogFile, roles: RoleMap, verb: str = "view", bit: float | None = None, more: Sequence[str] = ()
 ) -> tuple[str, str]:
-    """Return what a file with images but no caliper around the hole lacks, and the command that shows these images.
+    """Return a text on what a file with images and no caliper lacks, and the command that shows the images.
 
     Return two empty texts if the file has a caliper, has no images, or has several sets, which ``--image`` cannot read.
     ``more`` are words to add to the command.
@@ -41,7 +41,7 @@ def without_caliper(
     lacks = (
         f"has images ({', '.join(images)}) and no known caliper around the hole (--radius or --diameter names one). "
         f"This command puts the images on {hole}. With edge, sector 1 starts at toolface 0; with centre, it is centred "
-        f"there. Only the tool's manual says which, and the wrong one turns {images[0]} by {180 / sectors:g} deg"
+        f"there. Only the tool's manual says which is right; the other one turns {images[0]} by {180 / sectors:g} deg"
     )
     return lacks + ("" if stated else ". No bit size is stated: replace 8.5in with yours"), shlex.join(words)
 

@@ -1,4 +1,4 @@
-"""The options of the criteria of zones, the same in ``helibore logs``, ``plot``, ``report`` and ``view``."""
+"""Define the options for criteria of zones, which ``helibore logs``, ``plot``, ``report`` and ``view`` have."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 CRITERIA = (
     opts("--criterion criteria", "Criterion of zones, such as washout=0.3in (least C2 - bit), elongation (least C1 - "
          "C2 of a breakout), key-seat (least height), undergauge (bit - least diameter), symmetry, least-length, join. "
-         "C1 is the largest diameter, C2 the one across it.", metavar="NAME=VALUE"),
+         "C1 is the largest diameter, C2 the diameter across C1.", metavar="NAME=VALUE"),
     opt("--scaled", "Scale the usual criteria, which are for a bit of 8.5 in, with the bit.", is_flag=True),
 )  # fmt: skip
 
@@ -43,7 +43,7 @@ def criteria_of(wall: Wall, options: dict[str, Any]) -> Criteria:
         if name not in known:
             raise click.UsageError(f"--criterion {text}: must be {form}")
         try:
-            if name not in (*shares, "least_length", "join") and value[-1:].isdigit():  # a size in inches or metres?
+            if name not in (*shares, "least_length", "join") and value[-1:].isdigit():  # no unit is stated
                 raise click.UsageError(f"--criterion {text}: needs a unit, such as {value}in or {value}mm")
             found[name] = float(value) if name in shares else units.quantity(value, units.LENGTH)
         except ValueError as error:

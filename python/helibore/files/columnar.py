@@ -137,7 +137,7 @@ def read_npz(source: InputFile) -> RawFile:
 
 
 def _array(name: str, member: Array | bytes) -> Array:
-    """Return a member of an archive, or refuse it: `numpy.load` returns bytes if the member is not an array."""
+    """Return a member of an archive; refuse bytes, which `numpy.load` returns if the member is not an array."""
     if isinstance(member, bytes):
         raise ValueError(f"{name} is not an array")
     return member
@@ -154,7 +154,7 @@ def own_unit(name: str, remarks: list[str]) -> str:
 def _axis_beside(array: Array, rows: int, arrays: dict[str, Array]) -> SectorAxis | None:
     """Return the sector axis of an (n, K) image from the first array of K angles in the same archive.
 
-    Return None if ``array`` is no such image, if K is 1 or n, or if the archive holds no array of K numbers.
+    Return None if ``array`` is not an (n, K) image, if K is 1 or n, or if the archive holds no array of K numbers.
     """
     if array.ndim != 2 or array.shape[0] != rows:
         return None

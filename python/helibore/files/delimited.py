@@ -32,7 +32,7 @@ DELIMITERS = (",", "\t", ";", "|")
 BLANKS = tuple(" " * count for count in range(1, 17))
 
 HEADING_LINES = 500
-"""The header must stand within this many lines."""
+"""The header must be within this many lines from the start of the file."""
 
 NO_HEADER = "numbers, so there is no header"
 """Part of the remark on a table without a header."""
@@ -71,7 +71,7 @@ def read(source: InputFile) -> RawFile:
     line_of = _line_finder(source, layout)
     if columns is None:
         text, found_later = (head, "") if whole else source.text()
-        if found_later and not remark:  # bytes that are not UTF-8 stand below the head
+        if found_later and not remark:  # not UTF-8 only below the first 2 MiB
             layout.remarks.append(found_later)
         found = read_rows(source.path, text.split("\n")[layout.skip :], layout.skip + 1, names, layout.delimiter)
         columns, line_of = found.columns, found.line_of
@@ -86,7 +86,7 @@ def read(source: InputFile) -> RawFile:
 
 
 def _head_text(source: InputFile) -> tuple[str, str, bool]:
-    """Return the whole lines in the first 2 MiB of the file, a remark on their encoding, and whether they are the file.
+    """Return the whole lines in the first 2 MiB of a file, a remark on their encoding, and whether they are all lines.
 
     The remark is "" for UTF-8.
     """
@@ -157,13 +157,13 @@ def _without_header(lines: list[str], start: int, delimiter: str, width: int, re
 def _delimiter(source: InputFile, rows: list[str], line: int) -> str:
     """Return the delimiter that splits each of the first 20 rows into the same number of cells, at least two.
 
-    If no delimiter does this, return the delimiter that splits the header into most cells, or a comma for one column of
-    numbers under a name. If no delimiter splits the header, raise an InputError for any other file.
+    If no delimiter does this, return the delimiter that splits the header into the most cells. If no delimiter splits
+    the header, return a comma if the table is one column, a name above numbers; else raise an InputError.
     """
     sample = rows[:20]
     widths = {mark: [len(split_cells(row, mark)) for row in sample] for mark in DELIMITERS}
     even = [mark for mark in DELIMITERS if widths[mark][0] > 1 and len(set(widths[mark])) == 1]
-    if len(even) > 1:  # both split "1,5;2,5" evenly: the comma is then a decimal comma
+    if len(even) > 1:  # comma and semicolon split "1,5;2,5" evenly: a decimal comma
         even = [mark for mark in even if not (mark == "," and ";" in even)]
         even.sort(key=lambda mark: -widths[mark][0])
     if even:
@@ -181,7 +181,7 @@ def _delimiter(source: InputFile, rows: list[str], line: int) -> str:
 
 
 def _by_pyarrow(source: InputFile, layout: TableLayout, head: str, encoding: str) -> list[Array] | None:
-    """Read the columns with pyarrow. Return None if pyarrow is not installed or does not read the table as we do.
+    """Read the columns with pyarrow. Return None if pyarrow is not installed or may read other values.
 
     The first 2 MiB decide the types of the columns, so that the types do not depend on how pyarrow cuts the table.
     """
@@ -195,7 +195,7 @@ def _by_pyarrow(source: InputFile, layout: TableLayout, head: str, encoding: str
         if not sample.num_rows:
             return None
         types = {name: _column_type(pa, sample.column(name)) for name in sample.column_names}
-        for column in sample.columns:  # a null text after a blank, or 1.#QNAN, makes text of a column of numbers
+        for column in sample.columns:  # " NULL" or 1.#QNAN turns a column of numbers into text
             if column.type == pa.string() and column_of(column.fill_null("").to_pylist()).dtype.kind != "U":
                 return None
         if encoding == "utf8" and not source.compressed:

@@ -31,7 +31,7 @@ def unit_in_name(name: str) -> str:
     if bracketed and not bracketed[1].isdigit():
         return bracketed[1]
     parts = name.split("_")
-    endings = ("_".join(parts[at:]) for at in range(1, len(parts)) if any(parts[:at]))  # the longest first: 0.1_in
+    endings = ("_".join(parts[at:]) for at in range(1, len(parts)) if any(parts[:at]))  # longest ending first: 0.1_in
     for ending in endings:
         if ending.lower() in SPELLINGS - AMBIGUOUS:
             return ending

@@ -1,6 +1,6 @@
 """Read the bytes of a plain or gzipped file; only the bytes that a caller asks for are in memory.
 
-    path -> first bytes -> format name          (the name of the file plays no part)
+    path -> first bytes -> format name          (the name of the file does not matter)
     path -> stream()    -> bytes, gunzipped; a gzip bomb is refused
     path -> lines(), pieces(), text()           (a very long line is refused: see LINE_LIMIT)
 
@@ -40,7 +40,7 @@ TEXT_LIMIT = 1 << 30
 """Largest text (bytes) of a format that is read whole (LAS)."""
 
 GZIP_FREE = 1 << 26
-"""Bytes to which a gzip stream or a zip archive may always unpack; beyond this, ``GZIP_RATIO`` limits it."""
+"""Bytes to which a gzip stream or a zip archive may always unpack; ``GZIP_RATIO`` limits larger files."""
 
 GZIP_RATIO = 200
 """Most unpacked bytes per packed byte. Logs of mostly -999.25 reach a ratio of 100; gzip bombs can reach 1,032."""
@@ -153,7 +153,7 @@ class InputFile:
                 yield rest
 
     def damaged(self, what: str, error: BaseException, column: str | None = None) -> InputError:
-        """Return an InputError that says what is damaged, with the first line of the error of a library."""
+        """Return an InputError that states ``what`` is damaged and the first line of ``error``, a library's error."""
         reason = (str(error).strip().splitlines() or [type(error).__name__])[0]
         return self.error(f"{what} ({reason})", column=column)
 

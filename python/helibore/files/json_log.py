@@ -38,7 +38,7 @@ WELL_UNITS = {"MD": "depth_unit", "TVD": "depth_unit", "N": "surface_unit", "E":
 def read(source: InputFile) -> RawFile:
     """Open a file in JSON Well Log Format, or a JSON file of the ISCWSA standard wells."""
     collecting = gc.isenabled()
-    gc.disable()  # else a third of the time to read a large log goes into scans of its tree of lists
+    gc.disable()  # scans of the tree of lists would take a third of the time to read a large log
     try:
         return _read(source)
     finally:

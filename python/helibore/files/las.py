@@ -280,13 +280,13 @@ def _set(
 def _check_range(log_set: RawSet, well: dict[str, str], units_of: dict[str, str]) -> None:
     """Add a remark for each difference between STRT or STOP of the header and the first or last row.
 
-    A difference of unit is also remarked, if one of the two units is not known. An index of text is not compared.
+    If STRT and the index have different units, one of them unknown, a remark says so. An index of text is skipped.
     """
     index = log_set[str(log_set.index)]
     if index.is_text:
         return
     unit = units_of.get("STRT") or ""
-    try:  # 10237.2 in 0.1 in is 85.31 ft
+    try:  # STRT may be 10237.2 in units of 0.1 in, the rows 85.31 ft
         scale = units.factor(unit, units.LENGTH) / units.factor(index.unit, units.LENGTH)
     except ValueError:
         scale = 1.0

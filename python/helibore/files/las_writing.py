@@ -79,5 +79,5 @@ def mnemonic_of(name: str) -> str:
 
 
 def one_line(text: str) -> str:
-    """Return the text on one line, with ; in place of each colon: a LAS line ends its value at a colon."""
+    """Return the text on one line, with ; in place of each colon, because a colon ends the value of a LAS line."""
     return " ".join(text.replace(":", ";").split())

@@ -36,7 +36,7 @@ def read(source: InputFile) -> RawFile:
 
 
 def _header(logical: Any) -> dict[str, str]:
-    """Return what the well site and job records of a logical file state, for example ``CN``, ``WN`` and ``FN``.
+    """Return the entries of the well site and job records of a logical file by mnemonic: ``CN``, ``WN``, ``FN`` ...
 
     A record is a table of rows with the columns MNEM and VALU, or a list of values by mnemonic.
     """

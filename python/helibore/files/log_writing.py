@@ -48,7 +48,7 @@ def save_table(
     well
         Name of the well, for the formats that have a place for it.
     header
-        What else is known of the hole, by the names of `LAS_WELL`: company, field, location, date ...
+        Texts for the header of the file, by the names of `LAS_WELL`: company, field, location, date ...
 
     Raises
     ------

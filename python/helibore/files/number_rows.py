@@ -3,7 +3,7 @@
     fast      every cell a number or empty, every row of one width     one call of numpy.loadtxt
     careful   everything else                                          cell by cell; an error names its line and column
 
-The careful reader runs only if the fast reader fails. Both give the same bits.
+The careful reader runs only if the fast reader fails. Both readers return the same bits.
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ def _fast(kept: list[str], delimiter: str | None, width: int) -> list[Array] | N
 def _cells(
     path: Path, kept: list[str], line_of: Callable[[int], int], width: int, delimiter: str | None, remarks: list[str]
 ) -> list[list[str]]:
-    """Split every row into as many cells as there are columns; an InputError names a row that has more or fewer."""
+    """Return the cells of every row; an InputError names a row that does not have ``width`` cells."""
     rows: list[list[str]] = []
     cut_rows = 0
     for line in kept:
@@ -151,10 +151,10 @@ def _cells(
 
 
 def split_cells(line: str, delimiter: str | None) -> list[str]:
-    """Split one line into cells. A delimiter between quotes is text of a cell."""
+    """Return the cells of one line. A delimiter between quotes is part of a cell."""
     if '"' in line:
         text = line.strip() if delimiter is None else line
-        with suppress(csv.Error):  # a cell of more than 128 KiB
+        with suppress(csv.Error):  # csv refuses a cell of more than 128 KiB
             blanks = delimiter is None or f'{delimiter} "' in text
             cells = next(csv.reader([text], delimiter=delimiter or " ", skipinitialspace=blanks))
             return [cell for cell in cells if cell or delimiter]

@@ -31,7 +31,7 @@ TEXT_KINDS = "OSUMm"
 """Kinds of NumPy arrays whose values become text: texts, dates, durations and objects."""
 
 EXACT = 2**53
-"""A column of integers with one beyond this stays integers, because float64 would round it (time in nanoseconds)."""
+"""A column that has an integer beyond this keeps its integers; float64 would round them (time in nanoseconds)."""
 
 
 @dataclass(frozen=True)
@@ -180,7 +180,7 @@ def _text(cell: Any) -> str:
 def unique(names: list[str]) -> list[str]:
     """Return ``names`` in their order, with each repeated name numbered: ``NAME:1``, ``NAME:2`` ...
 
-    A number is left out if another channel has the name that it would give.
+    A number is skipped if the name with this number exists already.
     """
     repeated = {name for name, count in Counter(names).items() if count > 1}
     taken = set(names) - repeated

@@ -3,7 +3,7 @@
 Well 15/9-F-12                          rows above the header are left out
 MD (m)   Incl (deg)   Azim (deg)        the header: the first row of two names or more with numbers below two of them;
                                         the next row may state the units
-100.0          0.50        31.20        rows, up to the first empty row; a remark says if others follow
+100.0          0.50        31.20        rows, up to the first empty row; a remark says if there are rows below it
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from helibore.files.number_rows import column_of
 from helibore.files.raw_set import Channel, RawFile, RawSet, readable_sets, unique
 
 HEADING_ROWS = 500
-"""The header must stand within this many rows."""
+"""The header must be within this many rows from the top of a sheet."""
 
 
 def read(source: InputFile) -> RawFile:

@@ -5,7 +5,7 @@
     <trajectorys><trajectory> <trajectoryStation><md uom="m"/><incl uom="rad"/><azi/> ...
 
 Units are kept as written (radians stay radians). Any document type or entity declaration is refused before the parser
-gets it. The length of a text, the depth of nesting, and the number of elements in a station or curve are limited.
+reads it. The length of a text, the depth of nesting, and the number of elements in a station or curve are limited.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ KEPT = ("trajectoryStation", "logCurveInfo")
 """Elements whose children are kept until the element itself ends; other elements are freed at once."""
 
 CHILDREN = 10_000
-"""Greatest number of elements within one of ``KEPT``; WITSML has about 60."""
+"""Greatest number of elements within one element of ``KEPT``; WITSML has about 60."""
 
 FORBIDDEN = re.compile(rb"<!\s*(DOCTYPE|ENTITY|ELEMENT|ATTLIST|NOTATION)", re.IGNORECASE)
 ENCODING = re.compile(rb"""^\s*<\?xml[^>]*encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
@@ -43,7 +43,7 @@ STATION = (
 
 
 class Checked(io.RawIOBase):
-    """The bytes of an XML file as a stream that checks each piece before the parser gets the piece."""
+    """The bytes of an XML file as a stream; each piece is checked before the parser reads it."""
 
     def __init__(self, source: InputFile, stream: BinaryIO) -> None:
         self._source = source
@@ -88,7 +88,7 @@ class LogBuilder:
         self.rows: list[list[str]] = []
 
     def take(self, name: str, parent: str, element: ET.Element) -> None:
-        """Copy the needed values from an element, and free it."""
+        """Copy the needed values from an element, and free its memory."""
         text = (element.text or "").strip()
         if parent == "log" and name not in ("logCurveInfo", "logData"):
             self.header[name] = text
@@ -128,7 +128,7 @@ class LogBuilder:
 
 
 def _null(source: InputFile, place: str, stated: dict[str, str]) -> tuple[float, ...]:
-    """Return the number of a nullValue of a log or curve, or none."""
+    """Return the nullValue of a log or curve as a tuple of one number; () if none is stated."""
     null = stated.get("nullValue")
     try:
         return (float(null),) if null else ()
@@ -146,7 +146,7 @@ class TrajectoryBuilder:
         self.stations: list[dict[str, tuple[str, str]]] = []
 
     def take(self, name: str, parent: str, element: ET.Element) -> None:
-        """Copy the needed values from an element, and free it."""
+        """Copy the needed values from an element, and free its memory."""
         if name == "trajectoryStation":
             cells = {
                 child.tag.rpartition("}")[2]: ((child.text or "").strip(), child.get("uom", "")) for child in element

@@ -33,7 +33,7 @@ from helibore.base.tables import LogTable, columns_of
 
 @dataclass(frozen=True, kw_only=True)
 class ImageCriteria:
-    """What makes rows of an image a breakout."""
+    """The criteria that rows of an image must meet to be a breakout."""
 
     dark: float = 0.6  # a sector is dark below this share of the median of its row, in (0, 1)
     least_opening: float = 10.0  # degrees: a narrower dark arc is ignored
@@ -41,7 +41,7 @@ class ImageCriteria:
     opposite: float = 30.0  # degrees: the angle between two arcs may differ from half a turn by this much
     least_length: float = 0.05  # metres: a shorter stretch of hole is no breakout
     least_rows: int = 2  # number of rows with two opposite dark arcs that make a breakout
-    join: float = 0.02  # metres: a gap up to this does not part a breakout, if the axes agree within ``opposite``
+    join: float = 0.02  # metres: a gap up to this does not split a breakout, if the axes agree within ``opposite``
 
     def __post_init__(self) -> None:
         check_not_negative(vars(self))
@@ -85,9 +85,9 @@ class SearchedImage(Protocol):
 
 @dataclass(frozen=True)
 class DarkLobe:
-    """One side of a breakout, from the mean row of its stretch."""
+    """One side of a breakout, found in the mean of all rows of the breakout (the mean row)."""
 
-    toolface: float  # of its middle, weighted by darkness, [0, 360), degrees from the image's reference
+    toolface: float  # of the lobe's middle, weighted by darkness, [0, 360), degrees from the image's reference
     opening: float  # the angle over which the mean row is dark, degrees
     relative: float  # the least value of the mean row within the lobe, as a share of the median
 
@@ -98,9 +98,9 @@ class ImageBreakout:
 
     start: float  # measured depths, metres, start above stop
     stop: float
-    toolface: float  # of its axis, [0, 180), degrees from the image's reference
-    deviation: float  # standard deviation of the rows' axes about it, degrees (axial, Mardia); NaN if it has one row
-    lobes: tuple[DarkLobe, DarkLobe]  # the one at ``toolface`` first
+    toolface: float  # of the breakout's axis, [0, 180), degrees from the image's reference
+    deviation: float  # standard deviation of the rows' axes about ``toolface``, degrees (axial, Mardia); NaN if one row
+    lobes: tuple[DarkLobe, DarkLobe]  # the lobe at ``toolface`` first
 
     @property
     def length(self) -> float:
@@ -117,7 +117,7 @@ class ImageBreakouts:
     criteria: ImageCriteria
 
     def axis(self) -> Axes:
-        """Return the mean axis of the breakouts and their spread, weighted by length; NaN if there are none."""
+        """Return the mean axis of the breakouts and its spread, weighted by length; NaN if there are no breakouts."""
         return axial_mean(np.array([of.toolface for of in self.zones]), np.array([of.length for of in self.zones]))
 
     def facts(self) -> dict[str, str]:
@@ -182,7 +182,7 @@ def find_breakouts(image: SearchedImage, criteria: ImageCriteria | None = None) 
 
 
 def _relative(image: SearchedImage) -> tuple[Floats, Floats]:
-    """Return the values divided by the median of their row, and the toolfaces of the sectors, both clockwise.
+    """Return the values divided by the median of their row, and the toolfaces of the sectors, in clockwise order.
 
     Values are NaN where they are missing, and in rows whose median is 0. A negative value raises an InputError.
     """
@@ -231,7 +231,7 @@ def _paired(row: Integers, middle: Floats, rows: int, opposite: float) -> Mask:
 def _stretches(
     broken: Mask, axes: Floats, low: Floats, high: Floats, criteria: ImageCriteria
 ) -> Iterator[tuple[int, int]]:
-    """Return the rows [top, stop) of each breakout, joined over short gaps and split where the axis changes."""
+    """Yield the rows [top, stop) of each breakout, joined over short gaps and split where the axis changes."""
     joined: list[list[int]] = []
     for row in np.flatnonzero(broken).tolist():
         if joined:

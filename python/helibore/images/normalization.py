@@ -36,10 +36,10 @@ def image_scale(
 def sliding_window(depth: npt.ArrayLike, values: npt.ArrayLike, window: float = WINDOW, log: bool = False) -> Floats:
     """Normalise each row of values, (n, S) or (n,), by the values in a window around the row (dynamic normalisation).
 
-    ``depth`` is (n,) metres, rising. Half of ``window``, metres, lies above and half below each row; rows at its ends
-    belong to it. If ``log``, the logarithms of the values are normalised. The result is 0 to 1 and has the shape of
-    ``values``: 0.5 for the mean of the window, 0 and 1 for values two standard deviations or more below and above it,
-    0.5 if all values of the window are equal, and NaN where a value is missing.
+    ``depth`` is (n,) metres, rising. Half of ``window``, metres, lies above and half below each row; rows at the ends
+    of a window belong to it. If ``log``, the logarithms of the values are normalised. The result is 0 to 1 and has the
+    shape of ``values``: 0.5 for the mean of the window, 0 and 1 for values two standard deviations or more below and
+    above it, 0.5 if all values of the window are equal, and NaN where a value is missing.
     """
     depths = finite_column("depth", depth)
     shape = np.shape(values)
@@ -61,7 +61,7 @@ def sliding_window(depth: npt.ArrayLike, values: npt.ArrayLike, window: float = 
     stop = np.searchsorted(depths, depths + window / 2, side="right")
     mean, spread = _moments(rows, first, stop)
     off = rows - mean[:, None]
-    steady = spread == 0  # 0 / 0 there: the value is the mean
+    steady = spread == 0  # there the share would be 0 / 0: all values of the window are equal
     share = np.divide(off, 4 * spread[:, None], out=np.where(np.isnan(off), np.nan, 0.0), where=~steady[:, None])
     result: Floats = np.clip(0.5 + share, 0, 1)
     return result.reshape(shape)
@@ -80,7 +80,7 @@ def _moments(rows: Floats, first: Integers, stop: Integers) -> tuple[Floats, Flo
     with np.errstate(invalid="ignore", divide="ignore"):
         mean = total / count
         variance = square / count - mean * mean
-    # If all values are equal, the rest is a rounding error of the sums.
+    # If all values of a window are equal, its variance is only a rounding error of the sums.
     rounding = 1e-12 * max(float(sums[2][-1]) / max(float(sums[0][-1]), 1.0), np.finfo(float).tiny)
     spread: Floats = np.sqrt(np.where(variance > rounding, variance, 0.0))
     return middle + mean, spread

@@ -8,7 +8,7 @@
     surface.attributes["GR"] = image.on(wall)
 
 A row covers half the distance to its neighbours, but at most ``reach``; beyond that the image has a gap, which is NaN.
-Sectors must be evenly spaced. Scattered values are not supported, and colours are made elsewhere.
+Sectors must be evenly spaced. Scattered values are not supported. ``base.colors`` turns values into colours.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class SectorImage:
         of a wall has another reference, the image is turned (`onto`). For a wall without a path, give the reference
         from which the wall's toolfaces count.
     direction
-        The way sectors count, looking downhole.
+        Direction in which the numbers of the sectors rise, looking downhole.
     offset
         Toolface of sector 1's origin, degrees.
     reach
@@ -79,7 +79,7 @@ class SectorImage:
     InputError
         If two rows have one depth (``depth[4] = 1000: already the depth of row 3``), there is no row, a depth, the
         offset or the reach is not finite, the reach is not above 0, shapes do not fit, a value is infinite, all values
-        are missing, a word is unknown, or a single row has no reach.
+        are missing, the origin, reference or direction is an unknown word, or a single row has no reach.
     """
 
     def __init__(
@@ -231,7 +231,7 @@ class SectorImage:
         if not count:
             return np.empty(0)
         self._check_meets(wall, count)
-        # Sectors from the start of sector 1, for one turn: toolfaces repeat from turn to turn.
+        # Places of the quads of one turn, in sectors from the start of sector 1; toolfaces repeat from turn to turn.
         toolface = wall.settings.start_toolface + (np.arange(K, dtype=np.float64) + 0.5) * (360 / K)
         turned = (toolface - self.offset) * (1 if self.direction == "clockwise" else -1) * self.sectors / 360
         sector = turned + 0.5 if self.origin == "centre" else turned
@@ -246,7 +246,7 @@ class SectorImage:
         return _core.linear_values(self.depth, values, self.reach, quads, sector - 0.5, threads)
 
     def _check_meets(self, wall: WallLike, count: int) -> None:
-        """Refuse a wall without a quad whose centre lies within reach of the image."""
+        """Raise an InputError if no quad of the wall has its centre within reach of the image; ``count``: of quads."""
         K, step = wall.settings.sectors, wall.settings.pitch / wall.settings.sectors
         top, bottom = self.depth[0] - self.reach, self.depth[-1] + self.reach
         near = [(end - wall.start_depth) / step - (K + 1) / 2 for end in (top, bottom)]
@@ -283,7 +283,10 @@ def _around(rows: Floats, place: Floats, method: Method) -> Floats:
 
 
 def _order(depths: Floats) -> Integers:
-    """Return the indices of the rows from the shallowest to the deepest; refuse equal and infinite depths."""
+    """Return the indices of the rows from the shallowest to the deepest.
+
+    Raises an InputError if there is no row, if two depths are equal, or if a depth is not finite.
+    """
     if not depths.size:
         raise InputError("depth", "must have at least one row")
     wrong = np.flatnonzero(~np.isfinite(depths))
@@ -316,6 +319,6 @@ class SectorImages(dict[str, SectorImage]):
 
     def __setitem__(self, name: str, image: SectorImage) -> None:
         if not isinstance(image, SectorImage):
-            rule = "must be a SectorImage, which knows its depths and where sector 1 lies"
+            rule = "must be a SectorImage, which states its depths and where sector 1 lies"
             raise InputError(f"images[{name!r}]", f"{rule}, not {type(image).__name__}")
         super().__setitem__(name, image)

@@ -16,13 +16,13 @@ class Address:
     Attributes
     ----------
     host, port
-        For ``tcp``, ``listen`` and ``https``.
+        Host and port number of a ``tcp``, ``listen`` or ``https`` address.
     file
         The path of the device or of the file.
     baud
         Baud rate of a serial port.
     speed
-        Bytes a second that are read from a file; 0: as fast as possible.
+        Number of bytes to read from a file in each second; 0: read as fast as possible.
     url
         The whole address of a store.
     """
@@ -37,7 +37,7 @@ class Address:
 
     @property
     def is_loopback(self) -> bool:
-        """Whether only this machine can reach the address."""
+        """Whether only programs on this machine can reach the address."""
         return self.host in ("localhost", "::1") or self.host.startswith("127.")
 
 
@@ -77,7 +77,7 @@ def read_address(text: object) -> Address:
         shown = f"{scheme}://..." if "://" in text else "..."
         rule = "must not hold a user or password" + (": give user and password_env" if scheme == "https" else "")
     elif scheme == "https" and mark:
-        rule = "must not hold a query: it would be in the journal"
+        rule = "must not hold a query: the journal would store it"
     elif scheme == "http":
-        rule = "must be https: what is sent in the clear can be read and changed"
+        rule = "must be https: others can read and change what http sends"
     raise InputError("", rule, repr(shown))

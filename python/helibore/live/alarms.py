@@ -1,10 +1,11 @@
-"""Alarms tell a driller at once that something is wrong, and when it has ended.
+"""Alarms: tell the driller at once when something goes wrong, and again when the cause is gone.
 
     watch thread: check() every TICK -> begins, ends -> event, metrics, log, page
                                              '-> queue -> one thread -> command, webhook       a line of JSON each
 
-No other thread waits for the command or the webhook. Each has a time limit of SECONDS, and at most MOST_LINES lines
-wait for them. ``check`` takes the time from the clock of `Live`, so that a test can set it.
+Only the thread behind the queue waits for the command and the webhook. Each of these two has a time limit of SECONDS,
+and at most MOST_LINES lines wait in the queue. ``check`` takes the time from the clock of `Live`, so that a test can
+set it.
 """
 
 from __future__ import annotations
@@ -40,34 +41,34 @@ from helibore.live.sources import Source, WitsSource
 from helibore.live.update import Update
 
 HOLD = 60.0
-"""Seconds that an alarm without a duration (clock, depth jump, tight hole, washout) lasts after its last cause."""
+"""Seconds that an alarm with a momentary cause (clock, depth jump, tight hole, washout) lasts after the last cause."""
 SECONDS = 10.0
-"""Time limit of the command and of the webhook."""
+"""Time limit of one run of the alarm command, and of one request to the webhook."""
 WAITS = (0.0, 1.0, 5.0)
-"""Seconds before each try to deliver a line."""
+"""Seconds to wait before the first, the second and the third try to deliver a line."""
 LONGEST_LINE = 200
-"""Most bytes of the last line that the command writes to stderr; of a longer line, only its last part is kept."""
+"""The most bytes that are kept of the last line on the command's stderr; of a longer line, only the last part."""
 MOST_LINES = 100
-"""Most lines that wait for the command and the webhook."""
+"""The most lines that wait in the queue for the command and the webhook."""
 MOST_ITEMS = 20
-"""Most items that the text of an alarm lists."""
+"""The most WITS items that the text of an alarm lists."""
 MOST_RANGES = 256
-"""Most changed ranges of vertices that wait for a check; the latest are kept."""
+"""The most changed ranges of vertices that wait for the next check; if there are more, the latest are kept."""
 STEP = 0.01
 """Metres by which the bit must move to count as moving."""
 TICK = 0.25
 """Seconds between two checks."""
 WAITING = "waiting for the disk"
-"""State of a source whose record waits until the disk takes it."""
+"""Text in `Server.states` for a source whose record cannot be stored yet, because the disk refuses it."""
 REASONS = {
     "NULL": "no value",
     "INVALID": "not a number",
     "RANGE": "depth or radius out of range",
     "DUPLICATE": "sent twice",
-    "NO_DEPTH": "no bit depth near it in time",
+    "NO_DEPTH": "no bit depth close in time",
     OUTSIDE: "before the start of the wall",
 }
-"""Why samples are refused, in words, by their outcome."""
+"""The reason in words for each outcome of a sample that is refused."""
 
 
 def local(wall: int) -> datetime.datetime:
@@ -82,7 +83,7 @@ def clock_text(wall: int) -> str:
 
 
 class _NoRedirects(urllib.request.HTTPRedirectHandler):
-    """Makes a redirect an error, because a redirected POST would become a GET without the line."""
+    """Makes a redirect an error, because a redirected POST would become a GET without the line of JSON."""
 
     def redirect_request(self, *_: object) -> None:
         return None
@@ -125,9 +126,10 @@ class _LastLine:
 
 
 def is_connected(source: Source, state: str) -> bool:
-    """Whether a source in this state (`Server.states`) counts as connected.
+    """Return whether a source in this state (`Server.states`) counts as connected.
 
-    A source whose address is ``host`` always does. A source that has ended, or that waits for the disk, does too.
+    A source with the address ``host`` always counts as connected. So does a source that has ended, or that waits for
+    the disk.
     """
     return source.address.kind == "host" or state.startswith(("connected", "ended", WAITING))
 
@@ -139,11 +141,11 @@ class Alarm:
     Attributes
     ----------
     rule, source
-        Its rule and source ("": it belongs to no source).
+        Name of the rule, such as ``lost``, and name of the source ("" if the alarm belongs to no source).
     wall, monotonic
-        When it began, ns.
+        Time at which the alarm began: ns since 1970, and ns of the monotonic clock.
     text
-        Its cause.
+        Cause of the alarm, in words.
     """
 
     rule: str
@@ -213,7 +215,7 @@ class Alarms:
     Raises
     ------
     InputError
-        As `receiver`.
+        For the reasons that `receiver` states.
     """
 
     def __init__(self, live: Live, states: Mapping[str, str]) -> None:
@@ -293,12 +295,12 @@ class Alarms:
         """End a request to the webhook that takes over SECONDS; urllib limits only the time for each piece of data."""
         if (posting := self._posting) and time.monotonic() - posting[0] > SECONDS:
             for connection in posting[1]:
-                if (link := connection.sock) is not None:  # it may have no socket yet, or none any more
+                if (link := connection.sock) is not None:  # None before it connects and after it closes
                     with contextlib.suppress(OSError):
                         socket.socket.shutdown(link, socket.SHUT_RDWR)
 
     def begin(self, rule: str, text: str, source: str = "") -> None:
-        """Begin an alarm, unless one of the same rule and source has begun already."""
+        """Begin an alarm, unless an alarm of the same rule and source has begun and not ended."""
         alarm = Alarm(rule, source, *self._live.clock(), text)
         with self._lock:
             if self._active.setdefault((rule, source), alarm) is not alarm:
@@ -314,9 +316,9 @@ class Alarms:
         self._report(said, wall, ended)
 
     def close(self) -> None:
-        """End all alarms except a failure, and stop.
+        """End all alarms except ``failure``, and stop the thread that delivers lines.
 
-        Each waiting line is tried once. This method waits for that, but at most half of SECONDS.
+        The thread first tries once to deliver each waiting line. This method waits for it at most half of SECONDS.
         """
         wall, now = self._live.clock()
         for alarm in self.active:
@@ -351,7 +353,7 @@ class Alarms:
         return Counter({outcome: counted[source, outcome] for outcome in (USABLE, *REASONS)})
 
     def _of_samples(self, now: int) -> dict[tuple[str, str], str]:
-        """Find the sources whose samples are all refused, seem to have toolfaces in radians, or lack an item."""
+        """Return the text of each alarm about samples (``refused``, ``toolface``, ``missing``) that has a cause."""
         found = {}
         for name, refused in self._refused.items():
             new = self._outcomes(name) - refused.before
@@ -376,9 +378,9 @@ class Alarms:
         return found
 
     def _items_lacking(self, reader: SourceReader) -> str:
-        """Return in words what a source has not sent yet: any frame, or each quantity of samples without an item.
+        """Return in words what a source has not sent yet: a frame, or any item of a quantity that its samples need.
 
-        "" if nothing is lacking, if no byte has come, or if the source is a store.
+        Return "" if nothing is lacking, if no byte has come, or if the source is a store.
         """
         source, caliper = reader.source, reader.source.caliper
         if not isinstance(source, WitsSource) or not reader.total("bytes"):
@@ -403,9 +405,9 @@ class Alarms:
         return {event.source: (event.count, event.newest.text) for event in events}
 
     def _of_depth(self, now: int) -> dict[tuple[str, str], str]:
-        """Find out whether samples come although the bit depth does not change.
+        """Return the text of the alarm ``standing`` if samples come although the bit depth does not change.
 
-        Without a bit depth, the number of vertices must change.
+        If no bit depth is known, the number of vertices counts instead.
         """
         model, limit = self._live.model, int(self._limits.standing * SECOND)
         bit = model.rig.tracks["bit_depth"].value[-1:].tolist()
@@ -436,9 +438,9 @@ class Alarms:
         return found
 
     def _measure(self, now: int) -> None:
-        """Note the cause of an alarm ``tight`` or ``washout`` for the changed turns.
+        """Find causes of the alarms ``tight`` and ``washout`` in the changed turns, and keep the latest and the worst.
 
-        The median diameter of a turn must be beyond the limit, and no radius of the turn may be missing.
+        A turn is a cause if its median diameter is beyond the limit and none of its radii is missing.
         """
         wall, limits = self._live.wall, self._limits
         sectors, bit = wall.settings.sectors, self._live.model.configuration.wall["bit_diameter"]
@@ -502,7 +504,7 @@ class Alarms:
         try:
             command.communicate(line, timeout=SECONDS)
         except subprocess.TimeoutExpired:
-            os.killpg(command.pid, signal.SIGKILL)  # and what it started
+            os.killpg(command.pid, signal.SIGKILL)  # also the processes that the command started
             command.wait()
             raise
         if command.returncode:

@@ -1,4 +1,4 @@
-"""A limit on the samples that a wall keeps of one source near each vertex, so that memory is bounded by the hole.
+"""Limit the samples that a wall keeps of one source near each vertex, so that the length of the hole bounds memory.
 
 a cell of the wall          | 4 3 |     A cell has two parts around the hole and four along it. The numbers count the
 (one vertex, one quad)      | 0 2 |     samples of one source that the wall keeps in each part: the first ``most`` / 8,
@@ -39,7 +39,7 @@ class CellCounts:
 
     @property
     def counted(self) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.uint16]]:
-        """The counts (n, CHUNK) of the parts in each chunk that has samples, after the numbers of these chunks (n,)."""
+        """For each chunk of CHUNK parts that has samples: its number (n,), and the counts of its parts (n, CHUNK)."""
         chunks = np.array(list(self._counts), np.int64)
         return chunks, np.array(list(self._counts.values()), np.uint16).reshape(-1, CHUNK)
 
@@ -48,7 +48,7 @@ class CellCounts:
         self._counts = dict(zip(counted[0].tolist(), counted[1], strict=True))
 
     def take(self, depth: npt.NDArray[np.float64], toolface: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
-        """Count these samples, given in order of arrival, and return which of them are kept."""
+        """Count these samples, given in order of arrival, and return for each whether the wall keeps it."""
         if not self._most:
             return np.ones(len(depth), bool)
         part = np.floor(depth / self._along).astype(np.int64) * self._around

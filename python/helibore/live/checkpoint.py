@@ -1,12 +1,13 @@
 """Checkpoints: the whole state of the model after some record, so that a restart reads only the records after it.
 
-    checkpoint-000000123456.zip        the number of the first record that it does not contain
+    checkpoint-000000123456.zip        the number of the first record that the checkpoint does not contain
         state.json                     format, version, salt of the journal, configuration, state
         0.npy, 1.npy ...               the arrays: samples of the walls, image rows, stations, pending rows ...
 
 A file is written whole (temporary file, fsync, rename, fsync of the folder), after a sync of all records that it
-contains. The last two are kept. If one is damaged or of another version, the one before it is used, or the whole
-journal. Each class with a state lists the names of its attributes in ``STATE``; unlike with pickle, no code is stored.
+contains. The last two are kept. If the last is damaged or of another version, a restart uses the one before it; if
+that is not usable either, it reads the whole journal. Each class with a state lists the names of its attributes in
+``STATE``; unlike with pickle, no code is stored.
 """
 
 from __future__ import annotations
@@ -55,7 +56,7 @@ def write(folder: Path, sequence: int, facts: dict[str, Any], state: Any) -> Pat
     sequence
         The number of the first record that the checkpoint does not contain.
     facts
-        What `read` returns beside the arrays: at least the ``salt`` of the journal; JSON.
+        JSON values by name, which `read` returns besides the arrays; at least the ``salt`` of the journal.
     state
         The result of `packed`.
     """
@@ -107,7 +108,7 @@ def read(path: Path, salt: int, *, only_facts: bool = False) -> tuple[dict[str, 
 
 
 def usable(folder: Path, salt: int, stop: int) -> Iterator[tuple[Path, dict[str, Any], Arrays] | InputError]:
-    """Yield path, facts and arrays of each checkpoint, the newest first; for one that is not usable, an error instead.
+    """Yield path, facts and arrays of each checkpoint, the newest first; for an unusable checkpoint, yield its error.
 
     A checkpoint that contains records from ``stop`` on is renamed, because these records are lost and new records get
     their numbers.
@@ -124,7 +125,10 @@ def usable(folder: Path, salt: int, stop: int) -> Iterator[tuple[Path, dict[str,
 
 
 def packed(value: Any) -> tuple[Any, Arrays]:
-    """Return a value as JSON and arrays; an object with a ``STATE`` becomes the attributes that its ``STATE`` names."""
+    """Return ``value`` as a JSON value and a list of arrays; the JSON value refers to the arrays by their places.
+
+    An object with a ``STATE`` becomes the attributes that its ``STATE`` names.
+    """
     arrays: Arrays = []
     return _packed(value, arrays), arrays
 
@@ -150,7 +154,7 @@ def _packed(value: Any, arrays: Arrays) -> Any:
 
 
 def unpack(value: Any, packed: Any, arrays: Arrays) -> Any:
-    """Return the value that was ``packed``.
+    """Return the value from which `packed` made the arguments ``packed`` and ``arrays``.
 
     If ``value`` is an object with a ``STATE``, or a dictionary of such objects, these objects are restored in place.
     """

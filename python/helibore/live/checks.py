@@ -42,7 +42,7 @@ def with_values(value: Any, recorded: Any) -> Any:
     """Return a copy of ``value`` that holds the values of ``recorded``, which was read from JSON.
 
     A field of a table or dataclass that ``recorded`` lacks keeps its value. A dict has the keys of ``recorded``: first
-    those that ``value`` also has, in the order of ``value``. Of lists of unequal length, ``recorded`` is returned.
+    those that ``value`` also has, in the order of ``value``. If two lists differ in length, the recorded list counts.
     """
     if isinstance(value, Table):
         names = type(value).model_fields.keys() & recorded.keys()
@@ -59,7 +59,7 @@ def with_values(value: Any, recorded: Any) -> Any:
 
 
 def within(least: float, most: float = math.inf) -> AfterValidator:
-    """Return the rule that a number lies in [least, most]."""
+    """Return a validator that refuses numbers outside [least, most]."""
 
     def check(value: float) -> float:
         if not least <= value <= most:

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 SECOND = 1_000_000_000
 JUMP = 2 * SECOND
-"""The wall clock was set if its difference from the model's time changes by this or more; ns."""
+"""Nanoseconds. If the difference of wall clock and model time changes by this or more, someone set the wall clock."""
 
 
 def utc(nanoseconds: int) -> str:

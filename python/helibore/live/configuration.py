@@ -10,9 +10,9 @@
     items = { bit_depth = "0108", hole_depth = "0110", rotation = "0120" }
     caliper = { first = "5010", groups = 30, order = ["toolface", "depth", "radius"] }
 
-``docs/live.md`` lists every setting. ``checks.py`` checks the tables, which are classes: those of sources, with the
-conversion of their units, are in ``sources.py``, ``[passes]`` in ``pass_rules.py``, ``[depth]`` in ``depth_limits.py``,
-and all others here, with the rules that concern several tables.
+``docs/live.md`` lists every setting. Each table is a class that ``checks.py`` checks. ``sources.py`` has the tables of
+the sources and converts their units, ``pass_rules.py`` has ``[passes]``, ``depth_limits.py`` has ``[depth]``, and this
+file has all other tables and the rules that concern several tables.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ OF_WALL = {*(f.name for f in dataclasses.fields(Settings)), "threads", "instruct
 
 
 class WallTable(Table):
-    """The table ``wall``; `Wall` checks its other settings."""
+    """The table ``wall``; `Wall` checks the settings that are not fields of this class."""
 
     model_config = ConfigDict(extra="allow")
 
@@ -64,7 +64,7 @@ def _three(rule: str) -> AfterValidator:
 
 
 class PathTable(Table):
-    """The table ``path``."""
+    """The table ``path``: given survey stations, and how the path through all stations is computed."""
 
     method: Literal["minimum-curvature", "radius-of-curvature"] = "minimum-curvature"
     reference: PathReference = "high-side"
@@ -100,12 +100,12 @@ class JournalTable(Table):
 
     @property
     def sync_interval(self) -> float:
-        """Seconds between two syncs; 0: every append is synced."""
+        """Seconds between two syncs of the journal; 0: every append is synced."""
         return self.sync_ms / 1000.0
 
 
 class NextTable(Table):
-    """The table ``next``: the ``file`` that applies when the hole is ``hole_depth`` deep, or from ``time`` on."""
+    """The table ``next``: the configuration ``file`` that applies from a hole depth (metres) or from a time on."""
 
     file: Text = Field(description="the file of the configuration")
     hole_depth: Annotated[float, within(0)] | None = None
@@ -118,12 +118,12 @@ class NextTable(Table):
             raise InputError("time", "must have a time zone, such as 2026-05-01T10:00:00Z", str(self.time))
 
     def is_due(self, wall: int, hole_depth: float) -> bool:
-        """Whether the next configuration applies at ``wall`` (ns since 1970) and at this hole depth (NaN: unknown)."""
+        """Return whether ``file`` applies at time ``wall`` (ns since 1970) and at this hole depth (NaN: unknown)."""
         return wall / 1e9 >= self.time.timestamp() if self.time else hole_depth >= (self.hole_depth or 0.0)
 
 
 class SnapshotTable(Table):
-    """The table ``snapshot``."""
+    """The table ``snapshot``: folder, interval in seconds and format of logs for exports of the live wall."""
 
     folder: str = ""
     every: Annotated[float, within(1)] = 60.0
@@ -228,7 +228,10 @@ class Configuration(Table):
         return json.dumps(meaning, sort_keys=True, default=asdict)
 
     def with_meaning(self, meaning: str) -> Configuration:
-        """Return this configuration with the values of a ``meaning`` from a journal, whose defaults may be older."""
+        """Return this configuration with the values that a journal recorded as its ``meaning``.
+
+        A recorded default counts, even if this version has another default.
+        """
         recorded = BEFORE_THEY_EXISTED | json.loads(meaning)
         known = {"wall", "path", "layers", "passes", "depth", "samples"} & recorded.keys()
         values = {name: with_values(getattr(self, name), recorded[name]) for name in known}
@@ -238,14 +241,14 @@ class Configuration(Table):
         return self.model_copy(update=values | {"sources": sources})
 
     def following(self) -> list[Configuration]:
-        """Return the configurations that follow by ``next``, in order.
+        """Return the configurations that follow this one by their tables ``next``, in order.
 
-        The path of each is relative to the folder of the file that names it.
+        The path of each file is relative to the folder of the file that names it.
 
         Raises
         ------
         InputError
-            If one of them breaks a rule, or if a file occurs twice.
+            If a file breaks a rule, or occurs twice.
         OSError
             If a file cannot be read.
         """
@@ -253,7 +256,7 @@ class Configuration(Table):
         while (last := found[-1]).next is not None:
             file = last.file.parent / last.next.file
             if any(file.resolve() == one.file.resolve() for one in found):
-                raise InputError("next.file", "must not follow itself", repr(str(file)))
+                raise InputError("next.file", "must not occur twice in a chain of next files", repr(str(file)))
             found.append(load(file))
         return found[1:]
 
@@ -274,10 +277,10 @@ class Configuration(Table):
                     raise InputError(f"{place}.{key}", f"is mapped by source.{seen[key]} already")
                 seen[key] = name
             if source.items.pass_number and not source.caliper:
-                rule = "needs a caliper in this source: it is the pass number of caliper samples"
+                rule = "needs a caliper in this source, because it numbers the passes of caliper samples"
                 raise InputError(f"{place}.items.pass_number", rule)
             if source.pass_numbers.listed and not source.items.pass_number:
-                raise InputError(f"{place}.pass_numbers", "items.pass_number must be set: it has the number")
+                raise InputError(f"{place}.pass_numbers", "items.pass_number must also be set")
         if self.next and self.next.hole_depth is not None and "items.hole_depth" not in seen:
             raise InputError("next.hole_depth", "no source maps hole_depth", f"{self.next.hole_depth:g}")
         if "items.bit_depth" not in seen:

@@ -54,7 +54,7 @@ class QuantityHistory:
         return self._value.values
 
     def append(self, time: Times, order: Times, value: Values) -> None:
-        """Append the entries that have a value."""
+        """Append the entries whose ``value`` is finite."""
         known = np.isfinite(value)
         for column, of in ((self._time, time), (self._order, order), (self._value, value)):
             column.append(of[known])
@@ -78,7 +78,7 @@ class RigHistory:
         self.use(rules, limits)
         self.tracks = {name: QuantityHistory() for name in ("bit_depth", "hole_depth", "rotation", "activity")}
         self._kind, self._off_bottom = GrowingArray(np.int64), GrowingArray(np.bool_)
-        self._reached = GrowingArray(np.float64)  # greatest hole or bit depth so far; inf before a hole depth
+        self._reached = GrowingArray(np.float64)  # greatest hole or bit depth so far; inf before the first hole depth
         self._deepest = self._hole = -np.inf
 
     def use(self, rules: PassRules, limits: DepthLimits) -> None:
@@ -109,9 +109,9 @@ class RigHistory:
         self._off_bottom.append(off)
 
     def _latest(self, name: str, order: Times, time: Times | None = None) -> Values:
-        """Return the latest value of a quantity in or before each frame ``order``; NaN without one.
+        """Return the latest value of a quantity in or before each frame ``order``; NaN if there is no such value.
 
-        If ``time`` is given, a value that is stale at that time is NaN, too.
+        If ``time`` is given, a value that is older than ``stale`` seconds at that time is NaN, too.
         """
         track = self.tracks[name]
         if not len(track.value):
@@ -123,7 +123,7 @@ class RigHistory:
         return values
 
     def _turning(self, order: Times, time: Times) -> Times:
-        """Return for each frame 1 if the string turns, 0 if it does not, -1 if no fresh rotation is known."""
+        """Return for each frame 1 if the string turns, 0 if it does not, -1 if the rotation is unknown or stale."""
         rotation = self._latest("rotation", order, time)
         return np.where(np.isnan(rotation), -1, (rotation >= self._rules.rotating).astype(np.int64))
 
@@ -177,7 +177,7 @@ class RigHistory:
         return at
 
     def _across_jump(self, time: Times, at: Times) -> npt.NDArray[np.bool_]:
-        """Return which measurements were made between bit depth entries ``at`` and ``at + 1``, if depth jumps there."""
+        """Return which measurements lie between bit depth entries ``at`` and ``at + 1`` that differ by a jump."""
         bit = self.tracks["bit_depth"]
         low, high = np.maximum(at, 0), np.minimum(at + 1, len(bit.value) - 1)
         jumps = np.abs(bit.value[high] - bit.value[low]) > self._limits.jump
@@ -185,7 +185,7 @@ class RigHistory:
         return across
 
     def _wrong_depth(self, depth: Values, known: npt.NDArray[np.bool_], at: Times) -> npt.NDArray[np.bool_]:
-        """Return which sent depths are wrong; before the first hole depth, none is.
+        """Return which of the sent depths are wrong; before the first hole depth, no depth is wrong.
 
         A depth is wrong if it is more than ``beyond_hole`` below the hole, or if it is greater than DEEP_ENOUGH and
         seems to have another unit than the bit depth.
@@ -215,7 +215,7 @@ class RigHistory:
     def _from_bit(self, time: Times, at: Times, now: int) -> tuple[Values, npt.NDArray[np.bool_]]:
         """Return the bit depth at ``time``, interpolated from entries ``at`` and ``at + 1``, and whether it is final.
 
-        It is NaN where it cannot be interpolated, and final where later entries cannot change it.
+        A depth that cannot be interpolated is NaN. A depth is final if later entries cannot change it.
         """
         bit = self.tracks["bit_depth"]
         gap = int(self._rules.max_depth_gap * SECOND)

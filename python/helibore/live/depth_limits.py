@@ -19,10 +19,10 @@ from helibore.live.clock import SECOND
 from helibore.live.events import Flag
 
 CONFIRMED_WITHIN = 600 * SECOND
-"""A jump of samples counts only if the next sample confirms it within this time."""
+"""Nanoseconds. A sample whose depth jumps is used only if the next sample confirms the jump within this time."""
 FOOT = units.factor("ft", units.LENGTH)
 NEAR = 0.02
-"""Share within which the ratio of two depths must be that of feet to metres, or the reverse, to suggest other units."""
+"""Two depths seem to differ in unit if their ratio is that of feet to metres, or the reverse, within this share."""
 Values = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.void]
 
@@ -58,22 +58,22 @@ def _steps(last: float, depth: Values) -> Values:
 
 
 def unit_differs(depth: Values | float, known: Values | float) -> npt.NDArray[np.bool_]:
-    """Return whether a depth and a known depth have the ratio of feet to metres or of metres to feet."""
+    """Return whether the ratio of a depth to a known depth is near that of feet to metres or of metres to feet."""
     ratio = depth / np.maximum(known, 1e-9)
     differs: npt.NDArray[np.bool_] = (np.abs(ratio / FOOT - 1) < NEAR) | (np.abs(ratio * FOOT - 1) < NEAR)
     return differs
 
 
 def unit_rule(depth: float, known: float) -> str:
-    """Return which unit was read as the other, for two depths whose `unit_differs`."""
+    """Return as text which unit was read as the other, if `unit_differs` is true for the two depths."""
     return f"it seems that {'feet were read as metres' if depth > known else 'metres were read as feet'}"
 
 
 class LastDepth:
     """The last depth that was used, and the last depth that was refused for its unit (NaN: none).
 
-    A depth that jumps is compared with both. While depths are refused, drilling goes on, so that their ratio to the
-    last used depth changes.
+    A depth that jumps is compared with both of them. While depths are refused, drilling goes on, so that the ratio of
+    the refused depths to the last used depth changes.
     """
 
     STATE: tuple[str, ...] = ("_last", "_other_unit")
@@ -169,11 +169,12 @@ class HeldSample(LastDepth):
             self._held["flags"][0] |= int(Flag.RANGE)  # the rows after it have no usable depth anyway
 
     def take(self, rows: Rows) -> tuple[Rows, list[int], dict[int, str]]:
-        """Return the rows to place, in order of arrival; the indices of those whose jump the next row did not confirm.
+        """Return the rows to place, in order of arrival; the indices of unconfirmed rows; texts to report, by index.
 
-        The third result has texts to report, by index: one for each row that confirms a jump, and for each row whose
-        depth seems to have another unit. A row whose jump was not confirmed, or with another unit, gets the flag
-        RANGE. If the last row with a usable depth jumps, it is held for the next call, with the rows after it.
+        A row is unconfirmed if its depth jumps and the next row does not confirm the jump. There is a text for each row
+        that confirms a jump, and for each row whose depth seems to have another unit. An unconfirmed row, and a row
+        with another unit, get the flag RANGE. If the last row with a usable depth jumps, it is held for the next call,
+        with the rows after it.
         """
         if self._held is not None:
             rows = np.concatenate([self._held, rows])

@@ -4,7 +4,7 @@
 
 Every occurrence is counted. Events with the same source and rule are joined, so that many events take no more memory
 than a few. The time of an event is the time at which its bytes were received, so a replay reports the same events. A
-replay reads many records together, so it may report their events in another order, and another event of a rule last.
+replay reads many records together, so it may report their events in another order, also those of one rule.
 Wrong bytes stay in the journal at the place that the event names.
 """
 
@@ -102,7 +102,7 @@ class Event:
 
 
 def gather(events: list[Event], more: Iterable[Event]) -> None:
-    """Add events to a list. It holds at most LISTED of one rule of one source; the last of these counts later ones."""
+    """Add events to a list, with at most LISTED events of one rule of one source; the last counts all later events."""
     places: dict[tuple[str, str], list[int]] = {}
     for place, event in enumerate(events):
         places.setdefault((event.source, event.rule), []).append(place)
@@ -127,7 +127,7 @@ class EventBook:
     Attributes
     ----------
     log
-        Called with each event when it is reported, in the thread that reports it; None: nothing is called.
+        Function that is called with each event when it is reported, in the thread that reports it; None: no function.
     recorded
         By source and rule, the events that records caused, joined as in `latest`; a replay reports them again.
     """
@@ -165,7 +165,7 @@ class EventBook:
             return list(self._joined.values())
 
     def report(self, event: Event, *, recorded: bool = True) -> None:
-        """Count ``event`` and join it to earlier events of its source and rule; ``recorded``: a record caused it."""
+        """Count ``event`` and join it to earlier events of its source and rule; ``recorded``: caused by a record."""
         key = event.source, event.rule
         if self.log is not None:
             self.log(event)

@@ -29,7 +29,7 @@ Report = Callable[[Segment], None]
 
 @dataclass(frozen=True, slots=True)
 class SetAside:
-    """A record that was set aside.
+    """A record that the model set aside, because it could not be read or drawn.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class SetAside:
     source, kind
         Names of its source ("": the host, or the journal itself) and of its kind (see `KINDS`).
     reason, payload
-        Why it was set aside, and its bytes.
+        Why the record was set aside, and the bytes of the record.
     """
 
     sequence: int
@@ -86,13 +86,13 @@ def export_csv(folder: Path, sources: dict[int, Source], file: TextIO, report: R
             found: list[tuple[int, int, str, str]] = []
             if kind in COLUMNS and number == 0:
                 if len(payload) % (8 * len(COLUMNS[kind])):
-                    continue  # it was set aside
+                    continue  # the model set this record aside
                 values = np.frombuffer(payload).reshape(len(COLUMNS[kind]), -1)
                 found = [(link, 0, name, f"{value:.9g}") for one in values.T.tolist()
                          for name, value in zip(COLUMNS[kind], one, strict=True)]  # fmt: skip
             elif kind in (journal.BYTES, journal.CLOSED) and source and not isinstance(source, StoreSource):
                 last = parsers.get(number, (link,))[0]
-                if last != link:  # its end is not in the journal
+                if last != link:  # the end of the last connection is not in the journal
                     found += _items(last, parsers.pop(number)[1].finish())
                 _, parser = parsers.setdefault(number, (link, wits.Parser(source.nulls, *source.limits)))
                 found += _items(link, parser.feed(payload) if kind == journal.BYTES else parser.finish())
@@ -104,7 +104,7 @@ def export_csv(folder: Path, sources: dict[int, Source], file: TextIO, report: R
 
 
 def _items(connection: int, batch: wits.Batch) -> Iterator[tuple[int, int, str, str]]:
-    """Yield connection, line, name and text of each item."""
+    """Yield (connection, line, item code, text of the value) of each item in a batch."""
     for number, frame in enumerate(batch.frames):
         for row in range(int(frame["first"]), int(frame["first"] + frame["items"])):
             text = batch.text_of(row).decode("ascii", "backslashreplace")

@@ -83,7 +83,7 @@ class FrozenCopy:
     Attributes
     ----------
     wall_time
-        Time at which its last record was received, ns since 1970 (UTC).
+        Time at which the last record in the copy was received, ns since 1970 (UTC).
     records
         Number of journal records that the copy contains.
     walls
@@ -97,7 +97,7 @@ class FrozenCopy:
     left_out
         One text, with the reason, for each image whose name is not allowed in a file name, so that it is not in
         ``images``, and for each image that `SectorImage` refuses, so that it is on no wall. An image without a layout,
-        without values, with one row only, or not beside a wall is on no wall either, without a text.
+        without values, with one row only, or at other depths than the walls is on no wall either, but has no text.
     """
 
     wall_time: int
@@ -112,7 +112,7 @@ class FrozenCopy:
 
 
 def frozen_copy(live: Live) -> FrozenCopy:
-    """Copy a live wall between two appends; afterwards sort its images and place them around the hole."""
+    """Return a copy of a live wall, made between two appends; its images are sorted and placed on the walls."""
     of, images = live.at_one_moment(lambda: _copied(live))
     for name, (rows, unit, layout) in images.items():
         if not can_be_file(name):
@@ -133,7 +133,7 @@ def frozen_copy(live: Live) -> FrozenCopy:
 
 
 def _copied(live: Live) -> tuple[FrozenCopy, dict[str, Rows]]:
-    """Return the copy, and the rows of each image at that moment; rows never change after they arrive."""
+    """Return the copy without images, and by name the rows of each image; rows never change after they arrive."""
     model = live.model
     walls = {name: FrozenWall(wall, live.path) for name, wall in live.layers.items() if len(wall)}
     for wall in walls.values():
@@ -148,7 +148,7 @@ def _copied(live: Live) -> tuple[FrozenCopy, dict[str, Rows]]:
 def _meets(image: SectorImage, wall: Wall) -> bool:
     """Return whether the image covers more than one turn between the first and the last turn of the wall.
 
-    Then it surely covers one quad of the wall or more.
+    If it does, it surely covers one quad of the wall or more.
     """
     pitch = wall.settings.pitch
     ends = sorted((wall.start_depth, wall.start_depth + len(wall) / wall.settings.sectors * pitch))

@@ -50,7 +50,7 @@ class ImageRows:
             return start, stop
 
     def set_step(self, step: float) -> None:
-        """Set the step from now on; first delete the rows that later rows replace under the step so far."""
+        """Set the step from now on; first delete the rows that later rows replace according to the old step."""
         with self._lock:
             if step != self.step:
                 self._make_room(0)
@@ -75,7 +75,7 @@ class ImageRows:
         self._count = int(number[-1]) + 1 if len(number) else 0
 
     def __len__(self) -> int:
-        """Return the number of rows that have come, with those that were deleted."""
+        """Return the number of rows that have come, including deleted rows."""
         return self._count
 
     def so_far(self) -> Columns:
@@ -109,7 +109,7 @@ def sorted_rows(depth: Floats, values: Floats, step: float = 0.0) -> tuple[Float
 
 
 def _latest(depth: Floats, step: float) -> npt.NDArray[np.int64]:
-    """Return the indices of the latest row of each depth, or of each ``step`` of depth if it is not 0, by depth."""
+    """Return the index of the latest row at each depth or, if ``step`` is not 0, in each step; sorted by depth."""
     place = np.floor(depth / step) if step else depth
     order = np.argsort(place, kind="stable")
     latest: npt.NDArray[np.int64] = order[np.append(np.diff(place[order]) > 0, True)[: len(order)]]

@@ -91,7 +91,7 @@ class Segment:
         return self.text[start : start + int(self.records["length"][row])]
 
     def wall_before(self, offset: int) -> int:
-        """Return the wall time of the last intact record before ``offset``, else of the first after it (0: none)."""
+        """Return the wall time of the last intact record before ``offset``, else of the first record; 0 if none."""
         at = int(np.searchsorted(self.records["offset"], offset)) - 1
         return int(self.records["wall"][max(at, 0)]) if len(self.records) else 0
 
@@ -121,7 +121,7 @@ class Recovery:
     cut_bytes
         Number of bytes at the ends of segments that were no whole record, and were moved to files ``*.torn``.
     notes
-        One line for each such end.
+        One line of text for each end that was moved.
     damage
         One line for each other damaged range of the last segment; the range stays in the file. `segments` returns the
         damage of all segments.
@@ -150,14 +150,14 @@ def paths(folder: Path) -> list[Path]:
 
 def all_paths(folder: Path) -> list[Path]:
     """Return the segment files of a journal and of its archive, in order; a segment that is in both is listed once."""
-    found = {number_of(path): path for path in paths(folder)}  # first: a segment may be archived meanwhile
+    found = {number_of(path): path for path in paths(folder)}  # before the archive: a segment may move there
     archived = {number_of(path): path for path in (folder / ARCHIVE).glob("*.hbj.gz") if path.name[:-7].isdigit()}
     found = archived | found
     return [found[number] for number in sorted(found)]
 
 
 def number_of(path: Path) -> int:
-    """Return the number of a segment."""
+    """Return the number of a segment, with which the name of its file begins."""
     return int(path.name.partition(".")[0])
 
 
@@ -233,7 +233,7 @@ def salt_of(found: list[Path]) -> int:
 
 
 def header_of(path: Path) -> _Header | None:
-    """Return the header of a segment; None if no copy is intact, or if the segment was deleted meanwhile.
+    """Return the header of a segment; None if no copy of it is intact, or if the segment was deleted meanwhile.
 
     Raises
     ------
@@ -282,7 +282,7 @@ def _header(number: int, sequence: int, salt: int) -> bytes:
 
 
 def _lock(file: int, folder: Path) -> None:
-    """Lock a file of the journal, or refuse to write it."""
+    """Lock a file of the journal; raise InputError if another process has locked it."""
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
@@ -290,7 +290,7 @@ def _lock(file: int, folder: Path) -> None:
 
 
 class Journal:
-    """The only writer of a journal folder; opening it recovers the journal.
+    """The only writer of a journal folder; the constructor repairs the end of the journal (see `Recovery`).
 
     Parameters
     ----------
@@ -301,8 +301,8 @@ class Journal:
     segment_bytes
         A segment that has reached this size is followed by a new one.
     sync_interval
-        0: every append is synced before it returns. Otherwise the caller calls :meth:`sync` about once in so many
-        seconds.
+        0: every append is synced before it returns. Otherwise the caller must call :meth:`sync` about every
+        ``sync_interval`` seconds.
     clock
         Returns (wall ns, monotonic ns).
 
@@ -356,10 +356,10 @@ class Journal:
                 _lock(last, self.folder)
             finally:
                 os.close(last)
-        while found and self._is_empty(found[-1]):  # the process died while making it
+        while found and self._is_empty(found[-1]):  # the process died while it made this segment
             self._set_aside(found.pop(), 0)
         if not found:
-            before = all_paths(self.folder)  # in the archive
+            before = all_paths(self.folder)  # only archived segments are left
             self._salt = salt_of(before) if before else secrets.randbits(32)
             self._number = number_of(before[-1]) if before else 0
             self._sequence = self._first_sequence() if before else 0
@@ -392,7 +392,7 @@ class Journal:
         """Return a sequence number after all others, for a journal whose last segment has no intact record."""
         last = [segment.records["sequence"] for segment in segments(self.folder)]
         after = max((int(numbers[-1]) + 1 for numbers in last if len(numbers)), default=0)
-        return after + (1 << 32)  # more than the records that were lost
+        return after + (1 << 32)  # more than the number of lost records
 
     def _set_aside(self, path: Path, stop: int) -> None:
         """Cut ``path`` at ``stop``; keep the bytes after it in a separate file."""
@@ -471,7 +471,7 @@ class Journal:
             return self._sequence - 1, wall, monotonic
 
     def _take_back(self, payload: bytes) -> None:
-        """Remove the record that was just appended and not synced; a later sync may succeed without its pages."""
+        """Remove the last record, whose sync failed; a later sync may succeed although the record is not on disk."""
         with self._lock:
             self._stop -= RECORD_HEADER + len(payload)
             self._sequence -= 1
@@ -492,7 +492,7 @@ class Journal:
         self._sequence += 1
 
     def reopen(self, opening: bytes) -> tuple[int, int, int]:
-        """Append an OPENED record with another payload, which each later segment repeats; return as `append`."""
+        """Append an OPENED record with another payload, which each later segment repeats; return as `append` does."""
         return self.append(0, 0, opening, OPENED)
 
     def sync(self) -> None:
@@ -515,7 +515,7 @@ class Journal:
             if number != self._named:  # a new segment: sync its file name too
                 os.fsync(self._directory)
             if not os.path.samestat(path.stat(), os.fstat(current)):
-                raise FileNotFoundError(errno.ENOENT, f"{path.name} is another file than the one that is written")
+                raise FileNotFoundError(errno.ENOENT, f"{path.name} was replaced by another file")
         except OSError as error:
             raise JournalFullError(error.errno, f"{error.strerror}: not synced", str(self.folder)) from error
         with self._lock:

@@ -48,16 +48,14 @@ class LayoutTable(Table):
     """The settings of an image's table that define the layout of its sectors."""
 
     origin: Origin = Field(description='"centre" or "edge": the part of sector 1 at toolface_offset; tools differ')
-    reference: PathReference = Field(description='"high-side" or "north": what toolface 0 is')
+    reference: PathReference = Field(description='"high-side" or "north": the direction of toolface 0')
     direction: Direction = "clockwise"
     toolface_offset: Annotated[float, within(-360, 360)] = 0.0
     layout: Derived[Layout] = Layout("edge", "high-side", "clockwise", 0.0)
 
     def model_post_init(self, context: Any) -> None:
         if self.reference != context.reference:
-            rule = (
-                f'must be the path\'s reference, "{context.reference}": an image is not turned on its way to the wall'
-            )
+            rule = f'must be the path\'s reference, "{context.reference}": live images are not converted to it'
             raise InputError("reference", rule, repr(self.reference))
         self._derive(layout=Layout(self.origin, self.reference, self.direction, self.toolface_offset))
 

@@ -1,6 +1,6 @@
 """``hb.Live``: a wall that grows from received bytes; every byte is stored in a journal first.
 
-    live = hb.Live("rig.toml", journal="well-7.journal")      # reads the records of the journal, then goes on
+    live = hb.Live("rig.toml", journal="well-7.journal")      # reads the records of the journal, then continues it
     update = live.receive("mwd", chunk)                       # stored, read, drawn
     update.changes["main"].ranges                             # the vertices that are new or changed
     live.wall.radius, live.path, live.image("GR")
@@ -65,9 +65,9 @@ WINDOW_BYTES = 1 << 20
 OF_RECOVERY = "journal", "checkpoint"
 WINDOW_RECORDS = 8192
 LOG_AGAIN = 60.0
-"""Seconds until the log repeats a rule of the same source."""
+"""Seconds until the log writes another line about the same rule and source."""
 LOGGED_EACH = "alarm_", "address"
-"""Beginnings of rule names. The log repeats these rules, and rules without a source, after a second."""
+"""Beginnings of rule names. The log writes these rules, and events without a source, again after one second."""
 
 
 class Stored(NamedTuple):
@@ -145,7 +145,7 @@ class Live:
             for update in read_into(self.model, FilePath(journal)):  # earlier sessions reported the other events
                 gather(self._pending_update.events, (event for event in update.events if event.rule in OF_RECOVERY))
         except BaseException:
-            self.journal.close()  # unlocked for the next try
+            self.journal.close()  # so that the next try can lock it
             raise
         self.model.events.log = self._log
 
@@ -179,7 +179,7 @@ class Live:
     def _restore(self) -> None:
         """Restore the newest usable checkpoint; report each newer checkpoint that is not usable."""
         assert self.journal is not None
-        for left in self.journal.folder.glob(".checkpoint-*.part"):  # of a process that was killed
+        for left in self.journal.folder.glob(".checkpoint-*.part"):  # left by a process that was killed
             left.unlink()
         for found in checkpoints.usable(
             self.journal.folder, self.journal.salt, self.journal.recovery.last_sequence + 1
@@ -190,7 +190,7 @@ class Live:
             self.report("checkpoint", f"{error}: not used")
 
     def _restored(self, path: FilePath, facts: dict[str, Any], arrays: checkpoints.Arrays) -> InputError | None:
-        """Set the model to that of a checkpoint; if that fails, the model stays, and the error is returned."""
+        """Set the model to the state in a checkpoint. If this fails, keep the model and return the error, else None."""
         begun = self._begun
         try:
             if facts["meaning"] != begun.meaning():  # the segment with the first configuration is removed or damaged
@@ -208,7 +208,7 @@ class Live:
         return None
 
     def _set_model(self, model: Model) -> None:
-        for event in self.model.events.take():  # what the host has reported
+        for event in self.model.events.take():  # events that the host has reported so far
             model.events.report(event, recorded=False)
         self.model = model
 
@@ -354,7 +354,7 @@ class Live:
         return self._store(self._number(source), connection, peer.encode(), journals.CONNECTED)
 
     def closed(self, source: str, connection: int) -> Update:
-        """Store that a ``connection`` of ``source`` ended; a frame that is not complete then is dropped."""
+        """Store that a ``connection`` of ``source`` ended; a frame that is still incomplete is dropped."""
         return self._store(self._number(source), connection, b"", journals.CLOSED)
 
     def append_samples(
@@ -411,7 +411,7 @@ class Live:
         origin: str | None = None, reference: str | None = None, direction: str = "clockwise",
         toolface_offset: float = 0.0,
     ) -> Update:  # fmt: skip
-        """Store rows of a sector image and add them to it.
+        """Store rows of a sector image and add them to the image.
 
         Parameters
         ----------
@@ -446,7 +446,7 @@ class Live:
         return update
 
     def _image_rows(self, name: str, rows: int, values: npt.ArrayLike, unit: str) -> npt.NDArray[np.float64]:
-        """Return ``values`` as an array; refuse values that are no image or that do not match its earlier rows."""
+        """Return ``values`` as an array; refuse values that are not rows of this image, with its sectors and unit."""
         if any(image.name == name for source in self.configuration.sources.values() for image in source.images):
             raise ValueError(f"image '{name}': a source sends it already")
         if not can_be_file(name):
@@ -460,7 +460,7 @@ class Live:
         if name in self.images and self.images[name].sectors != values.shape[1]:
             raise ValueError(f"values has {values.shape[1]} sectors: image '{name}' has {self.images[name].sectors}")
         if name in self.images and unit not in ("", self.images[name].unit):
-            raise ValueError(f"unit = '{unit}': image '{name}' has '{self.images[name].unit}'")
+            raise ValueError(f"unit = '{unit}': image '{name}' has the unit '{self.images[name].unit}'")
         for row, sector in np.argwhere(np.isinf(values))[:1].tolist():
             raise ValueError(f"values[{row}, {sector}] = {values[row, sector]}: must be finite, or NaN where missing")
         return values
@@ -471,7 +471,7 @@ class Live:
         return self.model.numbers[source]
 
     def _store(self, source: int, connection: int, payload: bytes, kind: int) -> Update:
-        """Store a record in the journal, then pass it to the model."""
+        """Store a record in the journal, pass it to the model, and return what changed."""
         with self._lock:
             return self._take(*self._stamp(source, connection, payload, kind))
 
@@ -487,7 +487,7 @@ class Live:
     def _log(self, event: Event) -> None:
         """Log an event; within a minute after a line with its source and rule, only count it for the next such line.
 
-        Events without a source and rules of LOGGED_EACH have a second in place of the minute.
+        For an event without a source, or with a rule of LOGGED_EACH, the limit is one second instead of a minute.
         """
         key, now = (event.source, event.rule), time.monotonic()
         last, count = self._logged.get(key, (-LOG_AGAIN, 0))
@@ -507,7 +507,7 @@ class Live:
     def poll(self) -> Update:
         """Return all changes since the last poll in one update; the first update has the events of the recovery.
 
-        It is for a host that draws at its own pace: one thread pushes, and another polls.
+        Use it in a host that draws at its own pace: one thread pushes records, and another thread polls.
         """
         self.check_silence()
         with self._lock:
@@ -549,7 +549,7 @@ class Live:
         return Stored(*self._stamp(self._number(source), connection, payload, kind))
 
     def draw(self, stored: Sequence[Stored]) -> Update:
-        """Read all ``stored`` records and draw them."""
+        """Read all ``stored`` records, draw them, and return what changed."""
         with self._lock:
             records = np.concatenate([np.empty(0, RECORD), *(one.record for one in stored)])
             return self._take(records, [payload for one in stored for payload in one.payloads])

@@ -67,7 +67,7 @@ class Reading:
     triples, triple_frame, triple_flags
         (m, 3) depth, toolface and radius; for each triple the row of its frame in ``time``, and its flags.
     images
-        (image, rows of the frames, depths, values, flags) for each image.
+        (image, index of the frame of each row, depths, values, flags) for each image that has rows.
     stations, station_frame
         (s, 3) depth, inclination and azimuth; for each station the row of its frame.
     pass_number
@@ -129,10 +129,10 @@ class SourceReader:
         self._distinguishing = np.append(self._column[[*self.watches]], self._places(depths)[0])
         self._recent: OrderedDict[bytes, None] = OrderedDict()
         self._pass_number = NO_NUMBER
-        self._toolfaces: list[float] = []  # the first ones
+        self._toolfaces: list[float] = []  # the first FIRST_TOOLFACES
         self.seems_radians = ""
         self.seen = np.zeros(10_000, bool)
-        # The bytes that the parser holds, and for each record that they came in: offset of its end, wall clock time.
+        # The bytes that the parser holds, and for each record that brought them: offset of its end, wall clock time.
         self._held = bytearray()
         self._ends: list[int] = []
         self._walls: list[int] = []
@@ -339,7 +339,7 @@ class SourceReader:
         self._events.report(self._event(wall, rule, text, line, offset))
 
     def _repeats(self, batch: wits.Batch, states: npt.NDArray[np.uint8], reading: Reading) -> Integers:
-        """Return DUPLICATE for each frame that is a duplicate (see above), 0 for the others."""
+        """Return DUPLICATE for each frame that is a duplicate (see the top of this file), 0 for the others."""
         flags = np.zeros(len(batch.frames), np.int64)
         measured = (states[:, self._measured] != ABSENT).any(axis=1) & (states[:, self._distinguishing] == VALUE).any(
             axis=1
@@ -349,7 +349,7 @@ class SourceReader:
         starts = (batch.frames["start"][rows] - batch.base).tolist()
         stops = (batch.frames["stop"][rows] - batch.base).tolist()
         for row, start, stop in zip(rows.tolist(), starts, stops, strict=True):
-            words = hashlib.blake2b(text[start:stop], digest_size=DIGEST_BYTES).digest()  # a frame may be long
+            words = hashlib.blake2b(text[start:stop], digest_size=DIGEST_BYTES).digest()  # shorter than a frame
             if words in recent:
                 flags[row] = Flag.DUPLICATE
                 self._report(int(reading.wall[row]), "duplicate", "a frame was sent twice", int(reading.line[row]),
@@ -463,7 +463,7 @@ class SourceReader:
         rows = np.flatnonzero(np.isfinite(toolface))[: FIRST_TOOLFACES - len(self._toolfaces)]
         self._toolfaces += toolface[rows].tolist()
         low, high = min(self._toolfaces, default=0.0), max(self._toolfaces, default=0.0)
-        half = np.pi + 0.005  # senders round
+        half = np.pi + 0.005  # senders round their values
         one_turn = (low >= 0 and high <= 2 * half) or (low >= -half and high <= half)
         if len(self._toolfaces) == FIRST_TOOLFACES and one_turn and high - low > np.pi:
             rule = 'it seems that they are radians: state toolface_unit = "rad", or "deg" if they are degrees'

@@ -53,11 +53,11 @@ PENDING = np.dtype(
 
 
 LATEST = 4e9
-"""Seconds: a sample is wrong if its time is more than this after 1970 (in 2096) or before it."""
+"""Seconds. A sample is wrong if its time is more than this after or before the start of 1970 (after 2096)."""
 MOST_SET_ASIDE = 10_000
-"""The most records that were set aside of which the model keeps number and reason."""
+"""The model keeps the numbers and reasons of at most this many records that were set aside."""
 USABLE, OUTSIDE = "usable", "outside"
-"""The outcomes of a sample that no flag refuses: it can be drawn; all its layers begin after it."""
+"""Outcomes of a sample that no flag refuses: usable, or outside, because all layers that take it begin after it."""
 
 
 class Model:
@@ -86,10 +86,10 @@ class Model:
         takes it, it lies before the start, it is ``crowded`` or it was set aside) or ``drawn``. Other names count the
         samples with each flag and of each pass, connections, keep-alives, and what was set aside.
     outcomes
-        Number of samples by source and outcome: `USABLE`, `OUTSIDE`, or each flag that refuses the sample, except that
-        the string does not turn. Samples of the host do not count.
+        Number of samples by source and outcome: `USABLE`, `OUTSIDE`, or each flag that refuses the sample, except
+        NOT_ROTATING. Samples of the host are not counted.
     out_of_memory
-        Whether a record was set aside because the memory was full. A replay with more memory draws more.
+        Whether a record was set aside because the memory was full. A replay with more memory can draw this record.
     set_aside
         The reason for each record that was set aside, by its number; at most MOST_SET_ASIDE records.
     last_seen
@@ -176,7 +176,7 @@ class Model:
         return len(self._pending)
 
     def take(self, records: Rows, payloads: list[bytes]) -> Update:
-        """Read records in order; any grouping of the same records gives the same walls."""
+        """Read records in order and return what changed; any grouping of the same records gives the same walls."""
         update = Update()
         opened = (records["kind"] == journal.OPENED).nonzero()[0].tolist()
         if len(records):
@@ -215,7 +215,7 @@ class Model:
             self._report(
                 record,
                 "clock",
-                f"the wall clock is {behind / SECOND:.3f} s behind the last session; sample times do not follow",
+                f"the wall clock is {behind / SECOND:.3f} s behind the last session; sample times do not go back",
             )
 
     def reconfigure(self, configuration: Configuration, since: str, sequence: int) -> None:
@@ -253,7 +253,7 @@ class Model:
         self._set_limits()
 
     def _set_limits(self) -> None:
-        """Set what follows from a new configuration: longest latency so far, step of images, limits near a vertex."""
+        """Set what a new configuration changes: longest latency so far, step of images, most samples near a vertex."""
         latencies = [image.latency for image in self._image_list]
         latencies += [one.caliper.latency for one in self.configuration.sources.values() if one.caliper]
         self._longest_latency = max(self._longest_latency, int(max(latencies, default=0.0) * SECOND))
@@ -291,7 +291,7 @@ class Model:
             self._report(
                 records[row],
                 "clock",
-                f"the wall clock was set by {jumped / SECOND:+.3f} s; sample times do not follow",
+                f"the wall clock was set by {jumped / SECOND:+.3f} s; sample times do not jump",
             )
         found: list[Rows] = []
         for number in sorted(set(records["source"].tolist())):
@@ -314,7 +314,7 @@ class Model:
         self, source: int, rows: npt.NDArray[np.int64], records: Rows, payloads: list[bytes],
         times: npt.NDArray[np.int64], update: Update,
     ) -> list[Rows]:  # fmt: skip
-        """Pass the records of a source to its reader, one connection after the other; return the rows that it reads."""
+        """Pass the records of a source to its reader, one connection after the other; return pending rows."""
         reader = self.readers[source]
         name = reader.source.name
         found: list[Rows] = []
@@ -466,7 +466,7 @@ class Model:
         self, record: np.void, name: str, unit: str, values: npt.NDArray[np.float64], wrong: npt.NDArray[np.bool_],
         rule: str,
     ) -> None:  # fmt: skip
-        """Report an event for each ``wrong`` one of the ``values`` that a host pushed."""
+        """Report an event for each of the host's ``values`` that is ``wrong``; the event states the ``rule``."""
         wall = int(record["wall"])
         self.events.report_rows(
             np.flatnonzero(wrong),
@@ -479,7 +479,7 @@ class Model:
         depth, kind, flags, ready = self.rig.place(rows["time"], rows["order"], rows["depth"], rows["offset"], now)
         flags = flags | rows["flags"]
         flags[self.configuration.depth.outside(depth)] |= Flag.RANGE
-        # A refused row needs no depth. It keeps its own flags, because others depend on how the stream was cut.
+        # A refused row needs no depth. It keeps its own flags, because others would depend on how the stream was cut.
         rejected = (rows["flags"] & int(NEVER_DRAWN)) != 0
         flags[rejected] = rows["flags"][rejected]
         ready |= rejected
@@ -490,7 +490,7 @@ class Model:
             self.passes.report(shown, np.arange(len(shown)), "range", lambda place: self.rig.depth_rule(shown[place]))
         self._pending = rows[~ready]
         late_from_bit = ((flags & Flag.LATE) != 0) & np.isnan(rows["depth"])
-        flags[late_from_bit] |= Flag.NO_DEPTH  # when it was measured is not known, so neither is the bit depth then
+        flags[late_from_bit] |= Flag.NO_DEPTH  # the time of the measurement is not known, so no bit depth applies
         triples = ready & (rows["image"] < 0)
         if triples.all():  # a selection would copy all rows and double the memory
             self._draw(rows, depth, kind, flags, update)
@@ -502,7 +502,7 @@ class Model:
     def _append(
         self, name: str, rows: Rows, columns: tuple[npt.NDArray[np.float64], ...], update: Update
     ) -> npt.NDArray[np.bool_]:
-        """Append samples to a layer; return for each whether it was appended.
+        """Append samples to a layer; return for each sample whether it was appended.
 
         If the layer refuses the samples, they are appended record by record, without the wrong records.
         """
@@ -582,7 +582,7 @@ class Model:
                 self.outcomes[self.readers[number].source.name, outcome] += count
 
     def _count_refused(self, sources: npt.NDArray[np.int32], flags: npt.NDArray[np.int64]) -> None:
-        """Count refused samples by source and flag; not NOT_ROTATING, because a string often stands still."""
+        """Count refused samples by source and flag, without NOT_ROTATING, because a string often stands still."""
         for flag in NEVER_DRAWN & ~Flag.NOT_ROTATING:
             self._count(sources[(flags & int(flag)) != 0], str(flag.name))
 
@@ -613,7 +613,7 @@ class Model:
     def _leave_out_crowded(
         self, name: str, rows: Rows, depth: npt.NDArray[np.float64], chosen: npt.NDArray[np.bool_]
     ) -> None:
-        """Remove from ``chosen`` the samples of a source or of the host that exceed its limit near a vertex."""
+        """Remove from ``chosen`` the samples that exceed the limit of a source, or of the host, near a vertex."""
         if not (most := self.configuration.samples.most):
             return
         crowded = []
@@ -625,14 +625,14 @@ class Model:
         if crowded:
             left_out = np.concatenate(crowded)
             self.counts["crowded"] += len(left_out)
-            rule = f"an eighth of the cell of a vertex already has its share of most = {most} samples of this source"
+            rule = f"this part of a vertex's cell already has its share of samples.most = {most} samples of this source"
             text = f"layer {name}: {rule}: not drawn"
             self.passes.report(rows, left_out, "crowded", lambda _: text)
 
     def _depth_gaps(
         self, of: tuple[str, int], depth: npt.NDArray[np.float64], rows: npt.NDArray[np.int64]
     ) -> list[tuple[int, str]]:
-        """Return (row, text) of each sample more than `gap_reach` beyond all earlier ones; ``of``: (layer, source)."""
+        """Return (row, text) of each sample over `gap_reach` beyond all earlier samples; ``of``: (layer, source)."""
         limit = self.layers[of[0]].settings.gap_reach
         ahead = np.copysign(1.0, self.layers[of[0]].settings.pitch)  # -1 for a wall that grows upwards
         farthest = np.maximum.accumulate(np.concatenate([[self._deepest.get(of, -np.inf)], ahead * depth]))
@@ -658,7 +658,7 @@ class Model:
 
 
 def _depth_items(source: Source | None) -> object:
-    """Return the items that state the depths of a source's samples; none, if the depths follow from the bit depth."""
+    """Return the items that state the depths of a source's samples; none if the depths follow from the bit depth."""
     return [source.origin(item) for item in source.caliper.depth] if source and source.caliper else []
 
 

@@ -64,7 +64,7 @@ class PassLog:
     meanings
         Name and table ``pass_numbers`` of each source, by its number in the journal. The host (0) has no entry.
     events
-        Gets the events about pass numbers.
+        The book to which the events about pass numbers are reported.
     """
 
     STATE = ("latest", "_over")
@@ -126,7 +126,7 @@ class PassLog:
             self._events.report_rows(order[source == who], describe)
 
     def _event(self, sample: np.void, rule: str, text: str) -> Event:
-        """Return an event at the place from which the sample came."""
+        """Return an event with the time, source, connection and line of a sample."""
         name = self._name(int(sample["source"]))
         return Event(int(sample["wall"]), name, int(sample["connection"]), int(sample["line"]), -1, rule, text)
 

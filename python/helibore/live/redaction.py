@@ -29,14 +29,14 @@ def check_password(place: str, password: str) -> None:
     Raises
     ------
     InputError
-        If it is shorter than 6 characters, has no ASCII letter, or is not UTF-8 text.
+        If the password is shorter than 6 characters, has no ASCII letter, or is not UTF-8 text.
     """
     try:
         password.encode()
     except UnicodeEncodeError:  # os.environ holds a wrong byte as half of a surrogate pair
         raise InputError(place, "the password must be UTF-8 text") from None
     if len(password) < SHORTEST or not set(password) & set(string.ascii_letters):
-        rule = f"the password must have {SHORTEST} characters or more and a letter: it is redacted in every answer"
+        rule = f"the password must have {SHORTEST} characters or more and a letter: helibore removes it from answers"
         raise InputError(place, rule)
 
 
@@ -80,7 +80,7 @@ def _whole(ways: list[Units]) -> bytes:
 
 
 def _begun(ways: list[Units]) -> bytes:
-    """Return an expression for the beginning of a character, one unit or more, written in any of the ``ways``."""
+    """Return an expression for the first unit or more of a character, written in any of the ``ways``."""
     found = []
     for units in ways:
         nested = b""
@@ -91,9 +91,9 @@ def _begun(ways: list[Units]) -> bytes:
 
 
 class Redactor:
-    """Removes the password of ``auth`` (user, password), and the Base64 tokens of it and of ``user:password``.
+    """Removes the password of ``auth`` (user, password), also in Base64, and the Base64 token of ``user:password``.
 
-    If ``auth`` is None, it removes nothing.
+    If ``auth`` is None, nothing is removed.
     """
 
     def __init__(self, auth: tuple[str, str] | None) -> None:

@@ -46,7 +46,7 @@ SETTINGS_OF_START = "allow", "mode", "every", "replace_after"
 
 
 def back_off(failures: int, longest: float, draw: Callable[[], float] = random.random) -> float:
-    """Return the seconds to wait after so many consecutive ``failures``: 1, 2, 4 ... ``longest``, times 0.5 to 1."""
+    """Return the seconds to wait after the last of ``failures`` in a row: 1, 2, 4 ... ``longest``, times 0.5 to 1."""
     return float(min(longest, FIRST_WAIT * 2.0 ** min(failures - 1, 16)) * (0.5 + 0.5 * draw()))
 
 
@@ -142,7 +142,7 @@ class Server:
     live
         The wall and its journal. The caller closes it, after :meth:`stop`.
     updated
-        The drawing thread calls it with every Update.
+        Function that the drawing thread calls with every Update.
 
     Attributes
     ----------
@@ -261,7 +261,7 @@ class Server:
             return
         self._used[name] = source
         self.openers.pop(name, None)
-        self._report(name, "address", f"from now on at {self.live.configuration.source[name]['address']}")
+        self._report(name, "address", f"the source is now at {self.live.configuration.source[name]['address']}")
         if one:
             self._begin(source, one)
 
@@ -315,8 +315,8 @@ class Server:
     def wait(self, seconds: float | None = None) -> bool:
         """Wait until every source has ended, a thread has failed, or ``seconds`` have passed.
 
-        Only a file ends. Return whether all sources have ended and the drawing thread has taken all their records;
-        `stop` waits until the last records are drawn.
+        Only a source that is a file ends. Return whether all sources have ended and the drawing thread has taken all
+        their records; `stop` waits until the last records are drawn.
         """
         end = time.monotonic() + (seconds if seconds is not None else float("inf"))
         while time.monotonic() < end and self.failure is None:
@@ -352,7 +352,7 @@ class Server:
     def _follow(self, source: Source, one: Opener, before: threading.Thread | None) -> None:
         """Open and read a source again and again until it ends or moves to another address, or the server stops.
 
-        ``before`` is the thread that read the source at its old address; this one begins after ``before`` has ended.
+        ``before`` is the thread that read the source at its old address; this thread waits until ``before`` has ended.
         """
         if before:
             before.join()

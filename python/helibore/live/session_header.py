@@ -150,7 +150,7 @@ def continued_with(folder: FilePath, given: Configuration) -> tuple[Configuratio
     Raises
     ------
     InputError
-        If ``given`` lacks a source, or changes what a journal cannot change; the text names the first such setting.
+        If ``given`` lacks a source, or changes what a journal cannot change; the message names the first such setting.
     """
     last = _first(_from_the_end(folder), -1)
     if last is None:
@@ -184,7 +184,7 @@ def _changed(folder: FilePath, last: Configuration, given: Configuration) -> Con
 
 
 def _check(folder: FilePath, begun: dict[str, Any], given: Configuration) -> None:
-    """Refuse a source or image that is missing, and a change of what `_lasting` returns."""
+    """Raise InputError if ``given`` lacks a source or an image, or changes a setting that `_lasting` returns."""
     now = json.loads(given.meaning())
     before, after = _lasting(begun), _lasting(now)
     after["sources"] = {name: of for name, of in after["sources"].items() if name in before["sources"]}
@@ -195,7 +195,7 @@ def _check(folder: FilePath, begun: dict[str, Any], given: Configuration) -> Non
 
 
 def _lasting(meaning: dict[str, Any]) -> dict[str, Any]:
-    """Return the part of a meaning that a journal cannot change; of a source, only whether it is a store."""
+    """Return the part of a meaning that a journal cannot change; for a source, this is only whether it is a store."""
     images = {image["name"]: {key: image[key] if key != "sectors" else len(image[key]) for key in IMAGE_STAYS}
               for source in meaning["sources"].values() for image in source["images"]}  # fmt: skip
     wall = {key: value for key, value in meaning["wall"].items() if key not in ("bit_diameter", "threads")}

@@ -37,11 +37,13 @@ Cells = Sequence[float | str | None]
 
 
 def snapshot(live: Live, folder: str | Path) -> list[Path]:
-    """Write the files and return their paths, ``snapshot.json`` last. A wall that the path does not cover has no mesh.
+    """Write the files into ``folder`` and return their paths, ``snapshot.json`` last.
+
+    There is no mesh of a wall that the path does not cover.
 
     An image whose name is not allowed in a file name is left out, and an image that `SectorImage` refuses is written
     only as a table; an event reports each of them. An image with an unknown layout, with fewer than two rows or without
-    values is only a table, too.
+    values is written only as a table, too.
 
     Raises
     ------

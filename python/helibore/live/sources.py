@@ -33,7 +33,7 @@ from helibore.live.pass_rules import PassNumbers
 LENGTHS = {"metric": ("m", "mm"), "fps": ("ft", "in")}
 """The units of depths and of radii in each unit set (in WITS, those of items 0108 and 0844)."""
 JUMPS = {"depth": 30.0, "time": 3600.0}
-"""The default of ``jump`` for each index of a log, m and s."""
+"""The default of ``jump``: metres for a log by depth, seconds for a log by time."""
 INDEX = 1
 """The number of a store's index curve, whose mnemonic does not matter. The other curves have numbers from 2."""
 
@@ -59,7 +59,7 @@ class Curve:
 class Context:
     """What validators must know of the rest of the configuration, and the curves of the source so far.
 
-    ``reference`` is that of the path. ``lengths`` are the units of depths and radii. ``index`` is that of the log.
+    ``reference`` is that of the path. ``lengths`` are the units of depths and radii. ``index`` is "depth" or "time".
     """
 
     name: str
@@ -114,7 +114,7 @@ def _length(value: object, info: Any) -> Item:
 
 
 def _curve(kind: str) -> PlainValidator:
-    """Return the validator that turns a mnemonic into an `Item`; the numbers of curves follow their first use."""
+    """Return the validator that turns a mnemonic into an `Item`; curves are numbered in order of their first use."""
 
     def number(mnemonic: object, info: Any) -> Item:
         if not isinstance(mnemonic, str) or not mnemonic:
@@ -229,7 +229,7 @@ class CaliperTable(Table):
 
 
 class WitsCaliper(CaliperTable):
-    """Triples in consecutive items from ``first`` on, or in a list of items for each quantity."""
+    """The caliper of a WITS sender: triples in consecutive items from ``first`` on, or a list of items per quantity."""
 
     first: Code | None = None
     groups: Annotated[int, within(1, 99)] = Field(0, description="a whole number from 1 to 99")
@@ -261,7 +261,10 @@ class WitsCaliper(CaliperTable):
 
 
 class StoreCaliper(CaliperTable):
-    """Triples by mnemonic. Without ``depth``, the depth is the index; in a log by time it follows from the bit."""
+    """The caliper of a store: the mnemonics of its triples.
+
+    Without ``depth``, the depth of a triple is the index of the log; in a log by time it follows from the bit depth.
+    """
 
     toolface: Annotated[list[AngleCurve], OneQuantity] = Field(description="mnemonics, one for each sensor")
     radius: Annotated[list[LengthCurve], OneQuantity] = Field(description="mnemonics, one for each sensor")
@@ -389,7 +392,7 @@ class Source(Table):
         self._derive(name=context.name, rig=rig, images=images, measured=measured, mapped=mapped)
 
     def origin(self, item: Item | None) -> object:
-        """Return what ``item`` is on the wire, to compare it with an item of an earlier configuration."""
+        """Return what the source sends as ``item``, to compare it with an item of an earlier configuration."""
         return item
 
     def meaning(self) -> dict[str, Any]:
@@ -405,7 +408,7 @@ class Source(Table):
         return meaning
 
     def with_meaning(self, recorded: dict[str, Any]) -> Source:
-        """Return this source with the values of a recorded meaning that may be defaults of an older version."""
+        """Return this source with those values of a recorded meaning whose defaults may differ between versions."""
         names = {"nulls", "limits", "caliper", "images"} & recorded.keys()
         return self.model_copy(update={name: with_values(getattr(self, name), recorded[name]) for name in names})
 
@@ -413,7 +416,7 @@ class Source(Table):
 class WitsSource(Source):
     """A source that sends WITS level 0."""
 
-    units: Literal["metric", "fps"] = Field(description='"metric" or "fps" (nothing on the wire says which)')
+    units: Literal["metric", "fps"] = Field(description='"metric" or "fps", because WITS does not transmit units')
     every: Annotated[float, within(0.05, 3600)] | None = None
     nulls: list[float] = [*wits.NULLS]
     allow: list[Network] = [ipaddress.ip_network("127.0.0.1"), ipaddress.ip_network("::1")]
@@ -446,7 +449,7 @@ class StoreObject(Table):
 
 
 class Log(StoreObject):
-    """A log. A row more than ``jump`` (m or s) after the previous row counts only if the next row continues it."""
+    """A log. A row more than ``jump`` (m or s) after the previous row counts only if the next row continues from it."""
 
     log: Text = Field(description="the uid")
     index: Literal["depth", "time"] = Field(description='"depth" or "time"')
@@ -458,7 +461,7 @@ class Log(StoreObject):
 
 
 class Trajectory(StoreObject):
-    """A trajectory."""
+    """A trajectory, whose stations become survey stations."""
 
     trajectory: Text = Field(description="the uid")
 

@@ -44,7 +44,7 @@ Position = Callable[[], tuple[str, str] | None]
 class StoreClient(Opener):
     """Opens links that poll a store.
 
-    ``position`` returns the index of the last row that was read, as (text, unit); None: none was read. ``refused`` has
+    ``position`` returns the index of the last row that was read, as (text, unit); None: no row yet. ``refused`` has
     the checksum of the last refused answer to each kind of query, over all links, so that a repeated answer takes only
     a line of the journal.
 

@@ -55,10 +55,10 @@ class StoreReader(SourceReader):
         self._reported_jump = self._reported_index = -np.inf
 
     def go_on_from(self, before: SourceReader) -> None:
-        """Take over the reader that another configuration replaces, also its incomplete answer.
+        """Take over the state of the reader that this one replaces, including an answer that is not complete yet.
 
         If the log is the same, its last index and its null value are taken over, too. Another log is read from its
-        first row on, because the last index of the old log says nothing of it.
+        first row on, because the last index of the old log does not apply to it.
         """
         super().go_on_from(before)
         if not isinstance(before, StoreReader):

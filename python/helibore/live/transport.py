@@ -26,7 +26,7 @@ CHUNK = 65536
 PATIENCE = 3
 """A newcomer replaces a sender only after a silence of this many times the sender's longest interval."""
 ACCEPT_AGAIN = 1.0
-"""Seconds until the next try after a connection could not be accepted, for example without a free descriptor."""
+"""Seconds until the next try after a connection could not be accepted, for example if no descriptor is free."""
 
 
 class Link(ABC):
@@ -81,7 +81,7 @@ def _keep_alive(connection: socket.socket) -> None:
 
 
 class SocketLink(Link):
-    """A TCP connection; ``listener`` decides whether a newcomer replaces it."""
+    """A TCP connection to a sender; ``listener`` decides whether a newcomer replaces this sender."""
 
     def __init__(
         self, connection: socket.socket, peer: str, listener: TcpListener | None = None, first: bytes = b""
@@ -97,7 +97,7 @@ class SocketLink(Link):
             return first
         beside = self._listener.watched() if self._listener else []
         ready = _readable([self._connection, *beside], seconds)
-        if self._connection in ready:  # before newcomers: if the sender connects again, it has closed this link
+        if self._connection in ready:  # before newcomers: a sender that connects again has closed this link
             payload = self._connection.recv(CHUNK)
             now = time.monotonic()
             self.longest, self.last_received = max(self.longest, now - self.last_received), now

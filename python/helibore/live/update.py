@@ -63,7 +63,7 @@ def joined_ranges(ranges: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
 
 
 def joined(first: Change | None, second: Change) -> Change:
-    """Return the Change of two consecutive appends to a wall together; ``first`` None: of the second only."""
+    """Return one Change for two consecutive appends to a wall; return ``second`` if ``first`` is None."""
     if first is None:
         return second
     return Change(

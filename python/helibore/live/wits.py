@@ -70,7 +70,7 @@ class Batch:
     events: Rows
 
     def line_of(self, item: int, frame: int) -> int:
-        """Return the line in the stream, from 1, of row ``item`` of ``items``; ``frame`` is its row in ``frames``."""
+        """Return the line, from 1, of row ``item`` of ``items``; its frame is row ``frame`` of ``frames``."""
         start, stop = int(self.frames["start"][frame]) - self.base, int(self.items["offset"][item]) - self.base
         return int(self.frames["line"][frame]) + self.text.count(b"\n", start, stop)
 
@@ -121,7 +121,7 @@ class Parser:
 
     @property
     def state(self) -> bytes:
-        """The state of the parser; a parser with the same settings to which it is assigned continues from it."""
+        """The state of the parser; a parser with the same settings continues from a state that is assigned to it."""
         return self._core.state()
 
     @state.setter
@@ -154,6 +154,6 @@ def frame(items: Iterable[tuple[int, str]]) -> bytes:
 
 
 HEARTBEAT = frame([(111, "-9999")])
-"""The keep-alive that a Pason EDR asks for: item 0111 null."""
+"""The keep-alive that a Pason EDR expects: item 0111 with the null -9999."""
 POLL = frame([])
-"""An empty frame, which asks a sender for one packet."""
+"""An empty frame, which requests one packet from a sender."""

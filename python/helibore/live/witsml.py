@@ -46,7 +46,7 @@ class LogRows:
     """The rows of an answer about a log; each is a text of cells with commas between them.
 
     ``mnemonics`` and ``units`` have an entry for each cell. There are no rows if the log has not grown. ``null`` is the
-    nullValue and ``direction`` that of the log; "" if the answer does not state them.
+    nullValue of the log, and ``direction`` is its direction; "" if the answer does not state them.
     """
 
     mnemonics: list[str] = field(default_factory=list)
@@ -57,7 +57,7 @@ class LogRows:
 
 
 def log_query(uids: tuple[str, str, str], start: tuple[str, str] | None) -> str:
-    """Return the query for the rows of a log from the index ``start`` on, (text, unit); None: for all rows.
+    """Return the query for the rows of a log from the index ``start`` (text, unit) on; if None, for all rows.
 
     The unit "" means that the index is a time.
     """
@@ -197,7 +197,7 @@ def _cells(text: str) -> list[str]:
 
 
 def read_stations(document: str) -> list[tuple[tuple[str, str], ...]]:
-    """Return (text, unit) of md, of incl and of azi for each station of a trajectory; ("", "") for a missing one.
+    """Return for each station of a trajectory the (text, unit) of its md, incl and azi; ("", "") for a missing value.
 
     Raises
     ------
@@ -218,7 +218,7 @@ def read_stations(document: str) -> list[tuple[tuple[str, str], ...]]:
 
 
 def framed(kind: str, state: str, body: bytes = b"") -> bytes:
-    """Return an answer as it is stored in the journal."""
+    """Return the bytes with which an answer is stored in the journal: a line of its kind and state, then ``body``."""
     return b"WITSML %s %s %d\n" % (kind.encode(), state.encode(), len(body)) + body
 
 

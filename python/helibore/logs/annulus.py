@@ -95,7 +95,7 @@ class Annulus:
         bottom = float(self.depth.max()) if bottom is None else bottom
         inside = self.volume[(self.depth >= top) & (self.depth <= bottom)]
         if not inside.size:
-            raise InputError("cement", f"no row between {top:g} and {bottom:g} m")
+            raise InputError("cement", f"the logs have no row between {top:g} and {bottom:g} m")
         missing = np.isnan(inside).sum()
         if missing:
             advice = "choose an interval in which every row has a volume"

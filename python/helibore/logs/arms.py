@@ -19,8 +19,8 @@ from helibore.base.arrays import Floats, Integers
 from helibore.samples.caliper import Caliper
 
 FEW_ARMS = 8
-"""Most diameters of a tool with few arms; a tool that measures more of them sees all around."""
-_SAME_AXIS = 1e-3  # degrees
+"""A tool with few arms measures at most this many diameters; a tool that measures more of them sees all around."""
+_SAME_AXIS = 1e-3  # degrees, to which toolfaces are rounded to compare them
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +110,7 @@ def _pairs(arms: Caliper) -> tuple[Integers, Floats, Floats, Floats, Floats]:
     second = first + 1
     axis = toolface[first] % half
     pair = np.minimum(number[first], number[second])
-    if np.unique(axis).size < np.unique(pair).size:  # arms share an axis, and in places one is missing
+    if np.unique(axis).size < np.unique(pair).size:  # arms share an axis, and one is missing in places
         pair = axis
     off = np.abs(radius[first] - radius[second])
     return pair, depth[first], radius[first] + radius[second], np.multiply(axis, _SAME_AXIS), off

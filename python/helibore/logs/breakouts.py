@@ -20,11 +20,14 @@ from helibore.base.ranges import PIECE, pieces
 from helibore.logs.turn_logs import Logs
 
 ONE_AXIS = 1e-3
-"""Least deviation, degrees, of the axes of arms that turn; arms with less have kept one axis."""
+"""Degrees; if the axes of the arms in a zone deviate by less than this from their mean, the arms did not turn."""
 
 
 def rows(radius: Floats, turns: Integers, sectors: int) -> Floats:
-    """Return the radii of some turns, in rising order, (turns, sectors); radii outside them are not read."""
+    """Return the radii of ``turns``, whose numbers rise, (turns, sectors).
+
+    Only the radii from the first to the last of these turns are read.
+    """
     first, last = int(turns[0]), int(turns[-1])
     return radius[first * sectors : (last + 1) * sectors].reshape(-1, sectors)[turns - first]
 
@@ -44,7 +47,9 @@ def sections(logs: Logs, turns: Integers, radius: Floats, start: float) -> tuple
 def lobes_of(
     logs: Logs, turns: Integers, radius: Floats, start: float, level: float, both: bool
 ) -> tuple[float, float, tuple[BreakoutLobe, ...]]:
-    """Return the axis of a breakout or the toolface of a key seat, its deviation from turn to turn, and the lobes.
+    """Return the axis of a breakout or the toolface of a key seat, its deviation among the turns, and the lobes.
+
+    Axis, toolface and deviation are degrees.
 
     Parameters
     ----------
@@ -55,7 +60,7 @@ def lobes_of(
     both
         Whether there are two opposite lobes (a breakout) or one (a key seat).
     """
-    fold = 2 if both else 1  # opposite lobes are one axis; a key seat has a direction
+    fold = 2 if both else 1  # opposite lobes have one axis, which repeats after 180 degrees; a key seat has a direction
     by_turn, total = np.empty(turns.size, dtype=np.complex128), np.zeros(logs.sectors)
     for piece in pieces(slice(0, turns.size), max(PIECE // logs.sectors, 1)):
         height, direction = sections(logs, turns[piece], radius, start)
@@ -63,7 +68,7 @@ def lobes_of(
         by_turn[piece] = (weight * np.exp(1j * fold * np.radians(direction))).sum(axis=1)
         total += height.sum(axis=0)
     angles = np.degrees(np.angle(by_turn)) / fold
-    spread = axial_mean(angles * fold / 2)  # angles that repeat after 360 are axes of half their size
+    spread = axial_mean(angles * fold / 2)  # half of an angle that repeats after 360 degrees repeats after 180
     toolface = spread.mean * 2 / fold % (360 / fold)
     mean = total / turns.size
     sides = [toolface, toolface + 180] if both else [toolface]

@@ -46,7 +46,9 @@ def by_step(columns: Mapping[str, Any], pitch: float, bit_diameter: float, step:
 
 
 def _steps(depth: Floats, pitch: float, step: float) -> tuple[Integers, slice, Integers]:
-    """Return the numbers of the steps with a row, the slice of the turns in them, and where each step starts in it."""
+    """Return the numbers of the steps that have a row, the slice of the turns in these steps, and the first turn of
+    each step, counted in that slice.
+    """
     if not depth.size:
         return np.empty(0, np.int64), slice(0, 0), np.empty(0, np.int64)
     number = np.floor(depth / step + 1e-9).astype(np.int64)
@@ -70,7 +72,10 @@ def _gather(values: Floats, starts: Integers, rule: str) -> Floats:
 
 
 def _axis(toolface: Floats, starts: Integers) -> Floats:
-    """Return the mean axis of each step, degrees, half the direction of the doubled angles, so that 1 is near 179."""
+    """Return the mean axis of each step, degrees in [0, 180).
+
+    It is half the direction of the mean of doubled angles, because axes of 1 and 179 degrees are near each other.
+    """
     if not toolface.size:
         return toolface.copy()
     mean = np.add.reduceat(np.exp(2j * np.radians(toolface)), starts)

@@ -49,7 +49,8 @@ def _means(depth: Floats, height: float, image: SectorImage) -> Floats:
     rows = count > 0
     mean = np.where(there, image.values, 0.0).sum(axis=1)[rows] / count[rows]
     edges = np.column_stack([end[rows] for end in image.cover()])
-    covered = np.cumsum(np.diff(edges, axis=1, prepend=edges[:, :1]), axis=None)  # 0, a, a, a + b, a + b, ...
+    # The length covered up to each edge, 0, a, a, a + b, a + b, ..., and the integral of the means up to it.
+    covered = np.cumsum(np.diff(edges, axis=1, prepend=edges[:, :1]), axis=None)
     summed = np.cumsum(np.diff(edges, axis=1, prepend=edges[:, :1]) * mean[:, None], axis=None)
     top, bottom = depth - height / 2, depth + height / 2
     length, total = (

@@ -110,23 +110,26 @@ class Pick:
         if self.kind == BREAKOUT and not (self.height > 0 and self.opening > 0):
             raise InputError("breakout", "height and opening must be above 0")
         if isinstance(self.points, bool) or not (isinstance(self.points, (int, np.integer)) and self.points >= 0):
-            raise InputError("points", "must be a whole number", str(self.points))
+            raise InputError("points", "must be a whole number, 0 or more", str(self.points))
         vars(self)["points"] = int(self.points)
         for name, most in (("note", LONGEST_NOTE), ("image", LONGEST_NOTE), ("key", 32)):
             text = getattr(self, name)
             if not isinstance(text, str) or len(text) > most:
                 raise InputError(name, f"must be a text of at most {most} characters")
-            if any("\ud800" <= character <= "\udfff" for character in text):  # no file can hold it
+            if any("\ud800" <= character <= "\udfff" for character in text):  # UTF-8 cannot encode such a character
                 raise InputError(name, "must not hold half of a surrogate pair", ascii(text))
 
     @property
     def slopes(self) -> tuple[float, float]:
-        """Metres that the plane moves along the hole per metre towards toolface 0, and towards toolface 90."""
+        """Slopes of the plane: metres along the hole per metre towards toolface 0, and per metre towards 90."""
         slope, toolface = math.tan(math.radians(self.apparent_dip)), math.radians(self.toolface)
         return slope * math.cos(toolface), slope * math.sin(toolface)
 
     def reaches(self, top: float, bottom: float, bit_diameter: float) -> bool:
-        """Return whether a part of the sine or box lies between two depths; a pick without radius has the bit's."""
+        """Return whether a part of the pick's sinusoid or box lies between two depths, metres.
+
+        The sinusoid of a plane without a radius has the radius of the bit.
+        """
         radius = 0.5 * bit_diameter if self.radius is None else self.radius
         tall = 0.5 * self.height if self.kind == BREAKOUT else radius * math.tan(math.radians(self.apparent_dip))
         return self.depth - tall <= bottom and self.depth + tall >= top
@@ -174,20 +177,20 @@ class Picks(list[Pick]):
     """The picks of a wall: a list that is saved as a table."""
 
     def put(self, pick: Pick) -> None:
-        """Add a pick, or replace the one with the same key."""
+        """Add a pick, or replace the pick that has the same key."""
         for at, old in enumerate(self):
             if old.key == pick.key:
                 self[at] = pick
                 return
         if len(self) >= MOST:
-            raise InputError(f"{len(self)} picks", f"must be at most {MOST}")
+            raise InputError(f"{len(self)} picks", f"no other can be added, because a wall has at most {MOST}")
         self.append(pick)
 
     def merge(self, others: Iterable[Pick]) -> tuple[list[Pick], list[Pick]]:
         """Add the picks of another table; return the picks added, and the picks that replaced one with the same key.
 
-        A pick is left out if this list has its key with the same row of the table. It is also left out if this list
-        does not have its key, but has a pick with the same values of the fields in `PLACE`.
+        A pick is left out if this list has a pick with the same key and the same values. It is also left out if this
+        list does not have its key, but has a pick with the same values of the fields in `PLACE`.
         """
         places, index = {_cells(pick, PLACE) for pick in self}, {pick.key: at for at, pick in enumerate(self)}
         added, replaced = [], []
@@ -228,7 +231,7 @@ class Picks(list[Pick]):
 
         If a table has no ``apparent_dip_deg``, apparent dips are computed from its true dips and the path of the wall.
         A row without a key gets a key made from its text, the same at every reading. If two rows have the same key, the
-        second row gets another.
+        second row gets another key.
         """
         try:
             return cls.parse(FilePath(filename).read_text("utf-8-sig"), path)

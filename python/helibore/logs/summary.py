@@ -246,7 +246,10 @@ def _sample_count(wall: WallLike, start: float, stop: float) -> int:
 
 
 def _sample_interval(helix: Helix, ends: tuple[float, float], start: float, stop: float) -> tuple[float, float]:
-    """Return the ends between which samples count; beyond an end of the wall, to where the next vertex would lie."""
+    """Return the depths between which samples count: ``start`` and ``stop``.
+
+    If one of them is at or beyond an end of the wall, it is moved outwards by the distance of two vertices in depth.
+    """
     height = abs(helix.pitch) / helix.sectors
     return start - height * (start <= ends[0]), stop + height * (stop >= ends[1])
 
@@ -256,7 +259,7 @@ def _share_inside(turns: Logs, start: float, stop: float) -> Floats:
     first = turns.depth - turns.pitch * (turns.sectors - 1) / (2 * turns.sectors)
     top, bottom = np.minimum(first, first + turns.pitch), np.maximum(first, first + turns.pitch)
     inside = np.minimum(bottom, stop) - np.maximum(top, start)
-    shares: Floats = np.clip(np.round(inside / turns.height, 9), 0.0, 1.0)  # a cut between two turns cuts neither
+    shares: Floats = np.clip(np.round(inside / turns.height, 9), 0.0, 1.0)  # rounded: a cut between turns cuts none
     return shares
 
 

@@ -3,7 +3,7 @@
     units = "mm"               # of diameters: "mm" or "in"; "ft": inches, and feet for depths
     scale = 200                # 1:200
 
-    [[track]]                  # the depth stands first in any case
+    [[track]]                  # the track of depths is always the first
     kind = "caliper"
     width = 136                # pixels of 1/96 in; may be left out
 
@@ -15,7 +15,7 @@
     kind = "curves"
     names = ["GR", "RUGO"]     # curves of files, and mnemonics of `Wall.logs`
 
-The viewer's page writes a template with *Curves*, *template …*. A curve or an image that a wall lacks is left out, so
+On the viewer's page, *Curves*, *template …* saves a template. A curve or an image that a wall lacks is left out, so
 that one template serves many wells.
 """
 
@@ -33,7 +33,7 @@ from helibore.base.units import INCH, MILLIMETRE
 KINDS = ("caliper", "image", "curves", "dips")
 UNITS = ("mm", "in", "ft")
 WIDTHS = (20.0, 4000.0)
-PIXEL = INCH / MILLIMETRE / 96  # millimetres
+PIXEL = INCH / MILLIMETRE / 96  # size of a pixel, millimetres
 
 
 @dataclass(frozen=True)

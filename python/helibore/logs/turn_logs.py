@@ -227,7 +227,7 @@ class Logs(Tabular):
             ``step = 0.01: must be at least the pitch, 0.1 m``; if these logs are already by steps.
         """
         if self.step is not None:
-            raise InputError("step", f"these logs are by steps of {self.step:g} m already; gather the logs of turns")
+            raise InputError("step", f"these logs are by steps of {self.step:g} m already; use the logs of turns")
         columns = by_step(vars(self), self.pitch, self.bit_diameter, step)
         return replace(self, step=float(step), **columns)
 

@@ -5,12 +5,13 @@ fits:
 
     undergauge   least diameter  < bit - 0.25 in
     washout      C2 - bit       >= 0.5 in                                     enlarged all around
-    breakout     C1 - C2        >= 1 in, and both ends of C1 share in it      two lobes, opposite
-    key seat     one end of C1 is 0.25 in high, and the other does not share in it     one lobe
+    breakout     C1 - C2        >= 1 in, and both ends of C1 are high         two lobes, opposite
+    key seat     one end of C1   is >= 0.25 in high, and the other end is not high     one lobe
     gauge        all else
 
-The height of an end of C1 is its distance outside the circle of diameter C2 around the centre of the area. For a tool
-with few arms C1 and C2 are diameters of arms, and the centre is that of the tool (``arms``).
+Both ends of C1 are high if twice the height of the lower end is at least `Criteria.symmetry` times the sum of both
+heights. The height of an end of C1 is its distance outside the circle of diameter C2 around the centre of the area.
+For a tool with few arms C1 and C2 are diameters of arms, and the centre is that of the tool (``arms``).
 
 These are the usual four-arm criteria (JewelSuite's defaults; the undergauge limit is helibore's), applied to the whole
 section instead of four pads. `helibore.logs.zones` applies them.
@@ -88,7 +89,7 @@ class Criteria:
         bit_diameter
             Metres.
         **others
-            Attributes that get other values.
+            Values of attributes, which replace their scaled or default values.
 
         Examples
         --------
@@ -102,7 +103,7 @@ class Criteria:
         return cls(**{**scaled, **others})
 
     def limits(self) -> dict[str, float]:
-        """Return the limits of the lengths in `MEASURES`, metres, by kind; that of undergauge hole is below 0."""
+        """Return the limits of the lengths in `MEASURES`, metres, by kind; the limit of undergauge hole is below 0."""
         return {
             "washout": self.washout,
             "breakout": self.elongation,

@@ -3,8 +3,8 @@
 `helibore.logs.zone_criteria` defines the kinds; every output states the criteria. A run of turns of one kind becomes a
 zone if it is long enough. A turn with a missing radius is of no kind.
 
-A zone states the extremes of its turns, so that its ENLARGE is what the logs have at its PEAK. Zones are sorted by
-severity: the extreme of the length that the criterion limits, divided by this limit.
+A zone states the extremes of its turns, so that ENLARGE is the value that the logs have at the depth PEAK. Zones are
+sorted by severity: the extreme of the length that the criterion limits, divided by this limit.
 
 ``breakouts`` finds the azimuth and opening of lobes. Stress is not computed.
 """
@@ -68,7 +68,7 @@ class Zone:
         The length that the criteria compare with a limit, metres: the greatest C2 - bit of a washout, C1 - C2 of a
         breakout or height of a key seat; if undergauge, the lowest least diameter - bit.
     median
-        Median of the same length, metres.
+        Median, over the turns, of the length of which ``measure`` is the extreme, metres.
     severity
         Ratio of ``measure`` to the limit in the criteria; infinite if the limit is 0. It says which zone is worse.
     enlargement
@@ -138,7 +138,7 @@ class Classification(Tabular):
         return tuple(zone for zone in self.zones if zone.kind == kind)
 
     def by_severity(self, start: float = -math.inf, stop: float = math.inf) -> list[Zone]:
-        """Return the zones that overlap an interval, metres, the most severe first; equally severe ones by depth."""
+        """Return the zones that overlap an interval, metres, the most severe first, equal ones by depth."""
         inside = (zone for zone in self.zones if zone.stop > start and zone.start < stop)
         return sorted(inside, key=lambda zone: (-zone.severity, zone.start))
 
@@ -169,7 +169,7 @@ class Classification(Tabular):
             ("BOTTOM", "m", "Bottom of the zone", [of.stop for of in zones]),
             ("CLASS", "", f"Class of hole, {codes}", [KINDS.index(of.kind) for of in zones], 0),
             ("MEASURE", "m", sizes["measure"], [of.measure for of in zones]),
-            ("MEDIAN", "m", "Median of the length of the measure", [of.median for of in zones]),
+            ("MEDIAN", "m", "Median of the length of which MEASURE is the extreme", [of.median for of in zones]),
             ("SEVERITY", "", sizes["severity"], severity),
             ("ENLARGE", "m", sizes["enlargement"], [of.enlargement for of in zones]),
             ("ELONG", "m", sizes["elongation"], [of.elongation for of in zones]),
@@ -233,7 +233,7 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
     K = wall.settings.sectors
     radius = wall.radius
     if logs.step is not None or len(logs) > radius.size // K or logs.sectors != K:
-        raise InputError("logs", "must be those of the turns of the same wall")
+        raise InputError("logs", "must be the logs of the turns of the same wall")
     start = float(wall.settings.start_toolface)
     lower, higher = _end_heights(logs, radius, start)
     fits = _kinds(logs, criteria, lower, higher)
@@ -242,7 +242,8 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
     kind = np.where(fits == NO_KIND, NO_KIND, GAUGE).astype(np.int8)
     free = fits != NO_KIND
     zones = []
-    for code in (WASHOUT, UNDERGAUGE, BREAKOUT, KEY_SEAT):  # a washout between two breakouts keeps them apart
+    # Washouts take their turns first, so that two breakouts are not joined over a washout between them.
+    for code in (WASHOUT, UNDERGAUGE, BREAKOUT, KEY_SEAT):
         for first, stop in _runs(fits == code, free, criteria, abs(logs.pitch)):
             free[first:stop] = False
             inside = first + np.flatnonzero(fits[first:stop] == code)
@@ -269,7 +270,10 @@ def _kinds(logs: Logs, criteria: Criteria, lower: Floats, higher: Floats) -> Kin
 
 
 def _end_heights(logs: Logs, radius: Floats, start: float) -> tuple[Floats, Floats]:
-    """Return the heights of both ends of C1 over the circle of C2 around the centre of the area, lower ones first."""
+    """Return the heights of both ends of C1 over the circle of C2 around the centre of the area, metres.
+
+    The first array has the lower end of each turn, the second has the higher end.
+    """
     if logs.shape == "arms":
         half = (logs.c1 - logs.c2) / 2
         return half - logs.uneven / 2, half + logs.uneven / 2

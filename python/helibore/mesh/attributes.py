@@ -68,8 +68,8 @@ class Attributes(_NamedValues):
     def __setitem__(self, name: str, values: npt.ArrayLike) -> None:
         array, cells = column(f"attributes[{name!r}]", values), len(self.index)
         if array.size not in (cells, self._whole):
-            whole = f", or {self._whole}, one for each that the whole wall has room for" if self._whole != cells else ""
-            rule = f"must be {cells}, one for each {self._cell}{whole}"
+            whole = f", or {self._whole}, one for each {self._cell} that the whole wall has room for"
+            rule = f"must be {cells}, one for each {self._cell}{whole if self._whole != cells else ''}"
             raise InputError(f"attributes[{name!r}] has {array.size} values", rule)
         self._keep(name, array.copy() if array.size == cells else array[self.index])
 
@@ -110,7 +110,7 @@ class WallAttributes(_NamedValues):
         self._keep(name, values)
 
     def whole(self, name: str, start_depth: float, quads: int) -> Floats:
-        """Return the values for a wall with this start and number of quads: those that were set, then NaN.
+        """Return values for a wall with this start and number of quads: the values that were set, then NaN.
 
         Raises
         ------

@@ -5,7 +5,7 @@
     chunk     "BIN": positions (4 q, 3) float32 | colours (4 q, 4) uint8 | attributes | corners (6 q) uint32
 
 No library is used: trimesh takes three times as long for the same mesh, since it hashes each array (bench/speed).
-Section numbers are those of the glTF 2.0 specification. No textures, normals or animation.
+Numbers such as 3.6.2.2 are sections of the glTF 2.0 specification. The file has no textures, normals or animation.
 """
 
 from __future__ import annotations
@@ -55,9 +55,9 @@ def write_glb(
     attributes: Mapping[str, Floats],
     extras: Mapping[str, Any],
 ) -> None:
-    """Write quads, (q, 4) int64 rows of ``positions``, each in one colour.
+    """Write quads, each in one colour.
 
-    ``colors`` are (q, 4) uint8 sRGB with alpha; q must be above 0.
+    ``quads`` are (q, 4) int64 row numbers of ``positions``, q above 0; ``colors`` are (q, 4) uint8 sRGB with alpha.
 
     Positions, (n, 3) north, east, down in metres, are written as (east, up, -north): glTF is Y up and right-handed
     (3.4). Quads share no vertices, because glTF has colours at vertices only, and a shared vertex would mix the colours
@@ -117,11 +117,11 @@ class _View:
     """An array of the file: an attribute of the vertices, or, without a name, the corners of the triangles."""
 
     name: str
-    of: Callable[[slice], Array]  # returns its values at a block of quads
-    bytes: int  # of each quad
+    of: Callable[[slice], Array]  # returns the values of this array for a block of quads
+    bytes: int  # number of bytes for each quad
     shape: str
-    number: int  # type of its components
-    more: dict[str, Any]  # further entries of its accessor
+    number: int  # the number that glTF gives to the type of the components
+    more: dict[str, Any]  # further entries of this array's accessor
 
 
 def _at_corners(values: Array) -> Array:

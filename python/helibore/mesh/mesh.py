@@ -1,6 +1,6 @@
-"""What surfaces and volumes have in common. The writers of files use nothing else of a mesh.
+"""The base class of surfaces and volumes. The writers of files use only what is defined here.
 
-The metadata of a mesh are texts by name. Every format that holds texts has the same:
+The metadata of a mesh are texts by name. Every format that holds texts has the same metadata:
 {"made by": "helibore 0.1.0", "basis": "radius measured ...", "helix": "64 sectors, pitch 0.1 m, ...", ...}
 """
 

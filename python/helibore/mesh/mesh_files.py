@@ -61,7 +61,7 @@ def save_surface(
     if ending not in _PAINTED:
         _write_vtk(mesh, path, origin, color_by)
         return
-    if log and ending in (".glb", ".ply"):  # values of quads, since means at vertices could hide one
+    if log and ending in (".glb", ".ply"):  # check quads: a mean at a vertex can hide a wrong value
         try:
             check_positive(_quad_values(mesh, color_by))
         except InputError as error:

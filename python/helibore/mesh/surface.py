@@ -136,7 +136,7 @@ class Surface(Mesh):
         Parameters
         ----------
         filename
-            Ends in one of these; an existing file is replaced.
+            Ends in one of the endings above; an existing file is replaced.
         color_by
             The attribute, or ``"radius"``, that colours .glb and .ply, and that programs show first of a .vtu or .vtp;
             by default the radius. Other formats do not hold the choice. Missing values are grey.

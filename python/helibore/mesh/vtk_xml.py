@@ -28,7 +28,7 @@ def _quoted(text: str) -> str:
 
 
 class _Appended:
-    """The arrays that follow the XML in a file; `element` returns the XML that says where an array lies."""
+    """The arrays that follow the XML in a file; `element` adds an array and returns the XML that says where it lies."""
 
     def __init__(self) -> None:
         self.arrays: list[Array] = []

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     import h5py
 
 ENDING = ".vtkhdf"
-_FRAME = ("axes", "origin", "helix", "toolface 0")  # what parts of one file must have in common
+_FRAME = ("axes", "origin", "helix", "toolface 0")  # the metadata that must be equal in all parts of a file
 
 
 def save_vtkhdf(path: Path, mesh: VtkMesh) -> None:
@@ -79,7 +79,7 @@ def _h5py() -> Any:
 
 
 def _columns(mesh: VtkMesh) -> dict[str, Array]:
-    """Return the arrays of a part by name. In a file, those of all parts stand one behind the other."""
+    """Return the arrays of a part by name. In a file, the arrays of all parts stand one behind the other."""
     count, corners = mesh.corners.shape
     return {
         "NumberOfPoints": np.array([len(mesh.points)]),

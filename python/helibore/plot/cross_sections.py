@@ -1,6 +1,6 @@
 """Cross sections of the hole, with one scale for both axes, the circle of the bit, and the samples.
 
-      U                 each sector has one point: of its vertices the one that is nearest to the depth;
+      U                 each sector has one point, its vertex that is nearest to the depth;
    .-----.              dots are the samples within half a pitch; a grey wedge is a sector without a radius
 L |   +   | R
    '-----'              looking downhole, clockwise
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from helibore.wall.wall import Wall
 
 WIDTH, HEIGHT = 47.0, 54.0
-"""Millimetres that a section takes, with its caption."""
+"""Width and height of a section with its caption, millimetres."""
 
 
 @dataclass(frozen=True)
@@ -129,7 +129,7 @@ def draw_section(
     for side, (right, up) in zip(SIDES[reference], ((0, 1), (1, 0), (0, -1), (-1, 0)), strict=True):
         centre = y + 7.5 + 0.5 * size
         place = (middle + right * (0.5 * size + 1.8), centre - up * (0.5 * size + 1.8))
-        if right and len(side) > 1:  # degrees: no room for them between two sections
+        if right and len(side) > 1:  # degrees are too wide for the gap between two sections
             place = (middle + right * 0.3 * size, centre - 1.2)
         sheet.text(*place, side, SMALL, ha="center")
     there = np.isfinite(section.radius)

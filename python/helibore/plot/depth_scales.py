@@ -16,7 +16,7 @@ from helibore.base.units import FOOT
 FINE_SCALES = (20, 40, 200)
 COARSEST = 500
 LONGEST = 1000.0
-"""Most millimetres of paper that an interval may take at a fine scale."""
+"""Greatest length on paper, millimetres, that an interval may have at one of the fine scales."""
 
 
 def usual_depth_scale(length: float) -> int:

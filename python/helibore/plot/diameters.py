@@ -29,8 +29,8 @@ class Diameters:
     c2: Floats
     d0: Floats
     d90: Floats
-    least: Floats  # through the axis, from the radii that are known; for a tool with few arms, from its arms
-    greatest: Floats  # as ``least``
+    least: Floats  # smallest diameter through the axis, from the known radii; for a tool with few arms, from its arms
+    greatest: Floats  # largest diameter through the axis, from the same source
     coverage: Floats  # share of the turn that has a radius, measured or interpolated
 
 

@@ -39,13 +39,14 @@ HEADER = {
     "company": "Company", "field": "Field", "location": "Location", "service": "Service co.", "run": "Run",
     "date": "Date", "datum": "Depth datum", "kb": "Elevation KB", "gl": "Elevation GL", "mud": "Mud",
 }  # fmt: skip
-"""Entries of the header of every log, with their labels; one that the drawing lacks is shown as not given."""
+"""Entries of the header of every log, with their labels; if the drawing lacks an entry, the header shows "not given".
+"""
 BLOCK = 22.4
-"""Millimetres of height that the well and `HEADER` take."""
+"""Height of the upper part of the header, with the title and the entries of `HEADER`, millimetres."""
 ROW = 3.6
 """Millimetres between the rows of the foot."""
 MADE = 62.0
-"""Millimetres at the right of the foot for the version of helibore and the number of the scale bar."""
+"""Width at the right of the foot for the number of the scale bar and the version of helibore, millimetres."""
 
 
 def facts(content: Content) -> list[tuple[str, str, bool]]:
@@ -98,7 +99,7 @@ def survey_text(content: Content) -> str:
 
 
 def header_height(content: Content) -> float:
-    """Return the millimetres that the header takes."""
+    """Return the height of the header, millimetres."""
     return BLOCK + 7.2 + 4.3 * ((len(facts(content)) + 1) // 2)
 
 
@@ -153,7 +154,7 @@ def _kinds(content: Content) -> tuple[list[str], list[str]]:
 
 
 def footer_height(content: Content) -> float:
-    """Return the millimetres that the foot takes, from its upper line to the margin."""
+    """Return the height of the foot from its upper line to the margin, millimetres."""
     rows = (content.wall.basis == "azimuthal", content.zones.logs.unmeasured_shape, *map(bool, _kinds(content)))
     return 10.0 + ROW * sum(rows)
 

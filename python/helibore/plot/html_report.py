@@ -1,10 +1,10 @@
-"""A report of a wall as one HTML file. It holds its pictures and sends no request.
+"""A report of a wall as one HTML file, which contains its pictures and loads nothing from the network.
 
     from helibore.plot.html_report import report
     report(wall, "well.html", title="F-12")         # opens in any browser, prints on A4 at the scale it says
 
 It shows the summary, the pictures, diameters by interval, zones, picks, data quality and settings. Numbers come from
-`Wall.summary` and the zones, pictures from `pages_of`. Six tables need no template library; every text is escaped.
+`Wall.summary` and the zones, pictures from `pages_of`. No template library is used; every text is escaped.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ ROWS = 24
 """Most steps of depth in the table of diameters; parts of a step at both ends give one row more."""
 MOST_GAPS = 10
 SOFT = "\u00ad"
-"""Soft hyphen: a narrow page breaks a long head there."""
+"""Soft hyphen: on a narrow page, the browser breaks a long head of a column there."""
 SETTING_UNITS = dict.fromkeys(("bit_diameter", "pitch", "start_depth", "stop_depth", "max_distance", "tolerance"), "m")
 SETTING_UNITS |= {"kriging_range": "m", "start_toolface": "deg"}
 NO_SETTING = {"start_depth": "that of the samples", "stop_depth": "that of the samples", "window": "all samples"}
@@ -219,7 +219,8 @@ def _pictures(content: Content) -> str:
         width = figure.get_size_inches()[0] * MM
         picture = base64.b64encode(rendered([figure], ".png")).decode()
         shown = f'<img style="width:{width:g}mm" alt="{html.escape(words)}" src="data:image/png;base64,{picture}">'
-        # Printed on A4 at 100 %, a picture 210 mm wide has its size; a wider one is shrunk, so its scale is not true.
+        # On A4 at 100 %, a picture 210 mm wide is printed at its true size; a wider picture is shrunk, so its scale is
+        # not true.
         wide = f"<figcaption>{width:g} mm wide: on narrower paper the depth scale is not true.</figcaption>"
         figures.append(f"<figure>{shown}{wide if width > PAPER[0] + 1e-6 else ''}</figure>")
     return "\n".join(figures)
@@ -253,7 +254,7 @@ def _zones(zones: Classification | None, content: Content) -> str:
     found = zones.by_severity(content.top, content.bottom)
     criteria = f"Criteria: {html.escape(criteria_text(content))}."
     if not found:
-        return f"<p>None. {criteria} Nothing that was measured of the hole meets one of them.</p>"
+        return f"<p>None. {criteria} No measured part of the hole meets one of them.</p>"
     unit, depths = content.drawing.size_unit, content.drawing.depth_unit.name
     ends = f"From [{depths}]", f"To [{depths}]"
     head = ("Kind, measure, severity, peak", *ends, f"Enlarge{SOFT}ment [{unit}]", f"Elonga{SOFT}tion [{unit}]",

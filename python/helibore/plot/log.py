@@ -38,9 +38,9 @@ STUB = 40.0
 LEAST_LENGTH = 1.0
 """Least length of the log on any page, millimetres."""
 BODY = 130.0
-"""Millimetres of height of a shaded body."""
+"""Height of a shaded body, millimetres."""
 OVERVIEW_BODY, LEAST, TIES = 96.0, 130.0, 10.0
-"""Millimetres of an overview: width of its body, least height, and width of the lines that tie it to its depths."""
+"""Millimetres of an overview: width of its body, least height, and width of the lines from the tracks to the body."""
 
 
 def log(wall: Wall, **options: Any) -> Figure:
@@ -128,7 +128,7 @@ def pages_of(content: Content, paper: str | tuple[float, float]) -> list[Figure]
         y = draw_tracks(sheets[-1], content, top, bottom, y)
         ends.append(content.drawing.depth_unit.ends(top, bottom))
     for needed, draw in _tail(content, width):
-        if y + GAP + needed > free:  # a new page, as it does not fit below
+        if y + GAP + needed > free:  # this part does not fit on the page: a new page
             longest = needed + 2 * MARGIN + footer_height(content)
             sheets.append(Sheet(width, max(height, longest), content.drawing.dpi))
             ends.append("")

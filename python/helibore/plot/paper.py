@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 INK, FAINT, RULE = "#22303c", "#5d6b77", "#8a97a3"
 MM = INCH / MILLIMETRE
-"""Millimetres an inch."""
+"""Number of millimetres in an inch."""
 LEAST, SMALL, USUAL, LARGE = 5.0, 6.0, 7.0, 14.0
 """Sizes of letters, points."""
 LINE = 2.1
@@ -67,7 +67,7 @@ class Sheet:
         self.width, self.height, self.dpi = width, height, dpi
         self.figure: Figure = Figure(figsize=(width / MM, height / MM), dpi=dpi, facecolor="white")
         vars(self.figure)["_repr_png_"] = partial(screen_picture, self.figure)  # notebooks show it without pyplot
-        # matplotlib would make a renderer with a picture as large as the page for every text that is measured.
+        # This small renderer measures texts. matplotlib would make one as large as the page for every text.
         self._measure = RendererAgg(1, 1, self.figure.dpi)  # type: ignore[no-untyped-call]
 
     def axes(self, x: float, y: float, width: float, height: float, **extra: Any) -> Axes:
@@ -76,13 +76,15 @@ class Sheet:
         return self.figure.add_axes(box, **extra)
 
     def pixels(self, millimetres: float) -> int:
-        """Pixels of a length, at least 1."""
+        """Return the number of pixels in a length on paper, given in millimetres; at least 1."""
         return max(round(millimetres / MM * self.dpi), 1)
 
     def text(
         self, x: float, y: float, text: str, size: float = USUAL, within: float | None = None, **extra: Any
     ) -> Text:
-        """Write text centred on y; if it is wider than ``within`` millimetres, make it smaller, then shorten it."""
+        """Write text centred on y, and return it; if it is wider than ``within`` millimetres, make it smaller, then
+        shorten it.
+        """
         look: dict[str, Any] = {"color": INK, "va": "center", "ha": "left", "fontsize": size, "family": FONT} | extra
         shown = self.figure.text(x / self.width, 1.0 - y / self.height, text, parse_math=False, **look)
         if within is None:
@@ -96,7 +98,7 @@ class Sheet:
                 shown.set_text(text[:letters].rstrip() + "…")
                 return self.text_width(shown) > within
 
-            letters = bisect_left(range(1, len(text)), True, key=too_wide)  # as many as fit
+            letters = bisect_left(range(1, len(text)), True, key=too_wide)  # as many letters as fit
             shown.set_text(text[: max(letters, 1)].rstrip() + "…")
         return shown
 
@@ -154,7 +156,7 @@ LONGEST_PDF = 5_080.0
 
 
 def save(figures: Figure | Sequence[Figure], path: str | os.PathLike[str]) -> None:
-    """Write figures to a file; its ending is the format.
+    """Write figures to a file; the ending of its name gives the format: .png, .svg or .pdf.
 
     Parameters
     ----------
@@ -175,7 +177,7 @@ def save(figures: Figure | Sequence[Figure], path: str | os.PathLike[str]) -> No
     if not each:
         raise InputError(f"{path}: no figure", "a file needs at least one")
     if len(each) != 1 and ending != ".pdf":
-        raise InputError(f"{path}: {len(each)} pages", "only .pdf holds more than one")
+        raise InputError(f"{path}: {len(each)} pages", "only a .pdf file holds more than one page")
     for figure in each:
         _check_size(figure, path, ending)
     content = rendered(each, ending)

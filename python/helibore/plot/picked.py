@@ -2,7 +2,7 @@
 
 A tadpole has the colour of its class. Its head stands at the true dip, 0 to 90 degrees across the track; its tail
 points in the direction of dip, north up. Without a survey, dips are apparent (relative to the hole), and the tail
-counts from toolface 0; the head of the track states which.
+counts from toolface 0; the head of the track states which of the two is drawn.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ class DipTrack:
                 )
                 axes.plot(*ends, color=PICK_COLORS[pick.kind], linewidth=0.8, zorder=6)
             look = tadpole(pick.kind, 3.4) | {"linestyle": "none", "markeredgewidth": 0.8, "zorder": 7}
-            axes.plot([angle], [pick.depth], clip_on=False, **look)  # whole at the top and bottom of a page, too
+            axes.plot([angle], [pick.depth], clip_on=False, **look)  # not cut at the ends of a page
         return axes
 
 

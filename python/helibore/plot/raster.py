@@ -1,12 +1,12 @@
 """Cut the wall and its images open, and lay them flat on a grid of pixels.
 
-            left                                     a pixel shows the mean of the cells whose centres lie in it; if
+            left                                     A pixel shows the mean of the cells whose centres lie in it; if
     top    +----+----+----+----+                     these are fewer than two, the cell that holds the pixel's centre.
-           |    |    |    |    |  one row of pixels  It is missing if more than half of its cells are missing, and
-    bottom +----+----+----+----+                     beyond the wall or the image
+           |    |    |    |    |  one row of pixels  The pixel is missing if more than half of its cells are missing,
+    bottom +----+----+----+----+                     or if it lies beyond the wall or the image.
 
 No patch is drawn for a quad. So a 10 km well with millions of cells needs only a few sums over its columns, and no more
-pixels than the paper shows. ``colors`` and ``paper`` do the rest.
+pixels than the paper shows. ``base.colors`` colours the pixels, and ``tracks`` draws them.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ class Grid:
     left: float = 0.0  # toolface at the left and the right edge, degrees
 
     def edges(self) -> Floats:
-        """Depths of the edges of the rows, (rows + 1,)."""
+        """Return the depths of the edges of the rows, (rows + 1,) metres."""
         return np.linspace(self.top, self.bottom, self.rows + 1)
 
     def toolfaces(self) -> Floats:
-        """Toolfaces of the edges of the columns, (columns + 1,), rising from ``left``."""
+        """Return the toolfaces of the edges of the columns, (columns + 1,) degrees, rising from ``left``."""
         return self.left + np.linspace(0.0, 360.0, self.columns + 1)
 
 
@@ -107,7 +107,8 @@ def _running_sums(columns: Floats) -> tuple[Floats, Floats]:
 def _block_means(column: Floats, sums: Floats, counts: Floats, edges: Floats) -> Floats:
     """Return for each two neighbouring edges the mean of the cells that are centred between them.
 
-    If these are fewer than two, it is the cell that holds the middle. Edges are in cells; cell i is centred on i.
+    If these are fewer than two, return the cell that holds the middle between the edges. Edges are in cells; cell i is
+    centred on i.
     """
     low, high = np.minimum(edges[:-1], edges[1:]), np.maximum(edges[:-1], edges[1:])
     size = column.size
@@ -124,7 +125,7 @@ def _block_means(column: Floats, sums: Floats, counts: Floats, edges: Floats) ->
 
 
 def _means_around(rows: Floats, edges: Floats) -> Floats:
-    """Return for each two neighbouring edges around the hole the mean of the columns between, as `_block_means`.
+    """Return for each two neighbouring edges around the hole the mean of the columns between, as `_block_means` does.
 
     Edges are in cells; cell j, modulo the number of cells, is centred on j.
     """

@@ -4,7 +4,7 @@
     R' = tube (bit/2 + shape (R - bit/2))          a caption must state the two exaggerations, tube and shape
     x = -R' sin(toolface - facing)    y = R' cos(toolface - facing)    screen = (x, z cos(tilt) + y sin(tilt))
 
-The wall is resampled so finely that no pixel stays empty, and shaded point by point; the nearest point of a pixel wins.
+The wall is resampled so finely that no pixel stays empty, and shaded point by point; a pixel shows its nearest point.
 The projection is parallel, so that a straight scale shows depth. ``plot.solid`` draws axes and captions.
 """
 
@@ -79,7 +79,7 @@ def shade(
     channels = np.column_stack([radius, colors] if interpolated is None else [radius, colors, interpolated])
     for start in range(0, rows.size - 1, _BLOCK):
         turn = rows[max(start - 1, 0) : start + _BLOCK + 2]
-        # The inside shows through the open end only; elsewhere what faces away is hidden.
+        # The inside is visible through the open end only; elsewhere points that face away from the viewer are hidden.
         down_hole = turn * pitch - min(0.0, turns * pitch)
         open_end = down_hole.min() < 2.2 * half * rise / fall
         low, high = max(int(turn[0]) - 2, 0), int(turn[-1]) + 3  # the turns that these rows are smoothed from
@@ -148,7 +148,7 @@ def _spline(at: Floats, count: int, wrap: bool) -> Single:
 def _normals(x: Single, y: Single, z: Single) -> Single:
     """Return unit normals (3, rows, columns) of the grid, away from the axis."""
     around = [np.gradient(p, axis=1) for p in (x, y)]
-    along = [np.gradient(p, axis=0) for p in (x, y, z)]  # by row, as only the direction counts
+    along = [np.gradient(p, axis=0) for p in (x, y, z)]  # per row: only the direction matters
     normal = np.stack(
         [around[1] * along[2], -around[0] * along[2], around[0] * along[1] - around[1] * along[0]], dtype=np.float32
     )
@@ -186,7 +186,7 @@ class _Canvas:
         target = down.astype(np.int64) * self.width + right.astype(np.int64)
         inside[inside] &= near[inside] > self._near[target[inside]]
         order = np.flatnonzero(inside)
-        order = order[np.argsort(near[order])]  # of several on one pixel the nearest is written last
+        order = order[np.argsort(near[order])]  # of several points on one pixel the nearest is written last
         self._near[target[order]] = near[order]
         self._colors[target[order], :3] = colors[order]
         self._colors[target[order], 3] = 1.0

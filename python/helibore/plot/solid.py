@@ -40,8 +40,8 @@ LEAST_RELIEF = 1e-4
 class Stretched:
     """Whole turns of a wall, from vertex ``first``: (turns, sectors) radius, metres, NaN where missing.
 
-    ``depth`` holds the depths of two vertices: the first of the shallowest turn and the first of the deepest turn. Both
-    have the ``toolface``.
+    ``depth`` holds the depths of two vertices: the first of the shallowest turn and the first of the deepest turn.
+    ``toolface`` is the toolface of both.
     """
 
     first: int

@@ -168,13 +168,13 @@ class DepthTrack:
 class CaliperTrack:
     """Diameters against bit size: orange from bit to C2, pale from there to C1; blue from the least to bit.
 
-    C1, C2 and the least diameter decide the kind of a zone. Of a turn with a missing radius, the greatest diameter that
-    is there takes the place of C1.
+    C1, C2 and the least diameter decide the kind of a zone. For a turn with a missing radius, the greatest of the known
+    diameters takes the place of C1.
 
     Parameters
     ----------
     turns
-        What to draw.
+        The diameters to draw.
     basis
         What was measured; a caliper without directions gives no least and greatest diameter. A gauge hole has no
         caliper track.
@@ -316,7 +316,7 @@ class ScalarTrack:
         sheet.line((x + 1, x + self.width - 1), (y + 12.0, y + 12.0), color=SCALAR, linewidth=0.9)
         if self.note:
             sheet.lines_of_text(middle, y + 16.0, self.note, 5.6, self.width - 1, 3, ha="center", color=FAINT)
-        # The two numbers stand one below the other if there is no room for them side by side.
+        # The left number stands above the right one if there is no room for them side by side.
         low, high = (f"{limit:g}" for limit in self.limits)
         room, at = self.width - 1.2, y + HEAD - 2.2
         left = sheet.text(x + 0.6, at, low, SMALL, within=room)
@@ -442,7 +442,9 @@ LENGTHS = {"in": INCH, "mm": MILLIMETRE}
 
 
 def color_bar(sheet: Sheet, scale: ColorScale, x: float, y: float, width: float, shares: bool = False) -> None:
-    """Draw the colours of a scale with the numbers at its ends and in its middle; with ``shares``, low and high."""
+    """Draw the colours of a scale with the numbers at its ends and in its middle; with ``shares``, with the words low
+    and high at its ends instead.
+    """
     axes = sheet.axes(x, y, width, 2.6)
     ramp = np.linspace(scale.low, scale.high, 256)
     middle = 0.5 * (scale.low + scale.high)

@@ -1,6 +1,6 @@
 """The zones below the tracks, worst first: kind, depths, size and severity, as the viewer's page lists them.
 
-W washout     2046.0 to 2048.6    +59 mm    4.2 x       the sign is that of the strip beside the depths
+W washout     2046.0 to 2048.6    +59 mm    4.2 x       letter and colour are those of the strip beside the depths
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 
 COLUMNS, ROW, MOST_ROWS = 3, 4.0, 15
 TITLE = 8.0
-"""Millimetres of height that the title takes."""
+"""Height of the title, millimetres."""
 
 
 def zone_sign(sheet: Sheet, x: float, y: float, kind: str) -> None:
-    """Draw the letter of a kind on its colour, 3 mm wide, its middle line at y."""
+    """Draw the sign of a kind of zone, its letter on its colour, 3 mm wide and with its middle at height ``y``."""
     sheet.box(x, y - 1.4, 3.0, 2.8, facecolor=ZONE_COLORS[kind], edgecolor="none")
     sheet.text(x + 1.5, y, LETTERS[kind], SMALL, ha="center", color=ink_on(ZONE_COLORS[kind]), weight="bold")
 
@@ -32,13 +32,13 @@ def _zones(content: Content) -> list[Zone]:
 
 
 def zone_list_height(content: Content) -> float:
-    """Return the millimetres of height that the list takes; 0 if it has no zone."""
+    """Return the height of the list, millimetres; 0 if it has no zone."""
     count = len(_zones(content))
     return TITLE + ROW * min(-(-count // COLUMNS), MOST_ROWS) if count else 0.0
 
 
 def criteria_text(content: Content) -> str:
-    """Return as text which hole is of each kind, in the units of the picture."""
+    """Return the criteria of the kinds of zones as text, in the units of the picture."""
     unit, criteria = content.drawing.size_unit, content.zones.criteria
     rules = [
         f"{kind} {MEASURES[kind]} {'below' if kind == 'undergauge' else 'at least'} {limit / LENGTHS[unit]:.3g} {unit}"

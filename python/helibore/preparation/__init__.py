@@ -1,1 +1,1 @@
-"""From readings to samples that a wall can trust."""
+"""Turn readings into samples in one frame, checked and corrected, from which a wall is rebuilt."""

@@ -45,8 +45,8 @@ class Bias:
     Where ``table`` is not NaN, it is the sum of ``by_pass``, ``by_arm`` and ``by_both``, in which NaN counts as 0.
     """
 
-    passes: Integers  # their numbers, (p,), sorted
-    arms: Integers  # their numbers, (a,), sorted
+    passes: Integers  # numbers of the passes, (p,), sorted
+    arms: Integers  # numbers of the arms, (a,), sorted
     by_pass: Floats  # (p,); NaN for passes of which no bias is known
     by_arm: Floats  # (a,); NaN for arms that cannot be separated from the hole's shape
     by_both: Floats  # the remaining bias of each arm in each pass, (p, a)
@@ -56,10 +56,10 @@ class Bias:
     # cannot be compared with a steady arm, and where less than half of an arm's samples can be compared.
     table: Floats
     samples: Integers  # number of samples of each pass and arm, (p, a)
-    part: Integers  # passes and arms with one number here can be compared, and share one zero, (p, a)
+    part: Integers  # entries (a pass and an arm) with equal numbers can be compared, and share one zero, (p, a)
     drift: Floats  # largest less least bias of an arm over the passes that can be compared, (a,); NaN if fewer than two
-    drift_sigma: Floats  # its standard deviation, (a,)
-    drift_ends: Integers  # rows of the passes with the least and the largest bias, (a, 2)
+    drift_sigma: Floats  # standard deviation of ``drift``, (a,)
+    drift_ends: Integers  # indices in ``passes`` of the passes with the least and the largest bias of an arm, (a, 2)
     noise: float  # metres: robust deviation of a sample from its cell after correction
 
     def at(self, pass_number: npt.ArrayLike, arm: npt.ArrayLike | None = None) -> Floats:
@@ -80,7 +80,7 @@ class Bias:
         return np.nan_to_num(self.table)[rows]
 
     def lines(self, names: Sequence[str]) -> list[str]:
-        """Return a sentence on the biases in each pass, then the `warnings`; ``names`` are those of the arms."""
+        """Return a sentence on the biases in each pass, then the `warnings`; ``names`` are the names of the arms."""
         lines = []
         for row, number in enumerate(self.passes):
             arms = [
@@ -97,7 +97,7 @@ class Bias:
         """Return a sentence for each arm that drifts, and one if passes or arms disagree by more than their noise."""
         lines, drift = [], self.drift
         known = np.isfinite(drift)
-        steadiest = drift[known].min(initial=np.inf)  # if all arms drift alike, the passes differ
+        steadiest = drift[known].min(initial=np.inf)  # if all arms drift alike, passes differ, not arms
         drifting = drift > np.maximum(3.0 * np.fmax(self.noise, self.drift_sigma), steadiest / _STEADY)
         for arm in np.flatnonzero(drifting).tolist():
             others = [f"{names[i]} by {1e3 * drift[i]:.2f}" for i in np.flatnonzero(known & ~drifting).tolist()]
@@ -159,10 +159,10 @@ def find_bias(
     expected: float = 0.002,
     rounds: int = 10,
 ) -> Bias:
-    """Find the bias of each arm in each pass by comparing what they measured of one wall.
+    """Find the bias of each arm in each pass by comparing the radii that passes and arms measured on one wall.
 
-    The levels, a level and a slope for each cell, and the biases are solved for together. Samples have Huber's weights
-    (1.345 deviations, estimated by the median), which each round computes anew.
+    One least-squares solution gives the levels, a further level and a slope for each cell, and the biases. Samples have
+    Huber's weights (1.345 deviations, estimated by the median), which each round computes anew.
 
     Parameters
     ----------
@@ -249,7 +249,8 @@ def _parts(joined: Mask) -> Integers:
 def _referred(
     found: Floats, covariance: Floats, passes: Integers, arms: Integers, samples: Integers, noise: float
 ) -> Bias:
-    """Return the `Bias`: set the zero of each part (passes and arms that can be compared), and split into three terms.
+    """Return the `Bias`: set the zero of each part (passes and arms that can be compared), and split each bias into
+    the terms of its pass, its arm, and both.
 
     ``found`` is the bias of every arm in every pass, up to a constant, and ``covariance`` is its covariance.
     """
@@ -274,7 +275,7 @@ def _referred(
     known = np.zeros(count.size, dtype=bool)
     estimate, sigma = np.zeros((2, count.size))
     sizes = np.bincount(part, seen)
-    for each in [-1, *np.flatnonzero(sizes > 1).tolist()] if seen.any() else ():  # -1: all, for those alone in a part
+    for each in [-1, *np.flatnonzero(sizes > 1).tolist()] if seen.any() else ():  # -1: all, for groups alone in a part
         mine = (part == each) | (each < 0)
         zero = mine & seen & steady[arm]
         sure = bool(zero.any())
@@ -339,7 +340,7 @@ class _Walls:
         cells, self.spot = np.unique(self.row * sectors + self.sector, return_inverse=True)
         self.row_of, self.sector_of = np.divmod(cells, sectors)
         pairs, self.pair = np.unique(self.spot * groups + group, return_inverse=True)
-        self.cell_of, self.group_of = np.divmod(pairs, groups)  # of every pair of a cell and a group with samples
+        self.cell_of, self.group_of = np.divmod(pairs, groups)  # of every pair of a cell and a group with samples in it
         self.compared = (np.bincount(self.cell_of, minlength=cells.size) > 1)[self.spot]
 
     def weigh(self, weight: Floats, deviation: float, rough: float) -> None:
@@ -399,7 +400,7 @@ class _Walls:
         """Return the sum of (a b) S^-1 (a b)' over all cells, (groups, groups)."""
         total: Floats = np.zeros((self.groups, self.groups))
         _, first, count = np.unique(self.cell_of, return_index=True, return_counts=True)
-        begin, size = np.repeat(first, count), np.repeat(count, count)  # of each pair's cell
+        begin, size = np.repeat(first, count), np.repeat(count, count)  # first pair, and number of pairs, in its cell
         for start in range(0, size.size, _PAIRS_AT_ONCE):
             some = np.arange(start, min(start + _PAIRS_AT_ONCE, size.size))
             one = np.repeat(some, size[some])
@@ -436,7 +437,7 @@ def _table(row: Integers, column: Integers, weights: Floats, rows: int, columns:
 
 
 def rows_of(name: str, numbers: Integers, known: Integers) -> Integers:
-    """Return the index of each number in ``known``, which is sorted; another number is an error at ``name``."""
+    """Return the index of each number in ``known``, which is sorted; an InputError at ``name`` if it is not there."""
     row = np.minimum(np.searchsorted(known, numbers), max(known.size - 1, 0))
     there = known[row] == numbers if known.size else np.zeros(numbers.size, dtype=bool)
     require(name, numbers, there, f"is not among {known.tolist()}")

@@ -22,7 +22,7 @@ from helibore.preparation.readings import Readings
 
 _SAMPLES_AT_ONCE = 1 << 17
 _APART = 0.0025  # m: two calipers that look in one direction disagree where their radii differ by more than this
-_ROWS_APART = 10  # least number of rows in succession in which they disagree
+_ROWS_APART = 10  # a disagreement is reported if it lasts at least this many rows
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Step:
 
     @property
     def kept(self) -> Mask:
-        """The samples to keep: not ``dropped``, a new array."""
+        """Mask of the samples to keep: True where ``dropped`` is False, a new array."""
         return ~self.dropped
 
 
@@ -130,7 +130,7 @@ def spikes(
 class _Rings:
     """Samples sorted by turn and toolface: the samples of a turn form a ring."""
 
-    reach, used = 3, 6  # turns to either side, and how many of the samples next to the toolface in them are compared
+    reach, used = 3, 6  # number of turns on either side, and number of the neighbours in them that are compared
 
     def __init__(self, angle: Floats, radius: Floats, turn: Integers) -> None:
         self.angle, self.radius = angle, radius
@@ -158,13 +158,14 @@ class _Rings:
         pairs = [self._next_to(at, step) for step in range(-self.reach, self.reach + 1) if step]
         candidates = np.concatenate([pair for pair, _ in pairs], axis=1)
         gap = np.abs((self.angle[candidates] - self.angle[at, None] + 180.0) % 360.0 - 180.0)
-        far = gap > np.maximum(20.0, 270.0 / self.count[self.ring[at], None])  # with few arms, that is another arm
-        far[:, 1::2] |= candidates[:, 1::2] == candidates[:, ::2]  # the only sample of its turn is one neighbour
+        # The limit of a tool with few arms is 0.75 of the angle between two arms: a sample beyond it is of another arm.
+        far = gap > np.maximum(20.0, 270.0 / self.count[self.ring[at], None])
+        far[:, 1::2] |= candidates[:, 1::2] == candidates[:, ::2]  # a turn of one sample gives one neighbour
         gap[far | ~np.repeat(np.stack([there for _, there in pairs], axis=1), 2, axis=1)] = np.inf
         nearest = np.argsort(gap, axis=1, kind="stable")[:, : self.used]
         absent = np.isinf(np.take_along_axis(gap, nearest, axis=1))
         values = self.radius[np.take_along_axis(candidates, nearest, axis=1)]
-        values = np.sort(np.where(absent, np.nan, values), axis=1)  # NaN last
+        values = np.sort(np.where(absent, np.nan, values), axis=1)  # NaN are sorted to the end
         number = self.used - absent.sum(axis=1)
         row, last = np.arange(at.size), np.maximum(number - 1, 0)
         middle = 0.5 * (values[row, last // 2] + values[row, (last + 1) // 2])
@@ -173,8 +174,8 @@ class _Rings:
     def deviation(self, middle: Floats) -> Floats:
         """Return for each sample the robust deviation of radii from ``middle``, the median of their neighbours, metres.
 
-        It is that of the median turn of a hundred turns. A turn through a breakout has a larger median distance, which
-        is due to shape and not to noise.
+        Each block of a hundred turns has one deviation, the median of the deviations of its turns. A turn through a
+        breakout has a larger median distance, which is due to shape and not to noise.
         """
         off = np.nan_to_num(np.abs(self.radius - middle), nan=np.inf)
         off = off[np.lexsort((off, self.ring))][self.first + (self.count - 1) // 2]
@@ -185,9 +186,8 @@ class _Rings:
         return deviation
 
     def supported(self, at: Integers, tolerance: Floats) -> Mask:
-        """Return whether each sample ``at`` agrees with one next to it in its turn, or in the turn before or after.
-
-        In the turn before or after, the samples next to its toolface count.
+        """Return whether each sample ``at`` agrees with a sample next to it in its own turn, or with one of the samples
+        next to its toolface in the turn before or after.
         """
         first, count = self.first[self.ring[at]], self.count[self.ring[at]]
         agrees = np.zeros(at.size, dtype=bool)
@@ -200,9 +200,9 @@ class _Rings:
         return agrees
 
     def repeated(self, at: Integers, depth: Floats, tolerance: Floats) -> Mask:
-        """Return whether each sample ``at`` agrees with one more than three turns away, at most 5 cm away in depth.
+        """Return whether each sample ``at`` agrees with a sample more than three turns and at most 5 cm of depth away.
 
-        That is the nearest in depth among the four samples before and the four after in the same 10 degrees.
+        That other sample is the nearest in depth among the four before and the four after in the same 10 degrees.
         """
         cell = np.floor(self.angle / 10.0)
         order = np.lexsort((depth, cell))
@@ -284,7 +284,7 @@ def repeated_rows(*columns: npt.ArrayLike) -> Step:
 
 
 def share_of_repeats(depth: Floats, toolface: Floats, radius: Floats, *, most: int = 1 << 15) -> float:
-    """Return the share of rows that equal an earlier row, judged by some rows: if there are many, by about ``most``.
+    """Return the share of rows that equal an earlier row; of many rows, only about ``most`` are judged.
 
     Hashes of depth and toolface choose these rows, so that all equal rows are among them, or none.
     """

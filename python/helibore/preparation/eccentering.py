@@ -19,8 +19,8 @@ missing, harmonics become hard to tell from an offset, and the stated covariance
 - the posterior covariance at the noise found in the turn (Tukey's biweight keeps spikes out);
 - the jackknife of the turn's own residuals ("HC3", MacKinnon and White 1985), for edges that no H harmonics follow;
 - the one-sided wall: a washout on one side has a first harmonic, which no fit can separate from an offset, but it also
-  has higher harmonics. A box of width b has |a_1 / a_n| = n |sin(b/2) / sin(n b/2)|. Odd harmonics beyond their prior
-  therefore count, fourfold, into the deviation of the centre.
+  has higher harmonics. A box of width b has |a_1 / a_n| = n |sin(b/2) / sin(n b/2)|. Therefore four times the odd
+  harmonics beyond their prior is added to the deviation of the centre.
 
 A second fit allows odd harmonics as large as those of a washout. If the samples show such harmonics, or cannot exclude
 them because much of the circle is missing, the two models are mixed. Then the wall may have a first harmonic of its
@@ -57,11 +57,12 @@ from helibore.preparation.turn_fits import Shape, TurnFits, estimate, powers
 __all__ = ["Centres", "Shape", "find_centres", "recentre", "turn_positions"]
 
 _SAMPLES_AT_ONCE = 1 << 16
-_EXCESS = 0.8  # 2/3 would make the bound 3 deviations; more, because the mean radius about a wrong axis is too small
-_FASTEST_WHIRL = 100.0  # degrees a turn
+_EXCESS = 0.8  # deviation of the centre / excess of the mean radius over the bit's. With 2/3, the bound of twice the
+# excess would be 3 deviations; this is more, because the mean radius about a wrong axis is too small.
+_FASTEST_WHIRL = 100.0  # degrees a turn; a centre that goes around the axis faster cannot be followed
 _SHAPE_HARMONICS = 8
 _SHOWN = 0.7  # if the samples show less than this share of the wave that the centres predict, the centres are wrong
-_MOTION_ROUNDS = 2  # of fits in which the samples follow the centre from turn to turn
+_MOTION_ROUNDS = 2  # number of fits in which the samples follow the centre from turn to turn
 
 
 @dataclass(frozen=True)
@@ -74,11 +75,11 @@ class Centres:
 
     turn: Integers
     x: Floats  # centre of the tool from the hole's axis towards toolface 0
-    y: Floats  # and towards toolface 90
+    y: Floats  # centre of the tool from the hole's axis towards toolface 90
     covariance: Floats  # of (x, y), (t, 2, 2) m^2
     mean_radius: Floats  # of the hole about its axis
     noise: Floats  # deviation of the samples from the fitted wall
-    inliers: Floats  # share of the samples within three times that noise
+    inliers: Floats  # share of the samples within three times ``noise`` of the fitted wall
     samples: Integers  # number of samples with a finite radius
     one_sided: Floats  # weight, 0 to 1, of a wall enlarged on one side: 0 if the samples exclude such a wall
     within: Floats  # covariance if the wall is not enlarged on one side, (t, 2, 2) m^2
@@ -112,9 +113,9 @@ class Centres:
         """Return the share of each centre to correct: (1 - one_sided) max(0, 1 - (significance / c' within^-1 c)^2).
 
         c is the centre (x, y). If the tool is centred, c' within^-1 c follows chi-squared with two degrees of freedom,
-        or is smaller, since the covariance is rather too large. So at most 22 % of such turns exceed 3, few of them by
-        much, and noise is rarely taken for eccentering. For a centre ten standard deviations off the axis, the second
-        factor is 0.999; with ``significance=0`` it is 1. Turns without a centre get 0.
+        or is smaller, since the covariance is rather too large. So it exceeds 3 in at most 22 % of such turns, in few
+        of them by much, and noise is rarely taken for eccentering. For a centre ten standard deviations off the axis,
+        the second factor is 0.999; with ``significance=0`` it is 1. Turns without a centre get 0.
         """
         centre = np.stack([self.x, self.y], axis=1)
         found = np.isfinite(self.x)
@@ -243,16 +244,16 @@ def _fit(result: Centres, reach: Complexes, shape: Shape) -> Floats:
 
 
 def _widen(covariance: Floats, deviation: Floats) -> None:
-    """Add to the covariances of centres an uncertainty with the same ``deviation``, (t,) metres, in all directions."""
+    """Widen the covariances of centres, in place, by a ``deviation``, (t,) metres, equal in all directions."""
     covariance[:, [0, 1], [0, 1]] += np.square(deviation)[:, None]
 
 
 def _moving(turns: Integers, centre: Complexes, place: Floats, row: Integers) -> Complexes:
     """Return the tool's centre at each sample; ``place`` is the position of the sample along the turns.
 
-    It lies on a cubic through the centres of the two turns before and the two turns after the place, each in the middle
-    of its turn; beside a gap, on a line through the two nearest. If one of these is missing, it is the centre of the
-    sample's own turn, ``row``.
+    The centre at a sample lies on a cubic through the centres of the two turns before and the two turns after the
+    place, each in the middle of its turn; beside a gap, on a line through the two nearest centres. If one of these two
+    is missing, it is the centre of the sample's own turn, ``row``.
     """
     line, bend = _line_and_bend(turns, centre, place)
     curve = np.where(np.isfinite(bend), line + bend, line)
@@ -263,7 +264,8 @@ def _moving(turns: Integers, centre: Complexes, place: Floats, row: Integers) ->
 def _motion_deviation(turns: Integers, centre: Complexes) -> Floats:
     """Return the deviation of the centre due to its motion during the turn, (t,) metres.
 
-    It is half the distance of the cubic from the line, halfway to the next turn; the largest over five turns counts.
+    The deviation is half the distance between the cubic and the line (`_moving`) where a turn ends and the next begins.
+    The result for a turn is the largest such deviation among the five turns around it.
     """
     bend = np.abs(_line_and_bend(turns, centre, turns + 1.0)[1])
     around = np.pad(np.nan_to_num(0.5 * bend), 2)
@@ -274,8 +276,9 @@ def _motion_deviation(turns: Integers, centre: Complexes) -> Floats:
 def _too_fast(turns: Integers, centre: Complexes, deviation: Floats) -> Mask:
     """Return where the centre moves too far from turn to turn to be followed, (t,), judged by the 21 turns around.
 
-    A whirl of a degrees a turn bends the line through three turns by 2 sin(a/2) of their distance. From 100 degrees on
-    the cubic does not follow the whirl. A centre at rest also has such a ratio, but it moves only by its noise.
+    A whirl of w degrees a turn bends the line through three centres by 2 sin(w/2) times their distance. From 100
+    degrees on the cubic does not follow the whirl. The noise of a centre at rest gives such a ratio too, so the centre
+    must also move by more than ten times its noise.
     """
     step = np.where(np.diff(turns) == 1, np.diff(centre), np.nan)
     bend = np.abs(np.diff(step, prepend=np.nan, append=np.nan)) ** 2
@@ -288,7 +291,7 @@ def _too_fast(turns: Integers, centre: Complexes, deviation: Floats) -> Mask:
 
 def _sum_around(values: Floats) -> Floats:
     """Return for each turn the sum over it and ten turns on either side."""
-    return np.convolve(values, np.ones(21))[10 : 10 + values.size]  # "same" would be 21 for fewer turns
+    return np.convolve(values, np.ones(21))[10 : 10 + values.size]  # mode "same" returns 21 values for fewer turns
 
 
 def _size_deviation(mean_radius: Floats, deviation: Floats) -> Floats:

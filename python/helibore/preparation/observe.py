@@ -26,17 +26,18 @@ Number = TypeVar("Number", bound=np.generic)
 Report = list[tuple[str, str]]
 
 FAST_TURN = 90.0
-"""Degrees; if half of the steps from one toolface to the next are larger, the turns between them are doubtful."""
+"""Degrees; if half of the steps between consecutive toolface readings are larger, the report warns that the tool may
+have turned farther between readings."""
 
 FASTEST = 20.0
-"""Metres a second; no tool goes faster."""
+"""Metres a second; no tool moves faster along the hole, so a larger speed shows that a clock restarts."""
 
 REASONS = ("no depth", "no toolface", "no radius", "no time")
 
 
 @dataclass(frozen=True)
 class Track:
-    """Depth of the tool by time, and its toolface if the file has one, from a separate file."""
+    """Depth of the tool by time, read from a separate file, and toolface of the tool by time if that file has one."""
 
     depth: TimeSeries
     toolface: TimeSeries | None = None
@@ -44,7 +45,7 @@ class Track:
 
 @contextmanager
 def placed(place: str) -> Iterator[None]:
-    """Put ``place`` before the place of an InputError that is raised within."""
+    """Put ``place`` before the place in any InputError that the body of the ``with`` statement raises."""
     try:
         yield
     except InputError as error:
@@ -67,9 +68,9 @@ def observe(
     readings
         Readings of one file or more.
     track
-        Depth and toolface by time; None: each file has its own.
+        Depth and toolface by time, used instead of those of the files; None: the depth and toolface of each file.
     report
-        List that receives a (step, sentence) for each reason why samples are left out, and for doubtful times and
+        List that receives a (step, sentence) pair for each reason why samples are left out, and for doubtful times and
         toolfaces. ``counts`` of the result has the number of samples left out for each reason.
     offset, latency
         Metres and seconds to add to the offset and latency of every sensor.
@@ -129,8 +130,8 @@ def _observe(one: Readings, track: Track | None, report: Report, offset: float, 
         if turning is None:
             beyond = 0.0 if one.turning else np.inf
             turning = TimeSeries(*_in_order(when, one.toolface[rows]), angle=True, beyond=beyond)
-        line = ("toolface", f"{one.name}: half of its readings are {turning.step:.0f} deg or more apart: the turn "
-                            "between two readings is not known")  # fmt: skip
+        line = ("toolface", f"{one.name}: half of the toolface readings differ by {turning.step:.0f} deg or more from "
+                            "the reading before: how far the tool turned between two is not known")  # fmt: skip
         if turning.step > FAST_TURN and line not in report:
             report.append(line)
         radii = [radius[rows] for radius in one.radii]
@@ -152,12 +153,12 @@ def _clocks(one: Readings, time: Floats, report: Report) -> list[Integers]:
     clocks = clocks or [rows]
     apart = [part for clock in clocks for part in _runs(clock, time, one.depth)]
     if len(apart) > len(clocks):
-        report.append(("time", f"{one.name}: goes back, as if a clock restarts, and is read as {len(apart)} clocks"))
+        report.append(("time", f"{one.name}: the time goes back, as if a clock restarts: read as {len(apart)} clocks"))
     return apart
 
 
 def _runs(rows: Integers, time: Floats, depth: Floats) -> list[Integers]:
-    """Return the rows as one run; if the tool then moves too fast to be true, as runs of rising or falling time."""
+    """Return ``rows`` as one run, or as runs of rising or falling time if the tool moves too fast in order of time."""
     known = rows[np.isfinite(depth[rows])]
     when, where = _in_order(time[known], depth[known])
     if not (np.abs(np.diff(where)) > 1.0 + FASTEST * np.diff(when)).any():
@@ -165,7 +166,7 @@ def _runs(rows: Integers, time: Floats, depth: Floats) -> list[Integers]:
     falls = np.diff(time[rows]) < 0
     starts = [0]
     for step in np.flatnonzero(falls[1:] != falls[:-1]) + 1:
-        if step > starts[-1]:  # a step to another clock; the row after it begins the next run
+        if step > starts[-1]:  # the time steps to another clock here; the next row begins the next run
             starts.append(int(step) + 1)
     return np.split(rows, starts[1:])
 

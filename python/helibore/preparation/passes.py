@@ -24,7 +24,7 @@ from helibore.wall.wall import Wall
 ODD_ROWS = 3
 """Least number of odd rows in succession; a spike has fewer."""
 ODD_RADIUS = 0.005
-"""Least difference of an odd row from the merged wall, metres; it is 10 mm of a diameter. The passes of a real X-Y
+"""Least difference of an odd row from the merged wall, metres of radius (10 mm of diameter). The passes of a real X-Y
 caliper differ from their merged wall by 1.3 mm over 3 rows."""
 ODD_DEVIATIONS = 6.0
 """Least difference of an odd row, in robust deviations, so that a pass that differs everywhere (a shift) is not odd."""
@@ -49,7 +49,7 @@ def number_passes(depth: npt.ArrayLike, reversal: float = 5.0) -> Integers:
     track = finite_column("depth", depth)
     if not reversal > 0:
         raise InputError("reversal", "must be above 0", f"{reversal:g}")
-    sign = 1 if _turn(track, 0, 1, reversal)[1] > _turn(track, 0, -1, reversal)[1] else -1  # 1: down at first
+    sign = 1 if _turn(track, 0, 1, reversal)[1] > _turn(track, 0, -1, reversal)[1] else -1  # 1: it starts downwards
     begins, noticed = [0], 0
     while noticed < track.size:
         end, noticed = _turn(track, noticed, sign, reversal)
@@ -59,10 +59,11 @@ def number_passes(depth: npt.ArrayLike, reversal: float = 5.0) -> Integers:
 
 
 def _turn(track: Floats, start: int, sign: int, reversal: float) -> tuple[int, int]:
-    """Return the row where a pass ends that goes down (``sign`` 1) or up (-1) from row ``start``, and where this shows.
+    """Return the row where a pass that goes down (``sign`` 1) or up (-1) from row ``start`` ends, and the row that
+    shows this end.
 
-    The pass ends at the last row that is as deep (or shallow) as the pass gets; this shows at the first row that lies
-    more than ``reversal`` back from it. If there is no such row, return the last row, and the number of rows.
+    The pass ends at the last row at its greatest depth (least depth if it goes up). The first row that lies more than
+    ``reversal`` back from there shows this end. If no row does, return the last row and the number of rows.
     """
     peak, end, rows = -np.inf, start, 1024
     while start < track.size:
@@ -86,7 +87,7 @@ def choose(
     latest: bool = False,
     cell: float = 0.5,
 ) -> Step:
-    """Choose the passes from which a wall is built: all samples of these passes, or those of the latest at each depth.
+    """Choose the passes from which a wall is built: all their samples, or at each depth those of the latest pass only.
 
     Parameters
     ----------
@@ -142,7 +143,7 @@ def difference(before: Wall, after: Wall) -> Floats:
 
 
 def odd_passes(wall: Wall, caliper: Caliper, pass_number: npt.ArrayLike, arm_names: Sequence[str] = ()) -> list[str]:
-    """Return sentences on the places where the radii of a pass lie farthest below, and farthest above, the wall of all.
+    """Return sentences on the places where a pass reads farthest below, and farthest above, the wall of all passes.
 
     The differences of each arm in each pass from the wall, less their median, are averaged by row. In a place that is
     reported, 3 rows or more in succession differ to one side by more than 5 mm and more than 6 robust deviations.

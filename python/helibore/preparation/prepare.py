@@ -42,10 +42,10 @@ __all__ = ["Preparation", "Prepared", "Track", "prepare"]
 Number = TypeVar("Number", bound=np.generic)
 
 SIDES = 8
-"""Number of sides of the hole on which an arm may read differently."""
+"""Number of sides of the hole; with ``bias = "side"``, an arm has a bias of its own on each side."""
 
 JUDGED = 20_000
-"""Largest number of samples by which passes and arms are compared if no bias is asked for."""
+"""Largest number of samples used to compare passes and arms if ``bias`` is "none"."""
 
 LONG_TURN = 1.0
 """Metres; if the tool moves farther than this in a turn, neighbouring turns do not see the same wall."""
@@ -70,7 +70,7 @@ class Preparation:
     shallowest, deepest
         Samples beyond these depths are dropped.
     saturated
-        Drop flat tops: 5 readings and 0.5 m or more at the largest value of an arm that cannot open farther.
+        Drop flat tops: runs of 5 readings or more, over 0.5 m or more, in which an arm is as wide open as it can be.
     drop_closed
         Drop the rows in which all arms stay closed at a radius 10 mm or more below the bit, and the rows in which they
         close before and open after. This needs the bit size. If False, or without a bit size, such rows are only
@@ -110,8 +110,8 @@ class Preparation:
         Find the shift of every pass from the depths that passes have in common. Passes in ``shifts`` keep the shift
         given there; without given shifts, the mean of the shifts that are found is 0.
     bias
-        Which biases to find, where passes and arms measured the same wall, and subtract: "none"; "arm", of each pass
-        and arm; or "side", of each pass, arm and side of the hole on which the arm lies.
+        Which biases to find and subtract: "none"; "arm", one bias for each arm in each pass; or "side", one bias for
+        each arm in each pass and on each side of the hole. They are found where passes and arms measured the same wall.
     earlier
         Passes used only for the earlier wall, with which the wall is compared.
     """
@@ -179,8 +179,8 @@ class Prepared:
 
     caliper: Caliper
     report: tuple[tuple[str, str], ...]  # (step, sentence) for what was dropped, corrected or assumed, in order
-    counts: dict[str, int]  # number of rows, readings or samples dropped, by step or reason; "kept": of samples left
-    pass_number: Integers | None = None  # the pass of each sample, -1: not numbered; None: nothing states passes
+    counts: dict[str, int]  # number of rows, readings or samples dropped, by step or reason; "kept": samples left
+    pass_number: Integers | None = None  # the pass of each sample, -1: not numbered; None: one file without passes
     centres: Centres | None = None  # the tool's centre in each of t turns
     centre_depth: Floats | None = None  # mean depth of these turns, (t,) m
     shifts: Shifts | None = None
@@ -247,7 +247,7 @@ class _Pipeline:
         self.samples: Samples
 
     def run(self, track: Track | None) -> Prepared:
-        """Run all steps in their order."""
+        """Run all steps in their order, and return the samples and the record."""
         settings = self.settings
         self.readings = [self._conditioned(_tracked(one, track)) for one in self.readings]
         self.samples = observe(
@@ -271,7 +271,7 @@ class _Pipeline:
         return self._finished()
 
     def _fill_rows(self) -> None:
-        """Give a row without a depth or a toolface those of its samples, which are interpolated by time."""
+        """Fill in a row's missing depth or toolface from the samples of that row, which were interpolated by time."""
         samples = self.samples
         for number, one in enumerate(self.readings):
             mine = np.flatnonzero(samples.file == number)
@@ -321,23 +321,24 @@ class _Pipeline:
             self._report_step(step, "rows")
             radii = np.where(step.dropped, np.nan, radii)
         if self.settings.stuck is not None:
-            # The two ends of a diameter are one reading; the sectors of an image are one each.
+            # The two ends of a diameter share one reading; each sector of an image has a reading of its own.
             again = [at > 0 and one.across[at] and one.arm[at] == one.arm[at - 1] for at in range(len(radii))]
             reading = np.cumsum(~np.array(again)) - 1
             if reading[-1] == 0:
-                raise InputError(one.name, "a stuck arm cannot be recognised where no other arm moves beside it")
+                raise InputError(one.name, "has one arm; a stuck arm is recognised only while other arms move")
             step = conditioning.stuck(list(radii[~np.array(again)]), rows=self.settings.stuck)
             self._report_step(step, "readings")
             radii = np.where(step.dropped[reading], np.nan, radii)
         return replace(one, radii=tuple(radii))
 
     def _opened(self, one: Readings) -> Readings:
-        """Return the readings without the rows in which all arms are closed well inside the bit, and the rows in which
-        they close before and open after. Without a bit size or ``drop_closed``, report these rows and keep them.
+        """Return the readings without rows in which all arms are closed to a radius well below the bit's, and without
+        the rows in which the arms close before and open after. Without a bit size or ``drop_closed``, report these rows
+        and keep them.
         """
         level, found = conditioning.closed_stretches(one)
         if self.bit_diameter is not None and level + INSIDE_BIT > 0.5 * self.bit_diameter:
-            return one  # not closed: a casing, or the hole itself
+            return one  # the arms are not closed: they touch a casing or the hole
         dropped = np.zeros(one.rows, dtype=bool)
         for begin, first, last, end in found:
             depth = one.depth[first:last][np.isfinite(one.depth[first:last])]
@@ -364,7 +365,7 @@ class _Pipeline:
         return replace(one, radii=tuple(np.where(dropped, np.nan, radius) for radius in one.radii))
 
     def _unsaturated(self, one: Readings) -> Readings:
-        """Return the readings without those of arms that have opened as far as they can."""
+        """Return the readings with NaN where an arm has opened as far as it can."""
         radii = list(one.radii)
         for arm, name in enumerate(one.channels):
             sensors = np.flatnonzero(one.arm == arm)
@@ -419,7 +420,8 @@ class _Pipeline:
             share = conditioning.share_of_repeats(samples.depth, samples.toolface, samples.radius)
             if share > 0.01:
                 text = (
-                    f"{100 * share:.0f} % of the samples repeat others in depth, toolface and radius, and count again"
+                    f"{100 * share:.0f} % of the samples have the depth, toolface and radius of an earlier sample, and "
+                    "count again"
                 )
                 self.report.append(("repeated", f"{text}; --drop-repeated drops them"))
         samples = self.samples
@@ -451,19 +453,19 @@ class _Pipeline:
                 first = int(turn[mine].max()) + 2  # the centre is not interpolated from one file to the next
             kinds.add(kind)
         count = np.unique(turn, return_counts=True)[1]
-        line = ("turns", f"{count.size:,}, by {' and '.join(sorted(kinds))}; samples in one: {np.median(count):g}")
+        line = ("turns", f"{count.size:,}, by {' and '.join(sorted(kinds))}; samples in a turn: {np.median(count):g}")
         if line not in self.report:
             self.report.append(line)
         return turn, position if kinds == {"rotation"} else None
 
     def _height(self, turn: Integers, mine: Integers) -> float:
-        """Return the median depth from one turn to the next, metres."""
+        """Return the median distance in depth from one turn to the next, metres; 0 for fewer than two turns."""
         _, row = np.unique(turn, return_inverse=True)
         depth = np.bincount(row, self.samples.depth[mine]) / np.bincount(row)
         return float(np.median(np.abs(np.diff(depth)))) if depth.size > 1 else 0.0
 
     def _turns_of(self, one: Readings, mine: Integers) -> tuple[Integers | Floats, str]:
-        """Return the positions of one file's samples along its turns, and the words for what a turn is."""
+        """Return the positions of one file's samples along its turns, and the report's words for what a turn is."""
         samples, height = self.samples, self.settings.turn_height
         if height is not None:
             depth = samples.depth[mine]
@@ -500,12 +502,12 @@ class _Pipeline:
         return self._at(columns, self.samples.sensor).astype(np.int64)
 
     def _number_passes(self) -> None:
-        """Number the passes as each file does, or one per file, or anew where the tool went back by ``reversal``."""
+        """Number the passes of the samples and report how: as the files do, one a file, or split at each reversal."""
         columns = self._pass_columns()
         again = _repeated_pass(columns)
         if again:
             file, number = again
-            rule = f"its pass {number} is the number of a pass of another file; number the passes anew"
+            rule = f"pass {number} is in another file too; number the passes anew"
             raise InputError(self.readings[file].name, rule)
         passes = self._of_row(columns)
         self.samples = replace(self.samples, pass_number=passes)
@@ -520,7 +522,7 @@ class _Pipeline:
         self.report.append(("passes", f"{how}; samples of each: {counted}"))
 
     def _pass_columns(self) -> list[Integers]:
-        """Return the pass of each row of each file; -1: none."""
+        """Return for each file the pass of each of its rows; -1 for a row without a pass."""
         columns, first, reversal = [], 0, self.settings.reversal
         for one in self.readings:
             if reversal is not None:
@@ -562,7 +564,7 @@ class _Pipeline:
         self.samples = replace(self.samples, depth=depth)
 
     def _refer_to_path(self) -> None:
-        """Turn toolfaces into the reference of the path."""
+        """Convert the toolfaces of the samples so that they count from the reference of the path."""
         path, settings = self.path, self.settings
         stated = [settings.toolface_from or one.reference for one in self.readings]
         tagged = [settings.toolface_from is None and one.high_side is not None for one in self.readings]
@@ -581,7 +583,7 @@ class _Pipeline:
             return
         if path is None:
             source = {"north": "north", "high-side": "the high side"}.get(stated[0], "north and the high side")
-            rule = f"toolfaces that count from {source} need a survey to be turned into the wall's"
+            rule = f"toolfaces that count from {source} need a survey to be converted to the wall's reference"
             raise InputError(self.readings[0].name, rule)
         depth = self.samples.depth
         inside = (depth >= path.start_depth) & (depth <= path.stop_depth)
@@ -597,7 +599,7 @@ class _Pipeline:
         for number, one in enumerate(self.readings):
             mine, source = np.flatnonzero(samples.file == number), stated[number]
             if tagged[number] and one.high_side is not None:
-                high[mine], source = one.high_side[samples.row[mine]], "the file's tags"
+                high[mine], source = one.high_side[samples.row[mine]], "by the file's tags"
             elif source == "automatic":
                 down = np.clip(path.tangent(samples.depth[mine])[:, 2], -1.0, 1.0)
                 high[mine] = from_high_side(np.degrees(np.arccos(down)), settings.steep, settings.level)
@@ -605,8 +607,8 @@ class _Pipeline:
                 keep[mine] = True
             else:
                 high[mine] = source == "high-side"
-            share = f"{np.count_nonzero(high[mine]):,} of {mine.size:,} samples from the high side"
-            self.report.append(("toolface", f"{one.name}: by {source or 'the wall'}, {share}"))
+            share = f"{np.count_nonzero(high[mine]):,} of {mine.size:,} samples count from the high side"
+            self.report.append(("toolface", f"{one.name}: reference {source or 'of the wall'}, {share}"))
         if not keep.all():
             with placed(self.names):
                 turned = onto_path(samples.toolface, samples.depth, path, high)
@@ -655,14 +657,14 @@ class _Pipeline:
         columns = samples.depth, samples.toolface, samples.radius, samples.pass_number, arms
         found = self.bias = find_bias(*columns, sides=SIDES if sides else 1)
         self.samples = replace(samples, radius=samples.radius - found.at(samples.pass_number, arms))
-        self.report.append(("bias", f"subtracted; noise after it {1e3 * found.noise:.2f} mm"))
+        self.report.append(("bias", f"subtracted; noise of the corrected samples {1e3 * found.noise:.2f} mm"))
         shown = [names[number] for number in found.arms]
         self.report += [("bias", line) for line in (found.warnings(shown) if sides else found.lines(shown))]
 
     def _stated_passes(self) -> Integers | None:
-        """Return the pass of each sample: its stated or derived number, or the file's if files repeat numbers.
+        """Return the pass number of each sample; if files repeat numbers, each file counts as one pass.
 
-        None: there is one file, and it numbers no passes.
+        Return None if there is one file and it numbers no passes.
         """
         samples = self.samples
         if samples.pass_number.size:
@@ -673,7 +675,7 @@ class _Pipeline:
         return samples.file + 1 if _repeated_pass(columns) else self._of_row(columns)
 
     def _warn_of_bias(self) -> None:
-        """Report if passes or arms disagree by more than their noise; some of the samples decide."""
+        """Report if passes or arms disagree by more than their noise, judged by at most ``JUDGED`` samples."""
         samples, arms, number = self.samples, self._arm(), self._stated_passes()
         unsplit = number is None
         if number is None:
@@ -765,7 +767,10 @@ def _named(passes: Sequence[int]) -> str:
 
 
 def _runs(depth: Floats) -> Integers:
-    """Number the runs up and down of a file without pass numbers, from 1; all are one run if it turns too often."""
+    """Return the number of the run, up or down the hole, of each row of a file without passes, counted from 1.
+
+    If the tool turns back too often, all rows are run 1.
+    """
     numbers = np.ones(depth.size, dtype=np.int64)
     known = np.flatnonzero(np.isfinite(depth))
     run = number_passes(depth[known])

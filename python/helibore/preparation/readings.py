@@ -30,7 +30,7 @@ def _row_place(row: int) -> str:
 class Readings:
     """The readings of a tool's p sensors in the n rows of a log, in order; columns are (n,), NaN where missing."""
 
-    name: str  # of the file they come from, for errors
+    name: str  # name of the file that the readings come from, for errors
     depth: Floats  # metres
     toolface: Floats  # degrees; 0 where the log has none
     sensors: tuple[Sensor, ...]
@@ -41,7 +41,7 @@ class Readings:
     time: Floats | None = None  # seconds
     pass_number: Integers | None = None  # -1 where a row has no number; None where the log numbers no passes
     reference: str = ""  # what toolfaces count from: north, high-side, automatic; "": the wall's own reference
-    high_side: npt.NDArray[np.bool_] | None = None  # whether a row counts from the high side; None: not stated by row
+    high_side: npt.NDArray[np.bool_] | None = None  # whether a row's toolface counts from the high side; None: no tags
     turning: bool = True  # whether the log has a toolface
     missing: dict[str, int] = field(default_factory=dict)  # channel name to the number of its missing values
     notes: tuple[str, ...] = ()  # a sentence for each channel used: its role, unit and reason

@@ -43,7 +43,7 @@ class Sensor:
 
 
 class TimeSeries:
-    """A quantity over time, interpolated between its readings: bit depth, or the tool's toolface. It keeps a copy.
+    """A quantity over time, interpolated between its readings: bit depth, or the tool's toolface. Readings are copied.
 
     Parameters
     ----------
@@ -89,7 +89,7 @@ class TimeSeries:
 
     @property
     def step(self) -> float:
-        """Median change from one reading to the next, for angles along the shorter arc; 0 without two readings."""
+        """Median change from one reading to the next, for angles along the shorter arc; 0 if fewer than two."""
         return float(np.median(np.abs(np.diff(self._values)))) if self._values.size > 1 else 0.0
 
     def at(self, time: npt.ArrayLike) -> Floats:
@@ -119,14 +119,14 @@ class TimeSeries:
 class Samples:
     """n samples of several sensors in one frame, in order of time (of row, if indexed by depth), then of sensor."""
 
-    depth: Floats  # metres, finite, like the next two
+    depth: Floats  # metres; depth, toolface and radius are finite
     toolface: Floats  # degrees in [0, 360)
     radius: Floats  # metres from the tool's axis
-    time: Floats | None  # when they were measured, seconds; None if the readings have no time
+    time: Floats | None  # when the samples were measured, seconds; None if the readings have no time
     sensor: Integers  # which sensor each sample is from
     row: Integers  # which row of the readings each sample is from
-    file: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))  # which file it is from; or empty
-    pass_number: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))  # empty until numbered
+    file: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))  # file of each sample; or empty
+    pass_number: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))  # of each sample; or empty
     counts: dict[str, int] = field(default_factory=dict)  # number of readings "taken", and dropped for each reason
 
     def select(self, kept: Mask | Integers) -> Samples:

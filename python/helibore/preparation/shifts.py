@@ -24,22 +24,22 @@ from helibore.preparation.biases import rows_of
 
 __all__ = ["Shifts", "find_shifts"]
 
-_STEP = 0.05  # m between trial shifts; the best is refined by a parabola
+_STEP = 0.05  # m between trial shifts; the best shift is refined by a parabola
 _LIMIT = 2.0  # m: the largest trial shift
 _TREND = 10.0  # m: length of the running mean that is subtracted first, and least overlap of two passes
 _LEAST = 0.4  # least correlation: with less, a pass is not shifted
 _WIDEST_GAP = 1.0  # m: longest gap between samples of one pass across which its profile is interpolated
 _ROUNDS = 5
-_VALLEY = 0.7  # share of the best correlation: the best peak ends where the curve falls to it
+_VALLEY = 0.7  # the best peak ends where the curve falls to this share of the best correlation
 _GRID = 0.2  # steps: the error of a shift due to the grid and its linear interpolation
-_RIVAL = 0.9  # of the best correlation: with a second peak this high, the shift is ambiguous
+_RIVAL = 0.9  # the shift is ambiguous if a second peak is higher than this share of the best correlation
 
 
 @dataclass(frozen=True)
 class Shifts:
     """The depth shift of each of p passes; columns are (p,), metres."""
 
-    passes: Integers  # sorted
+    passes: Integers  # numbers of the passes, sorted
     shift: Floats  # to add to the depths of the pass; 0 for a held pass and where no shift was found
     correlation: Floats  # with the other passes at the shift; 1 for a held pass, NaN if less than 10 m overlap
     before: Floats  # the correlation if all passes but this one are shifted; 1 for a held pass
@@ -96,7 +96,7 @@ def find_shifts(
     passes, row = np.unique(number, return_inverse=True)
     for one in held:
         if one not in passes:
-            raise InputError("held", f"is not among {passes.tolist()}", str(one))
+            raise InputError("held", f"is not among the passes {passes.tolist()}", str(one))
     count = passes.size
     shift, found = np.zeros(count), np.zeros(count, dtype=bool)
     best, before, sigma, second, second_best = np.full((5, count), np.nan)
@@ -124,7 +124,7 @@ def find_shifts(
             break
     found[fixed], best[fixed], before[fixed] = True, 1.0, 1.0
     sigma[fixed] = 0.0
-    # This is judged last: before all passes are in place, each of them makes a peak of its own.
+    # Ambiguity is judged last: while some passes are out of place, each of them makes a peak of its own.
     found &= ~(second_best > _RIVAL * best)
     shift[~found] = 0.0
     if not fixed.any():
@@ -136,7 +136,7 @@ def find_shifts(
 
 
 def _center(shift: Floats, found: Mask) -> float:
-    """Subtract the mean of the shifts that are found from them, and return it."""
+    """Subtract the mean of the found shifts from each found shift, in place, and return this mean."""
     mean = float(shift[found].mean()) if found.any() else 0.0
     shift[found] -= mean
     return mean
@@ -181,8 +181,8 @@ def _mean(profiles: Floats) -> Floats:
 def _correlations(profile: Floats, others: Floats, most: int, enough: int) -> tuple[Floats, Integers]:
     """Return Pearson's correlation of two profiles, and the number of steps that overlap, (2 most + 1,) each.
 
-    They are those at shifts of -most to most grid steps. Where fewer than ``enough`` steps overlap, or a profile is
-    constant, the correlation is NaN.
+    There is one value of each for every shift from -most to most grid steps. Where fewer than ``enough`` steps overlap,
+    or a profile is constant, the correlation is NaN.
     """
     curve = np.full(2 * most + 1, np.nan)
     overlap = np.zeros(2 * most + 1, dtype=np.int64)

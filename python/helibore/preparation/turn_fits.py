@@ -6,15 +6,16 @@
     pair        an oval with two opposite steps that have upright edges
     single      an oval with one such step: a washout on one side, a key seat
 
-Each model is fitted by robust Gauss-Newton, then fitted again with a wall that may be enlarged on one side; the two
-fits are mixed as far as the samples leave this open. Then the three models are mixed by their evidence. The centre is
-the weighted mean of their centres; the covariance is the weighted mean of their covariances, plus the covariance of
-their centres.
+Each model is fitted by robust Gauss-Newton, then fitted again with a wall that may be enlarged on one side. The two
+fits are mixed; the second counts more, the less the samples exclude such a wall. Then the three models are mixed by
+their evidence. The centre is the weighted mean of the models' centres; the covariance is the weighted mean of their
+covariances, plus the covariance of their centres.
 
 Samples lie turn by turn; ``starts`` holds the first sample of each turn and ``turn`` the row of each sample. A series
 of order H has P = 2 H + 1 terms, x = (1, cos a, sin a, ..., cos H a, sin H a). With z = exp(i a) every product of two
 terms is a sum of powers of z, so the P x P normal matrix sum(w x x') of a turn holds only the 2 H + 1 moments
-sum(w z^m). They take 25 sums a sample; the matrix itself would take 625. ``eccentering`` is the public module.
+sum(w z^m). For H = 12 they take 25 sums a sample; the matrix itself would take 625. ``eccentering`` is the public
+module.
 """
 
 from __future__ import annotations
@@ -26,26 +27,27 @@ import numpy as np
 from helibore.base.arrays import Complexes, Floats, Integers, Mask
 from helibore.base.errors import InputError
 
-_REJECT = 6.0  # biweight: samples beyond so many deviations have no weight; harmless to Gaussian noise
-_NOISE_SAMPLES = 4.0  # how many samples the expected noise is worth beside those of the turn
+_REJECT = 6.0  # biweight: samples beyond this many deviations have no weight, which hardly affects Gaussian noise
+_NOISE_SAMPLES = 4.0  # the expected noise counts like this many samples beside those of the turn
 _ONE_SIDED = 4.0  # |a_1 / a_3| of a box of 150 deg; three times this covers nearly any one-sided wall
-_STRANGE = 3.0  # half of what a rejected sample adds to the loss: its chance is one in twenty, spread over 0.1 m
+_STRANGE = 3.0  # half of what a rejected sample adds to the loss: such a sample has a chance of 1 in 20, over 0.1 m
 _SMOOTH = 8  # harmonics of a wall beside its steps
 _ROUNDS, _ROUNDS_TOGETHER = 32, 8
 _CONVERGED = 5e-7  # m: far below the best standard deviation
 _STEP_DEPTHS = np.array([0.03, 0.003])  # m: expected depth of a step; expected difference of two opposite steps
 _STATE = ("centre", "terms", "free", "noise")  # state that one round passes on to the next
 
-_CLOSED, _OPEN = 0.64, 0.72  # `TurnFits.left_open` from which on a one-sided wall counts, and counts fully
-_ROUGH, _OVAL = 1.5, 2.0  # in expected noise: steps are searched if an oval's residuals, or its ovality, exceed this
-_ODDS = 8.0  # logarithm of the odds against steps, beside that of the number of sectors
+_CLOSED, _OPEN = 0.64, 0.72  # values of `TurnFits.left_open` from which a one-sided wall counts, and counts fully
+# Steps are searched if the residuals of an oval, or its ovality, exceed this many times the expected noise.
+_ROUGH, _OVAL = 1.5, 2.0
+_ODDS = 8.0  # logarithm of the prior odds against steps, to which the logarithm of the number of sectors is added
 _LIKELY = 1e-6  # a model whose weight is not above this is left out
 
-_CELLS = 240  # around the hole, for the search for steps
+_CELLS = 240  # number of cells around the hole in the search for steps
 _PAIR_WIDTHS = range(10, 61, 2)  # cells that each of two opposite steps may take
-_SINGLE_WIDTHS = range(20, 141, 4)
+_SINGLE_WIDTHS = range(20, 141, 4)  # cells that a single step may take
 _SEARCH_HARMONICS = 4
-_SAME = 1e-9  # share by which gains of the same samples may differ
+_SAME = 1e-9  # relative difference up to which two gains count as equal: their sectors hold the same samples
 
 
 @dataclass(frozen=True)
@@ -59,10 +61,10 @@ class Shape:
     even: float = 0.008  # of the second harmonic (ovality, breakouts); harmonic n has even * 2 / n
     odd: float = 0.0008  # of the third harmonic (three-lobed hole); harmonic n has odd * 3 / n
     reach: float = 0.02  # of each coordinate of the tool's centre: about the clearance between tool and wall
-    noise: float = 0.0005  # of one sample; found from the samples of each turn, beside which this weighs as four
-    harmonics: int = 12  # the highest, at least 2
+    noise: float = 0.0005  # of one sample; counts like four samples where the noise of a turn is found from its samples
+    harmonics: int = 12  # number of the highest harmonic, at least 2
     one_sided: float = 0.005  # of the third harmonic of a wall enlarged on one side; harmonic n has one_sided * 3 / n
-    lobed: bool = True  # harmonics follow breakouts; if not, the second has even, and each n > 2 has odd * (3 / n)^2
+    lobed: bool = True  # even harmonics as above, for breakouts; False: the second has even, n > 2 has odd * (3 / n)^2
 
     def __post_init__(self) -> None:
         for name in ("even", "odd", "reach", "noise", "one_sided"):
@@ -144,8 +146,8 @@ def evaluate(terms: Floats, table: Complexes, turn: Integers) -> Floats:
 def leverage(matrix: Floats, table: Complexes, turn: Integers) -> Floats:
     """Return x' B x at every sample, (n,); ``matrix`` is one symmetric matrix B per turn, (t, P, P).
 
-    With v = (z^-H ... z^H) and x = U v it is v' (U' B U) v, a Fourier series of order 2 H. Its terms of one power of z
-    lie on one antidiagonal of U' B U.
+    With v = (z^-H ... z^H) and x = U v the result is v' (U' B U) v, a Fourier series of order 2 H. All terms with the
+    same power of z lie on one antidiagonal of U' B U.
     """
     order = (matrix.shape[1] - 1) // 2
     change = np.zeros((2 * order + 1, 2 * order + 1), dtype=np.complex128)
@@ -169,7 +171,7 @@ class TurnFits:
     """One model, fitted to all turns of a chunk by Gauss-Newton on the centre.
 
     Each round is one linear fit of rho(phi) in the hole's frame. rho(c + dc) = rho(c) + u(phi) dc, so the first
-    harmonic of the fit is -dc; at the solution it is zero. ``steps`` are further columns, one value a sample.
+    harmonic of the fit is -dc; at the solution it is zero. ``steps`` are further terms of the fit, (steps, samples).
     """
 
     def __init__(self, reach: Complexes, count: Integers, shape: Shape, steps: Floats | None = None) -> None:
@@ -216,9 +218,10 @@ class TurnFits:
         return part
 
     def plain(self, steps: Floats | None = None) -> TurnFits:
-        """Fit the same turns from their present centres with an oval wall, and ``steps`` if given.
+        """Return a fit of the same turns, from their present centres, with an oval wall, and ``steps`` if given.
 
-        No sample is rejected in the first rounds, because samples in a step would have weight 0 before it is fitted.
+        It rejects no sample in the first rounds, because samples in a step would have weight 0 before the step is
+        fitted.
         """
         oval = TurnFits(self.reach, self.count, self.shape.plain(), steps)
         oval.centre, oval.terms[:, 0] = self.centre.copy(), self.terms[:, 0]
@@ -227,7 +230,7 @@ class TurnFits:
         return oval
 
     def widened(self) -> TurnFits:
-        """Fit the same turns from their present state with a wall that may be enlarged on one side."""
+        """Return a fit of the same turns, from their present state, with a wall that may be enlarged on one side."""
         wide = TurnFits(self.reach, self.count, self.shape.widened(), self.steps)
         for name in _STATE:
             setattr(wide, name, getattr(self, name).copy())
@@ -248,7 +251,7 @@ class TurnFits:
         self._weigh()
         matrix, side = self.normal_equations()
         ridge = (self.noise**2)[:, None] * self.precision
-        ridge[:, 0] = 1e-9  # the mean radius is free; this keeps a turn whose every sample is rejected solvable
+        ridge[:, 0] = 1e-9  # the mean radius is free; with 0, a turn without any weight could not be solved
         matrix[:, np.arange(self.precision.size), np.arange(self.precision.size)] += ridge
         side[:, 1] += ridge[:, 1] * self.centre.real
         side[:, 2] += ridge[:, 2] * self.centre.imag
@@ -336,7 +339,8 @@ class TurnFits:
         return share
 
     def one_sided(self) -> tuple[Complexes, Floats]:
-        """Return centre and covariance if the wall also has a first harmonic; the fit found the sum of both.
+        """Return centre and covariance for a wall that also has a first harmonic; the fit found the sum of centre and
+        harmonic.
 
         With deviations s of the wall's harmonic and r of the centre, the centre is r^2 / (r^2 + s^2) of the sum.
         """
@@ -391,10 +395,10 @@ def fit_steps(smooth: TurnFits, opposite: bool) -> tuple[TurnFits, Floats]:
         ----'     '-------------------'     '----      gain    (b' W e)^2 / (b' W b - b' W X (X' W X + ridge)^-1 X' W b)
           from    to                from+180
 
-    The gain of a sector is what the weighted squares of the residuals lose when D is fitted with all else. With sums
-    over cells of 1.5 degrees, added up around the hole, the gains take as many passes as the fit has terms. The cells
-    begin at the direction of the turn's second harmonic, so that rotated samples give rotated sectors. Opposite steps
-    have one depth, except for a small difference, which is also fitted.
+    The gain of a sector is the amount by which the weighted sum of squared residuals falls when D is fitted together
+    with all other terms. With sums over cells of 1.5 degrees, added up around the hole, the gains take as many passes
+    over the cells as the fit has terms. The cells begin at the direction of the turn's second harmonic, so that rotated
+    samples give rotated sectors. Opposite steps have one depth, except for a small difference, which is also fitted.
 
     Returns
     -------
@@ -447,7 +451,8 @@ def cell_sums(fits: TurnFits, where: Floats, cell: Integers, cells: int) -> Floa
 
 
 def best_sectors(sums: Floats, widths: range, least: float) -> tuple[Integers, Integers, Integers]:
-    """Return first cell and width of the narrowest sector with the greatest gain, and the width of the widest, (t,).
+    """Return first cell and width of the narrowest sector with the greatest gain, and the width of the widest such
+    sector, (t,) each.
 
     Sectors that hold the same samples have the same gain; widths are in cells.
     """
@@ -489,7 +494,10 @@ class Estimate:
     inliers: Floats
 
     def blend(self, turns: Integers, other: Estimate, weight: Floats) -> None:
-        """Mix ``other``, which has one row for each of these ``turns``, into them; ``weight`` is that of ``other``."""
+        """Mix ``other``, which has one row for each of ``turns``, into the rows of these turns in this estimate.
+
+        ``weight`` is the weight of ``other`` in each of these turns, 0 to 1.
+        """
         w = weight[:, None, None]
         between = w * (1.0 - w) * _squares(other.centre - self.centre[turns])
         for field in fields(self):
@@ -512,7 +520,7 @@ def estimate(fits: TurnFits) -> Estimate:
     known = np.maximum(some.evidence(), plain.only(rough).evidence())
     for opposite in (True, False):
         model, added = fit_steps(some, opposite)
-        sectors = np.square(some.count) / (4.0 if opposite else 2.0)  # how many hold different samples
+        sectors = np.square(some.count) / (4.0 if opposite else 2.0)  # number of sectors that hold different samples
         evidence = model.evidence() - np.log(sectors) - _ODDS
         known = np.logaddexp(known, evidence)
         weight = np.exp(evidence - known)
@@ -523,9 +531,9 @@ def estimate(fits: TurnFits) -> Estimate:
 
 
 def _estimate(fits: TurnFits, added: Floats) -> Estimate:
-    """Mix a model with the same model whose wall may be enlarged on one side.
+    """Return a mix of a model and the same model with a wall that may be enlarged on one side.
 
-    ``added`` is what steps add to the mean radius.
+    ``added`` is what steps add to the mean radius, (t,) m.
     """
     wide = fits.widened()
     weight = np.clip((wide.left_open() - _CLOSED) / (_OPEN - _CLOSED), 0.0, 1.0)

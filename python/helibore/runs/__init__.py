@@ -1,1 +1,1 @@
-"""From files to outputs, repeatable."""
+"""Make outputs from files: build walls of one well or many, and repeat a run from its settings."""

@@ -48,7 +48,7 @@ UNIT = 256
 BIN_TURNS = 64
 """Height of a bin, turns."""
 CROWDED = 4
-"""A block of `UNIT` turns, the least, may have this many times `block_samples` samples, 100 bytes each."""
+"""A block of `UNIT` turns, the smallest block, may have this many times `block_samples` samples, 100 bytes each."""
 VERTICES = 2
 """A well in one piece may have this many times `block_samples` vertices, 160 bytes each."""
 TURNS = 2_000_000
@@ -56,7 +56,7 @@ TURNS = 2_000_000
 BATCH = 1 << 18
 """Rows read at a time."""
 AS_STREAM: dict[str, Any] = {"pre_buffer": False, "buffer_size": 1 << 20, "page_checksum_verification": True}
-"""Options to read a Parquet file in little memory, however large its row groups; a pre-buffer would keep all rows."""
+"""Options with which a Parquet file needs little memory, even with large row groups; a pre-buffer keeps all rows."""
 BY_ROW = ("shallowest", "deepest", "least_radius", "greatest_radius", "sensor_offset", "saturated", "drop_closed")
 """Settings of a preparation that a well read as a stream may change; the last two must be changed to false."""
 
@@ -124,7 +124,7 @@ def stream(run: Run, most_samples: int) -> Batches:
     _check_settings(run, why)
     turning = only.roles.one("toolface")
     if turning is not None and turning.reference not in ("", run.path.reference if run.path else ""):
-        raise InputError("toolface", f"turning it into the reference of the path {why}")
+        raise InputError("toolface", f"turning toolfaces into the reference of the path {why}")
     return sample_batches(run, only)
 
 
@@ -295,7 +295,7 @@ def _sample_count(wall: Settings, plan: Json, first: int, stop: int) -> int:
 
 
 def _samples_between(store: Store, plan: Json, low: float, high: float) -> list[Floats]:
-    """Return depth, toolface, radius and any time of the samples between two depths; ties keep their order."""
+    """Return depth, toolface, radius and any time of the samples between two depths; each bin keeps its order."""
     first, last = (math.floor(end / plan["height"]) for end in (max(low, plan["ends"][0]), min(high, plan["ends"][1])))
     parts = [np.empty((0, plan["width"]))]
     for at in range(first, last + 1):
@@ -311,7 +311,7 @@ def _samples_between(store: Store, plan: Json, low: float, high: float) -> list[
 
 
 def stretch(store: Store, plan: Json, settings: Settings, first: int, stop: int) -> Wall:
-    """Return a wall of the vertices [first, stop), bit for bit as in the whole well; it is empty far from samples."""
+    """Return a wall of the vertices [first, stop), bit for bit as in the whole well; empty if no samples are near."""
     own = {"start_depth": plan["start_depth"], "stop_depth": None, "first_vertex": first, "stop_vertex": stop}
     step = settings.pitch / settings.sectors
     shallow, deep = sorted((plan["start_depth"] + first * step, plan["start_depth"] + stop * step))
@@ -337,7 +337,7 @@ def stretch(store: Store, plan: Json, settings: Settings, first: int, stop: int)
 def _beyond_gap(plan: Json, along: float, sign: int) -> float:
     """Return ``along`` (a depth times ``sign``), or the near edge of the next bin with samples if that is farther."""
     edges = (min(sign * at * plan["height"], sign * (at + 1) * plan["height"]) for at in map(int, plan["counts"]))
-    reached = along - plan["height"]  # the bin that holds the depth may have samples farther on
+    reached = along - plan["height"]  # the bin that contains ``along`` may have samples farther on
     return max(along, min((edge for edge in edges if edge >= reached), default=along))
 
 
@@ -348,7 +348,7 @@ def radii(wall: Wall, count: int) -> tuple[Floats, Floats]:
 
 
 def _first_radius(store: Store, plan: Json, settings: Settings) -> float:
-    """Return the first radius that is not missing, the reference of the well for `turn_logs`; 0 if all are missing."""
+    """Return the first radius that is not missing; it is the reference of `turn_logs`. Return 0 if all are missing."""
     for first, last in plan["blocks"]:
         for turn in range(first, last, UNIT):
             ends = turn * settings.sectors, min((turn + UNIT) * settings.sectors, plan["vertices"])
@@ -396,12 +396,12 @@ def make_block(run: Run, store: Store, folder: str, number: int, archive: str | 
 
 
 def _turn_depth(settings: Settings, plan: Json, turn: int) -> float:
-    """Return the depth of the first vertex of a turn; times -1 if the helix grows upwards, so that it increases."""
+    """Return the depth of the first vertex of a turn, with its sign changed if the helix goes up, so that it grows."""
     return float(plan["start_depth"] + turn * settings.pitch) * math.copysign(1.0, settings.pitch)
 
 
 class PartColumn:
-    """A value for each vertex of a well, sliced like an array; the part of one block at a time is in memory."""
+    """A value for each vertex of a well, sliced like an array; only the values of one block at a time are in memory."""
 
     def __init__(self, read: Callable[[int], Floats], stops: list[int]) -> None:
         """``read`` returns the values of a block; ``stops`` holds the vertex before which each block ends."""
@@ -422,7 +422,7 @@ class PartColumn:
 
 
 class Merged(NamedTuple):
-    """A well whose blocks are all made, without its samples, which logs, zones, summary and overview do not need."""
+    """A well of which all blocks are made. It has no samples; logs, zones, summary and overview do not need them."""
 
     settings: Settings
     start_depth: float

@@ -1,4 +1,4 @@
-"""Let local workers ignore Ctrl-C: a terminal sends it to all processes, but only the main process ends the workers."""
+"""Make local workers ignore Ctrl-C, which a terminal sends to all processes; the main process ends the workers."""
 
 import signal
 

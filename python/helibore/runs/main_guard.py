@@ -14,10 +14,10 @@ from helibore.base.errors import InputError
 
 
 def check_main_guard(caller: str) -> None:
-    """Refuse a call of ``caller`` at the top level of the running script, unless it stands below any ``if``."""
+    """Refuse a call of ``caller`` at the top level of the running script, unless the call stands below an ``if``."""
     main = vars(sys.modules["__main__"])
     file, spec = main.get("__file__"), main.get("__spec__")
-    if file is None or (spec is not None and spec.name.endswith("__main__")):  # a prompt, or a __main__.py: run once
+    if file is None or (spec is not None and spec.name.endswith("__main__")):  # a prompt or __main__.py: not run again
         return
     frame = sys._getframe()
     while frame.f_back is not None and not (frame.f_code.co_name == "<module>" and frame.f_globals is main):

@@ -73,7 +73,7 @@ class Job:
     """One well of a manifest, as Dask sends it to a worker: it holds addresses and settings, but no samples."""
 
     well: str
-    tree: Json  # the settings as in a settings file, ``map`` beside a file; files are addresses
+    tree: Json  # as in a settings file, but with addresses for files, and ``map`` beside ``file``
     output: str
     outputs: tuple[str, ...] = OUTPUTS
     block_samples: int = BLOCK_SAMPLES  # a well with more samples, or twice as many vertices, is made in blocks
@@ -143,7 +143,7 @@ def read_jobs(manifest: str | Path, output: str | None = None) -> list[Job]:
         merged = _merged(name, tree.get("defaults", {}), well)
         job = _job(name, folder, f"well {number}", merged, target, outputs, most)
         if job.well in names:
-            raise InputError(f"{name}: well {job.well}", "comes twice; names must differ")
+            raise InputError(f"{name}: well {job.well}", "two wells have this name; names must differ")
         names.add(job.well)
         jobs.append(job)
     if not jobs:
@@ -156,7 +156,7 @@ MOST_NAMED = 10
 
 
 def check_files(jobs: list[Job]) -> None:
-    """Raise an InputError if files do not exist; it names some of them, with their wells. 32 threads ask the stores."""
+    """Raise an InputError that names some missing files and their wells, if any. 32 threads query the stores."""
 
     def missing(one: tuple[str, str]) -> bool:
         system, path, _ = file_system(one[1])
@@ -168,7 +168,7 @@ def check_files(jobs: list[Job]) -> None:
     if lost:
         first, *others = [f"well {well}: {address}" for well, address in lost]
         more = f", and {len(lost) - MOST_NAMED} more" if len(lost) > MOST_NAMED else ""
-        rule = f"no such file; missing, too: {', '.join(others[: MOST_NAMED - 1])}{more}" if others else "no such file"
+        rule = f"no such file; also missing: {', '.join(others[: MOST_NAMED - 1])}{more}" if others else "no such file"
         raise InputError(first, rule)
 
 

@@ -112,7 +112,7 @@ class Store:
             self.system.put([str(of) for of in files], [self.path(f"{name}/{of.name}") for of in files])
 
     def read_array(self, name: str, checksum: int) -> Floats:
-        """Return the numbers of a file of plain float64; an InputError if its CRC-32 is not ``checksum``."""
+        """Return the numbers of a file of plain float64; raise an InputError if its CRC-32 is not ``checksum``."""
         content = self.system.cat_file(self.path(name))
         if zlib.crc32(content) != checksum:
             raise InputError(name, "is damaged")
@@ -124,7 +124,7 @@ class Store:
             with self.system.open(self.path(name), "rb") as file, np.load(file) as found:
                 return [found[of] for of in wanted]
         except DAMAGED_NPZ as error:
-            if isinstance(error, OSError) and error.errno != errno.EINVAL:  # the store's; EINVAL: a wrong offset
+            if isinstance(error, OSError) and error.errno != errno.EINVAL:  # EINVAL: the file is damaged
                 raise
             self.delete([name])
             raise InputError(name, f"was damaged and is deleted: start again ({error})") from error

@@ -53,7 +53,7 @@ QUIET = {
 IGNORE_CTRL_C = ["helibore.runs.ignore_ctrl_c"]
 """Modules that each worker of this machine loads."""
 TRIES = 3
-"""Most attempts at a task, because a store may not answer or a worker may be killed; also at starting a cluster."""
+"""Most attempts at a task or at the start of a cluster: a store may not answer, or a worker may be killed."""
 
 
 @dataclass
@@ -63,17 +63,17 @@ class Progress:
     wells: int
     done: list[str] = field(default_factory=list)  # wells made now
     skipped: list[str] = field(default_factory=list)  # wells made earlier, from the same inputs and settings
-    failed: dict[str, str] = field(default_factory=dict)  # well to reason
-    warnings: dict[str, str] = field(default_factory=dict)  # well to the warnings on its wall
-    unwritten: dict[str, str] = field(default_factory=dict)  # catalogue or list of failures, if not written, to reason
+    failed: dict[str, str] = field(default_factory=dict)  # by well: why it failed
+    warnings: dict[str, str] = field(default_factory=dict)  # by well: the warnings on its wall
+    unwritten: dict[str, str] = field(default_factory=dict)  # by file (catalogue, failures): why it is not written
     seconds: float = 0.0
     dashboard: str | None = None  # address of Dask's dashboard
-    outdated: dict[str, str] = field(default_factory=dict)  # `status`: well to what changed since it was made
+    outdated: dict[str, str] = field(default_factory=dict)  # `status`, by well: what changed since it was made
     orphans: list[str] = field(default_factory=list)  # wells of the output that the manifest does not name
 
     @property
     def finished(self) -> int:
-        """Number of wells that need no more work."""
+        """Number of wells that are done, skipped or failed."""
         return len(self.done) + len(self.skipped) + len(self.failed)
 
     @property
@@ -88,7 +88,7 @@ class Progress:
         return self.seconds / made * (self.wells - self.finished) if made else float("inf")
 
     def sentence(self) -> str:
-        """Return in one line how many wells were made, were there already, and failed."""
+        """Return one line: how many wells were made now, had been made before, and failed."""
         counts = f"{len(self.done)} made, {len(self.skipped)} there already, {len(self.failed)} failed"
         return f"{counts}, of {self.wells} wells in {self.seconds:.1f} s"
 
@@ -141,7 +141,7 @@ def reprocess(
     else:
         jobs = [replace(job, output=output or job.output) for job in jobs]
     if not jobs:
-        raise InputError("jobs", "must be at least one")
+        raise InputError("jobs", "must contain at least one job")
     if client is None:
         check_main_guard("hb.reprocess")
     check_files(jobs)
@@ -167,7 +167,7 @@ def reprocess(
 
 @contextlib.contextmanager
 def connected(client: Client | str | None, workers: int | None = None) -> Iterator[Any]:
-    """Yield a Dask client: the one given, one of the scheduler at an address, or one of a cluster on this machine."""
+    """Yield ``client``, or a new Dask client of the scheduler at an address or of a cluster on this machine."""
     with needs("", "scale"):
         import dask
         import pyarrow  # noqa: F401
@@ -196,7 +196,7 @@ def connected(client: Client | str | None, workers: int | None = None) -> Iterat
 
 
 def _start_cluster(start: Callable[[], Any]) -> Any:
-    """Return what ``start`` returns, a cluster; start it again if a worker dies early, because Dask then ends it."""
+    """Return the cluster that ``start`` makes; repeat if a worker dies early, because Dask then ends the cluster."""
     for _ in range(TRIES - 1):
         with contextlib.suppress(RuntimeError):
             return start()
@@ -234,7 +234,7 @@ def _check_workers(client: Any, jobs: Sequence[Job]) -> None:
 
     A worker that joins later refuses its first task.
     """
-    files: dict[str, str] = {}  # ending to the first file that has it
+    files: dict[str, str] = {}  # by ending: the first file with this ending
     for job in jobs:
         for address in job.addresses():
             files.setdefault(ending_of(address), f"well {job.well}: {address}")
@@ -258,7 +258,7 @@ def _refusal(expected: dict[str, str], files: dict[str, str]) -> str:
 
 
 def _run(client: Any, jobs: Sequence[Job], records: dict[str, Json], tell: Callable[[Progress], object]) -> Progress:
-    """Run a task for each well, and for a large well one for each of its blocks and a merge; fill ``records`` by well.
+    """Run a task for each well; for a large well, also one for each block and one to merge; fill ``records`` by well.
 
     ``tell`` is called with the progress at the start and after each well.
     """
@@ -267,7 +267,7 @@ def _run(client: Any, jobs: Sequence[Job], records: dict[str, Json], tell: Calla
     begin, so_far = time.perf_counter(), Progress(len(jobs), dashboard=client.dashboard_link)
     tell(so_far)
     waiting: dict[Any, _Task] = {}
-    blocks: dict[str, int] = {}  # large well to the number of its blocks not yet made
+    blocks: dict[str, int] = {}  # by large well: the number of its blocks that are not made yet
 
     def submit(task: _Task) -> Any:
         key = f"{task.make.__name__}-{uuid.uuid4().hex}"
@@ -354,7 +354,7 @@ def _write_catalogue(store: Store, records: dict[str, Json]) -> None:
         import pyarrow
 
         table = pyarrow.Table.from_pylist(rows)
-        types = [pyarrow.float64() if pyarrow.types.is_null(of.type) else of.type for of in table.schema]  # no well's
+        types = [pyarrow.float64() if pyarrow.types.is_null(of.type) else of.type for of in table.schema]  # no value
         said = [dict(zip(("unit", "description"), COLUMNS.get(of.name, ("", "")), strict=True)) for of in table.schema]
         table = table.cast(pyarrow.schema(map(pyarrow.field, table.schema.names, types, [True] * len(types), said)))
         with store.writing(CATALOGUE) as path:

@@ -47,7 +47,7 @@ from helibore.wall.load import load
 from helibore.wall.wall import Wall
 
 Stage = Callable[[str, str], AbstractContextManager[None]]
-"""A function of a stage's name and of a text on what the stage does; the stage runs in the context it returns."""
+"""A function that takes a stage's name and a text on what it does, and returns the context in which it runs."""
 
 
 def checksum(path: str | os.PathLike[str]) -> str:
@@ -70,7 +70,7 @@ class OpenFiles:
         self._logs: dict[Path, LogFile] = {}
 
     def checksum(self, file: Path) -> Future[str]:
-        """Return the checksum of a file, which is computed in a thread from the first call on."""
+        """Return the checksum of a file as a `Future`; after the first call, a thread computes the checksum."""
         if file not in self._sums:
             self._sums[file] = self._pool.submit(checksum, file)
         return self._sums[file]
@@ -86,7 +86,7 @@ class OpenFiles:
         self, file: Path, set_name: str | None = None, map_file: Path | None = None,
         change: Callable[[LogSet, RoleMap], RoleMap] = lambda _, roles: roles,
     ) -> Input:  # fmt: skip
-        """Return a set of a file with its roles, of the map or else guessed, after ``change`` has changed them."""
+        """Return a set of a file with its roles, from the map or else guessed, and then changed by ``change``."""
         log = self.log(file)
         alone = log if set_name is None else LogFile(log.path, log.format, [log.set(set_name)])
         roles = read_map(map_file, alone) if map_file is not None else guess(alone.set())
@@ -137,9 +137,9 @@ class Run:
 
     @property
     def stated(self) -> str | None:
-        """What toolface 0 of the wall is, as the settings state it or, if there is no path either, all samples do.
+        """What toolface 0 of the wall is, as the settings state it.
 
-        None if they do not.
+        If they do not state it and there is no path, this is what all samples state. None if nothing states it.
         """
         if self.settings.path.reference or self.path is not None:
             return self.settings.path.reference
@@ -157,7 +157,7 @@ class Run:
 
     @property
     def name(self) -> str:
-        """The name of the first source file without its ending (``well.csv.gz`` has one), or "Gauge hole"."""
+        """The name of the first source file without its ending (``.csv.gz`` counts as one), or "Gauge hole"."""
         source = self.settings.archive or self.settings.average or next(iter(self.settings.caliper), None)
         if source is None:
             return "Gauge hole"
@@ -166,7 +166,7 @@ class Run:
 
 
 def repeat(settings: RunSettings | str | os.PathLike[str], threads: int | None = None) -> Run:
-    """Repeat a run from its settings, or from the file they are in, up to the wall.
+    """Repeat a run up to its wall, from its settings or from the file that holds them.
 
     If an input has changed, an InputError names it and both checksums.
     """
@@ -201,9 +201,9 @@ def make_wall(run: Run, threads: int | None = None, stage: Stage = lambda *_: nu
 def read_run(
     run: Run, stage: Stage = lambda *_: nullcontext()
 ) -> tuple[list[SectorImage], tuple[str, Caliper | Prepared] | None]:
-    """Read the files of a run; return its images, and the name and the prepared samples of its wall.
+    """Read the files of a run and set its path; return its images, and the name and the prepared samples of its wall.
 
-    An archive has no samples to prepare: None. This function also sets the path of the run.
+    For an archive, which has no samples to prepare, return None in place of name and samples.
     """
     settings, wall = run.settings, run.settings.wall
     for each in settings.inputs:
@@ -284,7 +284,7 @@ def preparation_lines(wall: Wall) -> list[tuple[str, str]]:
 
 
 def stated_header(run: Run) -> dict[str, str]:
-    """Return the facts on the hole that a run's files state, added to those that the files of a saved wall stated."""
+    """Return header entries (well, field ...) that a run's files state, added to those that a saved wall has kept."""
     kept = run.wall.made_from.get("header") if run.built is not None else None
     earlier = {str(name): str(text) for name, text in kept.items()} if isinstance(kept, dict) else {}
     return earlier | log_header(run.files.headers())
@@ -339,7 +339,7 @@ def _read_image(run: Run, one: ImageInput) -> SectorImage:
     stated = one.reference or run.stated
     reference: Any = stated or run.reference or "high-side"
     if reference not in ("north", "high-side"):
-        rule = f"the wall counts toolfaces from {reference}, but no image does; end its name with :north or :high-side"
+        rule = f"the wall counts toolfaces from {reference}, but no image does; end --image with :north or :high-side"
         raise InputError(f"image {one.name}", rule)
     log = run.files.log(one.file).set()
     log.channel(one.name)
@@ -414,7 +414,7 @@ def interval(settings: Settings) -> tuple[float, float]:
 
 @contextmanager
 def placing(run: Run, options: str = "") -> Iterator[None]:
-    """If the path misses a part of the wall, add the survey's file and ``options`` that help to the block's error."""
+    """If the block fails as the path misses a part of the wall, add the survey's file and ``options`` to its error."""
     try:
         yield
     except ValueError as error:
@@ -459,7 +459,7 @@ def save_settings(run: Run, output: Path, verb: str, options: dict[str, Any]) ->
 
 
 def _read_lines(run: Run) -> Iterator[tuple[str, str]]:
-    """Yield lines on the caliper files and the roles of their channels, but not roles that the file before has, too."""
+    """Yield lines on the caliper files and the roles of their channels, unless the previous file has the same."""
     before: tuple[str, ...] = ()
     for each, found in zip(run.settings.caliper, run.readings, strict=True):
         yield "caliper", run.files.description(each)

@@ -38,7 +38,7 @@ from helibore.trajectory.references import Reference
 from helibore.trajectory.survey import Method
 
 SOURCES = ("caliper", "average", "archive", "gauge")
-"""Keys of what a wall is made from; each run has exactly one of them."""
+"""Keys of the sources of a wall; each run has exactly one of them."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Input:
 
 @dataclass(frozen=True)
 class ImageInput:
-    """A sector image that was read; if ``reference`` is None, its toolfaces count from that of the wall."""
+    """A sector image that was read; if ``reference`` is None, its toolfaces count from the reference of the wall."""
 
     file: Path
     name: str
@@ -108,11 +108,11 @@ class PathSettings:
 class RunSettings:
     """Everything that decides the bytes of an output."""
 
-    helibore: str = field(default_factory=lambda: __version__)  # the version that wrote them
+    helibore: str = field(default_factory=lambda: __version__)  # the version that wrote these settings
     verb: str = field(default_factory=lambda: "reconstruct")  # the command
     nulls: tuple[float, ...] = field(default_factory=lambda: NULLS)  # numbers that mean no value
     gauge: bool = False  # whether the wall is a gauge hole, which nothing measured
-    output: Output | None = None  # what was written; None before that
+    output: Output | None = None  # the file that was written; None before
     caliper: tuple[Input, ...] = ()  # caliper files of one hole, earliest first
     average: Input | None = None  # an average caliper, with a channel of the role mean-diameter
     archive: Input | None = None  # the archive of a wall
@@ -123,14 +123,14 @@ class RunSettings:
     echo: Echo | None = None  # how travel times become radii
     preparation: Preparation = field(default_factory=Preparation)
     path: PathSettings = field(default_factory=PathSettings)  # how the survey becomes a path
-    wall: Settings | None = None  # what the wall is built with; None for an archive
+    wall: Settings | None = None  # settings of the wall; None for an archive
     options: dict[str, Any] = field(default_factory=dict)  # the command's own options by name
 
     def __post_init__(self) -> None:
         if sum(bool(getattr(self, name)) for name in SOURCES) != 1:
             raise InputError(", ".join(SOURCES), "give exactly one of them")
         if (self.wall is None) != (self.archive is not None):
-            raise InputError("wall", "must not stand beside an archive" if self.archive else "is missing")
+            raise InputError("wall", "must be left out for an archive" if self.archive else "is missing")
 
     @property
     def inputs(self) -> tuple[Input | ImageInput | ScalarInput, ...]:

@@ -60,7 +60,7 @@ def versions() -> dict[str, str]:
 
 
 def record_name(well: str) -> str:
-    """Return the name of a well's record in the store."""
+    """Return the name of the file in the store that holds the record of a well."""
     return f"records/{path_part(well)}.json"
 
 
@@ -91,7 +91,7 @@ def reprocess_well(job: Job, expected: dict[str, str] | None = None) -> Json:
     store = Store(job.output)
     try:
         return _make(job, store)
-    except InputError:  # outputs in the store are of another input, or incomplete
+    except InputError:  # outputs that the store has are of other inputs, or incomplete
         folders = (*_folders(job), _work_folder(job))
         store.delete([record_name(job.well), *(name for folder in folders for name in store.sizes(folder))])
         raise
@@ -135,7 +135,7 @@ def _check_path(job: Job, run: Run, *ends: float) -> None:
 
 
 def reprocess_block(job: Job, number: int, expected: dict[str, str] | None = None) -> None:
-    """Make block ``number`` of a large well by `make_block`; refuse if this worker has not ``expected`` versions."""
+    """Make block ``number`` of a large well by `make_block`; refuse versions other than ``expected``."""
     check_versions(expected)
     with _opened(job, ("survey",)) as (run, _):
         archive = f"wells/{job.key}/{job.key}-{number:05}.wall" if "archive" in job.outputs else None
@@ -173,13 +173,13 @@ def _write_record(job: Job, store: Store, made_from: Json, files: dict[str, int]
 
 
 def check_versions(expected: dict[str, str] | None) -> None:
-    """Raise an InputError if a version of this worker is not as ``expected`` by the process that started the job.
+    """Raise an InputError if this worker has other versions than the process that started the job.
 
     ``expected`` are the `versions` of that process; None: any versions.
     """
     for name, wanted in (expected or {}).items():
         if versions()[name] != wanted:
-            raise InputError(f"worker: {name} {versions()[name]}", f"must be {wanted}, as where the job was started")
+            raise InputError(f"worker: {name} {versions()[name]}", f"must be {wanted}, as in the calling process")
 
 
 def _made_from(job: Job, files: OpenFiles, local: dict[str, Path]) -> Json:
@@ -262,7 +262,7 @@ Save = Callable[[str, Callable[[Path], object]], None]
 
 
 def _saver(store: Store) -> tuple[dict[str, int], Save]:
-    """Return the bytes of each file written so far, by name, and a function that writes a file to the store."""
+    """Return a dict and a function; the function writes a file to the store and adds its name and bytes to the dict."""
     files: dict[str, int] = {}
 
     def save(name: str, write: Callable[[Path], object]) -> None:
@@ -317,7 +317,7 @@ NUMBERS = {
     "volume": ("m3", "Volume of the whole turns"),
     "excess": ("", "Volume over the volume at bit size, less 1"),
     "whole_turns": ("m", "Length of turns that have every radius, measured or interpolated"),
-    "incomplete_turns": ("m", "Length of the other turns"),
+    "incomplete_turns": ("m", "Length of turns that miss at least one radius"),
     "washed_out": ("m", "Length of the turns that are washed out"),
     "coverage": ("", "Mean share of the turns that is measured, not interpolated"),
     "without_radius": ("", "Share of the vertices that no sample reaches"),
@@ -330,7 +330,7 @@ COLUMNS = NUMBERS | {
     "diameter_sigma": ("m", "Mean standard uncertainty of DEQ, if sigma was asked for"),
     "breakout_length": ("m", "Length of breakouts"),
     "breakout_axis": ("deg", "Mean axis of breakouts"),
-    "breakout_deviation": ("deg", "Standard deviation of that axis"),
+    "breakout_deviation": ("deg", "Standard deviation of the axes of breakouts"),
 }
 """Columns of the catalogue that are numbers: unit and description."""
 

@@ -46,7 +46,7 @@ BASIS_TEXT: dict[Basis, str] = {
 """Each basis in words."""
 
 LARGEST_RADIUS = 2.0
-"""Metres."""
+"""Largest radius of a sample, metres."""
 ROUND = 16
 """Number of samples around the hole that are made from one diameter without a direction."""
 
@@ -233,7 +233,7 @@ class Caliper(Tabular):
             with rows.named():
                 valid = (size > 0) & (size <= 2 * LARGEST_RADIUS)
                 require("diameter", size, valid, f"must be above 0 and at most {2 * LARGEST_RADIUS:g} m")
-                cls(**columns, radius=size / 2)  # checks them, where an error can name the table's row
+                cls(**columns, radius=size / 2)  # checked here, where an error can name the row
             arm = np.full(size.size, number)
             for turned in (angle, angle + 180.0):
                 end = {"toolface": columns["toolface"] + turned, "radius": size / 2, "arm": arm}
@@ -321,7 +321,7 @@ class Caliper(Tabular):
     def repeated(self) -> int:
         """Number of samples that equal an earlier sample in depth, toolface, radius and time.
 
-        In a wall they count once; but if the samples have no time, they count again.
+        A wall counts equal samples once if they have times, and counts each of them if they have no times.
         """
         columns = [of for of in (self.depth, self.toolface, self.radius, self.time) if of is not None]
         order = np.lexsort(columns)

@@ -1,7 +1,7 @@
 """The helix of a wall: where each vertex lies along and around the hole. Surfaces, volumes and images use it.
 
-Vertex k has depth start_depth + k pitch/K and toolface (start_toolface + k 360/K) mod 360. Nothing here knows a radius
-or a place in space.
+Vertex k has depth start_depth + k pitch/K and toolface (start_toolface + k 360/K) mod 360. A helix has neither radii
+nor positions in space.
 """
 
 from __future__ import annotations
@@ -47,10 +47,10 @@ class Helix(NamedTuple):
     start_toolface: float
     pitch: float
     sectors: int
-    first: int = 0  # number of its vertex 0 on the whole helix, a multiple of sectors
+    first: int = 0  # number that vertex 0 of this helix has on the whole helix, a multiple of sectors
 
     def depth(self, k: Integers) -> Floats:
-        """Return the depth of vertices, metres, with exactly the bits of the wall."""
+        """Return the depth of vertices, metres, equal to the depths of the wall to the last bit."""
         depth: Floats = self.start_depth + (self.first + k) * self.pitch / self.sectors
         return depth
 
@@ -100,7 +100,7 @@ def helix_of(wall: WallLike) -> Helix:
 def whole_helix(wall: WallLike) -> Helix:
     """Return the whole helix of which a wall may be a stretch (``first_vertex``).
 
-    The depths of the wall's vertices on it have the same bits as those of the whole wall.
+    On the whole helix, the depths of this wall's vertices equal those of the whole wall to the last bit.
     """
     settings: Any = wall.settings
     helix, first = helix_of(wall), getattr(settings, "first_vertex", 0)
@@ -122,8 +122,8 @@ def basis_text_of(wall: WallLike) -> str:
 def vertex_range(helix: Helix, count: int, start: float | None, stop: float | None) -> tuple[int, int]:
     """Return the half-open range of vertices whose depth lies in [start, stop), whichever way the helix grows.
 
-    None is no bound on that side. Raises InputError if a bound is not finite, ``stop`` is not greater than ``start``,
-    or no vertex lies in the interval.
+    If ``start`` or ``stop`` is None, there is no bound on that side. Raises InputError if a bound is not finite,
+    ``stop`` is not greater than ``start``, or no vertex lies in the interval.
     """
     for name, bound in (("start", start), ("stop", stop)):
         if bound is not None and not math.isfinite(bound):

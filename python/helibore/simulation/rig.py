@@ -51,7 +51,7 @@ image.GR = {{ first = "5110", count = 16, unit = "gAPI", depth = "0821", origin 
 
 
 def configuration(address: str, telemetry: str = "wired-pipe", start: float = 2000.0) -> str:
-    """Return the TOML with which ``helibore live`` reads a rig of this telemetry; it connects to ``address``."""
+    """Return the TOML with which ``helibore live`` connects to ``address`` and reads a rig of this telemetry."""
     _, groups, _ = _usual(telemetry)
     return CONFIGURATION.format(address=address, bit_diameter=BIT_DIAMETER, start=start, groups=groups)
 
@@ -183,7 +183,8 @@ class Rig:
 def play(rig: Rig, link: socket.socket, speed: float = 1.0, packet: int = 1400) -> int:
     """Send a rig's frames ``speed`` times as fast as it drilled, and return the number of bytes sent.
 
-    With ``speed`` 0, it does not wait. A packet has at most ``packet`` bytes, or one longer frame.
+    With ``speed`` 0, frames are sent without waiting. A packet has at most ``packet`` bytes, or one frame that is
+    longer than that.
     """
     begin, sent, held = time.monotonic(), 0, bytearray()
     first = None
@@ -247,5 +248,5 @@ def _connected(where: tuple[str, int], seconds: float) -> socket.socket:
                 raise
             time.sleep(0.2)
         else:
-            connection.settimeout(None)  # a receiver whose disk is full lets the sender wait
+            connection.settimeout(None)  # sending may have to wait long, until the receiver's disk has room again
             return connection

@@ -36,7 +36,7 @@ class Tool:
     """How the tool turns, advances and measures."""
 
     rotation: float = 117.0  # mean speed, turns a minute
-    stick_slip: float = 0.7  # amplitude of the swing of the speed as a share of the mean; 1: it stops once a period
+    stick_slip: float = 0.7  # amplitude of the swing of the speed as a share of the mean; 1: turning stops each period
     stick_slip_period: float = 3.7  # seconds
     advance: float = 20.0  # mean rate of penetration, metres an hour
     advance_variation: float = 0.6  # sum of the amplitudes of all swings as a share of the mean, less than 1
@@ -161,7 +161,10 @@ def _rotate(tool: Tool, time: Floats, rng: np.random.Generator) -> Floats:
 
 
 def _progress(tool: Tool, time: Floats, rng: np.random.Generator) -> Floats:
-    """Return the share of the travel at each time, from 0 to 1. It never falls: the swings sum to less than 1."""
+    """Return the share of the travel at each time, from 0 to 1.
+
+    The share never falls, because the amplitudes of all swings of the speed sum to less than its mean.
+    """
     progress = time.copy()
     for share, period in ((0.5, 8.3), (0.3, 47.0), (0.2, 391.0)):
         swing = share * tool.advance_variation * period / (2.0 * np.pi)

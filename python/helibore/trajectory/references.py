@@ -58,7 +58,7 @@ def reference_of(wall: Any) -> Reference | None:
 
 
 def reference_assumed(wall: Any) -> bool:
-    """Return whether the toolfaces of a wall are only assumed to count from its reference: no file states what from."""
+    """Return whether the reference of a wall's toolfaces is only assumed, because no file states it."""
     return bool(getattr(wall, "made_from", {}).get("toolface") == ASSUMED)
 
 
@@ -82,7 +82,10 @@ def from_high_side(inclination: npt.ArrayLike, low: float = 4.0, high: float = 6
 
 
 def defined(path: FramedPath, depth: npt.ArrayLike, high_side: bool) -> Mask:
-    """Return at which depths two references are defined, (n,) bool: the path's, and the high side or else north."""
+    """Return at which depths the path's reference and the high side are both defined, (n,) bool.
+
+    If ``high_side`` is False, north takes the place of the high side.
+    """
     north, east, down = path.tangent(finite_column("depth", depth)).T
     sine = {"high-side": np.hypot(north, east), "north": np.hypot(east, down)}
     own = sine["high-side" if high_side else "north"]

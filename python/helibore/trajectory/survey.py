@@ -293,6 +293,8 @@ def checked_path(path: Path | None) -> Path | None:
 
 
 def core_path(path: Path | None) -> _core.Path:
-    """Return the core's object of a path; None: of a path straight down from (0, 0, 0) with toolface 0 to the north."""
+    """Return the core's object of a path; if ``path`` is None, of a path straight down from (0, 0, 0) with toolface 0
+    to the north.
+    """
     path = checked_path(path)
     return _core.Path() if path is None else path._core

@@ -41,9 +41,9 @@ class TrueDepth:
 
 
 def true_depth(path: Path | None, elevation: float | None) -> TrueDepth | None:
-    """Return the true vertical depths of a path; with ``elevation``, metres, those below sea level.
+    """Return the true vertical depths of a path; with ``elevation``, metres, depths below sea level.
 
-    If they are not known, return None; but if an ``elevation`` is given, raise an InputError.
+    If true depths are not known, return None, or raise an InputError if ``elevation`` is given.
     """
     if path is not None and abs(path.start_depth) <= SURFACE:
         zero = path.head[2]

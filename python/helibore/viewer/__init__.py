@@ -72,7 +72,7 @@ class Viewer:
         Parameters
         ----------
         change
-            What `Wall.append` returned. None: everything is compared, and differences are sent.
+            What `Wall.append` returned. None: all vertices are compared, and those that differ are sent.
         attributes
             Values of attributes that were named when the viewer was made, one for each quad or vertex of the wall as it
             is now. Only values of changed vertices are read: ``viewer.update(change, {"GR": image.on(wall)})``.
@@ -91,7 +91,7 @@ class Viewer:
     def set_attribute(self, name: str, values: npt.ArrayLike) -> None:
         """Set the values of an attribute that was named when the viewer was made: one for each quad or vertex.
 
-        There may be fewer if the wall has grown since. Raises InputError on more, or on another name.
+        There may be fewer values if the wall has grown since. Raises InputError on more values, or on another name.
         """
         self._feed.set_attribute(name, values)
 
@@ -164,8 +164,8 @@ def view(
     template
         Which tracks the page shows at first, in which order and how wide.
     reference
-        What toolface 0 of the wall is, if it has no `path`: the page then names the sides of the hole. None: what its
-        images say, if it has some.
+        What toolface 0 of the wall is, if it has no `path`: the page then names the sides of the hole. None: the
+        reference that its images state, if it has some.
     picks_file
         The file in which the page saves picks, as `Picks.save` does. ``wall.picks`` has the picks in any case. If the
         file's folder cannot be written, the page says so, and that its button *Download* saves the picks.
@@ -198,8 +198,8 @@ def view(
         If a library of the extra is missing: ``needs starlette: pip install "helibore[view]"``.
     InputError
         If the wall has no vertex, has more than 2048 sectors or reaches beyond `path`; if an attribute's length is not
-        the number of vertices or quads, if there are more than 16 attributes, or two of one name; if `port` does not
-        exist, or `host` needs a token; with `inline`, if the package was built without its page.
+        the number of vertices or quads, if there are more than 16 attributes, or two with the same name; if `port` is
+        not from 0 to 65535, or `host` needs a token; with `inline`, if the package was built without its page.
     OSError
         If the port is in use; the text names it.
     """
@@ -239,14 +239,14 @@ def view(
 
 
 def of_other(wall: ViewedWall, name: str, other: Wall) -> tuple[Attribute, npt.ArrayLike, list[ScalarCurve]]:
-    """Return an attribute of ``wall`` with the values that ``other`` has there, and the C1 and C2 of ``other``.
+    """Return an attribute, its values at the vertices of ``wall``, and the curves C1 and C2 of ``other``.
 
-    The values are the radius of ``other`` above that of its bit, in metres.
+    A value is the radius of ``other`` less that of its bit, in metres.
     """
     first = first_vertex(wall)
     own = wall.vertices(first, first + len(wall))
     over = own.radius - 0.5 * wall.settings.bit_diameter
-    limit = symmetric_limit(over, MILLIMETRE)  # one colour means one size in all walls
+    limit = symmetric_limit(over, MILLIMETRE)  # the same colour means the same size in all walls
     attribute = Attribute(f"Over bit {name}", "m", -limit, limit, color_map="over-bit")
     values = other.at(own.depth, own.toolface).radius - 0.5 * other.settings.bit_diameter
     curves = [replace(one, name=f"{one.name} {name}") for one in curves_of(other.logs()) if one.name in ("C1", "C2")]
@@ -271,7 +271,7 @@ def attributes_of(wall: Any) -> dict[str | Attribute, npt.ArrayLike]:
     values: dict[str | Attribute, npt.ArrayLike] = {}
     for name, image in getattr(wall, "images", {}).items():
         attribute = replace(Attribute.usual(name, image.unit), rows=even_rows(image, abs(wall.settings.pitch)))
-        with contextlib.suppress(InputError):  # constant, or without a value: the feed finds limits
+        with contextlib.suppress(InputError):  # a constant or empty image: the feed chooses the limits
             scale = image_scale(image)
             attribute = Attribute(name, image.unit, scale.low, scale.high, scale.log, scale.color_map, attribute.rows)
         values[attribute] = image.on(wall)

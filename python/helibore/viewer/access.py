@@ -36,7 +36,7 @@ class AccessControl:
 
     def __init__(self, app: ASGIApp, token: str | None, hosts: tuple[str, ...]) -> None:
         self.app, self.hosts = app, hosts
-        self.token = token or None  # an empty one would protect nothing, and would switch off the check of the host
+        self.token = token or None  # an empty token would protect nothing, and would switch off the check of the host
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         async def with_headers(message: Any) -> None:

@@ -1,4 +1,4 @@
-"""What the server knows of one page: what it holds, what it has not received yet, what it has not acknowledged.
+"""What the server knows of one page: the tiles it holds, and the values it has not received or not acknowledged.
 
     producer --mark--> pending ranges per tile --next_message--> page --acknowledge--> room for the next message
 
@@ -15,7 +15,7 @@ from helibore.viewer.scene import FRAMES_LEVEL, Scene
 
 MOST_UNACKNOWLEDGED = 1 << 20  # bytes
 MOST_PENDING = 4  # most pending ranges of a tile; if there are more, some are joined, and their gaps are sent again
-OVERVIEW_PRIORITY = 4.5  # tiles: those nearer to the focus are sent before the overview, all others after it
+OVERVIEW_PRIORITY = 4.5  # tiles: a tile that is nearer to the focus is sent before the overview, all others after it
 FRAMES_A_MESSAGE = 4096
 
 Key = tuple[int, int]  # level, tile
@@ -35,9 +35,9 @@ class Client:
         self.mark(FRAMES_LEVEL, 0, len(scene.frames.centre))
 
     def mark(self, level: int, start: int, stop: int) -> None:
-        """Note that vertices or frames [start, stop) of a level changed.
+        """Note that vertices of the wall, cells of the overview or frames [start, stop) changed.
 
-        Vertices of the wall count only if the page holds a tile that shows them; the overview and the frames always.
+        Vertices of the wall are noted only if the page holds a tile that shows them; cells and frames always are.
         """
         if stop <= start:
             return
@@ -72,7 +72,7 @@ class Client:
     def acknowledge(self, sequence: int) -> None:
         """Note that the page has applied message ``sequence``; BadMessageError if no such message waits."""
         if self.unacknowledged.pop(sequence, None) is None:
-            raise BadMessageError(f"ack {sequence}: no such message is waiting for one")
+            raise BadMessageError(f"ack {sequence}: no message with this number waits for an ack")
 
     def next_message(self) -> bytes | None:
         """Return the next message, packed from the latest values.

@@ -49,7 +49,7 @@ class Downloads:
 
 
 def encoded(chunks: Iterator[str]) -> Iterator[bytes]:
-    """Yield the chunks as bytes; sleep after each as long as it took, so that a growing wall keeps half a core."""
+    """Yield the chunks as bytes; sleep after each as long as writing it took, which leaves half a core to the wall."""
     while True:
         began = time.monotonic()
         chunk = next(chunks, None)

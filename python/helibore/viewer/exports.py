@@ -1,4 +1,4 @@
-"""Values for the page: a vertex for its cursor, a curve, a section of the wall as CSV. What requests ask for."""
+"""Values that the page requests: a vertex for its cursor, a curve, a section of the wall as CSV."""
 
 from __future__ import annotations
 
@@ -85,7 +85,7 @@ def _end(query: Mapping[str, str], name: str) -> float:
 
 
 def print_scale(query: Mapping[str, str]) -> int | None:
-    """Return the scale of the print that a request asks for, 200 for 1:200; None: it asks for none."""
+    """Return the scale of a print that a request states, 200 for 1:200; None if it states no scale."""
     text = query.get("scale")
     if text is None:
         return None
@@ -105,14 +105,14 @@ def vertices_between(scene: Scene, start: float, stop: float) -> tuple[float, fl
 def section_csv(scene: Scene, start: float, stop: float) -> Iterator[str]:
     """Return the vertices between two depths as chunks of CSV: their values at the time of this call.
 
-    Raises InputError if there are more than `MOST_ROWS` of them.
+    Raises InputError if there are more than `MOST_ROWS` vertices.
     """
     ends = vertices_between(scene, start, stop)
     with scene.lock:
         first = max(0, math.ceil(ends[0]))
         last = max(first, min(scene.levels[0].size, math.floor(ends[1]) + 1))
         if last - first > MOST_ROWS:
-            raise InputError(f"{last - first} vertices", f"a section holds at most {MOST_ROWS}; ask for less depth")
+            raise InputError(f"{last - first} vertices", f"a section holds at most {MOST_ROWS}; take a shorter section")
         return _chunks(scene.frozen_copy(first, last), first, last)
 
 

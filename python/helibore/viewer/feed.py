@@ -39,11 +39,11 @@ from helibore.viewer.client import MOST_PENDING
 from helibore.viewer.scene import FRAME_STEP, Attribute, PathFrames, Scene, WallShape
 from helibore.viewer.texels import Vertices
 
-CHUNK = 1 << 17  # vertices written at a time: pages may send in between
+CHUNK = 1 << 17  # vertices written at a time; in between, the server may send values to pages
 READ_SECONDS = 0.1  # least seconds of sleep after a read: a page gets at most ten updates a second of a growing hole
 ZONES_SECONDS = 2.0  # least seconds of sleep after a search for zones; the sleep is at least 50 times the search
 FEW_TURNS = 50  # turns; a shorter wall does not show which colours the whole hole needs
-USUAL_LIMIT = 0.02  # metres: the colours of a wall shorter than that reach at least so far below and above the bit
+USUAL_LIMIT = 0.02  # metres: with fewer turns, the colours reach at least so far below and above bit radius
 AHEAD = 100.0  # metres that a bit may be ahead of the wall and still have its true depth on the page
 
 
@@ -65,8 +65,8 @@ class ViewedWall(Protocol):
 class Feed:
     """Keeps a scene equal to a wall. It reads the whole wall when it is made; after `start`, what `update` notes.
 
-    Raises InputError if the wall has no vertex or the viewer cannot draw it, if it reaches beyond ``path``, or if an
-    attribute does not have one value for each vertex or quad.
+    Raises InputError if the wall has no vertex or the viewer cannot draw it, if the wall reaches beyond ``path``, or if
+    an attribute does not have one value for each vertex or quad.
     """
 
     def __init__(
@@ -86,7 +86,7 @@ class Feed:
             helix.sectors, helix.pitch, helix.start_depth, float(settings.bit_diameter), helix.start_toolface, well,
             tuple(named), basis_of(wall), basis_text_of(wall), reference or reference_of(wall), reference_assumed(wall),
         )  # fmt: skip
-        self._first = first_vertex(wall)  # the wall and its changes count from there, the scene from 0
+        self._first = first_vertex(wall)  # the wall and its changes count vertices from here, the scene from 0
         self._values = {attribute.name: values for attribute, values in named.items()}
         for name, values in self._values.items():
             self._check(name, values)
@@ -98,7 +98,7 @@ class Feed:
         self._closed = threading.Event()
         self._threads: list[threading.Thread] = []
         self._zones: Classification | None = None
-        self._ends = (math.nan, math.nan)  # of the wall when its zones were found
+        self._ends = (math.nan, math.nan)  # depths of the wall's ends when its zones were found
         self._grown = threading.Event()  # the wall has changed since its zones were found, or they were never found
         self._grown.set()
         self._finding = threading.Lock()
@@ -124,7 +124,7 @@ class Feed:
         return bool(self._threads) and all(thread.is_alive() for thread in self._threads)
 
     def update(self, change: Any = None, attributes: Mapping[str, npt.ArrayLike] | None = None) -> None:
-        """Note what an append changed; if ``change`` is None, everything is compared.
+        """Note what an append changed; if ``change`` is None, the whole wall is read and compared.
 
         ``attributes`` are columns of the whole wall, of which only the changed parts are read.
         """
@@ -132,7 +132,7 @@ class Feed:
         first = self._first
         whole = (first, first + len(self._wall))
         ranges, settled = ([whole], self._wall.settled) if change is None else (change.ranges, change.settled)
-        before = self._shape.sectors + 1 if columns else 0  # a quad gets its value with its last vertex
+        before = self._shape.sectors + 1 if columns else 0  # vertices from a quad's first corner to its last
         with self._changed:
             self._values |= columns
             for start, stop in ranges:
@@ -152,7 +152,7 @@ class Feed:
     def set_attribute(self, name: str, values: npt.ArrayLike) -> None:
         """Replace an attribute's values: one for each quad or vertex.
 
-        There may be fewer if the wall has grown since they were made; other quads then keep their values.
+        There may be fewer values if the wall has grown since they were made; other quads then keep their values.
         """
         array = self._checked(name, values, shorter=True)
         with self._changed:
@@ -211,8 +211,8 @@ class Feed:
     def _choose_ranges(self) -> None:
         """Choose the ends of the colours from the whole wall.
 
-        Those of the radius are final once the wall has `FEW_TURNS` turns; those of an attribute, once it has as many
-        values as these turns have vertices.
+        The ends for the radius are final once the wall has `FEW_TURNS` turns; the ends for an attribute are final once
+        it has as many values as these turns have vertices.
         """
         few, ranges = FEW_TURNS * self._shape.sectors, dict(self.scene.state.ranges)
         if "over" not in self._chosen:
@@ -238,7 +238,7 @@ class Feed:
         """Find zones, interpolated vertices and logs of the wall as it is now, and set them in the scene."""
         if self._shape.basis == "gauge" or len(self._wall) < self._shape.sectors:
             return
-        wall = getattr(self._wall, "_state", lambda: self._wall)()  # copies samples and finds gaps only once
+        wall = getattr(self._wall, "_state", lambda: self._wall)()  # a frozen copy, whose gaps are found only once
         with self._finding:
             found = self._classify(wall)
         measured = getattr(wall, "measured", None) if self._shape.basis == "azimuthal" else None
@@ -270,7 +270,7 @@ class Feed:
         The wall grows on after its turns are measured. So the figures, and ``start`` and ``stop`` among them, are those
         of the part of the section that the wall had when its turns were measured.
         """
-        with self._finding:  # the first zones of a long wall take a second
+        with self._finding:  # waits while the other thread finds zones
             zones = self._zones or self._classify(self._wall)
             top, bottom = self._ends
         start, stop = (min(max(end, top), bottom) for end in (start, stop))

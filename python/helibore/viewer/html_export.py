@@ -36,8 +36,8 @@ def html_export(
 
     ``files`` is the built page, texts by name; ``start`` and ``stop`` are depths in metres, in either order;
     ``address`` is the text after the # in the address of the page, which says what the page shows. A ``hosted`` page
-    then asks the notebook around it for later values. Raises InputError if the address is too long, the section has
-    more than `MOST_VERTICES` vertices, or the wall does not reach there.
+    is a frame in a notebook, from which it gets later values. Raises InputError if the address is too long, the section
+    has more than `MOST_VERTICES` vertices, or the wall does not reach the section.
     """
     if len(address) > MOST_ADDRESS:
         rule = f"{len(address)} characters, must be at most {MOST_ADDRESS}; keep fewer notes"
@@ -62,7 +62,7 @@ def html_export(
 
 
 def _curves(scene: Scene, address: str) -> list[str]:
-    """Return the names of the curves that ``address`` shows, and of those that its caliper track is drawn from."""
+    """Return the names of the curves that ``address`` shows, and of those from which the caliper track is drawn."""
     shown = parse_qs(address.removeprefix("#")).get("curves", [""])[0].split("~")
     shown += ["DMIN", "C1", "C2", "C1TF"] if scene.state.shape == "arms" else []
     return [name for name in scene.curves if name in shown]
@@ -107,7 +107,7 @@ def messages_of(scene: Scene, tiles: tuple[int, int]) -> Iterator[bytes]:
 
 
 def _scripts(enclosed: dict[str, Any], messages: Iterable[bytes], app: str) -> Iterator[str]:
-    """Yield two scripts whose text cannot end them early. Base64 needs no escapes in a script or in JSON."""
+    """Yield the two scripts of the page, escaped so that no text in them ends a script. Base64 needs no escapes."""
     opened = json.dumps(enclosed, separators=(",", ":")).replace("<", "\\u003c").removesuffix("}")
     yield f'<script type="application/json" id="enclosed">{opened},"messages":['
     for i, message in enumerate(messages):

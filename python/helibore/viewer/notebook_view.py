@@ -3,7 +3,7 @@
     page in a frame  <--port-->  web/notebook.js  <--comm-->  NotebookView  <-->  WebApp.serve
 
 A running cell blocks the kernel, so the frame first shows a section of the wall that is enclosed in its HTML. A saved
-notebook shows the card of the wall, which the frame hides as long as it is there. Importing this module needs the extra
+notebook shows the card of the wall; the frame, while it exists, hides the card. Importing this module needs the extra
 ``notebook``.
 """
 
@@ -38,8 +38,8 @@ class NotebookView(anywidget.AnyWidget):
     Attributes
     ----------
     depths : tuple of float
-        Top and bottom of the section in view, metres; before the page has drawn, those of the whole wall. Set them to
-        move the section.
+        Top and bottom of the section in view, metres; before the page has drawn, the ends of the whole wall. Set them
+        to move the section.
     cursor : tuple or None
         Depth in metres and toolface in degrees of the point that the reader clicked; the toolface is None for a point
         on the depth axis. None before the first click.

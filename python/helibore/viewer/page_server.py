@@ -20,7 +20,7 @@ class PageServer:
     """Serves a scene until `close`; over HTTPS if ``certificate``, a PEM file, is given.
 
     ``key`` is the PEM file of the certificate's key; None: the certificate's file also has the key. Raises InputError
-    if ``host`` is open to other machines and there is no token, or if ``port`` does not exist; OSError if the port is
+    if ``host`` is open to other machines and there is no token, or if ``port`` is not in 0 to 65535; OSError if it is
     in use.
     """
 
@@ -50,7 +50,7 @@ class PageServer:
             ssl_keyfile=key,
             ws_max_size=2 * MOST_TEXT,
             ws_per_message_deflate=False,
-            h11_max_incomplete_event_size=2 * MOST_ADDRESS,  # escapes in a query turn three characters into up to five
+            h11_max_incomplete_event_size=2 * MOST_ADDRESS,  # the query escapes %41 of the address again, as %2541
             log_level="critical",
             access_log=False,
             lifespan="on",

@@ -18,15 +18,15 @@ The bytes are little endian; every array starts at a multiple of its item size.
     | total u32    | sequence u32    | time f64      |
     +--------------+-----------------+---------------+
 
-If all radii of a WRITE equal those of the first pass, it leaves out those of the first pass. Its `level` then has the
-bit NO_FIRST, a texel is radius, nearest distance, state, and two zero bytes follow an odd number of texels.
+If all radii of a WRITE equal the radii of the first pass, the WRITE leaves out the latter. Its `level` then has the bit
+NO_FIRST, a texel is radius, nearest distance, state, and two zero bytes follow an odd number of texels.
 
 A WRITE sets `count` vertices of a tile from `first` on; `first` counts from the start of the tile. A tile includes its
-halo, the first sectors + 1 vertices of the next tile. A WRITE can be repeated: a new quad, a changed one and a resent
-one are the same message. `mask` says which attributes follow. The highest bit of the type, LIVE, marks values that are
-new; a WRITE without it belongs to a tile that the page requested. FRAMES carries frames of the path: f64 x 3 x count
-centres, then f32 x 6 x count directions. Its `mask` is SURVEYED if a survey places them; without a survey the hole is
-drawn straight down, and north is not known.
+halo, the first sectors + 1 vertices of the next tile. A WRITE can be repeated: the message is the same for a new
+quad, a changed quad and a quad that is sent again. `mask` says which attributes follow. The highest bit of the type,
+LIVE, marks values that are new; a WRITE without LIVE belongs to a tile that the page requested. FRAMES carries frames
+of the path: f64 x 3 x count centres, then f32 x 6 x count directions. Its `mask` is SURVEYED if a survey places them;
+without a survey the hole is drawn straight down, and north is not known.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ def write_message(scene: Scene, level: int, tile: int, first: int, stop: int, ma
 
 
 def frames_message(scene: Scene, first: int, stop: int) -> bytearray:
-    """Return the frames [first, stop) of the path."""
+    """Return a FRAMES message with the frames [first, stop) of the path."""
     frames = scene.frames
     mask, total = SURVEYED if frames.surveyed else 0, len(frames.centre)
     message = _head(FRAMES, FRAMES_LEVEL, mask, 0, first, stop - first, total)
@@ -129,7 +129,7 @@ def handshake(scene: Scene) -> dict[str, Any]:
         "attributes": [asdict(attribute) for attribute in shape.attributes],
         "picks_file": None if scene.picks_file is None else Path(scene.picks_file).name,
         "saves_picks": scene.saves_picks,
-        "curves": [row["name"] for row in scene.state.curves if row["version"] == 0],  # given, not of the logs
+        "curves": [row["name"] for row in scene.state.curves if row["version"] == 0],  # those that a caller gave
     }
 
 
@@ -150,7 +150,7 @@ def picks_message(scene: Scene) -> dict[str, Any]:
 def read_subscription(wanted: Any, attributes: int) -> Subscription:
     """Return the subscription of a message ``{"tiles": [[start, stop], ...], "focus": tile, "mask": bits}``.
 
-    Raises BadMessageError for a part that is missing, of another type or out of bounds; ``attributes`` is their number.
+    Raises BadMessageError for a part that is missing, of another type or out of bounds; a mask has ``attributes`` bits.
     """
     if not isinstance(wanted, dict):
         raise BadMessageError("subscribe: must be an object")

@@ -34,7 +34,7 @@ MOST_POINTS = 4096  # most points of a history
 MAX_SECTORS = 2048  # the texture width that every WebGL 2 device offers
 MAX_ATTRIBUTES = 16  # the bits of the attribute mask in a message's head
 TILE_VERTICES = 16384  # a grid of (sectors + 1)(rows + 1) vertices then fits 16-bit indices
-FRAMES_LEVEL = 255  # the "level" of the path's frames
+FRAMES_LEVEL = 255  # in messages, this stands for the path's frames in place of a level
 FRAME_STEP = 2.0  # metres of depth between frames; a 10 deg/30 m dogleg bows 3 mm between them
 
 
@@ -102,7 +102,7 @@ class WallShape:
     basis: Basis = "azimuthal"
     basis_text: str = BASIS_TEXT["azimuthal"]
     reference: Reference | None = None  # the direction of toolface 0; None: not known
-    assumed: bool = False  # whether nothing states that toolfaces count from the reference of the wall
+    assumed: bool = False  # whether the reference is assumed, because nothing states it
 
     def __post_init__(self) -> None:
         if not 3 <= self.sectors <= MAX_SECTORS:
@@ -151,7 +151,7 @@ class RunState:
     newest: float = math.nan  # time of the newest sample, seconds since 1970; NaN for a saved wall
     ended: bool = False
     sources: str = ""  # what the sources are doing, in words
-    # The measured depths between which the true vertical depth is known, and the "down" of its zero; None: not known.
+    # The two measured depths between which the true vertical depth is known, and the "down" at which it is 0.
     true_depth: tuple[float, float, float] | None = None
     curves: tuple[
         Mapping[str, Any], ...
@@ -321,7 +321,7 @@ class Scene:
         self.on_change()
 
     def update_state(self, **changes: Any) -> None:
-        """Change fields of `RunState`. May be called before `begin`: pages that are open then show it."""
+        """Change fields of `RunState`. May be called before `begin`: open pages show the state from then on."""
         with self.lock:
             self.state = replace(self.state, **changes)
         self.on_change()

@@ -1,6 +1,6 @@
 """What the viewer keeps of a vertex: four 16-bit numbers, a texel of the page's textures.
 
-radius | radius of the first pass | distance to the nearest sample | state        0 radius: no sample in reach
+radius | radius of the first pass | distance to the nearest sample | state        radius 0: no sample within reach
 """
 
 from __future__ import annotations

@@ -234,7 +234,7 @@ class WebApp:
     async def picks_table(self, request: Request) -> Response:
         """Return the picks as a table (GET), or add the picks of a table (POST).
 
-        The answer to POST is JSON: the keys of the picks that were added and replaced, and the number of the others.
+        The answer to POST is JSON: the keys of the picks that were added and replaced, and how many were not changed.
         """
         if request.method == "GET":
             with self.scene.lock:

@@ -68,7 +68,7 @@ def save(wall: WallState, filename: str | os.PathLike[str]) -> None:
     def write(file: BinaryIO) -> None:
         with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:
             archive.writestr(zipfile.ZipInfo(_CONTENTS), text)  # dated 1980, so that the same wall gives the same bytes
-            for name, values in arrays.items():  # as ``np.save``, in chunks that fit in the cache for the checksum
+            for name, values in arrays.items():  # as ``np.save`` writes it, but in chunks that stay in the cache
                 array = np.require(values, values.dtype.newbyteorder("<"), "C")
                 with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as member:
                     np.lib.format.write_array_header_1_0(member, np.lib.format.header_data_from_array_1_0(array))
@@ -81,7 +81,7 @@ def save(wall: WallState, filename: str | os.PathLike[str]) -> None:
 
 @contextmanager
 def opened(filename: str | os.PathLike[str]) -> Iterator[Members]:
-    """Open an archive; if it is damaged, raise an `InputError` that names the file."""
+    """Open an archive and yield its `Members`; if it is damaged, raise an `InputError` that names the file."""
     path = Path(filename)
     with path.open("rb") as file:
         try:

@@ -76,7 +76,7 @@ def find_continuation(samples: Columns, settings: Settings, seed: int) -> tuple[
 
 
 def _likelihoods(samples: Columns, rng: np.random.Generator) -> Iterator[tuple[tuple[float, float, float], float]]:
-    """Yield (angular scale, range, nugget), and the mean over the blocks of their restricted log-likelihood."""
+    """Yield for each covariance (angular scale, range, nugget), and the mean of its log-likelihood over the blocks."""
     rows = _blocks(samples[0], rng)
     if not rows.size:
         return
@@ -95,7 +95,7 @@ def _likelihoods(samples: Columns, rng: np.random.Generator) -> Iterator[tuple[t
             for nugget in NUGGETS:
                 try:
                     root = np.linalg.cholesky(covariance + nugget * np.eye(contrasts + 1))
-                except np.linalg.LinAlgError:  # arc lengths around the hole may make it not positive definite
+                except np.linalg.LinAlgError:  # with arc lengths, a covariance may be not positive definite
                     continue
                 one, value = np.moveaxis(np.linalg.solve(root, sides), -1, 0)
                 ones = np.sum(one**2, axis=1)

@@ -64,7 +64,7 @@ def choose_left_out(
     At most ``boxes`` of the boxes are different.
 
     Raises InputError if ``most`` is below 1, if there are fewer than `FEWEST_SAMPLES` samples, or if the settings have
-    a window. ``purpose`` is the words of these errors for what the samples are needed for: "to tune".
+    a window. In these errors, ``purpose`` says what the samples are needed for, such as "to tune".
     """
     count = samples[0].size
     if most < 1:
@@ -97,7 +97,7 @@ def empty_boxes(
     reaches = (half_pitch, max(half_pitch, _MOST_BOX_DEPTH))
     starts, stops = (np.searchsorted(depth, [where + sign * reach for reach in reaches]) for sign in (-1.0, 1.0))
     for i in range(some):
-        for k, reach in enumerate(reaches):  # the first is enough in most cases
+        for k, reach in enumerate(reaches):  # the first reach is enough in most cases
             band = slice(starts[k, i], stops[k, i])
             along = np.abs(depth[band] - where[i])
             turn = np.abs(toolface[band] - angle[i])

@@ -55,7 +55,7 @@ _CLIP = 12.0
 _MEDIAN_SQUARE = 0.455
 """Median of the square of a normal deviate with variance 1."""
 _STANDARD_ERRORS = 2.0
-_MOST_OF_KRIGING = 64  # neighbours
+_MOST_OF_KRIGING = 64  # neighbours; kriging takes no more
 _ROUNDING = 1e-9  # metres
 
 

@@ -38,10 +38,10 @@ _FREEDOM = 5.0
 _MEDIAN_SQUARE = 0.455
 """Median of the square of a normal deviate with variance 1."""
 _ENOUGH = 0.1  # a smaller difference of the log-likelihood does not count
-_SMALLEST = 1e-18  # square metres; smaller ones are rounding
+_SMALLEST = 1e-18  # square metres; smaller squares are rounding errors
 _STRETCHES = (1.0, 16.0, 256.0)
 _POWERS = ((0.5, 1.0), (1.0, 1.0))
-"""The least and the greatest powers of S and D. With others, noise would count as shape in an almost round hole."""
+"""The least and the greatest powers of S and D. With powers beyond, noise would count as shape in a near-round hole."""
 
 
 @dataclass(frozen=True)
@@ -149,7 +149,8 @@ def _fit(squares: Floats, weights: Floats, changes: Floats, near: _Fit | None = 
 def wall_sigma(wall: WallState, threads: int) -> Floats:
     """Return the standard uncertainty at each vertex, for `Wall.sigma`. ``wall`` must have its ``sums``.
 
-    It is NaN if the wall is round by assumption: the samples around the hole are copies of one reading, or of bit size.
+    The uncertainty is NaN if the wall is assumed round: the samples around the hole are copies of one reading, or of
+    bit size.
     """
     if wall.basis != "azimuthal":
         return np.full(wall.radius.size, np.nan)
@@ -165,9 +166,9 @@ def wall_sigma(wall: WallState, threads: int) -> Floats:
 def _unmeasured(wall: WallState) -> np.ndarray:
     """Return whether each vertex lies in a gap of the turn above `Settings.largest_gap`.
 
-    In most walls no vertex does, and a part of the samples is enough to show this. The depths are divided into
-    intervals no longer than `Settings.gap_reach`, and the turn into parts no wider than a third of the largest gap. If
-    each part of each interval has a sample, no gap is longer than two parts.
+    In most walls no vertex lies in such a gap, and a part of the samples is enough to show this. The depths are divided
+    into intervals no longer than `Settings.gap_reach`, and the turn into parts no wider than a third of the largest
+    gap. If each part of each interval has a sample, no gap is longer than two parts.
     """
     depth, toolface = wall.sample_columns[:2]
     ends = whole_helix(wall).depth(np.array([0, wall.radius.size - 1]))

@@ -77,7 +77,7 @@ def test_verify_names_each_damage_and_ends_with_2(folder):
         f"helibore: {folder}: 2 places are damaged, {records - 1} records are intact",
     ]
     journal.paths(folder)[2].unlink()
-    assert "are missing before it" in run("verify", folder, code=2)
+    assert "are missing before this file" in run("verify", folder, code=2)
 
 
 def test_replay_with_a_corrected_configuration(folder, tmp_path):
@@ -137,7 +137,7 @@ def test_quarantine_writes_what_was_set_aside(folder, tmp_path):
     assert output[0].endswith("helibore stations, 23 bytes: what the host pushed: ValueError: buffer size must be a "
                               "multiple of element size")  # fmt: skip
     assert output[-2:] == ["000001-5000.torn: 4 bytes were cut off at a restart",
-                           f"{folder}: 4 set aside; written to {tmp_path / 'out'}"]  # fmt: skip
+                           f"{folder}: 4 items set aside; written to {tmp_path / 'out'}"]  # fmt: skip
     contents = sorted(path.read_bytes() for path in (tmp_path / "out").iterdir())
     assert contents[:2] == [b"\0" * 23] * 2
     assert contents[-1] == b"torn" or b"torn" in contents

@@ -150,7 +150,10 @@ def test_a_casing_that_does_not_pass_one_place(two_arms: Path, tmp_path: Path) -
     np.testing.assert_array_equal(np.isnan(volume), narrow)
     at = depth[np.argmin(column(output, "DEQ"))]
     words = " ".join(done.output.split())
-    assert f"it does not pass {0.1 * narrow.sum():.1f} m, which have no annulus; narrowest at {at:.2f} m, 6.9" in words
+    assert (
+        f"the casing does not pass {0.1 * narrow.sum():.1f} m, which have no annulus; narrowest at {at:.2f} m, 6.9"
+        in words
+    )
 
 
 @pytest.mark.parametrize(("unit", "metres"), [("in", 0.0254), ("mm", 0.001), ("m", 1.0)])

@@ -57,7 +57,7 @@ def test_an_image_added_to_a_repeated_run_is_never_written_over(tmp_path: Path) 
     assert run("mesh", tmp_path / "c.csv", "--bit-diameter", "8.5in", "-o", wall).exit_code == 0
     for source in (wall, f"{wall}.toml"):
         result = run("logs", source, "--image", f"{gamma}:GR:edge", "-o", gamma)
-        text = f"helibore: {gamma}: would be written over {gamma}, which it is made from\n"
+        text = f"helibore: {gamma}: would overwrite {gamma}, from which it is made\n"
         assert (result.exit_code, result.stderr, gamma.read_bytes()) == (2, text, before)
 
 

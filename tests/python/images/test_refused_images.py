@@ -55,7 +55,7 @@ INFINITE[1, 2] = np.inf
          "image 'AMP' reaches from 1899.93 to 1900.57 m: no quad of the wall, 1000.06 to 1001.89 m, has its centre "
          "there"),
         (lambda: wall().images.__setitem__("AMP", np.ones(3)),
-         "images['AMP']: must be a SectorImage, which knows its depths and where sector 1 lies, not ndarray"),
+         "images['AMP']: must be a SectorImage, which states its depths and where sector 1 lies, not ndarray"),
         (lambda: image(INFINITE), "values[1, 2] = inf: must be finite, or NaN where missing"),
         (lambda: image(np.full((6, 8), np.nan)), "values: all 48 are missing"),
         (lambda: image(name="GR", unit="gAPI").breakouts(),
@@ -86,7 +86,8 @@ INFINITE[1, 2] = np.inf
          "cement: 1 m between 1000 and 1001 m have a missing radius or are narrower than the casing; choose an "
          "interval in which every row has a volume"),
         (lambda: wall().logs().annulus(0.1).cement(excess=-0.1), "excess = -0.1: must be finite and not negative"),
-        (lambda: wall().logs().annulus(0.1).cement(top=2000.0), "cement: no row between 2000 and 1001.84 m"),
+        (lambda: wall().logs().annulus(0.1).cement(top=2000.0),
+         "cement: the logs have no row between 2000 and 1001.84 m"),
         (lambda: gap().logs().annulus(0.1).cement(top=1000.0, bottom=1006.0),
          "cement: 3.1 m between 1000 and 1006 m have a missing radius or are narrower than the casing; choose an "
          "interval in which every row has a volume"),

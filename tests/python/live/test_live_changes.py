@@ -166,10 +166,10 @@ def test_a_plan_without_a_hole_depth_that_follows_itself_or_cannot_be_begun_neve
         parse('[next]\nfile = "x"\nhole_depth = 9.0\n' + SENT)
     given = planned(tmp_path, "hole_depth = 130.0")
     (tmp_path / "two.toml").write_text((tmp_path / "one.toml").read_text().replace("two", "one"))
-    with pytest.raises(ValueError, match=r"^next.file = '.*one.toml': must not follow itself$"):
+    with pytest.raises(ValueError, match=r"^next.file = '.*one.toml': must not occur twice in a chain of next files$"):
         given.following()
     (tmp_path / "two.toml").write_text((tmp_path / "one.toml").read_text().replace("two", f"../{tmp_path.name}/two"))
-    with pytest.raises(ValueError, match=r"^next.file = '.*two.toml': must not follow itself$"):
+    with pytest.raises(ValueError, match=r"^next.file = '.*two.toml': must not occur twice in a chain of next files$"):
         given.following()
     (tmp_path / "two.toml").write_text(RIG.replace("OFFSET", "5.0").replace("sectors = 16", "sectors = 8"))
     with pytest.raises(ValueError, match=r"\(wall.sectors = 8, was 16\); give the old configuration"):
@@ -212,7 +212,7 @@ def test_a_server_connects_a_source_at_its_new_address_and_says_so(tmp_path):
         with socket.create_server(("127.0.0.1", second)) as rig:
             moved = f"tcp://127.0.0.1:{second}"
             server.reconfigure(parse(configured(moved)))
-            assert events(live)["address"] == f"from now on at {moved}"
+            assert events(live)["address"] == f"the source is now at {moved}"
             sender, _ = rig.accept()
             with sender:
                 sender.sendall(frames(1)[0])

@@ -360,7 +360,7 @@ def test_a_tool_that_turns_at_one_depth_does_not_fill_the_memory():
     assert live.model.counts["crowded"] == 6000 - kept
     event = live.model.events.recorded["mwd", "crowded"]
     assert event.count == 6000 - kept
-    share = "an eighth of the cell of a vertex already has its share of most = 64 samples of this source"
+    share = "this part of a vertex's cell already has its share of samples.most = 64 samples of this source"
     assert event.text == f"layer main: {share}: not drawn"
 
 

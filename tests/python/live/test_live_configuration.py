@@ -111,7 +111,7 @@ def test_what_is_only_transport_does_not_change_the_meaning():
         (WALL.replace("0.2", '"8 in"') + SOURCE, "wall.bit_diameter = '8 in': must be a finite number"),
         (
             WALL + '[source.rig]\naddress = "host"\n',
-            'source.rig.units: must be set: "metric" or "fps" (nothing on the wire says which)',
+            'source.rig.units: must be set: "metric" or "fps", because WITS does not transmit units',
         ),
         (WALL + SOURCE.replace("metric", "SI"), 'source.rig.units = \'SI\': must be "metric" or "fps"'),
         (
@@ -183,12 +183,12 @@ def test_what_is_only_transport_does_not_change_the_meaning():
         ),
         (
             WALL + SOURCE + IMAGE + 'origin = "edge"\n',
-            'source.rig.image.GR.reference: must be set: "high-side" or "north": what toolface 0 is',
+            'source.rig.image.GR.reference: must be set: "high-side" or "north": the direction of toolface 0',
         ),
         (
             WALL + SOURCE + IMAGE + 'origin = "edge"\nreference = "north"\n',
             "source.rig.image.GR.reference = 'north': must be the path's reference, \"high-side\": "
-            "an image is not turned on its way to the wall",
+            "live images are not converted to it",
         ),
         (
             WALL + SOURCE + IMAGE.replace("count = 4", "count = 0") + 'origin = "edge"\nreference = "high-side"\n',

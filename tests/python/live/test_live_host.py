@@ -147,15 +147,15 @@ def test_an_image_that_says_how_it_lies_is_laid_like_one_of_a_source(tmp_path):
 @pytest.mark.parametrize(
     ("given", "reported"),
     [
-        ({"origin": "edge"}, 'reference: must be set: "high-side" or "north": what toolface 0 is'),
+        ({"origin": "edge"}, 'reference: must be set: "high-side" or "north": the direction of toolface 0'),
         ({**LIES, "origin": "middle"}, "origin = 'middle': must be \"centre\" or \"edge\""),
         ({**LIES, "reference": "north"}, "reference = 'north': must be the path's reference, \"high-side\": "
-         "an image is not turned on its way to the wall"),
+         "live images are not converted to it"),
         ({**LIES, "toolface_offset": np.inf}, "toolface_offset = inf: must be a finite number"),
         ({**LIES, "direction": "left"}, "direction = 'left': must be \"clockwise\" or \"counterclockwise\""),
         ({**LIES, "toolface_offset": 31}, "image 'RES': has another layout: Layout(origin='edge', "
          "reference='high-side', direction='clockwise', offset=30.0)"),
-        ({"unit": "gAPI"}, "unit = 'gAPI': image 'RES' has 'ohm.m'"),
+        ({"unit": "gAPI"}, "unit = 'gAPI': image 'RES' has the unit 'ohm.m'"),
     ],
 )  # fmt: skip
 def test_an_image_that_lies_otherwise_is_refused_and_not_stored(given, reported):

@@ -195,11 +195,12 @@ def test_a_journal_of_before_goes_on_whether_a_number_is_mapped_or_not(tmp_path)
         (("drill =", "drilling ="), "source.mwd.pass_numbers.drilling: is not a setting; did you mean drill?"),
         (
             ('items = { pass_number = "0812" }\n', ""),
-            "source.mwd.pass_numbers: items.pass_number must be set: it has the number",
+            "source.mwd.pass_numbers: items.pass_number must also be set",
         ),
         (
             ('hole_depth = "0110"', 'pass_number = "0812"'),
-            "source.rig.items.pass_number: needs a caliper in this source: it is the pass number of caliper samples",
+            "source.rig.items.pass_number: needs a caliper in this source, because it numbers the passes of caliper "
+            "samples",
         ),
     ],
 )

@@ -80,8 +80,8 @@ def test_a_casing_that_does_not_pass_has_no_annulus_there() -> None:
     ("call", "text"),
     [
         (lambda logs: logs.annulus(0), "casing = 0: must be finite and above 0"),
-        (lambda logs: logs.annulus(OD).cement(100, 200), "cement: no row between 100 and 200 m"),
-        (lambda logs: logs.annulus(OD).cement(top=100), "cement: no row between 100 and [1-9][0-9.]* m"),
+        (lambda logs: logs.annulus(OD).cement(100, 200), "cement: the logs have no row between 100 and 200 m"),
+        (lambda logs: logs.annulus(OD).cement(top=100), "cement: the logs have no row between 100 and [1-9][0-9.]* m"),
         (lambda logs: logs.between(100, 200).annulus(OD).cement(), "cement: the logs have no row"),
         (lambda logs: logs.annulus(OD).cement(excess=-0.1), "excess = -0.1: must be finite and not negative"),
     ],

@@ -55,8 +55,8 @@ def test_without_a_path_or_beyond_it_a_dip_is_not_known() -> None:
         ({"apparent_dip": 90.0}, "apparent_dip = 90.0: must be 0 to 89.9"),
         ({"toolface": "east"}, "toolface = east: must be 0 to 360"),
         ({"kind": "breakout"}, "breakout: height and opening must be above 0"),
-        ({"points": 1.5}, "points = 1.5: must be a whole number"),
-        ({"points": True}, "points = True: must be a whole number"),
+        ({"points": 1.5}, "points = 1.5: must be a whole number, 0 or more"),
+        ({"points": True}, "points = True: must be a whole number, 0 or more"),
         ({"depth": None}, "depth = None: must be -1e+06 to 1e+06"),
         ({"apparent_dip": True}, "apparent_dip = True: must be 0 to 89.9"),
         ({"note": "half an emoji \ud83d"}, r"note = 'half an emoji \ud83d': must not hold half of a surrogate pair"),
@@ -86,7 +86,7 @@ def test_a_pick_without_a_depth_and_one_too_many_are_refused() -> None:
     one = Pick(kind="bed", depth=1.0, toolface=0.0)
     picks = Picks([one] * MOST)
     picks.put(one)
-    with pytest.raises(InputError, match=r"^5000 picks: must be at most 5000$"):
+    with pytest.raises(InputError, match=r"^5000 picks: no other can be added, because a wall has at most 5000$"):
         picks.put(Pick(kind="bed", depth=1.0, toolface=0.0))
 
 
@@ -191,7 +191,7 @@ def test_a_true_dip_is_a_finite_number(dip: str, azimuth: str, error: str) -> No
         *(
             (
                 f"class,depth_m,toolface_deg,apparent_dip_deg,points\nbed,1,1,2,{points}\n",
-                f"line 2: points = {points}: must be a whole number",
+                f"line 2: points = {points}: must be a whole number, 0 or more",
             )
             for points in ("inf", "nan", "2.5")
         ),

@@ -270,7 +270,7 @@ def test_files_state_class_zones_and_criteria(tmp_path: Any) -> None:
         ),
         (
             lambda: classify(wall_of((9, GAUGE)), logs=turn_logs(wall_of((30, GAUGE))).by_step(1.0)),
-            "logs: must be those of the turns of the same wall",
+            "logs: must be the logs of the turns of the same wall",
         ),
     ],
 )

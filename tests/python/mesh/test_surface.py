@@ -353,7 +353,7 @@ def test_attributes_are_one_value_a_cell_or_one_for_each_of_the_whole_wall():
     assert surface.attributes["whole"].tolist() == surface.quad_index.tolist()
     assert list(surface.attributes) == ["GR", "whole"]
     with pytest.raises(
-        ValueError, match=r"^attributes\['bad'\] has 80 values: must be 79, one for each quad, or 83, one for each that"
+        ValueError, match=r"^attributes\['bad'\] has 80 values: must be 79, one for each quad, or 83, one for each quad"
     ):
         surface.attributes["bad"] = np.zeros(80)
     with pytest.raises(ValueError, match=r"^attributes\['bad'\]: must be one-dimensional"):
@@ -377,7 +377,7 @@ def test_attributes_of_a_volume():
     volume = volume_of(wall_of(radius))
     volume.attributes["RT"] = np.arange(2 * 83)
     assert volume.attributes["RT"].tolist() == (volume.hex_index + 83 * volume.hex_layer).tolist()
-    with pytest.raises(ValueError, match=r"must be 158, one for each hexahedron, or 166, one for each that the whole"):
+    with pytest.raises(ValueError, match=r"must be 158, one for each hexahedron, or 166, one for each hexahedron that"):
         volume.attributes["RT"] = np.zeros(83)
 
 

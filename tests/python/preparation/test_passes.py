@@ -406,7 +406,7 @@ def test_difference_of_two_walls_with_other_helices():
          "cell = 0.5, sectors = 0, floor = 0.0002, expected = 0.002, sides = 1, rounds = 10: all must be above 0"),
         (lambda: find_bias([1], [0], [0.1], [1]).at([2]), "pass_number[0] = 2: is not among [1]"),
         (lambda: find_bias([1], [0], [0.1], [1]).at([1, 1], [0]), "arm has 1 values, pass_number has 2: must be equal"),
-        (lambda: find_shifts([1], [0.1], [1], held=[4]), "held = 4: is not among [1]"),
+        (lambda: find_shifts([1], [0.1], [1], held=[4]), "held = 4: is not among the passes [1]"),
         (lambda: arm_sides([0], [0], 0), "sides = 0: must be at least 1"),
         (lambda: arm_sides([0], [0, 1]), "arm has 1 values, toolface has 2: must be equal"),
     ],

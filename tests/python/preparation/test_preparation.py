@@ -97,7 +97,8 @@ def test_range_interval_repeated_are_counted_in_words() -> None:
         name: np.tile(getattr(rotating().readings(), name), 2) for name in ("depth", "toolface")
     } | {"radii": (np.tile(rotating().readings().radii[0], 2),)}))  # fmt: skip
     text = (
-        "50 % of the samples repeat others in depth, toolface and radius, and count again; --drop-repeated drops them"
+        "50 % of the samples have the depth, toolface and radius of an earlier sample, and count again; "
+        "--drop-repeated drops them"
     )
     assert prepare(twice).report == (("repeated", text),)
     assert prepare(twice, Preparation(repeated=True)).counts == {"repeated rows": N, "kept": N}
@@ -117,7 +118,7 @@ def test_closed_and_stuck_rows_go_before_anything_else() -> None:
         ("stuck", "dropped 100 of 800 readings (100 stuck)"),
     )
     assert len(found.caliper) == 4 * N - 40 - 200
-    with pytest.raises(ValueError, match="a stuck arm cannot be recognised where no other arm moves beside it"):
+    with pytest.raises(ValueError, match="has one arm; a stuck arm is recognised only while other arms move"):
         prepare(rotating().readings(), Preparation(stuck=50))
 
 
@@ -127,7 +128,7 @@ def test_spikes_by_rotation_and_by_height() -> None:
     radius[[50, 222]] = 0.19
     found = prepare(rotating(radius__m=radius).readings(), Preparation(spikes=6.0))
     assert found.counts["spikes"] == 2
-    assert found.report[0] == ("turns", "37, by rotation; samples in one: 11")
+    assert found.report[0] == ("turns", "37, by rotation; samples in a turn: 11")
     assert found.caliper.radius.max() < 0.12
     by_height = prepare(rotating(radius__m=radius).readings(), Preparation(spikes=6.0, turn_height=0.05))
     assert by_height.counts["spikes"] == 2
@@ -135,7 +136,7 @@ def test_spikes_by_rotation_and_by_height() -> None:
     far = rotating(r2__m=radius)
     roles = overlay(guess(far), far, {"r2": {"role": "radius", "angle": 0.0, "offset": 6.0}}, "map")
     apart = prepare(readings(far, roles), Preparation(spikes=6.0, turn_height=0.05))
-    assert apart.report[0] == ("turns", "32, by depth, 0.05 m each; samples in one: 25")
+    assert apart.report[0] == ("turns", "32, by depth, 0.05 m each; samples in a turn: 25")
     still = log(md__m=np.arange(N), radius__m=radius)
     roles = overlay(guess(still), still, {"radius": {"angle": 0.0}}, "map")
     with pytest.raises(hb.InputError) as caught:
@@ -234,7 +235,7 @@ def test_passes_shift_bias_choice_and_comparison() -> None:
     np.testing.assert_allclose(found.caliper.radius, samples.radius - bias.by_pass[number - 1], atol=1e-9)
     labels = ["passes", "passes", "shift", "shift", "shift", "bias", "bias", "bias", "bias", "bias"]
     assert [label for label, _ in found.report] == labels
-    assert found.report[5][1] == f"subtracted; noise after it {1e3 * found.bias.noise:.2f} mm"
+    assert found.report[5][1] == f"subtracted; noise of the corrected samples {1e3 * found.bias.noise:.2f} mm"
     assert found.report[6][1].startswith("pass 1, mm: radius -0.")
     assert found.report[9][1].startswith("passes or arms disagree by more than their noise (0.")
     silent = prepare(one.readings(), Preparation(find_shifts=True)).report[-1]
@@ -298,7 +299,7 @@ def test_several_files_are_passes() -> None:
     report = dict(prepare([first, timed]).report)
     assert report == {"time": "left out, because not every file has a time"}
     numbered = rotating(4, "d.csv", **{"pass": np.ones(N)}).readings()
-    rule = "its pass 1 is the number of a pass of another file; number the passes anew"
+    rule = "pass 1 is in another file too; number the passes anew"
     with pytest.raises(ValueError, match=f"^d.csv: {rule}$"):
         prepare([numbered, numbered], Preparation(latest=True))
     other = Readings(**(vars(numbered) | {"name": "e.csv", "pass_number": np.full(N, 2)}))
@@ -471,14 +472,15 @@ SHALLOW = hb.Survey([0.0, 50.0], [0.0, 0.0], [0.0, 0.0])
          "f.csv: the wall's toolfaces count from a parallel-transport reference, but those of a tool never do; say "
          "whether its toolfaces count from north, from the high side, or automatically"),
         (rotating(), Preparation(toolface_from="automatic"), None,
-         "f.csv: toolfaces that count from north and the high side need a survey to be turned into the wall's"),
+         "f.csv: toolfaces that count from north and the high side need a survey to be converted to the wall's "
+         "reference"),
         (rotating(), NORTH, SHALLOW.path(), "f.csv: every sample lies beyond the survey"),
         (arms(), Preparation(recentre=True), None,
          "f.csv: recentring needs radii: half a diameter (cal_x) does not show the tool's offset"),
         (rotating(), Preparation(latency=1.0), None,
          "f.csv: a latency or a track: needs a time, and no channel has that role"),
         (rotating(), Preparation(stuck=50), None,
-         "f.csv: a stuck arm cannot be recognised where no other arm moves beside it"),
+         "f.csv: has one arm; a stuck arm is recognised only while other arms move"),
         (rotating(), Preparation(closed=0.3), None,
          "f.csv: no row has depth, toolface and a radius (400 dropped as closed)"),
         (rotating(), Preparation(least_radius=4.0), None, "f.csv: no samples are left after the step range"),
@@ -547,7 +549,7 @@ def test_a_tool_is_recentred_by_the_turns_of_a_track() -> None:
     one = readings(log(time__s=TIMES, radius__m=radius), tracked=True)
     found = prepare(one, Preparation(recentre=True), None, TURNING)
     assert found.centres is not None
-    assert found.report[0] == ("turns", "34, by rotation; samples in one: 12")
+    assert found.report[0] == ("turns", "34, by rotation; samples in a turn: 12")
     np.testing.assert_allclose(found.centres.x[1:-2], 0.002, atol=1e-4)
     np.testing.assert_allclose(found.caliper.radius[12:-24], 0.1, atol=1e-4)
 
@@ -568,7 +570,7 @@ def test_a_row_whose_depth_and_toolface_are_interpolated_has_the_pass_and_turn_o
     one = log(time__s=TIMES, md__m=depth, tf__deg=toolface, radius__m=np.full(400, 0.1)).readings()
     found = prepare(one, Preparation(latency=0.5, reversal=5.0, turn_height=None, recentre=True))
     assert found.report[1] == ("passes", "split where the tool went back by 5 m; samples of each: 1 (399)")
-    assert found.report[2] == ("turns", "34, by rotation; samples in one: 12")
+    assert found.report[2] == ("turns", "34, by rotation; samples in a turn: 12")
 
 
 @pytest.mark.filterwarnings("error")
@@ -595,7 +597,7 @@ def two_passes(backwards: bool, **columns: Any) -> tuple[LogSet, Any]:
 
 
 def test_a_clock_that_starts_anew_with_each_pass() -> None:
-    anew = ["f.csv: goes back, as if a clock restarts, and is read as 2 clocks"]
+    anew = ["f.csv: the time goes back, as if a clock restarts: read as 2 clocks"]
     for columns, backwards, lines in (
         ({"pass": np.repeat([3.0, 7.0], 100)}, False, []), ({}, False, anew), ({}, True, anew),
     ):  # fmt: skip
@@ -623,7 +625,8 @@ def test_a_toolface_too_fast_to_be_read_between_is_reported() -> None:
                   for turn in (80.0, 110.0))  # fmt: skip
     line = (
         "toolface",
-        "f.csv: half of its readings are 110 deg or more apart: the turn between two readings is not known",
+        "f.csv: half of the toolface readings differ by 110 deg or more from the reading before: how far the tool "
+        "turned between two is not known",
     )
     assert line in fast.report
     assert not [line for line in slow.report if line[0] == "toolface"]

@@ -135,7 +135,7 @@ def test_a_parquet_catalogue_gives_the_same_jobs(field: Path) -> None:
         ('output = "out"', 'output = "out"\noutputs = ["wall"]',
          "m.toml: outputs = ['wall']: must contain only archive, mesh, logs, zones"),
         ('name = "B"', "", "m.toml: well 2.name: must be the name of the well"),
-        ('name = "B"', 'name = "15/9-F 1"', "m.toml: well 15/9-F 1: comes twice; names must differ"),
+        ('name = "B"', 'name = "15/9-F 1"', "m.toml: well 15/9-F 1: two wells have this name; names must differ"),
         ("sectors = 32", 'sectors = "32"', "m.toml: well B: wall.sectors = '32': must be a whole number"),
         ("sectors = 32", "sectors = 2", "m.toml: well B: wall: sectors = 2: must lie in 3 to 1000000"),
         ("bit_diameter = 0.2159", "", "m.toml: well 15/9-F 1: wall.bit_diameter: is missing"),
@@ -188,7 +188,7 @@ def test_nothing_starts_where_a_file_is_missing_or_the_output_cannot_be_written(
     assert f"helibore: well B: {field}/9.parquet: no such file" in result.stderr
     assert not (tmp_path / "none").exists()
     many = manifest(field, MANIFEST.replace("s.csv", "t.csv").replace("1.parquet", "9.parquet"))
-    names = f"well 15/9-F 1: {field}/t.csv: no such file; missing, too: well B: {field}/9.parquet"
+    names = f"well 15/9-F 1: {field}/t.csv: no such file; also missing: well B: {field}/9.parquet"
     with pytest.raises(hb.InputError, match=f"^{names}$"):
         check_files(read_jobs(many))
     with pytest.raises(hb.InputError, match=r"a11\.csv, and 2 more$"):
@@ -275,7 +275,7 @@ def test_ctrl_c_says_how_to_go_on(field: Path, tmp_path: Path) -> None:
         os.killpg(process.pid, signal.SIGINT)  # as a terminal does
         lines = process.stderr.read().splitlines()
     assert process.returncode == 130, lines
-    assert "run it again to go on, and to write the catalogue" in lines[-1]
+    assert "run the command again to go on, and to write the catalogue" in lines[-1]
     assert not [line for line in lines if "Traceback" in line]
 
 
@@ -324,7 +324,7 @@ def test_another_store_gets_the_same_bytes(field: Path, tmp_path: Path) -> None:
 def test_a_worker_with_other_versions_refuses(field: Path, tmp_path: Path) -> None:
     job = read_jobs(manifest(field), str(tmp_path))[0]
     own = versions()["helibore"]
-    with pytest.raises(hb.InputError, match=rf"^worker: helibore {own}: must be 9.9.9, as where the job was started$"):
+    with pytest.raises(hb.InputError, match=rf"^worker: helibore {own}: must be 9.9.9, as in the calling process$"):
         reprocess_well(job, versions() | {"helibore": "9.9.9"})
     assert content(tmp_path) == {}
 
@@ -590,7 +590,7 @@ def test_status_names_what_is_out_of_date_and_who_left_the_manifest(field: Path,
     assert (result.exit_code, result.stdout.splitlines()) == (0, [
         "0 of 2 wells are done, 0 failed, 1 out of date, 1 not made",
         "15/9-F 1: out of date: changed since it was made: s.csv (no such file)",
-        f"not in {tmp_path}/m.toml, but in the output and its catalogue: B",
+        f"wells in the output and its catalogue, but not in {tmp_path}/m.toml: B",
     ])  # fmt: skip
 
 
@@ -791,9 +791,7 @@ def test_workers_of_another_version_are_refused_before_any_work(
     field: Path, tmp_path: Path, client: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("helibore.runs.reprocess.versions", lambda: versions() | {"numpy": "0.1"})
-    with pytest.raises(
-        hb.InputError, match=r"^worker inproc://.*: worker: numpy .*: must be 0.1, as where the job was"
-    ):
+    with pytest.raises(hb.InputError, match=r"^worker inproc://.*: worker: numpy .*: must be 0.1, as in the calling"):
         hb.reprocess(read_jobs(manifest(field), str(tmp_path)), client)
     assert content(tmp_path) == {}
 

@@ -164,7 +164,7 @@ def test_no_file_that_was_given_is_written_over(folder: Path, arguments: tuple[s
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
     refused = run("mesh", *arguments)
     assert (refused.exit_code, refused.stdout) == (2, "")
-    assert f"{arguments[-1]}: would be written over {over}, which it is made from" in refused.stderr
+    assert f"{arguments[-1]}: would overwrite {over}, from which it is made" in refused.stderr
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
 
 

@@ -168,7 +168,7 @@ def test_a_new_wall_greets_again(client: TestClient, feed: Any) -> None:
         ("[" * 5000, "not JSON"),
         ("7", "a message must be an object, sent after the handshake"),
         ('{"session": "%s"}', "neither ack nor subscribe"),
-        ('{"session": "%s", "ack": 99}', "ack 99: no such message is waiting for one"),
+        ('{"session": "%s", "ack": 99}', "ack 99: no message with this number waits for an ack"),
         ('{"session": "%s", "subscribe": {"tiles": 3}}', "subscribe.tiles: must be a list of at most 64 ranges"),
         ("x" * 9000, "a page sends text of at most 8192 bytes"),
     ],

@@ -5,7 +5,7 @@
 
 #ifdef __AVX512F__
 #include "search/kernel/pack_avx512.hpp"
-// The body comes after the pack it is compiled for.
+// body.hpp must be included after the pack that it is compiled for.
 #include "search/kernel/body.hpp"
 
 namespace helibore::kernel {

@@ -13,8 +13,8 @@
 namespace helibore::kernel {
 namespace {
 
-// Adds the samples that pass to the list, block by block: one loop finds where they are, the next copies their rows.
-// Returns how many samples were tested.
+// Adds the samples that pass the filter to the list, block by block: one loop finds where they are, the next copies
+// their rows. Returns how many samples were tested.
 template <class P, bool wraps>
 std::int64_t gather_from(CandidateList& list, const Group& g, const double* depth, const double* toolface,
                          const double* radius, std::int64_t n, std::int64_t rank, double half_width) {
@@ -110,7 +110,7 @@ Found extreme(const double* xs, const double* ys, std::size_t n, double x, doubl
         const auto as_good = least ? P::less_equal(squares(i), P(square)) : P::less_equal(P(square), squares(i));
         if (const unsigned bits = P::bits(as_good)) return {i + static_cast<std::size_t>(__builtin_ctz(bits)), square};
     }
-    return {0, square};  // not a number
+    return {0, square};  // the squares are not numbers
 }
 
 template <class P>

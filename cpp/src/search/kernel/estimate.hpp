@@ -48,10 +48,10 @@ inline void read_neighbours(const Group& g, const CandidateList& list, int neigh
     }
 }
 
-// Finds with floats the 8 or 16 nearest, or fewer, of each vertex. It returns a lower bound of the squared distances of
-// the others, which allows for their rounding. With u = 2^-24, each coordinate errs by u of the list's extent; the
-// difference of two errs by as much again and, once scaled, by 2 u more; a float square k, cut to 15 bits of fraction,
-// stands for at least
+// Finds the neighbours of each vertex with floats, at most `kept` (8 or 16) of them. Returns a lower bound of the
+// squared distances of all other candidates, which allows for the rounding of floats. With u = 2^-24, each coordinate
+// errs by u times the list's extent. The difference of two coordinates errs by as much again, and by 2 u more when it
+// is scaled. A float square k, cut to 15 bits of fraction, stands for a square of at least
 //
 //     (sqrt(k (1 - 2^-14)) - e)^2  >=  k (1 - 2^-13) - 2^14 e^2      as  2 e sqrt(k) <= 2^-14 k + 2^14 e^2
 template <class P, int kept, bool windowed, bool wraps>
@@ -89,14 +89,16 @@ auto narrow_search(bool windowed, bool wraps) {
 
 template <class P>
 struct Estimate {
-    P radius, support, least, farthest;  // least and farthest: squared distances, used and selected
+    P radius, support, least, farthest;  // least, farthest: smallest and largest squared distance of the neighbours
 };
 
-// sum(w r) / sum(w) over the neighbours at most max_distance away; the mean of those at distance 0 if there are any. A
-// neighbour farther away adds 0, which does not change the bits of the sums. So it does not matter which samples
+// Returns sum(w r) / sum(w) over the neighbours at most max_distance away, or the mean of those at distance 0, if any.
+// A neighbour farther away adds 0, which does not change the bits of the sums. So it does not matter which samples
 // beyond the limit were selected, although the search does not make sure there that they are the nearest. The result is
 // clamped to the least and greatest radius used, because rounding could exceed them by an ulp.
-template <class P, int fixed>  // the number of neighbours where the compiler knows it, else 0: the weights stay in `n`
+//
+// `fixed` is the number of neighbours if it is known at compile time, else 0; with 0 the weights are left in `n`.
+template <class P, int fixed>
 inline Estimate<P> inverse_distance(Neighbours<P>& n, P scale, const Rules& rules) {
     const int neighbors = fixed > 0 ? fixed : rules.neighbors;
     constexpr auto few = static_cast<std::uint64_t>(fixed > 0 ? fixed : 1);
@@ -116,11 +118,11 @@ inline Estimate<P> inverse_distance(Neighbours<P>& n, P scale, const Rules& rule
     const auto used = [&](int i) {
         return P::less_equal(on_wall(scale * n.turn[i], n.along[i], rules), P(rules.max_square));
     };
-    if (!all_used)  // a neighbour that is not used stands as 1 in the products
+    if (!all_used)  // a neighbour that is not used gets the square 1, which changes no product
         for (int i = 0; i < neighbors; ++i) squares[i] = P::blend(used(i), squares[i], P(1.0));
     weigh<P, fixed>(squares, least, neighbors, rules.power, weight);
     P weights(0.0), weighted(0.0), support(0.0), low(missing_square), high(-missing_square);
-    if (all_used) {  // mostly
+    if (all_used) {  // the usual case
         for (int i = neighbors - 1; i >= 0; --i) {
             weights = weights + weight[i];
             weighted = weighted + weight[i] * n.radius[i];
@@ -143,8 +145,8 @@ inline Estimate<P> inverse_distance(Neighbours<P>& n, P scale, const Rules& rule
     return {P::max(P::min(weighted / weights, high), low), support, least, farthest};
 }
 
-// The last step for the vertices in `done`, once their neighbours are known and read. With kriging, it replaces the
-// radius from the iteration. If rules.sums is set, it computes the sums for sigma. For a vertex without a sample in
+// Does the last step for the vertices in `done`, once their neighbours are known and read. With kriging, it replaces
+// the radius from the iteration. If rules.sums is set, it computes the sums for sigma. For a vertex without a sample in
 // reach, the results have no meaning.
 template <class P, class Mask>
 __attribute__((noinline)) void complete(Group& g, const CandidateList& list, const Rules& rules, const std::int32_t* at,
@@ -199,7 +201,7 @@ template <class P>
 void sigma(const double* const sums[sum_count], std::int64_t n, const SigmaRule& rule, double* sigma) {
     const auto log2 = [](P x) {
         P whole, rest;
-        log2_parts(P::max(x, P(rounding_square)), whole, rest);  // of NaN, max() returns the other
+        log2_parts(P::max(x, P(rounding_square)), whole, rest);  // if x is NaN, max() returns rounding_square
         return whole + rest;
     };
     for (std::int64_t i = 0; i < n; i += lanes) {
@@ -229,7 +231,7 @@ Verdict estimate(Group& g, const CandidateList& list, const Rules& rules, const 
     fill_narrow_columns<P>(list, g);
 
     const auto any = [](auto mask) { return P::bits(mask) != 0; };
-    // The least that a squared distance found at one radius can be at another.
+    // Returns a lower bound, at the current radius, of a squared distance that was found at another radius.
     const auto at_least = [&](P square, P found_at) {
         const P ratio = current / found_at;
         return square * P::min(P(1.0), ratio * ratio);
@@ -242,7 +244,7 @@ Verdict estimate(Group& g, const CandidateList& list, const Rules& rules, const 
         reach.store(g.reach_square);
         least_trial.store(g.least_trial);
         height_square.store(g.height_square);
-        if (rules.range > 0.0 || rules.sums) {  // of those that are done now and have neighbours
+        if (rules.range > 0.0 || rules.sums) {  // completes the vertices that are done now and have neighbours
             const auto done = P::less(P(0.0), P::blend(active, P(0.0), P::min(P::load(g.active), P::load(g.support))));
             if (any(done)) complete(g, list, rules, at, current, done);
         }
@@ -267,7 +269,7 @@ Verdict estimate(Group& g, const CandidateList& list, const Rules& rules, const 
         Estimate<P> next = rules.neighbors == 8 ? inverse_distance<P, 8>(neighbours, current * scale, rules)
                                                 : inverse_distance<P, 0>(neighbours, current * scale, rules);
         P others = at_least(rejected, selected_at);
-        if (rules.unscale != 1.0) {  // then a sample beyond the limit may be nearer than one within it
+        if (rules.unscale != 1.0) {  // a sample beyond max_distance may be nearer in this metric than one within it
             const auto few = P::less(next.support, P(static_cast<double>(rules.neighbors)));
             others = P::blend(few, P(0.0), others);
             next.farthest = P::blend(few, P(rules.reach_square), next.farthest);
@@ -298,8 +300,8 @@ Verdict estimate(Group& g, const CandidateList& list, const Rules& rules, const 
         const auto found = P::less(P(0.0), next.support);
         const P estimate = P::blend(found, next.radius, P(__builtin_nan("")));
         const P tolerance(rules.tolerance);
-        // An estimate that equals the one before last, but not the last, would alternate for ever: take the mean of the
-        // two.
+        // If an estimate equals the last but one, but not the last, the estimates would alternate for ever. Then the
+        // radius is the mean of this and the last estimate.
         const auto moves = P::less(tolerance, P::abs(estimate - current));
         const auto apart = P::less(tolerance, P::abs(estimate - before));
         const P mean = P::blend(apart, estimate, P(0.5) * (estimate + current));

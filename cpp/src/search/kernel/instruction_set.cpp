@@ -16,8 +16,8 @@ namespace kernel {
 namespace {
 
 #ifdef __x86_64__
-// Whether the processor has the features (bits of EBX of leaf 7) and the system saves the registers (bits of XCR0).
-// __builtin_cpu_supports would do, but says 0 in libraries that Zig links.
+// Returns whether the processor has the features (bits of EBX of leaf 7) and the system saves the registers (bits of
+// XCR0). __builtin_cpu_supports is not used, because it returns 0 in libraries that Zig links.
 bool has(unsigned features, unsigned registers) {
     unsigned a, b, c, d;
     if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & bit_OSXSAVE)) return false;

@@ -9,7 +9,8 @@ namespace helibore::kernel {
 // Throws InputError if a setting demands a level that the processor does not have.
 const Functions& functions_for(InstructionSet level);
 
-// list_capacity + 1 doubles with the bits of the integers 0, 1, 2, ...
+// Return the tables CandidateList::position (list_capacity + 1 doubles) and CandidateList::narrow_position (256
+// floats), whose values have the bits of the integers 0, 1, 2, ...
 const double* position_table();
 const float* narrow_position_table();
 

@@ -11,8 +11,8 @@
 //     |    .     .    :     .     .  |     every vertex of the group, c = metres a degree at its radius
 //     +------------------------------+
 //
-// A vertex is done when its farthest neighbour is nearer than that; otherwise the box grows. Where no sample lies
-// within `least_turn` of a vertex, samples above and below the box are at least hypot(h, c least_turn) away.
+// A vertex is done when its farthest neighbour is nearer than this distance; otherwise the box grows. If no sample lies
+// within the angle `least_turn` of a vertex, samples above and below the box are at least hypot(h, c least_turn) away.
 #pragma once
 
 #include <cstdint>
@@ -56,7 +56,7 @@ struct alignas(32) Candidate {
     std::int64_t rank;  // in canonical order
 };
 
-// What an estimate stores for its neighbours and candidates; it is too much for the stack of a thread.
+// Memory in which an estimate stores its neighbours and candidates; it is too large for the stack of a thread.
 struct alignas(64) Room {
     double neighbours[5 * max_neighbors * lanes];  // struct Neighbours
     float keys[list_capacity + 17];
@@ -83,7 +83,8 @@ struct CandidateList {
     KrigingRoom* kriging;  // null unless Rules::range is above 0
 };
 
-// Writes the numbers first + i of the set bits i of a mask of 16 and returns how many; out has room for 16.
+// Writes first + i to `out` for each bit i that is set in a mask of 16 bits. Returns how many bits are set; `out` has
+// room for 16 numbers.
 static inline int store_set_bits(unsigned bits, std::int32_t first, std::int32_t* out) {
     int count = 0;
     for (; bits != 0; bits &= bits - 1) out[count++] = first + __builtin_ctz(bits);
@@ -96,7 +97,7 @@ struct Rules {
     double tolerance;
     double power;
     double range, nugget;  // of kriging; range 0: inverse distance
-    bool sums;             // are Group::sums wanted?
+    bool sums;             // whether to compute Group::sums
     // max_square: max_distance squared, on the wall. reach_square: the greatest squared distance in the search's metric
     // of a sample within max_distance. sure_square: no sample beyond max_distance has a smaller squared distance. The
     // three differ only if angular_scale is not 1.
@@ -106,9 +107,9 @@ struct Rules {
     bool windowed;
 };
 
-// The uncertainty of a radius is computed from these, for each vertex: the sum of the squared weights, and mean squares
-// over the neighbours: of their radius minus the estimate, of their distance along the hole, and of their distance
-// around it, on the wall. NaN without neighbours.
+// The uncertainty of the radius of each vertex is computed from these sums: the sum of the squared weights, and the
+// mean squares over the neighbours of their radius minus the estimate, of their distance along the hole, and of their
+// distance around the hole, on the wall. NaN without neighbours.
 inline constexpr int sum_count = 4;
 struct Sums {
     double square_weights[lanes], scatter[lanes], along[lanes], across[lanes];
@@ -118,11 +119,11 @@ struct Group {
     double center, middle;  // toolface and depth half way between the first vertex and the last
     double depth[lanes];
     double toolface[lanes];
-    double window_first[lanes];  // window mode only: positions in [first, last) of the list count
+    double window_first[lanes];  // with a window only: the vertex uses positions [first, last) of the list
     double window_last[lanes];
     double trial[lanes];      // the radius the next estimate starts from
-    double before[lanes];     // the previous trial radius; once done, `trial`, unless the radius is the mean of both
-    double discarded[lanes];  // least squared distance, at `trial`, among candidates the list no longer holds
+    double before[lanes];     // the previous trial radius; when done, `trial`, unless the radius is the mean of both
+    double discarded[lanes];  // least squared distance, at `trial`, of the candidates removed from the list
     double radius[lanes];
     double nearest[lanes];
     double support[lanes];
@@ -140,16 +141,16 @@ struct Box {
     double width;   // w, degrees; infinity when all toolfaces are in the list
     double far;     // metres above and below the group where least_turn holds
     // Half the extent of the list around the group's center and middle, for the error of the narrow columns. `narrow`:
-    // may the narrow columns be used?
+    // whether the narrow columns may be used.
     double across, along;
     bool narrow;
-    bool wraps;  // may a vertex and a candidate be more than half a turn apart one way?
+    bool wraps;  // whether the shorter way from a vertex to a candidate may lead over center + 180 degrees
 };
 
-// Which samples go into the list: those within half_width of the group's center; all, if half_width is 180 or more.
+// Only samples within half_width degrees of the group's center go into the list; all samples, if it is 180 or more.
 struct Filter {
     double half_width;
-    bool wraps;  // may one of them lie across 0/360 from the center?
+    bool wraps;  // whether 0/360 degrees may lie between such a sample and the center
 };
 
 enum class Verdict : int {
@@ -158,7 +159,9 @@ enum class Verdict : int {
     refetch,  // the radius moved so far that discarded candidates may count again
 };
 
-enum class Order : int { falls, level, rises };  // some value below the one before; some equal; all above
+// falls: some value is less than the value before it. level: no value falls, but some are equal. rises: every value is
+// greater than the value before it.
+enum class Order : int { falls, level, rises };
 
 struct Found {
     std::size_t index;
@@ -167,30 +170,30 @@ struct Found {
 
 struct Functions {
     const char* name;
-    // Do all values lie in [low, high]? NaN does not.
+    // Returns whether all values lie in [low, high]. NaN does not.
     bool (*all_within)(const double* values, std::int64_t n, double low, double high);
     Order (*order)(const double* values, std::int64_t n);
-    // The least and the greatest squared distance of n points, a multiple of `lanes`, from (x, y), and the first point
-    // that has it.
+    // Return the least (or the greatest) squared distance of n points from (x, y), and the index of the first point at
+    // this distance. n is a multiple of `lanes`.
     Found (*nearest)(const double* xs, const double* ys, std::size_t n, double x, double y);
     Found (*farthest)(const double* xs, const double* ys, std::size_t n, double x, double y);
-    // Appends those of n samples that pass the filter; `rank` is the rank of the first of the n. Returns how many
-    // of the n were read: fewer only if the list is full.
+    // Appends to the list those of n samples that pass the filter; `rank` is the rank of the first sample. Returns how
+    // many samples were read: fewer than n only if the list is full.
     std::int64_t (*gather)(CandidateList& list, const Group& group, const double* depth, const double* toolface,
                            const double* radius, std::int64_t n, std::int64_t rank, const Filter& filter);
     // Iterates every active lane until it converges, or until a sample outside the list could be a neighbour.
     Verdict (*estimate)(Group& group, const CandidateList& list, const Rules& rules, const Box& box);
-    // Marks in keep[position] the candidates that are among some lane's nearest, and lowers group.discarded to the
-    // nearest of the others.
+    // Sets keep[position] to 1 for the candidates that are among some lane's nearest, and lowers group.discarded to a
+    // bound of the squared distances of the other candidates.
     void (*nominate)(Group& group, const CandidateList& list, const Rules& rules, const Box& box, unsigned char* keep);
     // Estimates the group once, at its trial radii, from the candidates at[0], at[lanes], ...: radii and sums.
     void (*estimate_from)(Group& group, const CandidateList& list, const Rules& rules, const std::int32_t* at);
-    // The standard uncertainties of n vertices, a multiple of `lanes`, from their sums.
+    // Writes the standard uncertainties of n vertices to `sigma`, computed from their sums. n is a multiple of `lanes`.
     void (*sigma)(const double* const sums[sum_count], std::int64_t n, const SigmaRule& rule, double* sigma);
 };
 
 const Functions& plain();
 const Functions& avx2();    // the plain functions if the compiler does not target x86-64
-const Functions& avx512();  // likewise
+const Functions& avx512();  // the plain functions in the same case
 
 }  // namespace helibore::kernel

@@ -23,8 +23,8 @@ struct KrigingSystem {
     P low, high;  // of the radii used
 };
 
-// A neighbour beyond max_distance has covariance 0 with all others, 0 for the 1 of its row and 0 for its radius. So it
-// does not change the bits of any sum, as in inverse_distance().
+// Fills the matrix and the three columns. A neighbour beyond max_distance gets covariance 0 with all others, 0 instead
+// of 1, and 0 for its radius. So it does not change the bits of any sum, as in inverse_distance().
 template <class P>
 inline void fill_system(const Group& g, const CandidateList& list, const Rules& rules, const std::int32_t* at, P trial,
                         KrigingSystem<P>& system) {
@@ -61,7 +61,7 @@ inline void fill_system(const Group& g, const CandidateList& list, const Rules& 
     }
 }
 
-// The radius, and the sum of the squared weights if it is asked for.
+// The radius, and the sum of the squared weights (0 unless `with_squares`).
 template <class P>
 struct Kriged {
     P radius, squares;
@@ -103,7 +103,8 @@ inline Kriged<P> solve_system(KrigingSystem<P>& system, int n, double nugget, P 
     return {radius, squares};
 }
 
-// `at`: the neighbours at the trial radius. The result of a vertex without a sample within max_distance has no meaning.
+// Returns the kriged radius of each vertex. `at`: the positions of its neighbours at the trial radius. The result of a
+// vertex without a sample within max_distance has no meaning.
 template <class P>
 __attribute__((noinline)) Kriged<P> krige(const Group& g, const CandidateList& list, const Rules& rules,
                                           const std::int32_t* at, P trial, bool with_squares) {

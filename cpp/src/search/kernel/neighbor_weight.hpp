@@ -6,7 +6,7 @@
 namespace helibore::kernel {
 namespace {
 
-// log2(x) = whole + rest, by the series of atanh, of ordinary numbers above 0.
+// Computes log2(x) = whole + rest by the series of atanh. x must be a normal number above 0.
 template <class P>
 inline void log2_parts(P x, P& whole, P& rest) {
     whole = P::exponent(x);
@@ -21,7 +21,7 @@ inline void log2_parts(P x, P& whole, P& rest) {
     rest = s * series;
 }
 
-// 2^y for y <= 0, by the series of exp.
+// Returns 2^y for y <= 0, by the series of exp.
 template <class P>
 inline P exp2_of(P y) {
     y = P::max(y, P(-1000.0));
@@ -35,8 +35,8 @@ inline P exp2_of(P y) {
     return result * P::power_of_two(whole);
 }
 
-// Weights for any power, relative to the nearest neighbour so that none overflows: (d_min / d)^power. They are computed
-// in plain arithmetic, to some 1e-15, because a library's pow may differ between machines.
+// Computes weights for any power, relative to the nearest neighbour so that none overflows: (d_min / d)^power. Their
+// relative error is about 1e-15. Only plain arithmetic is used, because a library's pow may differ between machines.
 template <class P>
 inline void relative_weights(const P* squares, P least, int neighbors, double power, P* weight) {
     P least_whole, least_rest, whole, rest;
@@ -51,8 +51,8 @@ inline void relative_weights(const P* squares, P least, int neighbors, double po
     }
 }
 
-// Weights proportional to 1 / d without a division: each is the product of the other seven distances, of those before
-// it and those behind it. A neighbour that stands as 1 does not change a bit of the other weights.
+// Computes weights proportional to 1 / d without a division: each is the product of the other seven distances, of those
+// before it and those behind it. A neighbour whose square is set to 1 does not change a bit of the other weights.
 template <class P>
 inline void products_of_others(const P* squares, P* weight) {
     P distance[8];
@@ -66,7 +66,8 @@ inline void products_of_others(const P* squares, P* weight) {
     }
 }
 
-// The weights of neighbours at these squared distances; `fixed` is their number where the compiler knows it, else 0.
+// Computes the weights of neighbours from their squared distances. `fixed` is their number if it is known at compile
+// time, else 0.
 template <class P, int fixed>
 inline void weigh(const P* squares, P least, int neighbors, double power, P* weight) {
     if (fixed == 8 && power == 1.0)

@@ -36,13 +36,13 @@ struct Avx512Pack {
     static unsigned bits(Mask a) { return a; }
     static Avx512Pack blend(Mask m, Avx512Pack yes, Avx512Pack no) { return _mm512_mask_blend_pd(m, no.v, yes.v); }
 
-    // x = mantissa 2^exponent, the mantissa in [1, 2), of an ordinary number; and 2^n.
+    // The parts of a normal number, x = mantissa 2^exponent with the mantissa in [1, 2), and 2^n.
     static Avx512Pack exponent(Avx512Pack x) { return _mm512_getexp_pd(x.v); }
     static Avx512Pack mantissa(Avx512Pack x) { return _mm512_getmant_pd(x.v, _MM_MANT_NORM_1_2, _MM_MANT_SIGN_zero); }
     static Avx512Pack power_of_two(Avx512Pack n) { return _mm512_scalef_pd(_mm512_set1_pd(1.0), n.v); }
 
     static __m512i low() { return _mm512_set1_epi64((1LL << position_bits) - 1); }
-    // (square & ~low) | position in one instruction; 0xBA is that truth table.
+    // (square & ~low) | position in one instruction; 0xBA is the truth table of this expression.
     static Avx512Pack tag(Avx512Pack square, Avx512Pack position) {
         const __m512i p = _mm512_castpd_si512(position.v);
         return _mm512_castsi512_pd(_mm512_ternarylogic_epi64(_mm512_castpd_si512(square.v), low(), p, 0xBA));
@@ -69,7 +69,7 @@ struct Avx512Pack {
         radius = _mm512_permutex2var_pd(low_ab, second, low_cd);
     }
 
-    // As store_set_bits.
+    // Does the same as store_set_bits.
     static int store_indices(unsigned bits, std::int32_t first, std::int32_t* out) {
         const __m512i lane = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
         const __m512i number = _mm512_add_epi32(_mm512_set1_epi32(first), lane);

@@ -7,7 +7,7 @@
 namespace helibore::kernel {
 namespace {
 
-// The bits of a number, and the number of bits.
+// Returns the bits of a number as an integer, or the number that has the bits of an integer.
 template <class Bits, class Number>
 inline Bits bits_of(Number x) {
     Bits b;

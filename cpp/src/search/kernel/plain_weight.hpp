@@ -8,7 +8,7 @@
 
 namespace helibore::kernel {
 
-// (d_min / d)^power of squared distances, in plain arithmetic.
+// Returns (d_min / d)^power, computed from the squared distances `least` and `square` in plain arithmetic.
 inline double relative_weight(double least, double square, double power) {
     if (power == 1.0) return std::sqrt(least / square);
     const PlainPack squares(square);

@@ -1,4 +1,4 @@
-// Which candidates are a vertex's nearest, found in one of two ways.
+// Finds the nearest candidates of each vertex, in one of two ways.
 //
 // Short lists, up to 16 neighbours: lanes are vertices, keys are floats, and the best 8 or 16 so far are kept sorted.
 // Candidates come in batches of 8; a batch is sorted by a network of 19 comparators, and one step of a bitonic merge
@@ -7,7 +7,7 @@
 //     best    b0 <= b1 <= ... <= b7          min(b0,a7) min(b1,a6) ... min(b7,a0)   the 8 smallest of the 16, bitonic
 //     batch   a0 <= a1 <= ... <= a7    ->    max(...)                               the others: only their least counts
 //
-// Of a best 16, the batch meets the last 8; they and the first 8 are bitonic again.
+// If the best 16 are kept, the batch is merged with the last 8 of them; the result and the first 8 are bitonic again.
 //
 // In all other cases lanes are the candidates of one vertex. Counting finds a threshold that the float keys of a few
 // more than V candidates pass. The exact keys of these candidates are then computed, and a threshold is found that V of
@@ -36,7 +36,8 @@ inline void sort_eight(P* v) {
     for (const auto& pair : pairs) compare_exchange(v[pair[0]], v[pair[1]]);
 }
 
-// Leaves in best the smallest of two sorted arrays, bitonic, and returns the smallest of the others.
+// Merges the sorted `batch` into the sorted `best`, which then holds the smallest keys of the two, in bitonic order.
+// Returns the smallest of the other keys.
 template <int kept, int count, class P>
 inline P merge(P* best, const P* batch) {
     P* const last = best + kept - count;
@@ -69,7 +70,7 @@ inline void sort(P* v) {
     }
 }
 
-// Toolface less center, in [-180, 180].
+// Returns the toolface less the center, in [-180, 180].
 template <class P>
 inline P turn_from(P center, P toolface) {
     const P turn = toolface - center;
@@ -137,7 +138,7 @@ struct NarrowEye {
     Pack boundless() const { return none(); }
 };
 
-// Writes the smallest keys of the list to `best`, sorted; returns the smallest of the others.
+// Writes the smallest keys of the list to `best`, sorted; returns the smallest of the other keys.
 template <int kept, class Eye, class P = typename Eye::Pack>
 inline P select(const Eye& eye, P* best) {
     for (int i = 0; i < kept; ++i) best[i] = eye.none();
@@ -152,7 +153,7 @@ inline P select(const Eye& eye, P* best) {
     return rejected;
 }
 
-// Keeps the V smallest keys, sorted, and puts "none" behind them; returns the smallest of the others.
+// Keeps the V smallest of the sorted keys, and puts "none" behind them; returns the smallest of the other keys.
 template <int kept, class P>
 inline P keep_first(P* best, int neighbors, P rejected, P none) {
     for (int j = neighbors; j < kept; ++j) {
@@ -162,7 +163,7 @@ inline P keep_first(P* best, int neighbors, P rejected, P none) {
     return rejected;
 }
 
-// A number halfway between two that are not negative, by their bits.
+// Returns the number whose bits lie halfway between those of two numbers that are not negative.
 template <class Bits, class Number>
 inline Number halfway(Number low, Number high) {
     Bits a, b;
@@ -173,9 +174,9 @@ inline Number halfway(Number low, Number high) {
     return low;
 }
 
-// A threshold that at least `least` and, unless keys are equal, at most `most` keys pass. `passing` counts the keys up
-// to a threshold. The first tries assume evenly spaced keys, later tries halve the interval. All `all` keys lie between
-// `low` and `high`.
+// Returns a threshold that at least `least` and, unless keys are equal, at most `most` keys pass. `passing` counts the
+// keys up to a threshold. The first tries assume evenly spaced keys, later tries halve the interval. There are `all`
+// keys, all between `low` and `high`.
 template <class Bits, class Number, class Count>
 inline Number threshold(Number guess, Number low, Number high, int all, int least, int most, const Count& passing) {
     const Number start = low;
@@ -203,13 +204,13 @@ inline Number threshold(Number guess, Number low, Number high, int all, int leas
     }
 }
 
-// The squared distance on the wall, whatever angular_scale is.
+// Returns the squared distance on the wall. `across` is stretched by angular_scale; the result is not.
 template <class P>
 inline P on_wall(P across, P along_square, const Rules& rules) {
     return across * across * P(rules.unscale) + along_square;
 }
 
-// The candidates of a list, with their distances from one vertex.
+// Finds the neighbours of vertices, one vertex after the other, among the candidates of a list.
 template <class P>
 class Nearest {
   public:
@@ -221,7 +222,7 @@ class Nearest {
           exact_(list.room->exact),
           passed_(list.room->passed) {}
 
-    // The neighbours of the vertices whose bits are set.
+    // Calls find_one for the vertices whose bits are set; returns its bounds.
     P find(const Group& g, P trial, unsigned vertices, std::int32_t* at) {
         double trials[lanes], rejected[lanes] = {};
         trial.store(trials);
@@ -250,7 +251,7 @@ class Nearest {
             for (int i = 0; i < n; i += 16) count += __builtin_popcount(passed(i, at_most));
             return count;
         };
-        if (!(guess_ > 0.0f)) {  // where they would lie if they were spread evenly in the box
+        if (!(guess_ > 0.0f)) {  // the first guess takes the candidates as spread evenly in the box
             const double area = scale * (box_.across < 180.0 ? box_.across : 180.0) * box_.along * 4.0;
             const double square = area * most / (3.0 * static_cast<double>(list_.count + 1));
             guess_ = square < 1e30 ? static_cast<float>(square + 1e-30) : 1.0f;
@@ -263,7 +264,8 @@ class Nearest {
         for (;;) {
             double farthest;
             const double rejected = choose(g, lane, scale, first, n, limit, farthest, at);
-            // Floats err by less than `error` metres and 8 u; as find_narrow says, but also across 180 degrees.
+            // A distance in floats errs by less than `error` metres and by 8 u of itself, for the reasons given at
+            // find_narrow; this holds across 180 degrees too.
             constexpr double u = 1.0 / (1 << 24);
             const double error = scale * 12.0 * u * box_.across + 4.0 * u * box_.along;
             const double needed = __builtin_sqrt(farthest) + error;
@@ -302,14 +304,16 @@ class Nearest {
         return leasts[0];
     }
 
-    // Which of the sixteen keys from i on are at most `at_most`, as bits.
+    // Returns a bit for each of the sixteen keys from i on: 1 if the key is at most `at_most`.
     unsigned passed(int i, float at_most) const {
         unsigned bits = 0;
         for (int j = 0; j < 16; j += Floats::width) bits |= Floats::load(keys_ + i + j).at_most(at_most) << j;
         return bits;
     }
 
-    // The V nearest by exact keys among those whose float key is at most `limit`.
+    // Chooses, by exact keys, the V nearest of the candidates whose float key is at most `limit`, and writes their
+    // positions as find_one does. Sets `farthest` to a squared distance that none of them exceeds. Returns the least
+    // key of the candidates that it did not choose.
     double choose(const Group& g, int lane, double scale, std::int64_t first, int n, float limit, double& farthest,
                   std::int32_t* at) {
         int m = 0, within = 0;

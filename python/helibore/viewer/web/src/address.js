@@ -19,7 +19,7 @@ export function toAddress({ view, quantity, notes }) {
   return `#${parts}`;
 }
 
-// What the reader looks at, for a notebook.
+// Return what the reader looks at, as traits of the widget in a notebook.
 /** @param {Pick<App, 'view'>} app */
 export function looked({ view: { top, bottom, cursor, pinned } }) {
   return {

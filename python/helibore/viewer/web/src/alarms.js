@@ -1,5 +1,6 @@
 // Alarms: zones that are new since the page last received them, and the alarms of the live feed. They stay until the user
-// silences them (A), also over a reload. Rig mode has room for short words in two lines; there A shows the whole text first.
+// silences them (A), also over a reload. Rig mode has room for two short lines; there the first A shows the full texts, the
+// second A silences them.
 
 import { recall, remember } from './memory.js';
 import { byId } from './panel.js';
@@ -11,7 +12,7 @@ const LINES = 2; // in rig mode
 // Rule and source of an alarm of the feed, without the cause that follows them.
 /** @param {string} alarm */
 export const shortOf = (alarm) => alarm.split(': ')[0];
-// At most `LINES` texts; the last one says how many more there are.
+// Return at most `LINES` texts; the last one says how many more there are.
 /** @param {string[]} texts */
 export const few = (texts) => texts.slice(0, LINES).map((text, i) => (i === LINES - 1 && texts.length > LINES ? `${text}, +${texts.length - LINES} more` : text));
 /** @param {Zone} a @param {Zone} b */
@@ -36,14 +37,16 @@ export class Alarms {
     byId('alarmText').addEventListener('click', () => this.read(!this.whole));
   }
 
-  // A wall begins; the alarms of the same wall that a reload interrupted come back.
+  // A wall begins. After a reload of the page, the alarms of the same wall come back.
   /** @param {string} session */
   begin(session) {
     const kept = JSON.parse(recall('sessionStorage', KEPT) ?? 'null');
     Object.assign(this, { zones: [], silenced: [], ...(kept?.session === session ? kept : {}), session });
   }
 
-  // Note the zones of the next state of the same wall. In a finished wall no zone is new.
+  // Take the zones (`now`) and the alarms (`feed`) of the next state of the same wall. A zone is new if the wall is `live` and no
+  // zone of the same kind in the previous state (`before`) overlaps it. New zones remain alarms until they are silenced or no
+  // longer found.
   /** @param {Zone[] | null} before @param {Zone[]} now @param {boolean} live @param {string[]} feed */
   take(before, now, live, feed) {
     const fresh = live && before ? newZones(before, now) : [];
@@ -58,7 +61,7 @@ export class Alarms {
     this.app.redraw();
   }
 
-  // Silence only alarms whose full text was on the page.
+  // Silence the alarms; in rig mode only when their full texts are on the page, else show these first.
   silence() {
     if (this.app.view.rig && !this.whole) return this.read(true);
     this.whole = false;
@@ -78,7 +81,8 @@ export class Alarms {
     return this.zones.some((other) => overlap(other, zone));
   }
 
-  // What the feed warns of, the newest first, then the worst new zone and how many others; short, or in full.
+  // Return the texts of the alarms: first those of the feed, the newest first, then the worst new zone and the number of the
+  // other new zones. If `short` is true, the texts are short.
   /** @param {Units} units @param {boolean} short @returns {string[]} */
   texts(units, short) {
     const [worst, ...others] = [...this.zones].sort((a, b) => b.severity - a.severity);
@@ -101,7 +105,7 @@ export class Alarms {
   }
 }
 
-// Texts in lines of their own.
+// Show each text in a line of its own.
 /** @param {'alarmText' | 'alarmWhole'} id @param {string[]} texts */
 function lines(id, texts) {
   if (byId(id).textContent === texts.join('')) return;

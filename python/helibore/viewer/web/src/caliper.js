@@ -11,7 +11,7 @@ import { LENGTHS } from './units.js';
 
 // Returns the least diameter and the greatest C1 and C2 of the turns under each pixel row, as {min, max, c2, seen, between};
 // of a turn with a missing radius, the least and the greatest diameter that are known. `seen` is 0 beyond the wall; `between`
-// is 1 where a turn is mostly interpolated between arms. If the server takes the shape from the arms, so does this.
+// is 1 where a turn is mostly interpolated between arms. If `arms` is given, the diameters are those of the arms.
 /** @param {Look} look */
 export function profile({ store, view, imagePieces, rects, arms }) {
   const { height } = rects.image;
@@ -41,7 +41,7 @@ export function profile({ store, view, imagePieces, rects, arms }) {
   return found;
 }
 
-// Widen the place y by a turn; what is missing is passed over.
+// Extend the ranges of pixel row y so that they include a turn; missing diameters are ignored.
 /** @param {Profile} found @param {number} y @param {Pick<TileTurns | Arms, 'min' | 'max' | 'c2'>} turns @param {number} row */
 function widen({ min, max, c2 }, y, turns, row) {
   if (!(min[y] <= turns.min[row]) && !Number.isNaN(turns.min[row])) min[y] = turns.min[row];
@@ -68,7 +68,7 @@ export function drawCaliper(ink, look) {
   const rect = rects.caliper;
   const bit = 2 * store.bitRadius;
   const found = profile(look);
-  if (!rect.width) return found; // nothing measured it
+  if (!rect.width) return found; // the track is not shown
   const { min, max, c2, seen, between } = found;
   const grid = scaleFor(bit, found, LENGTHS[view.units].scale);
   const [low, high] = [grid[0], grid[grid.length - 1]];

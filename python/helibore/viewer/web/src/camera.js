@@ -45,7 +45,7 @@ export class Camera {
     return [...axes.flatMap((axis) => [...this.facing(axis), 0]), ...this.facing(minus(place, this.position)), 1];
   }
 
-  // With `pixel` {x, y, width, height}: that pixel of the picture fills all of it.
+  // The projection matrix. With `pixel` {x, y, width, height}, this one pixel of the picture fills the whole picture.
   get projection() {
     const { near, far, tangent, aspect, pixel } = this;
     const { x, y, width, height } = pixel ?? { x: 0, y: 0, width: 1, height: 1 };

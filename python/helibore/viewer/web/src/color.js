@@ -13,7 +13,7 @@ import { FIRST, NEAREST, RADIUS, STATE, SUPPORT_MASK, TEXEL } from './protocol.j
 /** @param {string} text */
 const hex = (text) => text.split(' ').map((c) => [0, 2, 4].map((i) => parseInt(c.slice(i, i + 2), 16)));
 
-// One definition for the page, meshes and pictures. No map contains the grey of missing values.
+// The colour maps by name, from the file that meshes and pictures also use. No map contains the grey of missing values.
 export const MAPS = Object.fromEntries(
   Object.entries(definition.maps).map(([name, { label, stops }]) => [name, { label, anchors: hex(stops) }]),
 );
@@ -57,7 +57,7 @@ export function quantities(store) {
   return [...kept, ...own].map((quantity) => ({ dynamic: false, inView: false, log: false, chosen: false, ...quantity }));
 }
 
-// A quantity by its id; an unknown one is the first.
+// Return the quantity with this id; if there is none, the first quantity.
 /** @param {Quantity[]} all @param {string} id */
 export const quantityOf = (all, id) => all.find((quantity) => quantity.id === id) ?? all[0];
 
@@ -70,12 +70,12 @@ export function takeRanges(all, ranges) {
   }
 }
 
-// A quantity of the vertex at place `at` of a tile; NaN where there is none. `pass` 'first' reads the first pass.
+// Return a quantity's value at the vertex with place `at` in a tile; NaN if there is none. `pass` 'first' reads the first pass.
 /** @param {Store} store @param {Quantity} quantity @param {Tile} tile @param {number} at @param {Pass} [pass] */
 export function valueAt(store, quantity, tile, at, pass = 'latest') {
   const t = TEXEL * at;
   const { texels } = tile;
-  if (quantity.mode === Q_ATTRIBUTE) return tile.columns[quantity.attribute ?? -1]?.[at] ?? NaN; // measured without a radius, too
+  if (quantity.mode === Q_ATTRIBUTE) return tile.columns[quantity.attribute ?? -1]?.[at] ?? NaN; // also where the wall has no radius
   if (texels[t + RADIUS] === 0) return NaN;
   const radius = texels[t + (pass === 'first' ? FIRST : RADIUS)];
   switch (quantity.mode) {
@@ -124,7 +124,7 @@ export function valuesInView({ store, view, imagePieces }, quantity) {
   return sorted;
 }
 
-// How far apart values are on a scale: by their differences, or by those of their logarithms.
+// Return the function that places values on a scale: the logarithm if `log` is true, else the value itself.
 /** @type {(log: boolean) => (value: number) => number} */
 export const scaling = (log) => (log ? Math.log : (value) => value);
 
@@ -136,7 +136,7 @@ export function percentile(sorted, share) {
   return sorted[a] + (place - a) * ((sorted[a + 1] ?? sorted[a]) - sorted[a]);
 }
 
-// Range between the 2nd and 98th percentile, never empty; a difference stays centred on zero.
+// Return the range between the 2nd and 98th percentile, never empty; the range of a change is centred on zero.
 /** @param {Quantity} quantity @param {Float64Array} sorted */
 export function fitRange(quantity, sorted) {
   if (sorted.length === 0) return { low: quantity.low, high: quantity.high };
@@ -159,9 +159,10 @@ export function histogram(sorted, low, high, log, bins = 64) {
   return counts;
 }
 
-const WINDOW = 1.0; // metres of the dynamic range
+const WINDOW = 1.0; // metres of hole whose values give the dynamic range
 
-// Per row of a tile: low and high of its window, as a Float32Array [low, high] x rows. Windows reach into neighbours.
+// Return the ends of the dynamic range for each row of a tile, as a Float32Array [low, high] x rows. The window of a row may
+// reach into the neighbouring tiles.
 /** @param {Store} store @param {Quantity} quantity @param {Tile} tile @param {Pass} pass */
 export function dynamicRange(store, quantity, tile, pass) {
   const { level } = tile;

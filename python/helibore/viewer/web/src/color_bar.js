@@ -1,15 +1,15 @@
-// The colours of a quantity with their values: in the head of its image, and in one line below a hole that stands alone.
+// The colours of a quantity with their values: in the head of its image, or in one line below the hole if no image is shown.
 
 import { beyondEnds, MAPS, themed } from './color.js';
 import { fitting, label, PALETTES, SMALL } from './layout.js';
 import { scaleOf, unitOf } from './units.js';
 
-export const BAR = 20; // pixels that the line below the hole is high
-export const POINT = 7; // pixels of the point at an end of the colours
+export const BAR = 20; // height of the line below the hole, pixels
+export const POINT = 7; // length of a pointed end of the colours, pixels
 const WIDEST = 240;
 const LEAST = 60;
 
-// The colours, 8 pixels high. An end is pointed if values of the section lie beyond it; they have its colour.
+// Draw the colours, 8 pixels high. An end is pointed if values of the section lie beyond it; these have the colour of the end.
 /** @param {Ink} ink @param {Look} look @param {number} left @param {number} top @param {number} width */
 export function drawColours(ink, look, left, top, width) {
   const { view, quantity } = look;

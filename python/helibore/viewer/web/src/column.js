@@ -38,7 +38,7 @@ export function drawColumn(ink, look) {
   if (view.rig) return;
   heads(ink, look, middle, bit, palette);
   const y = HEAD - 9;
-  const clear = middle - bit > rect.left + 68; // of the letters
+  const clear = middle - bit > rect.left + 68; // room for words at the left of the letters
   if (clear) {
     line(ink, rect.left + 2, y, rect.left + 23, y, palette.ink, DASHES);
     label(ink, 'bit', rect.left + 28, y, { colour: palette.soft, font: SMALL });
@@ -60,11 +60,11 @@ export function drawColumn(ink, look) {
   else if (!written[written.length - 1]) label(ink, fitting(ink, scales, right - rect.left - 4), rect.left + 2, bottom + 11, { colour: palette.soft });
 }
 
-const DASHES = [8, 3, 2, 3]; // of the bit
-const ROWS = [11, 27, 42, 57]; // of words in the head, above the letters
+const DASHES = [8, 3, 2, 3]; // of the lines at bit radius
+const ROWS = [11, 27, 42, 57]; // y of the rows of words in the head, above the letters
 
-// Lines beside the controls of the hole and below them, each in the first of its texts that fits and leaves rows for the lines
-// after it; null for a line without room.
+// Place lines of words beside and below the controls of the hole. Each line has several texts: the first one that fits, and
+// leaves rows for the later lines, is taken. The result is null for a line without room.
 /** @param {Ink} ink @param {Rect} rect @param {string[][]} lines */
 function inRows(ink, rect, lines) {
   const controls = byId('wallHead');
@@ -82,7 +82,7 @@ function inRows(ink, rect, lines) {
   });
 }
 
-// The side of the hole that is in front.
+// Return the name of the side of the hole that is in front.
 /** @param {Look} look */
 function facing({ view, path }) {
   const { letters, offset } = CUTS[view.cut];
@@ -92,7 +92,7 @@ function facing({ view, path }) {
   return sides + (path.assumed ? ' (assumed)' : '');
 }
 
-// The letters of the sides that are seen: in front on the left half, behind on the right one.
+// Draw the letters of the visible sides: the left half of the picture shows the front of the hole, the right half its back.
 /** @param {Ink} ink @param {Look} look @param {number} middle @param {number} bit @param {Palette} palette */
 function heads(ink, { view, path }, middle, bit, palette) {
   const { letters } = CUTS[view.cut];
@@ -111,7 +111,7 @@ function bitGlyph(ink, x, y, bit, down, palette) {
   ink.closePath();
   ink.strokeStyle = palette.ink;
   ink.lineWidth = 2;
-  ink.stroke(); // the newest wall stays visible in it
+  ink.stroke(); // an outline only: the newest wall stays visible
 }
 
 // The curve of a picked plane on the visible wall: its front in the left half, its back in the right one.

@@ -1,6 +1,6 @@
 // The websocket: handshake, acknowledgements, subscription; it connects again after a break (0.5 s, doubling to 8 s).
 // Messages are applied when they arrive, not when a frame is drawn, so a hidden tab stays up to date.
-// A message that breaks the protocol ends the connection; the next one starts with the handshake.
+// A message that breaks the protocol ends the connection; the next connection starts with the handshake.
 
 import { messageOf } from './errors.js';
 import { decode, encodeAck, encodeSubscribe, FRAMES, toRanges } from './protocol.js';
@@ -12,7 +12,7 @@ export const STOPPED = 'The server was stopped, trying again';
 // What the server's closing codes mean to the user.
 /** @type {Record<number, string>} */
 const REFUSALS = { 4403: 'The server refused this page', 4429: 'Too many pages are open', 4400: 'The page broke the protocol' };
-const FAULT = 4401; // our own closing code
+const FAULT = 4401; // the code with which the page closes a connection
 
 export class Connection {
   socket = /** @type {Socket} */ (/** @type {unknown} */ (null));
@@ -85,7 +85,7 @@ export class Connection {
     this.send(encodeAck(this.session, message.sequence));
   }
 
-  // Ask for these tiles and no others; sent only if it differs from the last request.
+  // Ask for these tiles and no others; the request is sent only if it differs from the last one.
   /** @param {number[]} tiles @param {number} focus @param {number} mask */
   subscribe(tiles, focus, mask) {
     const text = encodeSubscribe(this.session, toRanges(tiles), focus, mask);

@@ -13,7 +13,7 @@ import { LENGTHS, showValue } from './units.js';
 const SAVE = '\n'; // no curve has this name
 const OF_ARMS = ['DMIN', 'C1', 'C2', 'C1TF'];
 const AGAIN = 5000; // milliseconds between two requests for a curve that grows
-const GAP = 10; // usual steps of depth; a curve ends where its rows are farther apart
+const GAP = 10; // usual steps of depth; a curve has a gap where its rows are farther apart
 /** @type {['max' | 'min' | 'pin' | 'ink', number[]][]} */
 const STYLES = [['max', []], ['min', [6, 3]], ['pin', [2, 3]], ['ink', [8, 3, 2, 3]]]; // colours of the palette, dashes
 
@@ -27,7 +27,7 @@ export function decodeCurve(buffer) {
   return { depth, values: new Float32Array(buffer, 8 + 4 * count, count), step: steps[steps.length >> 1] ?? Infinity };
 }
 
-// First row at or below a depth.
+// Return the first row whose depth is `wanted` or more; the number of rows if there is none.
 /** @param {Float64Array} depth @param {number} wanted */
 export function rowAt(depth, wanted) {
   let low = 0;
@@ -67,7 +67,8 @@ export class Curves {
     this.list();
   }
 
-  // Take the server's curves that are new or have other ends: name, unit, low, high, log. `version` is that of all values.
+  // Take `rows`, the server's curves that are new or have other ends: name, unit, low, high, log. `version` is the version of
+  // the values of all curves.
   /** @param {NonNullable<State['curves']>} rows @param {number} version */
   offer(rows, version) {
     const known = new Map(this.offered.map((one) => [one.name, one]));
@@ -85,7 +86,7 @@ export class Curves {
     return this.app.view.curves.map((name) => this.offered.find((one) => one.name === name)).filter((one) => one !== undefined);
   }
 
-  // The diameters by which the server judges a wall of few arms, once they have come; null for other walls.
+  // The diameters by which the server judges a wall of few arms, once they have arrived; null for other walls.
   /** @returns {Arms | null} */
   get arms() {
     if (this.app.shape !== 'arms') return (this.byArms = null);
@@ -176,7 +177,7 @@ export class Curves {
   }
 }
 
-// The line of a curve in view: its rows, or the least and the greatest of each pixel where there are more.
+// Draw the line of a curve in view: each row or, if there are many rows for each pixel, the least and the greatest of several.
 /** @param {Ink} ink @param {CurveOffer} curveOffer @param {CurveValues} curveValues @param {Rect} rect @param {View} view @param {string} colour @param {number[]} dash */
 function trace(ink, { low, high, log }, { depth, values, step }, rect, view, colour, dash) {
   const f = scaling(log);

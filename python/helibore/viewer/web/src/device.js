@@ -14,6 +14,6 @@ function drawnInSoftware() {
 /** @param {HTMLCanvasElement} canvas */
 export const pen = (canvas) => /** @type {Ink} */ (canvas.getContext('2d', { willReadFrequently: SOFTWARE }));
 
-// Pixels of a canvas per CSS pixel of its element; more than two are not seen.
+// Pixels of a canvas per CSS pixel of its element: at most two, because nobody sees more.
 /** @param {HTMLElement} element */
 export const pixelRatio = (element) => Math.min(window.devicePixelRatio * (element.currentCSSZoom ?? 1), 2);

@@ -1,6 +1,6 @@
-// Picks on the picture. A plane is a curve on the image, a disc through the hole in 3-D, and a tadpole: its head, a symbol
-// of its class, at the true dip, its tail towards where the plane dips, north up. Without a survey the dip is apparent
-// (relative to the hole), and the tail counts from the tool's zero. A breakout is two boxes on the image.
+// Picks on the picture. A plane is a curve on the image, a disc through the hole in 3-D, and a tadpole: the head is the
+// symbol of its class and stands at the true dip; the tail points to where the plane dips, north up. Without a survey the dip
+// is apparent (relative to the hole), and the tail counts from the tool's zero. A breakout is two boxes on the image.
 
 import definition from '../../../base/color_maps.json' with { type: 'json' };
 import { columnCurve } from './column.js';
@@ -10,7 +10,7 @@ import { leftEdge } from './path.js';
 import { edges, line, sharp } from './strokes.js';
 
 const GLOWS = [['#ff00d9', 'new'], ['#00d9ff', 'changed']]; // as in shaders.js
-const TAIL = 12; // pixels from the middle of a tadpole's head: the first and the last line of the track are so far inside it
+const TAIL = 12; // pixels from the middle of a tadpole's head to the end of its tail, and from the edges of the track to its outer lines
 /** @type {Record<PlaneKind, number[]>} */
 const DASHES = { bed: [], fracture: [8, 4], 'healed fracture': [2, 4], 'induced fracture': [12, 3, 2, 3], fault: [] };
 
@@ -30,7 +30,8 @@ export function drawDips(ink, look, planes, gpu) {
 }
 
 // The legend below the tracks: symbol, colour and name of each class of pick in view, as many as there is room for. Before the
-// first pick: how to make it, the first of the texts that has room. While the wall grows, what glows comes first.
+// first pick, the first of the texts `start` that has room says how to pick. While the wall grows, the meaning of the glowing
+// colours comes first.
 /** @param {Ink} ink @param {Look} look @param {Planes} planes @param {string[]} start */
 export function drawLegend(ink, { view, growing, rects: { axis, pane } }, { kept, boxes }, start) {
   if (view.rig) return;
@@ -202,7 +203,7 @@ function tadpole(ink, x, y, towards, kind, colour, palette) {
   symbol(ink, x, y, kind, colour, palette.panel);
 }
 
-// The symbol of a class: circle, squares, diamond, triangle; open ones are filled with the ground.
+// The symbol of a class: circle, squares, diamond, triangle; open symbols are filled with the colour of the ground.
 /** @param {Ink} ink @param {number} x @param {number} y @param {PlaneKind} kind @param {string} colour @param {string} ground */
 export function symbol(ink, x, y, kind, colour, ground) {
   const corners = kind === 'fault' ? 3 : kind === 'bed' ? 24 : 4;

@@ -2,7 +2,7 @@
 // a plane is  along = c + a high + b right,  fitted to the points where they are on the wall, by its own radius and path:
 //
 //   apparent dip = atan sqrt(a^2 + b^2)      on a round hole of diameter D a sinusoid of height H:  tan = H / D
-//   normal       = along - a high - b right, turned upwards;  true dip = its angle from up,  azimuth = where it leans
+//   normal       = along - a high - b right, turned upwards;  true dip = its angle from up,  azimuth = direction in which it leans
 //
 // Three points or more, not all on one side of the hole. The misfit shows how well they lie in a plane.
 
@@ -11,7 +11,7 @@ import { dot, minus } from './vectors.js';
 
 const DEG = 180 / Math.PI;
 
-// North, east, down of a wall point.
+// Return north, east and down of a point of the wall, metres.
 /** @param {Path} path @param {WallPoint} wallPoint */
 export function wallPoint(path, { depth, toolface, radius }) {
   const { centre, high, right } = path.at(depth);
@@ -39,7 +39,8 @@ export function fitPlane(path, points, kind = 'bed') {
   return { ...plane, ...attitude(plane, path.surveyed), apparent: Math.atan(Math.hypot(a, b)) * DEG, deepest: wrap360(Math.atan2(b, a) * DEG) };
 }
 
-// The plane of a pick: apparent dip and the toolface where it is deepest, where it crosses the axis of the hole.
+// Return the plane of a pick, from its apparent dip, the toolface at which it is deepest, and the depth at which it crosses
+// the axis of the hole.
 /** @param {Path} path @param {PlanePick} pick @param {number} bitRadius @returns {Plane} */
 export function planeOf(path, pick, bitRadius) {
   const { depth, kind, misfit = 0, apparent_dip: apparent, toolface: deepest } = pick;
@@ -57,7 +58,8 @@ function attitude({ a, b, frame }, surveyed) {
   return { dip, azimuth: dip < 1e-3 ? NaN : wrap360(Math.atan2(up[1], up[0]) * DEG) };
 }
 
-// (a, b, c) of z = c + a x + b y; null where the points are on a line as seen along the hole.
+// Return (a, b, c) of the plane z = c + a x + b y through `rows` of (x, y, z); null if the points, seen along the hole, lie
+// nearly on a line.
 /** @param {number[][]} rows @param {number} least */
 function leastSquares(rows, least) {
   const n = rows.length;

@@ -1,3 +1,3 @@
-// What an error says.
+// Return the message of an error.
 /** @param {unknown} error */
 export const messageOf = (error) => (error instanceof Error ? error.message : String(error));

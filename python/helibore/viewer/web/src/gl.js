@@ -121,7 +121,7 @@ export class Context {
     gl.enable(gl.SCISSOR_TEST);
   }
 
-  // Draw `count` indices from the `first` on; `make` gives those of a key that is new.
+  // Draw `count` indices, from number `first` on, of the index buffer `key`; if it is new, `make` returns its indices.
   /** @param {string} key @param {() => Uint16Array} make @param {number} first @param {number} count */
   drawGrid(key, make, first, count) {
     const { gl } = this;
@@ -135,7 +135,7 @@ export class Context {
     gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_SHORT, 2 * first);
   }
 
-  // A picture of one pixel, drawn by `draw`: its red, green, blue and alpha.
+  // Return red, green, blue and alpha of a picture of one pixel, which `draw` draws.
   /** @param {() => void} draw */
   onePixel(draw) {
     const { gl } = this;

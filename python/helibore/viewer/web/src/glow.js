@@ -25,7 +25,7 @@ export class Glow {
     return this.ranges.length > 0;
   }
 
-  // For a tile: [first, last, strength, re-scan] in its own numbers.
+  // Return the ranges that touch a tile: [start, stop, strength, 1 for a re-scan]; numbers count from the tile's first vertex.
   /** @param {Tile} tile @param {number} now */
   on(tile, now) {
     if (tile.level.rows !== this.rows) return [];

@@ -16,7 +16,7 @@ import { cross, dot, eastNorthUp, length, minus, normalised, plus, scaled } from
 
 const FIELD_OF_VIEW = 34;
 const NO_WALL = 0x9aa3aa;
-const MOST_PICKED = 254; // tiles that differ in the picking picture's alpha
+const MOST_PICKED = 254; // most tiles of a picking picture: alpha is the number of the tile
 /** @type {Record<string, [string, string]>} */
 const PROGRAMS = {
   wall: [shaders.WALL_VERTEX, shaders.WALL_FRAGMENT],
@@ -85,7 +85,7 @@ export class Gpu {
     return this.bit(look);
   }
 
-  // The hole straightened, on the depth axis of the tracks.
+  // Draw the straightened hole, on the depth axis of the tracks.
   /** @param {Look} look */
   column(look) {
     const { store, view, wallRect, path } = look;
@@ -159,7 +159,7 @@ export class Gpu {
     /** @param {number} depth */
     const y = (depth) => 1 - (2 * (depth - top)) / (bottom - top);
     const pixel = (bottom - top) / height;
-    const overlap = pixel + (look.quantity.rows?.[1] ?? 0); // antialiasing would show an edge; the shader knows its rows
+    const overlap = pixel + (look.quantity.rows?.[1] ?? 0); // antialiasing would show the edge of a piece; the shader discards the rows of other tiles
     for (const piece of look.imagePieces) {
       const { tile } = piece;
       const [a, b] = slanted(piece).map((end, i) => end + (i ? overlap : -overlap));
@@ -224,7 +224,7 @@ export class Gpu {
     });
   }
 
-  // Draw the rows of a tile's grid that are shown of it, coarser by strides.
+  // Draw the rows of a tile's grid that are in view, with every `cols`-th column and every `rows`-th row of its vertices.
   /** @param {Piece} piece @param {View} view @param {{ cols: number, rows: number }} of */
   drawRows(piece, view, { cols, rows }) {
     const { level } = piece.tile;
@@ -234,7 +234,7 @@ export class Gpu {
     this.stats.triangles += count / 3;
   }
 
-  // From the camera to the nearest point of a piece's axis.
+  // Return the distance from the camera to the nearest point of a piece's axis.
   /** @param {Piece} piece @param {Look} look */
   distance({ top, bottom }, { path }) {
     const [a, b] = [top, bottom].map((depth) => this.position(path.at(depth)));
@@ -248,7 +248,7 @@ export class Gpu {
     return minus(eastNorthUp(frame.centre), this.origin);
   }
 
-  // What every program needs of a tile and of the look.
+  // Return the uniforms that every program needs, from a tile and from the look.
   /** @param {Tile} tile @param {Look} look */
   common(tile, { store, path, view, quantity, glow, dark }) {
     const textures = this.textures(tile);
@@ -337,7 +337,7 @@ export class Gpu {
     return seen && [rect.left + ((seen[0] + 1) / 2) * rect.width, rect.top + ((1 - seen[1]) / 2) * rect.height];
   }
 
-  // A step of some metres to the side of the hole as seen on screen: to the right, or up where it lies level.
+  // Return a step of `metres` to the side of the hole as seen on screen: to the right, or upwards where the hole lies level.
   /** @param {Frame} frame @param {number} metres */
   aside(frame, metres) {
     const [right, up, back] = this.camera.axes;
@@ -348,7 +348,7 @@ export class Gpu {
     return scaled(normalised(side), metres * sign);
   }
 
-  // A direction as seen: right, up, towards the eye.
+  // Return a direction as the camera sees it: right, up, towards the eye.
   /** @param {Vector} direction */
   facing(direction) {
     return this.camera.facing(direction);
@@ -358,7 +358,8 @@ export class Gpu {
 const BIT_SHARE = 0.2; // the bit's radius, as a share of the column's width
 const COLUMN_SHAPE = 3; // the shape's exaggeration in the column, where the user chose none
 
-// Pixels a metre across the column, how many times more than along it, the shape's exaggeration about the bit.
+// Return the scale of the column: pixels a metre across the hole, how many times this is the scale along the hole, and the
+// exaggeration of the shape about bit radius.
 /** @param {Look} look */
 export function columnScale({ store, view, wallRect }) {
   const perMetre = (BIT_SHARE * wallRect.width) / store.bitRadius;

@@ -5,7 +5,7 @@
 //   toolface   = startToolface + 360 col / K
 //   quad k     = (k, k+1, k+1+K, k+K): it exists when all four vertices have a radius
 //
-// The overview is made of level rings instead: all of row R lies at startDepth + R pitch, and cell k is there when its own
+// The overview is made of level rings instead: all of row R lies at startDepth + R pitch, and cell k exists when its own
 // vertex has a radius. Angles in degrees, depths in metres, all in float64. Nothing here knows tiles, bytes or pixels.
 
 /** @param {number} angle */
@@ -34,7 +34,7 @@ export class Helix {
   }
 
   // The quad that covers (depth, toolface); negative or beyond the end if the wall does not reach there. For an image that was
-  // measured in rows [an edge between two, height]: the one with the value of the row that covers it.
+  // measured in `rows` [depth of an edge between two rows, height of a row]: the quad that has the value of the row at `depth`.
   /** @param {number} depth @param {number} toolface @param {Pair | null} [rows] */
   quadAt(depth, toolface, rows = null) {
     const across = (wrap360(toolface - this.startToolface) / 360) * this.sectors;

@@ -41,7 +41,7 @@ export class Host {
     else if (data.depths) this.show?.(data.depths[0], data.depths[1]);
   }
 
-  // As `fetch` of the server.
+  // Take the place of `fetch`: the kernel answers.
   /** @type {(address: RequestInfo | URL, request?: RequestInit) => Promise<Response>} */
   fetch(address, { method = 'GET', body = '' } = {}) {
     const id = crypto.randomUUID();

@@ -39,7 +39,7 @@ export function bindTracks(app) {
     pointers.set(event.pointerId, [x, y]);
     ink.setPointerCapture(event.pointerId);
     const head = headAt(app.rects, x, y);
-    if (pointers.size > 1) { // a second finger: pinch, whatever the first one began
+    if (pointers.size > 1) { // two fingers zoom: cancel what the first finger began
       app.picking.cancel();
       drag = null;
       return;
@@ -89,7 +89,8 @@ export function bindTracks(app) {
   }, { passive: false });
 }
 
-// The head of a track under the pointer, and whether it is at its right edge: a drag there changes the width, else the order.
+// Return the track whose head is under the pointer, and whether the pointer is at the head's right edge: a drag there changes
+// the width of the track, a drag elsewhere on the head changes the order of the tracks.
 /** @param {Rects} rects @param {number} x @param {number} y */
 function headAt(rects, x, y) {
   if (y >= HEAD) return null;
@@ -258,7 +259,7 @@ function bindHistogram(app) {
   canvas.addEventListener('pointerup', () => (end = null));
 }
 
-// The dialog puts the focus on its button, at the bottom: show its top.
+// The browser scrolls to the dialog's button, at the bottom, to give it the focus: scroll back to the top.
 function openHelp() {
   byId('help').showModal();
   byId('help').scrollTop = 0;
@@ -269,7 +270,7 @@ export function bindKeys(app) {
   window.addEventListener('keydown', (event) => {
     const target = /** @type {HTMLElement} */ (event.target);
     const { tagName } = target;
-    if (event.key === 'Enter' && tagName === 'INPUT' && !byId('note').open) target.blur(); // so that keys are keys again
+    if (event.key === 'Enter' && tagName === 'INPUT' && !byId('note').open) target.blur(); // so that keys act on the page again
     const typing = /^(INPUT|SELECT|TEXTAREA)$/.test(tagName) || byId('help').open || byId('note').open;
     if (!typing && (event.ctrlKey || event.metaKey) && !event.altKey && /^[zy]$/i.test(event.key) && app.picking.on) {
       event.preventDefault();

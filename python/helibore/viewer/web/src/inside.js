@@ -1,5 +1,5 @@
-// The borehole camera: the eye on the hole's axis at one end of the section, looking along it, up on the picture where
-// up is (in a vertical hole: toolface 0). The wheel moves the section and so the eye; a drag turns the head.
+// The borehole camera: the eye is on the hole's axis at one end of the section and looks along the axis. The top of the
+// picture is up or, in a vertical hole, toolface 0. The wheel moves the section and so the eye; a drag turns the head.
 
 import { HEAD, label, PALETTES, SMALL, BOLD } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
@@ -9,7 +9,7 @@ import { LENGTHS, showDepth } from './units.js';
 import { ticks } from './view.js';
 
 export const WIDE = 75; // degrees of view
-const FARTHEST = 1.2; // radians the head turns
+const FARTHEST = 1.2; // radians that the head turns at most
 
 /** @param {Camera} camera @param {Gpu} gpu @param {Look} look @param {{ left: number, raised: number }} head */
 export function placeInside(camera, gpu, { path, view, store, wallRect }, head) {
@@ -32,7 +32,7 @@ export function turnHead(head, dx, dy) {
   head.raised = within(head.raised + 0.004 * dy);
 }
 
-// Rings at round depths, each with its depth above it, and the letters of the dial on the nearest.
+// Rings at round depths, each with its depth above it, and on the nearest ring the letters of the sides.
 /** @param {Ink} ink @param {Look} look @param {Gpu} gpu */
 export function drawInsideInk(ink, look, gpu) {
   const { view, path, store, rects } = look;

@@ -1,5 +1,5 @@
-// The lamp: is the data live, late or lost, how old is the newest sample, how far is the wall behind the bit. An alarm of the
-// feed that lasts, silenced or not, makes it late at once; a source that is not connected makes it lost at once.
+// The lamp: is the data live, late or lost, how old is the newest sample, how far is the wall behind the bit. It shows "late"
+// as long as the feed has an alarm, silenced or not, and "lost" as long as a source is not connected.
 
 import { shortOf } from './alarms.js';
 import { byId } from './panel.js';
@@ -33,7 +33,7 @@ function troubleOf({ alarms: { feed }, lost }) {
   return feed.length ? `${shortOf(feed[0])}${feed.length > 1 ? ` +${feed.length - 1} more` : ''}` : '';
 }
 
-// Colour, text, and the one word of it that rig mode has room for.
+// Return the colour, the text, and the one part of the text that rig mode has room for.
 /** @param {App} app */
 export function lampWords({ status, words, store, alarms, lost, bitDepth, newest, ended, sources, lastWrite, replay, contents, view }) {
   if (status === 'waiting') {
@@ -58,7 +58,7 @@ export function lampWords({ status, words, store, alarms, lost, bitDepth, newest
   return [colour, parts.join(' · '), trouble || (late ? 'no new data' : colour === 'live' ? 'live' : parts[0])];
 }
 
-// A bit that was lifted is within the wall.
+// Return how far the wall is behind the bit or, if the bit was lifted, how far the bit is back in the wall.
 /** @param {Store} store @param {number} bitDepth @param {Units} units */
 function behind(store, bitDepth, units) {
   const ahead = (bitDepth - store.end) * Math.sign(store.levels[0].pitch);

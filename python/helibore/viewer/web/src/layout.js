@@ -13,9 +13,9 @@ const FOOT = 20;
 
 const DIPS = { desk: 84, phone: 70 }; // on a phone no wider than the caliper
 const NARROWEST = 64; // pixels of a track
-const PANE = { straight: 212, path: 330 }; // that the hole has at least, with its controls above it in two lines
+const PANE = { straight: 212, path: 330 }; // pixels that the hole has at least, so that its controls fit in two lines above it
 const COLUMN = 1100; // pixels that the straightened hole is wide at most
-const LANE = 58; // pixels beside it for the sizes of the zones, so that none stands on the hole
+const LANE = 58; // pixels beside the straightened hole for the sizes of the zones, so that no size stands on the hole
 /** @param {boolean} measured @param {boolean} rig */
 export const laneOf = (measured, rig) => (measured && !rig ? LANE : 0);
 const PHONE = 600; // a narrower stage has room for the image and the caliper alone
@@ -126,9 +126,9 @@ export function within(ink, { left, top, width, height }, draw) {
 }
 
 // Draw a text, on a halo if a colour for it is given. The canvas keeps the box of every text until the next frame (`sized`
-// deletes the boxes). If `near` has places, from (x, y), the text is drawn at the first of them where it keeps clear of the texts
-// and lines that were drawn before. If `yields` is set, it is not drawn where there is none, or without `near` where its box, and
-// `margin` pixels around it, would touch the box of another text.
+// deletes the boxes). `near` holds places, relative to (left, top): the text is drawn at the first of them where it touches no
+// text and no line that was drawn before. Without `near` the place is (left, top), and lines do not count. If `yields` is set, a
+// text that has no free place is not drawn. `margin` is how many pixels a text keeps clear of other texts.
 /**
  * @typedef {{ colour: string, halo?: string, align?: CanvasTextAlign, baseline?: CanvasTextBaseline, font?: string | null, near?: Pair[], yields?: boolean, margin?: number }} Lettering
  * @param {Ink} ink

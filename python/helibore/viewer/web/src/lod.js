@@ -1,6 +1,6 @@
 // How coarse the 3-D grid may be. A tile is a grid of (sectors + 1)(rows + 1) vertices that the vertex shader places; an
 // index buffer that skips columns and rows draws it coarser, from the same textures and with every quad's own colour.
-// Strides are chosen from the size of a quad in pixels, around and along the hole apart: a long thin tube is coarse
+// Strides are chosen from the size of a quad in pixels, separately around and along the hole: a long thin tube is coarse
 // around and fine along, or the other way round.
 
 export const COL_STRIDES = [1, 2, 4, 8];

@@ -68,7 +68,7 @@ function noteFrom(part) {
   }
 }
 
-// On the image: a line at the depth, the text over it, as much as the track has room for.
+// Draw the notes on the image: a line at the depth and, above the line, as much of the text as the track has room for.
 /** @param {Ink} ink @param {Look} look */
 export function drawNotes(ink, { view, rects, notes }) {
   const palette = PALETTES[view.theme];

@@ -61,7 +61,7 @@ export function options(id, pairs) {
   byId(id).replaceChildren(...pairs.map(([value, text]) => new Option(text, String(value))));
 }
 
-// Names with their values, and what each means as a title where it is given.
+// Write pairs of name and text to a list; a third text is the tooltip of both.
 /** @param {string} id @param {string[][]} pairs */
 export function write(id, pairs) {
   const list = byId(id);
@@ -197,8 +197,8 @@ export function writeBrief({ view, zones, path, store }, read, figures) {
   ]);
 }
 
-// What the figures of a section count.
 const LEAST_SHARE = 0.0005; // of a section: less is not written
+// What the figures of a section count, for their tooltips.
 const MEANINGS = {
   measured: 'Share of the wall between two samples that are at most largest_gap (at first 60°) apart around the hole, among the samples within gap_reach (at first 0.5 m) of its depth; empty: without a radius',
   volume: 'Of the turns that have a radius all around; the others count nothing',
@@ -224,8 +224,8 @@ export function sectionText(store, summary, units) {
   ];
 }
 
-// The zones, worst first; a click shows one. The zone at the cursor is marked, a depth out of view grey. Without any, the
-// title says `none`, or the card is hidden.
+// The zones, worst first; a click shows one. The zone at the cursor is marked, depths out of view are grey. Without a
+// zone, the title is the text `none`; if that is empty, the card is hidden.
 /** @param {Zone[]} zones @param {View} view @param {Alarms} alarms @param {(zone: Zone) => void} show @param {string} none */
 export function listZones(zones, view, alarms, show, none) {
   const { units, theme } = view;
@@ -328,7 +328,8 @@ function foldColour(redraw) {
   colour.addEventListener('toggle', redraw);
 }
 
-// The histogram of the section with the ends of the range; `ends` maps between values and pixels for the drag.
+// The histogram of the section with the ends of the range; `ends` returns the values at its two ends; `x` and `value`
+// convert between values and pixels for the drag.
 export class Histogram {
   scale = [0, 1]; // values at its ends
 

@@ -1,7 +1,7 @@
 // The frames of the path: centre, direction of toolface 0 and of toolface 90, one every `step` metres of depth.
 // The wall point at (depth, toolface, R) is centre + R (cos(toolface) high + sin(toolface) right), north east down.
 //
-// Seen in the plane across the hole, up and north are angles on the tool's dial; both hold in any frame:
+// In the plane across the hole, up and north are angles on the tool's dial. From the directions of any frame:
 //   toolface of up    = atan2(-right.down, -high.down)       undefined where the hole is vertical
 //   toolface of north = atan2(right.north, high.north)       undefined where the hole runs north or south
 
@@ -14,7 +14,7 @@ export class Path {
   /** @param {number} startDepth @param {number} step @param {string | null} [reference] @param {boolean} [assumed] */
   constructor(startDepth, step, reference = null, assumed = false) {
     this.surveyed = false; // if false, the hole is drawn straight and vertical, and true depth is not known
-    this.reference = reference; // what toolface 0 is, if it is not surveyed
+    this.reference = reference; // the direction of toolface 0, for a hole that is not surveyed
     this.assumed = assumed; // nothing states what toolfaces count from
     /** @type {Vector | null} */
     this.trueDepth = null; // [start, stop, down]: where the survey gives true depths, and their zero
@@ -61,7 +61,7 @@ export class Path {
     return { centre: mix(this.centre, 3, 0, 3), high, right, tangent: cross(high, right) };
   }
 
-  // True vertical depth; NaN where the survey does not give one, and above and below the frames, which are the wall's.
+  // True vertical depth; NaN where the survey does not give one, and above the first and below the last frame.
   /** @param {number} depth */
   tvd(depth) {
     const [start, stop, down] = this.trueDepth ?? [NaN, NaN, NaN];

@@ -2,7 +2,8 @@
 //
 //   u8 type | u8 level | u16 mask | u32 tile, first, count, total, sequence | f64 time | payload       little endian
 //
-// Arrays are views into the message, never copies: the tile store copies them once, to where they stay.
+// Arrays are views into the message, and the tile store copies them to where they stay. Only texels without the radii of the
+// first pass are copied here, too.
 
 export const HEAD = 32;
 export const WRITE = 1;
@@ -81,7 +82,7 @@ export const encodeAck = (session, sequence) => JSON.stringify({ session, ack: s
 export const encodeSubscribe = (session, tiles, focus, mask) =>
   JSON.stringify({ session, subscribe: { tiles, focus, mask } });
 
-// Sorted tile numbers as half-open ranges, at most `most` of them: beyond that the nearest ones become one.
+// Sorted tile numbers as half-open ranges, at most `most` of them: if there are more, the nearest ones are joined.
 /** @param {number[]} numbers @param {number} [most] */
 export function toRanges(numbers, most = 64) {
   /** @type {Pair[]} */

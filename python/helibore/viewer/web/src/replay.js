@@ -8,7 +8,7 @@ import { showClock } from './units.js';
 const RUN = 20; // seconds to play all of it
 const STEP = 0.25;
 
-// Of {time, vertices, bit_depth}, the last point that is not later than a moment.
+// Return vertices and bit depth of the last point that is not later than a moment; before all points, those of the first.
 /** @param {WellHistory} wellHistory @param {number} moment */
 export function momentAt({ time, vertices, bit_depth: bit }, moment) {
   let [a, b] = [0, time.length];
@@ -34,7 +34,7 @@ export class Replay {
     /** @type {WellHistory} */
     this.points = { time: [], vertices: [], bit_depth: [] };
     /** @type {Pass} */
-    this.pass = 'latest'; // before
+    this.pass = 'latest'; // the pass that was shown before the replay
     /** @type {number | undefined} */
     this.playing = undefined;
     byId('replayOpen').addEventListener('click', () => this.toggle());

@@ -1,6 +1,7 @@
 // A tile's textures are drawn in three ways: wound around the hole (3-D), around a straight axis (the column) and cut open
-// (the image track). All find the quad under a pixel as helix.js does and colour it with the same function. `texels` holds radius, first-pass radius, nearest distance, state (protocol.py);
-// `frames` has one column a frame: centre and toolface of up, high and toolface of north, right.
+// (the image track). All find the quad under a pixel as helix.js does and colour it with the same function. `texels` holds
+// radius, first-pass radius, nearest distance, state (protocol.py); `frames` has one column for each frame, with three lines:
+// centre and toolface of up; high and toolface of north; right.
 
 const COMMON = /* glsl */ `
 precision highp float;
@@ -16,7 +17,7 @@ uniform float startToolface;  // radians
 uniform float radiusUnit, nearestUnit, bitRadius;
 uniform float firstFrame, frameStep; // place of the tile's start among its frames; metres between two
 uniform bool firstPass;
-uniform vec2 imageRows;       // of an image that was measured in rows: an edge between two, from the tile's start, and their height; else 0
+uniform vec2 imageRows;       // of an image that was measured in rows: an edge between two rows, from the tile's start, and the height of a row; else 0
 
 float slope() { return rings ? 0.0 : 1.0; }
 ivec2 place(int k) { return ivec2(k % K, k / K); }
@@ -27,8 +28,9 @@ vec4 frame(int line, float depth) {
   int i = clamp(int(floor(f)), 0, last - 1);
   return mix(texelFetch(frames, ivec2(i, line), 0), texelFetch(frames, ivec2(i + 1, line), 0), f - float(i));
 }
-// The turn whose quad is drawn at a depth, so many columns around the hole. An image that was measured in rows is drawn in
-// rows: of the quads in the column, the one whose centre is nearest to the middle of a row has its value.
+// Returns a place along the hole, in turns from the tile's start; its whole part is the row of the quad to draw. The place is
+// that of a depth; across is the place around the hole, in columns. For an image that was measured in rows, the place is the
+// middle of the image row, at the middle of the column: the whole image row then has one value in each column.
 float turnAt(float depth, float across) {
   if (imageRows.y == 0.0) return depth / pitch - slope() * across / float(K);
   float middle = imageRows.x + (floor((depth - imageRows.x) / imageRows.y) + 0.5) * imageRows.y;
@@ -71,9 +73,10 @@ vec3 colourOf(float v, int row) {
   float t = clamp((v - ends.x) / (ends.y - ends.x), 0.0, 1.0);
   return texelFetch(colours, ivec2(int(t * 255.0 + 0.5), 0), 0).rgb;
 }
-// Light on a body, 0 to 1. Full colours stay as they are on the colour bar; pale ones show the form and keep their hue: on the
-// dark page light makes them lighter, on the light page shadow darker, since bit size has the page's colour and would not be
-// seen. A map without a colour of the page has little of it.
+// Returns a colour under light, 0 to 1. Full colours stay nearly as they are on the colour bar. Pale colours show the form and
+// keep their hue: on the dark page, light makes them lighter; on the light page, shadow makes them darker. Without this, a wall
+// at bit size would not be seen, because it has the colour of the page. form: how strong the effect is; small for maps
+// without the colour of the page.
 vec3 lit(vec3 colour, float light) {
   float most = max(colour.r, max(colour.g, colour.b)), least = min(colour.r, min(colour.g, colour.b));
   vec3 c = colour * (0.86 + 0.14 * light);
@@ -86,7 +89,7 @@ vec3 dotted(vec3 colour, int k) {
   bool dot = (texel(k).w & 0x200u) != 0u && (int(gl_FragCoord.x) & 3) < 2 && (int(gl_FragCoord.y) & 3) < 2;
   return dot ? mix(colour, vec3(dark ? 0.0 : 1.0), 0.7) : colour;
 }
-// Between arms the wall is interpolated: faded, with sparse lines that run the other way than those of no data.
+// Where the wall is interpolated between arms, the colour fades, and sparse lines run across the direction of those of no data.
 vec3 interpolated(vec3 colour, int k) {
   if (mode == 5 || (texel(k).w & 0x800u) == 0u) return colour;
   bool line = mod(gl_FragCoord.x + gl_FragCoord.y, 10.0) < 1.3;
@@ -160,7 +163,7 @@ const CELL = /* glsl */ `
 int quad(float depth) {
   int row = clamp(int(floor(grid.y)), 0, rows - 1);
   int level = imageRows.y == 0.0 ? row : int(floor(turnAt(depth, grid.x)));
-  if (level >= 0 && level < rows) row = level; // else a neighbouring tile's
+  if (level >= 0 && level < rows) row = level; // else the quad is in a neighbouring tile
   return row * K + clamp(int(floor(grid.x)), 0, K - 1);
 }
 `;
@@ -169,7 +172,7 @@ const QUAD = /* glsl */ `
 in vec2 grid;
 in vec3 seen;
 in float depthHere;
-uniform float top, bottom;    // metres from the tile's start: what is shown of it
+uniform float top, bottom;    // ends of the shown part of the tile, metres from its start
 ${CELL}`;
 
 export const WALL_FRAGMENT = /* glsl */ `${COMMON}${COLOUR}${QUAD}
@@ -189,14 +192,13 @@ void main() {
 }
 `;
 
-// The hole straightened: depth runs down the picture; not turned, the left edge of the image is at the left, its last quarter
-// in front.
-// The right half of the front is cut away.
+// The straightened hole: depth runs down the picture. If the user has not turned it, the left edge of the image is at the
+// left, and the last quarter of the image is in front. The right half of the front is cut away.
 export const COLUMN_VERTEX = /* glsl */ `${COMMON}${RADII}
 uniform int reference;        // 0 up, 1 north
-uniform float offset;         // radians from it to the left
-uniform float across;         // of half the picture, a metre
-uniform float relief;         // how much slopes along the hole shade
+uniform float offset;         // radians from the reference to the left side
+uniform float across;         // half widths of the picture a metre
+uniform float relief;         // how strongly slopes along the hole are shaded
 uniform float viewTop, viewLength; // metres, from the tile's start
 out vec2 grid, side;          // side: unit vector from the axis to the wall; x to the right, y towards the eye
 out float depthHere, light;
@@ -222,7 +224,7 @@ void main() {
 export const COLUMN_FRAGMENT = /* glsl */ `${COMMON}${COLOUR}
 in vec2 grid, side;
 in float depthHere, light;
-uniform float top, bottom;    // metres from the tile's start: what is shown of it
+uniform float top, bottom;    // ends of the shown part of the tile, metres from its start
 uniform float viewTop, pixelHeight; // metres, viewTop from the tile's start
 ${CELL}
 out vec4 colour;
@@ -262,7 +264,7 @@ void main() {
 }
 `;
 
-// Which quad is under a pixel: tile's number (drawn + 1) in alpha, quad in red, green, blue.
+// Which quad is under a pixel: alpha is the tile's number, 1 for the first; red, green and blue are the quad's number in it.
 export const PICK_FRAGMENT = /* glsl */ `${COMMON}${QUAD}
 uniform int number;
 out vec4 colour;
@@ -278,7 +280,7 @@ void main() {
 export const IMAGE_VERTEX = /* glsl */ `
 uniform vec2 screenEnds;      // lower and upper edge in clip space
 uniform vec2 depthEnds;       // the same edges, metres from the tile's start
-out vec2 at;                  // turn of the image from its left edge, depth
+out vec2 at;                  // share of the width from the left edge; depth, metres from the tile's start
 void main() {
   vec2 corner = vec2(float(gl_VertexID & 1), float(gl_VertexID >> 1));
   at = vec2(corner.x, mix(depthEnds.x, depthEnds.y, corner.y));
@@ -288,7 +290,7 @@ void main() {
 
 export const IMAGE_FRAGMENT = /* glsl */ `${COMMON}${COLOUR}
 uniform int reference;        // 0 up, 1 north
-uniform float offset;         // radians from it to the left edge
+uniform float offset;         // radians from the reference to the left edge
 uniform float perPixel;       // turns of the wall a pixel is high: so many quads are averaged
 in vec2 at;
 out vec4 colour;
@@ -299,10 +301,10 @@ void main() {
   int col = min(int(across), K - 1);
   float turn = turnAt(at.y, across);
   int row = int(floor(turn));
-  float slack = 1e-3 + perPixel / 32.0; // corners snap to parts of a pixel: one on the seam belongs to one tile at least
+  float slack = 1e-3 + perPixel / 32.0; // the GPU rounds corners to parts of a pixel: a pixel on the seam then belongs to at least one tile
   if (row < 0 && turn > -slack) row = 0;
   if (row >= rows && turn < float(rows) + slack) row = rows - 1;
-  if (row < 0 || row >= rows || row * K + col + (rings ? 0 : K + 1) >= size) discard; // a neighbouring tile's, or not drilled yet
+  if (row < 0 || row >= rows || row * K + col + (rings ? 0 : K + 1) >= size) discard; // in a neighbouring tile, or not drilled yet
   int many = clamp(int(perPixel + 0.5), 1, 16);
   float sum = 0.0;
   int count = 0;

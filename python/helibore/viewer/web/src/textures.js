@@ -44,7 +44,8 @@ export class TileTextures {
     return kept.texture;
   }
 
-  // {texture, first, origin}: frames around the tile, centres relative to origin (east, north, up), float64 until here.
+  // Return {texture, first, origin}: the frames around the tile, with centres (east, north, up) relative to `origin`, which is
+  // subtracted in float64; `first` is the place of the tile's start among them.
   /** @param {Path} path */
   path(path) {
     if (this.frames?.version === path.version && this.frames.path === path) return this.frames;

@@ -28,7 +28,7 @@ export class Tile {
     this.textures = undefined;
     this.version = 0; // counts writes: what was derived from the tile says which version it saw
     this.used = 0;
-    this.filled = 0; // vertices from the tile's first on that have arrived: what comes again below is a re-scan
+    this.filled = 0; // how many vertices, from the tile's first on, have arrived: a new value for one of them is a re-scan
   }
 
   // Values of one attribute, NaN where none has arrived.
@@ -117,7 +117,7 @@ export class Store {
     return wall.depth(Math.max(0, wall.shown - 1));
   }
 
-  // Show the wall as it was with so many vertices; Infinity for as it is.
+  // Show only the first `vertices` vertices of the wall, as at an earlier moment; Infinity: all.
   /** @param {number} vertices */
   limit(vertices) {
     const [wall, over] = this.levels;

@@ -1,4 +1,4 @@
-// A turn of the wall as a caliper sees it: sectors radii around the hole.
+// A turn of the wall as a caliper sees it: one radius for each sector around the hole.
 //
 //   diameter(j) = r(j) + r(j + K/2)          smallest and largest over j
 //   C1, C2      = the largest diameter, and diameter(j + K/4) at a right angle to it: zones are judged by them
@@ -11,7 +11,8 @@ import { FIRST, INTERPOLATED, RADIUS, STATE, TEXEL } from './protocol.js';
 
 const TAU = 2 * Math.PI;
 
-// Of radii (NaN missing), evenly spaced: {min, max, c1, c2, maxAt, area, radiusMin, radiusMax, share}; at = index.
+// Return {min, max, c1, c2, maxAt, area, radiusMin, radiusMax, share} of evenly spaced radii (NaN: missing). `maxAt` is the
+// index of the largest diameter, `share` the share of the radii that are not missing.
 /** @param {Floats} radii */
 export function measure(radii) {
   const K = radii.length;
@@ -42,7 +43,7 @@ export function measure(radii) {
   return out;
 }
 
-// With an odd number of sectors the opposite wall lies between two of them.
+// Return the radius opposite to the j-th. If the number of sectors is odd, it is the mean of two radii.
 /** @param {Floats} radii @param {number} j @param {number} half */
 function opposite(radii, j, half) {
   const K = radii.length;
@@ -62,7 +63,7 @@ export function turn(store, level, k, column = RADIUS) {
   return radii;
 }
 
-// Values of an attribute on the quads of that turn, NaN where there is none.
+// Values of an attribute on the quads of the turn that begins at vertex k, NaN where there is none.
 /** @param {Store} store @param {Level} level @param {number} k @param {string} name */
 export function attributeOf(store, level, k, name) {
   const bit = store.attributes.findIndex((one) => one.name === name);
@@ -72,7 +73,7 @@ export function attributeOf(store, level, k, name) {
   });
 }
 
-// Which vertices of that turn are interpolated between arms or have no radius, as 1.
+// For each vertex of the turn that begins at vertex k: 1 if it is interpolated between arms or has no radius, else 0.
 /** @param {Level} level @param {number} k */
 export function unmeasured(level, k) {
   return Uint8Array.from({ length: level.sectors }, (_, j) => {
@@ -81,8 +82,8 @@ export function unmeasured(level, k) {
   });
 }
 
-// The least and the greatest diameter of every turn of a tile, its C2, and whether most of it is interpolated between arms; kept with
-// the tile until it changes.
+// The least and the greatest diameter of every turn of a tile, its C2, and whether most of it is interpolated between arms;
+// kept with the tile until it changes.
 /** @param {Store} store @param {Tile} tile @param {boolean} [first] */
 export function tileTurns(store, tile, first = false) {
   const pass = first ? 'first' : 'latest';

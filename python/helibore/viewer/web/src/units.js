@@ -47,13 +47,13 @@ export const showValue = (value, unit = '') => {
 export const showQuantity = (quantity, value, units) =>
   quantity.length ? showLength(value, units) : showValue(value, quantity.unit);
 
-// The number alone, for a scale or an input field; and back.
+// The factor from a value (lengths: metres) to the number that is shown, and the unit of this number.
 /** @param {Pick<Quantity, 'unit' | 'length'>} quantity @param {Units} units */
 export const scaleOf = (quantity, units) => (quantity.length ? LENGTHS[units].scale : 1);
 /** @param {Pick<Quantity, 'unit' | 'length'>} quantity @param {Units} units */
 export const unitOf = (quantity, units) => (quantity.length ? LENGTHS[units].unit : (quantity.unit ?? ''));
 
-// A share as per cent, one decimal, never a negative nought.
+// A share as per cent, one decimal; a negative share that rounds to 0.0 has no sign.
 /** @param {number} share */
 export const showPercent = (share) => {
   if (!Number.isFinite(share)) return '–';
@@ -70,7 +70,7 @@ export const showAge = (seconds) => {
   return `${Math.round(seconds / 86400)} d`;
 };
 
-// Seconds since 1970 as the clock on the wall here; the day too where it is not today.
+// Seconds since 1970 as the local time of this machine, with the date if it is not today.
 /** @param {number} seconds @param {Date} [now] */
 export const showClock = (seconds, now = new Date()) => {
   const at = new Date(1000 * seconds);

@@ -16,7 +16,7 @@ const NARROWEST = 64; // pixels of a track
 // From where the 3-D view is seen.
 export const CAMERAS = { straight: 'straight', outside: 'on its path', down: 'inside, down', up: 'inside, up' };
 
-// What the user chooses, at first.
+// What the user can choose, with the values at first.
 class Settings {
   quantity = 'over';
   cut = /** @type {Cut} */ ('top');
@@ -24,13 +24,13 @@ class Settings {
   pass = /** @type {Pass} */ ('latest');
   theme = /** @type {Theme} */ ('light');
   tube = 0; // 0: chosen from the section
-  shape = 0; // 0: 3 in the column, true elsewhere
+  shape = 0; // 0: × 3 in the column, the true shape elsewhere
   median = 1;
   follow = true;
   camera = /** @type {keyof typeof CAMERAS} */ ('straight');
   turn = 0; // degrees that the straightened hole is turned, so that more of it is at the right
-  turned = false; // by hand
-  tab = 'log'; // of a narrow screen
+  turned = false; // whether the user turned the hole by hand
+  tab = 'log'; // the open tab of a narrow screen
   rig = false; // large digits; follows the bit, whatever the user does
 }
 const DEFAULTS = new Settings();
@@ -55,8 +55,8 @@ export class View extends Settings {
   /** @type {string[]} */
   beside = []; // ids of the quantities whose images stand beside the first
   imagesChosen = false; // by the address or the user
-  sized = false; // by the address, or the first time: how long the section is
-  themeChosen = false; // by the address or the user; else it is that of the machine
+  sized = false; // whether the address, or the first wall of the page, has set how long the section is
+  themeChosen = false; // by the address or the user; if not, the theme is that of the machine
   /** @type {string[]} */
   curves = []; // names of the curves along the hole that are shown
   curvesChosen = false; // by the address or the user

@@ -1,4 +1,4 @@
-// The ink over the 3-D view along the path: see `drawWallInk`.
+// The ink over the 3-D view: the hole's axis in gaps, zones and depths beside the hole, the compass, the exaggerations in words.
 
 import { BAR, drawColourBar } from './color_bar.js';
 import { wallPoint } from './dips.js';
@@ -10,7 +10,7 @@ import { LENGTHS, showDepth } from './units.js';
 import { dot, eastNorthUp, minus } from './vectors.js';
 import { CAMERAS, ticks } from './view.js';
 
-// In the 3-D view: the hole's axis in gaps, zones and depths beside the hole, the compass, the exaggerations in words.
+// The arms of the compass: name, and direction (east, north, up).
 /** @type {[string, number[]][]} */
 const ARROWS = [['N', [0, 1, 0]], ['E', [1, 0, 0]], ['up', [0, 0, 1]]];
 
@@ -132,7 +132,7 @@ function compass(ink, gpu, rect, palette) {
   }
 }
 
-// The cursor's depth around the side of the wall that is seen.
+// Draw a line at the cursor's depth around the visible side of the wall.
 /** @param {Ink} ink @param {Look} look @param {number} depth @param {Gpu} gpu @param {Palette} palette */
 function cursorRing(ink, { view, path, store, rects }, depth, gpu, palette) {
   const { centre } = path.at(depth);

@@ -4,7 +4,7 @@ import { inkOn, label, SMALL_BOLD } from './layout.js';
 import { showSigned } from './units.js';
 
 export const LETTERS = { washout: 'W', breakout: 'B', 'key seat': 'K', undergauge: 'U' };
-// What `measure` is the extreme of, in short.
+// The quantity whose extreme in a zone is `measure`, in short.
 export const MEASURES = { washout: 'C2 − bit', breakout: 'C1 − C2', 'key seat': 'height', undergauge: 'least − bit' };
 const NEAR = 1e-6;
 export const FRONT = 270; // degrees from the left edge of the image to the front of the straightened hole that is not turned
@@ -32,8 +32,8 @@ export function jump(zones, depth, step) {
   return sorted[at < 0 ? (step > 0 ? 0 : sorted.length - 1) : (at + step + sorted.length) % sorted.length] ?? null;
 }
 
-// How far the straightened hole is turned where the side of a zone is in front. Of the two sides of a breakout, the one that is
-// nearer counts. `left`: toolface at the left edge of the image; `before`: how far it is turned already.
+// Return how far the straightened hole must be turned, degrees, so that the side of a zone is in front. Of the two sides of a
+// breakout, the nearer one counts. `left`: toolface at the left edge of the image; `before`: how far the hole is turned now.
 /** @param {Zone} zone @param {number} left @param {number} before */
 export function turnTowards({ kind, toolface }, left, before) {
   if (toolface === undefined) return before;
@@ -51,7 +51,7 @@ export const zoneText = (zone, units) => (zone ? `${zone.kind} ${showSigned(zone
 
 export const STRIP = 14; // pixels of the strip beside the depths: as wide as the widest letter
 
-// A strip of all zones, `width` wide from `left`; `y` maps a depth, `ends` bound it.
+// A strip of all zones, `width` wide from `left`; `y` maps a depth to pixels; the strip lies between the pixels `ends`.
 /** @param {Ink} ink @param {Zone[]} zones @param {(depth: number) => number} y @param {number} left @param {number} width @param {Pair} ends @param {Palette} palette @param {typeof fill} [draw] */
 export function drawZones(ink, zones, y, left, width, [top, bottom], palette, draw = fill) {
   for (const { kind, start, stop } of zones) {
