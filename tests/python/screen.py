@@ -38,6 +38,7 @@ FLAGS = [
     *("--headless=new", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking"),
     *("--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader"),
     *("--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"),
+    "--disable-gpu-compositing",  # software GL is slow: it draws WebGL, and nothing else of the page
 ]
 PATIENCE = 40.0  # seconds: software GL on a busy machine
 
@@ -124,7 +125,10 @@ class Screen:
         """Open the page. Not ``drawn``: only text and ink are drawn, no WebGL."""
         self.requests: list[str] = []
         self.errors: list[str] = []
-        self.page = browser.new_page(viewport={"width": size[0], "height": size[1]})
+        # A tab of the first window: a window of its own costs half a second of processor time.
+        context = browser.contexts[0] if browser.contexts else browser.new_context()
+        self.page = context.new_page()
+        self.page.set_viewport_size({"width": size[0], "height": size[1]})
         self.page.on("request", lambda request: self.requests.append(request.url))
         self.page.on("websocket", lambda socket: self.requests.append(socket.url))
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
@@ -204,6 +208,8 @@ class Screen:
         return dict(zip(flat[::2], flat[1::2], strict=True))
 
     def close(self) -> None:
+        """Close the page, whose tab stores nothing for the next; an AssertionError names errors of its scripts."""
+        self.page.evaluate("localStorage.clear()")
         self.page.close()
         assert self.errors == []
 

@@ -114,8 +114,8 @@ def test_a_hidden_page_catches_up_at_once() -> None:
         page.show()
         until(lambda: page.evaluate("!window.__wall.app.scheduled"))
         caught = page.evaluate(f"({CAUGHT_UP})()")
-        frames = caught["frames"] - before["frames"]  # the alarm of a new zone takes a row: drawn again
-        assert frames in (1, 2)
+        # One; another for the row of the alarm of a new zone; and what glows fades, up to five times a second.
+        assert 1 <= caught["frames"] - before["frames"] < 20, "not one for each of the 60 appends"
         np.testing.assert_allclose(caught["radius"], wall.radius[np.arange(41_000, 100_000, 777)], atol=5.1e-6)
         assert caught["bytes"] - before["bytes"] < 20 * 60_000
 

@@ -456,8 +456,7 @@ export class App {
 
   draw() {
     applyTheme(this.view);
-    document.body.classList.toggle('rig', this.view.rig);
-    if (!this.store || !this.path.count || !this.rects) return;
+    if (!this.store || !this.path.count || !this.rects) return writeRig(this);
     const began = performance.now();
     clearTimeout(this.timers.unseen);
     this.timers.unseen = undefined;

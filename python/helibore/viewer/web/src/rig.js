@@ -37,8 +37,9 @@ function cell(id, digits, unit, more) {
 /** @param {App} app */
 export function writeRig(app) {
   const { view, store, path, bit, zones, summary, alarms } = app;
-  byId('rig').hidden = !view.rig;
-  if (!view.rig) return;
+  byId('rig').hidden = !view.rig || !store;
+  document.body.classList.toggle('rig', view.rig);
+  if (!view.rig || !store) return;
   const [top, bottom] = recent(store);
   for (const at of document.getElementsByClassName('recent')) at.textContent = `last ${showDepth(bottom - top, view.units, 0)}`;
   const { scale, unit } = LENGTHS[view.units];

@@ -1,6 +1,6 @@
 // The shapes that several modules share; the modules are plain JavaScript, and name these in their comments.
 
-// Others read the state of the page and call the actions of these two; only their own modules change it.
+// Every module may read the state of App and Alarms and call their actions; only main.js and alarms.js change that state.
 type App = Readonly<import('./main.js').App>;
 type Alarms = import('./alarms.js').Alarms;
 type Camera = import('./camera.js').Camera;
