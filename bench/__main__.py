@@ -1,4 +1,4 @@
-"""Run the benchmarks of `NAMES`: ``python -m bench``, or some of them: ``python -m bench reconstruction appends``.
+"""Run the benchmarks of `NAMES`: ``python -m bench``, or only those named: ``python -m bench reconstruction appends``.
 
 The command prints one line for each figure, and writes all figures to bench-results.json and bench-results.html.
 Compare ratios and their spread (``python -m bench compare BEFORE.json AFTER.json``), because absolute times depend on

@@ -1,6 +1,6 @@
 """Compare the benchmarks of two revisions: ``python -m bench compare BEFORE.json AFTER.json``.
 
-Each file is what ``python -m bench`` wrote at a revision. Several files of each revision, made in turn, are more
+``python -m bench`` wrote each file at one revision. Several files of each revision, made alternately, are more
 reliable: ``compare before1.json,before2.json after1.json,after2.json``. Every ratio to a peer or a copy was measured in
 rounds, so its spread is known. A ratio has changed if its spreads before and after do not overlap; other differences
 are noise.

@@ -1,4 +1,4 @@
-"""Measure the time of several functions, here called works, in turn in one run, so that all see the same machine."""
+"""Measure the time of several functions, here called works, alternately in one run on the same machine."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def repeated(work: Callable[[], object], until: Callable[[], bool] | None = None
 
 
 def in_turn(works: dict[str, Callable[[], object]], rounds: int) -> dict[str, list[float]]:
-    """Return, by name of work, the seconds in each round, as `repeated` measures them; works run in turn in a round."""
+    """Return, by name of work, the seconds in each round, as `repeated` measures them; a round measures every work."""
     seconds: dict[str, list[float]] = {name: [] for name in works}
     for _ in range(rounds):
         for name, work in works.items():
@@ -49,7 +49,7 @@ def in_turn(works: dict[str, Callable[[], object]], rounds: int) -> dict[str, li
 def ratio(above: list[float], below: list[float]) -> dict[str, float]:
     """Return median, least and greatest of the ratios of the rounds, and the ratio of the least times, "undisturbed".
 
-    On an undisturbed machine, all ratios would be near this last one, because other programs can only add to a time.
+    On an undisturbed machine, all ratios would be near this last ratio, because other programs can only add to a time.
     """
     ratios = [a / b for a, b in zip(above, below, strict=True)]
     least = min(above) / min(below)
@@ -57,12 +57,12 @@ def ratio(above: list[float], below: list[float]) -> dict[str, float]:
 
 
 def milliseconds(seconds: list[float]) -> float:
-    """Return the median of some seconds, in milliseconds."""
+    """Return the median of times in seconds, in milliseconds."""
     return 1000 * statistics.median(seconds)
 
 
 def machine() -> dict[str, Any]:
-    """Return what the figures were measured on: processor, cores, versions."""
+    """Return the machine on which the figures were measured: processor, cores, versions."""
     processor = "unknown"
     names = Path("/proc/cpuinfo")
     if names.exists():

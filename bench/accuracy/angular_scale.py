@@ -2,11 +2,11 @@
 
     python -m bench.accuracy.angular_scale
 
-Washouts, breakouts and spirals continue for decimetres along the hole, while a lobe ends within centimetres around it.
-``angular_scale`` stretches the arc in the distance, so that neighbours come from above and below first. The benchmark
-measures 28 m of ``helibore.simulation.hole.Hole.example`` (oval, spiral, rough, washed and broken out) with tools of
-various density and 0.5 mm of noise. It prints the rms of rebuilt minus true radius, mm. The default scale is 1, true
-arcs, which favours no direction; the published method has 2.
+Washouts, breakouts and spirals continue for decimetres along the hole, while a lobe ends within centimetres around the
+hole. ``angular_scale`` stretches the arc in the distance, so that neighbours come from above and below first. The
+benchmark measures 28 m of ``helibore.simulation.hole.Hole.example`` (oval, spiral, rough, washed and broken out) with
+tools of various sample density and 0.5 mm of noise. It prints the rms of rebuilt minus true radius, mm. The default
+scale is 1, true arcs, which favours no direction; the published method has 2.
 """
 
 from __future__ import annotations

@@ -3,8 +3,8 @@
     python -m bench.accuracy.eccentering [centres] [whirls] [walls]
 
 "centres": 300 turns of a simulated tool 10 mm off centre (tests/python/preparation/test_eccentering.py), each case with
-two seeds. Unless a case is "one hole", each turn has random toolfaces and a shape of its own, so that no turn helps
-another.
+two seeds. Unless a case is "one hole", each turn has random toolfaces and its own shape, so that a turn says nothing
+about other turns.
 
     error    rms over the samples of corrected minus true radius, without each sample's own noise, mm
     bound    least rms of an unbiased fit (Cramer and Rao) that knows shape and place of oval and lobes but not their
@@ -19,7 +19,7 @@ printed, each with two seeds that no test uses.
 
 "walls": the rms error of a wall that ``hb.reconstruct`` makes from half of the samples, and its causes:
 
-    points   samples at their true places, without noise and centred; only interpolation errs
+    points   samples at their true places, centred and without noise; the error is that of interpolation
     noise    the same samples with their noise
     found    samples as measured, recentred by the library
     left     sqrt(found^2 - noise^2), the error that the correction adds

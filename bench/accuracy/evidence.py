@@ -1,13 +1,13 @@
-"""Measure the errors of walls, and whether `Wall.sigma` states them rightly; write docs/evidence.md and its figures.
+"""Measure the errors of walls, and whether `Wall.sigma` states these rightly; write docs/evidence.md and its figures.
 
     ./develop evidence [SEED ...]
 
-Cases combine five kinds of hole whose true shape is known; three rotating tools, a tool with four fixed arms,
-stick-slip and telemetry; three noises; and several seeds. Each hole is rebuilt by default settings, by kriging, by
-tuned settings, and by other methods and libraries (`peers`) if they are installed. The page also has the published
-experiment (`published`), and passes of a real caliper, each predicted from the others. A ratio is the rms error of a
-method divided by that of the default settings. Means of ratios are geometric, with 95 % intervals by bootstrap over
-cases. helibore was not developed with these seeds.
+Cases combine five kinds of hole whose true shape is known; six ways to measure it (three rotating tools, a tool with
+four fixed arms, stick-slip, telemetry); three noises; and several seeds. Each hole is rebuilt by default settings, by
+kriging, by tuned settings, and by other methods and libraries (`peers`) if they are installed. The page also has the
+published experiment (`published`), and passes of a real caliper, each predicted from the others. A ratio is the rms
+error of a method divided by that of the default settings. Means of ratios are geometric, with 95 % intervals by
+bootstrap over cases. helibore was not developed with these seeds.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ OTHERS = ("four arms", "stick-slip", "telemetry")
 
 
 class Hole:
-    """A hole of one of the kinds `HOLES`; `radius` returns its true radius (m) at depths (m) and toolfaces (deg)."""
+    """A hole of one of the kinds in `HOLES`; `radius` returns its true radius (m) at depths (m) and toolfaces (deg)."""
 
     def __init__(self, kind: str, seed: int) -> None:
         rng = np.random.default_rng([seed, 1])
@@ -45,7 +45,7 @@ class Hole:
         return radius
 
     def at_ledge(self, depth: Floats, toolface: Floats) -> np.ndarray:
-        """Return where the radius changes by more than 2 mm from 5 cm above to 5 cm below, (n,) bool."""
+        """Return, for each of n points, whether the radius 5 cm above and 5 cm below it differ by more than 2 mm."""
         change = self.radius(depth + 0.05, toolface) - self.radius(depth - 0.05, toolface)
         return np.asarray(np.abs(change) > 0.002)
 

@@ -68,7 +68,8 @@ def predict(depth, toolface, radius, train, test):
 def level_of(bias, passes, classes):
     """Return the bias of every sample.
 
-    Where ``bias`` does not know a sample's class (its arm, or its arm on this side), only the bias of its pass counts.
+    Where ``bias`` does not know a sample's class (its arm, or its arm on this side of the hole), only the bias of its
+    pass counts.
     """
     known = np.isin(classes, bias.arms)
     level = np.nan_to_num(bias.by_pass)[np.searchsorted(bias.passes, passes)]

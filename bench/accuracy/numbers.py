@@ -1,12 +1,12 @@
 """Measure how exact the numbers of a log are, on known holes that no test uses: ``python -m bench.accuracy.numbers``.
 
     ellipse     four arms, one turn in 30 m, every 5 cm: largest error of a diameter and of C1 - C2, mm; coverage
-    X-Y         of twenty logs of a breakout or a washout, 20 mm deep, the number that are classified rightly
+    X-Y         how many of twenty logs of a breakout or a washout, 20 mm deep, are classified rightly
     drift       an arm that drifts by 0.3 in over eight passes: largest error of a corrected diameter, in
     spikes      ten holes: spikes that are found, and samples of the true shape that are dropped, %
     F-12        pass 26: mean out-of-roundness of the log over that of the arms (only with the shared data)
 
-The holes are those of the tests, with other seeds. The exit code is 1 if a bar is missed.
+The holes are those of the tests, with other seeds. The exit code is 1 if a figure misses its bar.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Other methods to rebuild a wall. They work on the unrolled wall, continued by a third of a turn on both sides.
+"""Other methods to rebuild a wall. They work on the unrolled wall. A third of a turn is repeated on both sides.
 
 IDW on a tree, Delaunay, thin plate     by SciPy
 natural neighbour                       Sibson's, on a raster (Park and others, 2006), with SciPy's tree
@@ -45,9 +45,9 @@ def plane(depth: Floats, toolface: Floats) -> Floats:
 
 
 def unrolled(caliper: hb.Caliper) -> tuple[Floats, Floats]:
-    """Return points and radii of the samples, continued from -120 to 480 degrees.
+    """Return points and radii of the samples; points are repeated, so that angles run from -120 to 480 degrees.
 
-    Points are moved at random by some 0.1 um, because a triangulation or a spline fails if two are equal.
+    Points are moved at random by about 0.1 um, because a triangulation or a spline fails if two points are equal.
     """
     turns = [(caliper.toolface % 360.0) + turn for turn in (-360.0, 0.0, 360.0)]
     keep = [(turn > -120) & (turn < 480) for turn in turns]
@@ -81,7 +81,7 @@ def thin_plate(caliper: hb.Caliper, depth: Floats, toolface: Floats) -> Floats:
 def natural_neighbour(caliper: hb.Caliper, depth: Floats, toolface: Floats) -> Floats:
     """Return radii at points. Each cell of a raster has the radius of its nearest sample.
 
-    The radius at a point is the mean over the cells to which the point is at least as near as their nearest sample.
+    The radius at a point is the mean over those cells to which the point is at least as near as the nearest sample is.
     """
     from scipy.spatial import cKDTree
 
@@ -122,7 +122,7 @@ def contours(caliper: hb.Caliper, depth: Floats, toolface: Floats) -> Floats:
 def by_pykrige(caliper: hb.Caliper, depth: Floats, toolface: Floats) -> Floats:
     """Return radii at points by kriging half a metre of hole at a time, because PyKrige keeps all distances in memory.
 
-    Each half metre uses the samples within it, and those up to 0.1 m above and below.
+    Each half metre uses the samples within it, and the samples up to 0.1 m above and below it.
     """
     from pykrige.ok import OrdinaryKriging
 

@@ -45,7 +45,7 @@ class Pick:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """Top and bottom of the feature, metres."""
+        """Return top and bottom of the feature, metres."""
         return self.depth - self.length / 2, self.depth + self.length / 2
 
 
@@ -59,7 +59,7 @@ class Match:
 
     @property
     def off(self) -> float:
-        """Azimuth of the lobe less that of the pick, degrees."""
+        """Return the azimuth of the lobe less that of the pick, degrees."""
         return float("nan") if self.lobe is None else (self.lobe.toolface - self.pick.azimuth + 180) % 360 - 180
 
 
@@ -73,7 +73,7 @@ def read_picks(folder: Path) -> list[Pick]:
 
 
 def read_wall(folder: Path) -> hb.Wall:
-    """Return a round wall, as large as the mean caliper, with the image; there is no travel time to give it a shape."""
+    """Return a round wall, as large as the mean caliper, with the image; without travel time its shape is not known."""
     size = np.genfromtxt(folder / "caliper_max_ave.csv", delimiter=",", names=True)
     round_hole = hb.Caliper.from_average(size["depth_m"], size["cal_ave_diameter_mm"] / 1000)
     wall = hb.reconstruct(round_hole, bit_diameter=GAUGE, sectors=144, pitch=0.02)
@@ -94,7 +94,7 @@ def match(picks: list[Pick], found: ImageBreakouts) -> list[Match]:
 
 
 def false_ones(found: ImageBreakouts, picks: list[Pick]) -> list[ImageBreakout]:
-    """Return the breakouts found of which no lobe is within `NEAR` degrees of a picked breakout at the same depths."""
+    """Return the found breakouts without a lobe within `NEAR` degrees of a picked breakout at the same depths."""
     broken = [pick for pick in picks if pick.kind == BREAKOUT]
     return [
         zone

@@ -123,7 +123,7 @@ def read(url: str, stop: Event, seen: multiprocessing.Queue[dict[str, Any]]) -> 
 
 
 def send(port: int, seconds: float, triples: int, items: int, counts: multiprocessing.Queue[int]) -> None:
-    """Send frames like a rig, every 10 ms those that are due; put the number of triples sent into ``counts``."""
+    """Send frames like a rig: every 10 ms, the frames that are due; put the number of triples sent into ``counts``."""
     draw = np.random.default_rng(1)
     step = 100.0 / (triples * max(seconds, 60.0))
     link = socket.create_connection(("127.0.0.1", port))

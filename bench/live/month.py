@@ -1,11 +1,11 @@
 """Play thirty days at a rig as fast as they can be read: ``python -m bench.live.month --days 30``.
 
 Each second brings a rig frame of 34 items and a caliper frame, each tenth second an image row of 16 sectors. The tool
-drills half of the time and turns off bottom, at one depth, for the rest. In the last --reamed days (a third of all) the
-hole gets no deeper, and the string reams its lowest 10 m; memory must not grow then. Segments older than a week are
-archived, as with ``keep_days = 7``. Each day's line shows depth, resident memory, journal, archive and checkpoints. At
-the end a new process restarts from the checkpoint, and its wall is compared with the live wall, bit for bit. Unless
---no-replay is given, a replay of the whole journal is compared in the same way.
+drills half of the time; in the other half it turns off bottom, at one depth. In the last --reamed days (a third of all)
+the hole gets no deeper, and the string reams its lowest 10 m; memory must not grow then. Journal segments older than a
+week are archived, as with ``keep_days = 7``. Each day's line shows depth, resident memory, journal, archive and
+checkpoints. At the end a new process restarts from the checkpoint, and its wall must equal the live wall in every bit.
+Unless --no-replay is given, a replay of the whole journal is compared in the same way.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def main() -> None:
     """Play the days and print a line for each; then restart, replay and compare the walls."""
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--days", type=int, default=30)
-    options.add_argument("--reamed", type=int, help="days of reaming at the end; by default a third of all days")
+    options.add_argument("--reamed", type=int, help="days of reaming after drilling; by default a third of all days")
     options.add_argument("--no-replay", action="store_true")
     options.add_argument("--restart", help=argparse.SUPPRESS)
     given = options.parse_args()
@@ -129,11 +129,11 @@ def main() -> None:
         again = [sys.executable, "-m", "bench.live.month", "--restart", folder]
         found = json.loads(subprocess.run(again, check=True, capture_output=True, text=True).stdout)
         assert found["wall"] == expected, "the restarted wall is not the live wall"
-        print(f"restart: {found['seconds']:.1f} s, {found['resident']:.0f} MB resident, the bits of the live wall")
+        print(f"restart: {found['seconds']:.1f} s, {found['resident']:.0f} MB resident, the same bits as live")
         if not given.no_replay:
             began = time.perf_counter()
             assert checksum(Live.replay(folder)) == expected, "the replayed wall is not the live wall"
-            print(f"replay of the whole journal: {time.perf_counter() - began:.0f} s, the same bits")
+            print(f"replay of the whole journal: {time.perf_counter() - began:.0f} s, the same bits as live")
 
 
 if __name__ == "__main__":

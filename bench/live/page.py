@@ -165,7 +165,7 @@ def measure_panning(page: Any) -> None:
 
 
 def measure_hover(page: Any) -> None:
-    """Move the pointer along the image of a page at rest, and print what the page draws for that."""
+    """Move the pointer along the image of a page at rest, and print what the page draws in this time."""
     time.sleep(3)
     image = page.evaluate("window.__wall.app.rects.image")
     stage = page.evaluate("document.getElementById('stage').getBoundingClientRect().toJSON()")
@@ -351,12 +351,12 @@ def samples(rng: np.random.Generator, step: int) -> tuple[np.ndarray, np.ndarray
 
 
 def read(url: str, pages: int, stop: Any, started: Any) -> None:
-    """Run `read_all`, in a process of its own."""
+    """Run `read_all` in a separate process."""
     asyncio.run(read_all(url, pages, stop, started))
 
 
 async def read_all(url: str, pages: int, stop: Any, started: Any) -> None:
-    """Read like ``pages`` pages until ``stop``; the first of them reads nothing after it has subscribed."""
+    """Read like ``pages`` pages until ``stop``; the first page reads nothing after it has subscribed."""
     from websockets.asyncio.client import connect
 
     async def reader(stalls: bool) -> None:

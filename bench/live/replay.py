@@ -60,7 +60,7 @@ def main() -> None:
     assert np.array_equal(batch.radius, wall.radius, equal_nan=True), "the replayed wall is not the batch wall"
     quarters = [marks[i * (len(marks) - 1) // 4] for i in range(5)]
     rates = [f"{(b - a) / (end - begin):,.0f}" for (a, begin), (b, end) in itertools.pairwise(quarters)]
-    print(f"{count:,} triples in {seconds:.1f} s: {count / seconds:,.0f} triples/s, {len(wall):,} vertices, batch bits")
+    print(f"{count:,} triples in {seconds:.1f} s: {count / seconds:,.0f} triples/s, {len(wall):,} vertices as in batch")
     print(f"by quarters {', '.join(rates)}; at most {peak:.0f} MB")
 
 

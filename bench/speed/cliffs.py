@@ -1,4 +1,4 @@
-"""Is there a setting or an order of samples with which helibore is slow? Compare many of them with a k-d tree.
+"""Look for a setting or an order of samples with which helibore is slow: compare many cases with a k-d tree.
 
 The peer is pykdtree on all cores, with a vectorised NumPy estimate from the same neighbours, which it weights once;
 helibore iterates up to four times. A case has, unless it says otherwise, 1.2 M samples as recorded, 128 k vertices, 8
@@ -76,7 +76,7 @@ CASES: dict[str, tuple[Callable[[], Samples], dict[str, Any]]] = {
 
 
 def reconstruct(data: Samples, **settings: Any) -> hb.Wall:
-    """Return the wall of some samples, rebuilt on all cores."""
+    """Return the wall of these samples, rebuilt on all cores."""
     fixed = {"bit_diameter": BIT_DIAMETER, "sectors": SECTORS, "pitch": PITCH, "start_depth": 0.0, "stop_depth": LENGTH}
     return hb.reconstruct(hb.Caliper(*data), **{**fixed, **settings})
 

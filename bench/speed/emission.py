@@ -1,4 +1,4 @@
-"""Compare placing vertices and making quads with copying the same bytes, and saving a GLB with trimesh's export.
+"""Compare placing vertices and making quads with copying as many bytes, and saving a GLB with trimesh's export.
 
     python -m bench.speed.emission
 
@@ -31,7 +31,7 @@ def _wall(vertices: int, length: float) -> WallLike:
 
 
 def _path(method: str = "minimum-curvature") -> hb.Path:
-    """Return the path of a curved survey of 101 stations, 30 m apart, with up to 3 degrees of bend at each."""
+    """Return the path of a curved survey of 101 stations, 30 m apart, with up to 3 degrees of bend at each station."""
     random = np.random.default_rng(2)
     inclination = np.clip(3 + np.cumsum(random.uniform(-1, 2, 101)), 1, 90)
     azimuth = np.cumsum(random.uniform(-4, 4, 101)) % 360

@@ -74,7 +74,7 @@ def small_table(turns: int = 9) -> dict[str, Any]:
 
 
 def json_log(rows: int = 20_000, curves: int = 20, turns: int = 9) -> dict[str, Any]:
-    """Compare a JSON log, every curve loaded, with ``json.load`` and a pandas data frame; the bar is their time."""
+    """Compare a JSON log, every curve loaded, with ``json.load`` and a pandas data frame, whose time is the bar."""
     import pandas as pd
 
     with tempfile.TemporaryDirectory() as folder:

@@ -29,7 +29,7 @@ def cases(rounds: int = 15) -> list[dict[str, Any]]:
     k = np.arange(QUADS)
     depth = (k + (SECTORS + 1) / 2) * (PITCH / SECTORS)
     taken = np.floor(depth / 0.05 + 0.5).astype(np.int64) * 16 + k % SECTORS // 4
-    assert (image.on(wall) == values.ravel()[taken]).mean() > 0.999  # quads on borders of cells may differ
+    assert (image.on(wall) == values.ravel()[taken]).mean() > 0.999  # quads on the borders of cells may differ
     seconds = in_turn(
         {
             "cell": lambda: image.on(wall),

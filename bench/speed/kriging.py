@@ -29,7 +29,7 @@ def _caliper(times: int = 1) -> hb.Caliper:
 
 
 def cases(rounds: int = 9) -> list[dict[str, Any]]:
-    """Return the results for two sizes, on one thread and on all processors; then that of tune."""
+    """Return the results for two sizes, on one thread and on all processors, and then the result of tune."""
     results: list[dict[str, Any]] = []
     for times, threads in ((1, 1), (1, None), (4, 1), (4, None)):
         caliper = _caliper(times)

@@ -26,7 +26,7 @@ def _wall(radius: np.ndarray) -> Any:
 
 
 def cases(rounds: int = 15) -> list[dict[str, Any]]:
-    """Return the results of both walls; every tenth turn of a wall has a gap, the other turns are whole."""
+    """Return the results of both walls; every tenth turn of a wall has a gap, the other turns have no gap."""
     random = np.random.default_rng(1)
     angle = np.arange(VERTICES) * (2 * np.pi / SECTORS)
     hole = _wall(0.108 + 0.003 * np.cos(2 * angle) + 0.002 * np.cos(angle) + random.normal(0, 0.0005, VERTICES))

@@ -1,4 +1,4 @@
-"""Measure the peak memory of a reconstruction beyond its input and output, in a process of its own (Linux: /proc)."""
+"""Measure the peak memory of a reconstruction beyond its input and output, in a separate process (Linux: /proc)."""
 
 from __future__ import annotations
 

@@ -34,7 +34,7 @@ def on_cores(cores: set[int]) -> Iterator[None]:
 
 
 def count() -> int:
-    """Do some milliseconds of arithmetic in registers; return its result."""
+    """Do arithmetic in registers for a few milliseconds; return the result."""
     total = 0
     for i in range(100_000):
         total += i & 7
@@ -48,7 +48,7 @@ def work_on(name: str, order: str) -> Callable[[], object]:
 
 
 class Neighbour:
-    """Another process, on a core of its own.
+    """Another process, on a separate core.
 
     While `beside` repeats a work here, this process repeats the same work, and then reports its mean seconds.
     """

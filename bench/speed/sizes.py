@@ -31,7 +31,7 @@ def case(count: int, rounds: int) -> dict[str, Any]:
     target = np.zeros_like(source)
     works: dict[str, Callable[[], object]] = {
         "helibore": lambda: reconstruct(data).radius,
-        "copy": lambda: np.copyto(target[: source.size // 2], source[: source.size // 2]),  # read half, write half
+        "copy": lambda: np.copyto(target[: source.size // 2], source[: source.size // 2]),  # reads half, writes half
     }
     if count <= LARGEST_OF_PEERS:
         works |= {name: lambda estimate=estimate: estimate(*data[:3], *at) for name, estimate in peers().items()}

@@ -1,4 +1,4 @@
-"""Compare the whole command, from process start to GLB on disk, with NumPy and trimesh doing the least work for it.
+"""Compare the whole command, from process start to GLB on disk, with the shortest NumPy and trimesh program for it.
 
     python -m bench.speed.whole_command [--samples 2400000] [--rounds 5]
 

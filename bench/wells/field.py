@@ -1,4 +1,4 @@
-"""Simulated wells as Parquet files, and a manifest of them: for the benchmarks and slow proofs of many wells."""
+"""Simulated wells as Parquet files, and a manifest of them: for the benchmarks and slow tests of many wells."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ WHOLE = "[defaults.preparation]\nsaturated = false\ndrop_closed = false\n"
 
 
 def columns(seed: int, first: int, stop: int, spacing: float) -> dict[str, np.ndarray]:
-    """Return samples [first, stop) of a tool, ten a turn, ``spacing`` metres apart in depth; with ties and a gap."""
+    """Return samples [first, stop) of a tool, ten a turn, ``spacing`` metres apart; with equal depths and a gap."""
     random = np.random.default_rng([seed, first])
     k = np.arange(first, stop)
     depth = 1000.0 + k * spacing + random.uniform(-2, 2, k.size) * spacing
-    depth[::50] = np.round(depth[::50], 2)  # ties
+    depth[::50] = np.round(depth[::50], 2)  # equal depths
     depth[k * spacing > 60.0] += 2.5  # no sample in 2.5 m of hole
     toolface = (36.7 * k + random.uniform(-9, 9, k.size)) % 360.0
     phi, along = np.radians(toolface), depth / 3.0
@@ -30,7 +30,7 @@ def columns(seed: int, first: int, stop: int, spacing: float) -> dict[str, np.nd
 
 
 def write_well(path: Path, seed: int, samples: int, spacing: float, upward: bool = False) -> None:
-    """Write a well as one Parquet file, a million rows at a time; ``upward``: in the order of logging upwards."""
+    """Write a well as one Parquet file, a million rows at a time; ``upward``: deepest sample first."""
     parts = [(first, min(first + 1_000_000, samples)) for first in range(0, samples, 1_000_000)]
     writer = None
     for first, stop in parts[::-1] if upward else parts:

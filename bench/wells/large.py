@@ -1,4 +1,4 @@
-"""Make a well that is larger than memory in blocks; measure memory and time; compare bits with walls made in memory.
+"""Make a well that is larger than memory in blocks; measure memory and time; compare it with walls made in memory.
 
     python -m bench.wells.large FOLDER [--samples 200000000] [--pitch 0.1] [--whole]
 
@@ -36,7 +36,7 @@ def main() -> None:
     parser.add_argument("--spacing", type=float, default=0.00002, help="metres from sample to sample")
     parser.add_argument("--pitch", type=float, default=0.1, help="metres from turn to turn")
     parser.add_argument("--one-group", action="store_true", help="write the well as a single row group")
-    parser.add_argument("--upward", action="store_true", help="write the samples as logged upwards")
+    parser.add_argument("--upward", action="store_true", help="write the samples as if they were logged upwards")
     parser.add_argument("--whole", action="store_true", help="compare with the well made in one piece")
     given = parser.parse_args()
     given.folder.mkdir(parents=True, exist_ok=True)
@@ -91,9 +91,7 @@ def main() -> None:
         for name, values in {"DEQ": mine.equivalent_diameter, "C1": mine.c1, "DINSC": mine.inscribed_diameter}.items():
             assert logs[name].to_numpy()[turn : turn + len(mine)].tobytes() == values.tobytes(), (part, name)
         checked += len(part)
-    print(
-        f"{len(chosen)} blocks, {checked:,} vertices and their turns in the logs: the same bits from samples in memory"
-    )
+    print(f"{len(chosen)} blocks, {checked:,} vertices and their turns in the logs: the same bits as in memory")
 
 
 def _between(file: Path, ends: list[tuple[float, float]]) -> list[np.ndarray]:

@@ -3,10 +3,10 @@
     python -m bench.wells.throughput FOLDER [--wells 200] [--samples 500000] [--rounds 10]
 
 Cluster and plain processes do the same work on the same files, from input to archive and logs, with one core thread in
-each process. In each round they make the same share of the wells, one after the other; which begins alternates.
-``ratio`` is the speed of the cluster over that of the plain processes; the bar is 0.9. ``ratio of processor times`` is
-the processor time of the plain processes over that of workers, scheduler and client; it hardly depends on what else the
-machine does.
+each process. In each round they make the same share of the wells, one after the other; the cluster begins in every
+second round. ``ratio`` is the speed of the cluster over that of the plain processes; the bar is 0.9. ``ratio of
+processor times`` is the processor time of the plain processes over that of workers, scheduler and client; other
+programs on the machine hardly change it.
 FOLDER keeps the wells, 11 MB each, for the next run. On two quiet processors 200 wells take about three minutes, and
 the first run takes one minute more to write the files.
 """

@@ -16,7 +16,7 @@ namespace helibore::bindings {
 namespace py = pybind11;
 
 // An array that the core reads in place: exactly numpy.ndarray, C-contiguous, aligned and native float64. The Python
-// layer (base/arrays.py) converts others. pybind11's array_t takes 200 ns more for each column of an append.
+// layer (base/arrays.py) converts other arrays. pybind11's array_t takes 200 ns more for each column of an append.
 struct Column {
     py::object array;
     std::span<const double> values;

@@ -50,7 +50,7 @@ void register_journal(py::module_& m) {
     m.def(
         "crc32c",
         [](const py::buffer& bytes, std::uint32_t crc) { return journal::crc32c(view_of(bytes.request()), crc); },
-        py::arg("bytes"), py::arg("crc") = 0, "Return the CRC-32C of the bytes; crc is that of the bytes before them.");
+        py::arg("bytes"), py::arg("crc") = 0, "Return the CRC-32C of the bytes; crc is the CRC-32C of earlier bytes.");
     m.def("journal_seal", &seal, py::arg("sequence"), py::arg("wall"), py::arg("monotonic"), py::arg("connection"),
           py::arg("source"), py::arg("kind"), py::arg("payload"), py::arg("salt"),
           "Return the 48-byte header that stands before the payload in a record.");

@@ -16,7 +16,7 @@ std::span<Row> rows_in(py::array_t<Number>& array) {
     return {reinterpret_cast<Row*>(array.mutable_data()), static_cast<std::size_t>(array.shape(0))};
 }
 
-// Returns a (runs, 2) array: for each run, the first k and the k after the last.
+// Returns a (runs, 2) array: for each run, its first vertex k and the k after its last.
 template <class Run, class RangeOf>
 py::array_t<Index> ranges_of(const std::vector<Run>& runs, const RangeOf& range_of) {
     std::vector<Index> ranges;

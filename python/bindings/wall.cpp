@@ -28,7 +28,7 @@ Estimator estimator_named(const std::string& name) {
     throw InputError("estimator", "must be inverse-distance or kriging", "'" + name + "'");
 }
 
-// Settings have the same names in both languages; None means no value, or no limit.
+// Settings have the same names in Python and C++; None means no value, or no limit.
 Settings settings_of(const py::dict& given, int threads, const std::string& instruction_set) {
     Settings s;
     const auto take = [&](const char* name, auto& member) {

@@ -75,10 +75,10 @@ void register_wits(py::module_& m) {
              "the offset base of the stream.")
         .def(
             "finish", [](wits::Parser& parser) { return arrays_of(parser.finish()); },
-            "Return, as feed does, what the end of the stream completes.")
+            "Return, as feed does, the frames that the end of the stream completes.")
         .def("state", [](const wits::Parser& parser) { return py::bytes(parser.state()); })
         .def("restore", [](wits::Parser& parser, const std::string& state) { parser.restore(state); })
-        .def("counts", &counts, "Return the numbers of bytes, lines, frames, items and each kind of bad text so far.");
+        .def("counts", &counts, "Return how many bytes, lines, frames, items and bad texts of each kind were read.");
 }
 
 }  // namespace helibore::bindings

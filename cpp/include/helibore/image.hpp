@@ -5,6 +5,9 @@
 //                    x                      top = left + across (right - left), bottom likewise in row i+1
 //     row i+1  --- s --------- s+1 ---
 //
+// x is the centre of the quad. left and right are the values of a row at the sectors s and s+1; across and down are the
+// shares of the way from s to s+1 and from row i to row i+1.
+//
 // A linear value is NaN where a cell that it needs is missing, between rows that are too far apart, above the first row
 // and below the last. A quad exactly on a row, or at the centre of a sector, uses that row or sector alone. The caller
 // says at which angles the sectors lie.
@@ -25,13 +28,13 @@ struct ImageRows {
     int sectors = 2;
 };
 
-// Quads of the vertices 0 .. count-1 of a helix: the centre of quad k lies (k + (K + 1)/2) pitch/K below its start.
+// Quads of the vertices 0 .. count-1 of a helix: the centre of quad k lies (k + (K + 1)/2) pitch/K below vertex 0.
 struct QuadCentres {
     double start_depth = 0.0;
     double pitch = 0.1;
     Index count = 0;
-    // The position of each of the K quads of a turn in sectors, any real number: counted from the start of sector 1 for
-    // cell_values, from the centre of sector 1 for linear_values.
+    // The position of each of the K quads of a turn, measured in sectors, any real number: counted from the start of
+    // sector 1 for cell_values, from the centre of sector 1 for linear_values.
     std::span<const double> sector;
 };
 

@@ -5,9 +5,10 @@
 //   | HLBJ | length | sequence | wall ns | monotonic ns | connection | source | kind | payload crc | header crc |
 //   payload ...
 //
-// All numbers are little-endian. Both checksums are CRC-32C. The header's checksum is seeded with the segment's salt, a
-// random number that no sender knows. So the bytes of a sender, which are the payload, cannot contain a valid header,
-// and are not taken for a record when the search resumes after damage.
+// All numbers are little-endian. The two times, in ns, are those of the wall clock and of the monotonic clock. Both
+// checksums are CRC-32C. The header's checksum is seeded with the segment's salt, a random number that no sender knows.
+// So the bytes of a sender, which are the payload, cannot contain a valid header, and are not taken for a record when
+// the search resumes after damage.
 #pragma once
 
 #include <array>

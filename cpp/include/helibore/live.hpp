@@ -9,8 +9,8 @@
 //
 // The same samples, with their times, give the same bits as Python's hb.Live, however the samples are grouped. The
 // class calls no callback, reads no clock, and starts threads only if Settings::threads is above 1. Any thread may
-// call; one call waits for the other. This class reads no WITS, knows no passes and writes no journal files (see
-// wits.hpp and journal.hpp).
+// call; calls at the same time wait for each other. This class reads no WITS, knows no passes and writes no journal
+// files (see wits.hpp and journal.hpp).
 #pragma once
 
 #include <map>
@@ -27,18 +27,18 @@ namespace helibore {
 
 struct LiveSettings {
     Settings wall;                          // start_depth must be set, so that vertices keep their numbers
-    PathSettings path = {.extend = 100.0};  // metres, because the sensors are deeper than the last station
+    PathSettings path = {.extend = 100.0};  // metres; the sensors are deeper than the last station
 };
 
 // What one call changed, or what all calls since the last poll changed.
 struct Update {
     std::optional<Change> change;         // of the wall; none if no samples came
-    std::map<std::string, Range> images;  // new rows of each image, in order of arrival: Live::rows
+    std::map<std::string, Range> images;  // new rows of each image, in order of arrival; see Live::rows
     std::optional<double> path_from;      // metres; stations and path changed below this depth
-    std::vector<std::string> events;      // stations that were left out, and why; at most a hundred a poll
+    std::vector<std::string> events;      // stations that were left out, and why; at most 100 per poll
 
-    // The most ranges of an update: if there are more, the narrowest gaps between them are closed, so that a host that
-    // never polls uses little memory.
+    // The largest number of ranges in an update. If there are more, the narrowest gaps between them are closed, so that
+    // a host that never polls uses little memory.
     static constexpr std::size_t most_ranges = 1024;
 
     // Returns the ranges of quads with a new or changed vertex. Quad k has the vertices k, k + 1, k + 1 + K and k + K,
@@ -49,7 +49,7 @@ struct Update {
 // Rows of an image, in the form that cell_values and linear_values take.
 struct ImageArrays {
     std::vector<double> depth;   // metres
-    std::vector<double> values;  // `sectors` for each row
+    std::vector<double> values;  // `sectors` values for each row
     int sectors = 0;
     std::string unit;
 };

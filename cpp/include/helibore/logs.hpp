@@ -2,7 +2,7 @@
 //
 //     area = 1/2 int r^2 dphi = pi mean(r^2)       centre = int r^3 (cos, sin) dphi / (3 area)
 //
-//            0
+//            0              0: toolface 0; x: the axis; inner line: the inscribed circle
 //        .-'---`-.          c1: the largest diameter through the axis; c2: the one at right angles to it
 //      /  .-----.  `.       inscribed: a circle with no vertex inside; no small move of its centre enlarges it
 //     |  (   x   )    |     enclosing: the smallest circle with no vertex outside
@@ -47,14 +47,14 @@ struct TurnLogs {
     std::vector<double> mean, mean_square;        // of the radius
     std::vector<double> smallest, largest;        // radius of the turn
     std::vector<double> c1, c1_toolface, c2;      // toolface in [0, 180)
-    std::vector<double> least_diameter;           // the least one through the axis
+    std::vector<double> least_diameter;           // the least diameter through the axis
     std::vector<double> diameter_0, diameter_90;  // across toolfaces 0 and 180, 90 and 270
     std::vector<double> centre_0, centre_90;      // of the area, from the axis towards toolfaces 0 and 90
     std::vector<double> inscribed_diameter, inscribed_0, inscribed_90;  // diameter; centre, as in centre_0 and _90
     std::vector<double> enclosing_diameter;
     // Root mean square of the radii in the window around the turn, minus a straight line along the hole in each sector;
-    // each line takes two degrees of freedom. NaN where the window reaches beyond the ends or over a turn with a
-    // missing radius.
+    // each line takes two degrees of freedom. NaN if the window reaches beyond the first or last turn, or has a turn
+    // with a missing radius.
     std::vector<double> rugosity;
 };
 

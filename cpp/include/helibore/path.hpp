@@ -10,7 +10,8 @@
 //                        distance covered. Seen from above, and on the unrolled cylinder, it is a circular arc. It
 //                        ends where the method's usual formulas place the next station; a curve with azimuth linear
 //                        in depth would not.
-// A path never changes. A longer survey gives a new path with the same bits down to its previous last station.
+// A path never changes. A longer survey gives a new path; down to the previous last station, both paths have the same
+// bits.
 // This header does not correct a survey (grid convergence, declination, sag) and computes no uncertainty.
 #pragma once
 

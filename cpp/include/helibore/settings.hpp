@@ -8,7 +8,7 @@
 
 namespace helibore {
 
-// The instructions that a search uses. All give the same bits; tests and benchmarks choose one.
+// The instructions that a search uses. All give the same results, equal in every bit; tests and benchmarks choose one.
 enum class InstructionSet { automatic, plain, avx2, avx512 };
 
 // The method that computes a radius from its neighbours. Kriging uses the neighbours of the last estimate by inverse
@@ -45,7 +45,7 @@ struct Settings {
     Index first_vertex = 0;
     std::optional<Index> stop_vertex = {};  // none: up to stop_depth, or to the last sample along the helix
 
-    // Throws an InputError that names the first setting that breaks its rule.
+    // Throws InputError if a setting breaks its rule. The error names the first such setting.
     void validate() const;
 };
 

@@ -62,7 +62,7 @@ struct SurfaceLayout {
     Index vertex_count = 0, quad_count = 0;
 };
 
-// From the wall outwards: the vertices of shell 0, 1, ...; the hexahedra between shells 0 and 1, 1 and 2, ...
+// Lists, from the wall outwards, the vertices of every shell, and the hexahedra between each shell and the next.
 struct VolumeLayout {
     std::vector<std::vector<VertexRun>> shells;
     std::vector<std::vector<HexahedronRun>> layers;
@@ -87,9 +87,10 @@ void place(const HelixRadii& radii, const Path& path, std::span<const VertexRun>
 void join(const HelixRadii& radii, const SurfaceLayout& layout, std::span<Quad> quads, int threads = 1);
 void join(const HelixRadii& radii, const VolumeLayout& layout, std::span<Hexahedron> hexahedra, int threads = 1);
 
-// Throws an InputError that names the first hexahedron with a corner turned inside out ("shells[1] at vertex 7, depth
-// 12.5: ..."). If the radii are nested, this happens only where the path bends with a radius smaller than that of a
-// shell, or where the frame of the path turns fast, as the high-side frame does where the hole is nearly vertical.
+// Throws InputError if a corner of a hexahedron is turned inside out. The error names the first such hexahedron
+// ("shells[1] at vertex 7, depth 12.5: ..."). If the radii are nested, this happens only where the path bends with a
+// radius smaller than that of a shell, or where the frame of the path turns fast, as the high-side frame does where the
+// hole is nearly vertical.
 void require_upright(const HelixRadii& radii, const VolumeLayout& layout, std::span<const Vector3> vertices,
                      std::span<const Hexahedron> hexahedra, int threads = 1);
 

@@ -27,8 +27,8 @@ struct SampleColumns {
     std::span<const double> radius;
     std::span<const double> time = {};
 
-    // Throws an InputError that names the first row that breaks a rule of its column: "toolface[17] = nan: must be
-    // finite".
+    // Throws InputError if a row breaks a rule of its column. The error names the first such row: "toolface[17] = nan:
+    // must be finite".
     void validate(int threads = 1) const;
 };
 
@@ -45,7 +45,7 @@ struct VertexColumns {
 };
 
 struct Change {
-    std::vector<Range> ranges;  // vertices that are new or whose values changed; sorted and apart
+    std::vector<Range> ranges;  // vertices that are new or whose values changed; sorted, with gaps between them
     Index settled = 0;          // vertices with a lower number no longer change while the hole only gets deeper
     Index accepted = 0;         // number of samples taken
     Index redundant = 0;        // number of samples dropped: equal to another in depth, time, toolface and radius
@@ -67,12 +67,12 @@ class Wall {
 
     const Settings& settings() const;
 
-    // Adds samples anywhere in the hole and recomputes the vertices that they can change. Throws InputError
-    // ("toolface[17] = nan: must be finite") or std::bad_alloc, and then the wall is unchanged.
+    // Adds samples anywhere in the hole and recomputes the vertices that these samples can change. If it throws
+    // InputError ("toolface[17] = nan: must be finite") or std::bad_alloc, the wall is unchanged.
     Change append(const SampleColumns& samples);
 
-    // Vertex numbers, here and in a Change, count from vertex 0 of the helix; those of a part of a wall start at
-    // first_vertex.
+    // Vertex numbers, here and in a Change, count from vertex 0 of the helix; the numbers in a part of a wall start
+    // at first_vertex.
 
     Index size() const;          // number of vertices
     Index sample_count() const;  // number of samples kept
@@ -106,8 +106,8 @@ class Wall {
     // Returns the sums W, S, A and C of SigmaRule, from which the uncertainties of all radii are computed; NaN where
     // the radius is NaN. Throws InputError if Settings::sigma is false.
     std::array<std::vector<double>, 4> sums() const;
-    // Writes these sums into columns of the caller. Returns false, and writes nothing, if there are not four columns of
-    // size() values. Throws like sums().
+    // Writes the sums that sums() returns into columns of the caller. Returns false, and writes nothing, if there are
+    // not four columns of size() values. Throws like sums().
     [[nodiscard]] bool read_sums(std::span<const std::span<double>> into) const;
 
     // Interpolates channels, values measured with the samples, at the vertices, with the neighbours and weights of the
@@ -118,8 +118,8 @@ class Wall {
 
     // Returns the samples kept, in canonical order, as columns: depth, toolface, radius, and time if they have one.
     std::vector<std::vector<double>> samples() const;
-    // Writes these samples into the caller's columns: three, or four with time. Returns false, and writes nothing, if
-    // the number or a length of the columns is wrong.
+    // Writes the samples that samples() returns into the caller's columns: three, or four with time. Returns false, and
+    // writes nothing, if the number or a length of the columns is wrong.
     [[nodiscard]] bool read_samples(std::span<const std::span<double>> into) const;
 
   private:

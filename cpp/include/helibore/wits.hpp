@@ -33,7 +33,7 @@ enum class Rule : std::uint16_t {
     stray_text,   // text between frames; one event for a run of lines
     stray_end,    // "!!" without "&&"
     unclosed,     // "&&" before the "!!" of the previous frame: that frame is lost
-    not_an_item,  // a line that does not begin with RRII, 01 to 99 each: only the line is lost
+    not_an_item,  // a line that does not begin with record and item, 01 to 99 each: only the line is lost
     long_line,    // a line over Limits::line: only the line is lost
     long_frame,   // a frame over Limits::frame: lost
     many_items,   // a frame over Limits::items: lost
@@ -53,7 +53,7 @@ struct Item {
     Index offset = 0;  // of the value's text in the stream
     double value = 0;  // NaN when a flag is set
     std::int32_t length = 0;
-    std::uint16_t code = 0;  // RRII, 101 to 9999
+    std::uint16_t code = 0;  // record * 100 + item, 101 to 9999
     std::uint16_t flags = 0;
 };
 
@@ -66,8 +66,8 @@ struct Frame {
 };
 
 struct Event {
-    Index offset = 0;  // of the line; for unclosed, long_frame, many_items and cut_off of the frame's "&&"
-    Index line = 0;    // number of that line in the stream, from 1
+    Index offset = 0;  // of the line; for unclosed, long_frame, many_items and cut_off: of the "&&" of the frame
+    Index line = 0;    // number of the line at `offset` in the stream, from 1
     std::int32_t length = 0;
     Rule rule = Rule::stray_text;
     std::uint16_t unused = 0;
@@ -92,7 +92,7 @@ struct Counts {
     Index events[rule_count] = {};
 };
 
-// Reads one stream (one connection). Several threads may call; one call waits for the other.
+// Reads one stream (one connection). Several threads may call; calls at the same time wait for each other.
 class Parser {
   public:
     explicit Parser(std::vector<double> nulls = {-9999.0, -8888.0, -999.25, -9999.25, -999.0, -99999.0},
@@ -111,9 +111,9 @@ class Parser {
 
     Counts counts() const;
 
-    // state() returns the complete state of the parser between two calls, in the byte order of this machine. A parser
-    // with the same nulls and limits that restores this state returns the same further frames. restore() throws
-    // InputError for bytes that are not such a state.
+    // state() returns the complete state of the parser between two calls, in the byte order of this machine. If a
+    // parser with the same nulls and limits restores this state, it continues exactly where the first parser was.
+    // restore() throws InputError for bytes that are not such a state.
     std::string state() const;
     void restore(std::string_view state);
 

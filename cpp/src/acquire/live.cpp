@@ -19,7 +19,8 @@ namespace {
 
 constexpr std::size_t most_events = 100;
 
-// Returns Update::most_ranges ranges that contain the given ones: it closes the narrowest gaps, of equal gaps the last.
+// Returns Update::most_ranges ranges that contain the given ranges. It closes the narrowest gaps; of equal gaps, the
+// last.
 std::vector<Range> widened(const std::vector<Range>& ranges) {
     std::vector<std::size_t> gaps(ranges.size() - 1);  // gap i lies before range i + 1
     std::iota(gaps.begin(), gaps.end(), std::size_t{0});

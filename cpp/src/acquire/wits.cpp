@@ -1,6 +1,6 @@
-// The states of the parser: outside -> "&&" -> inside -> "!!" -> outside; after a frame over a limit, the state is
-// `dropped` until the next delimiter. A line is examined when its end is read, or as soon as it is too long. Both give
-// the same result, so frames and events do not depend on how the stream is cut into chunks. `Limits`, in wits.hpp,
+// The states of the parser: outside -> "&&" -> inside -> "!!" -> outside; after a frame that exceeds a limit, the state
+// is `dropped` until the next delimiter. A line is examined when its end is read, or as soon as it is too long. Both
+// give the same result, so frames and events do not depend on how the stream is cut into chunks. `Limits`, in wits.hpp,
 // has the numbers.
 #include "helibore/wits.hpp"
 
@@ -55,11 +55,11 @@ std::int64_t eight_digits(std::uint64_t word) {
     return static_cast<std::int64_t>((word & 0x0000FFFF0000FFFF) * 42949672960001 >> 32);
 }
 
-// Returns the number that a text of 1 to 8 bytes makes, which are digits with at most one point; NaN for any other
-// text. All bytes are read at once, in a word. The eight bytes before `last` must be readable. Within a frame they are:
-// "&&", a line end and an item code come before every value.
+// Returns the number that a text of 1 to 8 bytes makes if it consists of digits and at most one point; NaN for any
+// other text. All bytes are read at once, in a word. The eight bytes before `last` must be readable. Within a frame
+// they are: "&&", a line end and an item code come before every value.
 //
-//     |x|x|1|2|3|.|4|5|   ->   |0|0|0|1|2|3|4|5|   and two decimals
+//     |x|x|1|2|3|.|4|5|   ->   |0|0|0|1|2|3|4|5|   and two decimals; x: any byte
 double word_number(const char* first, const char* last) {
     std::uint64_t word;
     std::memcpy(&word, last - 8, 8);
@@ -114,13 +114,13 @@ enum class Place { outside, inside, dropped };
 struct Position {
     Counts counts;
     Index held_base = 0;         // stream offset of held[0]
-    std::size_t line_start = 0;  // in held
-    std::size_t searched = 0;    // in held; no line end lies between line_start and here
+    std::size_t line_start = 0;  // position in `held`
+    std::size_t searched = 0;    // position in `held`; no line end lies between line_start and here
     bool skipping_line = false;  // the start of the line being read was dropped
     bool in_stray_run = false;   // this run of stray text was reported
     Place place = Place::outside;
-    std::size_t frame_start = 0;  // in held, of "&&"
-    std::size_t body_start = 0;   // in held, behind the "&&" line
+    std::size_t frame_start = 0;  // position of "&&" in `held`
+    std::size_t body_start = 0;   // position in `held` after the "&&" line
     Index frame_line = 0;
     Index frame_lines = 0;
     std::size_t frame_first = 0;  // its first item in the batch being made

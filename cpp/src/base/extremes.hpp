@@ -7,8 +7,8 @@
 
 namespace helibore {
 
-// The least and the greatest of many values. Lane i keeps those of the values i, i + 8, i + 16 and so on, so that the
-// compiler can use vector instructions. NaN is ignored.
+// The least and the greatest of many values. Lane i keeps the least and the greatest of the values i, i + 8, ..., so
+// that the compiler can use vector instructions. NaN is ignored.
 class alignas(64) Extremes {
   public:
     Extremes() {

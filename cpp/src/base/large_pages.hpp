@@ -1,4 +1,4 @@
-// Memory for large batches of samples in pages of 2 MB: faulting in pages of 4 kB takes as long as the search.
+// Memory for large batches of samples in pages of 2 MB: the first use of pages of 4 kB takes as long as the search.
 #pragma once
 
 #include <cstddef>

@@ -25,17 +25,17 @@ inline std::string short_text(double value) {
     return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 6).ptr};
 }
 
-// "toolface[17]"
+// Returns a text such as "toolface[17]".
 inline std::string entry_name(const std::string& column, Index index) {
     return column + "[" + std::to_string(index) + "]";
 }
 
-// "toolface[17] = nan"
+// Returns a text such as "toolface[17] = nan".
 inline std::string entry_text(const std::string& column, Index index, double value) {
     return entry_name(column, index) + " = " + number_text(value);
 }
 
-// "[3, 7)"
+// Returns a text such as "[3, 7)".
 inline std::string range_text(const Range& range) {
     std::string text = "[";
     return text.append(std::to_string(range.start)).append(", ").append(std::to_string(range.stop)).append(")");
@@ -107,7 +107,7 @@ inline void require_vertex_count(Index count) {
     require(count <= largest_count, "count", count, "must be at most 2147483647");
 }
 
-// "toolface has 2 values, depth has 3: must be equal"
+// Throws InputError if the lengths differ: "toolface has 2 values, depth has 3: must be equal".
 inline void require_length(const std::string& name, std::size_t size, std::size_t wanted, const char* other = "depth") {
     if (size == wanted) return;
     throw InputError(name + " has " + std::to_string(size) + " values, " + other + " has " + std::to_string(wanted),

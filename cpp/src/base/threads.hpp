@@ -1,5 +1,5 @@
-// Shares work out to threads, which are joined before the call returns, or to the host's runner. An exception in one of
-// these threads is rethrown in the caller's thread.
+// Divides work among threads, which are joined before the call returns, or gives it to the host's runner. An exception
+// in one of these threads is rethrown in the caller's thread.
 //
 //     thread 0   |-- part 0 --|-- part 1 --|-- part 2 --|-- part 5 --|
 //     thread 1   |-- part 3 --------|-- part 4 ---------|

@@ -35,7 +35,7 @@ inline SineCosine sine_cosine_within(double x, double rest = 0.0) {
     return {sine, most + (((1.0 - most) - half) + (z * c - x * rest))};
 }
 
-// Returns the sine and cosine of an angle plus a number of quarter turns; `of` has those of the angle.
+// Returns the sine and cosine of an angle plus a number of quarter turns; `of` holds the sine and cosine of the angle.
 inline SineCosine turned(const SineCosine& of, int quarters) {
     switch (quarters & 3) {
         case 1:

@@ -83,7 +83,7 @@ struct BufferTooSmall : InputError {
 std::int32_t status_of_exception() noexcept;
 void clear_error() noexcept;
 
-// Runs the body of a C function and returns its status. No exception leaves it.
+// Runs the body of a C function and returns its status. No exception leaves this function.
 template <class Body>
 std::int32_t guarded(const Body& body) noexcept {
     try {

@@ -96,7 +96,7 @@ Circle climb(const Points& points, Point centre) {
             a = third->index;
         } else if (ab + bc < ac) {
             b = third->index;
-        }  // else the third point lies between the other two: the climb goes on with these
+        }  // else the third point lies between A and B: the climb goes on with A and B
         if (a == b) break;
     }
     return reached();

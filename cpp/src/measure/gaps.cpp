@@ -68,7 +68,7 @@ Sectors sorted(const SamplePlaces& samples, double start_toolface, Index sectors
 // The vertices of one toolface, from the top of the hole down, and the state of the search on one side of them.
 struct Line {
     std::vector<double> depth, side;
-    std::vector<std::size_t> open;    // vertices without a sample so far
+    std::vector<std::size_t> open;    // vertices for which no sample is found yet
     std::vector<std::size_t> window;  // samples of the window, in the order of their angle from the line
 };
 
@@ -99,8 +99,8 @@ void look_into(const Sectors& in, std::size_t s, double reach, const Off& off, L
     line.open.resize(left);
 }
 
-// Sets line.side: for each vertex, degrees from its toolface, the border before sector `number`, to the nearest sample
-// clockwise, or counter-clockwise if `clockwise` is false.
+// Sets line.side: for each vertex, degrees from its toolface to the nearest sample clockwise (counter-clockwise if
+// `clockwise` is false). The toolface of these vertices is the border before sector `number`.
 void look_around(const Sectors& in, Index number, Index sectors, double reach, bool clockwise, Line& line) {
     const double own = border(number, sectors);
     line.side.assign(line.depth.size(), whole_turn);

@@ -17,7 +17,8 @@ namespace {
 constexpr Index quads_a_part = 1 << 14;  // quads that a thread takes at a time
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
-// The position of a quad of a turn in a row: its sector `left`, the next sector, and the share of the way to it.
+// The position of a quad of a turn in a row: its sector `left`, the next sector, and the share of the way from `left`
+// to the next.
 struct Across {
     std::size_t left, right;
     double share;

@@ -143,7 +143,7 @@ void measure(const Turns& turns, const Round& round, Scratch& scratch, std::size
 
 // Sums, over a window of turns x = -half .. half along the hole, of radii minus a reference that keeps the sums small:
 //
-//     residual = sum r^2 - sum over sectors of ((sum r)^2 / W + (sum x r)^2 / sum x^2)
+//     residual = sum r^2 - sum over sectors of ((sum r)^2 / W + (sum x r)^2 / sum x^2),  W = 2 half + 1
 class Window {
   public:
     Window(const Turns& turns, double reference)
@@ -264,7 +264,7 @@ TurnLogs turn_logs(const Turns& turns, int threads) {
     const double reference = !std::isnan(turns.reference)  ? turns.reference
                              : first == turns.radius.end() ? 0.0
                                                            : *first;
-    const Index before = turns.first % block;  // blocks begin at the same turns in every stretch
+    const Index before = turns.first % block;  // blocks begin at the same turns in every part of a wall
     for_each_range(threads, before + count, block, [&](int, const Range& whole) {
         const Range range{std::max<Index>(whole.start - before, 0), whole.stop - before};
         Scratch scratch(round.sectors);

@@ -28,8 +28,8 @@ struct Row {
     friend auto operator<=>(const Row&, const Row&) = default;
 };
 
-// Many samples of a chunk at one depth, sorted by toolface and, where that is equal, canonically. Of samples with equal
-// toolfaces only the first V are listed, because they come before the others for every vertex.
+// Many samples of a chunk at one depth, sorted by toolface. Samples with equal toolfaces are in canonical order; only
+// the first V (Settings::neighbors) of them are listed, because for every vertex they come before the others.
 struct Level {
     static constexpr Index least = 256;  // samples
 
@@ -37,7 +37,8 @@ struct Level {
     Index first, last;  // rows of the chunk
     std::vector<double> toolface;
     std::vector<std::uint16_t> row;
-    // Where each part of the circle begins in the list; two parts for each row, one more for rounding, then the end.
+    // Where each part of the circle begins in the list; two parts for each row, one more part for rounding, then the
+    // end of the list.
     std::vector<std::uint16_t> starts;
 
     std::size_t part(double of) const {
@@ -202,7 +203,7 @@ struct SortedBatch {
 
 class Samples {
   public:
-    // Where a sample lies.
+    // The place of a sample: its chunk, and its row in that chunk.
     struct Place {
         std::size_t chunk = 0;
         Index offset = 0;

@@ -100,7 +100,8 @@ kernel::Group Search::start(const Helix& helix, Index group, Index vertex_count)
 }
 
 // Estimates the group. If the list in `scratch` is then the first of its group and was never shrunk, it holds the
-// neighbours of every vertex at each of its trial radii. A later list holds those of the vertices that were not done.
+// neighbours of every vertex at each of its trial radii. A later list holds only the neighbours of vertices that were
+// not done.
 kernel::Group Search::solve(const Samples& samples, const Helix& helix, Index group, Index vertex_count,
                             Scratch& scratch) const {
     if (rules_.range > 0.0 && !scratch.kriging) {
@@ -161,7 +162,8 @@ void Search::run(const Samples& samples, const Helix& helix, Index group, Index 
     if (rules_.windowed)
         window_reach(samples, scratch.windows, span, result);
     else {
-        // Rounded outwards. If max_distance sets no limit, any sample may change a vertex that has too few neighbours.
+        // The reach is rounded up. If max_distance sets no limit, any sample may change a vertex that has too few
+        // neighbours.
         reach = reach < kernel::missing_square / 2 ? std::sqrt(reach) * (1.0 + 1e-6) : no_limit;
         result.shallow = span.shallow - reach;
         result.deep = span.deep + reach;

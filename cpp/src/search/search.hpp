@@ -39,10 +39,10 @@ class Search {
     // The samples that a group may use: all samples, or those in the windows of its vertices.
     struct Windows {
         Index centered[kernel::lanes];  // rank at which the window of each vertex starts if the vertex is its middle
-        Index first[kernel::lanes];     // this rank, moved so that the window lies within the samples
+        Index first[kernel::lanes];     // the rank in `centered`, moved so that the window lies within the samples
         Index length;                   // samples in a window
         Range all;                      // ranks of all windows together
-        double shallow, deep;           // depths of the first and last of these samples
+        double shallow, deep;           // depths of the first and last sample of `all`
         std::size_t chunk = 0;          // index of the chunk in which the last vertex lies
     };
 
@@ -66,7 +66,7 @@ class Search {
         std::vector<unsigned char> keep;
         Samples::Place place;
         Windows windows;
-        std::vector<double> turns;  // angles from each vertex to its V nearest samples at level_depth so far, in order
+        std::vector<double> turns;  // angles from each vertex to the V nearest samples listed at level_depth, sorted
         double level_depth = 0.0;
         double least_trial = 0.0;  // the least radius for which the levels in the list are valid
         double half_height = 0.0;  // of the first box of the next group; 0: not known yet

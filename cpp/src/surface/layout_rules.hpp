@@ -1,4 +1,4 @@
-// Checks of what a caller hands to place() and join(): the helix, and the runs of a layout, which must fit the helix
+// Checks the arguments of place() and join(): the helix, and the runs of a layout, which must fit the helix
 // and the memory.
 #pragma once
 

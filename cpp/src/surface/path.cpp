@@ -1,5 +1,5 @@
-// Turns surveys into segments of curves, and segments into positions and frames. The formulas, with t the tangent and L
-// the course length:
+// Turns surveys into segments of curves, and segments into positions and frames. In the formulas, t
+// is the tangent, L the course length, I the inclination, A the azimuth; m: the mean, d: the change over the course.
 //
 //   dogleg b = 2 atan2(|t2 - t1|, |t2 + t1|)        no cancellation at tiny or huge b
 //   minimum curvature     step = L/2 (t1 + t2) tan(b/2)/(b/2)
@@ -7,7 +7,7 @@
 //                         H = L sin(Im) sinc(dI/2), dA wrapped to [-180, 180)
 //
 // Sources: Sawaryn and Thorogood, SPE 84246 (arcs); the classic radius-of-curvature quotients (cosI1 - cosI2)/(I2 - I1)
-// written without their 0/0.
+// rewritten so that no 0/0 occurs.
 #include "helibore/path.hpp"
 
 #include <algorithm>
@@ -327,7 +327,7 @@ void refuse_frame(Reference reference, double depth, const DepthOf& of) {
     throw of.error(depth, "north is undefined where the hole runs level north or south; use the reference high-side");
 }
 
-// "depth[3] = 12" or "vertex 7 at depth 12"
+// Returns an error that names "depth[3] = 12" or "vertex 7 at depth 12".
 InputError DepthOf::error(double depth, const std::string& rule) const {
     if (!vertex) return {entry_name("depth", index), rule, number_text(depth)};
     return {"vertex " + std::to_string(index) + " at depth " + number_text(depth), rule};

@@ -59,7 +59,7 @@ int place_chunk(const Task& task, const Segment& segment, Index k, int count, Ve
     const double start = task.helix.start_depth, pitch = task.helix.pitch;
     double north[chunk_size], east[chunk_size], down[chunk_size], square[chunk_size];
     for (int j = 0; j < count; ++j) {
-        const double depth = start + (first + static_cast<double>(j)) * pitch / turn;  // Helix::depth, bit for bit
+        const double depth = start + (first + static_cast<double>(j)) * pitch / turn;  // the same bits as Helix::depth
         const PathPoint p = segment.at(depth - segment.depth);
         const Axes a = axes_of<reference>(segment, p);
         const double scale = radius[j] / std::sqrt(a.square), c = cosine[j] * scale, s = sine[j] * scale;
@@ -69,12 +69,12 @@ int place_chunk(const Task& task, const Segment& segment, Index k, int count, Ve
         square[j] = a.square;
     }
     for (int j = 0; j < count; ++j) out[j] = {north[j], east[j], down[j]};
-    int without = 0;  // in a loop of its own: in the loop above it would prevent vectorisation
+    int without = 0;  // counted in a separate loop: in the loop above the count would prevent vectorisation
     for (int j = 0; j < count; ++j) without += square[j] < least_reference_angle * least_reference_angle ? 1 : 0;
     return without;
 }
 
-// Returns how many of the `count` vertices from k on lie on `segment`. Vertex k does.
+// Returns how many of the `count` vertices from k on lie on `segment`. Vertex k must lie on it.
 template <class Segment>
 int count_on(const std::vector<Segment>& segments, const Segment& segment, const Helix& helix, Index k, int count) {
     const double upper = &segment == segments.data() ? -no_limit : segment.depth;

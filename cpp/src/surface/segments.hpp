@@ -93,11 +93,11 @@ struct CylinderCurve {
     }
 };
 
-// A frame is undefined if its reference lies within this angle (radians, 0.00006 deg) of the tangent: closer, rounding
-// in the last digits of the survey would turn the frame.
+// A frame is undefined if its reference lies within this angle (radians, 0.00006 deg) of the tangent: at a smaller
+// angle, rounding in the last digits of the survey would turn the frame.
 inline constexpr double least_reference_angle = 1e-6;
 
-// Towards toolface 0 and toolface 90, before division by `length`, the sine of the angle between reference and tangent.
+// The axes towards toolface 0 and 90, not yet divided by `length`, the sine of the angle between reference and tangent.
 //   high side: up, made normal to t    = (td tn, td te, -(tn^2 + te^2)) / length,  right = (-te, tn, 0) / length
 //   north:     north, made normal to t = (te^2 + td^2, -tn te, -tn td) / length,   right = (0, td, -te) / length
 //   parallel transport: the smallest rotation that takes s, the tangent where the segment starts, to t. z is toolface 0

@@ -4,8 +4,8 @@
 //         |<- 360/K ->|
 //     ----+-----------+----   pitch/2 above
 //         |           |
-//         |     k     |       of several samples the last in canonical order counts: while drilling, the newest
-//         |           |
+//         |     k     |       if the cell holds several samples, the last in canonical order counts,
+//         |           |       which while drilling is the newest
 //     ----+-----------+----   pitch/2 below
 #pragma once
 
@@ -45,7 +45,7 @@ struct DirectRadii {
 
 DirectRadii direct_radii(const Samples& samples, const Helix& helix, Range vertices);
 
-// Returns the vertices of [0, count) that show different samples before and after.
+// Returns the vertices of [0, count) that show different samples in `before` and in `after`.
 std::vector<Range> direct_changes(const DirectRadii& before, const DirectRadii& after, Index count);
 
 }  // namespace helibore

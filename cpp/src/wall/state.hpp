@@ -45,7 +45,7 @@ struct Wall::State {
     Index settled_after(const Helix& on, const Vertices& of, Index from, Index vertex_count,
                         const std::vector<Index>& old, const std::vector<GroupResult>& staged) const;
 
-    // These functions read a range of vertices, or return one; most are defined in read.cpp.
+    // These functions read a range of vertices, or return a range; most are defined in read.cpp.
     Range all() const { return {0, count}; }
     Range local(Range range) const;  // converts numbers on the whole helix to numbers in this wall
     VertexColumns read(Range range) const;

@@ -72,7 +72,7 @@ class Vertices {
     // Measures the hull of a full block.
     void measure_hull(Index b) {
         const Block& of = block(b);
-        Hull several[8];  // eight at a time, which the compiler turns into vectors
+        Hull several[8];  // eight hulls at a time, which the compiler turns into vectors
         std::fill_n(several, 8, Hull{no_limit, -no_limit});
         for (std::size_t g = 0; g < of.deep.size(); ++g) {
             Hull& hull = several[g % 8];

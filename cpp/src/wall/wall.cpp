@@ -21,7 +21,7 @@
 namespace helibore {
 namespace {
 
-// The least number of groups for a thread; fewer are not worth its start.
+// The least number of groups for a thread; fewer are not worth the start of a thread.
 constexpr Index groups_a_thread = 256;
 
 // Returns the index of the first of values[from, to) that is `good`, or `to`. Every append looks through the last
@@ -74,8 +74,8 @@ Index Wall::State::count_now(const Helix& next) const {
     const double vertices_needed =
         settings.stop_vertex ? static_cast<double>(*settings.stop_vertex - next.first) : next.count(stop);
     if (vertices_needed <= static_cast<double>(settings.most_vertices)) return static_cast<Index>(vertices_needed);
-    // The error names the end that a sample sets. If samples set both ends, it names the end farther from the median
-    // sample, which is the likelier mistake.
+    // The error names the end of the wall that comes from a sample, not from a setting. If both ends come from samples,
+    // it names the end farther from the median sample, because that depth is more likely wrong.
     const double median = samples.depth(samples.size() / 2), start = next.start_depth;
     const bool at_start =
         !settings.start_depth && (settings.stop_depth || std::abs(start - median) > std::abs(stop - median));

@@ -1,4 +1,4 @@
-"""Bring angles into one turn: [0, 360) degrees, or [0, 180) for axes, which have no sense of direction.
+"""Bring angles into one turn: [0, 360) degrees, or [0, 180) for axes, where a and a + 180 are the same.
 
     -10 -> 350      360 -> 0      -1e-20 -> 0: its remainder is 360 - 1e-20, which rounds to 360
 

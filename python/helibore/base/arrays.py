@@ -1,4 +1,4 @@
-"""Convert the arrays of callers to those of helibore: no other file calls ``asarray``.
+"""Convert the arrays of callers to the arrays that helibore uses; no other file calls ``asarray``.
 
 Inputs may be lists, or arrays that are reversed, strided, Fortran-ordered, read-only, float32 or integer. Anything that
 is not already a one-dimensional, C-contiguous float64 array is copied here, and nowhere else.
@@ -41,7 +41,7 @@ def are_dates(values: npt.ArrayLike) -> bool:
 def numbers_or_dates(values: npt.ArrayLike, *, dates: bool) -> Floats:
     """Return ``values`` as float64; if ``dates``, dates become seconds since 1970. Masked and missing values are NaN.
 
-    If no date has a time zone, all are UTC. If only some have a time zone, this raises an InputError.
+    If no date has a time zone, all dates are UTC. Raises InputError if only some of the dates have a time zone.
     """
     if isinstance(values, np.ma.MaskedArray):
         absent = np.ma.getmaskarray(values)
@@ -71,8 +71,8 @@ def _in_utc(moments: Array) -> Array:
 def column(name: str, values: npt.ArrayLike, length: int | None = None, like: str = "") -> Floats:
     """Return ``values`` as a one-dimensional, C-contiguous float64 array; ``name`` is the argument's name, for errors.
 
-    If ``length`` is given, the column must have this length; ``like`` is the name, for errors, of the column that has
-    it. Masked arrays are refused, because the mask would be lost without a message.
+    If ``length`` is given, the column must have this length; ``like`` is the name, for errors, of a column with
+    this length. Masked arrays are refused, because the mask would be lost without a message.
     """
     if isinstance(values, np.ma.MaskedArray):
         raise InputError(name, "masked arrays are not taken; drop the masked rows or use compressed()")
@@ -103,12 +103,12 @@ def whole_column(name: str, values: npt.ArrayLike, length: int | None = None, li
     """Return a column of whole numbers as (n,) int64; refuse fractions, and numbers that float64 may have rounded."""
     array = finite_column(name, values, length, like)
     require(name, array, np.floor(array) == array, "must be a whole number")
-    require(name, array, np.abs(array) < 2.0**53, "must be below 9007199254740992 in size")
+    require(name, array, np.abs(array) < 2.0**53, "absolute value must be below 9007199254740992")
     return array.astype(np.int64)
 
 
 def require(name: str, values: Floats | Integers, valid: Mask, rule: str) -> None:
-    """Raise an InputError that names the first value that is not ``valid``."""
+    """Raise InputError if a value is not ``valid``; the error names the first such value."""
     if not valid.all():
         at = int(np.argmin(valid))
         raise InputError(f"{name}[{at}]", rule, f"{values[at]:g}")
@@ -128,6 +128,6 @@ def sample_columns(
 
 
 def runs_of(mask: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Return (first, stop) of every run of values that are true; ``stop`` is the index after the last of them."""
+    """Return (first, stop) of every run of values that are true; ``stop`` is the index after the run."""
     edges = np.flatnonzero(np.diff(mask, prepend=False, append=False)).reshape(-1, 2)
     return [(first, last) for first, last in edges.tolist()]

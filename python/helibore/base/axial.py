@@ -1,7 +1,7 @@
 """Axes and lobes around a circle, for breakouts of a wall and breakouts of an image.
 
-Axes have no sense of direction: 1 and 179 degrees are 2 apart. With weights L, the mean and the spread s of axes at the
-angles a are those of Mardia:
+An axis at a is also an axis at a + 180, so 1 and 179 degrees are 2 apart. With weights L, the mean and the spread s of
+axes at the angles a are those of Mardia:
 
     mean = 1/2 atan2(sum L sin 2a, sum L cos 2a)     R = |sum L exp(2 i a)| / sum L     s = 1/2 sqrt(-2 ln R)
 """

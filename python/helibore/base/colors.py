@@ -3,7 +3,7 @@
     share = (value - low) / (high - low), of logarithms on a log scale       colour = map[share]       missing: grey
 
 ``color_maps.json`` is the only definition of the maps: meshes, pictures and the viewer's page read it. No map holds a
-colour close to the grey.
+colour close to this grey.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ COLOR_MAPS: dict[str, ColorMap] = {
 
 
 def check_map(color_map: str) -> None:
-    """Raise an InputError that lists the maps unless ``color_map`` is one of them."""
+    """Raise InputError unless ``color_map`` is a known map; the error lists the maps."""
     check_choice("color_map", color_map, COLOR_MAPS)
 
 
@@ -136,7 +136,7 @@ class ColorScale:
     def share(self, values: Floats) -> Floats:
         """Return how far along the scale each value lies, 0 to 1, as a new array of the same shape; NaN where missing.
 
-        On a log scale, a value that is not above 0 raises an InputError.
+        On a log scale, raises InputError if a value is not above 0.
         """
         low, high = self.low, self.high
         if self.log:
@@ -183,7 +183,7 @@ def _table_with_missing(color_map: str) -> Colors:
 
 
 def check_positive(values: Floats) -> None:
-    """Raise an InputError that names the first value that is not above 0, as a log scale needs; NaN is allowed."""
+    """Raise InputError if a value is not above 0, as a log scale needs; the error names the first. NaN is allowed."""
     wrong = np.flatnonzero(np.ravel(values) <= 0)
     if wrong.size:
         place = ", ".join(str(index) for index in np.unravel_index(wrong[0], np.shape(values)))
@@ -219,7 +219,7 @@ def percentile_limits(
     values
         Numbers of any shape; NaN and infinite values count as missing.
     percentiles
-        Two in [0, 100], the first below the second; (0, 100) gives the least and the greatest.
+        Two numbers in [0, 100], the first below the second; (0, 100) gives the least and the greatest value.
     log
         Whether the scale is logarithmic; all values must then be above 0.
 

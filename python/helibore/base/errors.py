@@ -4,7 +4,7 @@
     InputError("well.las, line 12", "truncated")            ->  well.las, line 12: truncated
     MissingExtraError("h5py", "vtkhdf")                     ->  needs h5py: pip install "helibore[vtkhdf]"
 
-A caller recognises them by their class and their attributes, never by their text.
+A caller recognises these errors by their class and their attributes, never by their text.
 """
 
 from __future__ import annotations
@@ -41,29 +41,29 @@ class InputError(ValueError):
 
 
 def check_not_negative(settings: Mapping[str, float]) -> None:
-    """Raise an InputError for the first of these numbers that is negative or not finite."""
+    """Raise InputError if a number is negative or not finite; the error names the first such number."""
     for name, value in settings.items():
         if not (math.isfinite(value) and value >= 0):
             raise InputError(name, "must be finite and not negative", str(value))
 
 
 def check_choice(place: str, value: object, choices: Collection[object]) -> None:
-    """Raise an InputError that lists the choices unless the value is one of them."""
+    """Raise InputError unless the value is one of the choices; the error lists the choices."""
     if value not in choices:
         raise InputError(place, f"must be one of {', '.join(map(str, choices))}", repr(value))
 
 
 def check_names(prefix: str, names: Iterable[str], known: Collection[str]) -> None:
-    """Raise an InputError that lists the known names, at the place ``prefix + name``, for the first unknown name."""
+    """Raise InputError if a name is not known. The error lists known names; its place is ``prefix`` + this name."""
     for name in names:
         if name not in known:
             raise InputError(f"{prefix}{name}", f"must be one of {', '.join(known)}")
 
 
 def check_ending(path: str | PathLike[str], endings: Collection[str], why: str = "") -> str:
-    """Return which of ``endings`` a file's name has, in capitals or not; if it has none, an InputError lists them.
+    """Return which of ``endings`` a file's name has, in upper or lower case; raise InputError if it has none of them.
 
-    ``why`` follows that list in the error.
+    The error lists the endings; ``why`` follows this list.
     """
     for ending in endings:
         if str(path).lower().endswith(ending):

@@ -23,7 +23,7 @@ from helibore.base.units import TIME, factor
 OPTIONAL = ("time", "arm")
 """Roles that a table need not have."""
 WAYS = {"fetchall": "df()", "collect": "collect()", "read_all": "read_all()"}
-"""Objects that are not data frames, but have a call that returns one: a DuckDB relation, a lazy frame, an Arrow reader.
+"""Objects that are not data frames, but have a method that makes one: a DuckDB relation, a lazy frame, an Arrow reader.
 
 A key is a method that only one of these three has; the value is that object's call."""
 
@@ -39,7 +39,7 @@ class FrameRows:
 
     @contextmanager
     def named(self) -> Iterator[None]:
-        """Replace an InputError about an entry of a role by one that names the column, row and value in the table."""
+        """Change an InputError about an entry of a role, so that it names the column, row and value in the table."""
         try:
             yield
         except InputError as error:
@@ -68,7 +68,7 @@ def frame_rows(
         For each role: the name of its column (None: a time or an arm is not wanted), and the quantity that its unit
         measures (None: the role has no unit). A time may hold dates.
     units
-        The unit of each role whose column is not in metres, degrees or seconds; None: all columns are.
+        The unit of each role whose column is not in metres, degrees or seconds; None: all columns have these units.
 
     Raises
     ------
@@ -92,7 +92,7 @@ def frame_rows(
             raise InputError(role, "must be the name of a column", "None")
         place = f"column {name!r}"
         if names.count(name) > 1:
-            raise InputError(place, f"the table has {names.count(name)} of this name ({role})")
+            raise InputError(place, f"the table has {names.count(name)} columns of this name ({role})")
         try:
             column = table[name]
         except Exception as error:  # each library has an error of its own for a column that is not there

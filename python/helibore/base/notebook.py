@@ -20,7 +20,7 @@ from helibore.base.colors import ColorScale, colors_of, usual_scale
 from helibore.base.errors import InputError
 
 _WIDTH, _HEIGHT = 72, 120
-"""The most cells of a map, across and down. Every picture has two pixels for each of them: it is 144 wide, 240 high."""
+"""The most cells of a map, across and down. Every picture has two pixels for each cell: it is 144 wide, 240 high."""
 _TABLE = "border-collapse:collapse;margin:.3em 0 0;background:none;color:inherit;font-size:inherit"
 
 

@@ -34,7 +34,7 @@ class Settings:
     first_vertex, stop_vertex
         The wall is a stretch of the helix, from ``first_vertex``, a multiple of ``sectors``, up to but without
         ``stop_vertex``, which replaces ``stop_depth``; None: to the last sample. If ``first_vertex`` is not 0,
-        ``start_depth`` must be given. The values of the stretch have the same bits as in the whole wall if it gets all
+        ``start_depth`` must be given. The values of the stretch equal those of the whole wall exactly if it gets all
         samples within `Wall.reach`.
     neighbors
         V, the number of nearest samples that a vertex is estimated from; 1 to 256, with kriging 1 to 64. None: 8, with
@@ -65,15 +65,15 @@ class Settings:
     nugget
         Variance of the noise divided by the variance of the shape, for kriging; at least 1e-6.
     sigma
-        Keep with each vertex, while it is estimated, what `Wall.sigma` is computed from; `Wall.sigma` then need not
-        estimate all vertices again. Radii do not depend on it.
+        Keep for each vertex the sums from which `Wall.sigma` is computed; `Wall.sigma` then need not estimate all
+        vertices again. Radii do not depend on this setting.
     gap_reach, largest_gap
         A part of the turn counts as measured where the angle between the nearest samples on its two sides, within
-        ``gap_reach`` metres of depth, is at most ``largest_gap`` degrees. Radii do not depend on these.
+        ``gap_reach`` metres of depth, is at most ``largest_gap`` degrees. Radii do not depend on these two settings.
     direct
         Direct connection (published Eq. 6), for live walls: where a vertex is not settled and samples lie in its cell
-        (half a sector to either side, half a pitch up and down), it takes the radius of the last of these samples in
-        canonical order for now. Once it is settled, it is interpolated like any other vertex.
+        (half a sector to either side, half a pitch up and down), the vertex takes the radius of the last of these
+        samples in canonical order. Once it is settled, it is interpolated like any other vertex.
     most_vertices
         An append that would give the wall more vertices is refused, and the error names the depth; so one wrong depth
         does not fill the memory. 1 to 2147483647.
@@ -131,5 +131,5 @@ def _checked(name: str, value: Any) -> float | int | bool | str:
     except (TypeError, ValueError):
         raise InputError(name, f"must be {'an integer' if whole else 'a number'}", repr(value)) from None
     if whole and abs(made) >= 2**31:
-        raise InputError(name, "must be below 2147483648 in size", str(made))
+        raise InputError(name, "absolute value must be below 2147483648", str(made))
     return made

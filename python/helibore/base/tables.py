@@ -42,7 +42,7 @@ class LogColumn:
     values
         (n,) numbers, one for each row of the table, as many as its depths; NaN where missing.
     decimals
-        Number of decimals in text files; None: by the unit.
+        Number of decimals in text files; None: chosen by the unit.
 
     Raises
     ------
@@ -128,7 +128,7 @@ class Tabular(ABC):
 
 
 class LogTable(Tabular):
-    """Columns of equal length and different mnemonics. The first is the depth, metres; in logs it rises, or it falls.
+    """Columns of equal length and different mnemonics. The first is the depth, metres; in logs, depths rise or fall.
 
     ``facts`` say how the columns were made: ``{"bit diameter": "0.2159 m"}``. Every file states them.
     """
@@ -136,7 +136,7 @@ class LogTable(Tabular):
     writer: ClassVar[Callable[[LogTable, str | os.PathLike[str]], None]]
     """The function that writes a table to a file in the format of the file's ending.
 
-    The package sets it, because the formats of files lie in a folder above this one.
+    The package sets this function, because the formats of files lie in a folder above this one.
     """
 
     def __init__(self, columns: Sequence[LogColumn], facts: Mapping[str, str]) -> None:

@@ -107,7 +107,7 @@ def split(name: str, kind: str) -> tuple[str, str | None]:
 def quantity(text: str, kind: str) -> float:
     """Convert a text such as ``8.5in``, ``12 1/4 in`` or ``1/16in`` to metres, degrees or seconds.
 
-    ``kind`` is what a unit must measure: length, angle or time. A number without a unit is taken as it is.
+    ``kind`` is what a unit must measure: length, angle or time. A number without a unit does not change.
     """
     match = _QUANTITY.fullmatch(text)
     if match is None:

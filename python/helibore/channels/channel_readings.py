@@ -2,7 +2,7 @@
 
     radius        one sensor, at its angle            radius-image  one sensor for each sector, at first + i * step
     diameter      two sensors of half the diameter,   travel-time   times of one sensor or of sectors, which an Echo
-                  at its angle and opposite                         converts to radii
+                  at its angle and on the other side                converts to radii
 
 Readings keep the flaws of the log; ``helibore.preparation.prepare`` finds and corrects them. A likely mistake raises an
 error and is never corrected silently: a diameter in place of a radius, radians read as degrees, a wrong unit
@@ -52,8 +52,8 @@ def readings(
     roles
         What each channel means; None: the roles are guessed.
     bit_diameter
-        Metres; None: from a ``bit-diameter`` channel if there is one. A radius is compared with it, to find a diameter
-        in place of the radius.
+        Metres; None: from a ``bit-diameter`` channel if there is one. Radii are compared with it, to find diameters
+        that are given as radii.
     echo
         How travel times become radii; None: a channel of travel times is refused.
     tracked
@@ -206,7 +206,10 @@ def _time(log_set: RawSet, roles: RoleMap) -> Floats | None:
             rule = f"{cell[:40]!r} is no ISO 8601 date and time"
             raise log_set.input_error(rule, row, role.channel) from None
         if has_zone is not (zoned if zoned is not None else has_zone):
-            rule = f"{cell[:40]!r} has {'a' if has_zone else 'no'} time zone, unlike the dates above: all must, or none"
+            rule = (
+                f"{cell[:40]!r} has {'a' if has_zone else 'no'} time zone, unlike the dates above: "
+                "all dates must have one, or none"
+            )
             raise log_set.input_error(rule, row, role.channel)
         zoned = has_zone
     return seconds

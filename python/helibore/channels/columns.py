@@ -100,7 +100,7 @@ def column(log_set: RawSet, role: Role, option: str = "its option") -> Floats:
     """Return a channel in metres, degrees or seconds. A unit that is missing or does not fit its role is an error.
 
     Two units may be missing: angles are degrees if one of them is beyond 2 pi, and a ``time`` is in seconds. If the
-    role needs no unit, the values are returned as they are. The error names ``option``, an option of the command line,
+    role needs no unit, the values are returned unchanged. The error names ``option``, an option of the command line,
     as a place to state the unit.
     """
     kind = ROLES[role.role]
@@ -121,7 +121,7 @@ def column(log_set: RawSet, role: Role, option: str = "its option") -> Floats:
 
 
 def depths(log_set: RawSet, roles: RoleMap, option: str = "its option") -> tuple[Role, Floats]:
-    """Return the depth channel and its values in metres; an InputError names values that cannot be depths."""
+    """Return the depth channel and its values in metres; raise InputError if the values cannot be depths."""
     role = needed(log_set, roles, "depth")
     values = column(log_set, role, option)
     plausibility.depths(log_set, role, values)
@@ -129,7 +129,10 @@ def depths(log_set: RawSet, roles: RoleMap, option: str = "its option") -> tuple
 
 
 def needed(log_set: RawSet, roles: RoleMap, role: str) -> Role:
-    """Return the entry of the channel that has ``role``; an InputError says how to name a channel for it."""
+    """Return the entry of the channel that has ``role``.
+
+    Raise InputError if no channel has this role; the error says how to name a channel.
+    """
     found = roles.one(role)
     if found is None:
         near = [f"; {each.channel} is {each.reason}" for each in roles if f"like {role}, but" in each.reason]

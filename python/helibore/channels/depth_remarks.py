@@ -12,7 +12,8 @@ from helibore.files.raw_set import RawSet
 def depth_remarks(log_set: RawSet, roles: RoleMap) -> list[str]:
     """Return remarks on the depths: direction, repeats, median step, and gaps of more than three median steps.
 
-    If the unit is not metres, the range in metres is remarked too. There are no remarks without a channel of depths.
+    If the unit is not metres, there is also a remark on the range in metres. There are no remarks without a channel of
+    depths.
     """
     role = roles.one("depth")
     if role is None or log_set[role.channel].is_text:
@@ -27,11 +28,11 @@ def depth_remarks(log_set: RawSet, roles: RoleMap) -> list[str]:
         found.append(f"{role.channel}: {metre * np.nanmin(depth):.2f} to {metre * np.nanmax(depth):.2f} m")
     rising, falling, level = (int(np.count_nonzero(mask)) for mask in (steps > 0, steps < 0, steps == 0))
     if rising and falling:
-        found.append(f"{role.channel}: rises {rising:,} and falls {falling:,} times: passes, or samples in no order")
+        found.append(f"{role.channel}: rises {rising:,} and falls {falling:,} times: several passes or unsorted rows")
     elif falling:
         found.append(f"{role.channel}: falls: logged upwards")
     if level:
-        found.append(f"{role.channel}: {level:,} rows repeat the depth before")
+        found.append(f"{role.channel}: {level:,} rows repeat the depth of the row before")
     sizes = np.abs(steps[steps != 0])
     if sizes.size:
         usual = float(np.median(sizes))

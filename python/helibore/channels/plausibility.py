@@ -30,7 +30,7 @@ MANY = 1 << 16
 
 
 def present(values: Floats) -> Floats:
-    """Return the values that are not NaN in one dimension; the result is a copy only if a value is NaN."""
+    """Return the values that are not NaN, as an (n,) array; the result is a copy only if a value is NaN."""
     flat = values.reshape(-1)
     return flat[np.isfinite(flat)] if np.isnan(flat.min(initial=0.0)) else flat
 
@@ -96,8 +96,8 @@ def depths(log_set: RawSet, role: Role, values: Floats) -> None:
         if not 2.0 * low - high - 100.0 <= odd <= 2.0 * high - low + 100.0:
             count = np.count_nonzero(raw == odd)
             rule = (
-                f"{odd:g} {role.unit} in {count:,} rows, the others lie between {low:g} and {high:g} {role.unit}: a "
-                f"number that means no value? {say_so(f'{odd:g}')}"
+                f"{odd:g} {role.unit} in {count:,} rows, other depths lie between {low:g} and {high:g} {role.unit}: "
+                f"a number that means no value? {say_so(f'{odd:g}')}"
             )
             raise log_set.input_error(rule, int(np.argmax(raw == odd)), role.channel)
     if found.size < FEW or role.confirmed or not float(found.max()) < 0.0:
@@ -105,7 +105,7 @@ def depths(log_set: RawSet, role: Role, values: Floats) -> None:
     rule = (
         f"{found.min():g} to {found.max():g} m: negative throughout (elevations?), and depth counts positive down the"
     )
-    raise log_set.input_error(f'{rule} hole; write it so, or confirm role = "depth" in a map', column=role.channel)
+    raise log_set.input_error(f'{rule} hole; change the signs, or confirm role = "depth" in a map', column=role.channel)
 
 
 def angles(log_set: RawSet, role: Role, values: Floats) -> None:

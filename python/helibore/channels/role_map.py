@@ -5,7 +5,7 @@
     role = "diameter"                  # one of helibore.channels.roles.ROLES
     unit = "in"
     angle = 0.0                        # degrees from the toolface (radius, diameter)
-    offset = 1.2                       # metres up the string, from where the depth is counted to this sensor
+    offset = 1.2                       # metres from the point whose depth is recorded up to this sensor
     latency = 0.5                      # seconds from a measurement to its time stamp
     first = 11.25                      # images: angle of the first sector; in a radius image, of the sector's centre
     step = 22.5                        # images: angle from one sector to the next
@@ -45,7 +45,7 @@ def write_map(roles: RoleMap, with_set: bool = True, warning: str = "") -> str:
 
     If the file is refused with these roles, ``warning`` says why; it becomes the first comment.
     """
-    lines = [_comment(f"Refused as it stands: {warning}"), ""] if warning else []
+    lines = [_comment(f"Refused with these roles: {warning}"), ""] if warning else []
     if roles.set_name and with_set:
         lines += [f"set = {quoted(roles.set_name)}", ""]
     for role in roles:
@@ -67,7 +67,8 @@ def write_map(roles: RoleMap, with_set: bool = True, warning: str = "") -> str:
 def _without_role(roles: RoleMap) -> list[str]:
     """Return comments on the channels without a role.
 
-    They list the names of the channels if the other roles make the set usable; else they are entries to fill in.
+    The comments list the names of the channels if the other roles make the set usable. If not, the comments are entries
+    to fill in.
     """
     rest = [role for role in roles if role.role == "none"]
     if not rest:
@@ -114,7 +115,7 @@ def overlay(roles: RoleMap, log_set: RawSet, entries: dict[str, Any], place: str
     """Return the roles, replaced where a channel has an entry; ``place`` names the map in errors.
 
     A replaced role has the reason ``why``. If an entry gives a role that only one channel can have, a channel with the
-    same guessed role loses it.
+    same guessed role loses that role.
     """
     changed = dict(roles.roles)
     for name, entry in entries.items():
@@ -169,9 +170,9 @@ def parse_options(
     """Replace roles by columns written ``NAME[@ANGLE][:UNIT]``, as in options of the command line.
 
     ``columns`` holds a column by role, for roles that only one channel has; None leaves the role as it is. ``arms``
-    holds columns by role, for wall channels; if any is given, all other channels lose their wall roles. An InputError
-    names a column that is not in the set, is given two roles, has an angle that its role does not take, or has a unit
-    that is unknown or of a wrong kind.
+    holds columns by role, for wall channels; if any is given, all other channels lose their wall roles. Raise
+    InputError if a column is not in the set, is given two roles, has an angle that its role does not take, or has a
+    unit that is unknown or of a wrong kind; the error names the column.
     """
     wanted = [(role, spelling) for role, spelling in columns.items() if spelling is not None]
     wall = [(role, spelling) for role, spellings in arms.items() for spelling in spellings]

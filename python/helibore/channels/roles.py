@@ -3,9 +3,9 @@
     name, description, unit, shape  --guess-->  role: depth, toolface, radius, diameter, inclination, image ...
     [channels."pfc1_x_in"]  role = "diameter"  unit = "in"  angle = 0.0        (an entry of a map)
 
-A guess uses names, descriptions, units and shapes, never the size of the numbers. ``columns`` converts the values.
-A ``diameter`` is two wall points, at ``angle`` and opposite; a ``radius`` is one wall point. ``angle`` is counted from
-the toolface channel if there is one, else from the toolface reference.
+A guess uses names, descriptions, units and shapes, never the values. ``columns`` converts the values.
+A ``diameter`` is two wall points, at ``angle`` and ``angle + 180``; a ``radius`` is one wall point. ``angle`` is
+counted from the toolface channel if there is one, else from the toolface reference.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ ROLES: dict[str, str] = {
     "toolface-reference": "",
     "none": "",
 }
-"""Every role, and what its unit must measure ("" for any)."""
+"""Every role, and what its unit must measure ("" for any unit)."""
 
 SINGLE = (
     "depth", "time", "toolface", "inclination", "azimuth", "tvd", "north", "east", "bit-diameter", "pass",
@@ -193,7 +193,7 @@ def stem(channel: Channel) -> str:
 
 
 def _fits(channel: Channel, kind: str) -> bool:
-    """Return whether a channel's unit allows a role: it is of this kind or not stated, or the role needs no unit."""
+    """Return whether a channel's unit allows a role: the unit is of this kind or not stated, or no unit is needed."""
     return not kind or not channel.unit or units.measures(channel.unit) == kind
 
 
@@ -216,9 +216,9 @@ def _single_roles(log_set: RawSet, roles: dict[str, Role]) -> None:
                 continue
             owner = next((each.channel for each in roles.values() if each.role == role), None)
             if owner is not None:
-                roles[channel.name] = _none(channel, f"{how}, like {role}; {owner} is taken for it")
+                roles[channel.name] = _none(channel, f"{how}, like {role}; {owner} has this role")
             elif role == "azimuth" and not inclined:
-                reason = f"{how}, but there is no inclination: no survey (an angle around the hole is a toolface)"
+                reason = f"{how}, but a survey also needs an inclination (an angle around the hole is a toolface)"
                 roles[channel.name] = _none(channel, reason)
             else:
                 index = " and it is the index" if channel.name == log_set.index else ""
@@ -296,7 +296,7 @@ def _wall_role(channel: Channel, has_toolface: bool) -> Role | None:
         reason = f"named like the {letter} arm pair of a caliper: across the hole at {angle:g} deg from the toolface"
         return Role(channel.name, "diameter", reason, unit, angle)
     if EXTREME.fullmatch(name):
-        return _none(channel, f"named {channel.name}: the largest or smallest of a row has no direction and is no mean")
+        return _none(channel, f"named {channel.name}: the extreme diameter of a row has no direction and is no mean")
     if RADIUS.fullmatch(name):
         return Role(channel.name, "radius", f"named {channel.name}", unit, 0.0 if has_toolface else None)
     if DIAMETER.fullmatch(name) and has_toolface:

@@ -1,7 +1,7 @@
 """Join sector columns into one image: ABDC1M..ABDC16M, GRAS0M..7M, GRIM[1].., GRIM:1.., GRIM1.. -> (n, K).
 
-    stem  number  suffix            joined if there are at least four, their numbers rise one by one from 0 or 1, they
-    ABDC    16      M               have one unit, and they are the columns of one tool around the hole
+    stem  number  suffix            joined if there are at least four columns, numbered one by one from 0 or 1, with
+    ABDC    16      M               one unit, and measured by one tool around the hole
 
 These series stay single columns, with a remark: a series with a gap, or whose numbers fall; the pads of a dip meter and
 the probes of a production tool, by their names; and four to seven columns without stated angles whose unit is neither a
@@ -37,7 +37,7 @@ NOT_AROUND = re.compile(
 """Stems of the pads and buttons of dip meters, and of the probes and spinners of production tools."""
 NOT_AROUND_TEXT = re.compile(r"\b(dip ?meter|pad|probe|spinner|hold-?up|capacitance)\b", re.IGNORECASE)
 
-# The last run of digits counts the sector: GRIM[12], GRIM_12, GRIM:12, GRIM(12), ABDC12M.
+# The last run of digits is the number of the sector: GRIM[12], GRIM_12, GRIM:12, GRIM(12), ABDC12M.
 NUMBERED = re.compile(r"^(?P<stem>.*?\D)[\[_:(. -]?(?P<number>\d{1,4})[\])]?(?P<suffix>\D{0,8})$")
 
 
@@ -90,7 +90,7 @@ def _gap(numbers: list[int]) -> str:
 
 
 def _doubt(stem: str, members: list[Channel]) -> str:
-    """Return why numbered columns may not lie around the hole, or "" if they do."""
+    """Return why numbered columns may not lie around the hole; "" if there is no doubt."""
     if units.measures(members[0].unit) == units.LENGTH or _axis(members) is not None:
         return ""
     if NOT_AROUND.fullmatch(stem) or NOT_AROUND_TEXT.search(members[0].description):
@@ -114,7 +114,7 @@ def _image(name: str, members: list[Channel]) -> Channel:
 
 
 def _axis(members: list[Channel]) -> SectorAxis | None:
-    """Return the members' angles as one axis; its step is NaN if they are uneven. None if a member has no angle."""
+    """Return the members' angles as an axis, with step NaN if the angles are uneven; None if a member has no angle."""
     angles = [member.axis.first for member in members if member.axis is not None]
     units = {member.axis.unit for member in members if member.axis is not None}
     if len(angles) < len(members) or len(units) != 1:

@@ -25,11 +25,11 @@ from helibore.base.errors import MissingExtraError
 VERBS = ("demo", "inspect", "journal", "live", "logs", "mesh", "plot", "reconstruct", "report", "reprocess",
          "simulate", "view")  # fmt: skip
 MODULES = {"reconstruct": "mesh", "report": "plot"}
-"""The module of each verb that is not in a module of its own name: ``reconstruct`` is in ``mesh_command``."""
+"""The module of each verb whose module has another name: ``reconstruct`` is in ``mesh_command``."""
 
 
 class BadInput(click.ClickException):
-    """An error that the user can put right; it is shown in one line and ends the command with exit code 2."""
+    """An error that the user can correct; the error is shown in one line and ends the command with exit code 2."""
 
     exit_code = 2
 

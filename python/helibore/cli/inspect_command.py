@@ -40,7 +40,7 @@ WIDE = 120
     metavar="SETS",
     help="Show only these sets: a name, numbers (2,5-8), or all sets that hold these columns (with=CALX,CALY).",
 )
-@click.option("--header-line", type=int, help="Line of the column names of a table (CSV, XLSX).  [found]")
+@click.option("--header-line", type=int, help="Line of the column names of a table (CSV, XLSX).  [helibore finds it]")
 @click.option("--toml", is_flag=True, help="Print only the role map, as TOML that a file for --map can hold.")
 def inspect(file: Path, map_file: Path | None, sets: tuple[str, ...], header_line: int | None, toml: bool) -> None:
     """List the channels of FILE, their units, ranges, missing values, and the role that each channel gets.
@@ -83,7 +83,7 @@ def show(console: Console, file: Path, opened: LogFile, names: list[str], mapped
             console.print(f"  - {escape(remark)}", highlight=False)
         warning = refusal(log_set, roles)
         if warning:
-            console.print(f"  - [red]refused as it stands[/]: {escape(warning)}", highlight=False)
+            console.print(f"  - [red]refused with these roles[/]: {escape(warning)}", highlight=False)
         lacks, command = without_caliper(file, opened, roles)
         if command:
             console.print(f"  - {escape(lacks)}:\n", highlight=False)
@@ -133,7 +133,7 @@ def span(channel: Channel) -> str:
 
 
 def short(value: float) -> str:
-    """Return a number as text with five significant digits; from 10,000 to 1e9, with all digits before the point."""
+    """Return a number as text: five significant digits, or, from 10,000 to 1e9, all digits before the decimal point."""
     return f"{value:.0f}" if 1e4 <= abs(value) < 1e9 else f"{value:.5g}"
 
 

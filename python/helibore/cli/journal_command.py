@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
 JOURNAL = click.argument("folder", type=click.Path(path_type=Path, exists=True, file_okay=False))
 CONFIGURATION = opt(
-    "-c --configuration", "Read the journal with this configuration.  [the one in the journal]", type=FILE
+    "-c --configuration", "Read the journal with this configuration.  [the configuration in the journal]", type=FILE
 )
 
 
 @click.group(short_help="Check, list, replay, export and archive a journal.")
 def journal() -> None:
-    """Work with the journal of a live wall. Only the command archive changes a journal.
+    """Work with the journal of a live wall. Of these commands, only archive changes a journal.
 
     \b
     helibore journal list well-7.journal
@@ -170,7 +170,7 @@ def quarantine(folder: Path, configuration: Path | None, output: Path | None) ->
     "Options",
     CONFIGURATION,
     OUTPUT("A .csv file: a row for each value. A .wits file: the bytes that one source sent."),
-    opt("--source", "Name of the source.  [csv: all; wits: the only one]"),
+    opt("--source", "Name of the source.  [.csv: all sources; .wits: the only source]"),
 )
 def export(folder: Path, configuration: Path | None, output: Path, source: str | None) -> None:
     """Write what the journal in FOLDER holds to a file for other programs.
@@ -214,7 +214,8 @@ def export(folder: Path, configuration: Path | None, output: Path, source: str |
 def archive(folder: Path, remove: bool) -> None:
     """Compress the old segments of the journal in FOLDER into its folder archive; the journal may be in use.
 
-    A segment is old if both checkpoints contain all its records. The other segments are never changed.
+    A segment is old if both checkpoints of the journal contain all records of the segment. Segments that are not old
+    are never changed.
 
     \b
     helibore journal archive well-7.journal
@@ -247,7 +248,7 @@ def _segments(folder: Path) -> Iterator[Segment]:
 
 @contextmanager
 def _progress(folder: Path) -> Iterator[Callable[[object], None]]:
-    """Show on a terminal, after the first second, how many segments are done; yield a function that counts one more."""
+    """Show on a terminal, after the first second, how many segments are done; yield a function to count one more."""
     import sys
     import time
 

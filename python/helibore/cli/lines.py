@@ -65,7 +65,8 @@ def counts_line(live: Live) -> str:
     """Return a text on how many samples of a live wall were drawn, and on the number of vertices of its layer ``main``.
 
     Each sample whose depth is known, or will never be known, is in one of three counts: drawn in a layer; refused by a
-    flag; in no layer, since no layer takes its pass, it lies before the wall, or enough samples lie around it.
+    flag; in no layer, because no layer takes its pass, the sample lies before the wall, or it has enough samples
+    around it.
     """
     counts, waiting = live.model.counts, live.model.waiting
     text = f"{counts['drawn']:,} samples drawn, {counts['not drawn']:,} refused, {counts['kept apart']:,} in no layer"
@@ -99,7 +100,7 @@ def _volume(cubic_metres: float) -> str:
 
 
 def row_line(rows: Logs) -> tuple[str, str]:
-    """Return a line on the rows of logs: their depths, their number, and whether a row is a turn or a step of depth."""
+    """Return a line on the rows of logs: depths, number of rows, and whether a row is a turn or a step of depth."""
     each = "one a turn" if rows.step is None else f"one each {rows.step:g} m"
     return "logs", f"{rows.depth.min():.2f} to {rows.depth.max():.2f} m, {len(rows):,} rows, {each}"
 
@@ -109,7 +110,7 @@ def sigma_lines(rows: Logs) -> Lines:
     if not rows.with_sigma:
         return []
     missing = int(np.isnan(rows.diameter_sigma).sum())
-    why = "in each row, a vertex lies in a gap, or farther from samples than the uncertainty was tested"
+    why = "in each of these rows, a vertex lies in a gap, or farther from samples than the uncertainty was tested"
     if rows.basis != "azimuthal":
         why = rows.basis_text
     elif rows.shape == "arms":

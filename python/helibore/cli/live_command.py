@@ -1,4 +1,4 @@
-"""``helibore live rig.toml``: connect, store, draw, and show the status until Ctrl-C."""
+"""``helibore live rig.toml``: build a wall from live sources, and show the status until Ctrl-C."""
 
 from __future__ import annotations
 
@@ -42,14 +42,14 @@ The command also waits this long, at most, for the thread that draws the status 
     opt("--every", "Seconds between snapshots.  [snapshot.every]", type=click.FloatRange(1)),
     opt("--metrics-port", "Serve Prometheus metrics on this port.", type=click.IntRange(0, 65535)),
     opt("--view page", "Show the wall in a browser while it grows (extra 'view').", is_flag=True),
-    opt("--view-port", "Port of --view; 0: a free one.", type=click.IntRange(0, 65535), default=0),
+    opt("--view-port", "Port of --view; 0: a free port.", type=click.IntRange(0, 65535), default=0),
     opt("--seconds", "Stop after this time.  [until Ctrl-C, or all files are read]", type=click.FloatRange(0)),
     opt("--check", "Check the configuration, print how helibore reads each item, and stop.", is_flag=True),
     opt("-q --quiet", "Do not show the status page.", is_flag=True),
     opt("--host", "Address of page and metrics; needs --token if other machines reach it.", default="127.0.0.1"),
     opt("--token", "Secret that page and metrics require.  [HELIBORE_TOKEN]", envvar="HELIBORE_TOKEN"),
     opt("--certificate", "PEM file: serve page and metrics over HTTPS.", metavar="FILE"),
-    opt("--key", "PEM file of the private key of --certificate.  [the same file]", metavar="FILE"),
+    opt("--key", "PEM file of the private key of --certificate.  [the file of --certificate]", metavar="FILE"),
     opt("--log", "Also write all events to this file, which is rotated at 10 MB.", metavar="FILE"),
 )
 def live(
@@ -201,7 +201,7 @@ def _loop(
 
 
 def _reconfigure(server: Server, reload: Callable[[], None]) -> None:
-    """Read the configuration again; if it cannot be used, report the error and go on with the old one."""
+    """Read the configuration again; if it cannot be used, report the error and keep the old configuration."""
     try:
         reload()
     except (OSError, ValueError) as error:

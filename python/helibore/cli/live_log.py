@@ -42,7 +42,7 @@ class LogWriter(logging.Handler):
             self._lost, self._reason = self._lost + 1, "stderr or the log file is blocked or too slow"
 
     def trouble(self) -> str:
-        """Return how many lines were lost since the last call, and the reason for the last loss; "" if none were."""
+        """Return how many lines were lost since the last call, and why the last line was lost; "" if none was lost."""
         lost, self._lost = self._lost, 0
         return f"{lost} lines were not written: {self._reason}" if lost else ""
 

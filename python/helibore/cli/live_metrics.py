@@ -60,7 +60,7 @@ class Access:
         return context
 
     def permits(self, query: str, authorization: str) -> bool:
-        """Return whether a request needs no token, or has it as ``?token=...`` or ``Authorization: Bearer ...``."""
+        """Return whether no token is required, or the request has it as ``?token=`` or ``Authorization: Bearer``."""
         given = [*parse_qs(query).get("token", []), authorization.removeprefix("Bearer ")]
         wanted = (self.token or "").encode()
         return not wanted or any(hmac.compare_digest(one.encode(), wanted) for one in given)
@@ -69,8 +69,8 @@ class Access:
 class MetricsServer(http.server.HTTPServer):
     """Serves /metrics to at most `CONNECTIONS` connections at a time, and ends a connection after `SECONDS`.
 
-    All its threads start with the server, and it keeps a file descriptor in reserve. Therefore it still answers when
-    the process can get no more threads or file descriptors.
+    All its threads start with the server, and it keeps a file descriptor in reserve. Therefore the server still answers
+    when the process can get no more threads or file descriptors.
     """
 
     def __init__(self, server: Server, port: int, access: Access) -> None:

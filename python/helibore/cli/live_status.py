@@ -1,6 +1,6 @@
 """The status of a running server: a page for the terminal (rich), and metrics for Prometheus.
 
-Neither changes the server.
+The page and the metrics do not change the server.
 """
 
 from __future__ import annotations

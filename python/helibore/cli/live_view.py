@@ -177,7 +177,7 @@ class Window:
         return "\n".join(f"{line}." for line in lines)
 
     def _advice(self, lost: Sequence[str], received: int, waiting: int) -> list[str]:
-        """Return what the user should check first: a lost connection, else what is sent, else the depth of the bit."""
+        """Return what the user should check first: the lost connection, the items that are sent, or the bit depth."""
         for name in lost:
             address = self._live.configuration.sources[name].address
             if address.kind == "listen":
@@ -194,7 +194,7 @@ class Window:
         return helix_of(wall).ends(len(wall))
 
     def _path(self) -> Path | None:
-        """Return the path so far, extended below the wall; None without a path, or if the path begins below the top."""
+        """Return the current path, extended below the wall; None without a path, or if it begins below the top."""
         top, bottom = self._span()
         path = self._live.model.stations.reaching(bottom + AHEAD)
         if path is None or path.start_depth > top:

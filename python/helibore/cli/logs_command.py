@@ -36,7 +36,7 @@ DECIMALS = {"in": 4, "mm": 3, "ft": 5}
 @section("Options", OUTPUT("Logs to write: .las, .csv, .parquet or .dlis."), QUIET)
 @section(
     "Logs",
-    opt("--step", "One row for each step of depth.  [one a turn]", type=LENGTH),
+    opt("--step", "One row for each step of depth.  [one row for each turn]", type=LENGTH),
     opt(
         "--rugosity-window",
         "Length of hole for rugosity, made an odd number of turns: 1 m at a pitch of 0.1 m is 9 turns.",
@@ -64,7 +64,7 @@ DECIMALS = {"in": 4, "mm": 3, "ft": 5}
 )  # fmt: skip
 @takes_a_wall
 def logs(**options: Any) -> None:
-    """Measure a wall: diameters, ovality, rugosity, volumes, zones, turn by turn or by steps of depth.
+    """Measure a wall: diameters, ovality, rugosity, volumes, zones, for each turn or each step of depth.
 
     \b
     helibore logs well.wall -o well.las --step 0.5m --casing "7in" --zones zones.csv
@@ -134,7 +134,7 @@ def logs(**options: Any) -> None:
 
 
 def _in_unit(table: LogTable, unit: str) -> LogTable:
-    """Return the table in ``unit``: the sizes across the hole; for ft, these in inches and lengths along it in feet."""
+    """Return the table with sizes across the hole in ``unit``; ft: in inches, with lengths along the hole in feet."""
     from helibore.base import units
     from helibore.base.tables import LogTable
 
@@ -151,11 +151,11 @@ def _in_unit(table: LogTable, unit: str) -> LogTable:
 
 
 class _Measured(NamedTuple):
-    """The zones and logs that are measured of a wall.
+    """The zones and logs of a wall.
 
-    ``zones`` are those of the whole wall; None if its shape was not measured. ``turns`` are the turns between --from
-    and --to. ``rows`` are the rows to write: these turns, or steps of depth. ``columns`` are added to the rows: the
-    class of hole, if a row is a turn and there are zones.
+    ``zones`` are the zones of the whole wall; None if the wall's shape was not measured. ``turns`` are the turns
+    between --from and --to. ``rows`` are the rows to write: these turns, or steps of depth. ``columns`` are added to
+    the rows: the class of hole, if a row is a turn and there are zones.
     """
 
     zones: Classification | None
@@ -174,7 +174,7 @@ def _measured(wall: Wall, options: dict[str, Any], reference: Any) -> _Measured:
     every = wall.logs(rugosity_window=options["rugosity_window"], sigma=options["sigma"])
     if reference not in (None, every.reference):
         if every.reference:
-            raise InputError(f"--reference {reference}", f"the wall's path counts from {every.reference}")
+            raise InputError(f"--reference {reference}", f"the wall's path counts toolfaces from {every.reference}")
         every = replace(every, reference=reference)
     inside = every.rows_between(options["start_depth"], options["stop_depth"])
     if not inside.any():

@@ -48,7 +48,7 @@ COLORLESS = (ARCHIVE, ".obj", ".stl")
 
 takes_a_mesh = section(
     "Options",
-    OUTPUT("Mesh to write: .glb, .vtu, .vtp, .vtkhdf, .ply, .obj, .stl; or .wall, an archive that reopens."),
+    OUTPUT("Mesh to write: .glb, .vtu, .vtp, .vtkhdf, .ply, .obj, .stl; or .wall, an archive to reopen."),
     opts("--shell shells", f"Write a volume of hexahedra this thick around the wall ({', '.join(VOLUME_ENDINGS)}).",
          type=LENGTH),
     SIGMA,
@@ -77,9 +77,9 @@ def reconstruct(**options: Any) -> None:
     helibore reconstruct --from-settings wall.glb.toml -o again.glb
 
     SOURCE is CSV, Parquet, LAS, DLIS, JSON, WITSML or NPZ; several files are passes over one hole, earliest first. The
-    meaning of each column is guessed from names and units, and printed; `helibore inspect` prints the map to change it.
-    The file wall.glb.toml beside wall.glb repeats the run. A .wall keeps samples, settings, path and images, and
-    reopens (hb.load).
+    meaning of each column is guessed from names and units, and printed; to change it, edit the map that
+    `helibore inspect` prints. The file wall.glb.toml beside wall.glb repeats the run. A .wall file keeps samples,
+    settings, path and images; hb.load opens it again.
     """
     _write("reconstruct", options)
 
@@ -96,8 +96,8 @@ def mesh(**options: Any) -> None:
     helibore mesh well.wall --shell 5cm --shell 20cm -o volume.vtkhdf
     helibore mesh --from-settings volume.vtkhdf.toml -o again.vtkhdf
 
-    SOURCE is an archive (.wall), caliper files, or the settings beside an output. Every shell has the values of the
-    images. The file well.glb.toml beside well.glb repeats the run.
+    SOURCE is an archive (.wall), caliper files, or the settings file (.toml) beside an output. Every shell has the
+    values of the images. The file well.glb.toml beside well.glb repeats the run.
     """
     _write("mesh", options)
 
@@ -180,7 +180,7 @@ def _save(wall: Wall, made: Surface | Volume, output: Path, color_by: str | None
 
 
 def _colors(wall: Wall, made: Surface, output: Path, name: str) -> dict[str, Any]:
-    """Return the arguments of `Surface.save` for the usual colours of an image; {} if they cannot be used."""
+    """Return the arguments of `Surface.save` for the customary colours of an image; {} if they do not apply."""
     from helibore.base.colors import PERCENTILES, customary_map
 
     values = made.attributes[name] if name in wall.images else np.empty(0)

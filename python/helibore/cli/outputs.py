@@ -86,7 +86,7 @@ def check_folder(file: Path) -> None:
 
 
 def _recorded_options(context: click.Context) -> dict[str, click.Parameter]:
-    """Return, by name, the options that the settings record: the command's own, and the interval of the wall."""
+    """Return by name the options that the settings record: the command's own options, and the interval of the wall."""
     shared = {names for options in SECTIONS.values() for names, _ in options}
     of_wall = {name for names in shared for name in names.split()}
     return {

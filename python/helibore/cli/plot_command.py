@@ -53,7 +53,7 @@ takes_a_drawing = section(
     SCALAR,
     TEMPLATE,
     BESIDE,
-    opt("--picks", "Table of the picks (CSV).  [FILE.picks.csv beside the first file shown]",
+    opt("--picks", "Table of the picks (CSV).  [name of the first file shown, with .picks.csv added]",
         type=click.Path(exists=True, dir_okay=False, path_type=Path)),
     opt("--scale", "Depth scale, 200 or 1:200.  [the finest usual scale that fits]", metavar="N"),
     opt("--unit", "Unit of diameters and radii; ft: inches, and feet for depths.",
@@ -100,8 +100,8 @@ def plot(**options: Any) -> None:
     helibore plot --gauge --bit-diameter 8.5in --image mem.las:ABDC:centre -o images.pdf
     helibore plot wall.glb.toml -o wall.pdf
 
-    SOURCE is an archive (.wall), caliper files, or the settings beside an output, whose wall is then drawn. The file
-    well.pdf.toml beside well.pdf repeats the run.
+    SOURCE is an archive (.wall), caliper files, or the settings file (.toml) beside an output, whose wall is then
+    drawn. The file well.pdf.toml beside well.pdf repeats the run.
     """
     import helibore.plot as drawn
     from helibore.plot.paper import ENDINGS, MM, require_matplotlib
@@ -222,7 +222,7 @@ def _scale(text: str | None) -> int | None:
         return None
     number = text.removeprefix("1:")
     if not (number.isascii() and number.isdigit() and int(number)):
-        raise click.UsageError(f"--scale {text}: must be a whole number, as 200 or 1:200")
+        raise click.UsageError(f"--scale {text}: must be a whole number, such as 200 or 1:200")
     return int(number)
 
 

@@ -19,7 +19,7 @@ MOST_WARNINGS = 10
 """Greatest number of wells whose warnings are shown."""
 
 STOPPED = 130
-"""Exit code after Ctrl-C, the same as that of shells."""
+"""Exit code after Ctrl-C, the code that shells use."""
 
 FAILED = 3
 """Exit code if wells failed, or the catalogue could not be written."""
@@ -42,16 +42,16 @@ FAILED = 3
 def reprocess(
     manifest: tuple[str, ...], output: str | None, scheduler: str | None, workers: int | None, quiet: bool
 ) -> None:
-    """Rebuild the walls of the wells of MANIFEST: archives, meshes, logs, zones and one catalogue of all.
+    """Rebuild the walls of the wells of MANIFEST: archives, meshes, logs, zones and one catalogue of all wells.
 
     \b
     helibore reprocess manifest.toml
     helibore reprocess wells.parquet -o s3://field/walls --scheduler tcp://host:8786
     helibore reprocess status manifest.toml
 
-    MANIFEST is TOML, or a Parquet table with one row a well. A well whose outputs are there, from the same files and
+    MANIFEST is TOML, or a Parquet table with one row a well. A well whose outputs exist, from the same files and
     settings, is not made again. status counts the wells, and names those that are out of date or have failed; it makes
-    no well. Ctrl-C stops the command; wells that are done stay, and a second run makes the others. Exit code 2: an
+    no well. Ctrl-C stops the command; wells that are done stay, and a second run makes the other wells. Exit code 2: an
     error before any work; 3: some wells failed and the others are done, or the catalogue could not be written; 130:
     stopped by Ctrl-C.
     """
@@ -97,7 +97,7 @@ def reprocess(
 
 
 def _show(progress: Progress) -> None:
-    """Show the progress in a line. On a terminal the line replaces the last one; elsewhere at most ten lines are shown.
+    """Show the progress in a line. On a terminal it replaces the previous line; elsewhere at most ten lines are shown.
 
     Before the first well is finished, show the address of Dask's dashboard instead.
     """

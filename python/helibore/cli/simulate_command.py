@@ -73,7 +73,7 @@ def simulate(folder: Path | None, samples: int | None, seed: int, ending: str, q
     \b
     helibore simulate hole
     helibore simulate hole --to 2400m --samples 2400000 --format npz --lift 2030:5
-    helibore simulate --wits tcp://127.0.0.1:9872 --speed 60 --lift 2030:5      # beside: helibore live rig.toml
+    helibore simulate --wits tcp://127.0.0.1:9872 --speed 60 --lift 2030:5      # other terminal: helibore live rig.toml
     helibore reconstruct hole/caliper.csv --survey hole/survey.csv -o wall.glb --bit-diameter 0.216m
     """
     if options["wits"]:

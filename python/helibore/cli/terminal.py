@@ -1,4 +1,4 @@
-"""Show the stages of a verb and their times, a moving bar during each stage, and a summary of two columns.
+"""Show the stages of a verb and their times, a moving bar during each stage, and a summary in two columns.
 
 The bar appears on stderr if stderr is a terminal and --quiet is not given. rich is imported when something is shown.
 """

@@ -50,7 +50,7 @@ if TYPE_CHECKING:
     *CRITERIA,
     opt("--well", "Name to show.  [name of the source]", default=""),
     opt("--host", "Address of the page; needs --token if other machines reach it.", default="127.0.0.1"),
-    opt("--port", "Port; 0: a free one.", type=click.IntRange(0, 65535), default=0),
+    opt("--port", "Port; 0: a free port.", type=click.IntRange(0, 65535), default=0),
     opt("--token", "Secret that the page requires; the address that the command prints contains it."),
     opt("--browser/--no-browser", "Open the page.", default=True),
     SIGMA,
@@ -66,9 +66,10 @@ def view(**options: Any) -> None:
     helibore view caliper.csv --survey survey.csv --bit-diameter 8.5in
     helibore view --gauge --image lwd.las:GRAS:edge --bit-diameter 8.5in
 
-    SOURCE is an archive (.wall), caliper files, or the settings beside an output. Beds and fractures that you pick on
-    the page are saved in FILE.picks.csv, never beside the survey; FILE is the archive or the first caliper file, else
-    the file of --average, else that of the first --image. --picks names another file. Nothing else is written.
+    SOURCE is an archive (.wall), caliper files, or the settings file (.toml) beside an output. The page saves the beds
+    and fractures that you pick to FILE.picks.csv. FILE is the first of these that is given, here or in the settings:
+    caliper file, --average, archive, --image, --scalar. --picks names another file for the picks. No other file is
+    written.
     """
     terminal = Terminal(options["quiet"])
     check_page()
@@ -110,7 +111,7 @@ def view(**options: Any) -> None:
     viewer.scene.update_state(ended=True, prints=True)  # no samples will be appended
     terminal.summary([("time", terminal.times())])
     with suppress(KeyboardInterrupt):  # Ctrl-C may come before `wait` expects it
-        click.echo(f"{viewer.url}   (Ctrl-C ends it)")
+        click.echo(f"{viewer.url}   (Ctrl-C ends the page)")
         viewer.wait()
     viewer.close()
 
@@ -123,13 +124,13 @@ def where_saved(picks: Path | None) -> str:
         return "not saved: only a survey was given"
     if can_save(picks):
         return f"saved in {picks}"
-    return f"not saved in {picks}: its folder cannot be written; click Download on the page to keep them"
+    return f"not saved in {picks}: its folder cannot be written; click Download on the page to keep the picks"
 
 
 def section_printer(wall: Wall, drawing: dict[str, Any]) -> Callable[[float, float, str, int | None], bytes]:
     """Return a function that draws the wall and its picks between two depths and returns the PDF.
 
-    If several threads call it, only one of them draws at a time.
+    If several threads call this function, only one thread draws at a time.
     """
     lock = Lock()
 
@@ -147,7 +148,7 @@ def section_printer(wall: Wall, drawing: dict[str, Any]) -> Callable[[float, flo
 
 
 def path_options(run: Run) -> str:
-    """Return options, in brackets for an error text, that make the path reach the whole wall; "" if none can."""
+    """Return options, in brackets for an error text, that make the path reach the whole wall; "" if no option can."""
     wall, path, fixed = run.wall, run.wall.path, run.settings.output is not None
     if path is None or fixed or not wall.depth.size:
         return ""

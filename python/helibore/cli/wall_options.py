@@ -3,7 +3,7 @@
     well.wall                                   an archive, as `Wall.save` wrote it
     run1.csv run2.csv --bit-diameter 8.5in      caliper files, prepared and rebuilt
     --average log.las:CALI --bit-diameter ...   an average caliper: the size is measured, the shape is assumed round
-    --gauge --bit-diameter ... --image ...      a hole at bit size that nothing measured, to carry images
+    --gauge --bit-diameter ... --image ...      a hole at bit size, not measured, on which images are shown
     wall.glb.toml, --from-settings wall.glb.toml    the files and settings of an earlier run
 
 What a channel means is guessed from names and units; ``--map`` overrules the guess, and the column options overrule
@@ -87,8 +87,8 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--gauge", "Gauge hole in place of SOURCE; it is not measured and only carries images.", is_flag=True),
         opt("--from-settings", "Repeat the run that wrote this settings file, which may also be SOURCE.", type=FILE),
         opts("--image", "Image on the wall. ORIGIN is what lies at toolface 0 of the image: the centre or the edge "
-             "of sector 1. REFERENCE, north or high-side, is what that toolface 0 is, if it differs from "
-             "the wall's.",
+             "of sector 1. REFERENCE, north or high-side, is the direction of that toolface 0, if it "
+             "differs from the wall's reference.",
              metavar="FILE:CHANNEL:ORIGIN[:REFERENCE]"),
         opt("--from start_depth", "Start depth.  [top of the wall]", type=LENGTH),
         opt("--to stop_depth", "Stop depth.  [bottom of the wall]", type=LENGTH),
@@ -106,7 +106,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--time", "NAME[:UNIT] of the time.", metavar="COLUMN"),
         opts("--travel-time", "NAME[@ANGLE][:UNIT] of an echo's travel time.", metavar="COLUMN"),
         opts("--header-line header_lines", "Line of the column names of a table (CSV, XLSX): LINE for SOURCE, "
-             "FILE=LINE for any other file.  [found]", metavar="[FILE=]LINE"),
+             "FILE=LINE for any other file.  [helibore finds it]", metavar="[FILE=]LINE"),
         opts("--absent", "Number that means no value, besides -999.25, -9999, -9999.25.", type=float),
     ),
     "Sensors": (
@@ -119,8 +119,8 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--mud-velocity", "Speed of sound in the mud, m/s, for travel times.", type=float),
         opt("--tool-radius", "Distance from the tool's axis to the transducer, for travel times.", type=LENGTH),
         opt("--echo-window", "Part of the travel time that the echo spends inside the tool.", type=TIME, default="0s"),
-        opt("--toolface-from", "What the samples' toolface counts from; automatic: by inclination.  [the map's, "
-            "else the wall's]", type=click.Choice(["north", "high-side", "automatic"])),
+        opt("--toolface-from", "What the samples' toolface counts from; automatic: by inclination.  [as the map "
+            "states, or else as for the wall]", type=click.Choice(["north", "high-side", "automatic"])),
         opt("--switch", "For --toolface-from automatic: toolfaces count from north until the inclination reaches the "
             "second angle, and from the high side until it falls to the first.", type=ANGLE,
             nargs=2, default=("4deg", "6deg")),
@@ -138,7 +138,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--drop-stuck stuck", "Drop an arm that does not move for this many rows while others move.", type=int,
             metavar="ROWS"),
         opt("--radius-range", "Drop radii outside this range.", type=LENGTH, nargs=2, metavar="LEAST GREATEST"),
-        opt("--drop-repeated repeated", "Drop samples equal to an earlier one.", is_flag=True),
+        opt("--drop-repeated repeated", "Drop samples equal to an earlier sample.", is_flag=True),
         opt("--drop-spikes spikes", "Drop samples that differ from the turns around them by this many deviations; 6 is "
             "usual.", type=float, metavar="DEVIATIONS"),
         opt("--turn-height", "Height of a turn, for a tool that does not turn.  [a turn is a rotation, or a row of an "
@@ -148,7 +148,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
     "Passes": (
         opt("--split-passes reversal", "Start a new pass where the tool moves back by more than this.", type=LENGTH),
         opt("--passes", "Passes to use, such as 2,3.  [all]", type=NUMBERS),
-        opt("--latest", "In each 0.5 m, use the last pass that measured there.  [merge them]", is_flag=True),
+        opt("--latest", "In each 0.5 m, use the last pass that measured there.  [merge the passes]", is_flag=True),
         opts("--shift shifts", "Add a length to a pass's depths, such as 3=-0.2m.", type=SHIFT),
         opt("--find-shifts", "Find each pass's depth shift from the overlap, unless --shift sets it.", is_flag=True),
         opt("--bias", "Subtract the bias of each pass and arm; with side, a separate bias for each side of "
@@ -166,7 +166,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--azimuth", "NAME[:UNIT] of the azimuth.", metavar="COLUMN"),
         opt("--method", "Curve between stations.", type=click.Choice(["minimum-curvature", "radius-of-curvature"]),
             default="minimum-curvature"),
-        opt("--reference", "What toolface 0 of the wall is.  [high-side with a survey, else not known]",
+        opt("--reference", "Direction of toolface 0 of the wall.  [high-side with a survey, else not known]",
             type=click.Choice(get_args(Reference))),
         opt("--extend", "Length by which the path goes on straight below the last station.", type=LENGTH, default="0m"),
         opt("--head", "North, east and down of the first station.", type=LENGTH, nargs=3, default=("0m", "0m", "0m")),
@@ -176,19 +176,19 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--pitch", "Pitch of the helix; negative for a well logged upwards.", type=LENGTH, default="100mm"),
         opt("--start-toolface", "Toolface of the first vertex.", type=ANGLE, default="0deg"),
         opt("--neighbors", "Number of nearest samples that make a vertex.  [8; kriging: 16]", type=int),
-        opt("--window", "Search only this many samples around a vertex, as published.  [all]", type=int),
+        opt("--window", "Search only this many samples around a vertex, as in the published method.  [all]", type=int),
         opt("--power", "Weights are distance^-power.", type=float, default=1.0),
         opt("--max-distance", "A vertex uses no sample farther away than this; none: no limit.", type=LENGTH_OR_NONE,
             default="1m"),
         opt("--max-iterations", "Greatest number of iterations for a radius.", type=int, default=4),
         opt("--tolerance", "Change of radius that ends the iteration.", type=LENGTH, default="0.001mm"),
-        opt("--angular-scale", "Factor on distances around the hole. 1: true arcs; 2: as published; above 1, more "
-            "neighbours lie above and below.", type=float,
+        opt("--angular-scale", "Factor on distances around the hole. 1: true arcs; 2: as in the published method; "
+            "above 1, more neighbours lie above and below.", type=float,
             default=1.0),
         opt("--estimator", "Method that computes a radius from its neighbours.", default="inverse-distance",
             type=click.Choice(["inverse-distance", "kriging"])),
         opt("--kriging-range", "Distance from which two radii are not correlated.  [helibore finds it]", type=LENGTH),
-        opt("--nugget", "Kriging: variance of the noise over that of the shape.", type=float, default=0.1),
+        opt("--nugget", "Kriging: variance of the noise divided by variance of the shape.", type=float, default=0.1),
         opt("--tune", "Find the estimator, its angular scale and nugget by leaving samples out. The settings beside "
             "the output hold the result.", is_flag=True),
         opt("--threads", "Number of threads.  [all cores]", type=int),
@@ -235,7 +235,7 @@ def open_run(options: dict[str, Any], terminal: Terminal, outputs: Sequence[Path
 
 
 def load_picks(run: Run, file: Path | None) -> Path | None:
-    """Give the wall the picks of ``file``, if it exists; None: those saved beside the first file that the run shows.
+    """Give the wall the picks of ``file``, if it exists; None: the picks beside the first file that the run shows.
 
     Return the file of the picks, which need not exist yet; None if ``file`` is None and the run shows no file. A survey
     does not count as shown.
@@ -253,13 +253,13 @@ def load_picks(run: Run, file: Path | None) -> Path | None:
     return file
 
 
-PICKS = opt("--picks", "Table of the picks (CSV).  [FILE.picks.csv beside the first file shown]", type=FILE)
+PICKS = opt("--picks", "Table of the picks (CSV).  [name of the first file shown, with .picks.csv added]", type=FILE)
 
 TEMPLATE = opt("--template", "TOML file of tracks, their order and widths, units and scale, as the viewer saves it.",
                type=FILE)  # fmt: skip
 BESIDE = opts(
     "--beside besides",
-    "Archive of another well or pass, to show on the same depths; the name shown is that of the file.",
+    "Archive of another well or pass, to show on the same depths; the shown name is the name of the file.",
     type=FILE,
 )
 SCALAR = opts(
@@ -280,7 +280,7 @@ def walls_beside(options: dict[str, Any]) -> dict[str, Wall]:
 
 
 def curves_of_files(run: Run, options: dict[str, Any]) -> list[ScalarCurve]:
-    """Return the curves of ``--scalar``: one for each file in the settings, and the inclination if it is asked for."""
+    """Return the curves of ``--scalar``: one for each file in the settings, and the inclination if it is named."""
     curves = [_curve(one, run) for one in run.settings.scalar]
     return [*curves, *(_inclination(run) for text in options["scalars"] if text == INCLINATION)]
 
@@ -309,7 +309,7 @@ def _curve(one: ScalarInput, run: Run) -> ScalarCurve:
     log = run.files.log(one.file).set()
     depth = depths(log, guess(log))[1]
     if log.channel(one.name).shape != depth.shape:
-        rule = f"has {log[one.name].shape[1]} values a row: a curve has one"
+        rule = f"has {log[one.name].shape[1]} values a row: a curve has one value a row"
         raise InputError(f"{log.path.name}, column {one.name}", rule)
     values = log.numbers(one.name)
     order = np.argsort(depth, kind="stable")
@@ -326,7 +326,7 @@ HEADER = opts(
 
 
 def header_of(run: Run, options: dict[str, Any]) -> dict[str, str]:
-    """Return the entries of a log's header by name; those of the options replace those of the run's files."""
+    """Return the entries of a log's header by name; entries of the options replace those of the run's files."""
     from helibore.channels.log_header import NAMES
     from helibore.runs.run import stated_header
 
@@ -472,7 +472,7 @@ def _opened(options: dict[str, Any]) -> tuple[RunSettings, OpenFiles]:
 
 
 def _check_caliper(files: OpenFiles, one: Input, options: dict[str, Any]) -> None:
-    """Refuse a source with images but without a caliper around the hole; the error has a command that shows them."""
+    """Refuse a source with images but without a caliper around the hole; the error has a command for the images."""
     from helibore.cli.without_caliper import without_caliper
 
     verb = click.get_current_context().info_name or ""
@@ -534,7 +534,7 @@ def _average(files: OpenFiles, options: dict[str, Any]) -> Input:
 
 
 def _header_lines(options: dict[str, Any], sources: Sequence[Path]) -> dict[Path, int]:
-    """Return, by file, the line numbers that ``--header-line`` states; one without a file applies to the sources."""
+    """Return, by file, the line numbers of ``--header-line``; a number without a file applies to all sources."""
     read = [*sources, options["survey"], options["track"], *(one.file for one in _images(options) + _scalars(options))]
     lines: dict[Path, int] = {}
     for text in options["header_lines"]:

@@ -41,13 +41,13 @@ def without_caliper(
     lacks = (
         f"has images ({', '.join(images)}) and no known caliper around the hole (--radius or --diameter names one). "
         f"This command puts the images on {hole}. With edge, sector 1 starts at toolface 0; with centre, it is centred "
-        f"there. Only the tool's manual says which is right; the other one turns {images[0]} by {180 / sectors:g} deg"
+        f"there. Only the tool's manual says which is right; the other word turns {images[0]} by {180 / sectors:g} deg"
     )
     return lacks + ("" if stated else ". No bit size is stated: replace 8.5in with yours"), shlex.join(words)
 
 
 def _stated_bit(log: LogFile, roles: RoleMap) -> float | None:
-    """Return the bit size that a channel, or else the header, states, metres; None for no size or an impossible one."""
+    """Return the bit size, in metres, that a channel or else the header states; None if no possible size is stated."""
     only = log.set()
     try:
         header = log_header([only.header]).get("bit", "")

@@ -19,14 +19,14 @@ CRITERIA = (
     opts("--criterion criteria", "Criterion of zones, such as washout=0.3in (least C2 - bit), elongation (least C1 - "
          "C2 of a breakout), key-seat (least height), undergauge (bit - least diameter), symmetry, least-length, join. "
          "C1 is the largest diameter, C2 the diameter across C1.", metavar="NAME=VALUE"),
-    opt("--scaled", "Scale the usual criteria, which are for a bit of 8.5 in, with the bit.", is_flag=True),
+    opt("--scaled", "Scale the default criteria, which are for a bit of 8.5 in, to the bit size.", is_flag=True),
 )  # fmt: skip
 
 
 def criteria_of(wall: Wall, options: dict[str, Any]) -> Criteria:
-    """Return the criteria of zones: those that ``--criterion`` states, and for the others the usual values.
+    """Return the criteria of zones: the values that ``--criterion`` states, and default values of the other criteria.
 
-    With ``--scaled``, the usual values are scaled to the bit.
+    With ``--scaled``, the default values are scaled to the bit size.
     """
     from helibore.base import units
     from helibore.logs.zone_criteria import Criteria

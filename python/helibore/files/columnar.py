@@ -82,7 +82,7 @@ def _parquet_loader(source: InputFile, file: Any, position: int) -> Callable[[],
             raise source.error(f"{column.null_count} rows have no list: every row must have one", column=name)
         lengths = set(column.value_lengths().to_pylist()) if not pa.types.is_fixed_size_list(column.type) else {None}
         if len(lengths) != 1:
-            raise source.error(f"lists have {len(lengths)} different lengths: must have one", column=name)
+            raise source.error(f"lists have {len(lengths)} different lengths: all must have one length", column=name)
         return parquet_values(column.flatten()).reshape(len(column), -1)
 
     return load

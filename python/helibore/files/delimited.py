@@ -71,7 +71,7 @@ def read(source: InputFile) -> RawFile:
     line_of = _line_finder(source, layout)
     if columns is None:
         text, found_later = (head, "") if whole else source.text()
-        if found_later and not remark:  # not UTF-8 only below the first 2 MiB
+        if found_later and not remark:  # the text is not UTF-8 below the first 2 MiB
             layout.remarks.append(found_later)
         found = read_rows(source.path, text.split("\n")[layout.skip :], layout.skip + 1, names, layout.delimiter)
         columns, line_of = found.columns, found.line_of
@@ -86,7 +86,7 @@ def read(source: InputFile) -> RawFile:
 
 
 def _head_text(source: InputFile) -> tuple[str, str, bool]:
-    """Return the whole lines in the first 2 MiB of a file, a remark on their encoding, and whether they are all lines.
+    """Return the whole lines in the first 2 MiB of a file, a remark on their encoding, and whether the file ends there.
 
     The remark is "" for UTF-8.
     """
@@ -181,7 +181,7 @@ def _delimiter(source: InputFile, rows: list[str], line: int) -> str:
 
 
 def _by_pyarrow(source: InputFile, layout: TableLayout, head: str, encoding: str) -> list[Array] | None:
-    """Read the columns with pyarrow. Return None if pyarrow is not installed or may read other values.
+    """Read the columns with pyarrow. Return None if pyarrow is not installed or may read wrong values.
 
     The first 2 MiB decide the types of the columns, so that the types do not depend on how pyarrow cuts the table.
     """

@@ -111,7 +111,7 @@ def _frame(source: InputFile, name: str, frame: Any, parameters: dict[str, str])
     if len(labels) != len(frame.channels):
         raise source.error(f"frame {name}: {len(labels)} columns for {len(frame.channels)} channels")
     channels = []
-    remarks = [] if frame.index_type else ["the frame states no index type: rows are only numbered"]
+    remarks = [] if frame.index_type else ["the frame states no index type: the rows have no index"]
     for label, channel in zip(labels, frame.channels, strict=True):
         dimension = tuple(int(size) for size in channel.dimension or [1])
         if len(dimension) > 1:

@@ -22,7 +22,7 @@ from typing import Any, BinaryIO, cast
 from helibore.base.errors import InputError
 
 LINE_LIMIT = 1 << 20
-"""Longest line (bytes) that `lines` yields, and the step in which text is read.
+"""Longest line (bytes) that `lines` yields, and the number of bytes read at a time.
 
 `pieces` and `text` may read a line of up to four times this length; they refuse any longer line.
 """
@@ -31,9 +31,9 @@ HEAD = 1 << 16
 """Number of bytes at the start of a file that decide its format."""
 
 PIECE = 1 << 21
-"""Step (bytes) in which a packed table is unpacked, or a table that is not UTF-8 is decoded.
+"""Bytes that are unpacked (packed table) or decoded (table that is not UTF-8) at a time.
 
-It must not be less than the 2 MiB in which `delimited` looks for the header.
+This number must not be less than the 2 MiB in which `delimited` looks for the header.
 """
 
 TEXT_LIMIT = 1 << 30
@@ -56,9 +56,9 @@ FOREIGN = {
     b"\xfd7zXZ": "xz: unpack it first",
     b"\x28\xb5\x2f\xfd": "zstandard: unpack it first",
     b"7z\xbc\xaf": "a 7-zip archive: unpack it first",
-    b"\x89HDF": "HDF5: not one of the formats read",
+    b"\x89HDF": "HDF5: not a format that helibore reads",
     b"\xd0\xcf\x11\xe0": "an old Excel or a Word file: save the sheet as XLSX or CSV",
-    b"%PDF": "a PDF: not one of the formats read",
+    b"%PDF": "a PDF: not a format that helibore reads",
 }
 
 
@@ -153,7 +153,7 @@ class InputFile:
                 yield rest
 
     def damaged(self, what: str, error: BaseException, column: str | None = None) -> InputError:
-        """Return an InputError that states ``what`` is damaged and the first line of ``error``, a library's error."""
+        """Return an InputError with the text ``what`` ("damaged LIS") and the first line of ``error``, of a library."""
         reason = (str(error).strip().splitlines() or [type(error).__name__])[0]
         return self.error(f"{what} ({reason})", column=column)
 
@@ -249,7 +249,7 @@ def find_format(source: InputFile) -> str:
             raise source.error(f"a gzipped {binary} file: unpack it first")
         return binary
     if b"\0" in head:
-        raise source.error("binary, and none of the formats read (DLIS, LIS, Parquet, NPZ, XLSX)")
+        raise source.error("binary, and no format that helibore reads (DLIS, LIS, Parquet, NPZ, XLSX)")
     text = head.removeprefix(UTF8_BOM).lstrip()
     if not text:
         raise source.error("empty: nothing but blanks")

@@ -7,7 +7,7 @@
 
 lasio reads the header of LAS 2, because it knows many dialects. This file reads LAS 3, because lasio 0.32 supports
 neither arrays nor sets, and reads comma-delimited rows as one column. ``number_rows`` reads the rows of both versions.
-``helibore.channels.log_header`` lists the mnemonics of company, well, field and the like.
+``helibore.channels.log_header`` lists the mnemonics of company, well, field and other entries.
 """
 
 from __future__ import annotations
@@ -229,7 +229,7 @@ def _definition(source: InputFile, sections: list[LasSection], data: LasSection)
 def _curves(source: InputFile, section: LasSection, remarks: list[str]) -> list[LasCurve]:
     """Return the columns that a definition section defines.
 
-    The members of an array are columns named ``NAME[1]``, ``NAME[2]`` ..., each perhaps with its angle.
+    The members of an array are columns named ``NAME[1]``, ``NAME[2]`` ..., each with its angle if the file states it.
     """
     curves: list[LasCurve] = []
     for number, line in enumerate(section.lines, section.line + 1):

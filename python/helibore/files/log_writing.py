@@ -53,9 +53,9 @@ def save_table(
     Raises
     ------
     InputError
-        ``well.xls: the ending must be one of .las, .csv, .parquet, .dlis``.
+        If the file has another ending: ``well.xls: the ending must be one of .las, .csv, .parquet, .dlis``.
     MissingExtraError
-        ``.parquet`` needs pyarrow and ``.dlis`` dliswriter.
+        If pyarrow (for ``.parquet``) or dliswriter (for ``.dlis``) is not installed.
     OSError
         If the file cannot be written; an existing file then does not change.
     """
@@ -65,7 +65,7 @@ def save_table(
 
 
 def check_format(filename: str | os.PathLike[str]) -> str:
-    """Return the ending of a file name; refuse one that `save_table` does not know, or whose library is missing."""
+    """Return the ending of a file name; refuse an unknown ending, and an ending whose library is not installed."""
     ending = check_ending(filename, ENDINGS)
     if library := {".parquet": "pyarrow", ".dlis": "dliswriter"}.get(ending):
         require_library(library, ending[1:])

@@ -1,9 +1,9 @@
 """Read the rows of a table from text. Blanks, commas or another character separate cells; a row may span several lines.
 
-    fast      every cell a number or empty, every row of one width     one call of numpy.loadtxt
-    careful   everything else                                          cell by cell; an error names its line and column
+    fast      every cell a number or empty, all rows of equal length   one call of numpy.loadtxt
+    careful   all other tables                                         cell by cell; an error names its line and column
 
-The careful reader runs only if the fast reader fails. Both readers return the same bits.
+The careful reader runs only if the fast reader fails. Both readers return exactly the same numbers.
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ def _fast(kept: list[str], delimiter: str | None, width: int) -> list[Array] | N
 def _cells(
     path: Path, kept: list[str], line_of: Callable[[int], int], width: int, delimiter: str | None, remarks: list[str]
 ) -> list[list[str]]:
-    """Return the cells of every row; an InputError names a row that does not have ``width`` cells."""
+    """Return the cells of every row; raise InputError with the line of a row that does not have ``width`` cells."""
     rows: list[list[str]] = []
     cut_rows = 0
     for line in kept:
@@ -146,7 +146,7 @@ def _cells(
             raise file_error(path, rule, line_of(len(rows)))
         rows.append(row)
     if cut_rows:
-        remarks.append(f"{cut_rows} rows held numbers run together (12.5-999.25): cut before the minus sign")
+        remarks.append(f"{cut_rows} rows held numbers without a blank between (12.5-999.25): cut before the minus")
     return rows
 
 

@@ -2,9 +2,9 @@
 
     RawFile  --sets-->  RawSet  --channels-->  Channel: name, unit as written, shape (n,) or (n, K), values
 
-A channel cleans its values at their first use, and loads them then if its format allows. Null values (declared by the
-file or in common use), empty cells and infinities become NaN and are counted. ``helibore.channels`` decides what a
-channel means.
+A channel cleans its values at their first use; if the format allows, the values are loaded only then. Null values
+(declared by the file or in common use), empty cells and infinities become NaN and are counted. ``helibore.channels``
+decides what a channel means.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class SectorAxis:
 
     @classmethod
     def of_angles(cls, angles: Sequence[float], unit: str) -> SectorAxis:
-        """Return the axis of two or more sectors, from the angle of each.
+        """Return the axis of two or more sectors, from the angle of each sector.
 
         Files round their angles (2.8125 deg is written 2.81), so each angle may be off by half a percent of a sector.
         """
@@ -140,7 +140,7 @@ def clean(values: Array, nulls: tuple[float, ...], nan_is_missing: bool = True) 
     """Return the cleaned values, the number of missing cells, and the `Channel.odd_row`.
 
     Nulls, masked cells and infinities become NaN. Dates, durations and objects become text. Integers become float64; if
-    one is beyond 2**53, all stay as they are. Float64 and float32 values are copied only if one of them is replaced.
+    one is beyond 2**53, all stay integers. Float64 and float32 values are copied only if a value is replaced.
     """
     kind = values.dtype.kind
     if kind in TEXT_KINDS:

@@ -38,7 +38,7 @@ def read_file(path: Path, nulls: tuple[float, ...], header_line: int | None = No
     source = InputFile(path, nulls, header_line)
     name = find_format(source)
     if header_line is not None and name not in ("csv", "xlsx"):
-        raise InputError(f"{path.name}: header_line", f"is for tables, and this is {name}", str(header_line))
+        raise InputError(f"{path.name}: header_line", f"is for tables, but the file is {name}", str(header_line))
     module, reader = READERS[name]
     file: RawFile = getattr(import_module(f"helibore.files.{module}"), reader)(source)
     if not file.sets:

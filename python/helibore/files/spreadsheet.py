@@ -3,7 +3,7 @@
 Well 15/9-F-12                          rows above the header are left out
 MD (m)   Incl (deg)   Azim (deg)        the header: the first row of two names or more with numbers below two of them;
                                         the next row may state the units
-100.0          0.50        31.20        rows, up to the first empty row; a remark says if there are rows below it
+100.0          0.50        31.20        rows, up to the first empty row; a remark says if rows follow below it
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Find breakouts in an image: dark sectors on opposite sides of the hole. Radii may show less of them, or nothing.
+"""Find breakouts in an image: dark sectors on opposite sides of the hole. Radii may not show them clearly.
 
     relative = value / median of its row         dark: relative < ``dark``
 
@@ -38,7 +38,7 @@ class ImageCriteria:
     dark: float = 0.6  # a sector is dark below this share of the median of its row, in (0, 1)
     least_opening: float = 10.0  # degrees: a narrower dark arc is ignored
     most_opening: float = 100.0  # degrees: a wider dark arc is ignored
-    opposite: float = 30.0  # degrees: the angle between two arcs may differ from half a turn by this much
+    opposite: float = 30.0  # degrees: the angle between two arcs may differ from 180 degrees by at most this much
     least_length: float = 0.05  # metres: a shorter stretch of hole is no breakout
     least_rows: int = 2  # number of rows with two opposite dark arcs that make a breakout
     join: float = 0.02  # metres: a gap up to this does not split a breakout, if the axes agree within ``opposite``
@@ -184,7 +184,7 @@ def find_breakouts(image: SearchedImage, criteria: ImageCriteria | None = None) 
 def _relative(image: SearchedImage) -> tuple[Floats, Floats]:
     """Return the values divided by the median of their row, and the toolfaces of the sectors, in clockwise order.
 
-    Values are NaN where they are missing, and in rows whose median is 0. A negative value raises an InputError.
+    Values are NaN where they are missing, and in rows whose median is 0. Raises an InputError if a value is negative.
     """
     values, toolface = image.values, image.toolface
     wrong = np.argwhere(values < 0)
@@ -215,7 +215,7 @@ def _arcs(dark: Mask) -> tuple[Integers, Integers, Integers]:
 
 
 def _paired(row: Integers, middle: Floats, rows: int, opposite: float) -> Mask:
-    """Return which rows have two arcs whose middles are half a turn apart, give or take ``opposite`` degrees.
+    """Return which rows have two arcs whose middles are 180 degrees apart, plus or minus ``opposite`` degrees.
 
     ``row`` and ``middle`` are the row and the middle, degrees, of each arc.
     """

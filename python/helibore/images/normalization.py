@@ -1,6 +1,6 @@
 """Find the two ends of a colour scale: one range everywhere (static), or the range of a sliding window (dynamic).
 
-    static    low, high = percentiles 2 and 98 of all values                 the same colour is the same value
+    static    low, high = percentiles 2 and 98 of all values                 equal colours are equal values
     dynamic   share = 1/2 + (value - mean) / (4 s)  of the window            brings out layers; colours are NOT values
 
 mean and s are mean and standard deviation of all values within half a window above and below, so that the scale spans
@@ -39,7 +39,7 @@ def sliding_window(depth: npt.ArrayLike, values: npt.ArrayLike, window: float = 
     ``depth`` is (n,) metres, rising. Half of ``window``, metres, lies above and half below each row; rows at the ends
     of a window belong to it. If ``log``, the logarithms of the values are normalised. The result is 0 to 1 and has the
     shape of ``values``: 0.5 for the mean of the window, 0 and 1 for values two standard deviations or more below and
-    above it, 0.5 if all values of the window are equal, and NaN where a value is missing.
+    above the mean, 0.5 if all values of the window are equal, and NaN where a value is missing.
     """
     depths = finite_column("depth", depth)
     shape = np.shape(values)

@@ -38,8 +38,7 @@ FINE = 360
 """Least number of sectors of an image that was turned, so that no border moves by more than half a degree."""
 
 REACH = 0.75
-"""Default reach of a row, in median spacings: rows that are somewhat uneven still meet, and an absent row leaves a gap.
-"""
+"""Default reach of a row, in median spacings: unevenly spaced rows still meet, and an absent row leaves a gap."""
 
 
 class SectorImage:
@@ -48,9 +47,10 @@ class SectorImage:
     Parameters
     ----------
     depth
-        (n,) metres, in any order, no two alike. Copied.
+        (n,) metres, in any order, no two equal. The image copies them.
     values
-        (n, S), one row for each depth and one column for each of S sectors, S at least 1; NaN where missing. Copied.
+        (n, S), one row for each depth and one column for each of S sectors, S at least 1; NaN where missing. The image
+        copies them.
     name, unit
         Name and unit of the values.
     origin
@@ -58,14 +58,14 @@ class SectorImage:
         and a wrong choice turns the image by half a sector, so there is no default.
     reference
         What toolface 0 is: ``"high-side"``, ``"north"``, or ``"parallel-transport"``, as a path defines it. If the path
-        of a wall has another reference, the image is turned (`onto`). For a wall without a path, give the reference
+        of a wall has another reference, `on` turns the image (as `onto`). For a wall without a path, give the reference
         from which the wall's toolfaces count.
     direction
         Direction in which the numbers of the sectors rise, looking downhole.
     offset
-        Toolface of sector 1's origin, degrees.
+        Toolface of the centre or edge of sector 1 (see ``origin``), degrees.
     reach
-        How far above and below its depth a row reaches at most, metres; None: 0.75 of the median spacing of the rows.
+        Greatest distance that a row covers above and below its depth, metres; None: 0.75 of the median spacing of rows.
 
     Attributes
     ----------
@@ -77,7 +77,7 @@ class SectorImage:
     Raises
     ------
     InputError
-        If two rows have one depth (``depth[4] = 1000: already the depth of row 3``), there is no row, a depth, the
+        If two rows have the same depth (``depth[4] = 1000: already the depth of row 3``), there is no row, a depth, the
         offset or the reach is not finite, the reach is not above 0, shapes do not fit, a value is infinite, all values
         are missing, the origin, reference or direction is an unknown word, or a single row has no reach.
     """
@@ -142,7 +142,7 @@ class SectorImage:
     def breakouts(self, criteria: ImageCriteria | None = None) -> ImageBreakouts:
         """Find where the image is dark on opposite sides of the hole, as `helibore.images.image_breakouts` describes.
 
-        ``criteria`` say how dark, how long and how opposite; None: the usual criteria.
+        ``criteria`` say how dark, how long and how opposite; None: the defaults of `ImageCriteria`.
 
         Raises
         ------
@@ -174,7 +174,7 @@ class SectorImage:
         ------
         InputError
             If no row with a value lies where the path has both references, if the image's reference is
-            "parallel-transport", which is that of another path and not known, or if the method is unknown.
+            "parallel-transport" (it follows another path, which is not known), or if the method is unknown.
         """
         check_choice("method", method, get_args(Method))
         if self.reference == "parallel-transport":
@@ -246,7 +246,7 @@ class SectorImage:
         return _core.linear_values(self.depth, values, self.reach, quads, sector - 0.5, threads)
 
     def _check_meets(self, wall: WallLike, count: int) -> None:
-        """Raise an InputError if no quad of the wall has its centre within reach of the image; ``count``: of quads."""
+        """Raise an InputError if no centre of the wall's ``count`` quads lies within reach of the image."""
         K, step = wall.settings.sectors, wall.settings.pitch / wall.settings.sectors
         top, bottom = self.depth[0] - self.reach, self.depth[-1] + self.reach
         near = [(end - wall.start_depth) / step - (K + 1) / 2 for end in (top, bottom)]
@@ -258,7 +258,7 @@ class SectorImage:
             raise InputError(f"image '{self.name}' reaches from {top:g} to {bottom:g} m", rule)
 
     def cover(self) -> tuple[Floats, Floats]:
-        """Return the depths [low, high) of each row, which covers half the way to its neighbours, at most `reach`."""
+        """Return the ends [low, high) of each row: halfway to its neighbours, but at most `reach` from its depth."""
         low, high = self.depth - self.reach, self.depth + self.reach
         near = np.diff(self.depth) <= 2 * self.reach
         middle = self.depth[:-1] + np.diff(self.depth) / 2
@@ -315,7 +315,7 @@ def _rows(values: npt.ArrayLike, count: int) -> Floats:
 
 
 class SectorImages(dict[str, SectorImage]):
-    """Images of a wall by name. Setting a plain array is refused, because it has neither depth nor layout."""
+    """Images of a wall by name. Setting a plain array is refused, because an array states neither depths nor layout."""
 
     def __setitem__(self, name: str, image: SectorImage) -> None:
         if not isinstance(image, SectorImage):

@@ -3,9 +3,9 @@
     watch thread: check() every TICK -> begins, ends -> event, metrics, log, page
                                              '-> queue -> one thread -> command, webhook       a line of JSON each
 
-Only the thread behind the queue waits for the command and the webhook. Each of these two has a time limit of SECONDS,
-and at most MOST_LINES lines wait in the queue. ``check`` takes the time from the clock of `Live`, so that a test can
-set it.
+Only the thread behind the queue waits for the command and the webhook. The command and the webhook each have a time
+limit of SECONDS, and at most MOST_LINES lines wait in the queue. ``check`` takes the time from the clock of `Live`, so
+that a test can set it.
 """
 
 from __future__ import annotations
@@ -47,13 +47,13 @@ SECONDS = 10.0
 WAITS = (0.0, 1.0, 5.0)
 """Seconds to wait before the first, the second and the third try to deliver a line."""
 LONGEST_LINE = 200
-"""The most bytes that are kept of the last line on the command's stderr; of a longer line, only the last part."""
+"""The most bytes that are kept of the last line on the command's stderr: those at the end of the line."""
 MOST_LINES = 100
 """The most lines that wait in the queue for the command and the webhook."""
 MOST_ITEMS = 20
 """The most WITS items that the text of an alarm lists."""
 MOST_RANGES = 256
-"""The most changed ranges of vertices that wait for the next check; if there are more, the latest are kept."""
+"""The most changed ranges of vertices that wait for the next check; if there are more, the latest ranges are kept."""
 STEP = 0.01
 """Metres by which the bit must move to count as moving."""
 TICK = 0.25
@@ -90,7 +90,7 @@ class _NoRedirects(urllib.request.HTTPRedirectHandler):
 
 
 class _RecordingHandler(urllib.request.HTTPHandler, urllib.request.HTTPSHandler):
-    """Opens connections to the webhook and appends each to ``made``, so that a slow request can be ended."""
+    """Opens connections to the webhook and appends each connection to ``made``, so that a slow request can be ended."""
 
     def __init__(self, made: list[http.client.HTTPConnection]) -> None:
         super().__init__()
@@ -128,8 +128,8 @@ class _LastLine:
 def is_connected(source: Source, state: str) -> bool:
     """Return whether a source in this state (`Server.states`) counts as connected.
 
-    A source with the address ``host`` always counts as connected. So does a source that has ended, or that waits for
-    the disk.
+    A source with the address ``host`` always counts as connected. A source that has ended, or that waits for the disk,
+    also counts as connected.
     """
     return source.address.kind == "host" or state.startswith(("connected", "ended", WAITING))
 
@@ -202,7 +202,7 @@ class Alarms:
     live
         The live wall; its configuration gives the limits, and its clock gives the time.
     states
-        State of each source, as `Server` keeps them.
+        State of each source, in words (`Server.states`).
 
     Attributes
     ----------
@@ -210,7 +210,7 @@ class Alarms:
         Monotonic time of the last successful sync, ns.
     counts, undelivered
         Number of alarms of each (rule, source), and number of lines that did not fit in the queue, or that the command
-        or the webhook did not take; a line that neither took counts twice.
+        or the webhook did not take; a line that neither took is counted twice.
 
     Raises
     ------
@@ -348,7 +348,7 @@ class Alarms:
         return found
 
     def _outcomes(self, source: str) -> Counter[str]:
-        """Return how many samples of a source there were so far, by outcome."""
+        """Return the number of samples of a source for each outcome."""
         counted = self._live.model.outcomes
         return Counter({outcome: counted[source, outcome] for outcome in (USABLE, *REASONS)})
 
@@ -438,7 +438,7 @@ class Alarms:
         return found
 
     def _measure(self, now: int) -> None:
-        """Find causes of the alarms ``tight`` and ``washout`` in the changed turns, and keep the latest and the worst.
+        """Find causes of the alarms ``tight`` and ``washout`` in changed turns; keep the latest and the worst cause.
 
         A turn is a cause if its median diameter is beyond the limit and none of its radii is missing.
         """
@@ -455,7 +455,7 @@ class Alarms:
                 if limit is not None and (sign * over > limit).any():
                     turn = int(np.nanargmax(sign * over))
                     depth, word = turns.depth[turn * sectors], "below" if rule == "tight" else "above"
-                    text = f"at {depth:.2f} m the diameter is {1e3 * abs(over[turn]):.1f} mm {word} the bit's"
+                    text = f"at {depth:.2f} m the diameter is {1e3 * abs(over[turn]):.1f} mm {word} the bit diameter"
                     self._held[rule, ""] = now, text
                     self._worst[rule] = max(self._worst.get(rule, (0.0, "")), (float(sign * over[turn]), text))
 

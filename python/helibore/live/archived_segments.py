@@ -2,8 +2,8 @@
 
 A segment is old if both checkpoints of the journal can be read whole and contain all its records. So a restart never
 needs an archived segment, not even if the newest checkpoint is damaged. A replay of the whole journal reads archived
-segments; only the checkpoints contain the records of deleted segments. ``helibore live`` archives if ``[journal]
-keep_days`` is set.
+segments; only the checkpoints contain the records of deleted segments. ``helibore live`` archives old segments
+if ``[journal] keep_days`` is set.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def old_segments(folder: Path, before: int | None = None) -> list[Path]:
     InputError
         If ``folder`` holds no journal, or if the journal does not have two checkpoints that can be read.
     FileNotFoundError
-        If a newer checkpoint has replaced one of the two meanwhile.
+        If a newer checkpoint has replaced one of the two checkpoints meanwhile.
     """
     found, positions = paths(folder), []
     if not found:
@@ -59,8 +59,8 @@ def archive(
     InputError
         For the reasons of `old_segments`, or if an archived segment differs from the original, which then stays.
     OSError
-        If the disk refuses a file, if a newer checkpoint has replaced one of the two meanwhile, or if another process
-        has just archived a segment.
+        If the disk refuses a file, if a newer checkpoint has replaced one of the two checkpoints meanwhile, or if
+        another process has just archived a segment.
     """
     done = old_segments(folder, before)
     for path in done:

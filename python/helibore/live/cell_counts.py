@@ -23,7 +23,7 @@ class CellCounts:
     sectors, pitch
         As in `Wall`.
     most
-        As in `set_most`.
+        The most samples of a cell that are kept, as in `set_most`.
     """
 
     STATE = ("counted",)

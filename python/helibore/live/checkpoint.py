@@ -1,13 +1,13 @@
-"""Checkpoints: the whole state of the model after some record, so that a restart reads only the records after it.
+"""Checkpoints: the whole state of the model after one record, so that a restart reads only the later records.
 
     checkpoint-000000123456.zip        the number of the first record that the checkpoint does not contain
         state.json                     format, version, salt of the journal, configuration, state
         0.npy, 1.npy ...               the arrays: samples of the walls, image rows, stations, pending rows ...
 
 A file is written whole (temporary file, fsync, rename, fsync of the folder), after a sync of all records that it
-contains. The last two are kept. If the last is damaged or of another version, a restart uses the one before it; if
-that is not usable either, it reads the whole journal. Each class with a state lists the names of its attributes in
-``STATE``; unlike with pickle, no code is stored.
+contains. The last two checkpoints are kept. If the last checkpoint is damaged or of another version, a restart uses
+the checkpoint before it. If that checkpoint is not usable either, the restart reads the whole journal. Each class with
+a state lists the names of its attributes in ``STATE``; unlike with pickle, no code is stored.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ Arrays = list[Any]
 
 
 def paths(folder: Path) -> list[Path]:
-    """Return the checkpoints of a journal, the newest last."""
+    """Return the paths of the checkpoints of a journal, the newest last."""
     return sorted((path for path in folder.glob("checkpoint-*.zip") if path.stem[11:].isdigit()), key=position)
 
 
@@ -56,7 +56,7 @@ def write(folder: Path, sequence: int, facts: dict[str, Any], state: Any) -> Pat
     sequence
         The number of the first record that the checkpoint does not contain.
     facts
-        JSON values by name, which `read` returns besides the arrays; at least the ``salt`` of the journal.
+        JSON values by name, which `read` returns besides the arrays; the ``salt`` of the journal must be among them.
     state
         The result of `packed`.
     """
@@ -125,7 +125,7 @@ def usable(folder: Path, salt: int, stop: int) -> Iterator[tuple[Path, dict[str,
 
 
 def packed(value: Any) -> tuple[Any, Arrays]:
-    """Return ``value`` as a JSON value and a list of arrays; the JSON value refers to the arrays by their places.
+    """Return ``value`` as a JSON value and a list of arrays; the JSON value refers to each array by its index.
 
     An object with a ``STATE`` becomes the attributes that its ``STATE`` names.
     """

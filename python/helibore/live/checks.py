@@ -24,7 +24,7 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
     def _derive(self, **values: Any) -> None:
-        """Set derived fields, or convert fields to core units; for `model_post_init` only."""
+        """Set derived fields, or convert fields to core units; only `model_post_init` may call this."""
         self.__dict__.update(values)
 
 
@@ -42,7 +42,7 @@ def with_values(value: Any, recorded: Any) -> Any:
     """Return a copy of ``value`` that holds the values of ``recorded``, which was read from JSON.
 
     A field of a table or dataclass that ``recorded`` lacks keeps its value. A dict has the keys of ``recorded``: first
-    those that ``value`` also has, in the order of ``value``. If two lists differ in length, the recorded list counts.
+    those that ``value`` also has, in the order of ``value``. If two lists differ in length, the recorded list is used.
     """
     if isinstance(value, Table):
         names = type(value).model_fields.keys() & recorded.keys()
@@ -73,7 +73,7 @@ def within(least: float, most: float = math.inf) -> AfterValidator:
 
 
 def check(model: type[Checked], entries: Any, place: str = "", context: Any = None) -> Checked:
-    """Return ``entries`` as a table of ``model``; its validators get ``context``.
+    """Return ``entries`` as a table of ``model``; the validators of ``model`` get ``context``.
 
     Raises
     ------

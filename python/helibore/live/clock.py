@@ -2,8 +2,8 @@
 
     time = anchor + (monotonic - monotonic at the anchor)
 
-A session begins when the journal is opened. Each session has one anchor: the wall clock at that moment, or the model's
-last time if that is later.
+A session begins when the journal is opened. Each session has one anchor: the later of the wall clock at that moment and
+the model's last time.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ def utc(nanoseconds: int) -> str:
 
 
 class ModelClock:
-    """Converts (wall, monotonic) receive times to model time, ns."""
+    """Converts receive times (wall clock and monotonic clock, ns) to model time (ns)."""
 
     STATE = ("_anchor", "_start", "_drift", "now", "began")
 
@@ -53,7 +53,7 @@ class ModelClock:
         return times
 
     def jumps(self, wall: npt.NDArray[np.int64], times: npt.NDArray[np.int64]) -> list[tuple[int, int]]:
-        """Return (index of the first record after it, its size in ns) for each jump of the wall clock (see `JUMP`)."""
+        """Return (index of the record after the jump, change in ns) for each jump of the wall clock (see `JUMP`)."""
         drift, found, start = wall - times, [], 0
         while len(late := (np.abs(drift[start:] - self._drift) >= JUMP).nonzero()[0]):
             start += int(late[0])

@@ -77,8 +77,8 @@ class SamplesTable(Table):
     """The table ``samples``: limits that bound the memory where a tool measures at one depth for days.
 
     ``most``: the most samples of a source, or of the host, that a wall draws near each vertex, rounded up to a multiple
-    of 8; 0: all. With 0, the live wall has the same bits as a wall made in one batch. ``image_step``: metres of depth;
-    an image keeps the latest row in each step; 0: it keeps all rows, and shows the latest of each depth.
+    of 8; 0: all. With 0, the live wall equals a wall made in one batch, in every bit. ``image_step``: metres of depth;
+    an image keeps the latest row in each step; 0: the image keeps all rows and shows the latest row of each depth.
     """
 
     most: Annotated[int, within(0, 100_000)] = 0

@@ -1,17 +1,17 @@
 """The depth of a sensor when it measured, and the pass of the string at that time.
 
-    bit depth  *-------*-------*-----      entries as they arrive
-    sample             ^   |               received here: its depth is in its own frame, or
-                           ^ - latency     interpolated in time at receive time - latency
-    sensor depth = bit depth - offset
+    bit depth  *-------*-------*-----      *: entries as they arrive; between them, bit depth is interpolated in time
+    sample                m   r            r: received, m: measured, at receive time - latency
+    sensor depth = bit depth at m - offset, or the depth that the frame of the sample states
 
-A sample gets its depth when the entries before and after its time have arrived, so the packets that the stream was cut
-into do not matter. Depth is never extrapolated, and never interpolated between two bit depths that are more than
-``max_depth_gap`` seconds or ``depth.jump`` metres apart. Heave and stretch of the string are not modelled.
+A sample gets its depth when the entries before and after its time have arrived, so its depth does not depend on how
+the stream was cut into packets. Depth is never extrapolated, and never interpolated between two bit depths that are
+more than ``max_depth_gap`` seconds or ``depth.jump`` metres apart. Heave and stretch of the string are not modelled.
 
 Each bit depth entry decides the pass from the string's motion:
 
-    activity 4, 5: ream   8, 9: trip   on bottom: drill   off bottom, not turning: trip   off bottom, else: rescan
+    activity 4 or 5: ream                  other activity, on bottom: drill
+    activity 8 or 9: trip                  other activity, off bottom: trip if the string does not turn, else rescan
 
 If the sender counts its passes, its pass number decides instead (``pass_rules.py``).
 """
@@ -34,7 +34,7 @@ DEEP_ENOUGH = 100.0
 
 
 class QuantityHistory:
-    """Entries (time, order, value) of one quantity as they arrived; ``order`` is the number of their frame."""
+    """Entries (time, order, value) of one quantity in order of arrival; ``order`` is the number of their frame."""
 
     STATE = ("_time", "_order", "_value")
 
@@ -78,7 +78,7 @@ class RigHistory:
         self.use(rules, limits)
         self.tracks = {name: QuantityHistory() for name in ("bit_depth", "hole_depth", "rotation", "activity")}
         self._kind, self._off_bottom = GrowingArray(np.int64), GrowingArray(np.bool_)
-        self._reached = GrowingArray(np.float64)  # greatest hole or bit depth so far; inf before the first hole depth
+        self._reached = GrowingArray(np.float64)  # greatest hole or bit depth at each entry; inf before any hole depth
         self._deepest = self._hole = -np.inf
 
     def use(self, rules: PassRules, limits: DepthLimits) -> None:

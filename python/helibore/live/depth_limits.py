@@ -22,7 +22,7 @@ CONFIRMED_WITHIN = 600 * SECOND
 """Nanoseconds. A sample whose depth jumps is used only if the next sample confirms the jump within this time."""
 FOOT = units.factor("ft", units.LENGTH)
 NEAR = 0.02
-"""Two depths seem to differ in unit if their ratio is that of feet to metres, or the reverse, within this share."""
+"""The relative error within which the ratio of two depths counts as that of feet to metres, or of metres to feet."""
 Values = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.void]
 
@@ -72,7 +72,7 @@ def unit_rule(depth: float, known: float) -> str:
 class LastDepth:
     """The last depth that was used, and the last depth that was refused for its unit (NaN: none).
 
-    A depth that jumps is compared with both of them. While depths are refused, drilling goes on, so that the ratio of
+    A depth that jumps is compared with both depths. While depths are refused, drilling goes on, so that the ratio of
     the refused depths to the last used depth changes.
     """
 
@@ -83,7 +83,7 @@ class LastDepth:
         self._last = self._other_unit = np.nan
 
     def forget(self) -> None:
-        """Use the next depth without a check, because depths are read in another way from now on."""
+        """Use the next depth without a check, because another configuration reads the depths from now on."""
         self._last = self._other_unit = np.nan
 
     def _use(self, depth: float) -> None:
@@ -115,8 +115,8 @@ class LastDepth:
 class Steps(LastDepth):
     """Checks bit or hole depths.
 
-    A value that jumps is not used. The next value is used if it lies near that value, which confirms the jump, unless
-    it seems to have another unit.
+    A value that jumps is not used. If the next value lies near the value that jumped, it confirms the jump and is used,
+    unless it seems to have another unit.
     """
 
     STATE = (*LastDepth.STATE, "_rejected")
@@ -153,7 +153,7 @@ class Steps(LastDepth):
 
 
 class HeldSample(LastDepth):
-    """Checks the depths of one source's samples; it holds a sample that jumps until the next one comes."""
+    """Checks the depths of one source's samples; it holds a sample whose depth jumps until the next sample comes."""
 
     STATE = (*LastDepth.STATE, "_held")
 

@@ -3,9 +3,9 @@
     gap at 10:02:11    gap at 10:02:12    ...    gap at 14:55:02     ->    one event: 37 times, the first, the last
 
 Every occurrence is counted. Events with the same source and rule are joined, so that many events take no more memory
-than a few. The time of an event is the time at which its bytes were received, so a replay reports the same events. A
-replay reads many records together, so it may report their events in another order, also those of one rule.
-Wrong bytes stay in the journal at the place that the event names.
+than a few events. The time of an event is the time at which its bytes were received, so a replay reports the same
+events. A replay reads many records together, so it may report their events in another order, also the events of one
+rule. Wrong bytes stay in the journal at the place that the event names.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from helibore.live.clock import utc
 LOGGER = logging.getLogger("helibore.live")
 LOGGER.addHandler(logging.NullHandler())
 LISTED = 8
-"""The most events of one rule of one source that an update lists; the last of them counts all that follow."""
+"""The most events of one rule of one source that an update lists; the last of these events counts all later events."""
 
 
 class Flag(enum.IntFlag):
@@ -48,14 +48,15 @@ NEVER_DRAWN = Flag.NULL | Flag.INVALID | Flag.RANGE | Flag.DUPLICATE | Flag.NOT_
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """One occurrence, or several of one rule of one source.
+    """One occurrence of a rule, or several joined occurrences of one rule of one source.
 
     Attributes
     ----------
     wall
-        Time at which its bytes were received, or at which an event without bytes (disk, link) happened; ns since 1970.
+        Time at which the event's bytes were received, or at which an event without bytes (disk, link) happened; ns
+        since 1970.
     source, connection
-        Source and connection of its bytes; ``""`` and 0 for the journal and the host.
+        Source and connection of the event's bytes; ``""`` and 0 for the journal and the host.
     line, offset
         Line of the connection's stream, from 1 (for a store: row of the answer), or 0 without a line; byte of the
         stream, or -1 without a byte.
@@ -160,7 +161,7 @@ class EventBook:
 
     @property
     def latest(self) -> list[Event]:
-        """All events so far, joined to one for each rule of each source; the one that happened latest is at the end."""
+        """All reported events, joined to one event for each rule of each source; the latest event is last."""
         with self._lock:
             return list(self._joined.values())
 

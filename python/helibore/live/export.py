@@ -50,7 +50,7 @@ class SetAside:
 
 
 def export_bytes(folder: Path, number: int, file: BinaryIO, report: Report = lambda _: None) -> int:
-    """Write all bytes that the journal has of the source with this number, and return how many these are.
+    """Write all bytes that the journal has of the source with this number, and return the number of bytes.
 
     For a WITS source these are the bytes that it sent; for a store, its answers as `helibore.live.witsml` frames them.
     ``report`` is called with each segment after it is read.
@@ -67,9 +67,9 @@ def export_bytes(folder: Path, number: int, file: BinaryIO, report: Report = lam
 def export_csv(folder: Path, sources: dict[int, Source], file: TextIO, report: Report = lambda _: None) -> int:
     """Write a table of the values in a journal: utc, source, connection, line, name and value in each row.
 
-    It has a row for each WITS item of a whole frame, and for each value of the samples and stations that the host
-    pushed. Answers of stores and images of the host are left out. ``report`` is called with each segment after it is
-    read.
+    The table has a row for each WITS item of a whole frame, and for each value of the samples and stations that the
+    host pushed. Answers of stores and images of the host are left out. ``report`` is called with each segment after it
+    is read.
 
     Returns
     -------

@@ -8,8 +8,8 @@
 from __future__ import annotations
 
 LONGEST = 200
-"""Most bytes of a name; a file system allows 255, of which ``image-`` and the ending of a temporary file need some."""
-RULE = f"must be printable and at most {LONGEST} bytes, for files are named after it"
+"""Most bytes of a name: fewer than the 255 of a file system, to leave room for ``image-`` and temporary endings."""
+RULE = f"must be printable and at most {LONGEST} bytes, because files are named after it"
 
 
 def escaped(name: str) -> str:

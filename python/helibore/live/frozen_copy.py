@@ -62,12 +62,12 @@ class FrozenWall(Wall):
 
     @property
     def radius(self) -> Floats:
-        """As `Wall.radius`; not a copy."""
+        """As `Wall.radius`, but without making a copy."""
         return self._copy.radius
 
     @property
     def nearest(self) -> Floats:
-        """As `Wall.nearest`; not a copy."""
+        """As `Wall.nearest`, but without making a copy."""
         return self._copy.nearest
 
     @property

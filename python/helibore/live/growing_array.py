@@ -21,7 +21,7 @@ class GrowingArray:
 
     @property
     def values(self) -> npt.NDArray[Any]:
-        """The entries, a view; an append does not change a view that was read before."""
+        """A view of the entries; an append does not change a view that was read before."""
         room, start, stop = self._held
         return room[start:stop]
 

@@ -3,7 +3,7 @@
     buffer  | row 0 | row 1 | ... | row count-1 | free ...               |      doubled when it is full
 
 A row never changes after it arrives. So a reader holds the lock only to get buffers and count, and copies later. With a
-``step``, a later row in the same step of depth replaces an earlier one. The earlier one is deleted when the buffer is
+``step``, a later row in the same step of depth replaces an earlier row. The earlier row is deleted when the buffer is
 full. So the memory depends on the length of the hole, not on the number of rows that arrive.
 """
 
@@ -79,13 +79,13 @@ class ImageRows:
         return self._count
 
     def so_far(self) -> Columns:
-        """Return (number (r,), depth (r,), values (r, sectors)) of the kept rows; not copies: do not change them."""
+        """Return (number (r,), depth (r,), values (r, sectors)) of the kept rows. Do not change these arrays."""
         with self._lock:
             number, depth, values = self._columns
             return number[: self._kept], depth[: self._kept], values[: self._kept]
 
     def rows(self, start: int, stop: int) -> tuple[Floats, Floats]:
-        """Return (depth (r,), values (r, sectors)) of the rows with numbers in [start, stop); copies.
+        """Return copies of the rows with numbers in [start, stop), as (depth (r,), values (r, sectors)).
 
         Rows that were deleted are left out. `Update.images` has such ranges of numbers. :meth:`arrays` returns only
         the latest row of each depth or step.
@@ -95,12 +95,12 @@ class ImageRows:
         return depth[first:last].copy(), values[first:last].copy()
 
     def arrays(self) -> tuple[Floats, Floats]:
-        """Return (depth (r,), values (r, sectors)) by depth, only the latest row of each depth or step; copies."""
+        """Return copies of the latest row of each depth or step, by depth: (depth (r,), values (r, sectors))."""
         return sorted_rows(*self.so_far()[1:], self.step)
 
 
 def sorted_rows(depth: Floats, values: Floats, step: float = 0.0) -> tuple[Floats, Floats]:
-    """Return copies of rows sorted by depth: of the rows at one depth, or in one step of depth, only the latest.
+    """Return copies of the rows, sorted by depth; only the latest row at each depth, or in each step, is returned.
 
     The rows are given in order of arrival.
     """

@@ -1,8 +1,8 @@
 """The journal: it stores every received byte on disk before any other code reads it.
 
 A journal is a folder of numbered segment files. A segment is a header (32 bytes, at 0 and again at 4096, so that one
-torn sector does not destroy both) and records with checksums (``cpp/include/helibore/journal.hpp`` shows one). Every
-prefix of a segment is valid::
+torn sector does not destroy both) and records with checksums (``cpp/include/helibore/journal.hpp`` shows a record).
+Every prefix of a segment is valid::
 
     000001.hbj  | header | zeros | header | record | record | ...
     000002.hbj  | header | zeros | header | record | ...            <- appended to, locked by its writer
@@ -16,8 +16,8 @@ touches.
 
 After :meth:`Journal.append` returns, the operating system has the bytes, and they survive the end of the process (kill
 -9). A power cut or a system crash can destroy the records after the last :meth:`Journal.sync`: with ``sync_interval`` =
-0.1 s, those of the last 100 ms and of the duration of one fdatasync. With ``sync_interval`` = 0 every append is synced
-before it returns.
+0.1 s, the records of the last 100 ms and of the duration of one fdatasync. With ``sync_interval`` = 0 every append is
+synced before it returns.
 """
 
 from __future__ import annotations
@@ -91,7 +91,10 @@ class Segment:
         return self.text[start : start + int(self.records["length"][row])]
 
     def wall_before(self, offset: int) -> int:
-        """Return the wall time of the last intact record before ``offset``, else of the first record; 0 if none."""
+        """Return the wall clock time of the last intact record before ``offset``.
+
+        If there is no such record, return the time of the first record; 0 if no record is intact.
+        """
         at = int(np.searchsorted(self.records["offset"], offset)) - 1
         return int(self.records["wall"][max(at, 0)]) if len(self.records) else 0
 
@@ -116,12 +119,12 @@ class Recovery:
     Attributes
     ----------
     last_sequence
-        The next record gets the number after this one. It is the number of the last record; a larger number if the
-        last segment has no intact record; -1 in a new journal.
+        The next record gets the number after ``last_sequence``, which is the number of the last record; a larger
+        number if the last segment has no intact record; -1 in a new journal.
     cut_bytes
         Number of bytes at the ends of segments that were no whole record, and were moved to files ``*.torn``.
     notes
-        One line of text for each end that was moved.
+        One line of text for each end of a segment that was moved.
     damage
         One line for each other damaged range of the last segment; the range stays in the file. `segments` returns the
         damage of all segments.
@@ -149,7 +152,7 @@ def paths(folder: Path) -> list[Path]:
 
 
 def all_paths(folder: Path) -> list[Path]:
-    """Return the segment files of a journal and of its archive, in order; a segment that is in both is listed once."""
+    """Return the segment files of a journal and of its archive, in order; a segment in both folders is listed once."""
     found = {number_of(path): path for path in paths(folder)}  # before the archive: a segment may move there
     archived = {number_of(path): path for path in (folder / ARCHIVE).glob("*.hbj.gz") if path.name[:-7].isdigit()}
     found = archived | found
@@ -194,7 +197,7 @@ def content(path: Path, size: int = -1) -> tuple[bytes, str]:
 
 
 def segments(folder: str | os.PathLike[str], first: int = 1) -> Iterator[Segment]:
-    """Read a journal from segment ``first`` on, one at a time; a journal can also be read while it is written.
+    """Yield the segments of a journal from number ``first`` on; a journal can also be read while it is written.
 
     Raises
     ------
@@ -224,7 +227,7 @@ def salt_of(found: list[Path]) -> int:
     Raises
     ------
     InputError
-        If no segment has an intact header, or if one has a newer version.
+        If no segment has an intact header, or if a header has a newer version.
     """
     for path in reversed(found):  # the archived ones, which must be decompressed, come last
         if header := header_of(path):
@@ -267,7 +270,7 @@ def first_wall(path: Path) -> int:
 
 
 def segment_of(folder: Path, sequence: int) -> int:
-    """Return the number of the last segment that begins, by its header, with record ``sequence`` or earlier; else 1."""
+    """Return the number of the last segment whose header gives a first record up to ``sequence``; 1 if none does."""
     for path in reversed(all_paths(folder) if sequence else []):
         header = header_of(path)
         if header and header.sequence <= sequence:
@@ -309,7 +312,7 @@ class Journal:
     Raises
     ------
     ValueError
-        If another process writes this journal, if no segment has an intact header, or if one has a newer version.
+        If another process writes this journal, if no segment has an intact header, or if a header has a newer version.
     OSError
         If the folder cannot be written.
     """
@@ -441,7 +444,7 @@ class Journal:
         """
         if self.sync_interval > 0:
             return self._append(source, connection, payload, kind)
-        with self._syncing:  # no other append starts before this one is synced, so this one can be removed
+        with self._syncing:  # no other append starts before this record is synced, so it can be removed
             opening = self._opening
             stamp = self._append(source, connection, payload, kind)
             try:
@@ -496,12 +499,12 @@ class Journal:
         return self.append(0, 0, opening, OPENED)
 
     def sync(self) -> None:
-        """Write everything appended so far to the disk itself; other threads may append meanwhile.
+        """Write all appended records to the disk itself; other threads may append meanwhile.
 
         Raises
         ------
         JournalFullError
-            If the disk refuses, or the file of the segment was deleted or replaced; the next call tries again.
+            If the disk refuses the sync, or the file of the segment was deleted or replaced; the next call tries again.
         """
         with self._syncing:
             self._sync()

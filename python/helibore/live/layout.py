@@ -68,7 +68,7 @@ def given_layout(
     Raises
     ------
     InputError
-        If only one of the two is given, or a setting breaks a rule of `LayoutTable`.
+        If only one of origin and reference is given, or a setting breaks a rule of `LayoutTable`.
     """
     if origin is None and reference is None:
         return None

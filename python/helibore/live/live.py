@@ -8,7 +8,7 @@
 `Live` is for software with its own transport: it has no thread and no callback. ``helibore live`` adds sockets and a
 status page. The logger ``helibore.live`` logs every event, but counts fast repetitions in one line.
 
-`Live` shares the C++ classes `Wall` and `Stations` with `helibore::Live`, so both give the same bits
+`Live` shares the C++ classes `Wall` and `Stations` with `helibore::Live`, so both give equal numbers
 (``test_a_host_in_cpp_has_the_bits_of_python``). It does not bind `helibore::Live` itself, because `helibore::Live` has
 only one wall instead of one for each layer, stores nothing, and copies image rows while it holds its lock. In a trial
 with 400,000 rows of 36 sectors, an append had to wait up to 500 ms for an export in `helibore::Live`, and up to 0.2 ms
@@ -190,7 +190,7 @@ class Live:
             self.report("checkpoint", f"{error}: not used")
 
     def _restored(self, path: FilePath, facts: dict[str, Any], arrays: checkpoints.Arrays) -> InputError | None:
-        """Set the model to the state in a checkpoint. If this fails, keep the model and return the error, else None."""
+        """Set the model to a checkpoint's state and return None; if this fails, keep the model and return the error."""
         begun = self._begun
         try:
             if facts["meaning"] != begun.meaning():  # the segment with the first configuration is removed or damaged
@@ -224,7 +224,7 @@ class Live:
         Raises
         ------
         OSError
-            If the disk refuses; the earlier checkpoints are then unchanged.
+            If the disk refuses the file; the earlier checkpoints are then unchanged.
         """
         if self.journal is None:
             return None
@@ -246,7 +246,7 @@ class Live:
     def checkpoint_due(self) -> bool:
         """Whether a segment was completed after the last checkpoint of this run, and a checkpoint can be written.
 
-        As `checkpoint` says, it cannot be written without a journal, or if the model lacks a record.
+        As `checkpoint` says, a checkpoint cannot be written without a journal, or if the model lacks a record.
         """
         due = self.journal is not None and self.journal.segment > self._checkpointed_segment
         return due and not self._half_read and not self.model.out_of_memory
@@ -260,8 +260,8 @@ class Live:
     ) -> Live:
         """Return the `Live` that the whole journal in ``folder`` gives; the journal is only read.
 
-        Without ``configuration``, the journal's own configurations apply, and the wall has the same bits as the live
-        wall had. With ``configuration``, it applies to all records. ``report`` is called with each segment after its
+        Without ``configuration``, the journal's own configurations apply, and the wall equals the live wall in every
+        bit. If ``configuration`` is given, it applies to all records. ``report`` is called with each segment after its
         records are read.
         """
         live = cls(configuration or recorded_configuration(FilePath(folder)))
@@ -288,12 +288,13 @@ class Live:
         return self.model.images
 
     def image(self, name: str, reach: float | None = None) -> SectorImage:
-        """Return a sector image as it is now: its rows, placed around the hole.
+        """Return a sector image: all rows that have come, placed around the hole.
 
         Parameters
         ----------
         name
-            The X of ``[source.NAME.image.X]``, or the name of an image that `append_image` got with its origin.
+            Name of the image: the X of ``[source.NAME.image.X]``, or the name of an image that `append_image` got with
+            its origin.
         reach
             As in `SectorImage`; it must be given while the image has only one row.
 
@@ -310,12 +311,12 @@ class Live:
 
     @property
     def passes(self) -> list[Pass]:
-        """The passes so far, sorted by start time: source, times, depths and sample count of each."""
+        """All passes up to now, sorted by start time, with the source, times, depths and sample count of each pass."""
         return self.model.passes.runs
 
     @property
     def survey(self) -> Survey | None:
-        """The survey so far; None while it has fewer than two stations."""
+        """The survey of all stations that have come; None while there are fewer than two stations."""
         return self.model.stations.survey
 
     @property
@@ -341,7 +342,7 @@ class Live:
             If the bytes could not be stored. They were not read, so the caller may pass them again.
         """
         number = self._number(source)
-        if not isinstance(payload, bytes):  # the length of another buffer may not be that of its bytes
+        if not isinstance(payload, bytes):  # the length of another buffer may differ from its number of bytes
             payload = bytes(memoryview(payload))
         update = Update()
         for start in range(0, len(payload), journals.LONGEST_PAYLOAD):
@@ -485,9 +486,10 @@ class Live:
         return update
 
     def _log(self, event: Event) -> None:
-        """Log an event; within a minute after a line with its source and rule, only count it for the next such line.
+        """Log an event. If the log got a line of the same source and rule within the last minute, only count the event.
 
-        For an event without a source, or with a rule of LOGGED_EACH, the limit is one second instead of a minute.
+        The next line states the count. For an event without a source, or with a rule of LOGGED_EACH, the limit is one
+        second instead of a minute.
         """
         key, now = (event.source, event.rule), time.monotonic()
         last, count = self._logged.get(key, (-LOG_AGAIN, 0))
@@ -537,7 +539,7 @@ class Live:
         self.model.report(self.clock()[0], rule, text, source)
 
     def store(self, source: str, connection: int, payload: bytes, kind: int) -> Stored:
-        """Store a record in the journal only; the caller must pass all results to :meth:`draw` in the same order.
+        """Store a record in the journal only; the caller must pass all results to :meth:`draw` in this order.
 
         ``source`` and ``connection`` say where ``payload`` came from; ``kind`` is a number of `helibore.live.journal`.
 
@@ -596,7 +598,7 @@ def _require_finite(name: str, values: npt.NDArray[np.float64]) -> None:
 
 
 def read_into(model: Model, folder: FilePath, report: Callable[[Segment], None] = lambda _: None) -> Iterator[Update]:
-    """Pass a journal's records to ``model``, from its ``next_sequence`` on, and yield the update of each window.
+    """Pass a journal's records to ``model``, from its ``next_sequence`` on, and yield an update for each of `windows`.
 
     Events report damage and missing segments; ``report`` is called with each segment after its records are read.
     """

@@ -174,10 +174,10 @@ class SourceReader:
         return reading
 
     def go_on_from(self, before: SourceReader) -> None:
-        """Take over the counts, sequence numbers, recent frames and connection of the reader that this one replaces.
+        """Take over the counts, sequence numbers, recent frames and connection of the reader that this reader replaces.
 
-        The last bit and hole depth and the last pass number are taken over if their items are the same. A frame that
-        has begun is read to its end, unless nulls or limits differ.
+        The last bit and hole depth and the last pass number are taken over if both readers read them from the same
+        items. A frame that has begun is read to its end, unless nulls or limits differ.
         """
         if (self.source.nulls, self.source.limits) == (before.source.nulls, before.source.limits):
             self._parser, self._ends, self._walls, self._held = (
@@ -339,7 +339,7 @@ class SourceReader:
         self._events.report(self._event(wall, rule, text, line, offset))
 
     def _repeats(self, batch: wits.Batch, states: npt.NDArray[np.uint8], reading: Reading) -> Integers:
-        """Return DUPLICATE for each frame that is a duplicate (see the top of this file), 0 for the others."""
+        """Return DUPLICATE for each frame that is a duplicate (see the top of this file), 0 for all other frames."""
         flags = np.zeros(len(batch.frames), np.int64)
         measured = (states[:, self._measured] != ABSENT).any(axis=1) & (states[:, self._distinguishing] == VALUE).any(
             axis=1
@@ -453,7 +453,7 @@ class SourceReader:
         reading.triples = np.column_stack([depth, toolface, radius])
 
     def _judge_unit(self, toolface: Values, reading: Reading, frame: Integers) -> None:
-        """Report that the toolfaces seem to be radians if the first ones span more than pi and lie in [0, 2 pi] or ±pi.
+        """Report that toolfaces seem to be radians: the first ones span more than pi, in [0, 2 pi] or [-pi, pi].
 
         The unit is judged once, for a WITS source whose configuration does not state it.
         """

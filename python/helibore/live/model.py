@@ -2,9 +2,10 @@
 
     records -> parser and mapping of each source -> rig tracks -> samples placed -> layers (walls), images, path
 
-The same records give the same bits, whether the model takes them one by one or, at a replay, in thousands. Each sample
-has its own time, so the wall does not depend on how samples were grouped. A sample without a depth of its own waits
-until the bit depths before and after its time are known. The model uses no socket, no file and no system clock.
+The same records give walls that are equal in every bit, whether the model takes them one by one or, at a replay, in
+thousands. Each sample has its own time, so the wall does not depend on how samples were grouped. A sample without a
+depth of its own waits until the bit depths before and after its time are known. The model uses no socket, no file and
+no system clock.
 """
 
 from __future__ import annotations
@@ -53,7 +54,7 @@ PENDING = np.dtype(
 
 
 LATEST = 4e9
-"""Seconds. A sample is wrong if its time is more than this after or before the start of 1970 (after 2096)."""
+"""Seconds. A sample is wrong if its time differs from the start of 1970 by more than this, as in the year 2097."""
 MOST_SET_ASIDE = 10_000
 """The model keeps the numbers and reasons of at most this many records that were set aside."""
 USABLE, OUTSIDE = "usable", "outside"
@@ -76,11 +77,11 @@ class Model:
     wall_time, next_sequence
         Receive time (ns since 1970) of the latest record; the number of the record after it.
     passes
-        The log that decides the pass of each sample and lists the passes so far.
+        The log that decides the pass of each sample and lists the passes.
     stretches
         One entry for each change of the configuration: utc and record of the change, the new text and its meaning.
     events
-        The events so far.
+        The book of all events.
     counts
         Counters by name. A sample that is ``received`` is ``not drawn`` (refused by a flag), ``kept apart`` (no layer
         takes it, it lies before the start, it is ``crowded`` or it was set aside) or ``drawn``. Other names count the
@@ -253,7 +254,7 @@ class Model:
         self._set_limits()
 
     def _set_limits(self) -> None:
-        """Set what a new configuration changes: longest latency so far, step of images, most samples near a vertex."""
+        """Set what a new configuration changes: longest latency (never shorter), image step, samples near a vertex."""
         latencies = [image.latency for image in self._image_list]
         latencies += [one.caliper.latency for one in self.configuration.sources.values() if one.caliper]
         self._longest_latency = max(self._longest_latency, int(max(latencies, default=0.0) * SECOND))
@@ -479,7 +480,7 @@ class Model:
         depth, kind, flags, ready = self.rig.place(rows["time"], rows["order"], rows["depth"], rows["offset"], now)
         flags = flags | rows["flags"]
         flags[self.configuration.depth.outside(depth)] |= Flag.RANGE
-        # A refused row needs no depth. It keeps its own flags, because others would depend on how the stream was cut.
+        # A refused row needs no depth. It gets no new flags, because these would depend on how the stream was cut.
         rejected = (rows["flags"] & int(NEVER_DRAWN)) != 0
         flags[rejected] = rows["flags"][rejected]
         ready |= rejected
@@ -598,7 +599,7 @@ class Model:
     def _report_outside(
         self, rows: Rows, depth: npt.NDArray[np.float64], outside: list[tuple[str, npt.NDArray[np.int64]]]
     ) -> None:
-        """Report the samples before the start of a layer: by layer and then in order of arrival, as a replay does.
+        """Report the samples before the start of a layer: by layer and then in order of arrival, the order of a replay.
 
         ``outside`` has the name of each such layer and the rows of its samples.
         """
@@ -632,7 +633,7 @@ class Model:
     def _depth_gaps(
         self, of: tuple[str, int], depth: npt.NDArray[np.float64], rows: npt.NDArray[np.int64]
     ) -> list[tuple[int, str]]:
-        """Return (row, text) of each sample over `gap_reach` beyond all earlier samples; ``of``: (layer, source)."""
+        """Return (row, text) of each sample more than `gap_reach` beyond all earlier ones; ``of``: (layer, source)."""
         limit = self.layers[of[0]].settings.gap_reach
         ahead = np.copysign(1.0, self.layers[of[0]].settings.pitch)  # -1 for a wall that grows upwards
         farthest = np.maximum.accumulate(np.concatenate([[self._deepest.get(of, -np.inf)], ahead * depth]))

@@ -1,7 +1,7 @@
 """Decides the pass of each sample, and lists the passes of a well: time, depth and number of samples of each pass.
 
     wire       . . 1 1 1 1 2 2 2       number from the source; ".": it sends no number
-    string     d d d d r r r r r       drill, rescan: from bit depth and rotation (depth.py)
+    string     d d d d r r r r r       d: drill, r: rescan, from bit depth and rotation (depth.py)
     pass       d d d d d d r r r       the number decides; an event reports the two samples that differ
                |-| |-----| |---|       the runs of one source, each with its number and pass
 

@@ -46,7 +46,7 @@ SETTINGS_OF_START = "allow", "mode", "every", "replace_after"
 
 
 def back_off(failures: int, longest: float, draw: Callable[[], float] = random.random) -> float:
-    """Return the seconds to wait after the last of ``failures`` in a row: 1, 2, 4 ... ``longest``, times 0.5 to 1."""
+    """Return the seconds to wait after ``failures`` failures: 1, 2, 4 ... ``longest``, times a random 0.5 to 1."""
     return float(min(longest, FIRST_WAIT * 2.0 ** min(failures - 1, 16)) * (0.5 + 0.5 * draw()))
 
 
@@ -110,7 +110,7 @@ class Latency:
     Attributes
     ----------
     counts, sum
-        Number of times up to each of BOUNDS (s) and above the last; sum of all times, s.
+        Number of measured times up to each of BOUNDS (s) and above the last bound; sum of all measured times, s.
     latest
         The latest thousand times, s.
     """
@@ -217,7 +217,7 @@ class Server:
         self.live.sync()
 
     def reconfigure(self, configuration: Configuration) -> None:
-        """Read all later bytes with another configuration; connect each source whose address changed there.
+        """Read all later bytes with another configuration; connect each source with a new address there.
 
         An event names the changed settings that take effect only at a restart: those of `TABLES_OF_START` and
         `SETTINGS_OF_START`.
@@ -225,7 +225,8 @@ class Server:
         Raises
         ------
         InputError
-            If `Live.reconfigure` refuses the configuration, or if one that follows by ``next`` breaks a rule.
+            If `Live.reconfigure` refuses the configuration, or if a configuration that follows by ``next`` breaks a
+            rule.
         JournalFullError
             If the change could not be stored; then nothing has changed.
         """
@@ -304,7 +305,7 @@ class Server:
         """Report that a thread died, begin an alarm, and stop."""
         # A SystemExit, raised again by the caller, would end the program with the exit code 0.
         died = error if isinstance(error, Exception) else RuntimeError(repr(error))
-        self.failure = self.failure or died  # before all that needs memory, which may be full
+        self.failure = self.failure or died  # set first: all that follows needs memory, which may be full
         self._stop.set()
         self._drained.set()
         text = f"thread {thread} died: {type(error).__name__}: {error}"
@@ -449,7 +450,7 @@ class Server:
             self._updated(update)
 
     def _sync(self) -> None:
-        """Sync every ``sync_ms``; report when the disk begins to refuse a sync, and when a sync succeeds again."""
+        """Sync every ``sync_ms`` milliseconds; report when the disk first refuses a sync, and when it works again."""
         interval = self.live.configuration.journal.sync_interval
         if self.live.journal is None or interval == 0:
             return

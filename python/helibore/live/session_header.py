@@ -5,9 +5,9 @@
     session 3   configuration B            the records from here on are read with B; the walls stay
                 configuration C            another change, without a restart (`Live.reconfigure`)
 
-The meaning has the value of each setting that affects the wall, also if it is a default. So a later version with other
-defaults reads the records in the same way. If the first segments were removed, the checkpoints have the configurations
-of their records.
+The meaning has the value of each setting that affects the wall, even if the value is a default. So a later version with
+other defaults reads the records in the same way. If the first segments were removed, the checkpoints have the
+configurations of their records.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def read_header(payload: bytes) -> Header:
     Raises
     ------
     ValueError
-        If the payload is not a JSON object, or if its configuration or its meaning is there and not a text.
+        If the payload is not a JSON object, or has a configuration or a meaning that is not a text.
     """
     header = json.loads(payload or b"{}")
     if not isinstance(header, dict):
@@ -144,8 +144,8 @@ def _of_checkpoint(folder: FilePath) -> list[Header]:
 def continued_with(folder: FilePath, given: Configuration) -> tuple[Configuration, Configuration]:
     """Return the configuration with which a journal was begun, and the configuration with which it continues.
 
-    If ``given`` changes no setting of the last session, the meaning of that session stays, whatever the defaults are
-    now. Otherwise ``given`` applies from now on.
+    If ``given`` changes no setting of the last session, the meaning of that session stays, even if the defaults have
+    changed. Otherwise ``given`` applies from now on.
 
     Raises
     ------

@@ -42,8 +42,8 @@ def snapshot(live: Live, folder: str | Path) -> list[Path]:
     There is no mesh of a wall that the path does not cover.
 
     An image whose name is not allowed in a file name is left out, and an image that `SectorImage` refuses is written
-    only as a table; an event reports each of them. An image with an unknown layout, with fewer than two rows or without
-    values is written only as a table, too.
+    only as a table; an event reports each such image. An image with an unknown layout, with fewer than two rows or
+    without values is written only as a table, too.
 
     Raises
     ------

@@ -31,7 +31,7 @@ from helibore.live.layout import LayoutTable
 from helibore.live.pass_rules import PassNumbers
 
 LENGTHS = {"metric": ("m", "mm"), "fps": ("ft", "in")}
-"""The units of depths and of radii in each unit set (in WITS, those of items 0108 and 0844)."""
+"""The units of depths and of radii in each unit set (in WITS, the units of items 0108 and 0844)."""
 JUMPS = {"depth": 30.0, "time": 3600.0}
 """The default of ``jump``: metres for a log by depth, seconds for a log by time."""
 INDEX = 1
@@ -57,9 +57,10 @@ class Curve:
 
 @dataclass
 class Context:
-    """What validators must know of the rest of the configuration, and the curves of the source so far.
+    """What validators must know of the rest of the configuration, and the curves of the source that were read before.
 
-    ``reference`` is that of the path. ``lengths`` are the units of depths and radii. ``index`` is "depth" or "time".
+    ``reference`` is the reference of the path. ``lengths`` are the units of depths and radii. ``index`` is "depth" or
+    "time".
     """
 
     name: str
@@ -263,7 +264,7 @@ class WitsCaliper(CaliperTable):
 class StoreCaliper(CaliperTable):
     """The caliper of a store: the mnemonics of its triples.
 
-    Without ``depth``, the depth of a triple is the index of the log; in a log by time it follows from the bit depth.
+    Without ``depth``, the depth of a triple is the index of the log or, in a log by time, follows from the bit depth.
     """
 
     toolface: Annotated[list[AngleCurve], OneQuantity] = Field(description="mnemonics, one for each sensor")
@@ -305,7 +306,7 @@ class WitsImage(Image):
 class StoreImage(Image):
     """An image by the mnemonics of its sectors.
 
-    The depth of a row is the index of the log; in a log by time it follows from the bit depth.
+    The depth of a row is the index of the log or, in a log by time, follows from the bit depth.
     """
 
     sectors: Annotated[list[PlainCurve], OneQuantity] = Field(description="mnemonics, one for each sector")
@@ -442,7 +443,7 @@ class WitsSource(Source):
 
 
 class StoreObject(Table):
-    """An object of a store, named by the uids of its well, its wellbore and itself."""
+    """An object of a store, named by the uids of its well, of its wellbore and of the object."""
 
     well: Text = Field(description="the uid")
     wellbore: Text = Field(description="the uid")

@@ -1,4 +1,4 @@
-"""Survey stations as they arrive; the C++ `Stations` sorts them and computes the path only where it changes."""
+"""Survey stations in order of arrival; the C++ `Stations` sorts them and computes the path only where it changes."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class Stations:
 
     @property
     def survey(self) -> Survey | None:
-        """The survey of all stations so far; None while there are fewer than two."""
+        """The survey of all stations that have come; None while there are fewer than two stations."""
         if self._survey is None and len(self) > 1:
             self._survey = Survey(*self.columns)
         return self._survey
@@ -79,7 +79,7 @@ class Stations:
         return self._path
 
     def reaching(self, depth: float) -> Path | None:
-        """Return the path, extended straight to ``depth`` if it ends above it; None while there is no survey."""
+        """Return the path, extended straight to ``depth`` if it is shorter; None while there is no survey."""
         path = self.path
         if path is None or path.stop_depth >= depth:
             return path

@@ -5,8 +5,8 @@
 
 Certificates are always verified against the system's authorities and those of ``ca``. Redirects, proxies, netrc files
 and compressed answers are not used. Every answer, also a refused one, is in the journal before any code reads it; if it
-equals the answer before, only this fact is stored. The password is read from the environment and appears in no text. An
-answer that fails ends the link with an OSError; ``server.py`` decides when to try again.
+equals the previous answer, only this fact is stored. The password is read from the environment and appears in no text.
+An answer that fails ends the link with an OSError; ``server.py`` decides when to try again.
 """
 
 from __future__ import annotations
@@ -146,7 +146,7 @@ class StoreLink(Link):
         Raises
         ------
         OSError
-            If the answer is not whole, is not that of a store, or reports an error.
+            If the answer is not whole, does not come from a store, or reports an error.
         """
         body, state, failure = self._answer(witsml.envelope(kind, query, options))
         body = self._redactor.clean(body, cut=state != "whole")
@@ -180,7 +180,7 @@ class StoreLink(Link):
         return True
 
     def _refusal(self, kind: str, body: bytes) -> bytes:
-        """Return the bytes of a refused answer to store; none if it equals the previous refused answer of its kind."""
+        """Return the bytes of a refused answer to store; b"" if it equals the previous refused answer of its kind."""
         checksum = hashlib.blake2b(body).digest()
         if self._refused.get(kind) == checksum:
             return b""

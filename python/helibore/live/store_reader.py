@@ -28,7 +28,7 @@ BLOCK = 1024
 """Number of rows that are split into cells at a time."""
 MOST_UNITS = 1000
 FUTURE = 86_400.0
-"""Seconds by which the clock of a store may be ahead of ours."""
+"""Seconds by which the clock of a store may be ahead of this machine's clock."""
 
 
 class StoreReader(SourceReader):
@@ -55,7 +55,7 @@ class StoreReader(SourceReader):
         self._reported_jump = self._reported_index = -np.inf
 
     def go_on_from(self, before: SourceReader) -> None:
-        """Take over the state of the reader that this one replaces, including an answer that is not complete yet.
+        """Take over the state of the reader that this reader replaces, including an answer that is not complete yet.
 
         If the log is the same, its last index and its null value are taken over, too. Another log is read from its
         first row on, because the last index of the old log does not apply to it.

@@ -24,7 +24,7 @@ from helibore.live.sources import Source, WitsSource
 
 CHUNK = 65536
 PATIENCE = 3
-"""A newcomer replaces a sender only after a silence of this many times the sender's longest interval."""
+"""A newcomer replaces a sender only after a silence of this many times the longest pause between the sender's bytes."""
 ACCEPT_AGAIN = 1.0
 """Seconds until the next try after a connection could not be accepted, for example if no descriptor is free."""
 
@@ -39,7 +39,7 @@ class Link(ABC):
         """Return bytes; b"" if no bytes came within ``seconds``; None if the link has ended."""
 
     def write(self, payload: bytes) -> None:  # noqa: B027  # not every kind sends
-        """Send a heartbeat or a poll; links that cannot send ignore it."""
+        """Send a heartbeat or a poll; links that cannot send ignore the call."""
 
     def close(self) -> None:  # noqa: B027  # not every kind holds something open
         """Close the link."""
@@ -122,7 +122,7 @@ def _connected(host: str, port: int, seconds: float) -> SocketLink:
 
 @dataclass
 class Newcomer:
-    """A connection that was accepted and is not read as the sender yet, and the bytes that it sent so far."""
+    """A connection that was accepted and is not read as the sender yet, and the bytes that have come from it."""
 
     connection: socket.socket
     peer: str
@@ -134,8 +134,8 @@ class TcpListener(Opener):
     """Accepts one sender at a time; ``refuse`` reports each peer that is refused, by rule and text.
 
     A peer outside ``allow`` is refused. A newcomer replaces the sender only if the sender has been silent for at least
-    ``replace_after`` seconds and at least `PATIENCE` times its longest interval so far, and only after the newcomer
-    sent a whole frame with an item.
+    ``replace_after`` seconds and at least `PATIENCE` times the longest interval between its bytes, and only after
+    the newcomer sent a whole frame with an item.
     """
 
     def __init__(self, source: WitsSource, refuse: Callable[[str, str], None]) -> None:
@@ -242,7 +242,7 @@ class SerialLink(Link):
 
 
 class FileLink(Link):
-    """An open file that gives ``speed`` bytes a second; with 0, all at once."""
+    """An open file that gives ``speed`` bytes a second; with 0, it gives all bytes at once."""
 
     def __init__(self, file: Path, speed: float) -> None:
         self.peer, self._speed = str(file), speed

@@ -33,7 +33,7 @@ class Update:
     path_from
         Depth in metres below which the path moved; None if the path did not move.
     events
-        Events, at most eight of one rule of one source; the last of the eight counts all later ones.
+        Events, at most eight of one rule of one source; the last of the eight counts all later events.
     """
 
     changes: dict[str, Change] = field(default_factory=dict)

@@ -1,8 +1,8 @@
 """Read and write WITS level 0.
 
 A frame begins with the line ``&&``, has a line ``RRIIvalue`` for each item II of a record RR, and ends with ``!!``. The
-C++ core reads frames; this file names its arrays. The configuration of a source defines the units and the meaning of
-its items (see ``sources.py``).
+C++ core reads frames; this file names the arrays of the core. The configuration of a source defines the units and the
+meaning of its items (see ``sources.py``).
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Rows = npt.NDArray[np.void]
 LINE_LIMIT, FRAME_LIMIT, ITEM_LIMIT = _core.WITS_LIMITS
 """The default limits: bytes of a line, bytes and lines of a frame (`Limits` in cpp/include/helibore/wits.hpp)."""
 NULLS = (*nulls.NULLS, -8888.0, -999.0, -99999.0)
-"""Numbers that mean "no value" unless a source states others. The text ``-9999.00`` counts, too."""
+"""Numbers that mean "no value" unless a source states other numbers. The text ``-9999.00`` means the same."""
 
 NULL = 1
 """Item flag: the value is empty or one of the source's null numbers."""

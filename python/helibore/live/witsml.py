@@ -22,7 +22,7 @@ from xml.sax.saxutils import escape, quoteattr
 ACTION = "http://www.witsml.org/action/120/Store.WMLS_GetFromStore"
 SERIES = 'xmlns="http://www.witsml.org/schemas/1series" version="1.4.1.1"'
 PARTIAL = 2
-"""The Result of an answer in which the store sent only some rows; another query gets the others."""
+"""The Result of an answer in which the store sent only some rows; another query gets the other rows."""
 NESTING = 32
 BLOCK = 1 << 16
 
@@ -43,7 +43,7 @@ class Answer:
 
 @dataclass
 class LogRows:
-    """The rows of an answer about a log; each is a text of cells with commas between them.
+    """The rows of an answer about a log; each row is a text of cells with commas between them.
 
     ``mnemonics`` and ``units`` have an entry for each cell. There are no rows if the log has not grown. ``null`` is the
     nullValue of the log, and ``direction`` is its direction; "" if the answer does not state them.
@@ -70,7 +70,7 @@ def log_query(uids: tuple[str, str, str], start: tuple[str, str] | None) -> str:
 
 
 def trajectory_query(uids: tuple[str, str, str]) -> str:
-    """Return the query for a whole trajectory; it has few stations, and a store may correct each of them."""
+    """Return the query for a whole trajectory, because it has few stations and a store may correct each of them."""
     return f"<trajectorys {SERIES}><trajectory {_uids(uids)}/></trajectorys>"
 
 

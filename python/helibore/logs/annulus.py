@@ -30,7 +30,7 @@ class Annulus:
     Attributes
     ----------
     depth
-        As in the logs, metres.
+        Depth of the row, as in the logs, metres.
     volume
         Between the hole and the casing in this row, cubic metres; NaN where the hole's area is missing or less than
         the casing's.
@@ -67,7 +67,7 @@ class Annulus:
 
     @property
     def narrower(self) -> float:
-        """Metres of hole with less area than the casing, which does not pass there; `total` also leaves them out."""
+        """Metres of hole with less area than the casing, which cannot pass there; `total` leaves them out."""
         return float((self.hole < self.casing).sum() * self.height)
 
     def cement(self, top: float | None = None, bottom: float | None = None, excess: float = 0.0) -> float:
@@ -84,8 +84,8 @@ class Annulus:
         ------
         InputError
             If a row of the interval has no volume (``cement: 12.4 m between 2000 and 2100 m have a missing radius or
-            are narrower ...``), since any number would be a guess; if no row lies in the interval; on a negative
-            excess, or one that is not finite.
+            are narrower ...``), since any number would be a guess; if no row lies in the interval; if the excess is
+            negative or not finite.
         """
         if not (math.isfinite(excess) and excess >= 0):
             raise InputError("excess", "must be finite and not negative", str(excess))

@@ -19,7 +19,7 @@ from helibore.base.arrays import Floats, Integers
 from helibore.samples.caliper import Caliper
 
 FEW_ARMS = 8
-"""A tool with few arms measures at most this many diameters; a tool that measures more of them sees all around."""
+"""A tool with few arms measures at most this many diameters; a tool with more diameters measures all around."""
 _SAME_AXIS = 1e-3  # degrees, to which toolfaces are rounded to compare them
 
 
@@ -32,7 +32,8 @@ class ArmDiameters:
     diameter, toolface
         (arms, turns) diameters, metres, and their axes, degrees in [0, 180); NaN if no reading is near.
     uneven
-        (arms, turns) difference of the two ends' distances from the tool's axis, metres; 0 if diameters were measured.
+        (arms, turns) difference of the two ends' distances from the tool's axis, metres; 0 if diameters,
+        not radii, were measured.
     """
 
     diameter: Floats
@@ -91,8 +92,9 @@ def arm_diameters(arms: Caliper, depth: Floats, height: float, reach: float) -> 
 def _pairs(arms: Caliper) -> tuple[Integers, Floats, Floats, Floats, Floats]:
     """Return columns of the pairs of opposite samples at one depth: arm, depth, diameter, axis, difference of radii.
 
-    Axes are degrees in [0, 180). Samples at one place, as from two calipers with one direction, are averaged first, and
-    get the least of their arm numbers. If there are fewer axes than arm numbers, axes take the place of arm numbers.
+    Axes are degrees in [0, 180). Samples at the same place, as from two calipers with the same direction, are averaged
+    first, and get the least of their arm numbers. If there are fewer axes than arm numbers, axes take the place of arm
+    numbers.
     """
     assert arms.arm is not None
     turn, half = round(360 / _SAME_AXIS), round(180 / _SAME_AXIS)

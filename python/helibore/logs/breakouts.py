@@ -20,7 +20,7 @@ from helibore.base.ranges import PIECE, pieces
 from helibore.logs.turn_logs import Logs
 
 ONE_AXIS = 1e-3
-"""Degrees; if the axes of the arms in a zone deviate by less than this from their mean, the arms did not turn."""
+"""Degrees; if the axes of the arms in a zone deviate by less than this from their mean, the arms do not turn."""
 
 
 def rows(radius: Floats, turns: Integers, sectors: int) -> Floats:
@@ -77,16 +77,16 @@ def lobes_of(
 
 
 def axes_of_arms(axes: Axes) -> Axes:
-    """Return ``axes``; their deviation is NaN if the arms did not turn, because it then says nothing on the lobes."""
+    """Return ``axes``, with a deviation of NaN if the arms did not turn: it would say nothing about the lobes."""
     return replace(axes, deviation=math.nan) if axes.deviation < ONE_AXIS else axes
 
 
 def lobes_of_arms(
     logs: Logs, turns: Integers, radius: Floats, start: float, both: bool
 ) -> tuple[float, float, tuple[BreakoutLobe, ...]]:
-    """Return what `lobes_of` returns, for a tool with few arms: from the diameters of the arms; openings are NaN.
+    """Return what `lobes_of` returns, from the arm diameters of a tool with few arms; openings are NaN.
 
-    The radii of the wall decide which of the two sides is the higher one.
+    The radii of the wall decide which of the two lobes is higher.
     """
     axes = logs.c1_toolface[turns]
     spread = axes_of_arms(axial_mean(axes))

@@ -40,8 +40,8 @@ class ScalarCurve:
     Raises
     ------
     InputError
-        ``curve 'GR': depth must be finite and must not fall``; on limits that are equal or not finite, and on another
-        number of values than of depths.
+        ``curve 'GR': depth must be finite and must not fall``; if limits are equal or not finite, or if the number of
+        values is not the number of depths.
     """
 
     name: str

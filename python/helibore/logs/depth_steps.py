@@ -1,10 +1,10 @@
-"""Combine the logs of turns into steps of depth.
+"""Combine logs with one row per turn into logs with one row per step of depth.
 
     |--o----o----o--|--o----o----o----o--|      a turn belongs to the step that holds its middle
        step i              step i + 1           ``log_columns`` has the rule of each log
 
 Areas are averaged, not diameters; the volume of a step is its mean area times its height, whatever the pitch. A step
-has a row only if its turns reach within half a pitch of both its ends.
+has a row only if its turns reach within half a pitch of both ends of the step.
 """
 
 from __future__ import annotations

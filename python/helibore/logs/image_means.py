@@ -1,8 +1,8 @@
 """The mean of an image around the hole, as a column of the logs: a gamma image becomes a gamma curve.
 
-image rows   |----a----|----b----|          |----c----|        each covers the depths of `SectorImage.cover`
-log rows        |-------|-------|-------|-------|
-                   a, b      b    missing      c               a and b weigh by the length that each covers
+image rows   |----a----|----b----|          |----c----|   an image row covers the depths of `SectorImage.cover`
+log rows         |-------|-------|-------|-------|
+mean of            a, b      b    missing    c            a and b are weighted by the length that each covers
 """
 
 from __future__ import annotations
@@ -49,7 +49,8 @@ def _means(depth: Floats, height: float, image: SectorImage) -> Floats:
     rows = count > 0
     mean = np.where(there, image.values, 0.0).sum(axis=1)[rows] / count[rows]
     edges = np.column_stack([end[rows] for end in image.cover()])
-    # The length covered up to each edge, 0, a, a, a + b, a + b, ..., and the integral of the means up to it.
+    # The length covered above each edge of an image row: 0, a, a, a + b, a + b, ...; and the integral of the means
+    # over this length.
     covered = np.cumsum(np.diff(edges, axis=1, prepend=edges[:, :1]), axis=None)
     summed = np.cumsum(np.diff(edges, axis=1, prepend=edges[:, :1]) * mean[:, None], axis=None)
     top, bottom = depth - height / 2, depth + height / 2

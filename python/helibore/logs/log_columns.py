@@ -1,9 +1,12 @@
 """The name of each log in files, its unit, and how turns are combined into steps.
 
 `COLUMNS` lists for each log the attribute of `Logs`, the mnemonic, the unit, the description and the rule for steps.
-Mnemonics are those usual for caliper logs. Other files name further columns: ``turn_logs`` the uncertainty of the
-volume, the diameters of the arms and the columns along the path, ``zones`` the class of hole, ``annulus`` the columns
-of a casing, ``image_means`` those of an image.
+Mnemonics are those usual for caliper logs. Other files define further columns:
+
+    turn_logs      uncertainty of the volume, diameters of the arms, columns along the path
+    zones          class of hole
+    annulus        columns of a casing
+    image_means    mean of an image
 """
 
 from __future__ import annotations

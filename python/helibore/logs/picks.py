@@ -70,7 +70,7 @@ class Pick:
     apparent_dip
         Angle between a plane and the plane at right angles to the hole. 0 for a breakout.
     radius
-        Radius of the hole where the plane was picked; None: that of the bit.
+        Radius of the hole where the plane was picked; None: the radius of the bit.
     misfit, points
         Root mean square misfit, along the hole, of the points that the plane was fitted to, and the number of points.
     height, opening, tilt
@@ -183,11 +183,11 @@ class Picks(list[Pick]):
                 self[at] = pick
                 return
         if len(self) >= MOST:
-            raise InputError(f"{len(self)} picks", f"no other can be added, because a wall has at most {MOST}")
+            raise InputError(f"{len(self)} picks", f"no more can be added, because a wall has at most {MOST}")
         self.append(pick)
 
     def merge(self, others: Iterable[Pick]) -> tuple[list[Pick], list[Pick]]:
-        """Add the picks of another table; return the picks added, and the picks that replaced one with the same key.
+        """Add the picks of another table; return the picks added, and the picks that replaced a pick with the same key.
 
         A pick is left out if this list has a pick with the same key and the same values. It is also left out if this
         list does not have its key, but has a pick with the same values of the fields in `PLACE`.
@@ -229,7 +229,8 @@ class Picks(list[Pick]):
     def load(cls, filename: str | os.PathLike[str], path: Path | None = None) -> Picks:
         """Read a table as `save` writes it; unknown columns are ignored.
 
-        If a table has no ``apparent_dip_deg``, apparent dips are computed from its true dips and the path of the wall.
+        If a table has no column ``apparent_dip_deg``, apparent dips are computed from its true dips and the path of the
+        wall.
         A row without a key gets a key made from its text, the same at every reading. If two rows have the same key, the
         second row gets another key.
         """
@@ -261,7 +262,7 @@ class Picks(list[Pick]):
 
 
 def _parsed(row: Mapping[str, Any], path: Path | None, apparent: bool, line: str) -> Pick:
-    """Return the pick that a row of a table describes; unless ``apparent``, from its true dip."""
+    """Return the pick that a row of a table describes, from its apparent dip if ``apparent``, else its true dip."""
 
     def number(column: str) -> float:
         try:
@@ -303,7 +304,7 @@ def pick_of(values: Any) -> Pick:
     """Return the pick that a page sends as a JSON object."""
     known = {each.name for each in fields(Pick)}
     if not isinstance(values, dict) or not values.keys() <= known:
-        raise InputError("pick", f"must be an object with some of {', '.join(sorted(known))}")
+        raise InputError("pick", f"must be an object with fields among {', '.join(sorted(known))}")
     try:
         return Pick(**values)
     except TypeError as error:

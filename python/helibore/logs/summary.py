@@ -52,7 +52,7 @@ class WallSummary:
     start, stop
         Ends of the interval, measured depth.
     basis, basis_text, bit_diameter, sectors, pitch
-        Those of the wall.
+        The attributes of the wall with these names.
     vertices, samples
         Numbers of vertices and samples in the interval. If the depths of the samples are not known, ``samples`` is the
         number of all samples of the wall.

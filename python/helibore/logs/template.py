@@ -53,7 +53,7 @@ class TemplateTrack:
 
 @dataclass(frozen=True)
 class Template:
-    """Unit of sizes, depth scale (200 for 1:200; None: not chosen), and tracks from left to right."""
+    """Unit of diameters, depth scale (200 for 1:200; None: not chosen), and tracks from left to right."""
 
     units: Literal["mm", "in", "ft"] = "mm"
     scale: int | None = None
@@ -61,7 +61,7 @@ class Template:
 
     @classmethod
     def load(cls, filename: str | os.PathLike[str]) -> Template:
-        """Read a template; an InputError names the file and the place that breaks a rule."""
+        """Read a template. Raise InputError if it breaks a rule; the error names the file and the place."""
         tree = read_toml(Path(filename), str(filename))
         try:
             return template_of(tree)
@@ -70,7 +70,7 @@ class Template:
 
 
 def template_of(content: dict[str, Any]) -> Template:
-    """Return the template that parsed TOML describes; an InputError names the place that breaks a rule."""
+    """Return the template that parsed TOML describes; raise InputError, which names the place, if it breaks a rule."""
     check_names("", content, ("units", "scale", "track"))
     units, scale, rows = content.get("units", "mm"), content.get("scale"), content.get("track", [])
     check_choice("units", units, UNITS)

@@ -101,7 +101,7 @@ class Logs(Tabular):
     centre_0, centre_90
         Distances of the centre of the area from the axis, towards toolfaces 0 and 90.
     inscribed_diameter, inscribed_0, inscribed_90
-        The largest circle with no vertex inside (what passes), and its centre: no small move makes the circle larger.
+        Diameter and centre of the largest circle with no vertex inside; no small move makes the circle larger.
         With ``shape = "arms"`` it is at most the least diameter of the arms, since the wall between arms is rounder
         than the hole.
     enclosing_diameter
@@ -123,14 +123,14 @@ class Logs(Tabular):
         shorter than the turn or step, or only one pass has it, then this value and `c1` are lower than its largest
         reading. NaN if all readings of the arm are farther away than `Settings.max_distance`.
     nearest
-        Largest distance from a vertex to the nearest sample used; NaN if no vertex has one or the wall does not hold
-        it.
+        Largest distance from a vertex to the nearest sample used; NaN if no vertex has such a sample or the wall does
+        not hold the distances.
     diameter_sigma
         Upper bound of the standard uncertainty of `equivalent_diameter`, which is reached if all errors of a turn are
         equal. NaN without ``sigma=True``, and where a vertex is not sampled.
     age
-        Seconds (or ticks of the caliper's clock) from the newest sample at this depth to the newest of the wall; NaN if
-        there is no sample at this depth, or samples have no times.
+        Seconds (or ticks of the caliper's clock) from the newest sample at this depth to the newest sample of the wall;
+        NaN if there is no sample at this depth, or samples have no times.
     bit_diameter, sectors
         Bit size, metres; number of vertices per turn.
     pitch
@@ -140,13 +140,13 @@ class Logs(Tabular):
     rugosity_window
         Length of hole that `rugosity` is measured over, metres.
     basis, basis_text
-        What the wall is made from, as in `Caliper`; and the same in words.
+        What the wall is made from, as in `Caliper`: as a short name, and in words.
     shape
         Source of `c1`, `c1_toolface`, `c2`, `least_diameter`, ovality, `out_of_roundness` and zones: ``"wall"``, or
         ``"arms"`` for a tool with few arms, which measures less than 0.9 of the turns.
     reference
         What toolface 0 is, by the path or the first image of the wall: ``"high-side"``, ``"north"`` or
-        ``"parallel-transport"``; "": the wall has neither.
+        ``"parallel-transport"``; "": the wall has neither path nor image.
     reference_assumed
         Whether toolfaces are only assumed to count from ``reference``, because no file states it.
     with_sigma
@@ -214,20 +214,22 @@ class Logs(Tabular):
         return abs(self.pitch) if self.step is None else self.step
 
     def by_step(self, step: float) -> Logs:
-        """Return logs by steps of depth, each from the turns whose middle lies in it (`helibore.logs.depth_steps`).
+        """Return logs with one row per step of depth, from the turns whose middle lies in the step (see `depth_steps`).
 
         Parameters
         ----------
         step
-            Metres, at least the pitch. Steps begin at whole multiples of it.
+            Height of a step, metres, at least the pitch. Steps begin at whole multiples of this height.
 
         Raises
         ------
         InputError
-            ``step = 0.01: must be at least the pitch, 0.1 m``; if these logs are already by steps.
+            ``step = 0.01: must be at least the pitch, 0.1 m``; if these logs already have steps.
         """
         if self.step is not None:
-            raise InputError("step", f"these logs are by steps of {self.step:g} m already; use the logs of turns")
+            raise InputError(
+                "step", f"these logs already have steps of {self.step:g} m; start from the logs with one row per turn"
+            )
         columns = by_step(vars(self), self.pitch, self.bit_diameter, step)
         return replace(self, step=float(step), **columns)
 
@@ -425,10 +427,10 @@ def turn_logs(
         (n,) standard uncertainty of each radius, metres: `Wall.sigma`; None: not known.
     reference
         Radius that `Logs.rugosity` subtracts from all radii, metres; NaN: the first radius. If a part of a wall starts
-        at a multiple of 256 turns and is given the reference of the whole wall, its rows are the same numbers, to the
-        last bit, as those of the whole wall, except within half a window of its ends.
+        at a multiple of 256 turns and is given the reference of the whole wall, its rows equal those of the whole wall
+        exactly, except within half a window of the ends of the part.
     newest
-        Time of the newest sample of the whole wall, if ``wall`` is a part of it; None: that of the samples of ``wall``.
+        Time of the newest sample of the whole wall, if ``wall`` is a part of it; None: the newest time in ``wall``.
 
     Raises
     ------

@@ -1,13 +1,13 @@
 """The criteria of washout, breakout, key seat and undergauge hole.
 
-C1 is the largest diameter, C2 is the diameter at right angles to it. Each turn is of the first of these kinds that
-fits:
+C1 is the largest diameter, C2 is the diameter at right angles to it. The kind of a turn is the first in this list
+whose rule fits:
 
     undergauge   least diameter  < bit - 0.25 in
     washout      C2 - bit       >= 0.5 in                                     enlarged all around
     breakout     C1 - C2        >= 1 in, and both ends of C1 are high         two lobes, opposite
     key seat     one end of C1   is >= 0.25 in high, and the other end is not high     one lobe
-    gauge        all else
+    gauge        all other turns
 
 Both ends of C1 are high if twice the height of the lower end is at least `Criteria.symmetry` times the sum of both
 heights. The height of an end of C1 is its distance outside the circle of diameter C2 around the centre of the area.
@@ -49,8 +49,8 @@ class Criteria:
     undergauge
         How much less than the bit the least diameter must be.
     symmetry
-        Share of the elongation that must be symmetric about the hole's centre in a breakout, 0 to 1; with less, the
-        turn is one-sided. 0.5 is usual for six-arm tools.
+        Share of the elongation that must be symmetric about the hole's centre in a breakout, 0 to 1; if the
+        share is less, the turn is one-sided. 0.5 is usual for six-arm tools.
     opening_level
         Share of a lobe's height at which its opening is measured, in (0, 1).
     least_length

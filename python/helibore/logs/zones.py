@@ -56,7 +56,7 @@ NO_LOBE = BreakoutLobe(math.nan, math.nan, math.nan)
 
 @dataclass(frozen=True)
 class Zone:
-    """An interval of hole of one kind. Its sizes are of the turns that meet the criterion, not of gaps between them.
+    """An interval of hole of one kind. Its measures come from the turns that meet the criterion, not from gaps.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ class Zone:
     coverage
         Mean share of the zone's turns, also in its gaps, that is measured, not interpolated, 0 to 1.
     toolface
-        Axis of a breakout, [0, 180), or direction of a key seat, [0, 360), degrees; else NaN.
+        Axis of a breakout, [0, 180), or direction of a key seat, [0, 360), degrees; NaN for other kinds.
     deviation
         Standard deviation of the turns' axes about ``toolface``, degrees (axial, Mardia); NaN for fewer than two turns.
     lobes
@@ -138,7 +138,7 @@ class Classification(Tabular):
         return tuple(zone for zone in self.zones if zone.kind == kind)
 
     def by_severity(self, start: float = -math.inf, stop: float = math.inf) -> list[Zone]:
-        """Return the zones that overlap an interval, metres, the most severe first, equal ones by depth."""
+        """Return the zones that overlap an interval, metres, the most severe first, equal severities by depth."""
         inside = (zone for zone in self.zones if zone.stop > start and zone.start < stop)
         return sorted(inside, key=lambda zone: (-zone.severity, zone.start))
 
@@ -226,7 +226,7 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
     Raises
     ------
     InputError
-        If ``logs`` are by steps, or of another wall.
+        If ``logs`` have one row per step, or belong to another wall.
     """
     criteria = Criteria() if criteria is None else criteria
     logs = turn_logs(wall) if logs is None else logs
@@ -242,7 +242,7 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
     kind = np.where(fits == NO_KIND, NO_KIND, GAUGE).astype(np.int8)
     free = fits != NO_KIND
     zones = []
-    # Washouts take their turns first, so that two breakouts are not joined over a washout between them.
+    # Washouts are found first, so that two breakouts are not joined over a washout between them.
     for code in (WASHOUT, UNDERGAUGE, BREAKOUT, KEY_SEAT):
         for first, stop in _runs(fits == code, free, criteria, abs(logs.pitch)):
             free[first:stop] = False

@@ -41,7 +41,7 @@ class Mesh:
 
     @cached_property
     def vertex_index(self) -> Integers:
-        """For each row of ``vertices``, the vertex of the wall that it is or lies over, (n,) int64."""
+        """For each row of ``vertices``, the number of this vertex, or of the one under it, on the wall, (n,) int64."""
         return np.concatenate([expand_ranges(ranges) for ranges in self._ranges])
 
     @cached_property

@@ -73,7 +73,7 @@ def save_surface(
 
 def save_volume(mesh: Mesh, path: Path, origin: tuple[float, float, float]) -> None:
     """Write hexahedra to ``path``; `Volume.save` describes the arguments."""
-    _checked_ending(mesh, path, VOLUME_ENDINGS, "; the others hold no hexahedra")
+    _checked_ending(mesh, path, VOLUME_ENDINGS, "; other formats hold no hexahedra")
     check_origin(origin)
     _write_vtk(mesh, path, origin, None)
 

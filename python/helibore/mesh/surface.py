@@ -55,7 +55,7 @@ class Surface(Mesh):
     metadata
         Texts by name for the files: what the wall is made from, and how it was placed. You can add texts.
     vertex_index, radius
-        For each row of ``vertices``, the vertex of the wall that it is, (n,) int64, and its radius, metres, (n,)
+        For each row of ``vertices``, the number of this vertex on the wall, (n,) int64, and its radius, metres, (n,)
         float64.
     """
 
@@ -179,7 +179,7 @@ class Surface(Mesh):
         Raises
         ------
         InputError
-            On another ending, a surface without quads, a part that does not fit to the earlier parts, and files of
+            On another ending, a surface without quads, a part that does not fit the earlier parts, and files of
             other programs.
         OSError, MissingExtraError
             As `save`.

@@ -58,8 +58,8 @@ class Volume(Mesh):
     metadata
         Texts by name for the files: what the wall is made from, and how it was placed. You can add texts.
     vertex_index, radius
-        For each row of ``vertices``, the vertex of the wall that it is or lies over, (n,) int64, and the radius there,
-        metres, (n,) float64.
+        For each row of ``vertices``, the number of this vertex, or of the one under it, on the wall, (n,) int64, and
+        the radius of the row, metres, (n,) float64.
     """
 
     def __init__(

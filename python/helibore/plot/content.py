@@ -1,4 +1,4 @@
-"""Decide what a picture of a wall shows: interval, scale, tracks, cross sections, shaded body, alike on all papers.
+"""Decide what a picture of a wall shows: interval, scale, tracks, cross sections, shaded body; the same on all papers.
 
     Drawing (options, checked)  +  Wall  ->  Content (tracks with their colours, limits shared by every page)
 
@@ -119,18 +119,18 @@ class Drawing:
     looks
         `Look` by name of an image; ``"Radius"`` is that of the radius.
     reference
-        What toolface 0 is: ``"high-side"``, ``"north"`` or ``"parallel-transport"``. None: as the wall's path states,
-        else as its images state; without both, the picture says that it is not known.
+        What toolface 0 is: ``"high-side"``, ``"north"`` or ``"parallel-transport"``. None: as the wall's path states
+        or, without a path, its images; without both, the picture says that toolface 0 is not known.
     left
         Toolface of the left edge of every image: 0, 90, 180 or 270; with 180, toolface 0 is in the middle.
     unit
         Unit of diameters, radii and cross sections: ``"in"`` or ``"mm"``; ``"ft"``: inches, and feet for depths.
     curves
-        Curves of the caliper track, beside the diameter by area: ``"C1"``, ``"C2"`` (the largest diameter, and the one
-        at right angles to it), ``"D0"``, ``"D90"`` (from toolface 0 to 180, from 90 to 270).
+        Curves of the caliper track, beside the diameter by area: ``"C1"``, ``"C2"`` (the largest diameter, and the
+        diameter at right angles to it), ``"D0"``, ``"D90"`` (from toolface 0 to 180, from 90 to 270).
     polar
-        Depths of the cross sections, metres; None: those of the largest, most oval, most usual and smallest turn;
-        empty: none.
+        Depths of the cross sections, metres; None: the depths of the largest, most oval, most usual and
+        smallest turn; empty: no cross sections.
     body
         Ends of the interval drawn as a shaded body, metres; None: the 12 m with most relief, or no body if calipers did
         not measure all around; empty: no body.
@@ -138,7 +138,7 @@ class Drawing:
         Pixels an inch.
     elevation
         Metres from mean sea level up to the zero of the depths (rotary table, kelly bushing). True depths, printed
-        under the measured ones if the survey gives them, are then TVDSS. None: TVD.
+        under the measured depths if the survey gives them, are then TVDSS. None: true depths are TVD.
     template
         Tracks, their order and widths; the units and scale of the template are not used here. None: all tracks.
     beside
@@ -146,7 +146,7 @@ class Drawing:
         their calipers have the scale of the first wall, and their radii have its colours. If ``start`` and ``stop`` are
         None, the interval holds all walls.
     criteria
-        Criteria of the zones of the wall; None: the usual ones. Zones of the walls beside are not drawn.
+        Criteria of the zones of the wall; None: the defaults. Zones of the walls in ``beside`` are not drawn.
     """
 
     title: str = ""
@@ -374,7 +374,7 @@ class _Other:
         return _caliper(self.wall, self.turns, limits, drawing, _reference(self.wall, Drawing()), f"{self.name}: ")
 
     def image(self, scale: ColorScale, drawing: Drawing, width: float, top: float, bottom: float) -> list[PlacedTrack]:
-        """Return a track of the radius in the colours of the first wall; [] if this one was not measured all around."""
+        """Return a track of the radius in the colours of the first wall; [] if this wall was not measured around."""
         if self.wall.basis != "azimuthal":
             return []
         look = Look(limits=(scale.low, scale.high), color_map=scale.color_map)

@@ -48,7 +48,7 @@ class CrossSection:
 
 
 def sections_at(wall: Wall, depths: list[float], interpolated: Floats | None = None) -> list[CrossSection]:
-    """Return the cross section of the wall at each depth; an InputError names a depth that the wall does not reach.
+    """Return the cross section of the wall at each depth; raise InputError if the wall does not reach a depth.
 
     ``interpolated``: (n,) 1 at vertices whose radius is interpolated, else 0; None: no vertex is.
     """

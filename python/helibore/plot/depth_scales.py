@@ -60,7 +60,7 @@ class Lines:
 
     @classmethod
     def of(cls, scale: int, unit: DepthUnit = METRES) -> Lines:
-        """Return lines that are at least 4 mm apart, numbered ones at least 20 mm, on paper of scale 1:``scale``."""
+        """Return lines at least 4 mm apart, and numbered lines at least 20 mm apart, on paper of scale 1:``scale``."""
         steps = [mantissa * 10.0**power for power in range(-3, 6) for mantissa in (1, 2, 5)]
         paper = unit.metres * 1000.0 / scale
         coarse = next(step for step in steps if step * paper >= 20.0)

@@ -104,7 +104,7 @@ def header_height(content: Content) -> float:
 
 
 def measured_text(content: Content) -> str:
-    """Return as text the share of the turns that is measured, and what the rest of them is."""
+    """Return as text the share of the turns that is measured, and what the rest of the turns is."""
     summary = content.summary()
     if summary.basis != "azimuthal":
         return summary.basis_text

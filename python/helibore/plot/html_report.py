@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from helibore.wall.wall import Wall
 
 PAPER = (210.0, 268.0)
-"""Millimetres of a picture: as wide as A4, and as high as the margins below leave."""
+"""Width and height of a picture, millimetres: as wide as A4, and as high as the page's margins leave."""
 ROWS = 24
 """Most steps of depth in the table of diameters; parts of a step at both ends give one row more."""
 MOST_GAPS = 10
@@ -92,7 +92,7 @@ def report(
     wall
         At least one full turn.
     filename
-        Replaced if it is there.
+        An existing file is replaced.
     messages
         (label, sentence) pairs that say which readings and samples were read, dropped and corrected.
     **options
@@ -103,7 +103,7 @@ def report(
     InputError, MissingExtraError
         As `helibore.plot.log`.
     OSError
-        If the file cannot be written; the old one is then as it was.
+        If the file cannot be written; an existing file then does not change.
     """
     content = page(wall, messages, **options).encode()
     write_whole(filename, lambda file: file.write(content))
@@ -254,7 +254,7 @@ def _zones(zones: Classification | None, content: Content) -> str:
     found = zones.by_severity(content.top, content.bottom)
     criteria = f"Criteria: {html.escape(criteria_text(content))}."
     if not found:
-        return f"<p>None. {criteria} No measured part of the hole meets one of them.</p>"
+        return f"<p>None. {criteria} No measured part of the hole meets one of these criteria.</p>"
     unit, depths = content.drawing.size_unit, content.drawing.depth_unit.name
     ends = f"From [{depths}]", f"To [{depths}]"
     head = ("Kind, measure, severity, peak", *ends, f"Enlarge{SOFT}ment [{unit}]", f"Elonga{SOFT}tion [{unit}]",

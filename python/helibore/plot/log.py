@@ -84,7 +84,7 @@ def log(wall: Wall, **options: Any) -> Figure:
 
 
 def pages(wall: Wall, paper: str | tuple[float, float] = "a4", **options: Any) -> list[Figure]:
-    """Draw the same as `log` on pages of a size, each with the heads of the tracks, at the same depth scale.
+    """Draw the same as `log` on pages of one size, each with the heads of the tracks, at the same depth scale.
 
     Parameters
     ----------
@@ -101,7 +101,7 @@ def pages(wall: Wall, paper: str | tuple[float, float] = "a4", **options: Any) -
     Raises
     ------
     InputError
-        As `log`; on another name of a paper, and on a paper whose height has no room for the tracks.
+        As `log`; if the name of the paper is not known, or its height has no room for the tracks.
     """
     return pages_of(content_of(wall, Drawing(**options)), paper)
 

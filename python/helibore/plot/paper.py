@@ -163,19 +163,19 @@ def save(figures: Figure | Sequence[Figure], path: str | os.PathLike[str]) -> No
     figures
         One figure, or for .pdf any number: one per page.
     path
-        Replaced if it is there.
+        An existing file is replaced.
 
     Raises
     ------
     InputError
-        On another ending, without a figure, on several figures for one picture, and on paper too long for the format.
+        If the ending is not known, there is no figure, a picture has several, or the paper is too long for the format.
     OSError
-        If the file cannot be written; the old one is then as it was.
+        If the file cannot be written; an existing file then does not change.
     """
     ending = check_ending(path, ENDINGS)
     each = list(figures) if isinstance(figures, Sequence) else [figures]
     if not each:
-        raise InputError(f"{path}: no figure", "a file needs at least one")
+        raise InputError(f"{path}: no figure", "a file needs at least one figure")
     if len(each) != 1 and ending != ".pdf":
         raise InputError(f"{path}: {len(each)} pages", "only a .pdf file holds more than one page")
     for figure in each:

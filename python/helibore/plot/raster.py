@@ -85,7 +85,7 @@ def unroll_image(image: SectorImage, values: Floats, grid: Grid) -> Floats:
 
 
 def _nearest_rows(depths: Floats, values: Floats, depth: Floats, reach: float) -> Floats:
-    """Return for each ``depth`` the values of the nearest of the rows at ``depths``; NaN if it is beyond ``reach``."""
+    """Return for each ``depth`` the values of the nearest row of those at ``depths``; NaN if it is beyond ``reach``."""
     right = np.clip(np.searchsorted(depths, depth), 1, max(depths.size - 1, 1))
     left = right - 1
     right = np.minimum(right, depths.size - 1)

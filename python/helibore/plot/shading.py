@@ -1,7 +1,7 @@
 """Draw an interval of wall as a shaded picture, in NumPy alone: seen from outside, from the side and slightly above.
 
     x right, y to the viewer, z down the hole; the viewer stands at toolface ``facing``, ``tilt`` above level
-    R' = tube (bit/2 + shape (R - bit/2))          a caption must state the two exaggerations, tube and shape
+    R' = tube (bit/2 + shape (R - bit/2))          R: radius; a caption must state the exaggerations tube and shape
     x = -R' sin(toolface - facing)    y = R' cos(toolface - facing)    screen = (x, z cos(tilt) + y sin(tilt))
 
 The wall is resampled so finely that no pixel stays empty, and shaded point by point; a pixel shows its nearest point.

@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     from helibore.wall.wall import Wall
 
 LENGTH = 12.0
-"""Metres of hole in a body, unless another length is asked for."""
+"""Metres of hole in a body, unless another length is given."""
 STEPS = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0)
 SLENDER = 5.5
-"""Approximate length of a body over its width at bit size, both as drawn."""
+"""Approximate ratio of a body's length to its width at bit size, both as drawn."""
 MOST_SHAPE = 10.0
 LEAST_RELIEF = 1e-4
 """Metres; a hole that differs less from bit size, as gauge hole does, has no shape to exaggerate."""
@@ -41,7 +41,7 @@ class Stretched:
     """Whole turns of a wall, from vertex ``first``: (turns, sectors) radius, metres, NaN where missing.
 
     ``depth`` holds the depths of two vertices: the first of the shallowest turn and the first of the deepest turn.
-    ``toolface`` is the toolface of both.
+    ``toolface`` is the toolface of both vertices.
     """
 
     first: int
@@ -74,7 +74,7 @@ def most_relief(wall: Wall, top: float, bottom: float) -> tuple[float, float] | 
 
 
 def turns_between(wall: Wall, start: float, stop: float) -> Stretched:
-    """Return the turns of a wall between two depths; an InputError if they are fewer than three or have no radius."""
+    """Return the turns between two depths; raise InputError if they are fewer than three or have no radius."""
     sectors, pitch = wall.settings.sectors, wall.settings.pitch
     turns = len(wall) // sectors
     ends = sorted(((start - wall.start_depth) / pitch, (stop - wall.start_depth) / pitch))
@@ -116,7 +116,7 @@ def draw_solid(
 ) -> Axes:  # fmt: skip
     """Draw a stretch of the wall as a body with its depth axis and its caption.
 
-    ``box`` is left, top, width and height in millimetres; the caption takes the uppermost 10. ``scale`` makes colours
+    ``box`` is left, top, width and height in millimetres; the caption takes the top 10 mm. ``scale`` makes colours
     of ``values``, one for each vertex of the stretch, NaN where missing; the caption calls them ``name``. Vertices of
     the wall at which ``interpolated`` is 1 are hatched.
     """

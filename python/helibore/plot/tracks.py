@@ -166,7 +166,7 @@ class DepthTrack:
 
 
 class CaliperTrack:
-    """Diameters against bit size: orange from bit to C2, pale from there to C1; blue from the least to bit.
+    """Diameters against bit size: orange from bit to C2, pale from C2 to C1; blue from the least to bit.
 
     C1, C2 and the least diameter decide the kind of a zone. For a turn with a missing radius, the greatest of the known
     diameters takes the place of C1.
@@ -423,7 +423,7 @@ class ImageTrack:
 
 
 class PlacedTrack(Protocol):
-    """A track that `log` places: a head over a stretch of hole, both ``width`` wide, with ``least`` the least width."""
+    """A track that `log` places: a head over a stretch of hole, both ``width`` mm wide, at least ``least`` mm."""
 
     width: float
     least: float

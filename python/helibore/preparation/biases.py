@@ -94,7 +94,7 @@ class Bias:
         return [*lines, *self.warnings(names)]
 
     def disagreements(self, names: Sequence[str]) -> list[str]:
-        """Return a sentence for each arm that drifts, and one if passes or arms disagree by more than their noise."""
+        """Return a sentence for each arm that drifts, and for passes or arms that disagree by more than noise."""
         lines, drift = [], self.drift
         known = np.isfinite(drift)
         steadiest = drift[known].min(initial=np.inf)  # if all arms drift alike, passes differ, not arms
@@ -229,7 +229,7 @@ def find_bias(
 
 
 def _indicators(of: Integers) -> Floats:
-    """Return a column for each distinct number, with 1 in the rows that have this number, 0 in the others."""
+    """Return a column for each distinct number, with 1 in the rows that have this number, 0 in the other rows."""
     columns: Floats = (of[:, None] == np.unique(of)).astype(np.float64)
     return columns
 
@@ -437,7 +437,7 @@ def _table(row: Integers, column: Integers, weights: Floats, rows: int, columns:
 
 
 def rows_of(name: str, numbers: Integers, known: Integers) -> Integers:
-    """Return the index of each number in ``known``, which is sorted; an InputError at ``name`` if it is not there."""
+    """Return the index of each number in ``known``, which is sorted; raise InputError at ``name`` if it is missing."""
     row = np.minimum(np.searchsorted(known, numbers), max(known.size - 1, 0))
     there = known[row] == numbers if known.size else np.zeros(numbers.size, dtype=bool)
     require(name, numbers, there, f"is not among {known.tolist()}")

@@ -4,8 +4,8 @@
     radius[step.kept], step.counts         # counts: {"spike": 3}
 
 A step has a name, its settings, a mask of the samples to drop and a count for each reason. No step knows what another
-dropped, so select the kept samples before the next step if it should judge only these. No step repairs a value. `Echo`
-converts travel times to radii.
+step dropped, so select the kept samples before the next step if it should judge only these. No step repairs a value.
+`Echo` converts travel times to radii.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from helibore.base.errors import InputError
 from helibore.preparation.readings import Readings
 
 _SAMPLES_AT_ONCE = 1 << 17
-_APART = 0.0025  # m: two calipers that look in one direction disagree where their radii differ by more than this
+_APART = 0.0025  # m: two calipers that look in the same direction disagree if their radii differ by more than this
 _ROWS_APART = 10  # a disagreement is reported if it lasts at least this many rows
 
 
@@ -71,11 +71,11 @@ def spikes(
            difference of those two
         2  no sample next to it in its own turn, or next to its toolface in the turn before or after, is within half
            the tolerance of it
-        3  no sample more than three turns away is among the four before and the four after it, by depth, in its 10
-           degrees; or the nearest of them is farther than 5 cm in depth, or not within the tolerance of it
+        3  of the four samples before and the four after it, by depth, in its 10 degrees, none is more than three turns
+           away; or the nearest such sample is farther than 5 cm in depth, or differs by more than the tolerance
 
     The tolerance is ``threshold`` times a deviation. The deviation of a turn is 1.4826 times the median distance of its
-    samples from the medians of their neighbours; the median of a hundred turns counts.
+    samples from the medians of their neighbours; each hundred turns use their median deviation.
 
     Parameters
     ----------
@@ -273,7 +273,7 @@ def stuck(arms: Sequence[npt.ArrayLike], *, rows: int = 50, moving: float = 0.5)
 def repeated_rows(*columns: npt.ArrayLike) -> Step:
     """Drop rows that equal an earlier row in every column (n,); the first of equal rows is kept. NaN equals NaN."""
     if not columns:
-        raise InputError("columns", "must have at least one")
+        raise InputError("columns", "must have at least one column")
     values = _table("columns", columns)
     order = np.lexsort(values)  # stable: among equals the earliest comes first
     ahead, behind = values[:, order[1:]], values[:, order[:-1]]
@@ -389,7 +389,7 @@ def closed_stretches(readings: Readings) -> tuple[float, list[tuple[int, int, in
 
 
 def disagreements(readings: Readings) -> list[str]:
-    """Return a sentence for each pair of calipers that look in one direction and differ by more than 2.5 mm of radius.
+    """Return a sentence for each two calipers that look in the same direction and differ by over 2.5 mm of radius.
 
     Only runs of 10 rows or more count. Raises an InputError if a pair differs in at least half of the rows in
     which both have a radius.
@@ -405,14 +405,15 @@ def disagreements(readings: Readings) -> list[str]:
             known = off[np.isfinite(off)]
             if known.size and np.median(known) > _APART:
                 apart_by = f"{1e3 * np.median(known):.1f} mm of radius in half of the rows"
-                rule = f"look in one direction and differ by {apart_by}: name the caliper to use"
+                rule = f"look in the same direction and differ by {apart_by}: name the caliper to use"
                 raise InputError(f"{readings.name}: {names}", rule)
             found = _stretches(off > _APART, _ROWS_APART)
             if found:
                 first, last = max(found, key=lambda ends: ends[1] - ends[0])
                 lines[names] = (
-                    f"{readings.name}: {names} look in one direction and differ by more than {1e3 * _APART:.1f} mm of "
-                    f"radius in {sum(last - first for first, last in found):,} rows, the longest stretch from "
+                    f"{readings.name}: {names} look in the same direction and differ by more than "
+                    f"{1e3 * _APART:.1f} mm of radius in "
+                    f"{sum(last - first for first, last in found):,} rows, the longest stretch from "
                     f"{readings.depth[first]:.2f} to {readings.depth[last - 1]:.2f} m: name the caliper to use"
                 )
     return list(lines.values())

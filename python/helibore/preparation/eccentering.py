@@ -113,8 +113,8 @@ class Centres:
         """Return the share of each centre to correct: (1 - one_sided) max(0, 1 - (significance / c' within^-1 c)^2).
 
         c is the centre (x, y). If the tool is centred, c' within^-1 c follows chi-squared with two degrees of freedom,
-        or is smaller, since the covariance is rather too large. So it exceeds 3 in at most 22 % of such turns, in few
-        of them by much, and noise is rarely taken for eccentering. For a centre ten standard deviations off the axis,
+        or is smaller, since the covariance is rather too large. So it exceeds 3 in at most 22 % of such turns, mostly
+        by little, and noise is rarely taken for eccentering. For a centre ten standard deviations off the axis,
         the second factor is 0.999; with ``significance=0`` it is 1. Turns without a centre get 0.
         """
         centre = np.stack([self.x, self.y], axis=1)
@@ -158,7 +158,7 @@ def find_centres(
         As measured from the tool's centre, degrees and metres, (n,), in any order. Samples with a NaN radius are left
         out.
     turn
-        Whole numbers, (n,): samples of one number share one centre.
+        Whole numbers, (n,): samples with the same number share one centre.
     shape
         What to expect of the hole and the tool; None: ``Shape()``.
     bit_diameter
@@ -221,7 +221,7 @@ def find_centres(
 
 
 def _fit(result: Centres, reach: Complexes, shape: Shape) -> Floats:
-    """Fit all turns, some hundreds or thousands at once, and write the centres into ``result``.
+    """Fit all turns, hundreds or thousands at once, and write the centres into ``result``.
 
     ``reach`` are the samples as x + i y from the tool's centre, sorted by turn. Returns the mean radius of each turn
     without its steps, (t,) m.
@@ -253,7 +253,7 @@ def _moving(turns: Integers, centre: Complexes, place: Floats, row: Integers) ->
 
     The centre at a sample lies on a cubic through the centres of the two turns before and the two turns after the
     place, each in the middle of its turn; beside a gap, on a line through the two nearest centres. If one of these two
-    is missing, it is the centre of the sample's own turn, ``row``.
+    is missing, the result is the centre of the sample's own turn, ``row``.
     """
     line, bend = _line_and_bend(turns, centre, place)
     curve = np.where(np.isfinite(bend), line + bend, line)
@@ -377,7 +377,7 @@ def recentre(
 
     ``toolface``, ``radius``, ``turn`` and ``position`` are as given to :func:`find_centres`, ``centres`` is its result,
     and ``significance`` is as in :meth:`Centres.share`. If a turn has no significant centre, its samples keep radius
-    and toolface; NaN radii stay NaN and keep their toolface. A turn that ``centres`` does not hold is an InputError.
+    and toolface; NaN radii stay NaN and keep their toolface. Raises InputError if ``centres`` lacks a turn.
     """
     angle, distance, number = _samples(toolface, radius, turn)
     row = np.minimum(np.searchsorted(centres.turn, number), max(centres.turn.size - 1, 0))

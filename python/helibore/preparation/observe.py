@@ -131,7 +131,7 @@ def _observe(one: Readings, track: Track | None, report: Report, offset: float, 
             beyond = 0.0 if one.turning else np.inf
             turning = TimeSeries(*_in_order(when, one.toolface[rows]), angle=True, beyond=beyond)
         line = ("toolface", f"{one.name}: half of the toolface readings differ by {turning.step:.0f} deg or more from "
-                            "the reading before: how far the tool turned between two is not known")  # fmt: skip
+                            "the reading before: how far the tool turned between readings is not known")  # fmt: skip
         if turning.step > FAST_TURN and line not in report:
             report.append(line)
         radii = [radius[rows] for radius in one.radii]

@@ -22,7 +22,7 @@ from helibore.wall.points import evaluate
 from helibore.wall.wall import Wall
 
 ODD_ROWS = 3
-"""Least number of odd rows in succession; a spike has fewer."""
+"""Least number of successive rows in which a pass differs from the merged wall; a spike has fewer."""
 ODD_RADIUS = 0.005
 """Least difference of an odd row from the merged wall, metres of radius (10 mm of diameter). The passes of a real X-Y
 caliper differ from their merged wall by 1.3 mm over 3 rows."""
@@ -109,7 +109,7 @@ def choose(
     if strange.size:
         raise InputError("passes", f"{strange[0]} is not among the passes of the samples")
     if np.unique(order).size != order.size:
-        raise InputError("passes", "must not hold one pass twice")
+        raise InputError("passes", "must not hold the same pass twice")
     rank_of = np.full(known.size, -1, dtype=np.int64)
     rank_of[np.searchsorted(known, order)] = np.arange(order.size)
     rank = rank_of[group]
@@ -153,7 +153,7 @@ def odd_passes(wall: Wall, caliper: Caliper, pass_number: npt.ArrayLike, arm_nam
     wall
         The wall made from the samples of all passes.
     caliper, pass_number
-        These samples, and the pass of each, (n,).
+        The samples of this wall, and the pass of each sample, (n,).
     arm_names
         The name of each arm, by its number in ``caliper.arm``; empty: sentences do not name arms.
 

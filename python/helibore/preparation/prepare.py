@@ -98,10 +98,10 @@ class Preparation:
         Correct each turn for the tool's offset from the hole's axis.
     reversal
         Number the passes anew; a new pass begins where the tool moved back by more than this. None: each file has the
-        passes that it numbers, or is one pass if it numbers none.
+        passes that it numbers, or is one pass if it numbers no pass.
     passes
-        Numbers of the passes to use, earliest first; None: all, by number. The wall is made from those that are not
-        ``earlier``.
+        Numbers of the passes to use, earliest first; None: all, by number. The wall is made from the passes that
+        are not in ``earlier``.
     latest
         In each 0.5 m keep only the samples of the last of ``passes`` that measured there.
     shifts
@@ -201,14 +201,15 @@ def prepare(
     Parameters
     ----------
     readings
-        Of one file, or of several files of one hole, earliest first. A file is one pass unless it numbers its passes.
+        Readings of one file, or of several files of one hole, earliest first. A file is one pass unless it numbers its
+        passes.
     settings
         The steps to take; None: ``Preparation()``.
     path
         The wall's path, which is needed if toolfaces count from another reference than the wall's.
     track
-        Depth by time, and toolface by time if it has one. They replace the depth and the toolface of all readings, each
-        of which needs a time.
+        Depth by time, and toolface by time if the track has one. They replace the depth and the toolface of all
+        readings, which then need times.
     bit_diameter
         Metres; needed for ``drop_closed``, and widens the deviation of a centre if a washout on one side may look like
         an offset of the tool (`find_centres`).
@@ -226,7 +227,7 @@ def prepare(
     refuse_table(readings, "readings")
     every = list(readings) if isinstance(readings, Sequence) else [readings]
     if not every:
-        raise InputError("readings", "must have at least one")
+        raise InputError("readings", "must be those of at least one file")
     return _Pipeline(every, settings or Preparation(), path, bit_diameter).run(track)
 
 
@@ -302,7 +303,7 @@ class _Pipeline:
     def _conditioned(self, one: Readings) -> Readings:
         """Return the readings without those of saturated, closed and stuck arms; report calipers that disagree.
 
-        Raises an InputError if two calipers that look in one direction differ in half of the rows, or if ``stuck`` is
+        Raises InputError if two calipers that look in the same direction differ in half of the rows, or if ``stuck`` is
         set for a tool of one arm.
         """
         if not one.is_image:

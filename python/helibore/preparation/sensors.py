@@ -5,8 +5,8 @@
                    |<-offset->                  radius   = the reading
 
 A reading stamped t was taken at t - latency. Bit depth and toolface are time series of their own and are interpolated
-at that time: linearly between their readings, toolfaces along the shorter arc. So sensors that fire at one time measure
-at different depths and toolfaces. The samples of all sensors are returned together, in order of time.
+at that time: linearly between their readings, toolfaces along the shorter arc. So sensors that fire at the same time
+measure at different depths and toolfaces. The samples of all sensors are returned together, in order of time.
 
 Depth-indexed files need no times; :func:`observe_by_depth` converts them.
 """
@@ -48,7 +48,7 @@ class TimeSeries:
     Parameters
     ----------
     time
-        Seconds, (n,), not falling. If several readings have one time, the last reading counts.
+        Seconds, (n,), not falling. If several readings have the same time, the last reading counts.
     values
         (n,); NaN readings are left out.
     angle
@@ -89,7 +89,7 @@ class TimeSeries:
 
     @property
     def step(self) -> float:
-        """Median change from one reading to the next, for angles along the shorter arc; 0 if fewer than two."""
+        """Median change from one reading to the next, for angles along the shorter arc; 0 for one reading or none."""
         return float(np.median(np.abs(np.diff(self._values)))) if self._values.size > 1 else 0.0
 
     def at(self, time: npt.ArrayLike) -> Floats:
@@ -190,8 +190,8 @@ def observe_by_depth(
         One column of radii (metres, (n,)) for each sensor; latencies are not used. An X-Y caliper of diameters x and
         y is four sensors mounted at 0, 180, 90 and 270 degrees that read x/2, x/2, y/2 and y/2.
     depth, toolface, time
-        Of each row: metres, degrees of the tool's reference, seconds; (n,). Rows with NaN are dropped, and their
-        samples are counted by reason.
+        Depth, toolface of the tool's reference and time of each row: metres, degrees, seconds; (n,). Rows with NaN are
+        dropped, and their samples are counted by reason.
     """
     _check_counts(sensors, radii=radii)
     rows = column("depth", depth)
@@ -236,7 +236,7 @@ def _present(samples: Samples, **inputs: Floats) -> Samples:
 
 def _check_counts(sensors: Sequence[Sensor], **columns: Sequence[npt.ArrayLike]) -> None:
     if not sensors:
-        raise InputError("sensors", "must have at least one")
+        raise InputError("sensors", "must have at least one sensor")
     for name, given in columns.items():
         if len(given) != len(sensors):
             raise InputError(f"{name} has {len(given)} columns, sensors has {len(sensors)}", "must be equal")

@@ -4,7 +4,7 @@ r"""Find the depth shift of each pass by correlating its median radius along the
     less trend     _/\__/\____    the others                           at the shift to be added to its depths
 
 All arms of a pass count alike, so a pass in which the tool lay rotated still matches. Only differences can be found, so
-the mean of the shifts that are found is set to 0, unless some passes are held where they are. A hole whose shape
+the mean of the shifts that are found is set to 0, unless some passes are held (not shifted). A hole whose shape
 repeats along it (a spiral, regular ledges) matches at several shifts; if another peak of the correlation is nearly as
 high as the best, no shift is found. Stretching within a pass is not supported.
 """
@@ -213,7 +213,7 @@ class _Peak(NamedTuple):
 
 
 def _peak(curve: Floats, most: int, overlap: Integers) -> _Peak:
-    """Return the highest peak of the correlation ``curve`` within ``most`` steps of its middle, and the best other one.
+    """Return the highest peak of the correlation ``curve`` within ``most`` steps of its middle, and the second best.
 
     The peak is the top of a parabola through three steps. The variance of its shift is (1 - c^2) / (n c |c''|) plus the
     square of `_GRID`; c is the correlation, and n the number of independent steps of overlap, one step in four.

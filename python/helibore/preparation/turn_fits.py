@@ -387,7 +387,7 @@ class TurnFits:
 def fit_steps(smooth: TurnFits, opposite: bool) -> tuple[TurnFits, Floats]:
     """Fit the turns with the best sector of each as a step; if ``opposite``, the opposite sector is also a step.
 
-    No series of a few harmonics follows an upright edge, and what it misses moves the centre. A wall that is smooth
+    No series of a few harmonics follows an upright edge, and the part it misses moves the centre. A wall that is smooth
     except for one sector, or two opposite sectors, is linear in everything but the two edges, so all edges are tried::
 
           D .-----.                   .-----.          e       residuals of the smooth fit
@@ -395,7 +395,7 @@ def fit_steps(smooth: TurnFits, opposite: bool) -> tuple[TurnFits, Floats]:
         ----'     '-------------------'     '----      gain    (b' W e)^2 / (b' W b - b' W X (X' W X + ridge)^-1 X' W b)
           from    to                from+180
 
-    The gain of a sector is the amount by which the weighted sum of squared residuals falls when D is fitted together
+    The gain of a sector is how much the weighted sum of squared residuals falls when the depth D is fitted together
     with all other terms. With sums over cells of 1.5 degrees, added up around the hole, the gains take as many passes
     over the cells as the fit has terms. The cells begin at the direction of the turn's second harmonic, so that rotated
     samples give rotated sectors. Opposite steps have one depth, except for a small difference, which is also fitted.

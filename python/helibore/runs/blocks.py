@@ -1,13 +1,13 @@
-"""Rebuild a well larger than a worker's memory in blocks of the helix, with the same bits as in one piece.
+"""Rebuild a well larger than a worker's memory in blocks of the helix, with exactly the same results as in one piece.
 
     samples, batch by batch --> bins by depth    plan: ends of the helix, blocks of 256 turns or multiples, first radius
     bins of a block, and what its vertices reach --> stretch of the wall --> archive, rows of logs      one task a block
     rows and radii of all blocks --> logs, zones, overview, record                                      the merge
 
-Samples keep their order of arrival in a bin, so that ties are resolved as in one piece. A block reads more bins until
-`Wall.reach` shows that no other sample can change its vertices. Samples that fit in memory are prepared like those of
-any well. Otherwise the samples are read from Parquet as a stream, and steps that need all samples (finding shifts,
-biases, flat tops, closed arms) are refused by name. In both cases a kriging range that must be found, images, earlier
+Samples keep their order of arrival in a bin, so that ties are resolved as for a well in one piece. A block reads more
+bins until `Wall.reach` shows that no other sample can change its vertices. Samples that fit in memory are prepared as
+for any well. Otherwise the samples are read from Parquet as a stream, and steps that need all samples (finding shifts,
+biases, flat tops, closed arms) are refused. In both cases a kriging range that must be found, images, earlier
 passes to compare with, walls that are not measured around the hole, and tools of two to seven arms are refused.
 """
 
@@ -73,8 +73,8 @@ def needs_stream(run: Run, most_samples: int) -> bool:
 def prepared_batches(run: Run, samples: tuple[str, Caliper | Prepared] | None, most_samples: int) -> Batches | None:
     """Return the prepared samples of a well that has too many vertices for one piece, as one batch.
 
-    Return None if the well fits in one piece, or if it is an archive, which has no ``samples`` to prepare. An
-    InputError names the first setting that a well in blocks cannot have.
+    Return None if the well fits in one piece, or if it is an archive, which has no ``samples`` to prepare. Raise
+    InputError if the run has a setting that a well in blocks cannot have; the error names the first such setting.
     """
     if samples is None:
         return None
@@ -107,7 +107,7 @@ def _check_settings(run: Run, why: str) -> None:
 def stream(run: Run, most_samples: int) -> Batches:
     """Return the samples of a well with more rows than fit in memory, as batches that are read when needed.
 
-    An InputError names the first setting that a well read as a stream cannot have.
+    Raise InputError if the run has a setting that such a well cannot have; the error names the first such setting.
     """
     why = f"needs the whole well, but a well of more than {most_samples:,} samples is made in blocks"
     settings, preparation = run.settings, run.settings.preparation
@@ -182,7 +182,7 @@ def plan_well(run: Run, store: Store, folder: str, made_from: Json, most_samples
 
 
 def read_plan(store: Store, folder: str) -> Json:
-    """Return the plan that `plan_well` stored; an InputError names a missing or damaged one."""
+    """Return the plan that `plan_well` stored; raise InputError if the plan is missing or damaged."""
     plan: Json | None = store.read_checked(f"{folder}/plan.json")
     if plan is None:
         raise InputError(f"{folder}/plan.json", "is missing or damaged: start again")
@@ -280,7 +280,7 @@ def _blocks(wall: Settings, plan: Json, most_samples: int) -> list[list[int]]:
                 rule = f"{UNIT} turns from {plan['start_depth'] + first * wall.pitch:.6g} m on have {counted:,}"
                 raise InputError(
                     "block_samples",
-                    f"{rule} samples or vertices; must be at least 1/{CROWDED} of that",
+                    f"{rule} samples or vertices; must be at least 1/{CROWDED} of this number",
                     f"{most_samples}",
                 )
     return found
@@ -311,7 +311,7 @@ def _samples_between(store: Store, plan: Json, low: float, high: float) -> list[
 
 
 def stretch(store: Store, plan: Json, settings: Settings, first: int, stop: int) -> Wall:
-    """Return a wall of the vertices [first, stop), bit for bit as in the whole well; empty if no samples are near."""
+    """Return a wall of the vertices [first, stop), exactly as in the whole well; empty if no samples are near."""
     own = {"start_depth": plan["start_depth"], "stop_depth": None, "first_vertex": first, "stop_vertex": stop}
     step = settings.pitch / settings.sectors
     shallow, deep = sorted((plan["start_depth"] + first * step, plan["start_depth"] + stop * step))
@@ -335,7 +335,7 @@ def stretch(store: Store, plan: Json, settings: Settings, first: int, stop: int)
 
 
 def _beyond_gap(plan: Json, along: float, sign: int) -> float:
-    """Return ``along`` (a depth times ``sign``), or the near edge of the next bin with samples if that is farther."""
+    """Return ``along`` (a depth times ``sign``), or where the next bin with samples begins, if that is farther on."""
     edges = (min(sign * at * plan["height"], sign * (at + 1) * plan["height"]) for at in map(int, plan["counts"]))
     reached = along - plan["height"]  # the bin that contains ``along`` may have samples farther on
     return max(along, min((edge for edge in edges if edge >= reached), default=along))
@@ -396,7 +396,7 @@ def make_block(run: Run, store: Store, folder: str, number: int, archive: str | 
 
 
 def _turn_depth(settings: Settings, plan: Json, turn: int) -> float:
-    """Return the depth of the first vertex of a turn, with its sign changed if the helix goes up, so that it grows."""
+    """Return the depth of the first vertex of a turn, negated if the helix goes up, so that it grows with the turn."""
     return float(plan["start_depth"] + turn * settings.pitch) * math.copysign(1.0, settings.pitch)
 
 
@@ -475,5 +475,5 @@ OVERVIEW_SECTORS = 16
 
 
 def overview_settings(settings: Settings) -> Settings:
-    """Return the settings of the overview of a wall, which has 1/64 of the usual vertices, from the same samples."""
+    """Return the settings of an overview of a wall; the overview has 1/64 of the vertices of a wall of 64 sectors."""
     return replace(settings, pitch=COARSER * settings.pitch, sectors=OVERVIEW_SECTORS)

@@ -1,7 +1,7 @@
 """The wells to reprocess, their files and settings: a TOML manifest, or a Parquet catalogue with one row per well.
 
     output = "s3://field/walls"             # folder of all results, any fsspec address
-    outputs = ["archive", "logs"]           # some of archive, mesh, logs, zones; all four if left out
+    outputs = ["archive", "logs"]           # one or more of archive, mesh, logs, zones; all four if left out
     block_samples = 2000000                 # a well with more samples, or twice as many vertices, is made in blocks
     catalogue = "wells.parquet"             # more wells; columns are keys, such as name, caliper, survey, wall.sectors
 
@@ -113,7 +113,8 @@ class Job:
 def read_jobs(manifest: str | Path, output: str | None = None) -> list[Job]:
     """Read a manifest or a catalogue, and check the settings of every well; no file of a well is opened.
 
-    ``output`` replaces the output of the manifest. An InputError names the manifest, the well, the key and the rule.
+    ``output`` replaces the output of the manifest. Raise InputError if a rule is broken; the error names manifest,
+    well, key and rule.
     """
     address = str(manifest)
     name, folder = address.rpartition("/")[2], address.rpartition("/")[0]
@@ -156,7 +157,10 @@ MOST_NAMED = 10
 
 
 def check_files(jobs: list[Job]) -> None:
-    """Raise an InputError that names some missing files and their wells, if any. 32 threads query the stores."""
+    """Raise InputError if a file is missing; the error names some of the missing files and their wells.
+
+    32 threads query the stores.
+    """
 
     def missing(one: tuple[str, str]) -> bool:
         system, path, _ = file_system(one[1])
@@ -187,7 +191,7 @@ def _job(name: str, folder: str, place: str, tree: Json, *how: Any) -> Job:
 
 
 def check_settings(job: Job, place: str) -> RunSettings:
-    """Return the settings of a job; an InputError names the place, the key and the rule."""
+    """Return the settings of a job; raise InputError, with place, key and rule, if a setting breaks its rule."""
     settings = run_settings(strip_maps(job.tree), place)
     if settings.wall is not None:
         try:
@@ -229,7 +233,7 @@ def _files(key: str, given: Any, place: str, folder: str) -> Any:
 
 
 def _absolute(address: str, folder: str) -> str:
-    """Return an address; a relative address becomes one below ``folder``."""
+    """Return an address; a relative address becomes an address below ``folder``."""
     return address if "://" in address or address.startswith("/") or not folder else f"{folder}/{address}"
 
 

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from helibore.trajectory.survey import Path
 
 DIFFERENCE = "difference"
-"""Name of the attribute with the radius of the wall minus that of the wall from the earlier passes, metres."""
+"""Name of the attribute with the radius of the wall minus the radius of the wall from the earlier passes, m."""
 
 
 def reconstruct(
@@ -41,9 +41,9 @@ def reconstruct(
     Parameters
     ----------
     samples
-        A caliper, whose basis becomes that of the wall; the result of `helibore.prepare`; or the readings of one file,
-        or of several files of one hole, earliest first (``hb.open("caliper.las").readings()``), which are prepared
-        here.
+        A caliper, whose basis becomes the basis of the wall; the result of `helibore.prepare`; or the readings of one
+        file, or of several files of one hole, earliest first (``hb.open("caliper.las").readings()``), which are
+        prepared here.
     preparation, track
         As in `helibore.prepare`, for readings.
     path
@@ -55,15 +55,15 @@ def reconstruct(
     -------
     Wall
         More samples can be added by `Wall.append`. If the preparation has earlier passes, the attribute
-        ``"difference"`` is the wall's radius less that of the wall from these passes, metres. For readings,
+        ``"difference"`` is the wall's radius minus the radius of the wall from these passes, metres. For readings,
         ``made_from["preparation"]`` lists what was left out and corrected, and the worst places where one pass differs
         from the merged wall.
 
     Raises
     ------
     InputError
-        On a setting that breaks its rule, on a preparation for samples that are already prepared, and as
-        `helibore.prepare`.
+        If a setting breaks its rule, if a preparation is given for samples that are already prepared, and for the
+        reasons of `helibore.prepare`.
 
     Examples
     --------
@@ -103,7 +103,7 @@ def _odd_passes(wall: Wall, prepared: Prepared) -> list[str]:
 
 
 def compare(wall: Wall, earlier: Wall) -> None:
-    """Set the attribute "difference" of ``wall``: its radius less that of ``earlier``, metres."""
+    """Set the attribute "difference" of ``wall``: its radius minus the radius of ``earlier``, metres."""
     from helibore.preparation.passes import difference
 
     wall.attributes[DIFFERENCE] = on_quads(difference(earlier, wall), wall.settings.sectors)

@@ -83,7 +83,7 @@ class Progress:
 
     @property
     def seconds_left(self) -> float:
-        """Seconds left, estimated from the wells made so far; infinite before the first."""
+        """Seconds left, estimated from the wells made up to now; infinite before the first well is made."""
         made = len(self.done) + len(self.failed)
         return self.seconds / made * (self.wells - self.finished) if made else float("inf")
 
@@ -110,7 +110,7 @@ def reprocess(
     client
         A Dask client, or the address of a scheduler; None: a cluster on this machine, one worker for each processor.
     output
-        Folder of the results at any fsspec address, in place of that of the manifest or of the jobs.
+        Folder of the results at any fsspec address, in place of the folder that the manifest or the jobs state.
     workers
         Without a client: how many processes work on this machine; None: one for each processor.
     progress
@@ -129,7 +129,7 @@ def reprocess(
         an output that cannot be written; a worker with other versions of helibore, NumPy or pyarrow, or without a
         library that a file needs; a script without ``if __name__ == "__main__":``, if ``client`` is None.
     MissingExtraError
-        Without the extra ``scale``.
+        If the extra ``scale`` is not installed.
 
     Examples
     --------
@@ -204,7 +204,7 @@ def _start_cluster(start: Callable[[], Any]) -> Any:
 
 
 def status(jobs: Sequence[Job]) -> Progress:
-    """Return which wells need no work (``skipped``), have ``failed``, or are ``outdated``; the others are not made yet.
+    """Return which wells need no work (``skipped``), have ``failed``, or are ``outdated``; no other well is made yet.
 
     The input files of the wells that are made are read, to compute their checksums.
     """
@@ -232,7 +232,7 @@ def _orphans(store: Store, jobs: Sequence[Job]) -> list[str]:
 def _check_workers(client: Any, jobs: Sequence[Job]) -> None:
     """Refuse workers with other versions, or without a library that a file needs; the error names one such worker.
 
-    A worker that joins later refuses its first task.
+    A worker that joins later, with other versions, refuses its first task.
     """
     files: dict[str, str] = {}  # by ending: the first file with this ending
     for job in jobs:

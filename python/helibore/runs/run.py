@@ -132,14 +132,18 @@ class Run:
 
     @property
     def reference(self) -> str | None:
-        """What toolface 0 of the wall is, by the settings, else the path, else all samples; None if none states it."""
+        """The direction of toolface 0 of the wall, as the settings, or else the path, or else all samples state it.
+
+        None if none of these states a direction.
+        """
         return self.stated or (self.path.reference if self.path is not None else None)
 
     @property
     def stated(self) -> str | None:
-        """What toolface 0 of the wall is, as the settings state it.
+        """The direction of toolface 0 of the wall, as the settings state it.
 
-        If they do not state it and there is no path, this is what all samples state. None if nothing states it.
+        If the settings state none and there is no path, this is the direction that all samples state. None if samples
+        state none.
         """
         if self.settings.path.reference or self.path is not None:
             return self.settings.path.reference
@@ -176,7 +180,7 @@ def repeat(settings: RunSettings | str | os.PathLike[str], threads: int | None =
 
 
 def reopen(settings: RunSettings) -> Run:
-    """Return the run of ``settings`` with its files; an InputError names a file or channel that has changed."""
+    """Return the run of ``settings`` with its files; raise InputError if a file or channel has changed."""
     files = OpenFiles(settings.nulls, {one.file: one.header_line for one in settings.inputs if one.header_line})
     for each in settings.inputs:
         files.checksum(each.file)
@@ -357,7 +361,7 @@ def _read_round(run: Run, wall: Settings, images: list[SectorImage]) -> tuple[st
     run.messages.insert(0, ("wall", "gauge hole: not measured"))
     top, bottom = interval(wall)
     if not np.isfinite([top, bottom]).all() and not images:
-        raise InputError("gauge", "needs a top and a bottom (--from and --to), or an image that has its depths")
+        raise InputError("gauge", "needs a top and a bottom (--from and --to), or an image, which has depths")
     top = top if np.isfinite(top) else min(float(image.depth[0]) for image in images)
     bottom = bottom if np.isfinite(bottom) else max(float(image.depth[-1]) for image in images)
     return "gauge hole", Caliper.gauge(top, bottom, wall.bit_diameter)
@@ -402,7 +406,7 @@ def no_samples(name: str, ends: tuple[float, float], settings: Settings) -> Inpu
     asked = f"between {top:g} and {bottom:g} m"
     if np.isinf(top) or np.isinf(bottom):
         asked = f"below {top:g} m" if np.isfinite(top) else f"above {bottom:g} m"
-    return InputError(name, f"no samples {asked}; it has {ends[0]:g} to {ends[1]:g} m")
+    return InputError(name, f"no samples {asked}; the file has {ends[0]:g} to {ends[1]:g} m")
 
 
 def interval(settings: Settings) -> tuple[float, float]:
@@ -414,7 +418,7 @@ def interval(settings: Settings) -> tuple[float, float]:
 
 @contextmanager
 def placing(run: Run, options: str = "") -> Iterator[None]:
-    """If the block fails as the path misses a part of the wall, add the survey's file and ``options`` to its error."""
+    """If the block fails because the path misses a part of the wall, add survey file and ``options`` to its error."""
     try:
         yield
     except ValueError as error:
@@ -459,7 +463,7 @@ def save_settings(run: Run, output: Path, verb: str, options: dict[str, Any]) ->
 
 
 def _read_lines(run: Run) -> Iterator[tuple[str, str]]:
-    """Yield lines on the caliper files and the roles of their channels, unless the previous file has the same."""
+    """Yield lines on the caliper files and the roles of their channels; roles as in the previous file are left out."""
     before: tuple[str, ...] = ()
     for each, found in zip(run.settings.caliper, run.readings, strict=True):
         yield "caliper", run.files.description(each)
@@ -499,5 +503,5 @@ def _first_station(log: LogSet, roles: RoleMap, survey: Survey, head: tuple[floa
     place = "--head says where it lies"
     if known:
         north, east, down = (f"{value:.10g}" for value in stated)
-        place = f"the file states north {north}, east {east}, down {down} m; --head {north} {east} {down} uses that"
+        place = f"the file states north {north}, east {east}, down {down} m; --head {north} {east} {down} sets these"
     yield "", f"positions count from the first station, at {top:g} m, as if it were (0, 0, 0); {place}"

@@ -94,8 +94,8 @@ class Output:
 class PathSettings:
     """Settings of a path; see `helibore.Survey.path`.
 
-    Without a survey, ``reference`` states what toolface 0 of the wall is. None: the high side if there is a path, else
-    not known.
+    Without a survey, ``reference`` states the direction of toolface 0 of the wall. None: the high side if there is a
+    path, else not known.
     """
 
     method: Method = "minimum-curvature"
@@ -111,8 +111,8 @@ class RunSettings:
     helibore: str = field(default_factory=lambda: __version__)  # the version that wrote these settings
     verb: str = field(default_factory=lambda: "reconstruct")  # the command
     nulls: tuple[float, ...] = field(default_factory=lambda: NULLS)  # numbers that mean no value
-    gauge: bool = False  # whether the wall is a gauge hole, which nothing measured
-    output: Output | None = None  # the file that was written; None before
+    gauge: bool = False  # whether the wall is a gauge hole, which was not measured
+    output: Output | None = None  # the file that was written; None before that
     caliper: tuple[Input, ...] = ()  # caliper files of one hole, earliest first
     average: Input | None = None  # an average caliper, with a channel of the role mean-diameter
     archive: Input | None = None  # the archive of a wall
@@ -190,7 +190,7 @@ def _tree(value: Any, folder: Path) -> Any:
 def read_settings(path: str | os.PathLike[str]) -> RunSettings:
     """Read the settings of a run. File names become paths from the working folder; no file is opened.
 
-    An InputError names the file, the table, the key and the rule.
+    Raise InputError if a setting breaks its rule; the error names the file, the table, the key and the rule.
     """
     path = Path(path)
     reader = _Reader(path.name, path.parent)

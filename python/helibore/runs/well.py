@@ -72,7 +72,7 @@ def reprocess_well(job: Job, expected: dict[str, str] | None = None) -> Json:
     job
         The well.
     expected
-        The `versions` of the calling process; a worker with other versions refuses. None: any versions.
+        The `versions` of the calling process; a worker with other versions refuses the well. None: any versions.
 
     Returns
     -------
@@ -83,7 +83,7 @@ def reprocess_well(job: Job, expected: dict[str, str] | None = None) -> Json:
     Raises
     ------
     InputError
-        On other versions, and as `helibore.runs.run.make_wall`.
+        If the versions differ from ``expected``, and for the reasons of `helibore.runs.run.make_wall`.
     OSError
         If the store cannot be read or written.
     """
@@ -315,7 +315,7 @@ NUMBERS = {
     "samples": ("", "Samples"),
     "mean_diameter": ("m", "Diameter of the cylinder with the volume of the whole turns"),
     "volume": ("m3", "Volume of the whole turns"),
-    "excess": ("", "Volume over the volume at bit size, less 1"),
+    "excess": ("", "Volume divided by the volume at bit size, minus 1"),
     "whole_turns": ("m", "Length of turns that have every radius, measured or interpolated"),
     "incomplete_turns": ("m", "Length of turns that miss at least one radius"),
     "washed_out": ("m", "Length of the turns that are washed out"),
@@ -327,7 +327,7 @@ NUMBERS = {
 """Numbers of `WallSummary` in the catalogue: unit and description."""
 
 COLUMNS = NUMBERS | {
-    "diameter_sigma": ("m", "Mean standard uncertainty of DEQ, if sigma was asked for"),
+    "diameter_sigma": ("m", "Mean standard uncertainty of DEQ, if sigma was requested"),
     "breakout_length": ("m", "Length of breakouts"),
     "breakout_axis": ("deg", "Mean axis of breakouts"),
     "breakout_deviation": ("deg", "Standard deviation of the axes of breakouts"),

@@ -19,7 +19,7 @@ FEW = 5
 def looks_like_diameter(median: float, bit_diameter: float | None = None) -> bool:
     """Return whether a median radius, metres, is near the diameter of the bit or, if that is None, of a usual bit.
 
-    Near is within 25 % of the bit, and from 0.5 % below to 3 % above a usual bit.
+    Near means within 25 % of the bit, and from 0.5 % below to 3 % above a usual bit.
     """
     if bit_diameter is not None:
         return abs(median / bit_diameter - 1.0) < 0.25

@@ -2,8 +2,8 @@
 
 A sample is (toolface, depth, radius), with a time if the tool recorded one. Units are metres and degrees, toolface is
 clockwise looking downhole, and radius is measured from the axis of the hole. For a well without an azimuthal caliper,
-samples can be made from an average caliper or from the bit size. `Caliper.basis` states which, and so does every wall,
-mesh and log made from the samples.
+samples can be made from an average caliper or from the bit size. `Caliper.basis` states the source, and so does every
+wall, mesh and log made from the samples.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def basis_text(basis: Basis, arms: bool = False) -> str:
 
 
 def check_basis(basis: str) -> None:
-    """Raise an InputError that lists the allowed words unless ``basis`` is one of them."""
+    """Raise InputError unless ``basis`` is an allowed word; the error lists these words."""
     check_choice("basis", basis, BASIS_TEXT)
 
 
@@ -201,7 +201,7 @@ class Caliper(Tabular):
             rule = f'must be at most {LARGEST_RADIUS:g} m: units={{"radius": "in"}} states another unit'
             raise InputError(f"column {radius!r}: median", rule, f"{median:.3g} m")
         if sizes.size >= FEW and looks_like_diameter(median):
-            rule = "looks like a diameter, where a radius is expected; halve it, or use hb.Caliper, which takes any"
+            rule = "looks like a diameter, where a radius is expected; halve it, or use hb.Caliper, which accepts it"
             raise InputError(f"column {radius!r}: median", rule, f"{median:.3g} m")
         with rows.named():
             made = cls(**rows.columns)  # type: ignore[arg-type]

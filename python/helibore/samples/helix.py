@@ -30,7 +30,7 @@ class HelixSettings(Protocol):
 
 
 class WallLike(Protocol):
-    """What surfaces, volumes, images and logs need of a wall; `helibore.Wall` is one."""
+    """What surfaces, volumes, images and logs need of a wall; `helibore.Wall` is such a wall."""
 
     @property
     def settings(self) -> HelixSettings: ...
@@ -108,7 +108,7 @@ def whole_helix(wall: WallLike) -> Helix:
 
 
 def basis_of(wall: WallLike) -> Basis:
-    """Return the basis of a wall; a wall without that attribute counts as measured around the hole."""
+    """Return the basis of a wall; a wall without the attribute ``basis`` counts as azimuthal."""
     basis: Basis = getattr(wall, "basis", "azimuthal")
     return basis
 

@@ -122,7 +122,8 @@ class Hole:
                              f"{self.spiral:g}")  # fmt: skip
         for index, (above, bed) in enumerate(itertools.pairwise(self.beds), 1):
             if not bed.depth >= above.depth:
-                raise InputError(f"beds[{index}].depth", f"must be {above.depth:g} or deeper, as beds[{index - 1}] is",
+                raise InputError(f"beds[{index}].depth",
+                                 f"must be at least {above.depth:g}, the depth of beds[{index - 1}]",
                                  f"{bed.depth:g}")  # fmt: skip
         object.__setattr__(self, "_modes", self._roughness_modes())
 
@@ -132,8 +133,8 @@ class Hole:
     ) -> Hole:
         """Return a hole with every feature: oval, spiral and rough, with washouts, breakouts and dipping beds.
 
-        There is about one washout in 20 m, one breakout in 12 m and one bed in 1.6 m, and at least one of each. Sizes
-        are proportional to ``bit_diameter``.
+        There is about one washout in 20 m, one breakout in 12 m and one bed in 1.6 m, and at least one of each kind.
+        Sizes are proportional to ``bit_diameter``.
         """
         rng = np.random.default_rng([seed, 1])
         length = stop - start
@@ -189,7 +190,7 @@ class Hole:
     def stations(self, interval: float = 30.0, margin: float = 30.0) -> tuple[Floats, Floats, Floats]:
         """Return depths (m), inclinations and azimuths (deg) of survey stations ``interval`` m apart.
 
-        They reach from ``margin`` m above the hole to at least ``margin`` m below it.
+        The stations reach from ``margin`` m above the hole to at least ``margin`` m below it.
         """
         depth = np.arange(self.start - margin, self.stop + margin + interval, interval)
         along = np.maximum(depth - self.start, 0.0)

@@ -164,7 +164,7 @@ class Rig:
                                       (113, "20.00"), (120, "117"), (121, "15000")])  # fmt: skip
 
     def _stations_and_gamma(self) -> Iterator[tuple[float, bytes]]:
-        """Yield (drilling time, frame) of each survey station and row of gamma; each is sent when the bit passes it."""
+        """Yield (drilling time, frame) of each survey station and row of gamma; each is sent when the bit passes."""
         run = self.run
         deepest = np.maximum.accumulate(run.depth)
 
@@ -238,7 +238,7 @@ def connect(address: str, seconds: float = 30.0) -> socket.socket:
 
 
 def _connected(where: tuple[str, int], seconds: float) -> socket.socket:
-    """Return a socket that is connected to an address; while the address refuses, try again for ``seconds``."""
+    """Return a socket that is connected to an address; while the connection is refused, try again for ``seconds``."""
     end = time.monotonic() + seconds
     while True:
         try:

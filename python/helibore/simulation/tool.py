@@ -6,8 +6,8 @@ A :class:`Tool` turns with stick-slip, advances unevenly, may be lifted to scan 
     speed of turning  = rotation (1 + stick_slip cos(2 pi t / period + phase) + a slow variation by 4 %)
     speed of advance  = advance (1 + swings with periods of 8 s, 47 s and 391 s)
 
-All random numbers are seeded: the same arguments give the same bits. ``rig.py`` simulates the telemetry and its
-losses. The tool is always on the axis of the hole.
+All random numbers are seeded: the same arguments give exactly the same numbers. ``rig.py`` simulates the telemetry
+and its losses. The tool is always on the axis of the hole.
 """
 
 from __future__ import annotations
@@ -161,9 +161,9 @@ def _rotate(tool: Tool, time: Floats, rng: np.random.Generator) -> Floats:
 
 
 def _progress(tool: Tool, time: Floats, rng: np.random.Generator) -> Floats:
-    """Return the share of the travel at each time, from 0 to 1.
+    """Return the share of the whole distance that the tool has advanced at each time, from 0 to 1.
 
-    The share never falls, because the amplitudes of all swings of the speed sum to less than its mean.
+    The share never falls, because the amplitudes of all swings of the speed sum to less than the mean speed.
     """
     progress = time.copy()
     for share, period in ((0.5, 8.3), (0.3, 47.0), (0.2, 391.0)):

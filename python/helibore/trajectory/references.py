@@ -1,16 +1,16 @@
 """Turn toolfaces measured from north or from the high side into the reference of the wall's path.
 
-Looking downhole, with t the tangent, every reference is a direction z square to t, and a toolface is the angle from z,
-clockwise. So at one depth, one angle turns one reference into another::
+Looking downhole, with t the tangent, every reference is a direction z at right angles to t, and a toolface is the angle
+from z, clockwise. So at one depth, one angle a turns one reference into another (I: inclination, A: azimuth)::
 
     z_from = cos(a) z_to + sin(a) (t x z_to)            toolface_to = toolface_from + a
 
     north to high side:  a = atan2(-sin A, cos I cos A);   the usual "subtract the azimuth" is exact only at I = 0
 
-A wall has one reference from top to bottom. The high side has no meaning where the hole is vertical, and it swings
-about where the hole is nearly vertical; north has no meaning where the hole is horizontal and points north or south. So
-a well from vertical to horizontal needs the **parallel-transport** reference. It starts as north, and down the hole it
-turns with the tangent but never about it (the rotation-minimising frame; Bishop, Am. Math. Monthly 82 (1975) 246). A
+A wall has one reference from top to bottom. The high side has no meaning where the hole is vertical, and it varies
+widely where the hole is nearly vertical; north has no meaning where the hole is horizontal and points north or south.
+So a well from vertical to horizontal needs the **parallel-transport** reference. It starts as north, and down the hole
+it turns with the tangent but never about it (the rotation-minimising frame; Bishop, Am. Math. Monthly 82 (1975) 246). A
 straight line drawn along the wall keeps its angle, whatever angles the tool measured. In a well that builds at one
 azimuth A the high side lies at toolface A all the way down. The angle at a depth depends only on the path above it.
 
@@ -66,7 +66,7 @@ def from_high_side(inclination: npt.ArrayLike, low: float = 4.0, high: float = 6
     """Return which toolfaces count from the high side if the tool switches by inclination: (n,) bool for `onto_path`.
 
     Such a tool counts from north until the inclination rises to ``high`` degrees, and then from the high side until the
-    inclination falls to ``low`` degrees. If the first inclination lies between the two, the tool starts with the
+    inclination falls to ``low`` degrees. If the first inclination lies between these limits, the tool starts with the
     reference of the nearer limit. ``inclination`` is that of each sample in order of time, (n,) degrees, finite.
     """
     inclined = finite_column("inclination", inclination)

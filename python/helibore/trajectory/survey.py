@@ -143,7 +143,7 @@ class Survey:
     ) -> Path:
         """Return the path through the stations.
 
-        A longer survey of the same hole gives a path with the same bits down to the last station of the shorter one.
+        If a longer survey has all these stations, its path equals this path in every bit down to the last of them.
 
         Parameters
         ----------
@@ -159,7 +159,7 @@ class Survey:
         head
             North, east and down of the first station, metres. A map position (UTM) goes here.
         extend
-            Metres by which the path continues straight below the last station; provisional until the next station.
+            Metres by which the path continues straight below the last station; this part is provisional.
 
         Raises
         ------
@@ -246,7 +246,7 @@ class Path:
 
         Returns
         -------
-        (n, 3, 3) float64, or (3, 3) for one number. Rows: the reference made square to the hole (high side, north, or
+        (n, 3, 3) float64, or (3, 3) for one number. Rows: the reference turned square to the hole (high side, north, or
         parallel transport), right (clockwise of it looking downhole), tangent; orthonormal, right-handed. A point of
         the wall is ``position + radius * (cos(toolface) * row 0 + sin(toolface) * row 1)``.
 
@@ -288,7 +288,7 @@ def checked_path(path: Path | None) -> Path | None:
     """Return ``path`` if it is a `Path` or None; else raise an InputError, which says how a survey gives a path."""
     if path is None or isinstance(path, Path):
         return path
-    how = ": survey.path() is one" if isinstance(path, Survey) else ""
+    how = ": survey.path() makes one" if isinstance(path, Survey) else ""
     raise InputError("path", f"must be a Path or None, not {type(path).__name__}{how}")
 
 

@@ -6,8 +6,8 @@
     texels.py    what is kept of a vertex       notebook_view.py  a notebook's widget
     protocol.py  the messages                   web/              the page
 
-The page needs no other machine and receives a new quad in about 12 bytes. A server needs the extra ``view``, a widget
-in a notebook the extra ``notebook``. Importing this module needs neither.
+The page needs no other machine and receives a new quad in about 12 bytes. A server needs the extra ``view``; a widget
+in a notebook needs the extra ``notebook``. Importing this module needs neither of the two extras.
 """
 
 from __future__ import annotations
@@ -47,14 +47,14 @@ __all__ = ["Attribute", "Viewer", "attributes_of", "view"]
 
 
 class Viewer:
-    """A wall on a page, made by `view`. Call `update` after every append and `close` at the end.
+    """A wall on a page, made by `view`. Call `update` after every append; call `close` to stop.
 
     Attributes
     ----------
     url : str
         Address of the page, with its token if there is one; empty in a notebook's widget.
     widget : NotebookView or None
-        In a notebook: the widget, whose traits ``depths`` and ``cursor`` follow what the reader does.
+        In a notebook: the widget, whose traits ``depths`` and ``cursor`` follow what the user does on the page.
     scene : Scene
         What is shown; `Scene.update_state` sets bit depth, time of the newest sample and more.
     """
@@ -72,26 +72,27 @@ class Viewer:
         Parameters
         ----------
         change
-            What `Wall.append` returned. None: all vertices are compared, and those that differ are sent.
+            What `Wall.append` returned. None: all vertices are compared, and the vertices that differ are sent.
         attributes
-            Values of attributes that were named when the viewer was made, one for each quad or vertex of the wall as it
-            is now. Only values of changed vertices are read: ``viewer.update(change, {"GR": image.on(wall)})``.
+            Values of attributes that were named when the viewer was made, one for each quad or vertex that the wall has
+            at this call. Only values of changed vertices are read: ``viewer.update(change, {"GR": image.on(wall)})``.
 
         Raises
         ------
         InputError
-            On an attribute that was not named, or with another number of values.
+            If an attribute was not named when the viewer was made, or has another number of values.
         """
         self._feed.update(change, attributes)
 
     def set_path(self, path: Path | None) -> None:
-        """Place the wall along a new or corrected path; InputError if the path does not reach all of the wall."""
+        """Place the wall along a new or corrected path; raise InputError if it does not reach all of the wall."""
         self._feed.set_path(path)
 
     def set_attribute(self, name: str, values: npt.ArrayLike) -> None:
         """Set the values of an attribute that was named when the viewer was made: one for each quad or vertex.
 
-        There may be fewer values if the wall has grown since. Raises InputError on more values, or on another name.
+        There may be fewer values if the wall has grown since they were made. Raises InputError if there are more
+        values, or if no attribute of this name was named.
         """
         self._feed.set_attribute(name, values)
 
@@ -147,7 +148,7 @@ def view(
     browser: bool = False,
     inline: bool | None = None,
 ) -> Viewer:
-    """Show a wall on a page in the browser or in a notebook, growing or finished.
+    """Show a wall, growing or finished, on a page in the browser or in a notebook.
 
     Parameters
     ----------
@@ -159,22 +160,22 @@ def view(
         Values to colour by, one for each quad or vertex (quad k begins at vertex k), by name or by `Attribute`; at most
         16. None: the images and attributes of the wall.
     curves
-        Curves along the hole that the page offers beside those of `Wall.logs`: gamma ray, rate of penetration ... If
+        Curves along the hole that the page offers besides those of `Wall.logs`: gamma ray, rate of penetration ... If
         the page is wide enough, it begins with the first two.
     template
         Which tracks the page shows at first, in which order and how wide.
     reference
-        What toolface 0 of the wall is, if it has no `path`: the page then names the sides of the hole. None: the
-        reference that its images state, if it has some.
+        The direction of toolface 0, for a wall without `path`: the page then names the sides of the hole. None: the
+        reference that the images of the wall state, if they state one.
     picks_file
         The file in which the page saves picks, as `Picks.save` does. ``wall.picks`` has the picks in any case. If the
         file's folder cannot be written, the page says so, and that its button *Download* saves the picks.
     beside
-        Other walls by name (other wells, or passes of the same well). At the depths of `wall`, the page offers the
-        radius of each above its bit as an image, in the colours of `wall`, and its C1 and C2 as curves. Without
-        `template` the page begins with the radius images of `wall` and of the first three others side by side.
+        Other walls by name (other wells, or passes of the same well). At the depths of `wall`, the page offers for
+        each of these walls radius minus bit radius as an image, in the colours of `wall`, and C1 and C2 as curves.
+        Without `template` the page begins with the radius images of `wall` and of the first three of these walls.
     criteria
-        Criteria of the zones, as in `Wall.zones`; None: the usual ones.
+        Criteria of the zones; None: the defaults of `Wall.zones`.
     well
         The well's name, for the page.
     host, port
@@ -190,7 +191,7 @@ def view(
     Returns
     -------
     Viewer
-        It is serving already. As the last value of a cell, it displays itself.
+        The viewer, which serves the page already. As the last value of a cell, the viewer displays itself.
 
     Raises
     ------
@@ -199,7 +200,8 @@ def view(
     InputError
         If the wall has no vertex, has more than 2048 sectors or reaches beyond `path`; if an attribute's length is not
         the number of vertices or quads, if there are more than 16 attributes, or two with the same name; if `port` is
-        not from 0 to 65535, or `host` needs a token; with `inline`, if the package was built without its page.
+        not from 0 to 65535, or `host` needs a token and none is given; with `inline`, if the package was built without
+        its page.
     OSError
         If the port is in use; the text names it.
     """
@@ -241,12 +243,12 @@ def view(
 def of_other(wall: ViewedWall, name: str, other: Wall) -> tuple[Attribute, npt.ArrayLike, list[ScalarCurve]]:
     """Return an attribute, its values at the vertices of ``wall``, and the curves C1 and C2 of ``other``.
 
-    A value is the radius of ``other`` less that of its bit, in metres.
+    A value is the radius of ``other`` minus the radius of its bit, in metres.
     """
     first = first_vertex(wall)
     own = wall.vertices(first, first + len(wall))
     over = own.radius - 0.5 * wall.settings.bit_diameter
-    limit = symmetric_limit(over, MILLIMETRE)  # the same colour means the same size in all walls
+    limit = symmetric_limit(over, MILLIMETRE)  # the same limit, hence the same colours, for all walls
     attribute = Attribute(f"Over bit {name}", "m", -limit, limit, color_map="over-bit")
     values = other.at(own.depth, own.toolface).radius - 0.5 * other.settings.bit_diameter
     curves = [replace(one, name=f"{one.name} {name}") for one in curves_of(other.logs()) if one.name in ("C1", "C2")]
@@ -283,7 +285,7 @@ def attributes_of(wall: Any) -> dict[str | Attribute, npt.ArrayLike]:
 
 
 def even_rows(image: SectorImage, pitch: float) -> tuple[float, float] | None:
-    """Return the upper edge of the first row and the height of a row; None if rows are uneven or lower than a turn."""
+    """Return the upper edge of the first row and a row's height; None if rows are uneven or thinner than a turn."""
     step = float(np.median(np.diff(image.depth))) if image.depth.size > 1 else 0.0
     if step < pitch * (1 - 1e-6):
         return None  # the wall does not have all rows of the image

@@ -1,9 +1,9 @@
 """Which requests the server answers, and what a browser may do with the answers.
 
-If the viewer has a token, a request must have the same token, except for `NEEDS_NO_TOKEN`. Without a token, the Host
-header must be a name of the viewer, so that a page of another server cannot reach the viewer through a name of its own
-for 127.0.0.1. In either case the Origin, if a browser sends one, must be the viewer's. A browser hides why a websocket
-failed to open, so a websocket with a wrong token is opened and then closed with the reason.
+If the viewer has a token, a request must have the same token, except for the paths in `NEEDS_NO_TOKEN`. Without a
+token, the Host header must be a name of the viewer, so that a page of another server cannot reach the viewer through
+another name for 127.0.0.1. In either case, if a browser sends an Origin, it must be that of the viewer. A browser
+hides why a websocket failed to open, so a websocket with a wrong token is opened and then closed with the reason.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class AccessControl:
             await send({"type": "websocket.close", "code": 4403, "reason": refusal[:120]})
 
     def refusal(self, scope: Scope) -> str | None:
-        """Return why a request is refused, or None."""
+        """Return why a request is refused, or None if it is not refused."""
         headers = {name.decode("latin-1").lower(): value.decode("latin-1") for name, value in scope["headers"]}
         host = headers.get("host", "")
         if self.token is None and _without_port(host) not in self.hosts:

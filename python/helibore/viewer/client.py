@@ -14,8 +14,8 @@ from helibore.viewer.protocol import BadMessageError, Subscription
 from helibore.viewer.scene import FRAMES_LEVEL, Scene
 
 MOST_UNACKNOWLEDGED = 1 << 20  # bytes
-MOST_PENDING = 4  # most pending ranges of a tile; if there are more, some are joined, and their gaps are sent again
-OVERVIEW_PRIORITY = 4.5  # tiles: a tile that is nearer to the focus is sent before the overview, all others after it
+MOST_PENDING = 4  # most pending ranges of a tile; if there are more, some are joined, with the gaps between them
+OVERVIEW_PRIORITY = 4.5  # tiles: a tile nearer to the focus is sent before the overview, all other tiles after it
 FRAMES_A_MESSAGE = 4096
 
 Key = tuple[int, int]  # level, tile
@@ -37,7 +37,7 @@ class Client:
     def mark(self, level: int, start: int, stop: int) -> None:
         """Note that vertices of the wall, cells of the overview or frames [start, stop) changed.
 
-        Vertices of the wall are noted only if the page holds a tile that shows them; cells and frames always are.
+        Vertices of the wall are noted only if the page holds a tile that shows them; cells and frames are always noted.
         """
         if stop <= start:
             return
@@ -51,8 +51,8 @@ class Client:
     def subscribe(self, wanted: Subscription) -> None:
         """Replace the subscription.
 
-        Each tile that the page did not have becomes pending as a whole; if an attribute is new, every tile does. The
-        overview becomes pending with the first subscription, and again if an attribute is new.
+        Each tile that the page did not have becomes pending as a whole; if an attribute is new, all tiles become
+        pending. The overview becomes pending with the first subscription, and again if an attribute is new.
         """
         old, self.subscription = self.subscription, wanted
         more = bool(wanted.mask & ~old.mask)
@@ -70,7 +70,7 @@ class Client:
                 self._request((1, tile))
 
     def acknowledge(self, sequence: int) -> None:
-        """Note that the page has applied message ``sequence``; BadMessageError if no such message waits."""
+        """Note that the page has applied message ``sequence``; raise BadMessageError if no such message waits."""
         if self.unacknowledged.pop(sequence, None) is None:
             raise BadMessageError(f"ack {sequence}: no message with this number waits for an ack")
 

@@ -1,7 +1,7 @@
 """Downloads that take long to write: a section as a table or as a page.
 
 A download holds a frozen copy of its section until it is sent, so at most `MOST` run at a time. A browser that stops
-reading blocks one place for at most `STALLED` seconds; then its download is given up.
+reading holds its download open for at most `STALLED` seconds; then the download is given up.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ STALLED = 60.0  # seconds
 
 
 class Downloads:
-    """Limit the downloads that run at a time; used by the server's event loop only."""
+    """Limits the downloads that run at a time; only the server's event loop uses this class."""
 
     def __init__(self, most: int = MOST, stalled: float = STALLED) -> None:
         self.most, self.stalled = most, stalled
@@ -49,7 +49,7 @@ class Downloads:
 
 
 def encoded(chunks: Iterator[str]) -> Iterator[bytes]:
-    """Yield the chunks as bytes; sleep after each as long as writing it took, which leaves half a core to the wall."""
+    """Yield the chunks as bytes; sleep after each chunk as long as it took, to leave half a core free."""
     while True:
         began = time.monotonic()
         chunk = next(chunks, None)
@@ -61,7 +61,7 @@ def encoded(chunks: Iterator[str]) -> Iterator[bytes]:
 
 
 class _Download(StreamingResponse):
-    """Sends the chunks; frees its place when they are sent or the browser stops reading."""
+    """Sends the chunks; lets another download start when they are sent or the browser stops reading."""
 
     def __init__(self, downloads: Downloads, chunks: Iterable[bytes], media_type: str, name: str) -> None:
         disposition = {"content-disposition": f"attachment; filename={name}"}

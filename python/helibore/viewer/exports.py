@@ -33,7 +33,7 @@ SCALES = 10, 10_000
 
 
 def vertex(scene: Scene, k: int) -> dict[str, Any]:
-    """Return all that the scene holds about vertex ``k``: metres, degrees, the attributes' units; None if missing.
+    """Return the values of vertex ``k`` in metres, degrees and the units of the attributes; a missing value is None.
 
     Radii and distances are rounded and limited as `pack_vertices` packs them. In a gauge hole nothing is measured, so
     its vertices have no radius, no distance and no support.
@@ -70,7 +70,7 @@ def curve_bytes(curve: ScalarCurve) -> bytes:
 
 
 def section_ends(query: Mapping[str, str]) -> tuple[float, float]:
-    """Return the depths ``start`` and ``stop`` that a request states, metres, as stated: ``start`` may be deeper."""
+    """Return the depths ``start`` and ``stop`` that a request states, metres; ``start`` may be deeper than ``stop``."""
     start, stop = (_end(query, name) for name in ("start", "stop"))
     return start, stop
 
@@ -103,7 +103,7 @@ def vertices_between(scene: Scene, start: float, stop: float) -> tuple[float, fl
 
 
 def section_csv(scene: Scene, start: float, stop: float) -> Iterator[str]:
-    """Return the vertices between two depths as chunks of CSV: their values at the time of this call.
+    """Return the vertices between two depths as chunks of CSV, with the values at the time of this call.
 
     Raises InputError if there are more than `MOST_ROWS` vertices.
     """

@@ -43,7 +43,7 @@ CHUNK = 1 << 17  # vertices written at a time; in between, the server may send v
 READ_SECONDS = 0.1  # least seconds of sleep after a read: a page gets at most ten updates a second of a growing hole
 ZONES_SECONDS = 2.0  # least seconds of sleep after a search for zones; the sleep is at least 50 times the search
 FEW_TURNS = 50  # turns; a shorter wall does not show which colours the whole hole needs
-USUAL_LIMIT = 0.02  # metres: with fewer turns, the colours reach at least so far below and above bit radius
+USUAL_LIMIT = 0.02  # metres: with fewer turns, the colours reach at least this far below and above bit radius
 AHEAD = 100.0  # metres that a bit may be ahead of the wall and still have its true depth on the page
 
 
@@ -63,7 +63,7 @@ class ViewedWall(Protocol):
 
 
 class Feed:
-    """Keeps a scene equal to a wall. It reads the whole wall when it is made; after `start`, what `update` notes.
+    """Keeps a scene equal to a wall. It reads the whole wall when made; after `start`, it reads what `update` notes.
 
     Raises InputError if the wall has no vertex or the viewer cannot draw it, if the wall reaches beyond ``path``, or if
     an attribute does not have one value for each vertex or quad.
@@ -76,7 +76,7 @@ class Feed:
         self.scene = scene or Scene()  # a scene that is served already: its pages wait for the wall to begin
         self.path = path
         self._wall = wall
-        self._criteria = criteria  # of zones; None: the usual ones
+        self._criteria = criteria  # of zones; None: the defaults of `Wall.zones`
         if len(wall) == 0:
             raise InputError("the wall has no vertex yet", "append samples first")
         described = map(_attribute, attributes)
@@ -112,7 +112,7 @@ class Feed:
         self._read([(0, len(wall))], wall.settled - self._first)
 
     def start(self) -> None:
-        """Start the threads that read what `update` notes and find the zones. Both end before Python does."""
+        """Start the threads that read what `update` notes and find the zones. Both threads end before Python ends."""
         atexit.register(self.close)  # a thread that Python stops inside the core would abort the process
         for name, run in (("helibore-view-feed", self._run), ("helibore-view-zones", self._run_zones)):
             self._threads.append(threading.Thread(target=run, name=name, daemon=True))
@@ -235,7 +235,7 @@ class Feed:
             self.scene.update_state(ranges=ranges)
 
     def _find_zones(self) -> None:
-        """Find zones, interpolated vertices and logs of the wall as it is now, and set them in the scene."""
+        """Find zones, interpolated vertices and logs of the present wall, and set them in the scene."""
         if self._shape.basis == "gauge" or len(self._wall) < self._shape.sectors:
             return
         wall = getattr(self._wall, "_state", lambda: self._wall)()  # a frozen copy, whose gaps are found only once
@@ -333,7 +333,7 @@ def frame_count(shape: WallShape, vertices: int, rows: int) -> int:
 
 
 def frames_on_path(shape: WallShape, path: Path | None, first: int, stop: int) -> PathFrames:
-    """Return frames [first, stop); beyond its ends the path goes straight on.
+    """Return the path frames [first, stop); beyond its ends the path is extended straight.
 
     The page places a wall point itself: centre + R (cos(toolface) high + sin(toolface) right), linear between frames.
     Without a path the hole is straight and vertical below (0, 0), toolface 0 to the north.
@@ -351,7 +351,7 @@ def frames_on_path(shape: WallShape, path: Path | None, first: int, stop: int) -
 
 
 def _attribute(key: str | Attribute) -> Attribute:
-    """Return the attribute that ``key`` is or names; without a colour map, it gets the usual one."""
+    """Return the attribute that ``key`` is or names; if it has no colour map, it gets the default one."""
     attribute = key if isinstance(key, Attribute) else Attribute(key)
     return replace(attribute, color_map=attribute.color_map or customary_map(attribute.name, attribute.unit))
 

@@ -24,7 +24,7 @@ from helibore.viewer.protocol import Subscription, handshake, picks_message, sta
 from helibore.viewer.scene import Scene
 
 MOST_VERTICES = 1_000_000
-MOST_ADDRESS = 128 * 1024  # characters: more than 50 notes of 80 letters of any script take
+MOST_ADDRESS = 128 * 1024  # characters: enough for 50 notes of 80 letters in any script
 SCRIPT = '<script type="module" src="app.js"></script>'
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:"
 

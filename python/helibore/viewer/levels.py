@@ -5,11 +5,11 @@ Vertex k of the wall (level 0, a helix) lies at
     depth = start_depth + k pitch / sectors          toolface = start_toolface + k 360 / sectors
 
 The overview (level 1) is a stack of rings, so a feature that goes straight around the hole stays level. A ring covers
-`TURNS` turns and has eight cells, one for each eighth of the circle; a wall of fewer sectors has one cell for each
-sector. Cell (R, C) combines the vertices of eighth C in the turns R * TURNS to (R + 1) * TURNS - 1. It holds the mean
-radius and the mean of every attribute (missing values do not count). It also holds the largest distance to a sample and
-the smallest support of its vertices, because a mean would hide a vertex that few samples support. A cell counts as
-interpolated between arms if most of its vertices are.
+`TURNS` turns and has eight cells, one for each eighth of the circle; a wall of fewer than eight sectors has one cell
+for each sector. Cell (R, C) combines the vertices of eighth C in the turns R * TURNS to (R + 1) * TURNS - 1. It holds
+the mean radius and the mean of every attribute (missing values do not count). It also holds the largest distance to a
+sample and the smallest support of its vertices, because a mean would hide a vertex that few samples support. A cell
+counts as interpolated between arms if most of its vertices are.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ class Level:
         return range(max(0, (start - self.halo) // self.tile_size), max(start, stop - 1) // self.tile_size + 1)
 
     def frozen_copy(self, start: int, stop: int) -> Level:
-        """Return a copy with the vertices [start, stop) as they are now; all others are zero and take no memory."""
+        """Return a copy of the vertices [start, stop) of this level; all other vertices are zero and take no memory."""
         copy = Level(self.sectors, self.rows, 0)
         first = max(0, min(start, self.size))
         copy.size, part = self.size, slice(first, max(first, min(stop, self.size)))

@@ -3,8 +3,8 @@
     page in a frame  <--port-->  web/notebook.js  <--comm-->  NotebookView  <-->  WebApp.serve
 
 A running cell blocks the kernel, so the frame first shows a section of the wall that is enclosed in its HTML. A saved
-notebook shows the card of the wall; the frame, while it exists, hides the card. Importing this module needs the extra
-``notebook``.
+notebook shows the card of the wall, its short summary; the frame, while it exists, hides the card. Importing this
+module needs the extra ``notebook``.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from helibore.viewer.html_export import html_export
 from helibore.viewer.scene import Scene
 from helibore.viewer.web_app import TYPES, WebApp, no_page, page
 
-MOST_ENCLOSED = 100_000  # vertices of the enclosed section, some 800 kB
+MOST_ENCLOSED = 100_000  # vertices of the enclosed section, about 800 kB
 
 
 class NotebookView(anywidget.AnyWidget):
-    """The widget of a `Viewer` in a notebook. Its traits follow what the reader does; ``observe`` them.
+    """The widget of a `Viewer` in a notebook. Its traits follow what the user does on the page; ``observe`` them.
 
     Picks go to ``wall.picks``.
 
@@ -41,7 +41,7 @@ class NotebookView(anywidget.AnyWidget):
         Top and bottom of the section in view, metres; before the page has drawn, the ends of the whole wall. Set them
         to move the section.
     cursor : tuple or None
-        Depth in metres and toolface in degrees of the point that the reader clicked; the toolface is None for a point
+        Depth in metres and toolface in degrees of the point that the user clicked; the toolface is None for a point
         on the depth axis. None before the first click.
     """
 

@@ -20,8 +20,8 @@ class PageServer:
     """Serves a scene until `close`; over HTTPS if ``certificate``, a PEM file, is given.
 
     ``key`` is the PEM file of the certificate's key; None: the certificate's file also has the key. Raises InputError
-    if ``host`` is open to other machines and there is no token, or if ``port`` is not in 0 to 65535; OSError if it is
-    in use.
+    if ``host`` is open to other machines and there is no token, or if ``port`` is not in 0 to 65535; OSError if the
+    port is in use.
     """
 
     def __init__(

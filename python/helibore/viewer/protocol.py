@@ -1,7 +1,7 @@
 """The messages between server and page: JSON as text, values as bytes. ``protocol.js`` and ``connection.js`` read them.
 
     handshake    what a page must know before it receives values        to the page, JSON
-    state        where the run is, and its curves
+    state        the `RunState`: bit depth, curves, zones ...
     picks        all picks
     WRITE        vertices of a tile                                     to the page, bytes
     FRAMES       frames of the path
@@ -18,8 +18,9 @@ The bytes are little endian; every array starts at a multiple of its item size.
     | total u32    | sequence u32    | time f64      |
     +--------------+-----------------+---------------+
 
-If all radii of a WRITE equal the radii of the first pass, the WRITE leaves out the latter. Its `level` then has the bit
-NO_FIRST, a texel is radius, nearest distance, state, and two zero bytes follow an odd number of texels.
+If all radii of a WRITE equal the radii of the first pass, the WRITE leaves out the radii of the first pass. Its `level`
+then has the bit NO_FIRST, a texel is radius, nearest distance, state, and two zero bytes follow an odd number of
+texels.
 
 A WRITE sets `count` vertices of a tile from `first` on; `first` counts from the start of the tile. A tile includes its
 halo, the first sectors + 1 vertices of the next tile. A WRITE can be repeated: the message is the same for a new
@@ -129,7 +130,7 @@ def handshake(scene: Scene) -> dict[str, Any]:
         "attributes": [asdict(attribute) for attribute in shape.attributes],
         "picks_file": None if scene.picks_file is None else Path(scene.picks_file).name,
         "saves_picks": scene.saves_picks,
-        "curves": [row["name"] for row in scene.state.curves if row["version"] == 0],  # those that a caller gave
+        "curves": [row["name"] for row in scene.state.curves if row["version"] == 0],  # the curves that a caller gave
     }
 
 

@@ -1,6 +1,6 @@
 """What the viewer shows, as arrays that are ready to send: wall, overview, frames of the path, state of the run.
 
-The scene knows no network: `protocol.py` knows the messages and `client.py` what a page has not received yet.
+The scene uses no network: `protocol.py` makes the messages, `client.py` notes what a page has not received yet.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ MAX_SECTORS = 2048  # the texture width that every WebGL 2 device offers
 MAX_ATTRIBUTES = 16  # the bits of the attribute mask in a message's head
 TILE_VERTICES = 16384  # a grid of (sectors + 1)(rows + 1) vertices then fits 16-bit indices
 FRAMES_LEVEL = 255  # in messages, this stands for the path's frames in place of a level
-FRAME_STEP = 2.0  # metres of depth between frames; a 10 deg/30 m dogleg bows 3 mm between them
+FRAME_STEP = 2.0  # metres of depth between frames; in one step, a dogleg of 10 deg/30 m deviates 3 mm from straight
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Attribute:
     log
         Whether the colours follow the logarithm; the ends must then be above 0.
     color_map
-        One of `helibore.base.colors.COLOR_MAPS`; "": the usual one for name and unit.
+        One of `helibore.base.colors.COLOR_MAPS`; "": the default map for name and unit.
     rows
         For an image that was measured in even rows: the upper edge of one row and the height of every row, metres. The
         page then draws the image in these rows. None: it draws the quads.
@@ -83,14 +83,14 @@ class Attribute:
 
     @classmethod
     def usual(cls, name: str, unit: str = "") -> Attribute:
-        """Return an attribute with the usual colours of its name and unit, as `helibore.plot` draws an image."""
+        """Return an attribute with the colours in which `helibore.plot` draws an image of this name and unit."""
         color_map = customary_map(name, unit)
         return cls(name, unit, log=color_map == "resistivity", color_map=color_map)
 
 
 @dataclass(frozen=True)
 class WallShape:
-    """What the page must know of a wall beside its values, in metres and degrees. ``pitch`` may be negative."""
+    """What the page must know of a wall besides its values, in metres and degrees. ``pitch`` may be negative."""
 
     sectors: int
     pitch: float
@@ -119,7 +119,7 @@ class WallShape:
 
     @property
     def tile_rows(self) -> int:
-        """Turns in a tile of the wall: the largest power of two that fits, at most 1024; 256 at 64 sectors."""
+        """Turns in a tile of the wall: the largest power of two that fits in `TILE_VERTICES`, at most 1024."""
         return 1 << max(2, min(10, int(math.log2(TILE_VERTICES / self.sectors))))
 
     @property
@@ -144,7 +144,7 @@ class PathFrames:
 
 @dataclass(frozen=True)
 class RunState:
-    """What changes while a wall is shown, apart from its values; every page receives each change."""
+    """What changes while a wall is shown, apart from the wall's values; every page receives each change."""
 
     bit_depth: float = math.nan  # metres; NaN: not known
     hole_depth: float = math.nan  # metres; NaN: not known
@@ -167,11 +167,12 @@ class RunState:
 
 
 class History:
-    """How long the wall was at which time: points (time, vertices, bit depth), rising in time and in vertices.
+    """The length of the wall over time: points (time, vertices, bit depth), rising in time and in vertices.
 
-    The page's replay needs it to show the wall as it was at 02:14. Points are at least a second apart at first. When
-    there are more than `MOST_POINTS`, every second one is dropped and the spacing at least doubles, so a month of
-    drilling is a few thousand evenly spaced points. Earlier radii are not kept; a replay shows the first pass.
+    The page's replay needs these points to show the wall as it was at 02:14, for example. Points are at least a second
+    apart at first. When there are more than `MOST_POINTS`, every second one is dropped and the spacing at least
+    doubles, so a month of drilling is a few thousand evenly spaced points. Earlier radii are not kept; a replay shows
+    the first pass.
     """
 
     def __init__(self) -> None:
@@ -220,7 +221,7 @@ class Scene:
         The path of the wall, for the dips in ``picks_file``.
     draw_pages
         A function that returns a section as a PDF. It takes the two depths, the units of the page and the scale (None:
-        a usual one). None: a page cannot print.
+        a scale that the function chooses). None: a page cannot print.
     """
 
     def __init__(self) -> None:
@@ -327,7 +328,7 @@ class Scene:
         self.on_change()
 
     def set_curves(self, curves: Iterable[ScalarCurve], version: int = 0) -> None:
-        """Add or replace curves along the hole; a page then asks for those that it shows and whose version is new."""
+        """Add or replace curves along the hole; a page then requests the curves that it shows, if they are new."""
         with self.lock:
             rows = {row["name"]: row for row in self.state.curves}
             for one in curves:
@@ -369,7 +370,7 @@ class Scene:
         return copy
 
     def _keep_first_pass(self, old: Texels, new: Texels, first: int) -> None:
-        """Keep the first pass of settled vertices, and mark those that changed since as re-scanned."""
+        """Keep the first pass of settled vertices, and mark the vertices that changed later as re-scanned."""
         known = max(0, min(self.settled - first, len(new)))
         was, now = old[:known], new[:known]
         scanned = was[:, FIRST] != 0
@@ -384,7 +385,7 @@ class Scene:
 
 
 def _replace(target: npt.NDArray[Any], values: npt.NDArray[Any], word: npt.DTypeLike) -> npt.NDArray[np.bool_]:
-    """Set ``target`` to ``values``, whose rows are one ``word`` each; return where their bits differed."""
+    """Set ``target`` to ``values``, whose rows are one ``word`` each; return which rows have changed."""
     new = np.require(values, requirements="C")
     differs: npt.NDArray[np.bool_] = target.view(word).ravel() != new.view(word).ravel()
     target[...] = new

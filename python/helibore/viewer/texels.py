@@ -24,7 +24,7 @@ TOP = 0xFFFF
 
 @dataclass(frozen=True)
 class Vertices:
-    """Values of n consecutive vertices, (n,) each, named and in units as the properties of `Wall`; None: not known."""
+    """Values of n consecutive vertices, (n,) each, with names and units as in `Wall`; None: not known."""
 
     radius: npt.ArrayLike
     nearest: npt.ArrayLike | None = None
@@ -36,8 +36,8 @@ def pack_vertices(vertices: Vertices, radius_unit: float) -> Texels:
     """Return the texels (n, 4) of vertices: radius (0 if missing), first-pass radius, nearest distance, state.
 
     Radii are rounded to ``radius_unit`` metres; a radius above 65535 units becomes 65535 with the mark CLIPPED.
-    Distances are rounded to `NEAREST_UNIT`; a larger one than 6.5535 m, or a missing one, becomes 6.5535 m. At most 255
-    samples are counted.
+    Distances are rounded to `NEAREST_UNIT`; a larger distance than 6.5535 m, or a missing distance, becomes 6.5535 m.
+    At most 255 samples are counted.
     """
     radius = numbers(vertices.radius)
     texels = np.zeros((radius.size, TEXEL), np.uint16)

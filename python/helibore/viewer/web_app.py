@@ -4,7 +4,7 @@
     /ws                                     handshake and state as text, values as binary (protocol.py)
     /api/vertex/K  /api/section.csv         values of one vertex, of the vertices of a section
     /api/summary                            volume, washout and gaps of a section
-    /api/history                            how long the wall was at which time
+    /api/history                            the length of the wall over time
     /api/curve?name=                        a curve along the hole
     /api/pick  /api/picks.csv               put or delete a pick; read or add a table of picks
     /api/export.html                        a section and the page, as one file
@@ -44,7 +44,7 @@ from helibore.viewer.html_export import html_export
 from helibore.viewer.protocol import BadMessageError, handshake, picks_message, read_subscription, state_message
 from helibore.viewer.scene import Scene
 
-TICK = 0.05  # seconds: a growing wall is sent at most 20 times a second, the first time at once
+TICK = 0.05  # seconds: a growing wall is sent at most 20 times a second; the first change is sent at once
 MOST_CLIENTS = 64
 MOST_TEXT = 8192  # characters of a message from a page, bytes of a pick
 MOST_TABLE = 1 << 21  # bytes of a table of picks
@@ -196,7 +196,7 @@ class WebApp:
         k = request.path_params["k"]
         with self.scene.lock:
             if k >= self.scene.levels[0].size:
-                return PlainTextResponse(f"vertex {k}: the wall has {self.scene.levels[0].size}\n", 404)
+                return PlainTextResponse(f"vertex {k}: the wall has {self.scene.levels[0].size} vertices\n", 404)
             return JSONResponse(exports.vertex(self.scene, k))
 
     async def curve(self, request: Request) -> Response:
@@ -204,7 +204,7 @@ class WebApp:
         with self.scene.lock:
             curve = self.scene.curves.get(name)
         if curve is None:
-            return PlainTextResponse(f"curve {name[:80]!r}: there is none of this name\n", 404)
+            return PlainTextResponse(f"curve {name[:80]!r}: no curve has this name\n", 404)
         return Response(await asyncio.to_thread(exports.curve_bytes, curve), media_type="application/octet-stream")
 
     async def history(self, _: Request) -> Response:
@@ -356,7 +356,7 @@ class _Connection:
             return None if self.client is None else self.client.next_message()
 
     async def receive_all(self) -> None:
-        """Read acknowledgements and subscriptions until the page disconnects; raise BadMessageError for all else."""
+        """Read acks and subscriptions until the page disconnects; raise BadMessageError for any other message."""
         while True:
             message = await self.socket.receive()
             if message["type"] == "websocket.disconnect":
@@ -382,7 +382,7 @@ class _Connection:
             elif "subscribe" in content:
                 self.client.subscribe(read_subscription(content["subscribe"], len(self.scene.shape.attributes)))
             else:
-                raise BadMessageError("neither ack nor subscribe")
+                raise BadMessageError("a message must be ack or subscribe")
 
 
 async def _body(request: Request, most: int) -> bytes:

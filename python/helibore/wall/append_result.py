@@ -1,10 +1,10 @@
-"""The results that a live host asks a wall for: what an append changed, and the values of some vertices.
+"""Two results that a live host gets from a wall: what an append changed, and the values of a range of vertices.
 
     change = wall.append(depth, toolface, radius)
     for start, stop in change.ranges:
         columns = wall.vertices(start, stop)
 
-`Wall` makes both; this file computes nothing.
+`Wall` makes both results; this file computes nothing.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class Change:
 
 
 class VertexColumns(NamedTuple):
-    """The values of some vertices at one moment; the names are those of the properties of `Wall`."""
+    """The values of a range of vertices at one moment; the names are those of the properties of `Wall`."""
 
     depth: Floats
     toolface: Floats

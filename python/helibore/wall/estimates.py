@@ -24,8 +24,8 @@ MOST_UNMEASURED = 0.5
 """Share of the turns; a tool that leaves a larger share unmeasured has few arms, or sends few samples."""
 _MOST_BOX_DEPTH = 1.0
 FEW_BOXES = 200
-"""Number of boxes that is enough for an uncertainty. `tune` makes one for each target, so that its choice hardly varies
-with the boxes."""
+"""Number of boxes that is enough for an uncertainty. `tune` makes one box for each target, so that its choice hardly
+varies with the boxes."""
 
 Columns = tuple[Floats, Floats, Floats]
 Boxes = tuple[Floats, Floats]
@@ -119,7 +119,7 @@ def estimate_left_out(
     trial: Floats | None = None,
     nuggets: Sequence[float] = (),
 ) -> Estimates:
-    """Estimate the radius at some samples from the others.
+    """Estimate the radius at each of the samples ``rows`` from the other samples.
 
     Parameters
     ----------
@@ -131,7 +131,7 @@ def estimate_left_out(
         Settings of the wall.
     box
         (m,) metres and (m,) degrees: for each row, samples within this distance above or below its sample, and within
-        this angle beside it, are also left out. None: only samples at its position are left out.
+        this angle beside it, are also left out. None: only samples at the same position are left out.
     trial
         (m,) metres: initial radii; one estimate is made from them, without iteration. None: the method iterates.
     nuggets
@@ -148,7 +148,7 @@ def estimate_left_out(
 
 
 def find_kriging_range(samples: Columns, settings: Settings) -> float:
-    """Return four times the median distance from a sample to the 16th nearest other, in the metric of the settings.
+    """Return four times the median distance from a sample to the 16th nearest one, in the metric of the settings.
 
     If there are too few samples, or all lie at one position, return half the circumference at bit size.
     """

@@ -2,8 +2,8 @@
 
     gamma on the wall:   sum(w v) / sum(w)   over the neighbours of each vertex that have a value
 
-Neighbours and weights are those of the radius (Energies 2021, 14, 291). Sector images are not interpolated here, but by
-`SectorImage`.
+w is the weight and v the value of a neighbour. Neighbours and weights are those of the radius (Energies 2021, 14, 291).
+Sector images are not interpolated here, but by `SectorImage`.
 """
 
 from __future__ import annotations

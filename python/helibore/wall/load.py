@@ -1,7 +1,7 @@
 """`hb.load`: reopen an archive, by appending its samples in canonical order to an empty wall.
 
-How samples are split into appends does not change a wall. So the reopened wall has the same bits, now and after further
-appends, as if the wall had never been saved. The stored vertices show whether this version of helibore still computes
+How samples are split into appends does not change a wall. So the reopened wall equals the saved wall in every bit, also
+after further appends. The stored vertices show whether this version of helibore still computes
 the same values.
 """
 
@@ -29,7 +29,7 @@ from helibore.wall.wall import Wall
 
 
 def load(filename: str | os.PathLike[str], threads: int | None = None, recompute: bool = False) -> Wall:
-    """Reopen a wall that `Wall.save` wrote. It has the same bits and takes further appends.
+    """Reopen a wall that `Wall.save` wrote. It equals the saved wall in every bit, and you can append more samples.
 
     Parameters
     ----------
@@ -45,8 +45,8 @@ def load(filename: str | os.PathLike[str], threads: int | None = None, recompute
     -------
     Wall
         The wall with the settings, basis, samples, vertices, ``path``, ``images``, ``attributes`` and ``made_from`` of
-        the saved wall, and with the ``picks`` of FILENAME.picks.csv if that file exists. Further appends give the same
-        bits as on the saved wall.
+        the saved wall, and with the ``picks`` of FILENAME.picks.csv if that file exists. Later appends give exactly
+        the same numbers as they would on the saved wall.
 
     Raises
     ------
@@ -69,7 +69,7 @@ def _wall(members: Members, threads: int | None, recompute: bool) -> Wall:
     contents = members.contents()
     unknown = sorted(set(contents["settings"]) - {field.name for field in fields(Settings)})
     if unknown:
-        versions = f"written by helibore {contents['helibore']}; helibore {_core.__version__} does not have them"
+        versions = f"written by helibore {contents['helibore']}; helibore {_core.__version__} lacks these settings"
         raise InputError(f"settings {', '.join(unknown)}", versions)
     wall = Wall(threads=threads, basis=contents["basis"], **contents["settings"])
     samples = [members.array(f"samples/{name}") for name in contents["samples"]]
@@ -100,7 +100,7 @@ def _wall(members: Members, threads: int | None, recompute: bool) -> Wall:
 def _require_same(wall: Wall, saved: Arrays, contents: dict[str, Any]) -> None:
     """Raise an InputError if the vertices computed from the samples differ from those saved."""
     versions = f"helibore {contents['helibore']}, and this helibore {_core.__version__}"
-    advice = "hb.load(..., recompute=True) takes what this version makes"
+    advice = "hb.load(..., recompute=True) accepts the values of this version"
     for name, before in saved.items():
         now: Floats = getattr(wall, name)
         if now.size != before.size:

@@ -1,6 +1,6 @@
 """`hb.tune`: find the estimator and the settings that rebuild a hole best, by leaving samples out.
 
-Each candidate estimates some samples from the others, twice:
+Each candidate estimates a part of the samples from the other samples, in two ways:
 
     alone   only the sample itself is left out; this shows what noise does where samples are dense
     box     all samples in a box around it are left out; this shows what gaps do
@@ -280,7 +280,7 @@ def _compared(tried: list[Settings], errors: list[list[Floats]], depth: Floats) 
         squares[squares < _ROUNDING**2] = 0.0
         known = np.isfinite(squares).all(axis=0)
         if not known.any():
-            rule = "too few samples to tune: no sample has another outside its box and within max_distance"
+            rule = "too few samples to tune: no sample has another one outside its box and within max_distance"
             raise InputError("samples", rule)
         block = max(min(1.0, np.ptp(depth) / 40), 1e-6)
         squares, metre = squares[:, known], np.unique(np.floor(depth[known] / block), return_inverse=True)[1]

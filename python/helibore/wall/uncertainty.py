@@ -46,7 +46,7 @@ _POWERS = ((0.5, 1.0), (1.0, 1.0))
 
 @dataclass(frozen=True)
 class Calibration:
-    """The parameters of the uncertainty of a wall; symbols as above."""
+    """The parameters of the uncertainty of a wall; `helibore.wall.uncertainty` explains the symbols."""
 
     noise: float  # tau, metres
     between: float  # c
@@ -76,7 +76,7 @@ def calibrate(samples: Columns, settings: Settings, threads: int = 1) -> Calibra
     found = estimate_left_out(samples, rows, settings, boxes, threads, trial=samples[2][rows])
     known = np.isfinite(found.radius)
     if not known.any():
-        rule = "too few samples for an uncertainty: no sample has another outside its box and within max_distance"
+        rule = "too few samples for an uncertainty: no sample has another one outside its box and within max_distance"
         raise InputError("samples", rule)
     squares = np.maximum((found.radius - samples[2][rows])[known] ** 2, _SMALLEST)
     weights, scatter, along, across = (of[known] for of in found[3:7])

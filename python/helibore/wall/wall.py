@@ -61,7 +61,7 @@ class Wall:
     threads
         None: all cores. The result does not depend on it.
     instruction_set
-        'automatic', or one of 'plain', 'avx2' and 'avx512' to force it (for tests: all give the same bits).
+        'automatic', or one of 'plain', 'avx2' and 'avx512' to force it (for tests: all give equal results).
     basis
         What the radii of the samples are, as in `Caliper`; surfaces, files and pictures of the wall state it.
 
@@ -71,7 +71,7 @@ class Wall:
         The `Path` of the hole, or None. Surfaces and volumes follow it unless they are given another path, or None.
     images
         `SectorImage` by name. Every surface has them as attributes. If an image counts its angles from another
-        reference than the wall's path, it is turned.
+        reference than the wall's path, the surface has the turned image.
     attributes
         `WallAttributes`: other values, one for each quad of the wall. Every surface also has them.
     made_from
@@ -91,7 +91,7 @@ class Wall:
     -----
     A wall has vertices as soon as a sample lies at or beyond the start of its helix. It may be used from several
     threads; calls take effect one after another. Every array it returns is a copy. A wall can be copied and pickled;
-    the copy has the same bits, now and after further appends.
+    the copy equals the wall in every bit, also after further appends.
     """
 
     def __init__(
@@ -238,7 +238,7 @@ class Wall:
         With 95 % probability the true radius is within 1.96 sigma. NaN if the vertex is farther from samples than the
         calibration covers, or in a gap of the turn larger than `Settings.largest_gap`; and everywhere if the shape is
         assumed round (`basis`). For other walls, raises InputError if there are fewer than 100 samples, if no sample
-        has another within ``max_distance``, or if ``window`` is set.
+        has another sample within ``max_distance``, or if ``window`` is set.
         """
         return wall_sigma(self._with_sums(self._state()), self._threads)
 
@@ -328,7 +328,7 @@ class Wall:
     def reach(self, start: int, stop: int) -> tuple[float, float]:
         """Return the two depths, metres, between which samples affect the values of the vertices [start, stop).
 
-        A wall of all samples between these depths has the same bits at these vertices; other samples do not matter. A
+        A wall made from only the samples between these depths has equal values, in every bit, at these vertices. A
         depth is infinite if a vertex has too few samples and `Settings.max_distance` is None, or if its
         `Settings.window` is cut short by the end of the samples. An empty range gives (inf, -inf). Raises InputError as
         `vertices` does.
@@ -492,9 +492,9 @@ class Wall:
         """Write the wall to an archive, whole or not at all; `helibore.load` reopens it.
 
         The archive holds settings, samples, vertices, `path`, `images`, `attributes` and `made_from`. The reopened wall
-        has the same bits, now and after further appends. `helibore.wall.archive` describes the file. `picks`, if there
-        are any, are written to FILENAME.picks.csv, which `helibore.load` also reads; a wall without picks leaves such a
-        file as it is.
+        equals this wall in every bit, also after further appends. `helibore.wall.archive` describes the file. `picks`,
+        if there are any, are written to FILENAME.picks.csv, which `helibore.load` also reads; a wall without picks does
+        not change such a file.
 
         Parameters
         ----------
@@ -529,8 +529,8 @@ class Wall:
         """Measure every full turn with `helibore.logs.turn_logs.turn_logs`, for this wall and its bit diameter.
 
         ``rugosity_window`` is the metres of hole over which rugosity is computed; it is rounded to an odd number of
-        turns, for example to 9 turns for 1 m at a pitch of 0.1 m. If ``threads`` is None, there are as many as the wall
-        uses. If ``sigma`` is True, the logs have the uncertainty of diameters and volumes, and this raises an
+        turns, for example to 9 turns for 1 m at a pitch of 0.1 m. If ``threads`` is None, the wall's threads are
+        used. If ``sigma`` is True, the logs have the uncertainty of diameters and volumes, and this raises an
         InputError as `sigma` does.
         """
         from helibore.logs.turn_logs import turn_logs
@@ -555,7 +555,7 @@ class Wall:
     ) -> WallSummary:
         """Summarize the wall, or an interval of the wall, with `helibore.logs.summary.summarize`.
 
-        ``start`` and ``stop`` are measured depths, metres, finite; None: the ends of the wall. ``criteria`` is that of
+        ``start`` and ``stop`` are measured depths, metres, finite; None: the ends of the wall. ``criteria`` is as in
         `zones`.
         """
         from helibore.logs.summary import summarize
@@ -622,7 +622,7 @@ class Wall:
 def wall_of(
     caliper: Caliper, *, bit_diameter: float, path: Path | None = None, threads: int | None = None, **settings: Any
 ) -> Wall:
-    """Append these samples to an empty wall and return it; the parameters are those of `helibore.reconstruct`."""
+    """Return a wall made from the samples of ``caliper``; the parameters are those of `helibore.reconstruct`."""
     if settings.get("estimator") == "kriging" and settings.get("kriging_range") is None:
         checked = Settings(bit_diameter=bit_diameter, **settings)
         Wall(**vars(checked) | {"kriging_range": 1.0})  # the core checks the other settings

@@ -19,9 +19,12 @@ def test_whole_numbers_keep_their_value():
     ("values", "text"),
     [
         ([0.0, 1.5], "arm[1] = 1.5: must be a whole number"),
-        ([1e300, 0.0], "arm[0] = 1e+300: must be below 9007199254740992 in size"),
-        (np.array([0, 2**64 - 1], dtype=np.uint64), "arm[1] = 1.84467e+19: must be below 9007199254740992 in size"),
-        ([2**53 + 1], "arm[0] = 9.0072e+15: must be below 9007199254740992 in size"),  # float64 holds 2^53
+        ([1e300, 0.0], "arm[0] = 1e+300: absolute value must be below 9007199254740992"),
+        (
+            np.array([0, 2**64 - 1], dtype=np.uint64),
+            "arm[1] = 1.84467e+19: absolute value must be below 9007199254740992",
+        ),
+        ([2**53 + 1], "arm[0] = 9.0072e+15: absolute value must be below 9007199254740992"),  # float64 holds 2^53
     ],
 )
 def test_a_number_that_is_not_whole_or_would_change_is_refused(values, text):

@@ -135,7 +135,7 @@ def test_columns_of_one_name_are_refused_by_name():
     columns = [[1.0], [0.0], [0.1], [0.1]]
     names = ["DEPTH", "TOOLFACE", "RADIUS", "RADIUS"]
     for frame in (pd.DataFrame(np.transpose(columns), columns=names), pa.table(columns, names=names)):
-        with pytest.raises(hb.InputError, match=r"^column 'RADIUS': the table has 2 of this name \(radius\)$"):
+        with pytest.raises(hb.InputError, match=r"^column 'RADIUS': the table has 2 columns of this name \(radius\)$"):
             hb.Caliper.from_table(frame)
 
 
@@ -211,7 +211,7 @@ def test_diameters_in_the_place_of_radii_are_refused():
     frame = {"DEPTH": np.arange(9.0), "TOOLFACE": np.arange(9.0), "RADIUS": np.full(9, 8.52)}
     with pytest.raises(hb.InputError) as error:
         hb.Caliper.from_table(frame, units={"radius": "in"})
-    rule = "looks like a diameter, where a radius is expected; halve it, or use hb.Caliper, which takes any"
+    rule = "looks like a diameter, where a radius is expected; halve it, or use hb.Caliper, which accepts it"
     assert str(error.value) == f"column 'RADIUS': median = 0.216 m: {rule}"
     frame["RADIUS"] = np.full(9, 8.75)
     assert len(hb.Caliper.from_table(frame, units={"radius": "in"})) == 9

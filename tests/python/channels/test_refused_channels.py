@@ -39,10 +39,10 @@ def made(columns: dict[str, Any]) -> LogSet:
                               "the channels are TF, radius"),
         ({"MD__m": np.arange(N) - 2000.0}, {},
          "f.las, column MD: -2000 to -1993 m: negative throughout (elevations?), and depth counts positive down the "
-         'hole; write it so, or confirm role = "depth" in a map'),
+         'hole; change the signs, or confirm role = "depth" in a map'),
         ({"MD__m": np.where(np.arange(N) % 4, 1000 + np.arange(N), -999.0)}, {},
-         "f.las, row 0, column MD: -999 m in 2 rows, the others lie between 1001 and 1007 m: a number that means no "
-         "value? --absent -999 says so (Python: nulls of hb.open)"),
+         "f.las, row 0, column MD: -999 m in 2 rows, other depths lie between 1001 and 1007 m: a number that "
+         "means no value? --absent -999 says so (Python: nulls of hb.open)"),
         ({"MD__m": None, "MD": 100 + np.arange(N)}, {},
          'f.las, column MD: unit missing: state it in a map ([channels."MD"] unit = ...), or as MD:UNIT in its option; '
          "depth is length"),
@@ -73,8 +73,8 @@ def made(columns: dict[str, Any]) -> LogSet:
          "in a map"),
         ({"pass": np.arange(N) + 0.5}, {}, "f.las, row 0, column pass: 0.5: a pass is a whole number"),
         ({"time": np.array(["2020-01-01T00:00:00"] * 7 + ["2020-01-01T00:00:00-0330"])}, {},
-         "f.las, row 7, column time: '2020-01-01T00:00:00-0330' has a time zone, unlike the dates above: all must, or "
-         "none"),
+         "f.las, row 7, column time: '2020-01-01T00:00:00-0330' has a time zone, unlike the dates above: all dates "
+         "must have one, or none"),
         ({"time": np.array(["2020-01-01T00:00:00"] * 7 + ["noon"])}, {},
          "f.las, row 7, column time: 'noon' is no ISO 8601 date and time"),
         ({"tf_type": np.array(["N"] * 7 + ["up"])}, {},

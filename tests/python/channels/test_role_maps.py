@@ -97,10 +97,10 @@ def test_inspect_tells_what_would_be_refused(tmp_path: Path) -> None:
     path.write_text("md_m,tf_deg,radius_m\n" + "".join(f"{n},{n % 6}.2,0.108\n" for n in range(40)))
     shown = CliRunner().invoke(inspect, [str(path)], env={"COLUMNS": "240"})
     rule = "r.csv, column tf_deg: values between 0.2 and 5.2 deg: looks like radians; state the unit in a map or as"
-    assert f"refused as it stands: {rule}" in shown.output
-    assert f"# Refused as it stands: {rule}" in shown.output
+    assert f"refused with these roles: {rule}" in shown.output
+    assert f"# Refused with these roles: {rule}" in shown.output
     bare = CliRunner().invoke(inspect, [str(path), "--toml"])
-    assert bare.output.startswith(f"# Refused as it stands: {rule}")
+    assert bare.output.startswith(f"# Refused with these roles: {rule}")
     fine = CliRunner().invoke(inspect, [str(xy_file(tmp_path))])
     assert "efused" not in fine.output
 

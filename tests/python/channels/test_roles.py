@@ -77,10 +77,10 @@ def test_reasons_are_sentences_about_this_channel() -> None:
         log_set(channel("DEPTH", "m"), channel("MD", "m"), channel("INC", "m"), channel("AZ", "deg"), index="MD")
     )
     assert {role.channel: role.reason for role in roles} == {
-        "DEPTH": "named DEPTH, like depth; MD is taken for it",
+        "DEPTH": "named DEPTH, like depth; MD has this role",
         "MD": "named MD and it is the index",
         "INC": "named INC, like inclination, but 'm' is no known unit of angle",
-        "AZ": "named AZ, but there is no inclination: no survey (an angle around the hole is a toolface)",
+        "AZ": "named AZ, but a survey also needs an inclination (an angle around the hole is a toolface)",
     }
     roles = guess(log_set(channel("IDX", "m"), channel("GR", "gAPI"), index="IDX"))
     assert (roles["IDX"].role, roles["IDX"].reason) == ("depth", "it is the index and a length")
@@ -393,8 +393,8 @@ def test_depth_remarks() -> None:
 
     one = log_set(channel("MD", "m", [1, 2, 3, 9, 8, 8.0]))
     assert depth_remarks(one, guess(one)) == [
-        "MD: rises 3 and falls 1 times: passes, or samples in no order",
-        "MD: 1 rows repeat the depth before",
+        "MD: rises 3 and falls 1 times: several passes or unsorted rows",
+        "MD: 1 rows repeat the depth of the row before",
         "MD: median step 1 m",
         "MD: 1 gaps, the largest 6 m",
     ]

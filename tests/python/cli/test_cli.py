@@ -165,9 +165,9 @@ def test_upwards(folder: Path, tmp_path: Path) -> None:
         ("md_m,rb_deg,r\n1,2,-9999\n", ["--radius", "r:m"], "c.csv, column r: every value is missing"),
         ("", [], "c.csv: empty: 0 bytes"),
         ("md_m,rb_deg,r\n1,2,0.1\n2,2,0.1\n", ["--radius", "r:m", "--from", "5"],
-         "c.csv: no samples below 5 m; it has 1 to 2 m"),
+         "c.csv: no samples below 5 m; the file has 1 to 2 m"),
         ("md_m,rb_deg,r\n1,2,0.1\n2,2,0.1\n", ["--radius", "r:m", "--to", "0.5"],
-         "c.csv: no samples above 0.5 m; it has 1 to 2 m"),
+         "c.csv: no samples above 0.5 m; the file has 1 to 2 m"),
     ],
 )  # fmt: skip
 def test_bad_caliper(tmp_path: Path, text: str, options: list[str], message: str) -> None:

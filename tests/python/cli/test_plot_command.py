@@ -207,7 +207,7 @@ def test_the_header_line_of_an_average_caliper(tmp_path: Path) -> None:
         (("--scalar", "inclination"), "--scalar inclination: needs --survey"),
         (("--scalar", "x.csv:GR"), "x.csv, column md: unit missing: state it in a map ([channels.\"md\"] unit = ...), "
                                    "or as md:UNIT in its option; depth is length"),
-        (("--scalar", "i.csv:GR"), "i.csv, column GR: has 4 values a row: a curve has one"),
+        (("--scalar", "i.csv:GR"), "i.csv, column GR: has 4 values a row: a curve has one value a row"),
         (("--scalar", "mem.las:XX"), "mem.las: no channel 'XX'; it holds DEPT, GR, RT, CALI"),
         (("--scalar", "mem.las:GR", "--from", "2010m"), "curve 'GR', 2010 to 2022 m: has no value there"),
         (("--scalar", "mem.las:GR", "--log", "GR", "--limits", "GR=0,9"), "curve 'GR': a logarithmic scale needs "
@@ -258,7 +258,7 @@ def test_pages_wider_than_their_paper_are_named(tmp_path: Path, archive: Path) -
     [
         (["-o", "log.jpg"], "log.jpg: the ending must be one of .png, .svg, .pdf"),
         (["-o", "no/log.png"], "no/log.png: the folder no must exist"),
-        (["-o", "log.png", "--scale", "1:x"], "--scale 1:x: must be a whole number, as 200 or 1:200"),
+        (["-o", "log.png", "--scale", "1:x"], "--scale 1:x: must be a whole number, such as 200 or 1:200"),
         (["-o", "log.png", "--limits", "GR=9,1"], "--limits GR=9,1: LOW must be below HIGH"),
         (["-o", "log.png", "--limits", "9,1"], "--limits 9,1: must be NAME=..."),
         (["-o", "log.png", "--color-map", "GR=jet"], "color_map = 'jet': must be one of image, viridis"),
@@ -306,14 +306,14 @@ def test_a_channel_that_is_not_there_is_named(tmp_path: Path, option: str) -> No
 @pytest.mark.parametrize(
     ("size", "options", "rule"),
     [
-        ("8.5", ("--to", "900"), "log.csv:CAL_in: no samples above 900 m; it has 1000 to 1008 m"),
-        ("8.5", ("--from", "2000", "--to", "2010"), "log.csv:CAL_in: no samples between 2000 and 2010 m; it has 1000"),
+        ("8.5", ("--to", "900"), "log.csv:CAL_in: no samples above 900 m; the file has 1000 to 1008 m"),
+        ("8.5", ("--from", "2000", "--to", "2010"), "log.csv:CAL_in: no samples between 2000 and 2010 m; the file has"),
         ("-999.25", (), "log.csv, column CAL_in: no row has a depth and the diameter of a hole, in in"),
         ("850", (), "log.csv, column CAL_in: no row has a depth and the diameter of a hole, in in"),
         (
             "8.5\n-999,8.5",
             (),
-            "log.csv, line 3, column depth_m: -999 m in 9 rows, the others lie between 1000 and 1008 m: "
+            "log.csv, line 3, column depth_m: -999 m in 9 rows, other depths lie between 1000 and 1008 m: "
             "a number that means no value? --absent -999 says so",
         ),
     ],

@@ -43,7 +43,7 @@ INNM.deg : Inclination
 IMAGES_ONLY = (
     "has images (GRAS) and no known caliper around the hole (--radius or --diameter names one). This command puts the "
     "images on a gauge hole. With edge, sector 1 starts at toolface 0; with centre, it is centred there. Only the "
-    "tool's manual says which is right; the other one turns GRAS by 22.5 deg"
+    "tool's manual says which is right; the other word turns GRAS by 22.5 deg"
 )
 """A file with images, an inclination and no caliper, as a logging company writes it."""
 INTERRUPTIBLE = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"  # a background job ignores it
@@ -102,7 +102,10 @@ def test_what_it_cannot_do_is_one_line_and_exit_code_two(
     }.items():
         (tmp_path / name).write_bytes(held)
     for arguments, text in (
-        (("picture.png", *BIT), "picture.png: binary, and none of the formats read (DLIS, LIS, Parquet, NPZ, XLSX)"),
+        (
+            ("picture.png", *BIT),
+            "picture.png: binary, and no format that helibore reads (DLIS, LIS, Parquet, NPZ, XLSX)",
+        ),
         (("empty.csv", *BIT), "empty.csv: empty: 0 bytes"),
         (
             ("nocaliper.csv", *BIT),
@@ -213,8 +216,8 @@ def test_picks_are_those_of_the_first_file_shown_and_the_print_has_its_header(
         shown = run("--gauge", *images, *BIT)
     assert seen.pop() == Path("memory.las.picks.csv")
     assert (
-        "picks not saved in memory.las.picks.csv: its folder cannot be written; click Download on the page to keep them"
-        in " ".join(shown.stdout.split())
+        "picks not saved in memory.las.picks.csv: its folder cannot be written; click Download on the "
+        "page to keep the picks" in " ".join(shown.stdout.split())
     )
     shown = run("--gauge", *images, *BIT, "--picks", "mine.csv")
     assert seen.pop() == Path("mine.csv")

@@ -56,7 +56,7 @@ def test_las2_flaws_are_mended_and_reported(tmp_path: Path) -> None:
     np.testing.assert_array_equal(one["GR"].values, [50, 51.5, np.nan])
     assert one["CAL"].missing == 3
     assert one.remarks == [
-        "2 rows held numbers run together (12.5-999.25): cut before the minus sign",
+        "2 rows held numbers without a blank between (12.5-999.25): cut before the minus",
         "STOP = 9 in the header, 3 in the rows: truncated or edited?",
     ]
 

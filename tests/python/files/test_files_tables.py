@@ -120,7 +120,7 @@ def test_the_header_line_may_be_given(tmp_path: Path) -> None:
     with pytest.raises(hb.InputError, match=r"^t.csv, line 8: no rows below the header$"):
         hb.open(path, header_line=8)
     (tmp_path / "t.json").write_text("[]")
-    with pytest.raises(hb.InputError, match=r"^t.json: header_line = 2: is for tables, and this is json$"):
+    with pytest.raises(hb.InputError, match=r"^t.json: header_line = 2: is for tables, but the file is json$"):
         hb.open(tmp_path / "t.json", header_line=2)
 
 
@@ -174,7 +174,7 @@ def test_a_word_far_down_is_named_with_its_line(tmp_path: Path) -> None:
         ('md,note\n1,a\n2,"b\n3,c\n', "line 3: a quote is opened and not closed"),
         ("md;r\n1,5;2,5\n", "line 2, column md = '1,5': is not a number: a decimal comma?"),
         ("hello\nworld\n", "line 1: not a table: no comma, tab, semicolon or | separates columns"),
-        (b"md,r\n1,2\n\x00\x00\x00\n", "binary, and none of the formats read"),
+        (b"md,r\n1,2\n\x00\x00\x00\n", "binary, and no format that helibore reads"),
         (b"\xff\xfem\x00d\x00", "UTF-16 text: save it as UTF-8"),
         (b"md,\xc3\xa9\n1,2\n3,\xe9\n", "line 3: encodings are mixed: line 1 is UTF-8, byte 0xe9 here is not"),
         ("md,r\n" + "1" * (1 << 21) + ",2\n", "a line is longer than 1,048,576 bytes"),
@@ -320,7 +320,7 @@ def test_bad_parquet(tmp_path: Path) -> None:
     refused(tmp_path / "none.parquet", "Parquet without rows")
     ragged = pa.table({"a": pa.array([[1.0], [1.0, 2.0]])})
     parquet.write_table(ragged, tmp_path / "ragged.parquet")
-    refused(tmp_path / "ragged.parquet", "column a: lists have 2 different lengths: must have one")
+    refused(tmp_path / "ragged.parquet", "column a: lists have 2 different lengths: all must have one length")
     for kind in (pa.list_(pa.float64()), pa.list_(pa.float64(), 1)):
         parquet.write_table(pa.table({"a": pa.array([[1.0], None], kind)}), tmp_path / "empty.parquet")
         refused(tmp_path / "empty.parquet", "column a: 1 rows have no list: every row must have one")

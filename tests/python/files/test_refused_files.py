@@ -61,7 +61,7 @@ CASES: list[tuple[str, str | bytes, str]] = [
     ("t.csv", "md_m\n1,2\n3,4\n", ", line 1: the header has one column, the rows have more: another delimiter?"),
     ("t.csv", "a" * (3 << 20), ", line 1: a line is longer than 1,048,576 bytes"),
     ("t.csv", b"a,b\n" + b"1,2\n" * 20_000 + b"1,\0\n", ", line 20002: a zero byte: not text, or damaged"),
-    ("t.csv", b"a,b\0\n", ": binary, and none of the formats read (DLIS, LIS, Parquet, NPZ, XLSX)"),
+    ("t.csv", b"a,b\0\n", ": binary, and no format that helibore reads (DLIS, LIS, Parquet, NPZ, XLSX)"),
     ("t.csv", "  \n \n", ": empty: nothing but blanks"),
     ("t.csv", "", ": empty: 0 bytes"),
     ("t.csv", b"\xff\xfea\0", ": UTF-16 text: save it as UTF-8"),
@@ -129,9 +129,9 @@ def test_a_file_is_refused_with_its_place_and_the_rule(
         (b"\xfd7zXZ\0", "xz: unpack it first"),
         (b"\x28\xb5\x2f\xfd", "zstandard: unpack it first"),
         (b"7z\xbc\xaf\x27\x1c", "a 7-zip archive: unpack it first"),
-        (b"\x89HDF\r\n", "HDF5: not one of the formats read"),
+        (b"\x89HDF\r\n", "HDF5: not a format that helibore reads"),
         (b"\xd0\xcf\x11\xe0", "an old Excel or a Word file: save the sheet as XLSX or CSV"),
-        (b"%PDF-1.7", "a PDF: not one of the formats read"),
+        (b"%PDF-1.7", "a PDF: not a format that helibore reads"),
     ],
 )
 def test_a_file_of_another_kind_is_refused_with_what_to_do(tmp_path: Path, start: bytes, text: str) -> None:

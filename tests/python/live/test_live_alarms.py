@@ -256,8 +256,8 @@ def test_no_descriptor_is_an_alarm(monkeypatch):
 
 
 @pytest.mark.parametrize(("radius", "rule", "text"), [
-    (0.1, "tight", "at 100.80 m the diameter is 16.0 mm below the bit's"),
-    (0.13, "washout", "at 100.80 m the diameter is 44.0 mm above the bit's"),
+    (0.1, "tight", "at 100.80 m the diameter is 16.0 mm below the bit diameter"),
+    (0.13, "washout", "at 100.80 m the diameter is 44.0 mm above the bit diameter"),
 ])  # fmt: skip
 def test_a_tight_hole_and_a_washout_are_alarms_once_a_turn_is_beyond_the_limit(radius, rule, text):
     live, clock, alarms = alarmed(HOST + "[alarms]\ntight = 0.01\nwashout = 0.03\n")
@@ -285,12 +285,12 @@ def test_a_tight_hole_and_a_washout_end_with_the_worst_of_their_turns():
         alarms.check()
         clock.step(10)
     (begun,) = [alarm for alarm in alarms.active if alarm.rule == "washout"]
-    assert begun.text.endswith(" m the diameter is 44.0 mm above the bit's")
+    assert begun.text.endswith(" m the diameter is 44.0 mm above the bit diameter")
     clock.step(61)
     alarms.check()
     ended = texts(live)["alarm_washout_end"]
     assert ended.startswith(f"after 91.0 s: {begun.text}; the worst: at 10")
-    assert ended.endswith(" m the diameter is 104.0 mm above the bit's")
+    assert ended.endswith(" m the diameter is 104.0 mm above the bit diameter")
     assert 102 <= float(ended.split(" at ")[-1].split()[0]) < 104
     alarms.changed(live.append_samples(106 + k * 0.1 / 16, k * 22.5 % 360, np.full(len(k), 0.13)))
     alarms.check()

@@ -176,12 +176,12 @@ def test_an_image_that_lies_otherwise_is_refused_and_not_stored(given, reported)
          "array has an inhomogeneous shape after 1 dimensions. The detected shape was (2,) + inhomogeneous part."),
         ("GR", [["a"]], "values: must be numbers: could not convert string to float: 'a'"),
         ("GR", np.array([[1.0, np.nan, -np.inf]]), "values[0, 2] = -inf: must be finite, or NaN where missing"),
-        ("a\0b", np.ones((1, 4)), "name = 'a\\x00b': must be printable and at most 200 bytes, for files are named "
+        ("a\0b", np.ones((1, 4)), "name = 'a\\x00b': must be printable and at most 200 bytes, because files are named "
          "after it"),
-        ("/" * 67, np.ones((1, 4)), f"name = '{'/' * 60}': must be printable and at most 200 bytes, for files are "
+        ("/" * 67, np.ones((1, 4)), f"name = '{'/' * 60}': must be printable and at most 200 bytes, because "
+         "files are named after it"),
+        ("\ud800", np.ones((1, 4)), "name = '\\ud800': must be printable and at most 200 bytes, because files are "
          "named after it"),
-        ("\ud800", np.ones((1, 4)), "name = '\\ud800': must be printable and at most 200 bytes, for files are named "
-         "after it"),
     ],
 )  # fmt: skip
 def test_what_is_no_image_is_refused_and_not_stored(name, values, reported, tmp_path):

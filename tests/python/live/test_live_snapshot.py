@@ -177,7 +177,7 @@ def test_a_bad_image_of_an_older_journal_is_left_out_told_and_stops_no_snapshot(
     assert names <= set(contents(tmp_path / "now"))
     assert list(hb.load(tmp_path / "now" / "main.wall").images) == ["GR"]
     assert [text for text in reported if "image" in text] == [
-        "image 'a\\x00b': its name must be printable and at most 200 bytes, for files are named after it: left out",
+        "image 'a\\x00b': its name must be printable and at most 200 bytes, because files are named after it: left out",
         "image 'INF': values[0, 0] = inf: must be finite, or NaN where missing: not laid on a wall",
     ]
 

@@ -309,7 +309,7 @@ def test_the_axis_of_a_step_is_the_mean_of_axes() -> None:
         (lambda logs: logs.by_step(1000.0).table(), "logs: the wall has no full step of 1000 m"),
         (
             lambda logs: logs.by_step(0.5).by_step(1),
-            "step: these logs are by steps of 0.5 m already; use the logs of turns",
+            "step: these logs already have steps of 0.5 m; start from the logs with one row per turn",
         ),
     ],
 )

@@ -64,7 +64,7 @@ def test_without_a_path_or_beyond_it_a_dip_is_not_known() -> None:
         ({"key": "x" * 33}, "key: must be a text of at most 32 characters"),
         (
             {"colour": "red"},
-            "pick: must be an object with some of apparent_dip, depth, height, image, key, kind, misfit, note, "
+            "pick: must be an object with fields among apparent_dip, depth, height, image, key, kind, misfit, note, "
             "opening, points, radius, tilt, toolface",
         ),
     ],
@@ -86,7 +86,7 @@ def test_a_pick_without_a_depth_and_one_too_many_are_refused() -> None:
     one = Pick(kind="bed", depth=1.0, toolface=0.0)
     picks = Picks([one] * MOST)
     picks.put(one)
-    with pytest.raises(InputError, match=r"^5000 picks: no other can be added, because a wall has at most 5000$"):
+    with pytest.raises(InputError, match=r"^5000 picks: no more can be added, because a wall has at most 5000$"):
         picks.put(Pick(kind="bed", depth=1.0, toolface=0.0))
 
 

@@ -334,7 +334,7 @@ def test_bad_shells(shells, text):
 
 def test_volumes_refuse_formats_without_hexahedra(tmp_path):
     volume = volume_of(wall_of([0.1] * 100))
-    with pytest.raises(ValueError, match=r"ending must be one of \.vtu, \.vtkhdf; the others hold no hexahedra$"):
+    with pytest.raises(ValueError, match=r"ending must be one of \.vtu, \.vtkhdf; other formats hold no hexahedra$"):
         volume.save(tmp_path / "well.glb")
     assert not list(tmp_path.iterdir())
 
@@ -437,7 +437,7 @@ def test_what_is_no_path_and_no_image_is_refused_where_it_is_given():
     k = np.arange(400.0)
     wall = hb.reconstruct(hb.Caliper(2000 + k / 1000, k * 37, np.full(400, 0.11)), bit_diameter=0.216, sectors=16)
     survey = hb.Survey([0, 3000], [0, 1], [0, 1])
-    rule = r"^path: must be a Path or None, not Survey: survey\.path\(\) is one$"
+    rule = r"^path: must be a Path or None, not Survey: survey\.path\(\) makes one$"
     for act in (wall.surface, wall.volume, lambda path: setattr(wall, "path", path)):
         with pytest.raises(ValueError, match=rule):
             act(survey)

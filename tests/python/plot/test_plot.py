@@ -537,7 +537,7 @@ def test_paper_too_long_for_its_format(wall: hb.Wall, tmp_path: Path) -> None:
         plot.save(figure, tmp_path / "log.png")
     with pytest.raises(ValueError, match=r"2 pages: only a \.pdf file holds more than one page"):
         plot.save([figure, figure], tmp_path / "log.png")
-    with pytest.raises(ValueError, match=r"log\.pdf: no figure: a file needs at least one$"):
+    with pytest.raises(ValueError, match=r"log\.pdf: no figure: a file needs at least one figure$"):
         plot.save([], tmp_path / "log.pdf")
     assert not list(tmp_path.iterdir())
 

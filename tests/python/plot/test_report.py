@@ -146,7 +146,7 @@ def test_a_report_without_zones_states_the_criteria_that_nothing_meets() -> None
         "undergauge least diameter − bit below −0.25 in; over at least 0.3 m of hole"
     )
     shown = cells(page(wall, dpi=40, polar=(), body=()))
-    assert f"None. Criteria: {criteria}. No measured part of the hole meets one of them." in shown
+    assert f"None. Criteria: {criteria}. No measured part of the hole meets one of these criteria." in shown
     assert "none by the criteria at the foot" in shown
     words = [text.get_text() for text in log(wall, polar=(), body=()).texts]
     assert f"Criteria of zones: {criteria}" in words

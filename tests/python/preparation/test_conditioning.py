@@ -284,7 +284,7 @@ def test_travel_time():
         (lambda: stuck([[1.0]]), "arms has 1 columns: must have at least 2, to compare"),
         (lambda: stuck([[1.0], [1.0, 2.0]]), "arms[1] has 2 values, arms[0] has 1: must be equal"),
         (lambda: stuck([[1.0], [1.0]], rows=1), "rows = 1, moving = 0.5: rows must be at least 2, moving in (0, 1]"),
-        (lambda: repeated_rows(), "columns: must have at least one"),
+        (lambda: repeated_rows(), "columns: must have at least one column"),
         (lambda: closed([], 0.1), "arms: must have at least one column"),
         (lambda: closed([[1.0]], -1.0),
          "radius = -1, tolerance = 0.002: radius must be above 0, tolerance not negative"),

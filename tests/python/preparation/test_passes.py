@@ -397,7 +397,7 @@ def test_difference_of_two_walls_with_other_helices():
         (lambda: number_passes([0, np.nan]), "depth[1] = nan: must be finite"),
         (lambda: number_passes([0], 0), "reversal = 0: must be above 0"),
         (lambda: choose([1, 2], [0, 0], [3]), "passes: 3 is not among the passes of the samples"),
-        (lambda: choose([1, 2], [0, 0], [1, 1]), "passes: must not hold one pass twice"),
+        (lambda: choose([1, 2], [0, 0], [1, 1]), "passes: must not hold the same pass twice"),
         (lambda: choose([1, 2], [0, 0], cell=0), "cell = 0: must be above 0"),
         (lambda: choose([1, 1.5], [0, 0]), "pass_number[1] = 1.5: must be a whole number"),
         (lambda: find_bias([1], [0], [0.1], [1], [1, 2]), "arm has 2 values, depth has 1: must be equal"),

@@ -376,7 +376,7 @@ def test_two_calipers_that_disagree_are_not_merged() -> None:
     with pytest.raises(hb.InputError) as caught:
         prepare(twice.readings(roles))
     assert str(caught.value) == (
-        "f.csv: cal_x and cal_z: look in one direction and differ by 4.4 mm of radius in half of the rows: "
+        "f.csv: cal_x and cal_z: look in the same direction and differ by 4.4 mm of radius in half of the rows: "
         "name the caliper to use"
     )
     near = log(md__m=one["md"].values, rb__deg=one["rb"].values, cal_x__in=x, cal_z__in=y + 0.1)
@@ -388,8 +388,8 @@ def test_two_calipers_that_disagree_are_not_merged() -> None:
     depth = part["md"].values
     assert prepare(part.readings(overlay(guess(part), part, diameters, "map"))).report[0] == (
         "arms",
-        "f.csv: cal_x and cal_z look in one direction and differ by more than 2.5 mm of radius in 40 rows, the longest "
-        f"stretch from {depth[0]:.2f} to {depth[39]:.2f} m: name the caliper to use",
+        "f.csv: cal_x and cal_z look in the same direction and differ by more than 2.5 mm of radius in 40 rows, the "
+        f"longest stretch from {depth[0]:.2f} to {depth[39]:.2f} m: name the caliper to use",
     )
 
 
@@ -412,7 +412,7 @@ def test_two_calipers_of_four_arms_are_no_imaging_tool() -> None:
     far = log(md__m=100 + 0.05 * np.arange(N), **(sizes | {"UCHO__in": sizes["UCHO__in"] + 0.5}))
     with pytest.raises(hb.InputError) as caught:
         prepare(far.readings(roles))
-    assert str(caught.value).startswith("f.csv: DCHO and UCHO: look in one direction and differ by 6.")
+    assert str(caught.value).startswith("f.csv: DCHO and UCHO: look in the same direction and differ by 6.")
     arms = tuple(Sensor(f"r{k}", offset=0.5 * (k % 2), mounting=45.0 * k) for k in range(8))
     staggered = replace(found, sensors=arms)
     assert not staggered.is_image  # two levels of four arms
@@ -467,7 +467,7 @@ SHALLOW = hb.Survey([0.0, 50.0], [0.0, 0.0], [0.0, 0.0])
 @pytest.mark.parametrize(
     ("one", "settings", "path", "text"),
     [
-        ([], None, None, "readings: must have at least one"),
+        ([], None, None, "readings: must be those of at least one file"),
         (rotating(), None, SHALLOW.path(reference="parallel-transport"),
          "f.csv: the wall's toolfaces count from a parallel-transport reference, but those of a tool never do; say "
          "whether its toolfaces count from north, from the high side, or automatically"),
@@ -626,7 +626,7 @@ def test_a_toolface_too_fast_to_be_read_between_is_reported() -> None:
     line = (
         "toolface",
         "f.csv: half of the toolface readings differ by 110 deg or more from the reading before: how far the tool "
-        "turned between two is not known",
+        "turned between readings is not known",
     )
     assert line in fast.report
     assert not [line for line in slow.report if line[0] == "toolface"]

@@ -149,7 +149,7 @@ def test_xy_caliper_by_depth():
         (lambda: TimeSeries([0, 1], [1]), "values has 1 values, time has 2: must be equal"),
         (lambda: TimeSeries([0], [1], gap=0), "gap = 0, beyond = 0: gap must be above 0, beyond not negative"),
         (lambda: Sensor("gamma", NAN), "sensor gamma: offset = nan: must be finite"),
-        (lambda: observe_by_depth([], [1], [1], []), "sensors: must have at least one"),
+        (lambda: observe_by_depth([], [1], [1], []), "sensors: must have at least one sensor"),
         (lambda: observe_by_depth([Sensor("a")], [1], [1], []), "radii has 0 columns, sensors has 1: must be equal"),
         (lambda: observe_by_depth([Sensor("a")], [1], [1], [[1, 2]]),
          "radii[0] has 2 values, depth has 1: must be equal"),

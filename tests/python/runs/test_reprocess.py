@@ -418,7 +418,7 @@ def test_a_wall_asked_for_where_no_sample_lies_is_refused_however_it_is_made(tmp
     parquet.write_table(pyarrow.table(columns), file := tmp_path / "a.parquet")
     wall = {"bit_diameter": 0.2159, "sectors": 16, "pitch": 0.01, "start_depth": 900.0, "stop_depth": 920.0}
     tree = {"caliper": [{"file": str(file)}], "wall": wall, "preparation": BY_ROW}
-    with pytest.raises(hb.InputError, match=r"no samples between 900 and 920 m; it has 1\d\d\d"):
+    with pytest.raises(hb.InputError, match=r"no samples between 900 and 920 m; the file has 1\d\d\d"):
         reprocess_well(Job("A", tree, str(tmp_path / "out"), block_samples=most))
     assert content(tmp_path / "out") == {}
 
@@ -479,7 +479,7 @@ def test_a_stretch_of_hole_with_too_many_samples_for_a_block_is_refused(field: P
     tree = {"caliper": [{"file": f"{field}/0.parquet"}], "wall": settings, "preparation": BY_ROW}
     with pytest.raises(hb.InputError) as caught:
         reprocess_well(Job("A", tree, str(tmp_path), block_samples=999))
-    rule = "256 turns from 1000 m on have 4,000 samples or vertices; must be at least 1/4 of that"
+    rule = "256 turns from 1000 m on have 4,000 samples or vertices; must be at least 1/4 of this number"
     assert str(caught.value) == f"block_samples = 999: {rule}"
 
 

@@ -400,7 +400,7 @@ def test_depths_that_fall_or_repeat_are_reported(tmp_path: Path) -> None:
     result = run("reconstruct", tmp_path / "c.csv", "-o", tmp_path / "w.glb", "--bit-diameter", "216mm")
     assert result.exit_code == 0
     assert "md_m: falls: logged upwards" in result.output
-    assert "md_m: 2 rows repeat the depth before" in result.output
+    assert "md_m: 2 rows repeat the depth of the row before" in result.output
     lacking = run(
         "reconstruct",
         tmp_path / "c.csv",
@@ -427,12 +427,12 @@ def test_depths_that_fall_or_repeat_are_reported(tmp_path: Path) -> None:
         (
             "md_m,inc_deg,azi_deg,n_m,e_m,tvd_m", "0,3,20,29.293,2.087,0", (),
             "at 0 m, as if it were (0, 0, 0); the file states north 29.293, east 2.087, down 0 m; "
-            "--head 29.293 2.087 0 uses that",
+            "--head 29.293 2.087 0 sets these",
         ),
         (
             "md_ft,inc_deg,azi_deg,n_ft,e_ft,tvd_ft", "100,3,20,10,20,99", (),
             "at 30.48 m, as if it were (0, 0, 0); the file states north 3.048, east 6.096, down 30.1752 m; "
-            "--head 3.048 6.096 30.1752 uses that",
+            "--head 3.048 6.096 30.1752 sets these",
         ),
     ],
 )  # fmt: skip

@@ -155,7 +155,7 @@ def test_example_hole_has_everything_in_it() -> None:
         (lambda: Breakout(20, 30, 0, 0, 0.01), "opening = 0: must be above 0"),
         (
             lambda: Hole(beds=(Bed(2010, 60), Bed(2005, 90))),
-            "beds[1].depth = 2005: must be 2010 or deeper, as beds[0] is",
+            "beds[1].depth = 2005: must be at least 2010, the depth of beds[0]",
         ),
         (lambda: Tool(advance=0), "advance = 0: must be above 0"),
         (lambda: Tool(noise=-1), "noise = -1: must not be negative"),

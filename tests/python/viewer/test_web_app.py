@@ -167,7 +167,7 @@ def test_a_new_wall_greets_again(client: TestClient, feed: Any) -> None:
         ("{", "not JSON"),
         ("[" * 5000, "not JSON"),
         ("7", "a message must be an object, sent after the handshake"),
-        ('{"session": "%s"}', "neither ack nor subscribe"),
+        ('{"session": "%s"}', "a message must be ack or subscribe"),
         ('{"session": "%s", "ack": 99}', "ack 99: no message with this number waits for an ack"),
         ('{"session": "%s", "subscribe": {"tiles": 3}}', "subscribe.tiles: must be a list of at most 64 ranges"),
         ("x" * 9000, "a page sends text of at most 8192 bytes"),
@@ -239,7 +239,7 @@ def test_one_vertex_and_a_section_as_text(client: TestClient, feed: Any) -> None
     assert got["depth"] == pytest.approx(feed.wall.depth[k], abs=1e-9)
     assert got["toolface"] == pytest.approx(feed.wall.toolface[k])
     assert got["radius"] == pytest.approx(feed.wall.radius[k], abs=5.1e-6)
-    assert client.get("/api/vertex/40000").text == "vertex 40000: the wall has 40000\n"
+    assert client.get("/api/vertex/40000").text == "vertex 40000: the wall has 40000 vertices\n"
     lines = client.get("/api/section.csv?start=1011.9&stop=1012.1").text.splitlines()
     assert lines[0] == 'vertex,depth [m],toolface [deg],radius [m],first radius [m],nearest [m],support,"GR []"'
     assert len(lines) == 1 + 129

@@ -162,7 +162,7 @@ BAD: list[tuple[int, dict[str, Any], str]] = [
     (
         150,
         {"max_distance": 1e-9},
-        "samples: too few samples to tune: no sample has another outside its box and within max_distance",
+        "samples: too few samples to tune: no sample has another one outside its box and within max_distance",
     ),
     (150, {"window": 30}, "window = 30: must be None to tune: samples are left out of the exact search"),
     (150, {"pitch": 0.0}, "pitch = 0: must be finite and not 0"),

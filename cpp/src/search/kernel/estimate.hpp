@@ -52,6 +52,7 @@ inline void read_neighbours(const Group& g, const CandidateList& list, int neigh
 // squared distances of all other candidates, which allows for the rounding of floats. With u = 2^-24, each coordinate
 // errs by u times the list's extent. The difference of two coordinates errs by as much again, and by 2 u more when it
 // is scaled. A float square k, cut to 15 bits of fraction, stands for a square of at least
+// (e: the error of a distance)
 //
 //     (sqrt(k (1 - 2^-14)) - e)^2  >=  k (1 - 2^-13) - 2^14 e^2      as  2 e sqrt(k) <= 2^-14 k + 2^14 e^2
 template <class P, int kept, bool windowed, bool wraps>
@@ -92,10 +93,10 @@ struct Estimate {
     P radius, support, least, farthest;  // least, farthest: smallest and largest squared distance of the neighbours
 };
 
-// Returns sum(w r) / sum(w) over the neighbours at most max_distance away, or the mean of those at distance 0, if any.
-// A neighbour farther away adds 0, which does not change the bits of the sums. So it does not matter which samples
-// beyond the limit were selected, although the search does not make sure there that they are the nearest. The result is
-// clamped to the least and greatest radius used, because rounding could exceed them by an ulp.
+// Returns sum(w r) / sum(w) over the neighbours at most max_distance away, or the mean radius at distance 0, if any
+// are. A neighbour farther away adds 0, which does not change the bits of the sums. So it does not matter which samples
+// beyond the limit were selected, although the search does not make sure that these samples are the nearest. The result
+// is clamped to the least and greatest radius used, because rounding could exceed them by an ulp.
 //
 // `fixed` is the number of neighbours if it is known at compile time, else 0; with 0 the weights are left in `n`.
 template <class P, int fixed>

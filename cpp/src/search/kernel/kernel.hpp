@@ -6,9 +6,9 @@
 //
 //     toolface ->                          h = half height of the list beyond the group
 //     +------------------------------+     w = half width of the list beyond the group, degrees
-//     |   .   :    .      .   .      |
+//     |   .   :    .      .   .      |     1 to 8: the vertices; . and : samples
 //     |  .  1  2  3  4  5  6  7  8  .|     every sample outside the box is at least min(h, c w) away from
-//     |    .     .    :     .     .  |     every vertex of the group, c = metres a degree at its radius
+//     |    .     .    :     .     .  |     every vertex of the group, c = metres a degree at the radius of the vertex
 //     +------------------------------+
 //
 // A vertex is done when its farthest neighbour is nearer than this distance; otherwise the box grows. If no sample lies
@@ -122,7 +122,7 @@ struct Group {
     double window_first[lanes];  // with a window only: the vertex uses positions [first, last) of the list
     double window_last[lanes];
     double trial[lanes];      // the radius the next estimate starts from
-    double before[lanes];     // the previous trial radius; when done, `trial`, unless the radius is the mean of both
+    double before[lanes];     // the previous trial; when done, equal to `trial` unless the radius is the mean of both
     double discarded[lanes];  // least squared distance, at `trial`, of the candidates removed from the list
     double radius[lanes];
     double nearest[lanes];
@@ -170,7 +170,7 @@ struct Found {
 
 struct Functions {
     const char* name;
-    // Returns whether all values lie in [low, high]. NaN does not.
+    // Returns whether all values lie in [low, high]; false if one of the values is NaN.
     bool (*all_within)(const double* values, std::int64_t n, double low, double high);
     Order (*order)(const double* values, std::int64_t n);
     // Return the least (or the greatest) squared distance of n points from (x, y), and the index of the first point at
@@ -194,6 +194,6 @@ struct Functions {
 
 const Functions& plain();
 const Functions& avx2();    // the plain functions if the compiler does not target x86-64
-const Functions& avx512();  // the plain functions in the same case
+const Functions& avx512();  // the plain functions if the compiler does not target x86-64
 
 }  // namespace helibore::kernel

@@ -20,7 +20,7 @@ namespace {
 template <class P>
 struct KrigingSystem {
     P row[max_kriged][max_kriged + 3];
-    P low, high;  // of the radii used
+    P low, high;  // least and greatest of the radii used
 };
 
 // Fills the matrix and the three columns. A neighbour beyond max_distance gets covariance 0 with all others, 0 instead

@@ -51,8 +51,9 @@ inline void relative_weights(const P* squares, P least, int neighbors, double po
     }
 }
 
-// Computes weights proportional to 1 / d without a division: each is the product of the other seven distances, of those
-// before it and those behind it. A neighbour whose square is set to 1 does not change a bit of the other weights.
+// Computes weights proportional to 1 / d without a division: each is the product of the other seven distances: that of
+// the distances before it, times that of the distances behind it. A neighbour whose square is set to 1 does not change
+// a bit of the other weights.
 template <class P>
 inline void products_of_others(const P* squares, P* weight) {
     P distance[8];

@@ -53,7 +53,7 @@ struct Avx2Pack {
         return {_mm256_blendv_pd(no.a, yes.a, m.a), _mm256_blendv_pd(no.b, yes.b, m.b)};
     }
 
-    // As in Avx512Pack. 2^52 + n has the integer n in its low bits.
+    // Does the same as Avx512Pack::exponent. 2^52 + n has the integer n in its low bits.
     static Avx2Pack exponent(Avx2Pack x) {
         const auto shifted = [](__m256d y) {
             const __m256d n = _mm256_castsi256_pd(_mm256_srli_epi64(_mm256_castpd_si256(y), 52));
@@ -79,8 +79,8 @@ struct Avx2Pack {
                 _mm256_or_pd(_mm256_andnot_pd(low(), square.b), position.b)};
     }
 
-    // Rows are loaded whole and transposed, because the gather instruction is many times slower where processors are
-    // patched against Downfall.
+    // Rows are loaded whole and transposed, because the gather instruction is many times slower on processors that
+    // are patched against Downfall.
     template <class Row>
     static void read(const Row& row, Avx2Pack& depth, Avx2Pack& toolface, Avx2Pack& radius) {
         const auto four = [&](int i, __m256d& d, __m256d& t, __m256d& r) {

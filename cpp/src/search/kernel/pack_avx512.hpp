@@ -36,23 +36,25 @@ struct Avx512Pack {
     static unsigned bits(Mask a) { return a; }
     static Avx512Pack blend(Mask m, Avx512Pack yes, Avx512Pack no) { return _mm512_mask_blend_pd(m, no.v, yes.v); }
 
-    // The parts of a normal number, x = mantissa 2^exponent with the mantissa in [1, 2), and 2^n.
+    // Return the exponent or the mantissa of a normal number x = mantissa * 2^exponent, the mantissa in [1, 2); or 2^n.
     static Avx512Pack exponent(Avx512Pack x) { return _mm512_getexp_pd(x.v); }
     static Avx512Pack mantissa(Avx512Pack x) { return _mm512_getmant_pd(x.v, _MM_MANT_NORM_1_2, _MM_MANT_SIGN_zero); }
     static Avx512Pack power_of_two(Avx512Pack n) { return _mm512_scalef_pd(_mm512_set1_pd(1.0), n.v); }
 
     static __m512i low() { return _mm512_set1_epi64((1LL << position_bits) - 1); }
-    // (square & ~low) | position in one instruction; 0xBA is the truth table of this expression.
+    // Returns (square & ~low) | position, by one instruction; 0xBA is the truth table of this expression.
     static Avx512Pack tag(Avx512Pack square, Avx512Pack position) {
         const __m512i p = _mm512_castpd_si512(position.v);
         return _mm512_castsi512_pd(_mm512_ternarylogic_epi64(_mm512_castpd_si512(square.v), low(), p, 0xBA));
     }
 
-    // Eight rows are loaded whole and transposed, because the gather instruction is many times slower where processors
-    // are patched against Downfall.
+    // Eight rows are loaded whole and transposed, because the gather instruction is many times slower on processors
+    // that are patched against Downfall. d, t, r: depth, toolface, radius; a dot is not used:
     //
     //     d0 t0 r0 .  d4 t4 r4 .   \  lows   d0 d1 r0 r1  d4 d5 r4 r5   \  depth d0 d1 d2 d3 d4 ...
-    //     d1 t1 r1 .  d5 t5 r5 .   /  highs  t0 t1  .  .  t4 t5  .  .   /
+    //     d1 t1 r1 .  d5 t5 r5 .   /  highs  t0 t1  .  .  t4 t5  .  .   /  toolface and radius likewise
+    //
+    // Rows 2, 6 and 3, 7 are loaded like rows 0, 4 and 1, 5.
     template <class Row>
     static void read(const Row& row, Avx512Pack& depth, Avx512Pack& toolface, Avx512Pack& radius) {
         const auto two = [&](int i) {

@@ -122,7 +122,7 @@ struct PlainPack {
     friend PlainPack operator/(PlainPack a, PlainPack b) {
         return each([&](int i) { return a.v[i] / b.v[i]; });
     }
-    // Like the x86 instructions, these return the second operand unless the first is less (greater), also for NaN.
+    // Like the x86 instructions, min (max) returns the second operand unless the first is less (greater), also for NaN.
     static PlainPack min(PlainPack a, PlainPack b) {
         return each([&](int i) { return a.v[i] < b.v[i] ? a.v[i] : b.v[i]; });
     }
@@ -153,7 +153,7 @@ struct PlainPack {
         return each([&](int i) { return m.m[i] ? yes.v[i] : no.v[i]; });
     }
 
-    // As in Avx512Pack.
+    // Does the same as Avx512Pack::exponent.
     static PlainPack exponent(PlainPack x) {
         return each([&](int i) { return static_cast<double>((bits(x.v[i]) >> 52) - 1023); });
     }

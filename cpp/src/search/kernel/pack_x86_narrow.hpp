@@ -79,7 +79,7 @@ struct X86NarrowPair {
     static X86NarrowPair min(X86NarrowPair a, X86NarrowPair b) { return _mm512_min_ps(a.v, b.v); }
     static X86NarrowPair max(X86NarrowPair a, X86NarrowPair b) { return _mm512_max_ps(a.v, b.v); }
 
-    // (square & ~low) | position in one instruction; 0xBA is the truth table of this expression.
+    // Returns (square & ~low) | position, by one instruction; 0xBA is the truth table of this expression.
     static X86NarrowPair tag(X86NarrowPair square, X86NarrowPair position) {
         const __m512i low = _mm512_set1_epi32((1 << narrow_position_bits) - 1);
         return _mm512_castsi512_ps(

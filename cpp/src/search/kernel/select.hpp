@@ -251,7 +251,7 @@ class Nearest {
             for (int i = 0; i < n; i += 16) count += __builtin_popcount(passed(i, at_most));
             return count;
         };
-        if (!(guess_ > 0.0f)) {  // the first guess takes the candidates as spread evenly in the box
+        if (!(guess_ > 0.0f)) {  // the first guess assumes that the candidates are spread evenly in the box
             const double area = scale * (box_.across < 180.0 ? box_.across : 180.0) * box_.along * 4.0;
             const double square = area * most / (3.0 * static_cast<double>(list_.count + 1));
             guess_ = square < 1e30 ? static_cast<float>(square + 1e-30) : 1.0f;

@@ -1,6 +1,6 @@
 // Alarms: zones that are new since the page last received them, and the alarms of the live feed. They stay until the user
-// silences them (A), also over a reload. Rig mode has room for two short lines; there the first A shows the full texts, the
-// second A silences them.
+// silences them with the key A, also after a reload. Rig mode has room for two short lines; there the first A shows the full
+// texts, and the second A silences the alarms.
 
 import { recall, remember } from './memory.js';
 import { byId } from './panel.js';
@@ -12,7 +12,7 @@ const LINES = 2; // in rig mode
 // Rule and source of an alarm of the feed, without the cause that follows them.
 /** @param {string} alarm */
 export const shortOf = (alarm) => alarm.split(': ')[0];
-// Return at most `LINES` texts; the last one says how many more there are.
+// Return at most `LINES` texts; the last text says how many more there are.
 /** @param {string[]} texts */
 export const few = (texts) => texts.slice(0, LINES).map((text, i) => (i === LINES - 1 && texts.length > LINES ? `${text}, +${texts.length - LINES} more` : text));
 /** @param {Zone} a @param {Zone} b */
@@ -37,7 +37,7 @@ export class Alarms {
     byId('alarmText').addEventListener('click', () => this.read(!this.whole));
   }
 
-  // A wall begins. After a reload of the page, the alarms of the same wall come back.
+  // Begin a wall. After a reload of the page, the alarms of the same wall come back.
   /** @param {string} session */
   begin(session) {
     const kept = JSON.parse(recall('sessionStorage', KEPT) ?? 'null');
@@ -61,7 +61,7 @@ export class Alarms {
     this.app.redraw();
   }
 
-  // Silence the alarms; in rig mode only when their full texts are on the page, else show these first.
+  // Silence the alarms. In rig mode, if their full texts are not on the page yet, show these texts instead.
   silence() {
     if (this.app.view.rig && !this.whole) return this.read(true);
     this.whole = false;

@@ -1,5 +1,6 @@
-// The caliper track: the diameters by which zones are judged. C1 is a line, C2 a dashed one, bit size black dashes. Orange
-// fills from bit to C2, pale orange from there to C1; blue fills from the least diameter to bit. Turns without a diameter are
+// The caliper track: the diameters by which zones are judged. C1 is a solid line, C2 a dashed
+// line, bit size black dashes. Orange fills from bit size to C2, pale orange from C2 to C1, blue from the least diameter to bit
+// size. Turns without a diameter are
 // hatched; turns interpolated between arms are hatched sparsely.
 
 import { rowAt } from './curves.js';
@@ -49,8 +50,8 @@ function widen({ min, max, c2 }, y, turns, row) {
   if (!(c2[y] >= turns.c2[row]) && !Number.isNaN(turns.c2[row])) c2[y] = turns.c2[row];
 }
 
-// The lines of the scale, from its low to its high end: round numbers of a unit of which `per` make a metre. They enclose the
-// tightest and the widest turn in view, and at least a tenth of bit size; a fifth of them lies below bit size.
+// Return the lines of the scale, from its low to its high end: round numbers of a unit of which `per` make a metre. The scale
+// holds the tightest and the widest turn in view. It covers at least a tenth of bit size, and a fifth of it lies below bit size.
 /** @param {number} bit @param {{ min: Float32Array, max: Float32Array }} of @param {number} [per] */
 export function scaleFor(bit, { min, max }, per = 1000) {
   const widest = max.reduce((most, value) => (value > most ? value : most), bit * 1.06);
@@ -93,7 +94,7 @@ export function drawCaliper(ink, look) {
   return found;
 }
 
-// Fill each row from one place to another, all rows at once, so that no seam is seen between them.
+// Fill each pixel row from one place to another, all rows at once, so that no seam is seen between them.
 /** @param {Ink} ink @param {number} top @param {Float32Array} sizes @param {(size: number) => Pair | null} ends @param {string} colour */
 function fill(ink, top, sizes, ends, colour) {
   ink.beginPath();

@@ -1,4 +1,4 @@
-// A camera in perspective: where it is, its axes (right, up, back), what it sees. Matrices are column by column.
+// A camera in perspective: where it is, its axes (right, up, back), what it sees. Matrices are stored column by column.
 
 import { cross, dot, length, minus, normalised, plus, scaled } from './vectors.js';
 
@@ -25,7 +25,7 @@ export class Camera {
     this.axes = [right, cross(back, right), back];
   }
 
-  // Turn the camera on its place, radians to the left and upwards.
+  // Turn the camera without moving it: `left` and `raised` are radians to the left and upwards.
   /** @param {number} left @param {number} raised */
   turn(left, raised) {
     let [right, up, back] = this.axes;
@@ -34,13 +34,13 @@ export class Camera {
     this.axes = [right, up, back];
   }
 
-  // A direction in the axes of the camera: right, up, towards the eye.
+  // Return a direction in the axes of the camera: right, up, towards the eye.
   /** @param {Vector} direction */
   facing(direction) {
     return this.axes.map((axis) => dot(axis, direction));
   }
 
-  // The model-view matrix of a body with these axes at this place.
+  // Return the model-view matrix of a body with these axes at this place.
   modelView(place = [0, 0, 0], axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]) {
     return [...axes.flatMap((axis) => [...this.facing(axis), 0]), ...this.facing(minus(place, this.position)), 1];
   }
@@ -53,7 +53,7 @@ export class Camera {
     return [width / (tangent * aspect), 0, 0, 0, 0, height / tangent, 0, 0, -toLeft, -down, (near + far) / (near - far), -1, 0, 0, (2 * near * far) / (near - far), 0];
   }
 
-  // Where a place is on the picture, -1 to 1; null if it is behind the eye or out of reach.
+  // Return where a place is on the picture, -1 to 1; null if the place is behind the eye or out of reach.
   /** @param {Vector} place */
   project(place) {
     const [x, y, back] = this.facing(minus(place, this.position));
@@ -65,7 +65,7 @@ export class Camera {
 const FAREST = 50000;
 const NEAREST = 0.5;
 
-// Moves a camera around a point: a drag turns, a drag with the right button (or two fingers) shifts, the wheel comes nearer.
+// Moves a camera around a point: a drag turns, a drag with the right button (or two fingers) shifts, the wheel brings it nearer.
 export class Orbit {
   target = [0, 0, 0];
   enabled = true;

@@ -1,11 +1,11 @@
 // What is coloured and how: the quantities, their colour maps and the ends of their colours, which the server chooses once
-// from the whole wall. A user may fit them to the values in view.
+// from the whole wall. A user may fit these ends to the values in view.
 //
 //   colour = map[(value - low) / (high - low)], of their logarithms on a logarithmic scale      no value: hatched grey
 //
 // Static: one range everywhere, so a colour is a value. Dynamic: the range at each depth is the mean plus and minus two
 // standard deviations of a window around it, which brings out layers; then a colour is NOT a value. In view: one range for the
-// section that is shown, from its own values; it changes with the section.
+// section that is shown, from the values of this section; the range changes with the section.
 
 import definition from '../../../base/color_maps.json' with { type: 'json' };
 import { FIRST, NEAREST, RADIUS, STATE, SUPPORT_MASK, TEXEL } from './protocol.js';
@@ -38,8 +38,8 @@ export function lookup(name, count = 256) {
 
 export const [Q_RADIUS, Q_OVER, Q_NEAREST, Q_SUPPORT, Q_CHANGE, Q_ATTRIBUTE] = [0, 1, 2, 3, 4, 5];
 
-// The quantities of a wall, attributes last. Lengths are in metres; `length` marks them, for the units on screen. In a gauge
-// hole only the attributes are measured.
+// Return the quantities of a wall, attributes last. Lengths are in metres; `length` marks lengths, for the units on screen. In a
+// gauge hole only the attributes are measured.
 /** @param {Pick<Store, 'attributes' | 'basis'>} store @returns {Quantity[]} */
 export function quantities(store) {
   const [low, high] = [NaN, NaN];
@@ -61,7 +61,7 @@ export function quantities(store) {
 /** @param {Quantity[]} all @param {string} id */
 export const quantityOf = (all, id) => all.find((quantity) => quantity.id === id) ?? all[0];
 
-// Take the ends that the server chose, unless the user or the address chose others.
+// Take the ends of the colours that the server chose, unless the user or the address chose other ends.
 /** @param {Quantity[]} all @param {Record<string, Pair>} ranges */
 export function takeRanges(all, ranges) {
   for (const quantity of all) {
@@ -92,7 +92,7 @@ export function valueAt(store, quantity, tile, at, pass = 'latest') {
   }
 }
 
-// At most `most` values of the pieces in view, evenly picked and sorted: for the histogram and for percentiles.
+// Return at most `most` values of the pieces in view, evenly picked and sorted: for the histogram and for percentiles.
 /** @param {Store} store @param {Quantity} quantity @param {Piece[]} pieces @param {Pass} pass @param {number} [most] */
 export function sampleOf(store, quantity, pieces, pass, most = 8000) {
   const total = pieces.reduce((sum, { tile }) => sum + tile.level.tileSize, 0);
@@ -112,7 +112,7 @@ export function sampleOf(store, quantity, pieces, pass, most = 8000) {
 /** @type {WeakMap<Quantity, { key: string, sorted: Float64Array }>} */
 const seen = new WeakMap();
 
-// Values of the section in view, sorted; kept until the section or one of its tiles changes.
+// Return the values of the section in view, sorted; they are kept until the section or one of its tiles changes.
 /** @param {Pick<Look, 'store' | 'view' | 'imagePieces'>} look @param {Quantity} quantity */
 export function valuesInView({ store, view, imagePieces }, quantity) {
   const versions = imagePieces.reduce((sum, { tile }) => sum + tile.version * (tile.index + 1), 0);
@@ -190,7 +190,7 @@ export function dynamicRange(store, quantity, tile, pass) {
   return out;
 }
 
-// Do values of the section lie beyond the low and the high end of the colours, by at least a step of the colours?
+// Return whether values of the section lie beyond the low end and beyond the high end of the colours, by at least a step.
 /** @param {Pick<Look, 'store' | 'view' | 'imagePieces'>} look @param {Quantity} quantity @returns {[boolean, boolean]} */
 export function beyondEnds({ store, view, imagePieces }, quantity) {
   const [a, b] = [quantity.low, quantity.high].map(scaling(quantity.log));
@@ -209,8 +209,8 @@ export function beyondEnds({ store, view, imagePieces }, quantity) {
 
 const FIGURES = 5;
 
-// Per row: count, sum, sum of squares, least and greatest value (of logarithms for a logarithmic quantity), kept until the
-// tile changes.
+// Return, for each row, count, sum, sum of squares, least and greatest value (of logarithms for a logarithmic quantity); they
+// are kept until the tile changes.
 /** @param {Store} store @param {Quantity} quantity @param {Tile | undefined} tile @param {Pass} pass */
 function rowFigures(store, quantity, tile, pass) {
   if (!tile) return null;

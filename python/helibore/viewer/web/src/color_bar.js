@@ -9,7 +9,8 @@ export const POINT = 7; // length of a pointed end of the colours, pixels
 const WIDEST = 240;
 const LEAST = 60;
 
-// Draw the colours, 8 pixels high. An end is pointed if values of the section lie beyond it; these have the colour of the end.
+// Draw the colours, 8 pixels high. An end is pointed if values of the section lie beyond it; such values have the colour of this
+// end.
 /** @param {Ink} ink @param {Look} look @param {number} left @param {number} top @param {number} width */
 export function drawColours(ink, look, left, top, width) {
   const { view, quantity } = look;
@@ -32,7 +33,7 @@ export function drawColours(ink, look, left, top, width) {
   ink.stroke();
 }
 
-// The value at a share of the colours: 0 at the low end, 1 at the high end.
+// Return, as text, the value at a share of the colours: 0 at the low end, 1 at the high end.
 /** @param {Look} look @param {number} share */
 export function valueText({ view, quantity }, share) {
   const { low, high, log, dynamic } = quantity;

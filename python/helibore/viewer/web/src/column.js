@@ -1,5 +1,5 @@
 // Ink on the straightened hole: the bit's outline, zones with their measures, picked planes. It matches the column's
-// shader: the left edge of the image at the left, its last quarter in front, the right half cut away.
+// shader: the left edge of the image is at the left, the last quarter of the image in front; the right half is cut away.
 
 import { BAR, drawColourBar } from './color_bar.js';
 import { planeDepth } from './dips.js';
@@ -114,7 +114,7 @@ function bitGlyph(ink, x, y, bit, down, palette) {
   ink.stroke(); // an outline only: the newest wall stays visible
 }
 
-// The curve of a picked plane on the visible wall: its front in the left half, its back in the right one.
+// Draw the curve of a picked plane on the visible wall: the front of the hole is in the left half, its back in the right half.
 /** @param {Ink} ink @param {Look} look @param {Plane} plane @param {string} colour */
 export function columnCurve(ink, look, plane, colour) {
   const { view, path, wallRect: rect } = look;

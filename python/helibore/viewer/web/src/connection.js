@@ -85,7 +85,7 @@ export class Connection {
     this.send(encodeAck(this.session, message.sequence));
   }
 
-  // Ask for these tiles and no others; the request is sent only if it differs from the last one.
+  // Ask for these tiles and no others; the request is sent only if it differs from the last request.
   /** @param {number[]} tiles @param {number} focus @param {number} mask */
   subscribe(tiles, focus, mask) {
     const text = encodeSubscribe(this.session, toRanges(tiles), focus, mask);

@@ -1,6 +1,6 @@
-// Curves along the hole on a track of their own: those of the files (gamma ray, rate of penetration) and those that the
-// wall's logs measure. The server offers them with the ends of their scales; the page asks for the values of those it
-// shows, and again when their version changes.
+// Curves along the hole on a track of their own: curves of files (gamma ray, rate of penetration) and curves that the
+// wall's logs measure. The server offers them with the ends of their scales; the page requests the values of the curves
+// that it shows, and requests them again when their version changes.
 
 import { scaling } from './color.js';
 import { BOLD, fitting, label, PALETTES, SMALL, within, yOf } from './layout.js';
@@ -17,7 +17,7 @@ const GAP = 10; // usual steps of depth; a curve has a gap where its rows are fa
 /** @type {['max' | 'min' | 'pin' | 'ink', number[]][]} */
 const STYLES = [['max', []], ['min', [6, 3]], ['pin', [2, 3]], ['ink', [8, 3, 2, 3]]]; // colours of the palette, dashes
 
-// Depths and values of the bytes that the server sends: f64 first depth, f32 depths from there, f32 values.
+// Return the depths and values in the bytes that the server sends: f64 first depth, f32 depths from there, f32 values.
 /** @param {ArrayBuffer} buffer */
 export function decodeCurve(buffer) {
   const count = (buffer.byteLength - 8) / 8;
@@ -40,7 +40,7 @@ export function rowAt(depth, wanted) {
   return low;
 }
 
-// The value at a depth, linear between rows; NaN beyond them and in gaps.
+// Return the value at a depth, linear between rows; NaN above and below the rows, and in gaps.
 /** @param {CurveValues} curveValues @param {number} wanted */
 export function curveAt({ depth, values, step }, wanted) {
   const i = rowAt(depth, wanted);
@@ -148,8 +148,8 @@ export class Curves {
     edges(ink, sharp(rect), palette.line);
   }
 
-  // Name, line and ends of the i-th curve: under each other for one or two curves, else in one line, as far as there is room;
-  // the name comes first.
+  // Draw the name, the line and the two ends of the scale of the i-th curve: below each other for one or two curves, for more
+  // in one line, as far as there is room. The name comes first.
   /** @param {Ink} ink @param {CurveOffer} curveOffer @param {Rect} rect @param {number} i @param {Palette} palette @param {string} colour @param {number[]} dash @param {Units} units */
   head(ink, { name, unit, low, high }, { left, width }, i, palette, colour, dash, units) {
     const { scale, unit: length } = unit === 'm' ? LENGTHS[units] : { scale: 1, unit };
@@ -165,7 +165,7 @@ export class Curves {
     label(ink, end(high), left + width, below, { colour: palette.soft, align: 'right', font: SMALL, yields: true, margin: 1 });
   }
 
-  // Name and value of the curves that are shown, at a depth.
+  // Return name and value of each curve that is shown, at a depth.
   /** @param {number | undefined} depth */
   readout(depth) {
     return this.shown.map(({ name, unit }) => {
@@ -177,7 +177,8 @@ export class Curves {
   }
 }
 
-// Draw the line of a curve in view: each row or, if there are many rows for each pixel, the least and the greatest of several.
+// Draw the line of a curve in view: each row or, if there are many rows for each pixel, the least and the greatest value of several
+// rows.
 /** @param {Ink} ink @param {CurveOffer} curveOffer @param {CurveValues} curveValues @param {Rect} rect @param {View} view @param {string} colour @param {number[]} dash */
 function trace(ink, { low, high, log }, { depth, values, step }, rect, view, colour, dash) {
   const f = scaling(log);

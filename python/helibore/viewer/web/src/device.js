@@ -1,4 +1,4 @@
-// Whether this machine draws with its processor instead of a graphics card. Then every sample of a pixel is expensive, and
+// Whether this machine draws with its processor instead of a graphics card. If so, every sample of a pixel is expensive, and
 // so is every canvas that the browser sends through GL: edges are not smoothed, and 2-D canvases are kept off GL.
 
 export const SOFTWARE = typeof document !== 'undefined' && drawnInSoftware();
@@ -14,6 +14,6 @@ function drawnInSoftware() {
 /** @param {HTMLCanvasElement} canvas */
 export const pen = (canvas) => /** @type {Ink} */ (canvas.getContext('2d', { willReadFrequently: SOFTWARE }));
 
-// Pixels of a canvas per CSS pixel of its element: at most two, because nobody sees more.
+// Pixels of a canvas per CSS pixel of its element: at most two, because nobody sees more pixels.
 /** @param {HTMLElement} element */
 export const pixelRatio = (element) => Math.min(window.devicePixelRatio * (element.currentCSSZoom ?? 1), 2);

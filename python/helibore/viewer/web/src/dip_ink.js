@@ -1,6 +1,7 @@
 // Picks on the picture. A plane is a curve on the image, a disc through the hole in 3-D, and a tadpole: the head is the
 // symbol of its class and stands at the true dip; the tail points to where the plane dips, north up. Without a survey the dip
-// is apparent (relative to the hole), and the tail counts from the tool's zero. A breakout is two boxes on the image.
+// is apparent (relative to the hole), and the direction of the tail counts from the tool's zero. A breakout is two boxes on the
+// image.
 
 import definition from '../../../base/color_maps.json' with { type: 'json' };
 import { columnCurve } from './column.js';
@@ -63,7 +64,7 @@ export function drawLegend(ink, { view, growing, rects: { axis, pane } }, { kept
   }
 }
 
-// The class of the next pick, beside the cursor.
+// Draw the class of the next pick beside the cursor.
 /** @param {Ink} ink @param {Look} look @param {PlaneKind | 'breakout'} kind */
 export function drawNext(ink, { view, path, rects }, kind) {
   const { cursor } = view;
@@ -120,7 +121,7 @@ function outlined(ink, colour, palette, wide = 2) {
   ink.stroke();
 }
 
-// Both sides of a breakout; what crosses the edge of the image is drawn at both edges.
+// Draw both sides of a breakout; a side that crosses an edge of the image is drawn at both edges.
 /** @param {Ink} ink @param {Look} look @param {BreakoutPick} pick @param {string} colour @param {Palette} palette */
 function box(ink, { view, path, rects: { image } }, pick, colour, palette) {
   const radius = pick.radius ?? 0.1;
@@ -203,7 +204,7 @@ function tadpole(ink, x, y, towards, kind, colour, palette) {
   symbol(ink, x, y, kind, colour, palette.panel);
 }
 
-// The symbol of a class: circle, squares, diamond, triangle; open symbols are filled with the colour of the ground.
+// Draw the symbol of a class: circle, squares, diamond, triangle; open symbols are filled with the colour of the ground.
 /** @param {Ink} ink @param {number} x @param {number} y @param {PlaneKind} kind @param {string} colour @param {string} ground */
 export function symbol(ink, x, y, kind, colour, ground) {
   const corners = kind === 'fault' ? 3 : kind === 'bed' ? 24 : 4;

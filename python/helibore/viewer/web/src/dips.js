@@ -1,10 +1,10 @@
 // The dip of a bed from points picked on the image. In the frame of the hole at the picks' depth (high side, right, along)
-// a plane is  along = c + a high + b right,  fitted to the points where they are on the wall, by its own radius and path:
+// a plane is  along = c + a high + b right,  fitted to the points on the wall, whose places follow from radius and path:
 //
 //   apparent dip = atan sqrt(a^2 + b^2)      on a round hole of diameter D a sinusoid of height H:  tan = H / D
 //   normal       = along - a high - b right, turned upwards;  true dip = its angle from up,  azimuth = direction in which it leans
 //
-// Three points or more, not all on one side of the hole. The misfit shows how well they lie in a plane.
+// Three points or more, not all on one side of the hole. The misfit shows how well the points lie in a plane.
 
 import { wrap360 } from './helix.js';
 import { dot, minus } from './vectors.js';
@@ -19,8 +19,8 @@ export function wallPoint(path, { depth, toolface, radius }) {
   return centre.map((x, i) => x + radius * (c * high[i] + s * right[i]));
 }
 
-// Plane through points {depth, toolface, radius}: null where the points do not define one. Angles in degrees, lengths in
-// metres; dip and azimuth NaN without a survey.
+// Return the plane through points {depth, toolface, radius}, or null if the points do not define a plane. Angles are in
+// degrees, lengths in metres; dip and azimuth are NaN without a survey.
 /** @param {Path} path @param {WallPoint[]} points @param {PlaneKind} [kind] @returns {Plane | null} */
 export function fitPlane(path, points, kind = 'bed') {
   if (points.length < 3) return null;
@@ -67,14 +67,14 @@ function leastSquares(rows, least) {
   const [xx, xy, yy, xz, yz] = [[0, 0], [0, 1], [1, 1], [0, 2], [1, 2]].map(
     ([i, j]) => rows.reduce((sum, row) => sum + (row[i] - mean[i]) * (row[j] - mean[j]), 0) / n,
   );
-  const smallest = (xx + yy) / 2 - Math.hypot((xx - yy) / 2, xy); // spread of the points across the hole, the narrow way
+  const smallest = (xx + yy) / 2 - Math.hypot((xx - yy) / 2, xy); // spread of the points across the hole, in the direction where it is least
   if (smallest < least) return null;
   const d = xx * yy - xy * xy;
   const [a, b] = [(xz * yy - yz * xy) / d, (yz * xx - xz * xy) / d];
   return [a, b, mean[2] - a * mean[0] - b * mean[1]];
 }
 
-// Depth at which the plane meets a round hole of its mean radius at a toolface.
+// Return the depth at which a plane meets, at a toolface, a round hole of the radius that the plane has.
 /** @param {Path} path @param {Plane} plane @param {number} toolface */
 export function planeDepth(path, { a, b, c, frame, radius }, toolface) {
   let depth = NaN;

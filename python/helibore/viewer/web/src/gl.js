@@ -9,9 +9,9 @@ const FORMATS = {
   frames: ['RGBA32F', 'RGBA', 'FLOAT'],
   colours: ['RGBA8', 'RGBA', 'UNSIGNED_BYTE'],
 };
-const SAMPLERS = ['texels', 'column', 'frames', 'colours', 'dynamicRange']; // a texture unit each
+const SAMPLERS = ['texels', 'column', 'frames', 'colours', 'dynamicRange']; // each has its own texture unit
 
-// An array as a texture; uploaded when it is first used, after `change`, and in a new context.
+// An array as a texture; it is uploaded when it is first used, after `change`, and in a new context.
 export class Texture {
   /** @type {Context | null} */
   context = null;
@@ -105,7 +105,7 @@ class Program {
   }
 }
 
-// The objects of one context: they are lost with it.
+// The objects of one context; they are lost if the context is lost.
 export class Context {
   /** @type {WebGLFramebuffer | null} */
   spot = null; // framebuffer of one pixel

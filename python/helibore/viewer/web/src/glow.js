@@ -1,4 +1,4 @@
-// Highlights new values: ranges of vertices that arrived lately, brightest at first, gone after some seconds.
+// Highlights new values: ranges of vertices that arrived lately, brightest at first, not highlighted any more after a few seconds.
 
 export const SECONDS = 3;
 const MOST = 8;
@@ -9,7 +9,7 @@ export class Glow {
   rows = 0; // turns in a tile of the wall
 
   // Note that values of the vertices [start, stop) arrived; `again`: the wall had these vertices before. A range that
-  // touches the latest one extends it, if that one is of the same kind and less than 0.3 s old.
+  // touches the latest range extends it, if the latest range is of the same kind and less than 0.3 s old.
   /** @param {number} start @param {number} stop @param {boolean} again @param {number} now */
   add(start, stop, again, now) {
     const last = this.ranges.at(-1);

@@ -61,7 +61,7 @@ export class Gpu {
     this.ratio = 0;
   }
 
-  // Give the canvas its size in pixels; a coarse picture has half of them each way.
+  // Give the canvas its size in pixels; a coarse picture has half of these pixels in each direction.
   /** @param {number} ratio */
   setRatio(ratio) {
     if (ratio === this.ratio) return;
@@ -85,7 +85,7 @@ export class Gpu {
     return this.bit(look);
   }
 
-  // Draw the straightened hole, on the depth axis of the tracks.
+  // Draw the straightened hole, with the same depth axis as the tracks.
   /** @param {Look} look */
   column(look) {
     const { store, view, wallRect, path } = look;
@@ -131,7 +131,7 @@ export class Gpu {
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   }
 
-  // Call back when the requested picture is drawn; in software that is long after draw() has returned.
+  // Call `done` when the requested picture is drawn; with software drawing, that is long after draw() has returned.
   /** @param {() => void} done */
   whenDrawn(done) {
     const { gl } = this;
@@ -302,7 +302,7 @@ export class Gpu {
     this.gl.drawArrays(this.gl.TRIANGLES, 0, shaders.BIT_CORNERS);
   }
 
-  // Stand beside the section so that all of it is in view.
+  // Place the camera beside the section so that the whole section is in view.
   /** @param {number} sectionLength @param {Frame} frame @param {number} radius @param {Rect} rect */
   lookAtSection(sectionLength, frame, radius, { width, height }) {
     const along = eastNorthUp(frame.tangent);
@@ -318,7 +318,7 @@ export class Gpu {
     this.outside.lookAt([0, 0, 0]);
   }
 
-  // The quad under a point of the 3-D view: {tile, at} or null.
+  // Return the quad under a point of the 3-D view, as {tile, at}, or null.
   /** @param {Look} look @param {number} x @param {number} y */
   pick(look, x, y) {
     const { width, height } = look.wallRect;
@@ -356,7 +356,7 @@ export class Gpu {
 }
 
 const BIT_SHARE = 0.2; // the bit's radius, as a share of the column's width
-const COLUMN_SHAPE = 3; // the shape's exaggeration in the column, where the user chose none
+const COLUMN_SHAPE = 3; // the exaggeration of the shape in the column, if the user chose none
 
 // Return the scale of the column: pixels a metre across the hole, how many times this is the scale along the hole, and the
 // exaggeration of the shape about bit radius.

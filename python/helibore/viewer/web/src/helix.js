@@ -33,8 +33,9 @@ export class Helix {
     return wrap360(this.startToolface + ((k % this.sectors) * 360) / this.sectors);
   }
 
-  // The quad that covers (depth, toolface); negative or beyond the end if the wall does not reach there. For an image that was
-  // measured in `rows` [depth of an edge between two rows, height of a row]: the quad that has the value of the row at `depth`.
+  // Return the quad that covers (depth, toolface); its number is negative or too large if the wall does not reach there. For an
+  // image that was measured in `rows` [depth of an edge between two rows, height of a row]: the quad that has the value of the row
+  // at `depth`.
   /** @param {number} depth @param {number} toolface @param {Pair | null} [rows] */
   quadAt(depth, toolface, rows = null) {
     const across = (wrap360(toolface - this.startToolface) / 360) * this.sectors;
@@ -45,13 +46,13 @@ export class Helix {
     return row * this.sectors + col;
   }
 
-  // The first vertex of the turn that is centred on a depth.
+  // Return the first vertex of the turn that is centred on a depth.
   /** @param {number} depth */
   turnAt(depth) {
     return Math.round(((depth - this.startDepth) / this.pitch - 0.5) * this.sectors);
   }
 
-  // Depths between which `size` vertices lie, shallow end first.
+  // Return the depths between which `size` vertices lie, shallow end first.
   /** @param {number} size */
   span(size) {
     const ends = [this.startDepth, this.depth(Math.max(0, size - 1))];

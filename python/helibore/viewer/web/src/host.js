@@ -1,4 +1,4 @@
-// In a notebook the page is a frame without a server. The notebook gives it a port, which takes the place of websocket and
+// In a notebook the page is a frame without a server. The notebook gives the page a port, which takes the place of websocket and
 // `fetch`: the kernel's messages and answers come through it, and the page sends back what the user looks at (notebook.js).
 
 export class Host {
@@ -16,7 +16,7 @@ export class Host {
     port.onmessage = ({ data }) => this.take(data);
   }
 
-  // A socket for `Connection`.
+  // Return a socket for `Connection`.
   connect() {
     /** @type {Socket} */
     const socket = { readyState: 1, binaryType: 'arraybuffer', onmessage() {}, onclose() {}, send: (text) => this.port.postMessage({ text }), close: (code) => this.close(code, '') };

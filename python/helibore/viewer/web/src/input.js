@@ -1,5 +1,5 @@
 // Pointer, wheel, touch and keyboard. A drag along the tracks moves the section, a click holds the cursor, the wheel
-// moves and, with Ctrl, zooms; a drag on the 3-D view turns it. Moving by hand stops following the bit; F resumes.
+// moves the section and, with Ctrl, zooms; a drag on the 3-D view turns it. Moving by hand stops following the bit; F resumes it.
 
 import { Orbit } from './camera.js';
 import { fitRange } from './color.js';
@@ -10,14 +10,14 @@ import { byId, tabs } from './panel.js';
 import { CLASSES } from './picking.js';
 
 const EDGE = 5; // pixels at the right edge of a head
-// Pixels: largest distance from a curve that hits it; largest distance along a sine from its crest that changes its dip;
-// largest move of a click.
+// In pixels. curve: the largest distance from a curve at which a pointer hits it. crest: the largest distance, along a sine,
+// from its crest or trough at which a drag changes the dip. click: the largest move of a click.
 const MOUSE = { curve: 6, crest: 0, click: 4 };
 const FINGER = { curve: 20, crest: 26, click: 10 };
 /** @param {PointerEvent} event */
 const precision = ({ pointerType }) => (pointerType === 'touch' ? FINGER : MOUSE);
 
-// Where a pointer is on the element that listens, in the element's own pixels: a page on 4K is enlarged.
+// Return where a pointer is on the element that listens, in the element's own pixels: a page on 4K is enlarged.
 /** @param {MouseEvent} event @returns {Pair} */
 function placeOf({ currentTarget, clientX, clientY }) {
   const element = /** @type {HTMLElement} */ (currentTarget);
@@ -125,7 +125,7 @@ export function cursorAt({ view, rects, path }, x, y) {
   return { depth, toolface: (((leftEdge(path, view.cut, depth).toolface + 360 * turn) % 360) + 360) % 360 };
 }
 
-// The cursor where it is on an image; null elsewhere.
+// Return the cursor if it is on an image, else null.
 /** @param {App} app @param {number} x @param {number} y @returns {Aim | null} */
 function aimAt(app, x, y) {
   const track = Object.keys(app.rects).find((name) => /^(image|beside)/.test(name) && inside(app.rects[name], x, y));

@@ -32,7 +32,7 @@ export function turnHead(head, dx, dy) {
   head.raised = within(head.raised + 0.004 * dy);
 }
 
-// Rings at round depths, each with its depth above it, and on the nearest ring the letters of the sides.
+// Draw rings at round depths, each with its depth above it, and on the nearest ring the letters of the sides.
 /** @param {Ink} ink @param {Look} look @param {Gpu} gpu */
 export function drawInsideInk(ink, look, gpu) {
   const { view, path, store, rects } = look;

@@ -11,7 +11,7 @@ const LIFTED = 0.5; // metres: a bit depth that is some seconds old may lie so f
 /** @type {Record<string, string>} */
 export const SIGNS = { live: '✓', late: '!', lost: '✕' };
 
-// The lamp's colour and text: how old the newest sample is, and how far the wall is behind the bit.
+// Show the colour and the text of the lamp: how old the newest sample is, and how far the wall is behind the bit.
 /** @param {App} app */
 export function lamp(app) {
   const [colour, text] = lampWords(app);
@@ -22,11 +22,11 @@ export function lamp(app) {
   if (byId('lampText').textContent !== text) byId('lampText').textContent = text;
 }
 
-// Seconds since the newest sample, or since the last new value; NaN for a wall that nothing was added to.
+// Return the seconds since the newest sample, or since the last new value; NaN if nothing was added to the wall.
 /** @param {Pick<App, 'newest' | 'lastWrite'>} of */
 export const ageOf = ({ newest, lastWrite }) => (newest !== null ? Date.now() / 1000 - newest : lastWrite === null ? NaN : (performance.now() - lastWrite) / 1000);
 
-// What is wrong with the feed, in few words; '' if nothing is.
+// Return what is wrong with the feed, in few words; '' if nothing is wrong.
 /** @param {Pick<App, 'alarms' | 'lost'>} of */
 function troubleOf({ alarms: { feed }, lost }) {
   if (lost.length) return `${lost.join(', ')} not connected`;
@@ -65,7 +65,7 @@ function behind(store, bitDepth, units) {
   return ahead > -LIFTED ? `${showDepth(Math.max(0, ahead), units, 1)} behind bit` : `bit back ${showDepth(-ahead, units, 1)} in the wall`;
 }
 
-// The cursor in words, for screen readers.
+// Return the values at the cursor in words, for screen readers.
 /** @param {App} app */
 export function spokenText({ view, read, zones }) {
   const values = Object.fromEntries(read);

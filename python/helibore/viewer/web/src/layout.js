@@ -58,8 +58,8 @@ function desk(width, { dips, measured, beside, curves }) {
   return { map: 52, axis: 72, image, ...besides, caliper, ...(curves ? { curves: curves > 2 ? 176 : 112 } : {}), ...(dips ? { dips: DIPS.desk } : {}) };
 }
 
-// Names and widths of the tracks as the user arranged them. All become narrower if the hole would get fewer than `pane`
-// pixels. If the hole has no pane, all together are as wide as the screen.
+// Return names and widths of the tracks as the user arranged them. All tracks become narrower if the hole would get fewer than
+// `pane` pixels. If the hole has no pane, all tracks together are as wide as the screen.
 /** @param {Record<string, number>} widths @param {Record<string, number>} chosen @param {string[]} order @param {number} width @param {number} pane @returns {[string, number][]} */
 function arranged(widths, chosen, order, width, pane) {
   /** @param {string} name */
@@ -72,11 +72,11 @@ function arranged(widths, chosen, order, width, pane) {
   return Object.entries({ map, axis, ...Object.fromEntries(names.map((name, i) => [name, Math.floor(wide[i] * share)])) });
 }
 
-// Names of the tracks that a user can move, from left to right.
+// Return the names of the tracks that a user can move, from left to right.
 /** @param {Rects} rects */
 export const movable = (rects) => Object.keys(rects).filter((name) => !['map', 'axis', 'pane', 'wall'].includes(name) && rects[name].width);
 
-// The right end of the last track; the straightened hole counts as a track.
+// Return the right end of the last track; the straightened hole counts as a track.
 /** @param {Rects} rects */
 export const tracksEnd = (rects) => (rects.wall?.top && rects.wall.width ? rects.wall.left + rects.wall.width : Math.max(...['axis', ...movable(rects)].map((name) => rects[name].left + rects[name].width)));
 /** @param {Rects} rects */
@@ -107,7 +107,7 @@ export const PALETTES = {
   },
 };
 
-// Black or white, whichever is seen better on a colour (#rrggbb): the contrast of WCAG 2.
+// Return black or white, whichever is seen better on a colour (#rrggbb), by the contrast of WCAG 2.
 /** @param {string} colour */
 export function inkOn(colour) {
   const [r, g, b] = [1, 3, 5].map((at) => parseInt(colour.slice(at, at + 2), 16) / 255).map((c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4));
@@ -125,7 +125,7 @@ export function within(ink, { left, top, width, height }, draw) {
   ink.restore();
 }
 
-// Draw a text, on a halo if a colour for it is given. The canvas keeps the box of every text until the next frame (`sized`
+// Draw a text, on a halo if a colour for the halo is given. The canvas keeps the box of every text until the next frame (`sized`
 // deletes the boxes). `near` holds places, relative to (left, top): the text is drawn at the first of them where it touches no
 // text and no line that was drawn before. Without `near` the place is (left, top), and lines do not count. If `yields` is set, a
 // text that has no free place is not drawn. `margin` is how many pixels a text keeps clear of other texts.
@@ -164,7 +164,7 @@ export function label(ink, text, left, top, { colour, halo, align = 'left', base
   ink.fillText(text, x, y);
 }
 
-// The first text that fits the width, else as much of the last one as fits.
+// Return the first text that fits the width; if none fits, as much of the last text as fits.
 /** @param {Ink} ink @param {string[]} texts @param {number} width */
 export function fitting(ink, texts, width) {
   /** @param {string} text */

@@ -14,7 +14,7 @@ export function pickStride(strides, pixels, limit) {
   return best;
 }
 
-// Steps 0, s, 2s, .. that always end on n.
+// Return the steps 0, s, 2s, ..., which always end on n.
 /** @param {number} n @param {number} stride */
 export function steps(n, stride) {
   const out = [];
@@ -23,7 +23,7 @@ export function steps(n, stride) {
   return out;
 }
 
-// Two triangles a cell, (a0, a1, b1) and (a0, b1, b0): counter-clockwise seen from the formation.
+// Return the corners of two triangles for each cell, (a0, a1, b1) and (a0, b1, b0): counter-clockwise seen from the formation.
 /** @param {number} sectors @param {number} rows @param {number} colStride @param {number} rowStride */
 export function gridIndices(sectors, rows, colStride, rowStride) {
   const cols = steps(sectors, colStride);
@@ -41,7 +41,7 @@ export function gridIndices(sectors, rows, colStride, rowStride) {
   return indices;
 }
 
-// [first, count] of the grid's indices whose rows lie in the section and in the shown part of the tile.
+// Return [first, count] of the grid's indices whose rows lie in the section and in the shown part of the tile.
 /** @param {Piece} piece @param {View} view @param {Level} level @param {{ cols: number, rows: number }} strides */
 export function rowsShown({ tile, top, bottom }, view, { sectors, rows, pitch }, strides) {
   const places = [Math.max(top, view.top), Math.min(bottom, view.bottom)].map((depth) => (depth - tile.startDepth) / pitch);
@@ -53,7 +53,7 @@ export function rowsShown({ tile, top, bottom }, view, { sectors, rows, pitch },
   return [first * aRow, (last - first) * aRow];
 }
 
-// A length as a person would choose it: 1, 2 or 5 times a power of ten, at least `least`.
+// Return a length as a person would choose it: 1, 2 or 5 times a power of ten, at least `least`.
 /** @param {number} least */
 export function niceStep(least) {
   const power = 10 ** Math.floor(Math.log10(least));
@@ -61,7 +61,7 @@ export function niceStep(least) {
   return 10 * power;
 }
 
-// The tube's exaggeration that makes a section easy to see: its hole about a fourteenth as wide as it is long, rounded.
+// Return the tube's exaggeration that makes a section easy to see: the hole is then about a fourteenth as wide as long; rounded.
 /** @param {number} length @param {number} radius */
 export function tubeFor(length, radius) {
   const wanted = length / 14 / (2 * radius);

@@ -273,8 +273,8 @@ export class App {
     return this.redraw();
   }
 
-  // A saved wall does not grow. Until its reader moves or picks, show its worst zone, else the middle one of its picks, else
-  // its middle.
+  // A saved wall does not grow. Until the user moves or picks, show the worst zone; if there is no zone, the middle pick; if
+  // there is no pick either, the middle of the wall.
   openSaved() {
     const { view, store, zones, picking } = this;
     if (!this.ended || this.newest !== null || !store || picking.on || !(view.follow || view.top === this.opened)) return;
@@ -325,7 +325,7 @@ export class App {
     this.redraw();
   }
 
-  // Subscribe to the tiles around the section and the growing one; keep the others that fit in memory.
+  // Subscribe to the tiles around the section and to the growing tile; keep the other tiles that fit in memory.
   ask() {
     const { store, view } = this;
     if (!store) return;
@@ -346,13 +346,13 @@ export class App {
     this.connection.subscribe([...held].sort((a, b) => a - b), focus, mask);
   }
 
-  // Where the bit is, or was at the moment that is replayed.
+  // The depth of the bit, or in a replay its depth at that moment.
   /** @returns {number | null} */
   get bit() {
     return this.replay.past ? this.replay.past.bitDepth : this.bitDepth;
   }
 
-  // The quantities of the images beside the first.
+  // The quantities of the images beside the first image.
   get besides() {
     return this.view.beside.filter((id) => id !== this.quantity?.id).map((id) => this.quantities.find((one) => one.id === id)).filter((one) => one !== undefined);
   }
@@ -388,7 +388,7 @@ export class App {
     return { dips, measured: store?.basis !== 'gauge', rig: view.rig, straight, outside: Boolean(this.gpu) && !straight, curves: this.curves.shown.length, chosen: view.widths, order: view.order, beside: PHONE.matches || view.rig ? 0 : this.besides.length, tab: NARROW.matches && !view.rig ? view.tab : null };
   }
 
-  // What the list of zones says if there is none. The banner of a wall without a caliper says enough, but not in the tab of zones.
+  // The text of the list of zones if there is no zone. It is empty where the banner of a wall without a caliper says enough.
   get noZone() {
     const { view, newest, store: { basis } } = this;
     if (basis !== 'azimuthal' && NARROW.matches && view.tab !== 'zones') return '';
@@ -396,17 +396,17 @@ export class App {
     return `No zone${newest === null ? '' : ' so far'}, by the criteria`;
   }
 
-  // Does the wall still grow, or is it replayed as it grew?
+  // Whether the wall still grows, or is replayed as it grew.
   get growing() {
     return Boolean(this.replay.past) || (!this.ended && !this.contents && (this.bitDepth !== null || Number.isFinite(ageOf(this))));
   }
 
-  // Is the hole drawn straightened, on the depth axis of the tracks?
+  // Whether the hole is drawn straightened, with the same depth axis as the tracks.
   get straight() {
     return this.view.camera === 'straight' && Boolean(this.gpu);
   }
 
-  // The scale of paper of the tracks, if it is a usual one.
+  // The scale of paper of the tracks, if it is one of those offered.
   get paper() {
     return paperScale(this.view, this.rects.image);
   }
@@ -593,7 +593,7 @@ export class App {
     this.redraw();
   }
 
-  // Look at the whole section from the side, a little from above, whatever way the hole runs.
+  // Look at the whole section from the side, a little from above, in whatever direction the hole runs.
   fit() {
     if (!this.path.count || !this.gpu || !this.controls) return;
     this.gpu.lookAtSection(this.view.length, this.path.at(this.view.middle), this.view.tubeFactor(this.store) * this.store.bitRadius, this.rects.wall);
@@ -640,7 +640,7 @@ export class App {
   /** @param {string} id */
   setQuantity(id) {
     const { quantity, view, quantities: all } = this;
-    if (all.some((q) => q.id === id)) view.showImages(id, view.beside.map((one) => (one === id ? quantity.id : one))); // they change places
+    if (all.some((q) => q.id === id)) view.showImages(id, view.beside.map((one) => (one === id ? quantity.id : one))); // the two images change places
   }
 
   /** @param {Colours} changes */
@@ -658,7 +658,7 @@ export class App {
     else this.redraw();
   }
 
-  // Write the figures below the log, with the depths between which they were measured: a growing wall may be ahead of them.
+  // Write the figures below the log, with the depths between which they were measured: a growing wall may be longer by now.
   writeSummary() {
     const { store, view, summary } = this;
     const [start, stop] = summary ? [summary.start, summary.stop] : [Math.max(view.top, store.span[0]), Math.min(view.bottom, store.span[1])];
@@ -668,8 +668,8 @@ export class App {
   }
 
   // Ask the server for the figures of the section, or in rig mode of the last metres, once the section rests, and repeatedly
-  // while the wall grows. The figures of one mode are not shown in the other. An exported file holds those of its own
-  // section.
+  // while the wall grows. The figures of one mode are not shown in the other mode. An exported file holds the figures of
+  // its own section.
   summarize() {
     const { view, store, contents } = this;
     if (contents) this.summary = contents.summary;

@@ -20,7 +20,7 @@ export class DepthMap {
     this.key = '';
   }
 
-  // Depths at the two ends of the map: the wall, and the bit where it is ahead.
+  // Return the depths at the two ends of the map: those of the wall, or of the bit if the bit is ahead of the wall.
   /** @param {Look} look */
   ends({ store, bitDepth }) {
     const [top, bottom] = store.span;
@@ -114,6 +114,6 @@ function paintRow({ pixels, width, colours, missing, bar }, y, { means, between,
   pixels.fill(bar, row + WIDE + 4, row + WIDE + 4 + Math.round(Math.min(1, most / FULL) * (width - WIDE - 4)));
 }
 
-// A colour of the palette as one pixel, alpha last in memory.
+// Return a colour of the palette as one pixel, alpha last in memory.
 /** @param {string} hex */
 const packed = (hex) => new Uint32Array(Uint8Array.from([1, 3, 5, 7].map((i) => (i < 7 ? parseInt(hex.slice(i, i + 2), 16) : 255))).buffer)[0];

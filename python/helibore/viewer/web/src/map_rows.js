@@ -3,9 +3,9 @@
 import { Q_ATTRIBUTE, valueAt } from './color.js';
 import { INTERPOLATED, RADIUS, STATE, SUPPORT_MASK, TEXEL } from './protocol.js';
 
-// The rings between two places (in rings) as one row: the mean of each sector, NaN if one of its cells has no value, so that
-// no mean hides a gap; undefined beyond the wall; whether a cell of the sector is interpolated between arms; the largest
-// enlargement, and whether a vertex lacks support.
+// Return the rings between two places (counted in rings) as one row: the mean of each sector (NaN if a cell of the sector has
+// no value, so that no mean hides a gap; undefined beyond the wall), whether a cell of the sector is interpolated between arms,
+// the largest enlargement, and whether a vertex lacks support.
 /** @param {Store} store @param {Quantity} quantity @param {Pass} pass @param {number} from @param {number} to */
 export function rowOf(store, quantity, pass, from, to) {
   const over = store.levels[1];
@@ -31,7 +31,7 @@ export function rowOf(store, quantity, pass, from, to) {
   return row;
 }
 
-// What the map needs of an overview tile, kept with it until it changes.
+// Return what the map needs of an overview tile; it is kept with the tile until the tile changes.
 /** @param {Store} store @param {Quantity} quantity @param {Pass} pass @param {Tile} tile */
 function stripOf(store, quantity, pass, tile) {
   const { id } = quantity;

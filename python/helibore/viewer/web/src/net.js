@@ -10,14 +10,14 @@ import { sized } from './polar.js';
 const RAD = Math.PI / 180;
 const SECTOR = 15; // degrees of the rose
 
-// Where the pole of a plane is on a net of radius 1: right, up. The pole of a level plane is in the middle.
+// Return where the pole of a plane is on a net of radius 1: to the right, and up. The pole of a level plane is in the middle.
 /** @param {number} dip @param {number} azimuth */
 export function pole(dip, azimuth) {
   const far = Math.SQRT2 * Math.sin((dip / 2) * RAD);
   return [-far * Math.sin(azimuth * RAD), -far * Math.cos(azimuth * RAD)];
 }
 
-// Counts of directions by sector.
+// Return how many directions lie in each sector.
 /** @param {number[]} directions */
 export function rose(directions) {
   const counts = new Array(360 / SECTOR).fill(0);

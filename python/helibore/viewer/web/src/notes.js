@@ -1,5 +1,5 @@
-// Notes at a depth: B writes one at the cursor, or opens the one that is there. The address holds them, and so do
-// exports; the server does not.
+// Notes at a depth: the key B writes a note at the cursor, or opens the note that is there. The address and exports
+// hold the notes; the server does not.
 
 import { BOLD, fitting, label, PALETTES, yOf } from './layout.js';
 import { byId } from './panel.js';

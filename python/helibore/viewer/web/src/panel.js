@@ -32,7 +32,7 @@ export function fillSelects() {
 /** @type {(value: string | number, text?: string) => Choice} */
 const choice = (value, text = String(value)) => [value, text];
 
-// Sections of a round length in the unit of depths; values are metres.
+// Return sections of a round length in the unit of depths; values are metres.
 /** @param {{ unit: string, scale: number }} of */
 function sections({ unit, scale }) {
   const select = byId('sectionLength');
@@ -89,7 +89,7 @@ export function disableControls(on) {
 
 export const tabs = () => /** @type {HTMLCollectionOf<HTMLButtonElement>} */ (byId('tabs').children);
 
-// What the wall is made from, as a warning, if it was not measured all around; panels of what was not measured are hidden.
+// Show what the wall is made from, as a warning, if it was not measured all around; hide panels of what was not measured.
 /** @param {Handshake} handshake */
 export function showBasis({ basis, basis_text: text, bit_diameter: size }) {
   const bit = `${showLength(size, 'mm', 1)} (${showLength(size, 'in', 3)})`;
@@ -99,11 +99,11 @@ export function showBasis({ basis, basis_text: text, bit_diameter: size }) {
   for (const id of /** @type {const} */ (['shape', 'median'])) byId(id).hidden = basis === 'gauge';
 }
 
-// The scale of paper that the tracks have, if it is one of those offered.
+// Return the scale of paper that the tracks have, if it is one of those offered.
 /** @param {View} view @param {Rect} image */
 export const paperScale = (view, image) => SCALES.find((one) => Math.abs(scaleLength(image, one) / view.length - 1) < 1e-6);
 
-// The scale of a print of the section: the whole number that the screen has (1:200), else the usual one nearest to the screen's.
+// Return the scale of a print of the section: that of the screen if it is a whole number (1:200), else the nearest one offered.
 /** @param {Pick<View, 'length'>} view @param {{ height: number }} image */
 export function printScale({ length }, image) {
   const shown = length / scaleLength(image, 1);
@@ -147,8 +147,8 @@ export function reflect(view, quantity, image) {
   byId('colourText').textContent = `Colour: ${quantity.name}, ${quantity.dynamic ? 'dynamic' : [quantity.low, quantity.high].map((end) => showValue(end * scale).replace('-', '−')).join(' to ')} ${quantity.dynamic ? '' : unit}`.trim();
 }
 
-// The values at the cursor: name and text in pairs; what is not known is a dash. Without a cursor, the depths in the middle
-// of the section, where the cross-section is.
+// Return the values at the cursor as pairs of name and text; an unknown value is a dash. Without a cursor, return the depths in
+// the middle of the section, where the cross-section is.
 /** @param {{ store: Store, view: View, path: Path, quad: Quad | null }} of */
 export function readout({ store, view, path, quad }) {
   const { cursor, units } = view;
@@ -177,7 +177,7 @@ export function readout({ store, view, path, quad }) {
   ];
 }
 
-// On a narrow screen: the cursor's depth in large digits, its zone, the sizes of its turn.
+// On a narrow screen, write the cursor's depth in large digits, its zone and the sizes of its turn.
 /** @param {Look} look @param {string[][]} read @param {string[][]} figures */
 export function writeBrief({ view, zones, path, store }, read, figures) {
   const depth = view.cursor?.depth ?? view.middle;
@@ -205,7 +205,7 @@ const MEANINGS = {
   washed: 'Metres of the turns that are washed out, without the gaps that a zone joins, of all metres of the section that lie in the wall, in whole turns and others',
 };
 
-// The figures of a section, as `Wall.summary` has them.
+// Return the figures of a section as text, as `Wall.summary` has them.
 /** @param {Store} store @param {Summary | null} summary @param {Units} units */
 export function sectionText(store, summary, units) {
   if (store.basis === 'gauge') return [['Hole size, volume, washout', 'not measured']];
@@ -224,7 +224,7 @@ export function sectionText(store, summary, units) {
   ];
 }
 
-// The zones, worst first; a click shows one. The zone at the cursor is marked, depths out of view are grey. Without a
+// List the zones, worst first; a click on a zone shows it. The zone at the cursor is marked, depths out of view are grey. Without a
 // zone, the title is the text `none`; if that is empty, the card is hidden.
 /** @param {Zone[]} zones @param {View} view @param {Alarms} alarms @param {(zone: Zone) => void} show @param {string} none */
 export function listZones(zones, view, alarms, show, none) {
@@ -289,7 +289,7 @@ function countHidden() {
   if (byId('zonesMore').textContent !== text) byId('zonesMore').textContent = text;
 }
 
-// Downloads of the section; an exported file has no server to ask.
+// Set the links that download the section; they are hidden in an exported file, which has no server.
 /** @param {App} app @param {string} address */
 export function links({ view, store, contents, prints, rects }, address) {
   byId('csv').hidden = byId('export').hidden = contents !== null;
@@ -328,8 +328,8 @@ function foldColour(redraw) {
   colour.addEventListener('toggle', redraw);
 }
 
-// The histogram of the section with the ends of the range; `ends` returns the values at its two ends; `x` and `value`
-// convert between values and pixels for the drag.
+// The histogram of the section with the ends of the range; `ends` returns the values at the two ends of the histogram; `x` and
+// `value` convert between values and pixels for the drag.
 export class Histogram {
   scale = [0, 1]; // values at its ends
 

@@ -43,7 +43,7 @@ export class Path {
     this.version++;
   }
 
-  // Frame at a depth, linear between frames; straight down before any has arrived.
+  // Return the frame at a depth, linear between frames; straight down before any frame has arrived.
   /** @param {number} depth @returns {Frame} */
   at(depth) {
     if (this.count < 2) return { centre: [0, 0, depth], high: [1, 0, 0], right: [0, 1, 0], tangent: [0, 0, 1] };
@@ -61,7 +61,7 @@ export class Path {
     return { centre: mix(this.centre, 3, 0, 3), high, right, tangent: cross(high, right) };
   }
 
-  // True vertical depth; NaN where the survey does not give one, and above the first and below the last frame.
+  // Return the true vertical depth; NaN where the survey does not give one, and above the first and below the last frame.
   /** @param {number} depth */
   tvd(depth) {
     const [start, stop, down] = this.trueDepth ?? [NaN, NaN, NaN];
@@ -70,7 +70,7 @@ export class Path {
     return known ? this.at(depth).centre[2] - down : NaN;
   }
 
-  // Why `tvd` is NaN at a depth; '' where no true depth is known at all.
+  // Return why `tvd` is NaN at a depth; '' if no true depth is known at all.
   /** @param {number} depth */
   whyNoTvd(depth) {
     if (!this.trueDepth) return '';
@@ -79,7 +79,7 @@ export class Path {
     return place < 0 === this.step < 0 ? 'below the wall' : 'above the wall';
   }
 
-  // Toolface of up and of north at a depth, degrees; null where undefined.
+  // Return the toolface of up and that of north at a depth, degrees; null where undefined.
   /** @param {number} depth */
   dial(depth) {
     if (!this.surveyed) return { up: this.reference === 'high-side' ? 0 : null, north: this.reference === 'north' ? 0 : null };
@@ -102,7 +102,8 @@ export const CUTS = {
   south: { reference: 'north', offset: 180, letters: ['S', 'W', 'N', 'E', 'S'], label: 'cut at south' },
 };
 
-// Toolface at the left edge of the image at a depth; where the reference is undefined, that of the tool's own zero.
+// Return the toolface at the left edge of the image at a depth, and whether the reference is known there; if it is not, the
+// toolface counts from the tool's own zero.
 /** @param {Path} path @param {Cut} cut @param {number} depth */
 export function leftEdge(path, cut, depth) {
   const { reference, offset } = CUTS[cut];

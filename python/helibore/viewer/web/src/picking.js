@@ -1,8 +1,8 @@
 // Picking on the image. A plane: drag from the crest or the trough of a bed or fracture along it; or click three points or
-// more and press Enter, which fits the plane through them. A breakout: drag a box. What was just made is selected, so a
-// digit sets its class and Delete removes it; a click selects another one. A drag on a pick moves it, at the crest or trough
-// of a sine it changes its dip. The server holds the picks of the wall, and saves them beside it; every page shows them. A
-// change stays here until the server has taken it, and is sent again until then. An exported file holds its own picks.
+// more and press Enter, which fits the plane through them. A breakout: drag a box. A new pick is selected, so a
+// digit sets its class and Delete removes it; a click selects another pick. A drag on a pick moves it; at the crest or trough
+// of a sine, a drag changes the dip. The server holds the picks of the wall, and saves them beside the wall; every page shows them.
+// A change stays here until the server has taken it, and is sent again until then. An exported file holds its own picks.
 
 import definition from '../../../base/color_maps.json' with { type: 'json' };
 import { messageOf } from './errors.js';
@@ -32,7 +32,7 @@ const WORDS = Object.fromEntries([...FIELDS.plane, ...FIELDS.breakout]);
 const counted = (count, what = 'pick') => `${count} ${what}${count === 1 ? '' : 's'}`;
 /** @param {string} name */
 const isDepth = (name) => name === 'depth' || name === 'height';
-// How many of the field's unit a metre is, for lengths along the hole; 1 for the others.
+// Return how many units of the field make a metre, for lengths along the hole; 1 for other fields.
 /** @type {(name: string, units: Units) => number} */
 const unitOfField = (name, units) => (isDepth(name) ? LENGTHS[units].depth.scale : 1);
 /** @param {number} degrees */
@@ -100,7 +100,7 @@ export class Picking {
     }
   }
 
-  // A wall begins. Changes that wait belong to the wall that they were made on, and are kept for it.
+  // Begin a wall. Changes that wait belong to the wall on which they were made, and are kept for that wall.
   /** @param {{ well: string, picks_file?: string | null, saves_picks?: boolean }} handshake */
   begin({ well, picks_file: file, saves_picks: saves = true }) {
     const wall = JSON.stringify([well, file]);
@@ -112,7 +112,7 @@ export class Picking {
     Object.assign(this, { wall, unsaved, served: new Map(), changes: [], undone: [] });
   }
 
-  // The picks of the server, or of an exported file.
+  // Take the picks of the server, or of an exported file.
   /** @param {WallPick[]} picks */
   receive(picks) {
     this.served = new Map(picks.map((pick) => [pick.key, pick]));
@@ -121,7 +121,7 @@ export class Picking {
     this.sendUnsaved();
   }
 
-  // Show the picks of the server with the changes that it has not taken yet, and the one that is dragged.
+  // Show the picks of the server with the changes that the server has not taken yet, and the pick that is dragged.
   show() {
     const { dragged } = this;
     this.saved = new Map(this.served);
@@ -134,7 +134,7 @@ export class Picking {
     this.app.redraw();
   }
 
-  // Does a change of any wall wait for its server?
+  // Whether a change of any wall waits for its server.
   get waits() {
     return [...this.ofWalls.values()].some(({ size }) => size > 0);
   }
@@ -167,7 +167,7 @@ export class Picking {
     this.app.resize();
   }
 
-  // Deselect the pick, or drop the points of the next one; without either, end picking.
+  // Deselect the pick, or drop the points of the next pick; if there is neither, end picking.
   leave() {
     if (!this.selected && !this.points.length) {
       this.app.notice('Picking ended: D picks again, digits choose the colours', 8);
@@ -177,8 +177,8 @@ export class Picking {
     return this.app.redraw();
   }
 
-  // Return a point of the wall with the wall's radius; where this is not measured, with bit radius, and the card says so. `seen`
-  // is whether anything was measured there.
+  // Return a point of the wall with the wall's radius; where no radius is measured, with bit radius, and the card says so.
+  // `seen` is whether anything was measured there.
   /** @param {Aim} aim @returns {WallPoint} */
   point({ depth, toolface, image }) {
     const { store } = this.app;
@@ -189,7 +189,7 @@ export class Picking {
     return { depth, toolface, radius: quad?.radius ?? store.bitRadius, measured: quad !== null, seen, ...onImage(image) };
   }
 
-  // The plane of a kept pick on the path as it is now.
+  // Return the plane of a kept pick on the present path.
   /** @param {PlanePick} pick */
   plane(pick) {
     const { path, store } = this.app;
@@ -201,8 +201,8 @@ export class Picking {
     return known.plane;
   }
 
-  // The kept pick whose curve passes within `reach` metres of the cursor, or whose box holds it, first the selected one; null
-  // if there is none.
+  // Return the kept pick whose curve passes within `reach` metres of the cursor, or whose box holds the cursor; of several, the
+  // selected pick. Return null if there is none.
   /** @param {Aim} aim @param {number} reach */
   near({ depth, toolface }, reach) {
     /** @param {WallPick} pick */
@@ -213,7 +213,7 @@ export class Picking {
     return found.find(({ key }) => key === this.selected) ?? found[0] ?? null;
   }
 
-  // A click on the image: on a pick it selects or deselects the pick; elsewhere it adds a point.
+  // Handle a click on the image: on a pick it selects or deselects the pick; elsewhere it adds a point.
   /** @param {Aim} cursor @param {number} reach */
   click(cursor, reach) {
     const found = this.points.length ? null : this.near(cursor, reach);
@@ -223,7 +223,7 @@ export class Picking {
     this.app.redraw();
   }
 
-  // A drag begins on the image: it moves a pick, draws a sine or a box, or is not for picking (null). `handle` is how many
+  // Begin a drag on the image: it moves a pick, draws a sine or a box, or is not for picking (null). `handle` is how many
   // degrees around the crest or the trough of a sine a drag changes its dip. A finger, which reaches far, moves only the
   // selected pick.
   /** @param {Aim} from @param {number} reach @param {number} [handle] @param {boolean} [finger] @returns {Drag | null} */
@@ -235,7 +235,7 @@ export class Picking {
     return pick.kind === BREAKOUT || crest === undefined ? { act: 'move', from, pick } : { act: 'dip', from, pick, crest };
   }
 
-  // The drag goes on, to a place on the image; `drag.pick` is the pick as it was when the drag began.
+  // Continue a drag to a place on the image; `drag.pick` is the pick as it was when the drag began.
   /** @param {Drag} drag @param {Aim} aim */
   drag(drag, { depth, toolface }) {
     const { from } = drag;
@@ -257,7 +257,7 @@ export class Picking {
     return this.replace(this.dragged);
   }
 
-  // The sine whose crest or trough is where the drag began, through the point where the drag is now.
+  // Draw the sine whose crest or trough is where the drag began, through the point that the drag has reached.
   /** @param {Aim} from @param {Aim} to */
   drawSine(from, to) {
     const turn = apart(to.toolface, from.toolface);
@@ -272,7 +272,7 @@ export class Picking {
     return this.replace(this.dragged);
   }
 
-  // A drag ends: what it made or changed is saved.
+  // End a drag, and save what it made or changed.
   drop() {
     const made = this.dragged;
     if (!made) return;
@@ -281,7 +281,7 @@ export class Picking {
     this.put(made);
   }
 
-  // A drag ends without effect.
+  // End a drag without effect.
   cancel() {
     const { dragged } = this;
     this.dragged = null;
@@ -291,7 +291,7 @@ export class Picking {
     if (!before) this.selected = null;
   }
 
-  // Show a pick, in place of the one with its key; `gone`: remove it.
+  // Show a pick in place of the pick with the same key; `gone`: remove it.
   /** @param {WallPick} pick @param {boolean} [gone] */
   replace(pick, gone = false) {
     const known = this.kept.some(({ key }) => key === pick.key);
@@ -300,7 +300,7 @@ export class Picking {
     this.app.redraw();
   }
 
-  // Save a pick, new or changed, and select it; false if it lies outside the wall, or there are too many.
+  // Save a new or changed pick, and select it; return false if it lies outside the wall, or if there are too many picks.
   /** @param {WallPick} pick */
   put(pick) {
     const { span } = this.app.store;
@@ -319,7 +319,7 @@ export class Picking {
     return true;
   }
 
-  // Was anything measured along a pick?
+  // Return whether anything was measured along a pick.
   /** @param {WallPick} pick */
   seen(pick) {
     const along = pick.kind === BREAKOUT ? [pick] : AROUND.map((toolface) => ({ depth: planeDepth(this.app.path, this.plane(pick), toolface), toolface }));
@@ -331,7 +331,7 @@ export class Picking {
     if (pick) this.change([{ key: pick.key, pick: null }]);
   }
 
-  // Change picks here and at the server, as one step; null deletes one. Undo takes the step back.
+  // Change picks here and at the server, as one step; null deletes a pick. Undo takes the step back.
   /** @param {PickChange[]} step @param {PickChange[][]} [to] */
   change(step, to) {
     const before = step.map(({ key }) => ({ key, pick: this.saved.get(key) ?? null }));
@@ -353,7 +353,7 @@ export class Picking {
     else this.restore(this.changes, this.undone);
   }
 
-  // Make the last change again that was taken back.
+  // Make again the last change that was taken back.
   redo() {
     this.restore(this.undone, this.changes);
   }
@@ -384,7 +384,7 @@ export class Picking {
     return { key: newKey(), kind: /** @type {PlaneKind} */ (this.kind), depth, toolface: deepest, apparent_dip: apparent, radius: measured ? radius : null, misfit, points: points.length, ...onImage(points[0].image) };
   }
 
-  // The class of the selected pick, and of the next one.
+  // Set the class of the selected pick, and of the next pick.
   /** @param {PlaneKind | 'breakout'} kind */
   setClass(kind) {
     const { pick } = this;
@@ -450,7 +450,7 @@ export class Picking {
     return void (unsaved === this.unsaved ? app.redraw() : this.sendUnsaved());
   }
 
-  // The server has taken a change, or has refused it with a text.
+  // Remove from the unsaved changes a change that the server has taken, or has refused with a text.
   /** @param {Unsaved} unsaved @param {string} key @param {WallPick | null} pick @param {string} refusal */
   taken(unsaved, key, pick, refusal) {
     unsaved.delete(key);
@@ -490,13 +490,13 @@ export class Picking {
     return this.app.notice(`${counted(added.length)} added, ${replaced.length} replaced, ${unchanged} unchanged`, 10);
   }
 
-  // Planes and boxes to draw: the kept ones, and the plane being picked, `open` while the cursor is one of its points.
+  // Return the planes and boxes to draw: those of kept picks, and the plane being picked; `open`: the cursor is one of its points.
   /** @returns {Planes} */
   planes() {
     const { app, kind } = this;
     const selected = this.pick;
     const ordered = this.kept.filter((pick) => pick.kind !== BREAKOUT).sort((a, b) => Number(a === selected) - Number(b === selected));
-    const kept = ordered.map((pick) => this.plane(pick)); // the selected one last, above the others
+    const kept = ordered.map((pick) => this.plane(pick)); // the selected pick last, above the other picks
     if (!this.on || selected || kind === BREAKOUT) return { kept, boxes: this.boxes, selected, current: null, open: false };
     const { cursor } = app.view;
     const more = this.points.length && cursor && cursor.toolface !== null ? [this.point(/** @type {Aim} */ (cursor))] : [];
@@ -504,7 +504,7 @@ export class Picking {
     return { kept, boxes: this.boxes, selected, current: done ?? fitPlane(app.path, [...this.points, ...more], kind), open: !done };
   }
 
-  // The card: what to do next, the plane being picked in words, or the selected pick and its numbers to change.
+  // Write the card: what to do next, the plane being picked in words, or the selected pick and its numbers to change.
   /** @param {Planes} planes */
   write({ kept, boxes, current, open }) {
     if (!this.on) return;
@@ -524,6 +524,7 @@ export class Picking {
     if (pick) lines.push(`Selected ${pick.kind}: drag it${plane ? ' or its crest' : ''}; its class is in the list above.`);
     else if (this.kind === BREAKOUT) lines.push('Drag a box over a breakout. Press on a pick to select it.');
     else if (!current) lines.push(['Drag from a crest or trough along the bed, or mark three points around the hole.', 'Two more points.', 'One more, round the hole.'][this.points.length] ?? 'These lie on one side: add a point round the hole.');
+    else if (!open) lines.push('Enter keeps it; another point improves the fit.');
     if (plane) {
       const assumed = pick ? pick.radius === null : this.points.some(({ measured }) => !measured);
       const count = pick ? /** @type {PlanePick} */ (pick).points ?? 0 : this.points.length + Number(open);

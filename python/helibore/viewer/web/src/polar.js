@@ -28,7 +28,7 @@ const PALE = 0.4; // of a colour where the wall is interpolated
 // The middle of the picture, the outer ring around it, and the room at its sides, in pixels.
 /** @typedef {{ x: number, y: number, reach: number, side: number }} Middle */
 
-// The turn at a depth: {k, radii, sigma, between, measured, level}, from the wall; without radii where the page has not
+// Return the turn at a depth: {k, radii, sigma, between, measured, level}, from the wall; without radii if the page has not
 // received that part of the wall. If `arms` is given, the diameters are those of the arms.
 /** @param {Store} store @param {View} view @param {number} depth @param {Arms | null} arms */
 export function turnAt(store, view, depth, arms) {
@@ -44,7 +44,7 @@ export function turnAt(store, view, depth, arms) {
   return { k, radii, sigma: attributeOf(store, level, k, 'sigma'), between: unmeasured(level, k), measured, level };
 }
 
-// Direction on the dial, clockwise from the top of the picture, of the j-th vertex of a turn.
+// Return the direction on the dial, clockwise from the top of the picture, of the j-th vertex of a turn.
 /** @param {Look} look @param {number} depth @param {Turn} found @param {number} j */
 const dial = (look, depth, found, j) => wrap360(found.level.toolface(found.k + j) - zero(look, depth));
 /** @param {Look} look @param {number} depth */
@@ -99,7 +99,7 @@ export function drawPolar(canvas, look, found, over) {
   label(ink, 'bit', middle.x, middle.y, { colour: palette.soft, align: 'center', font: SMALL, halo: palette.panel, near, yields: true });
 }
 
-// Between bit and wall, each sector in the colour that the image has for its radius.
+// Colour the area between bit and wall, each sector in the colour that the image has for its radius.
 /** @param {Ink} ink @param {Turn} found @param {Placing} place @param {number} R @param {Quantity} over @param {boolean} dark */
 function colourOver(ink, { radii, between }, place, R, { map, low, high }, dark) {
   if (!(high > low)) return; // not chosen yet
@@ -168,7 +168,7 @@ function outline(ink, found, place, colour, lineWidth) {
   ink.globalAlpha = 1;
 }
 
-// Where the wall is with a probability of 95 %: one piece a sector, so that a gap stays a gap.
+// Draw the band in which the wall lies with a probability of 95 %: one piece for each sector, so that a gap stays a gap.
 /** @param {Ink} ink @param {Turn} turn @param {Placing} place @param {string} colour */
 function band(ink, { radii, sigma }, place, colour) {
   ink.fillStyle = colour;
@@ -187,7 +187,7 @@ function band(ink, { radii, sigma }, place, colour) {
   ink.globalAlpha = 1;
 }
 
-// C1 and C2 across the hole, as in the caliper track, named at the lines where there is room.
+// Draw C1 and C2 across the hole, as in the caliper track, with names at the lines where there is room.
 /** @param {Ink} ink @param {Turn} turn @param {Placing} place @param {Middle} middle @param {Palette} palette */
 function diameters(ink, { radii, measured }, place, { x, y, reach }, palette) {
   const K = radii.length;
@@ -216,7 +216,7 @@ function letters(ink, { x, y, reach, side }, { view, path }, depth, palette) {
   });
 }
 
-// What the picture shows: which way it looks, the radius of the outer ring, the exaggeration.
+// Write what the picture shows: which way it looks, the radius of the outer ring, the exaggeration.
 /** @param {Ink} ink @param {Middle} middle @param {string} ring @param {number} shape @param {Palette} palette */
 function corners(ink, { x, y, reach, side }, ring, shape, palette) {
   const [half, above] = [reach + side - 2, reach + EDGE / 2 + 1];
@@ -226,7 +226,7 @@ function corners(ink, { x, y, reach, side }, ring, shape, palette) {
   if (shape > 1) label(ink, `shape × ${shape}`, x + half, y + above, { colour: palette.ink, align: 'right', yields: true });
 }
 
-// What is written beside the picture: pairs of name and text.
+// Return what is written beside the picture, as pairs of name and text.
 /** @param {Look} look @param {Turn} found @param {(metres: number, digits?: number) => string} show */
 export function turnText(look, found, show) {
   const { cursor, middle, units } = look.view;

@@ -82,7 +82,7 @@ export const encodeAck = (session, sequence) => JSON.stringify({ session, ack: s
 export const encodeSubscribe = (session, tiles, focus, mask) =>
   JSON.stringify({ session, subscribe: { tiles, focus, mask } });
 
-// Sorted tile numbers as half-open ranges, at most `most` of them: if there are more, the nearest ones are joined.
+// Return sorted tile numbers as half-open ranges, at most `most` ranges: if there are more, the nearest ranges are joined.
 /** @param {number[]} numbers @param {number} [most] */
 export function toRanges(numbers, most = 64) {
   /** @type {Pair[]} */

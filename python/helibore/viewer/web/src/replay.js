@@ -8,7 +8,7 @@ import { showClock } from './units.js';
 const RUN = 20; // seconds to play all of it
 const STEP = 0.25;
 
-// Return vertices and bit depth of the last point that is not later than a moment; before all points, those of the first.
+// Return vertices and bit depth of the last point that is not later than a moment; before all points, those of the first point.
 /** @param {WellHistory} wellHistory @param {number} moment */
 export function momentAt({ time, vertices, bit_depth: bit }, moment) {
   let [a, b] = [0, time.length];
@@ -87,7 +87,7 @@ export class Replay {
     }, 1000 * STEP);
   }
 
-  // Back to now.
+  // End the replay, and show the present wall.
   close() {
     this.play(false);
     byId('replay').hidden = true;

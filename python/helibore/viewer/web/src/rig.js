@@ -8,7 +8,7 @@ import { bySeverity, MEASURES } from './zones.js';
 
 export const RECENT = 30; // metres of hole that "last" means, if the wall is that long
 
-// Depths of the last metres of a wall, shallow first.
+// Return the depths of the last metres of a wall, shallow first.
 /** @param {Store} store */
 export const recent = ({ span: [shallow, deep], levels: [{ pitch }] }) => (pitch > 0 ? [Math.max(shallow, deep - RECENT), deep] : [shallow, Math.min(deep, shallow + RECENT)]);
 
@@ -17,7 +17,7 @@ export function worstOf(zones, [top, bottom]) {
   return bySeverity(zones.filter(({ start, stop }) => stop > top && start < bottom))[0] ?? null;
 }
 
-// Text in a cell: the digits, their unit, the line below. Digits that are too wide are set narrower, not lower.
+// Write text in a cell: the digits, their unit, the line below. Digits that are too wide become narrower, but keep their height.
 /** @type {(id: string, digits: string, unit: string, more: string) => void} */
 function cell(id, digits, unit, more) {
   const at = byId(id);

@@ -24,11 +24,11 @@ export function edges(ink, { left, top, width: wide, height }, colour, width = 1
   ink.strokeRect(left, top, wide, height);
 }
 
-// The edge that is drawn half a pixel inside a track, so that it is sharp; `side` -1: outside it.
+// Return the edge that is drawn half a pixel inside a track, so that it is sharp; `side` -1: half a pixel outside the track.
 /** @param {Rect} rect @param {number} [side] */
 export const sharp = ({ left, top, width, height }, side = 1) => ({ left: left + side / 2, top: top + side / 2, width: width - side, height: height - side });
 
-// A triangle with its tip at (x, y), `length` pixels long to the right, or to the left if that is negative.
+// Draw a triangle with its tip at (x, y), `length` pixels long to the right, or to the left if `length` is negative.
 /** @param {Ink} ink @param {number} x @param {number} y @param {number} length @param {string} colour */
 export function pointer(ink, x, y, length, colour) {
   ink.fillStyle = colour;
@@ -37,7 +37,7 @@ export function pointer(ink, x, y, length, colour) {
   ink.fill();
 }
 
-// Does a stroke pass through a box?
+// Return whether a stroke passes through a box.
 /** @param {Stroke} stroke @param {Box} box */
 export function strikes([x0, y0, x1, y1], box) {
   let [from, to] = [0, 1]; // the part of the stroke that is inside

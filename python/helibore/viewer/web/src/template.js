@@ -1,4 +1,4 @@
-// The arrangement of the tracks as a template (TOML), which page, print and report read, and back.
+// Converts the arrangement of the tracks to a template (TOML), which page, print and report read, and back.
 
 import { movable } from './layout.js';
 
@@ -6,7 +6,7 @@ const RADIUS = 'Radius'; // the name in templates of the wall over bit size
 /** @param {string} name */
 const text = (name) => JSON.stringify(name); // a TOML string has the escapes of JSON
 
-// The tracks of the page, as TOML.
+// Return the tracks of the page as TOML.
 /** @param {App} app */
 export function toTemplate({ view, rects, quantity, besides, curves, paper }) {
   const images = [quantity, ...besides];
@@ -22,7 +22,7 @@ export function toTemplate({ view, rects, quantity, besides, curves, paper }) {
   return `${lines.join('\n')}\n`;
 }
 
-// Changes of the view that show the tracks of a template; images that the wall does not have are left out.
+// Return the changes of the view that show the tracks of a template; images that the wall does not have are left out.
 /** @param {Template} template @param {Quantity[]} quantities */
 export function fromTemplate({ units, tracks }, quantities) {
   /** @type {{ units: Units, beside: string[], curves: string[], order: string[], widths: Record<string, number>, quantity?: string }} */

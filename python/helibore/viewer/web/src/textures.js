@@ -1,4 +1,4 @@
-// A tile's arrays as textures. Each is made once and uploaded again when what it shows has another version. A tile is
+// A tile's arrays as textures. Each texture is made once, and uploaded again when its values have another version. A tile is
 // uploaded whole: 132 kB take a tenth of a millisecond, a hundredth of drawing the frame.
 
 import { dynamicRange, lookup } from './color.js';
@@ -45,7 +45,7 @@ export class TileTextures {
   }
 
   // Return {texture, first, origin}: the frames around the tile, with centres (east, north, up) relative to `origin`, which is
-  // subtracted in float64; `first` is the place of the tile's start among them.
+  // subtracted in float64; `first` is the place of the tile's start among these frames.
   /** @param {Path} path */
   path(path) {
     if (this.frames?.version === path.version && this.frames.path === path) return this.frames;

@@ -1,7 +1,7 @@
 // The wall as the page holds it: two levels of tiles, each an image of `rows` turns by `sectors`, two rows more for
 // the halo (the first sectors + 1 vertices of the next tile, so tiles join without cracks).
 //
-//   Store.levels[0]  the wall, tiles near what is looked at, least recently used dropped first
+//   Store.levels[0]  the wall, tiles near the section shown, least recently used dropped first
 //   Store.levels[1]  the overview (rings of 8 sectors, 16 turns each), always whole
 //
 // A tile's typed arrays are the only copy on the CPU; the textures are made from them.
@@ -26,7 +26,7 @@ export class Tile {
     this.turns = {};
     /** @type {import('./textures.js').TileTextures | undefined} */
     this.textures = undefined;
-    this.version = 0; // counts writes: what was derived from the tile says which version it saw
+    this.version = 0; // counts writes; whatever is derived from the tile keeps the version that it was made from
     this.used = 0;
     this.filled = 0; // how many vertices, from the tile's first on, have arrived: a new value for one of them is a re-scan
   }
@@ -42,7 +42,7 @@ export class Tile {
     return this.level.startDepth + this.index * this.level.rows * this.level.pitch;
   }
 
-  // Shallow and deep end.
+  // The depths of the shallow end and of the deep end.
   get span() {
     const ends = [this.startDepth, this.startDepth + this.level.rows * this.level.pitch];
     return this.level.pitch > 0 ? ends : ends.reverse();
@@ -73,7 +73,7 @@ export class Level extends Helix {
     return Math.max(0, Math.floor((depth - this.startDepth) / (this.pitch * this.rows)));
   }
 
-  // Numbers of the tiles that lie between two depths, within the wall.
+  // Return the numbers of the tiles that lie between two depths, within the wall.
   /** @param {number} top @param {number} bottom */
   tilesBetween(top, bottom) {
     if (this.shown === 0) return [];
@@ -84,7 +84,7 @@ export class Level extends Helix {
     return numbers;
   }
 
-  // The tile that owns vertex k, and the vertex's place in it.
+  // Return the tile that has vertex k, and the place of the vertex in this tile.
   /** @param {number} k */
   locate(k) {
     const index = Math.floor(k / this.tileSize);
@@ -151,7 +151,7 @@ export class Store {
     return wall.sectors * (wall.rows + 2) * (2 * TEXEL + 4 * this.attributes.length) * 2; // CPU and GPU
   }
 
-  // Wall tiles to drop so that at most `bytes` are held, least recently used first, never one of `wanted`.
+  // Return the wall tiles to drop so that at most `bytes` are held, least recently used first, never one of `wanted`.
   /** @param {number} bytes @param {Set<number>} wanted */
   surplus(bytes, wanted) {
     const room = Math.max(1, Math.floor(bytes / this.tileBytes));
@@ -160,7 +160,7 @@ export class Store {
     return spare.slice(0, Math.max(0, held.length - room));
   }
 
-  // Everything known of a quad, in metres; null where its tile is not here or a vertex of it has no radius.
+  // Return everything known of a quad, in metres; null if the page does not have its tile, or if one of its vertices has no radius.
   /** @param {number} k @param {Level} [level] */
   quad(k, level = this.levels[0]) {
     const { tile, at } = level.locate(k);
@@ -170,7 +170,7 @@ export class Store {
     return corners.every((corner) => tile.texels[TEXEL * corner + RADIUS]) ? this.vertex(k, level) : null;
   }
 
-  // The value of an attribute at a place, as it is drawn there.
+  // Return the value of an attribute at a place, as the picture shows it there.
   /** @param {number} index @param {Cursor | null} at */
   attributeAt(index, at) {
     if (!at || at.toolface === null) return NaN;
@@ -199,9 +199,9 @@ export class Store {
   }
 }
 
-// What to draw between two depths: wall tiles where they are here, the overview where they are not. `fine` false
-// asks for the overview alone. Each piece says which depths of its tile to show; pieces never overlap; the
-// overview's come first.
+// Return what to draw between two depths: wall tiles where the page has them, the overview elsewhere. If `fine` is
+// false, return the overview alone. Each piece says which depths of its tile to show; pieces never overlap; the pieces
+// of the overview come first.
 /** @param {Store} store @param {number} top @param {number} bottom @param {boolean} fine */
 export function coverage(store, top, bottom, fine) {
   const [wall, over] = store.levels;

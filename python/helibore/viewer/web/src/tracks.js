@@ -38,8 +38,8 @@ const PIXEL = 1 / LENGTHS.in.scale / 96; // metres of paper
 /** @param {{ height: number }} of @param {number} scale */
 export const scaleLength = ({ height }, scale) => height * PIXEL * scale; // metres of hole in a track at 1:scale
 
-// Measured depth over true depth at every tick, letters of the zones. Texts that would touch the cursor's tag, which is
-// drawn first, are left out.
+// Draw measured depth over true depth at every tick, and the letters of the zones. Texts that would touch the cursor's tag, which
+// is drawn first, are left out.
 /** @param {Ink} ink @param {Look} look */
 export function drawAxisLabels(ink, { view, path, rects, zones }) {
   const palette = PALETTES[view.theme];
@@ -84,7 +84,7 @@ export function drawImageHead(ink, look) {
   letters(ink, view, known, left, width, palette, path.surveyed ? cut.reference : 'none');
 }
 
-// The colours with their values: at the ends, in the middle and halfway to it, as far as there is room.
+// Draw the colours with their values: at the ends, in the middle and halfway between, as far as there is room.
 /** @param {Ink} ink @param {Look} look @param {number} left @param {number} width @param {Palette} palette */
 function bar(ink, look, left, width, palette) {
   drawColours(ink, look, left, 20, width);
@@ -131,8 +131,8 @@ function letters(ink, view, known, left, width, palette, reference) {
   });
 }
 
-// The stretches of the section above and below the wall, in pixels, each with its words: the start or the end of the data. At
-// the end where the wall still grows, the words say that nothing is measured there yet.
+// Return the stretches of the section above and below the wall, in pixels, each with its words: the start or the end of the data.
+// At the end where the wall still grows, the words say that nothing is measured there yet.
 /** @param {Look} look @param {Rect} rect */
 export function outside({ view, store, growing }, rect) {
   const [shallow, deep] = store.span;
@@ -194,14 +194,14 @@ export function drawCursor(ink, look) {
   }
 }
 
-// A line that is seen on all colours.
+// Draw a line that is seen on all colours.
 /** @param {Ink} ink @param {number} x0 @param {number} y0 @param {number} x1 @param {number} y1 @param {Palette} palette */
 function lineOnHalo(ink, x0, y0, x1, y1, palette) {
   line(ink, x0, y0, x1, y1, palette.panel, [], 3.6);
   line(ink, x0, y0, x1, y1, palette.ink);
 }
 
-// The depth of the cursor, and the true depth under it if that is known, on a flag that points to the cursor's line.
+// Draw the depth of the cursor, and the true depth under it if that is known, on a flag that points to the cursor's line.
 /** @param {Ink} ink @param {Look} look @param {Rect} rect @param {number} y @param {Palette} palette */
 function flag(ink, { view, path }, { left, top, width, height }, y, palette) {
   const depths = [view.cursor?.depth ?? NaN, path.tvd(view.cursor?.depth ?? NaN)].filter((depth) => !Number.isNaN(depth));

@@ -4,8 +4,8 @@
 //   C1, C2      = the largest diameter, and diameter(j + K/4) at a right angle to it: zones are judged by them
 //   area        = (1/2) sum r^2 2 pi / K     exact in the angle; a polygon through the points would be too small
 //
-// A turn with a missing radius has no area, no C1 and no C2, and no diameter there; nothing is filled in. Volumes and zones
-// of the wall come from the server.
+// A turn with a missing radius has no area, no C1 and no C2, and no diameter at that sector; nothing is filled in. Volumes and
+// zones of the wall come from the server.
 
 import { FIRST, INTERPOLATED, RADIUS, STATE, TEXEL } from './protocol.js';
 
@@ -43,7 +43,7 @@ export function measure(radii) {
   return out;
 }
 
-// Return the radius opposite to the j-th. If the number of sectors is odd, it is the mean of two radii.
+// Return the radius opposite to the j-th radius. If the number of sectors is odd, it is the mean of two radii.
 /** @param {Floats} radii @param {number} j @param {number} half */
 function opposite(radii, j, half) {
   const K = radii.length;
@@ -51,7 +51,7 @@ function opposite(radii, j, half) {
   return (radii[(j + Math.floor(half)) % K] + radii[(j + Math.ceil(half)) % K]) / 2;
 }
 
-// Radii of the turn that begins at vertex k.
+// Return the radii of the turn that begins at vertex k.
 /** @param {Store} store @param {Level} level @param {number} k @param {number} [column] */
 export function turn(store, level, k, column = RADIUS) {
   const radii = new Float64Array(level.sectors).fill(NaN);
@@ -63,7 +63,7 @@ export function turn(store, level, k, column = RADIUS) {
   return radii;
 }
 
-// Values of an attribute on the quads of the turn that begins at vertex k, NaN where there is none.
+// Return the values of an attribute on the quads of the turn that begins at vertex k; NaN where there is no value.
 /** @param {Store} store @param {Level} level @param {number} k @param {string} name */
 export function attributeOf(store, level, k, name) {
   const bit = store.attributes.findIndex((one) => one.name === name);
@@ -73,7 +73,8 @@ export function attributeOf(store, level, k, name) {
   });
 }
 
-// For each vertex of the turn that begins at vertex k: 1 if it is interpolated between arms or has no radius, else 0.
+// Return, for each vertex of the turn that begins at vertex k, 1 if the vertex is interpolated between arms or has no radius, else
+// 0.
 /** @param {Level} level @param {number} k */
 export function unmeasured(level, k) {
   return Uint8Array.from({ length: level.sectors }, (_, j) => {
@@ -82,8 +83,8 @@ export function unmeasured(level, k) {
   });
 }
 
-// The least and the greatest diameter of every turn of a tile, its C2, and whether most of it is interpolated between arms;
-// kept with the tile until it changes.
+// Return, for every turn of a tile, the least and the greatest diameter, C2, and whether most of the turn is interpolated between
+// arms. The result is kept with the tile until the tile changes.
 /** @param {Store} store @param {Tile} tile @param {boolean} [first] */
 export function tileTurns(store, tile, first = false) {
   const pass = first ? 'first' : 'latest';

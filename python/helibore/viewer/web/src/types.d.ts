@@ -95,7 +95,7 @@ type Drag = { act: 'box'; from: Aim } | { act: 'sine'; from: Aim } | { act: 'mov
 
 // Curves along the hole.
 interface CurveOffer { name: string; unit: string; low: number; high: number; log: boolean; version: number }
-interface Arms { depth: Float64Array; min: Float32Array; max: Float32Array; c2: Float32Array; axis: Float32Array } // diameters by the arms of a tool that has few, turn by turn
+interface Arms { depth: Float64Array; min: Float32Array; max: Float32Array; c2: Float32Array; axis: Float32Array } // diameters by the arms of a tool that has few arms, turn by turn
 interface CurveValues { depth: Float64Array; values: Float32Array; step: number }
 
 // Messages.
@@ -119,7 +119,7 @@ interface Handlers {
 }
 interface Template { scale?: number; units: Units; tracks: { kind: string; name: string; names: string[]; width: number | null }[] }
 interface Summary {
-  start: number; stop: number; // of what the figures are of
+  start: number; stop: number; // the depths that the figures are of
   volume: number; excess: number | null; coverage: number | null; whole_turns: number; incomplete_turns: number; washed_out: number | null; without_radius: number | null;
   mean_diameter: number; least_diameter: number; greatest_diameter: number;
 }

@@ -11,7 +11,7 @@ export const LENGTHS = { mm: { unit: 'mm', scale: 1000, digits: 2, depth: METRES
 export const showLength = (metres, units, digits = LENGTHS[units].digits) =>
   Number.isFinite(metres) ? `${(metres * LENGTHS[units].scale).toFixed(digits)} ${LENGTHS[units].unit}` : '–';
 
-// Signed, with a true minus sign.
+// Return a length with its sign; the minus is a true minus sign.
 /** @type {(metres: number, units: Units, digits?: number) => string} */
 export const showSigned = (metres, units, digits) => {
   if (!Number.isFinite(metres)) return '–';
@@ -34,7 +34,7 @@ export const showAngle = (degrees, digits = 1) => {
   return `${text === (360).toFixed(digits) ? (0).toFixed(digits) : text}°`; // 359.96 is 0.0
 };
 
-// Five significant digits: what a float32 certainly holds.
+// Return a value with five significant digits, because a float32 holds no more with certainty.
 /** @param {number} value @param {string} [unit] */
 export const showValue = (value, unit = '') => {
   if (!Number.isFinite(value)) return '–';
@@ -42,18 +42,18 @@ export const showValue = (value, unit = '') => {
   return unit ? `${text} ${unit}` : text;
 };
 
-// A quantity of color.js, in its own unit or as a length.
+// Return a value of a quantity of color.js as text, in its own unit or as a length.
 /** @param {Pick<Quantity, 'unit' | 'length'>} quantity @param {number} value @param {Units} units */
 export const showQuantity = (quantity, value, units) =>
   quantity.length ? showLength(value, units) : showValue(value, quantity.unit);
 
-// The factor from a value (lengths: metres) to the number that is shown, and the unit of this number.
+// Return the factor from a value (lengths: metres) to the number that is shown; `unitOf` returns the unit of this number.
 /** @param {Pick<Quantity, 'unit' | 'length'>} quantity @param {Units} units */
 export const scaleOf = (quantity, units) => (quantity.length ? LENGTHS[units].scale : 1);
 /** @param {Pick<Quantity, 'unit' | 'length'>} quantity @param {Units} units */
 export const unitOf = (quantity, units) => (quantity.length ? LENGTHS[units].unit : (quantity.unit ?? ''));
 
-// A share as per cent, one decimal; a negative share that rounds to 0.0 has no sign.
+// Return a share as per cent, one decimal; a negative share that rounds to 0.0 has no sign.
 /** @param {number} share */
 export const showPercent = (share) => {
   if (!Number.isFinite(share)) return '–';
@@ -70,7 +70,7 @@ export const showAge = (seconds) => {
   return `${Math.round(seconds / 86400)} d`;
 };
 
-// Seconds since 1970 as the local time of this machine, with the date if it is not today.
+// Return seconds since 1970 as the local time of this machine, with the date if it is not today.
 /** @param {number} seconds @param {Date} [now] */
 export const showClock = (seconds, now = new Date()) => {
   const at = new Date(1000 * seconds);

@@ -15,7 +15,7 @@ export const length = (u) => Math.hypot(...u);
 /** @param {Vector} u */
 export const normalised = (u) => scaled(u, 1 / (length(u) || 1));
 
-// Turns (north, east, down) into (east, north, up). Both are right-handed; to change only the sign of the last would
-// mirror the hole.
+// Turns (north, east, down) into (east, north, up). Both are right-handed; to change only the sign of the last number
+// would mirror the hole.
 /** @param {Floats} v */
 export const eastNorthUp = (v) => [v[1], v[0], -v[2]];

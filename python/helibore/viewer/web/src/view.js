@@ -16,7 +16,7 @@ const NARROWEST = 64; // pixels of a track
 // From where the 3-D view is seen.
 export const CAMERAS = { straight: 'straight', outside: 'on its path', down: 'inside, down', up: 'inside, up' };
 
-// What the user can choose, with the values at first.
+// What the user can choose, with the initial values.
 class Settings {
   quantity = 'over';
   cut = /** @type {Cut} */ ('top');
@@ -123,20 +123,20 @@ export class View extends Settings {
     this.#change({ pinned: false });
   }
 
-  // Keep the section at a depth beside the cross-section, or remove it; the last three stay.
+  // Keep the section at a depth beside the cross-section, or remove it; only the last three sections are kept.
   /** @param {number} depth */
   keepSection(depth) {
     const others = this.pins.filter((pin) => Math.abs(pin - depth) > 1e-3);
     this.#change({ pins: others.length < this.pins.length ? others : [...others, depth].slice(-3) });
   }
 
-  // Colour the first image by a quantity, with these others beside it.
+  // Colour the first image by a quantity, and show images of the quantities `beside` next to it.
   /** @param {string} quantity @param {string[]} beside */
   showImages(quantity, beside) {
     this.#change({ quantity, beside: beside.slice(0, MOST_BESIDE), imagesChosen: true });
   }
 
-  // Show these images beside the first, and the first two of these curves, unless others were chosen.
+  // Show these images beside the first image, and the first two of these curves, unless the user or the address chose.
   /** @param {string[]} beside @param {string[]} curves */
   usual(beside, curves) {
     if (!this.imagesChosen) this.#change({ beside: beside.slice(0, MOST_BESIDE) });
@@ -204,7 +204,8 @@ export class View extends Settings {
     } else this.show(depth - share * length, length, store);
   }
 
-  // Put the growing end of the wall, or the bit ahead of it, near the edge of the section.
+  // Move the section so that its last part, in drilling direction, shows the growing end of the wall; the bit instead, if it is
+  // ahead of the wall by at most 0.6 of the section.
   /** @param {Store} store @param {number | null} [bitDepth] */
   followEnd(store, bitDepth = null) {
     const down = store.levels[0].pitch > 0;
@@ -287,7 +288,7 @@ export class View extends Settings {
   }
 }
 
-// Depths of the ticks between two depths so that labels are at least `apart` pixels from each other.
+// Return the depths of the ticks between two depths, so that labels are at least `apart` pixels from each other.
 // `scale`: labels are round numbers of a unit of which `scale` make a metre.
 /** @param {number} top @param {number} bottom @param {number} pixels @param {number} apart @param {number} [scale] */
 export function ticks(top, bottom, pixels, apart, scale = 1) {

@@ -37,7 +37,7 @@ export function drawWallInk(ink, look, gpu, calipers) {
   if (!rects.image.width) drawColourBar(ink, look, rect.height + BAR / 2);
 }
 
-// Words in as few lines as their width allows.
+// Return the words in as few lines as the width allows.
 /** @param {Ink} ink @param {string[]} words @param {number} width */
 function inLines(ink, words, width) {
   /** @type {string[]} */
@@ -76,7 +76,7 @@ function outsideInk(ink, look, gpu, calipers, palette) {
   cursorLabel(ink, look, gpu, beside, palette);
 }
 
-// A stroke beside the hole along every zone in view.
+// Draw a stroke beside the hole along every zone in view.
 /** @param {Ink} ink @param {Look} look @param {Gpu} gpu @param {Palette} palette */
 function zonesBeside(ink, { view, path, store, rects, zones }, gpu, palette) {
   const beside = -1.25 * store.bitRadius * view.tubeFactor(store);
@@ -89,7 +89,7 @@ function zonesBeside(ink, { view, path, store, rects, zones }, gpu, palette) {
   }
 }
 
-// The axis of the hole, dashed, through every gap of the wall in view and from its end to the bit.
+// Draw the axis of the hole, dashed, through every gap of the wall in view and from the end of the wall to the bit.
 /** @param {Ink} ink @param {Look} look @param {Gpu} gpu @param {Profile} profile @param {Palette} palette */
 function unmeasured(ink, { view, path, store, rects, bitDepth }, gpu, { min, seen }, palette) {
   /** @param {number} y */

@@ -9,22 +9,22 @@ export const MEASURES = { washout: 'C2 − bit', breakout: 'C1 − C2', 'key sea
 const NEAR = 1e-6;
 export const FRONT = 270; // degrees from the left edge of the image to the front of the straightened hole that is not turned
 
-// Worst first.
+// Return the zones, worst first.
 /** @param {Zone[]} zones */
 export const bySeverity = (zones) => [...zones].sort((a, b) => b.severity - a.severity || a.start - b.start);
 
-// Is a depth the middle of a zone, where a jump to it puts the cursor?
+// Return a test whether `depth` is the middle of a zone, where a jump to the zone puts the cursor.
 /** @param {number} depth @returns {(zone: Zone) => boolean} */
 const middleOf = (depth) => ({ start, stop }) => Math.abs((start + stop) / 2 - depth) < NEAR;
 
-// The zone at a depth. Of several: the one that a jump went to, else the worst.
+// Return the zone at a depth; of several, the zone that a jump went to, else the worst.
 /** @param {Zone[]} zones @param {number} [depth] */
 export function zoneAt(zones, depth = NaN) {
   const around = bySeverity(zones.filter(({ start, stop }) => depth >= start && depth < stop));
   return around.find(middleOf(depth)) ?? around[0] ?? null;
 }
 
-// The next or previous zone by severity from the one that is in the middle of the view; the worst from anywhere else.
+// Return the next or previous zone by severity after the zone in the middle of the view; the worst zone if there is none.
 /** @param {Zone[]} zones @param {number} depth @param {number} step */
 export function jump(zones, depth, step) {
   const sorted = bySeverity(zones);
@@ -51,7 +51,7 @@ export const zoneText = (zone, units) => (zone ? `${zone.kind} ${showSigned(zone
 
 export const STRIP = 14; // pixels of the strip beside the depths: as wide as the widest letter
 
-// A strip of all zones, `width` wide from `left`; `y` maps a depth to pixels; the strip lies between the pixels `ends`.
+// Draw a strip of all zones, `width` wide from `left`; `y` maps a depth to pixels; the strip lies between the pixels `ends`.
 /** @param {Ink} ink @param {Zone[]} zones @param {(depth: number) => number} y @param {number} left @param {number} width @param {Pair} ends @param {Palette} palette @param {typeof fill} [draw] */
 export function drawZones(ink, zones, y, left, width, [top, bottom], palette, draw = fill) {
   for (const { kind, start, stop } of zones) {
@@ -68,7 +68,7 @@ function fill(ink, kind, left, top, width, height, palette) {
   ink.fillRect(left, top, width, height);
 }
 
-// The letters of the strip beside the depths, if there is room; they give way to other texts.
+// Draw the letters of the strip beside the depths, if there is room; they give way to other texts.
 /** @param {Ink} ink @param {Zone[]} zones @param {(depth: number) => number} y @param {number} left @param {Pair} ends @param {Palette} palette */
 export const letterZones = (ink, zones, y, left, ends, palette) => drawZones(ink, zones, y, left, STRIP, ends, palette, (_, kind, x, top, wide, tall) => {
   if (tall > 16) label(ink, LETTERS[kind], x + wide / 2, top + tall / 2, { colour: inkOn(palette.zones[kind]), align: 'center', font: SMALL_BOLD, yields: true });
