@@ -112,6 +112,18 @@ def test_the_list_of_zones_shows_whole_rows_and_counts_the_others(
     screen.close()
 
 
+def test_a_short_list_of_zones_shows_them_all(browser: Any, viewer: Any) -> None:
+    screen = Screen(browser, viewer.url, "#md=1012&sec=24", (1366, 768), drawn=False)
+    screen.settle()
+    for count in range(1, 8):
+        screen.evaluate(f"(({{ app }}) => {{ app.zones = app.zones.slice(-{count}); app.redraw(); }})(window.__wall)")
+        screen.until(f"document.querySelectorAll('#zones button').length === {count}")
+        assert [row[0] for row in screen.evaluate(LISTED)] == [True] * count
+        assert screen.inner_text("#zonesMore") == ""
+        screen.evaluate("window.__wall.app.zones = window.__wall.app.zonesBefore")
+    screen.close()
+
+
 def test_the_colours_fold_where_the_panel_lacks_room_and_stay_as_chosen(browser: Any, viewer: Any) -> None:
     high = Screen(browser, viewer.url, "#md=1012&sec=24", SIZES[1], drawn=False)
     high.settle()
