@@ -297,7 +297,7 @@ def while_saving(rounds: int = 3) -> None:
 
 
 def with_exports(fetching: bool) -> tuple[float, float, float]:
-    """Append 300 times below 500 m of wall; return p50 and p99 in ms, and how many exports were made meanwhile."""
+    """Append samples to a wall of 500 m 300 times; return p50 and p99 of an append, ms, and the number of exports."""
     wall = hb.Wall(bit_diameter=BIT, start_depth=500.0)
     rng = np.random.default_rng(1)
     wall.append(500 + np.sort(rng.uniform(0, 500, 300_000)), rng.uniform(0, 360, 300_000), np.full(300_000, 0.11))
@@ -386,7 +386,7 @@ def main() -> None:
     parser.add_argument("--quads", type=int, default=1_000_000)
     parser.add_argument("--appends", type=int, default=9)
     parser.add_argument("--clients", type=int, default=10)
-    parser.add_argument("--hidden", type=int, default=60, help="seconds that a page is hidden; 0 leaves this out")
+    parser.add_argument("--hidden", type=int, default=60, help="seconds that a page is hidden; 0 skips the hidden page")
     parser.add_argument("--exports", action="store_true", help="also measure appends while exports are made")
     options = parser.parse_args()
     print(f"load {load()}, {os.cpu_count()} cores, {options.quads:,} quads")

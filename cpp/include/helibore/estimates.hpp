@@ -21,8 +21,8 @@ struct PointColumns {
     std::span<const double> box_depth, box_turn;
 };
 
-// One value for each point. It is NaN if the trial radius is NaN, or if no sample outside the box is within
-// max_distance.
+// One value for each point. It is NaN if the trial radius is NaN, or if all samples within max_distance are
+// inside the box that is left out.
 struct PointEstimates {
     std::vector<double> radius;
     std::vector<std::vector<double>> by_nugget;  // one column of kriged radii for each of the given nuggets

@@ -41,7 +41,7 @@ WIDE = 120
     help="Show only these sets: a name, numbers (2,5-8), or all sets that hold these columns (with=CALX,CALY).",
 )
 @click.option("--header-line", type=int, help="Line of the column names of a table (CSV, XLSX).  [helibore finds it]")
-@click.option("--toml", is_flag=True, help="Print only the role map, as TOML that a file for --map can hold.")
+@click.option("--toml", is_flag=True, help="Print only the role map, as TOML; a file with it can be given to --map.")
 def inspect(file: Path, map_file: Path | None, sets: tuple[str, ...], header_line: int | None, toml: bool) -> None:
     """List the channels of FILE, their units, ranges, missing values, and the role that each channel gets.
 

@@ -155,7 +155,7 @@ def zone_lines(zones: Classification, found: WallSummary, unit: str) -> Lines:
 
 
 def breakout_line(found: ImageBreakouts) -> tuple[str, str]:
-    """Return a line on the breakouts that an image shows."""
+    """Return a line of text about the breakouts that an image shows."""
     name, axis = found.image.name, found.axis()
     if not found.zones:
         return "image", f"{name}: no dark sectors on opposite sides by the criteria"

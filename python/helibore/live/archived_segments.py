@@ -71,7 +71,7 @@ def archive(
             packed = zlib.compress(text, 6, zlib.MAX_WBITS | 16)
             write_whole(target, lambda file, packed=packed: file.write(packed))  # type: ignore[misc]
             if content(target) != (text, ""):
-                raise InputError(str(target), f"differs from {path.name}")
+                raise InputError(str(target), f"does not have the contents of {path.name}")
         path.unlink(missing_ok=True)
         report(path)
     return done

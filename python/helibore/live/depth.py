@@ -137,15 +137,15 @@ class RigHistory:
         time
             Time of each measurement, ns.
         order
-            Number of the frame that contained the measurement: the latest bit depth in or before this frame counts. If
-            the source has a latency, -1: the latest bit depth at or before ``time`` counts.
+            Number of the frame that contained the measurement: the latest bit depth in or before this frame is used.
+            It is -1 if the source has a latency: then the latest bit depth at or before ``time`` is used.
         depth
             The sensor's depth if it was sent; NaN if it must be computed from the bit depth.
         offset
             Metres from the bit up to the sensor.
         now
-            Time of the latest record, ns. A measurement that is older by more than ``max_depth_gap`` waits no longer:
-            without a depth, it is ready with the flag NO_DEPTH.
+            Time of the latest record, ns. A measurement without a depth that is more than ``max_depth_gap`` older than
+            ``now`` becomes ready, with the flag NO_DEPTH.
         """
         bit = self.tracks["bit_depth"]
         at = self._bit_before(time, order)

@@ -95,9 +95,9 @@ class FrozenCopy:
     passes, events
         As `Live.passes`, and one event for each rule of each source.
     left_out
-        One text, with the reason, for each image whose name is not allowed in a file name, so that it is not in
-        ``images``, and for each image that `SectorImage` refuses, so that it is on no wall. An image without a layout,
-        without values, with one row only, or at other depths than the walls is on no wall either, but has no text.
+        One text, with the reason, for each image that ``images`` lacks, because its name is not allowed in a file name,
+        and for each image that is on no wall, because `SectorImage` refuses it. There is no text for an image that is
+        on no wall because it has no layout, no values, only one row, or other depths than the walls.
     """
 
     wall_time: int

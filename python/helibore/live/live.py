@@ -195,7 +195,7 @@ class Live:
         try:
             if facts["meaning"] != begun.meaning():  # the segment with the first configuration is removed or damaged
                 if not facts.get("configuration"):
-                    raise InputError(str(path), "has another configuration")
+                    raise InputError(str(path), "was written with another configuration")
                 begun = configuration_of(facts)
             model = Model(begun)
             for stretch in facts["stretches"]:

@@ -91,7 +91,7 @@ def _begun(ways: list[Units]) -> bytes:
 
 
 class Redactor:
-    """Removes the password of ``auth`` (user, password), also in Base64, and the Base64 token of ``user:password``.
+    """Removes from texts the password of ``auth`` (user, password), also in Base64, and the token of ``user:password``.
 
     If ``auth`` is None, nothing is removed.
     """

@@ -218,7 +218,7 @@ def read_stations(document: str) -> list[tuple[tuple[str, str], ...]]:
 
 
 def framed(kind: str, state: str, body: bytes = b"") -> bytes:
-    """Return the bytes with which an answer is stored in the journal: a line of its kind and state, then ``body``."""
+    """Return the bytes that the journal stores of an answer: a line with the answer's kind and state, then ``body``."""
     return b"WITSML %s %s %d\n" % (kind.encode(), state.encode(), len(body)) + body
 
 

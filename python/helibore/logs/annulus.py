@@ -104,7 +104,10 @@ class Annulus:
         return float(inside.sum() * (1 + excess))
 
     def columns(self) -> list[LogColumn]:
-        """Return volume, volume from the bottom and clearance as columns for `Logs.table`, named by the size in mm."""
+        """Return volume, volume from the bottom and clearance as columns for `Logs.table`.
+
+        Their names contain the size of the casing in mm.
+        """
         size = f"{self.casing * 1e3:.0f}"
         casing = f"a casing of {size_text(self.casing)}; {size} in the name is its size in mm"
         return [

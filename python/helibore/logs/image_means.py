@@ -27,7 +27,7 @@ def image_means(logs: Logs, images: Mapping[str, SectorImage]) -> list[LogColumn
 
     The mnemonic is the name of the image in capital letters, with ``_`` for each character that a mnemonic cannot have.
     If it does not begin with a letter, or is the name of a log, ``IMAGE_`` is put before it. If another image has the
-    same mnemonic, ``_`` is added. In a unit ``?`` takes the place of characters that are not ASCII.
+    same mnemonic, ``_`` is added. Each character of a unit that is not ASCII is replaced by ``?``.
     """
     found: dict[str, LogColumn] = {}
     for name, image in images.items():

@@ -128,7 +128,7 @@ class Pick:
     def reaches(self, top: float, bottom: float, bit_diameter: float) -> bool:
         """Return whether a part of the pick's sinusoid or box lies between two depths, metres.
 
-        The sinusoid of a plane without a radius has the radius of the bit.
+        If a plane has no radius, its sinusoid is computed with the radius of the bit.
         """
         radius = 0.5 * bit_diameter if self.radius is None else self.radius
         tall = 0.5 * self.height if self.kind == BREAKOUT else radius * math.tan(math.radians(self.apparent_dip))

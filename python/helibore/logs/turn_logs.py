@@ -426,9 +426,9 @@ def turn_logs(
     sigma
         (n,) standard uncertainty of each radius, metres: `Wall.sigma`; None: not known.
     reference
-        Radius that `Logs.rugosity` subtracts from all radii, metres; NaN: the first radius. If a part of a wall starts
-        at a multiple of 256 turns and is given the reference of the whole wall, its rows equal those of the whole wall
-        exactly, except within half a window of the ends of the part.
+        Radius that `Logs.rugosity` subtracts from all radii, metres; NaN: the first radius. The rows of a
+        part of a wall equal those of the whole wall exactly, except within half a window of the ends of the part, if
+        the part starts a multiple of 256 turns after the whole wall and has the ``reference`` of the whole wall.
     newest
         Time of the newest sample of the whole wall, if ``wall`` is a part of it; None: the newest time in ``wall``.
 

@@ -43,7 +43,7 @@ def save_vtkhdf(path: Path, mesh: VtkMesh) -> None:
 
 
 def append_mesh(mesh: Mesh, path: Path, origin: tuple[float, float, float]) -> None:
-    """Add a mesh as a part to a file, or begin the file, as `Surface.append_to` describes."""
+    """Add a mesh to a file as a part, or create the file with it, as `Surface.append_to` describes."""
     if path.suffix.lower() != ENDING:
         raise InputError(str(path), f"only {ENDING} files take further parts")
     check_origin(origin)

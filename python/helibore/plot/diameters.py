@@ -35,7 +35,7 @@ class Diameters:
 
 
 def diameters(wall: WallLike, logs: Logs) -> Diameters:
-    """Return the diameters of every full turn of a wall, from the shallowest; ``logs`` are those of its turns."""
+    """Return the diameters of every full turn of a wall, from the shallowest; ``logs`` are the logs of these turns."""
     K = wall.settings.sectors
     by_turn = wall.radius[: logs.depth.size * K].reshape(-1, K)
     half = K // 2  # if K is odd, the far side is the mean of two vertices

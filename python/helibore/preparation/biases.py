@@ -397,7 +397,7 @@ class _Walls:
         return matrix - self.coupling.T @ shares, side - shares.T @ self.row_rest
 
     def _shared(self, a: Floats, b: Floats) -> Floats:
-        """Return the sum of (a b) S^-1 (a b)' over all cells, (groups, groups)."""
+        """Return the sum over all cells of (a b) S^-1 (a b)', with a, b and S as above; (groups, groups)."""
         total: Floats = np.zeros((self.groups, self.groups))
         _, first, count = np.unique(self.cell_of, return_index=True, return_counts=True)
         begin, size = np.repeat(first, count), np.repeat(count, count)  # first pair, and number of pairs, in its cell

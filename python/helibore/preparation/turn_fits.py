@@ -282,7 +282,7 @@ class TurnFits:
         return matrix, np.concatenate(sides, axis=1)
 
     def _wall(self, terms: Floats) -> Floats:
-        """Return the sum of harmonics and steps at every sample, with these ``terms`` of each turn."""
+        """Return the sum of harmonics and steps at every sample, computed from the ``terms`` of its turn."""
         values = evaluate(terms[:, : self.waves], self.table, self.turn)
         for k, step in enumerate(self.steps):
             values += terms[self.turn, self.waves + k] * step

@@ -101,7 +101,7 @@ def _check_settings(run: Run, why: str) -> None:
         raise InputError("image", why)
     wall = _settings(run)
     if wall.estimator == "kriging" and wall.kriging_range is None:
-        raise InputError("wall.kriging_range", f"finding it {why}")
+        raise InputError("wall.kriging_range", f"must be a number, because finding it {why}")
 
 
 def stream(run: Run, most_samples: int) -> Batches:

@@ -94,7 +94,7 @@ class Job:
         return self.mapped(lambda address: address.rstrip("/").rpartition("/")[2])
 
     def mapped(self, change: Any, keys: tuple[str, ...] = FILES) -> Json:
-        """Return the settings with ``change`` applied to the addresses of the files and role maps of these keys."""
+        """Return the settings with ``change`` applied to the path of each file or role map under one of these keys."""
         tree = dict(self.tree)
         for key in keys:
             if key in tree:
@@ -179,7 +179,8 @@ def check_files(jobs: list[Job]) -> None:
 def _job(name: str, folder: str, place: str, tree: Json, *how: Any) -> Job:
     well = tree.pop("name", None)
     if not isinstance(well, str) or not well.strip():
-        raise InputError(f"{name}: {place}.name", "must be the name of the well", None if well is None else repr(well))
+        rule = "must be a text: the name of the well"
+        raise InputError(f"{name}: {place}.name", rule, None if well is None else repr(well))
     place = f"{name}: well {well}"
     check_names(f"{place}: ", tree, OF_A_WELL)
     for key in FILES:

@@ -99,13 +99,13 @@ def _wall(members: Members, threads: int | None, recompute: bool) -> Wall:
 
 def _require_same(wall: Wall, saved: Arrays, contents: dict[str, Any]) -> None:
     """Raise an InputError if the vertices computed from the samples differ from those saved."""
-    versions = f"helibore {contents['helibore']}, and this helibore {_core.__version__}"
+    versions = f"saved by helibore {contents['helibore']}, but helibore {_core.__version__} computes"
     advice = "hb.load(..., recompute=True) accepts the values of this version"
     for name, before in saved.items():
         now: Floats = getattr(wall, name)
         if now.size != before.size:
-            raise InputError(f"{before.size} vertices", f"made by {versions} makes {now.size}; {advice}")
+            raise InputError(f"{before.size} vertices", f"{versions} {now.size}; {advice}")
         differ = np.flatnonzero(now.view(f"u{now.itemsize}") != before.view(f"u{before.itemsize}"))
         if differ.size:
             k = differ[0]
-            raise InputError(f"{name}[{k}]", f"made by {versions} makes {now[k]}; {advice}", str(before[k]))
+            raise InputError(f"{name}[{k}]", f"{versions} {now[k]}; {advice}", str(before[k]))

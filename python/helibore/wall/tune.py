@@ -71,7 +71,7 @@ class Candidate:
 
     @property
     def name(self) -> str:
-        """The settings in which candidates differ, as text."""
+        """The values of those settings in which candidates differ, as text."""
         scale = f"angular_scale {self.settings.angular_scale:g}"
         if self.settings.estimator == "kriging":
             return f"kriging, {scale}, nugget {self.settings.nugget:g}"

@@ -184,7 +184,10 @@ def rewritten(path, **facts):
     [
         ({"version": 9}, "PATH: version 9: this helibore reads version 3"),
         ({"salt": 1}, "PATH: belongs to another journal"),
-        ({"meaning": "{}", "configuration": ""}, "PATH: cannot be restored: PATH: has another configuration"),
+        (
+            {"meaning": "{}", "configuration": ""},
+            "PATH: cannot be restored: PATH: was written with another configuration",
+        ),
         ({"state": {"state": {"nonsense": 1}}}, "PATH: cannot be restored: 'Model' object has no attribute 'nonsense'"),
     ],
 )

@@ -134,7 +134,7 @@ def test_a_parquet_catalogue_gives_the_same_jobs(field: Path) -> None:
         ('output = "out"', "", "m.toml: output: is missing; it is the folder of all results"),
         ('output = "out"', 'output = "out"\noutputs = ["wall"]',
          "m.toml: outputs = ['wall']: must contain only archive, mesh, logs, zones"),
-        ('name = "B"', "", "m.toml: well 2.name: must be the name of the well"),
+        ('name = "B"', "", "m.toml: well 2.name: must be a text: the name of the well"),
         ('name = "B"', 'name = "15/9-F 1"', "m.toml: well 15/9-F 1: two wells have this name; names must differ"),
         ("sectors = 32", 'sectors = "32"', "m.toml: well B: wall.sectors = '32': must be a whole number"),
         ("sectors = 32", "sectors = 2", "m.toml: well B: wall: sectors = 2: must lie in 3 to 1000000"),
@@ -461,7 +461,7 @@ def test_a_column_in_parts_is_cut_as_an_array(sizes: list[int], start: int, stop
         ({"preparation": BY_ROW | {"find_shifts": True}}, "preparation.find_shifts = True: needs the whole well"),
         (
             {"wall": {"bit_diameter": 0.2, "estimator": "kriging"}},
-            "wall.kriging_range: finding it needs the whole well",
+            "wall.kriging_range: must be a number, because finding it needs the whole well",
         ),
     ],
 )

@@ -259,7 +259,7 @@ def test_values_that_this_version_would_not_make_are_refused_unless_asked_for(tm
     radius[17] += 1e-9
     rewritten(path, "vertices/radius.npy", npy(radius))
     advice = r"hb\.load\(\.\.\., recompute=True\) accepts"
-    refused(path, rf"radius\[17\] = 0\.\d+: made by helibore .* makes 0\.\d+; {advice}")
+    refused(path, rf"radius\[17\] = 0\.\d+: saved by helibore .* computes 0\.\d+; {advice}")
     assert bits(hb.load(path, recompute=True)) == bits(wall)
 
 

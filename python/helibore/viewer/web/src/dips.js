@@ -74,7 +74,7 @@ function leastSquares(rows, least) {
   return [a, b, mean[2] - a * mean[0] - b * mean[1]];
 }
 
-// Return the depth at which a plane meets, at a toolface, a round hole of the radius that the plane has.
+// Return the depth, at a toolface, at which a plane cuts a round hole; the hole's radius is the one stored in the plane.
 /** @param {Path} path @param {Plane} plane @param {number} toolface */
 export function planeDepth(path, { a, b, c, frame, radius }, toolface) {
   let depth = NaN;
