@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import pytest
 from made_wall import MadeWall, curved_path
 from screen import NEEDS_BROWSER, Screen
 
@@ -29,6 +30,30 @@ class Waiting(Screen):
 
     def until(self, condition: str) -> None:
         super().until("window.__wall" if condition == "window.__wall?.ready" else condition)
+
+
+@pytest.mark.parametrize("size", [(390, 844), (768, 1024), (1366, 768)])
+def test_in_rig_mode_the_wait_is_told_in_large_type_within_the_window(browser: Any, size: tuple[int, int]) -> None:
+    scene = Scene()
+    server = PageServer(scene, host="127.0.0.1", port=0, token=None)
+    scene.update_state(
+        sources="rig: listening, since 20:34:15 UTC.\n0 samples received.\n"
+        "Check that the sender of rig runs and sends to port 9973 of this machine."
+    )
+    screen = Waiting(browser, server.url, "#rig=1", size, drawn=False)
+    screen.until(f"{WORDS}.includes('port 9973') && document.body.classList.contains('rig')")
+    box = screen.locator("#connection").bounding_box()
+    assert box["x"] >= 0
+    assert box["y"] >= 0
+    assert box["x"] + box["width"] <= size[0]
+    assert box["y"] + box["height"] <= size[1]
+    type_size = float(screen.evaluate("getComputedStyle(document.getElementById('connection')).fontSize")[:-2])
+    assert type_size >= (17 if size[0] < 600 else 30)
+    assert screen.evaluate(
+        "(({ scrollHeight, clientHeight }) => scrollHeight <= clientHeight)(document.getElementById('connection'))"
+    )
+    screen.close()
+    server.close()
 
 
 def labels(screen: Screen) -> set[str]:
