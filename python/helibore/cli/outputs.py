@@ -111,13 +111,14 @@ def own_options(run: Run, verb: str, options: dict[str, Any]) -> dict[str, Any]:
     check_names(f"{place}.", recorded, own)
     for name, value in recorded.items():
         try:
-            wanted = _plain(own[name].type_cast_value(context, value))
+            cast = own[name].type_cast_value(context, value)
+            wanted = _plain(cast)
         except (click.BadParameter, TypeError, ValueError) as error:
             raise InputError(f"{place}.{name}", getattr(error, "message", str(error)), repr(value)) from error
         if wanted != value or isinstance(wanted, bool) != isinstance(value, bool):
             raise InputError(f"{place}.{name}", f"must be {wanted!r}", repr(value))
         if context.get_parameter_source(name) is not ParameterSource.COMMANDLINE:
-            found[name] = tuple(value) if isinstance(value, list) else value
+            found[name] = cast
     return found
 
 

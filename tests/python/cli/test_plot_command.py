@@ -65,8 +65,11 @@ def test_scalar_tracks_and_a_header_from_the_file_and_the_command_line(tmp_path:
     arguments = ["--average", f"{las}:CALI", "--bit-diameter", "8.5in", "--survey", survey, "--no-body", "--dpi", 50,
                  "--scalar", f"{las}:GR", "--scalar", f"{las}:RT", "--log", "RT", "--limits", "GR=0,200",
                  "--scalar", "inclination", "--header", "company=Acme Offshore", "--header", "mud=OBM 1.2"]  # fmt: skip
-    result = run_cli(*arguments, "-o", tmp_path / "log.svg")
+    picks = tmp_path / "dips.csv"
+    picks.write_text("class,depth_m,toolface_deg,apparent_dip_deg\nbed,2010,30,40\n")
+    result = run_cli(*arguments, "--picks", picks, "-o", tmp_path / "log.svg")
     assert result.exit_code == 0, result.output
+    assert "1 of dips.csv" in result.output
     page = tmp_path / "well.html"
     written = CliRunner().invoke(cli, [str(word) for word in ("report", *arguments, "-o", page)])
     assert written.exit_code == 0, written.output
@@ -77,6 +80,7 @@ def test_scalar_tracks_and_a_header_from_the_file_and_the_command_line(tmp_path:
     again = run_cli(tmp_path / "log.svg.toml", "-o", tmp_path / "again.svg")
     assert again.exit_code == 0, again.output
     assert "to the last bit" in again.output
+    assert "1 of dips.csv" in again.output
     settings = tomllib.loads((tmp_path / "log.svg.toml").read_text())
     assert [(one["file"], one["name"]) for one in settings["scalar"]] == [(las.name, "GR"), (las.name, "RT")]
     assert settings["options"]["scalars"] == ["inclination"]
