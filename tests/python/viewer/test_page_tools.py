@@ -379,7 +379,8 @@ def test_the_page_prints_what_is_in_view_with_its_picks(browser: Any) -> None:
     wall = hb.reconstruct(
         hb.Caliper(depth, np.arange(depth.size) * 37.0, np.full(depth.size, 0.11)), bit_diameter=0.216, sectors=32
     )
-    wall.picks.append(Pick(kind="bed", depth=1009.0, toolface=40.0, apparent_dip=60.0))
+    for depth in (1009.0, 2000.0, 2001.0):  # the last two are of another hole
+        wall.picks.append(Pick(kind="bed", depth=depth, toolface=40.0, apparent_dip=60.0))
     with hb.view(wall) as viewer:
         screen = Screen(browser, viewer.url, "#units=ft", drawn=False)
         screen.settle()
@@ -388,7 +389,7 @@ def test_the_page_prints_what_is_in_view_with_its_picks(browser: Any) -> None:
         viewer.scene.draw_pages = lambda *wanted: scales.append(wanted[-1]) or draw(*wanted)
         viewer.scene.update_state(ended=True, prints=True)
         screen.until("window.__wall.app.prints")
-        screen.until("Math.abs(window.__wall.app.view.middle - 1009) < 0.01")  # without a zone, it opens at the picks
+        screen.until("Math.abs(window.__wall.app.view.middle - 1009) < 0.01")  # without a zone, it opens at its picks
         screen.evaluate("window.__wall.app.view.show(998, 12, window.__wall.app.store)")
         screen.keyboard.press("d")
         screen.settle()

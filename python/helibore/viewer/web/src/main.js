@@ -279,8 +279,9 @@ export class App {
     const { view, store, zones, picking } = this;
     if (!this.ended || this.newest !== null || !store || picking.on || !(view.follow || view.top === this.opened)) return;
     const [worst] = bySeverity(zones);
-    const picked = picking.kept.map(({ depth }) => depth).sort((a, b) => a - b);
-    const [top, bottom] = worst ? [worst.start, worst.stop] : picked.length ? Array(2).fill(picked[picked.length >> 1]) : store.span;
+    const { span } = store;
+    const picked = picking.kept.map(({ depth }) => depth).filter((depth) => depth >= span[0] && depth <= span[1]).sort((a, b) => a - b);
+    const [top, bottom] = worst ? [worst.start, worst.stop] : picked.length ? Array(2).fill(picked[picked.length >> 1]) : span;
     view.show((top + bottom - view.length) / 2, view.length, store);
     this.opened = view.top;
   }

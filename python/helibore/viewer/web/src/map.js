@@ -60,7 +60,7 @@ export class DepthMap {
     ink.fillStyle = palette.grid;
     ink.fillRect(rect.left, upper, rect.width, tall);
     edges(ink, { left: rect.left + 1, top: upper, width: rect.width - 2, height: tall }, palette.ink, 2);
-    for (const { depth, kind } of picks) line(ink, rect.left + rect.width - 7, y(depth), rect.left + rect.width - 2, y(depth), palette.picks[kind], [], 2);
+    for (const { depth, kind } of picks) if (depth >= a && depth <= b) line(ink, rect.left + rect.width - 7, y(depth), rect.left + rect.width - 2, y(depth), palette.picks[kind], [], 2);
     for (const { depth } of notes) line(ink, rect.left + rect.width - 9, y(depth), rect.left + rect.width, y(depth), palette.pin);
     if (view.cursor) line(ink, rect.left, y(view.cursor.depth), rect.left + rect.width, y(view.cursor.depth), palette.ink);
     if (bitDepth !== null) pointer(ink, rect.left + rect.width - 8, y(bitDepth), 9, palette.ink);
