@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -33,6 +32,7 @@ from helibore.cli.wall_options import (
     open_run,
     opt,
     opts,
+    picks_option,
     section,
     takes_a_wall,
     walls_beside,
@@ -53,8 +53,7 @@ takes_a_drawing = section(
     SCALAR,
     TEMPLATE,
     BESIDE,
-    opt("--picks", "Table of the picks (CSV).  [name of the first file shown, with .picks.csv added]",
-        type=click.Path(exists=True, dir_okay=False, path_type=Path)),
+    picks_option(exists=True),
     opt("--scale", "Depth scale, 200 or 1:200.  [the finest usual scale that fits]", metavar="N"),
     opt("--unit", "Unit of diameters and radii; ft: inches, and feet for depths.",
         type=click.Choice(["in", "mm", "ft"]), default="in"),

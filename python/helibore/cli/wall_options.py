@@ -253,7 +253,11 @@ def load_picks(run: Run, file: Path | None) -> Path | None:
     return file
 
 
-PICKS = opt("--picks", "Table of the picks (CSV).  [name of the first file shown, with .picks.csv added]", type=FILE)
+def picks_option(*, exists: bool) -> Any:
+    """Return the option ``--picks``. ``exists``: the table must exist already."""
+    text = "Table of the picks (CSV).  [name of the first file shown, with .picks.csv added]"
+    return opt("--picks", text, type=click.Path(exists=exists, dir_okay=False, path_type=Path))
+
 
 TEMPLATE = opt("--template", "TOML file of tracks, their order and widths, units and scale, as the viewer saves it.",
                type=FILE)  # fmt: skip
