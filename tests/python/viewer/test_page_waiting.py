@@ -33,7 +33,7 @@ class Waiting(Screen):
 
 
 @pytest.mark.parametrize("size", [(390, 844), (768, 1024), (1366, 768)])
-def test_in_rig_mode_the_wait_is_told_in_large_type_within_the_window(browser: Any, size: tuple[int, int]) -> None:
+def test_rig_mode_says_in_large_type_within_the_window_why_it_waits(browser: Any, size: tuple[int, int]) -> None:
     scene = Scene()
     server = PageServer(scene, host="127.0.0.1", port=0, token=None)
     scene.update_state(
