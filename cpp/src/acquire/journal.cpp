@@ -46,10 +46,12 @@ T get(const char* at) {
     return value;
 }
 
-// Returns the record whose header starts at `at`, or none if no intact header does. The payload is not checked.
+// Returns the record whose header starts at `at`, or none if no intact header does. The payload is not checked. The
+// header is copied first: a process may write into the file whose bytes these are.
 std::optional<Record> header_at(std::string_view bytes, std::size_t at, std::uint32_t salt) {
     if (bytes.size() - at < header_size || bytes.substr(at, magic.size()) != magic) return std::nullopt;
-    const char* p = bytes.data() + at;
+    char p[header_size];
+    std::memcpy(p, bytes.data() + at, header_size);
     if (crc32c({p, header_crc_at}, salt) != get<std::uint32_t>(p + header_crc_at)) return std::nullopt;
     Record record;
     record.length = get<std::uint32_t>(p + 4);

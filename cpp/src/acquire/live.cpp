@@ -139,7 +139,6 @@ Update Live::append_stations(std::span<const double> depth, std::span<const doub
 Update Live::append_image(const std::string& name, std::span<const double> depth, std::span<const double> values,
                           const std::string& unit) {
     const StandardArithmetic standard;
-    require_depths(depth);
     if (depth.empty() ? !values.empty() : values.empty() || values.size() % depth.size() != 0)
         throw InputError(
             "values has " + std::to_string(values.size()) + " values, depth has " + std::to_string(depth.size()),
@@ -159,6 +158,7 @@ Update Live::append_image(const std::string& name, std::span<const double> depth
     try {
         rows.values.insert(rows.values.end(), values.begin(), values.end());
         rows.depth.insert(rows.depth.end(), depth.begin(), depth.end());
+        require_depths(std::span(rows.depth).subspan(had));
         Update update;
         update.images[name] = {start, static_cast<Index>(rows.depth.size())};
         join(state_->pending, update);

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "base/arithmetic.hpp"
+#include "base/host_memory.hpp"
 #include "base/messages.hpp"
 #include "base/threads.hpp"
 #include "helibore/logs.hpp"
@@ -135,12 +136,13 @@ std::vector<double> angular_gaps(const HelixVertices& vertices, const SamplePlac
     require(reach >= 0.0, "reach", reach, "must be 0 or above");
     require_threads(threads);
     require_length("toolface", samples.toolface.size(), samples.depth.size());
-    require_depths(samples.depth);
-    require_order("depth", samples.depth);
-    require_finite("toolface", samples.toolface);
+    const std::vector<double> depth = copied(samples.depth), toolface = copied(samples.toolface);
+    require_depths(depth);
+    require_order("depth", depth);
+    require_finite("toolface", toolface);
     const Index sectors = vertices.sectors;
     const Helix helix{vertices.start_depth, vertices.start_toolface, vertices.pitch, sectors, vertices.first};
-    const Sectors in = sorted(samples, vertices.start_toolface, sectors);
+    const Sectors in = sorted({depth, toolface}, vertices.start_toolface, sectors);
     std::vector<double> gaps(static_cast<std::size_t>(vertices.count));
     for_each_part(threads, std::min(sectors, vertices.count), [&](int, Index number) {
         const Index turns = (vertices.count - number + sectors - 1) / sectors;

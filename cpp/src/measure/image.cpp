@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/arithmetic.hpp"
+#include "base/host_memory.hpp"
 #include "base/messages.hpp"
 #include "base/threads.hpp"
 
@@ -31,7 +32,9 @@ double between(double start, double stop, double share) {
 
 std::vector<Across> across_of(const ImageRows& image, std::span<const double> sector) {
     std::vector<Across> across;
-    for (const double at : sector) {
+    for (std::size_t i = 0; i < sector.size(); ++i) {
+        const double at = read_once(sector[i]);
+        require(std::abs(at) <= 1e9, entry_name("sector", static_cast<Index>(i)), at, "must lie in -1e9 to 1e9");
         const double left = std::floor(at), turns = std::floor(left / image.sectors);
         const auto column = static_cast<std::size_t>(left - turns * image.sectors);
         across.push_back({column, (column + 1) % static_cast<std::size_t>(image.sectors), at - left});
@@ -88,10 +91,6 @@ void require_cells(const ImageRows& image, const QuadCentres& quads, int threads
     require_depths(image.depth);
     require_order("depth", image.depth);
     if (quads.sector.empty()) throw InputError("sector", "must have at least one");
-    for (std::size_t i = 0; i < quads.sector.size(); ++i) {
-        require(std::abs(quads.sector[i]) <= 1e9, entry_name("sector", static_cast<Index>(i)), quads.sector[i],
-                "must lie in -1e9 to 1e9");
-    }
     require_vertex_count(quads.count);
     if (quads.count > 0) {  // an empty wall has no start
         require_depth("start_depth", quads.start_depth);

@@ -10,6 +10,7 @@
 #include "base/arithmetic.hpp"
 #include "base/degrees.hpp"
 #include "base/extremes.hpp"
+#include "base/host_memory.hpp"
 #include "base/messages.hpp"
 #include "base/threads.hpp"
 #include "measure/circles.hpp"
@@ -244,8 +245,11 @@ TurnLogs sized(std::size_t count) {
 
 }  // namespace
 
-TurnLogs turn_logs(const Turns& turns, int threads) {
+TurnLogs turn_logs(const Turns& given, int threads) {
     const StandardArithmetic standard;
+    const std::vector<double> radius = copied(given.radius);
+    Turns turns = given;
+    turns.radius = radius;
     require_sectors(turns.sectors);
     require(turns.window >= 3 && turns.window % 2 == 1, "window", turns.window, "must be odd and 3 or more");
     require(std::isfinite(turns.start_toolface), "start_toolface", turns.start_toolface, "must be finite");

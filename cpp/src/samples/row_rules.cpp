@@ -27,23 +27,32 @@ void check_lengths(const SampleColumns& c) {
     if (!c.time.empty()) require_length("time", c.time.size(), c.depth.size());
 }
 
-void check_rows(const SampleColumns& c) {
-    require_depths(c.depth);
-    require_finite("toolface", c.toolface);
-    require_finite("radius", c.radius);
-    for (std::size_t i = 0; i < c.radius.size(); ++i)
-        if (!(c.radius[i] > 0.0 && c.radius[i] <= largest_radius))
-            throw InputError(entry_name("radius", static_cast<Index>(i)), "must be above 0 and at most 2 m",
-                             number_text(c.radius[i]));
-    require_finite("time", c.time);
+void check_rows(std::span<const SampleColumns> parts) {
+    const auto check = [&](const char* name, std::span<const double> SampleColumns::* column, const auto& good,
+                           const char* rule) {
+        Index row = 0;
+        for (const SampleColumns& part : parts)
+            for (const double value : part.*column) {
+                if (!std::isfinite(value)) throw entry_error(name, row, value, "must be finite");
+                if (!good(value)) throw entry_error(name, row, value, rule);
+                ++row;
+            }
+    };
+    const auto any = [](double) { return true; };
+    check("depth", &SampleColumns::depth, [](double x) { return std::abs(x) <= largest_depth; }, depth_rule);
+    check("toolface", &SampleColumns::toolface, any, "");
+    check(
+        "radius", &SampleColumns::radius, [](double x) { return x > 0.0 && x <= largest_radius; },
+        "must be above 0 and at most 2 m");
+    check("time", &SampleColumns::time, any, "");
 }
 
-bool rows_valid(const SampleColumns& c, Range rows, const kernel::Functions& f) {
-    const Index n = rows.stop - rows.start;
-    return f.all_within(c.depth.data() + rows.start, n, -largest_depth, largest_depth) &&
-           f.all_within(c.toolface.data() + rows.start, n, -largest, largest) &&
-           f.all_within(c.radius.data() + rows.start, n, least_radius, largest_radius) &&
-           (c.time.empty() || f.all_within(c.time.data() + rows.start, n, -largest, largest));
+bool rows_valid(const SampleColumns& c, const kernel::Functions& f) {
+    const auto n = static_cast<Index>(c.depth.size());
+    return f.all_within(c.depth.data(), n, -largest_depth, largest_depth) &&
+           f.all_within(c.toolface.data(), n, -largest, largest) &&
+           f.all_within(c.radius.data(), n, least_radius, largest_radius) &&
+           (c.time.empty() || f.all_within(c.time.data(), n, -largest, largest));
 }
 
 void SampleColumns::validate(int threads) const {
@@ -54,9 +63,12 @@ void SampleColumns::validate(int threads) const {
     const kernel::Functions& f = kernel::functions_for(InstructionSet::automatic);
     std::atomic<bool> valid{true};
     for_each_range(threads_for(n, rows_a_thread, threads), n, rows_a_part, [&](int, const Range& rows) {
-        if (!rows_valid(*this, rows, f)) valid = false;
+        const auto start = static_cast<std::size_t>(rows.start), size = static_cast<std::size_t>(rows.stop) - start;
+        const SampleColumns some{depth.subspan(start, size), toolface.subspan(start, size), radius.subspan(start, size),
+                                 time.empty() ? time : time.subspan(start, size)};
+        if (!rows_valid(some, f)) valid = false;
     });
-    if (!valid) check_rows(*this);
+    if (!valid) check_rows({this, 1});
 }
 
 }  // namespace helibore

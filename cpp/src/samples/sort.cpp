@@ -1,6 +1,7 @@
 // Checks a batch of samples (row_rules.hpp) and brings it into canonical order.
 //
-// Recorded data are mostly in order already; one pass checks the order and copies them. Otherwise
+// One pass copies the rows into chunks, and checks the copies and their order. Recorded data are mostly in order
+// already. Otherwise
 //
 //     rows -> buckets by depth, which follow each other in the chunks -> each bucket is sorted
 //
@@ -29,65 +30,80 @@ namespace {
 
 constexpr int slabs_a_thread = 8;  // so that all threads end at about the same time
 
-// Returns whether row i comes after row i - 1. Equal timed rows count as not in order, because one of them must be
-// dropped.
-bool in_order(const SampleColumns& c, std::size_t i) {
-    if (c.depth[i - 1] != c.depth[i] || c.time.empty()) return c.depth[i - 1] <= c.depth[i];
-    const auto row = [&](std::size_t j) {
-        return Row{c.depth[j], c.time[j], wrap_toolface(c.toolface[j]), c.radius[j]};
-    };
-    return row(i - 1) < row(i);
+// Returns the rows of a chunk as columns.
+SampleColumns columns_of(const Chunk& chunk, bool timed) {
+    const auto n = static_cast<std::size_t>(chunk.count);
+    return {{chunk.depth(), n},
+            {chunk.toolface(), n},
+            {chunk.radius(), n},
+            timed ? std::span<const double>(chunk.time(), n) : std::span<const double>()};
 }
 
-bool rows_in_order(const SampleColumns& c, Range rows, const kernel::Functions& f) {
-    const Index first = std::max<Index>(rows.start - 1, 0);
-    const kernel::Order order = f.order(c.depth.data() + first, rows.stop - first);
-    if (order != kernel::Order::level || c.time.empty()) return order != kernel::Order::falls;
-    for (Index i = first + 1; i < rows.stop; ++i)
-        if (!in_order(c, static_cast<std::size_t>(i))) return false;
+// Copies the rows from `start` on into a chunk. Nothing else reads the host's memory: it may change at any time.
+void copy_rows(const SampleColumns& c, Index start, Chunk& chunk) {
+    const std::size_t bytes = static_cast<std::size_t>(chunk.count) * sizeof(double);
+    std::memcpy(chunk.depth(), c.depth.data() + start, bytes);
+    std::memcpy(chunk.toolface(), c.toolface.data() + start, bytes);
+    std::memcpy(chunk.radius(), c.radius.data() + start, bytes);
+    if (!c.time.empty()) std::memcpy(chunk.time(), c.time.data() + start, bytes);
+}
+
+void wrap_toolfaces(Chunk& chunk, const kernel::Functions& f) {
+    double* toolface = chunk.toolface();
+    if (f.all_within(toolface, chunk.count, 0.0, std::nextafter(360.0, 0.0)))
+        std::transform(toolface, toolface + chunk.count, toolface, [](double x) { return x + 0.0; });  // -0 is 0
+    else
+        std::transform(toolface, toolface + chunk.count, toolface, wrap_toolface);
+}
+
+// Returns whether `row` comes after `before`. Equal timed rows count as not in order, because one of them must be
+// dropped.
+bool follows(const Row& before, const Row& row, bool timed) {
+    return timed ? before < row : before.depth <= row.depth;
+}
+
+bool rows_in_order(const Chunk& chunk, bool timed, const kernel::Functions& f) {
+    const kernel::Order order = f.order(chunk.depth(), chunk.count);
+    if (order != kernel::Order::level || !timed) return order != kernel::Order::falls;
+    for (Index i = 1; i < chunk.count; ++i)
+        if (!follows(chunk.row(i - 1, true), chunk.row(i, true), true)) return false;
     return true;
 }
 
-// Copies the rows of one chunk.
-void copy_rows(const SampleColumns& c, Range rows, Chunk& chunk, const kernel::Functions& f) {
-    const auto n = static_cast<std::size_t>(rows.stop - rows.start);
-    const double* toolface = c.toolface.data() + rows.start;
-    std::memcpy(chunk.depth(), c.depth.data() + rows.start, n * sizeof(double));
-    std::memcpy(chunk.radius(), c.radius.data() + rows.start, n * sizeof(double));
-    if (!c.time.empty()) std::memcpy(chunk.time(), c.time.data() + rows.start, n * sizeof(double));
-    if (f.all_within(toolface, rows.stop - rows.start, 0.0, std::nextafter(360.0, 0.0)))
-        std::transform(toolface, toolface + n, chunk.toolface(), [](double x) { return x + 0.0; });  // -0 is 0
-    else
-        std::transform(toolface, toolface + n, chunk.toolface(), wrap_toolface);
-}
-
-// Copies rows that are in order already, and checks them while they are in the cache. Returns false if some are not in
-// order.
-bool copy_if_in_order(const SampleColumns& c, SortedBatch& batch, int threads, const kernel::Functions& f) {
+// Copies the rows into the chunks of the batch in order of arrival, checks the copies, and wraps their toolfaces.
+// Returns whether they are in canonical order.
+bool copy_checked(const SampleColumns& c, SortedBatch& batch, int threads, const kernel::Functions& f) {
     std::atomic<bool> in_order{true}, valid{true};
-    for_each_range(threads, batch.count, Chunk::full, [&](int, const Range& rows) {
-        if (!in_order || !valid) return;
-        if (!rows_valid(c, rows, f))
+    for_each_part(threads, static_cast<Index>(batch.chunks.size()), [&](int, Index part) {
+        Chunk& chunk = *batch.chunks[static_cast<std::size_t>(part)];
+        copy_rows(c, part * Chunk::full, chunk);
+        if (!rows_valid(columns_of(chunk, batch.timed), f)) {
             valid = false;
-        else if (!rows_in_order(c, rows, f))
-            in_order = false;
-        else
-            copy_rows(c, rows, *batch.chunks[static_cast<std::size_t>(rows.start / Chunk::full)], f);
+            return;
+        }
+        wrap_toolfaces(chunk, f);
+        if (in_order && !rows_in_order(chunk, batch.timed, f)) in_order = false;
     });
-    if (!valid) check_rows(c);
+    if (!valid) {
+        std::vector<SampleColumns> parts;
+        for (const auto& chunk : batch.chunks) parts.push_back(columns_of(*chunk, batch.timed));
+        check_rows(parts);
+    }
+    for (std::size_t i = 1; i < batch.chunks.size() && in_order; ++i) {
+        const Chunk& before = *batch.chunks[i - 1];
+        in_order =
+            follows(before.row(before.count - 1, batch.timed), batch.chunks[i]->row(0, batch.timed), batch.timed);
+    }
     return in_order;
 }
 
-// Checks all rows; returns the least and the greatest depth.
-std::pair<double, double> depth_extent(const SampleColumns& c, int threads, const kernel::Functions& f) {
-    const auto n = static_cast<Index>(c.depth.size());
+// Returns the least and the greatest depth.
+std::pair<double, double> depth_extent(const Chunks& chunks, int threads) {
     std::vector<Extremes> extremes(static_cast<std::size_t>(threads));
-    std::atomic<bool> valid{true};
-    for_each_range(threads, n, Chunk::full, [&](int w, const Range& rows) {
-        if (!rows_valid(c, rows, f)) valid = false;
-        extremes[static_cast<std::size_t>(w)].take(c.depth.data() + rows.start, c.depth.data() + rows.stop);
+    for_each_part(threads, static_cast<Index>(chunks.size()), [&](int w, Index part) {
+        const Chunk& chunk = *chunks[static_cast<std::size_t>(part)];
+        extremes[static_cast<std::size_t>(w)].take(chunk.depth(), chunk.depth() + chunk.count);
     });
-    if (!valid) check_rows(c);
     for (const Extremes& of_worker : extremes) extremes[0].take(of_worker);
     return {extremes[0].least(), extremes[0].greatest()};
 }
@@ -233,24 +249,27 @@ struct Collected {
     }
 };
 
-// Returns the rows of slab `which`, if the rows [0, n) are cut into `slabs` nearly equal slabs.
+// Returns the chunks of slab `which`, if `n` chunks are cut into `slabs` nearly equal slabs.
 Range slab(Index n, int slabs, Index which) {
     return {n * which / slabs, n * (which + 1) / slabs};
 }
 
-// Puts each row into its bucket. The rows are taken in slabs; a count for each slab and bucket gives the places.
-void distribute(const SampleColumns& c, SortedBatch& batch, const Buckets& buckets, std::vector<Index>& ends,
-                int threads) {
-    const auto n = static_cast<Index>(c.depth.size());
+// Moves each row of the chunks `from` into its bucket. The chunks are taken in slabs; a count for each slab and bucket
+// gives the places.
+void distribute(const Chunks& from, SortedBatch& batch, const Buckets& buckets, std::vector<Index>& ends, int threads) {
+    const auto n = static_cast<Index>(from.size());
     const auto size = static_cast<std::size_t>(buckets.count);
     const int slabs = threads == 1 ? 1 : slabs_a_thread * threads;
     std::vector<std::vector<Index>> places(static_cast<std::size_t>(slabs));
     for_each_part(threads, slabs, [&](int, Index s) {
         std::vector<Index> counts(size, 0);
-        const Range rows = slab(n, slabs, s);
         const Buckets which = buckets;  // a copy on the stack: other threads write beside the original
-        const double* depth = c.depth.data();
-        for (Index i = rows.start; i < rows.stop; ++i) ++counts[static_cast<std::size_t>(which.of(depth[i]))];
+        const Range chunks = slab(n, slabs, s);
+        for (Index part = chunks.start; part < chunks.stop; ++part) {
+            const Chunk& chunk = *from[static_cast<std::size_t>(part)];
+            const double* depth = chunk.depth();
+            for (Index i = 0; i < chunk.count; ++i) ++counts[static_cast<std::size_t>(which.of(depth[i]))];
+        }
         places[static_cast<std::size_t>(s)] = std::move(counts);
     });
     Index total = 0;
@@ -264,15 +283,20 @@ void distribute(const SampleColumns& c, SortedBatch& batch, const Buckets& bucke
         auto& mine = collected[static_cast<std::size_t>(w)];
         mine.resize(size);
         for (std::size_t b = 0; b < size; ++b) mine[b].start = mine[b].next = places[static_cast<std::size_t>(s)][b];
-        const Range rows = slab(n, slabs, s);
-        for (auto i = static_cast<std::size_t>(rows.start); i < static_cast<std::size_t>(rows.stop); ++i) {
-            Collected& bucket = mine[static_cast<std::size_t>(buckets.of(c.depth[i]))];
-            const Index slot = bucket.next++ % 8;
-            bucket.rows[0][slot] = c.depth[i];
-            bucket.rows[1][slot] = wrap_toolface(c.toolface[i]);
-            bucket.rows[2][slot] = c.radius[i];
-            if (batch.timed) bucket.rows[3][slot] = c.time[i];
-            if (slot == 7) bucket.write(batch);
+        const Range chunks = slab(n, slabs, s);
+        for (Index part = chunks.start; part < chunks.stop; ++part) {
+            const Chunk& chunk = *from[static_cast<std::size_t>(part)];
+            const double *depth = chunk.depth(), *toolface = chunk.toolface(), *radius = chunk.radius();
+            const double* time = batch.timed ? chunk.time() : nullptr;
+            for (Index i = 0; i < chunk.count; ++i) {
+                Collected& bucket = mine[static_cast<std::size_t>(buckets.of(depth[i]))];
+                const Index slot = bucket.next++ % 8;
+                bucket.rows[0][slot] = depth[i];
+                bucket.rows[1][slot] = toolface[i];
+                bucket.rows[2][slot] = radius[i];
+                if (time) bucket.rows[3][slot] = time[i];
+                if (slot == 7) bucket.write(batch);
+            }
         }
         for (const Collected& bucket : mine)
             if (bucket.next % 8 != 0) bucket.write(batch);
@@ -313,11 +337,14 @@ SortedBatch sort_batch(const SampleColumns& columns, const Samples& samples, int
     if (batch.count == 0) return batch;
     threads = threads_for(batch.count, rows_a_thread, threads);
     batch.chunks = samples.room_for(batch.count, batch.timed);
-    if (copy_if_in_order(columns, batch, threads, f)) return batch;
-    const auto [least, greatest] = depth_extent(columns, threads, f);
+    if (copy_checked(columns, batch, threads, f)) return batch;
+    const auto [least, greatest] = depth_extent(batch.chunks, threads);
     const Buckets buckets(least, greatest, std::clamp<Index>(batch.count / 4096, 1, 1024));
-    std::vector<Index> ends;
-    distribute(columns, batch, buckets, ends, threads);
+    std::vector<Index> ends{batch.count};
+    if (buckets.count > 1) {
+        const Chunks copied = std::exchange(batch.chunks, samples.room_for(batch.count, batch.timed));
+        distribute(copied, batch, buckets, ends, threads);
+    }
     batch.timed ? sort_buckets<true>(batch, buckets, ends, threads)
                 : sort_buckets<false>(batch, buckets, ends, threads);
     if (batch.timed) drop_redundant(batch);

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "base/arithmetic.hpp"
+#include "base/host_memory.hpp"
 #include "base/messages.hpp"
 #include "base/threads.hpp"
 #include "helibore/error.hpp"
@@ -189,10 +190,13 @@ PointEstimates estimate_at(const SampleColumns& samples, const PointColumns& poi
                                    points.box_turn.size()};
     for (const std::size_t length : lengths)
         if (length != n) throw InputError("points", "columns must have equal lengths");
-    samples.validate(settings.threads);
-    require_order("depth", samples.depth);
-    require_finite("points.depth", points.depth);
-    require_finite("points.toolface", points.toolface);
+    const std::vector<double> columns[] = {copied(samples.depth), copied(samples.toolface), copied(samples.radius)};
+    SampleColumns from{columns[0], columns[1], columns[2]};
+    from.validate(settings.threads);
+    require_order("depth", from.depth);
+    const std::vector<double> at_depth = copied(points.depth), at_toolface = copied(points.toolface);
+    require_finite("points.depth", at_depth);
+    require_finite("points.toolface", at_toolface);
     for (std::size_t i = 0; i < nuggets.size(); ++i)
         require(std::isfinite(nuggets[i]) && nuggets[i] >= 1e-6, entry_name("nuggets", static_cast<Index>(i)),
                 nuggets[i], "must be finite and at least 1e-6");
@@ -201,9 +205,9 @@ PointEstimates estimate_at(const SampleColumns& samples, const PointColumns& poi
          {&out.radius, &out.nearest, &out.farthest, &out.square_weights, &out.scatter, &out.along, &out.across})
         column->resize(n);
     out.by_nugget.assign(nuggets.size(), std::vector<double>(n, std::numeric_limits<double>::quiet_NaN()));
-    const std::vector<double> of_samples = wrapped(samples.toolface), of_points = wrapped(points.toolface);
-    const SampleColumns from{samples.depth, of_samples, samples.radius};
-    const PointColumns at{points.depth, of_points, points.trial, points.box_depth, points.box_turn};
+    const std::vector<double> of_samples = wrapped(from.toolface), of_points = wrapped(at_toolface);
+    from.toolface = of_samples;
+    const PointColumns at{at_depth, of_points, points.trial, points.box_depth, points.box_turn};
     const PointEstimator estimator(from, at, settings, nuggets);
     const auto groups = static_cast<Index>((n + lanes - 1) / lanes);
     const int workers = threads_for(groups, groups_a_thread, settings.threads);

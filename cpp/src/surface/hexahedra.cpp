@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "base/arithmetic.hpp"
+#include "base/host_memory.hpp"
 #include "base/messages.hpp"
 #include "base/threads.hpp"
 #include "helibore/error.hpp"
@@ -36,8 +37,13 @@ double determinant(const Vector3& a, const Vector3& b, const Vector3& c) {
 
 struct Corners {
     Vector3 of[8];
+    // A corner that is no row is replaced by row 0; require_corners() has refused it, unless the host has written it
+    // since then.
     Corners(std::span<const Vector3> vertices, const Hexahedron& hexahedron) {
-        for (std::size_t i = 0; i < 8; ++i) of[i] = vertices[static_cast<std::size_t>(hexahedron[i])];
+        for (std::size_t i = 0; i < 8; ++i) {
+            const auto row = static_cast<std::size_t>(read_once(hexahedron[i]));
+            of[i] = vertices[row < vertices.size() ? row : 0];
+        }
     }
 };
 

@@ -18,6 +18,7 @@
 
 #include "base/arithmetic.hpp"
 #include "base/degrees.hpp"
+#include "base/host_memory.hpp"
 #include "base/messages.hpp"
 #include "helibore/error.hpp"
 #include "surface/segments.hpp"
@@ -244,15 +245,15 @@ Segments segments_of(const Survey& survey, const PathSettings& settings) {
     return segments;
 }
 
-// Calls visit(i, segment, point of depth[i]) for every depth.
+// Calls visit(i, segment, point of depth[i], depth[i]) for every depth.
 template <class Visit>
 void for_each_point(const Segments& segments, std::span<const double> depth, const Visit& visit) {
     const StandardArithmetic standard;
     for (std::size_t i = 0; i < depth.size(); ++i) {
-        segments.require_reach(depth[i], {Index(i)});
-        const auto point = [&](const auto& segment) { visit(i, segment, segment.at(depth[i] - segment.depth)); };
-        segments.curves.empty() ? point(segment_at(segments.arcs, depth[i]))
-                                : point(segment_at(segments.curves, depth[i]));
+        const double at = read_once(depth[i]);
+        segments.require_reach(at, {Index(i)});
+        const auto point = [&](const auto& segment) { visit(i, segment, segment.at(at - segment.depth), at); };
+        segments.curves.empty() ? point(segment_at(segments.arcs, at)) : point(segment_at(segments.curves, at));
     }
 }
 
@@ -273,16 +274,16 @@ Survey::Survey(std::span<const double> depth, std::span<const double> inclinatio
       inclination_(inclination.begin(), inclination.end()),
       azimuth_(azimuth.begin(), azimuth.end()) {
     const StandardArithmetic standard;
-    require_length("inclination", inclination.size(), depth.size());
-    require_length("azimuth", azimuth.size(), depth.size());
+    require_length("inclination", inclination_.size(), depth_.size());
+    require_length("azimuth", azimuth_.size(), depth_.size());
     if (depth.size() < 2) {
         throw InputError("survey has " + std::to_string(depth.size()) + (depth.size() == 1 ? " station" : " stations"),
                          "must have two or more");
     }
-    require_depths(depth);
-    require_growing(depth, 0);
-    require_between("inclination", inclination, 0.0, 180.0, 0);
-    require_between("azimuth", azimuth, -360.0, 360.0, 0);
+    require_depths(depth_);
+    require_growing(depth_, 0);
+    require_between("inclination", inclination_, 0.0, 180.0, 0);
+    require_between("azimuth", azimuth_, -360.0, 360.0, 0);
 }
 
 std::vector<double> Survey::dogleg() const {
@@ -344,33 +345,34 @@ Path::Path(const Survey& survey, const PathSettings& settings)
 
 std::vector<Vector3> Path::position(std::span<const double> depth) const {
     std::vector<Vector3> positions(depth.size());
-    for_each_point(*segments_, depth,
-                   [&](std::size_t i, const auto&, const PathPoint& p) { positions[i] = {p.north, p.east, p.down}; });
+    for_each_point(*segments_, depth, [&](std::size_t i, const auto&, const PathPoint& p, double) {
+        positions[i] = {p.north, p.east, p.down};
+    });
     return positions;
 }
 
 std::vector<Vector3> Path::tangent(std::span<const double> depth) const {
     std::vector<Vector3> tangents(depth.size());
-    for_each_point(*segments_, depth,
-                   [&](std::size_t i, const auto&, const PathPoint& p) { tangents[i] = {p.tan_n, p.tan_e, p.tan_d}; });
+    for_each_point(*segments_, depth, [&](std::size_t i, const auto&, const PathPoint& p, double) {
+        tangents[i] = {p.tan_n, p.tan_e, p.tan_d};
+    });
     return tangents;
 }
 
 std::vector<Frame> Path::frame(std::span<const double> depth) const {
     std::vector<Frame> frames(depth.size());
-    for_each_point(*segments_, depth, [&](std::size_t i, const auto& segment, const PathPoint& p) {
+    for_each_point(*segments_, depth, [&](std::size_t i, const auto& segment, const PathPoint& p, double at) {
         frames[i] = with_reference(segments_->reference,
-                                   [&](auto reference) { return frame_at<reference>(segment, p, Index(i), depth[i]); });
+                                   [&](auto reference) { return frame_at<reference>(segment, p, Index(i), at); });
     });
     return frames;
 }
 
 std::vector<double> Path::north_to_high_side(std::span<const double> depth) const {
     std::vector<double> degrees(depth.size());
-    for_each_point(*segments_, depth, [&](std::size_t i, const auto& segment, const PathPoint& p) {
-        if (!axes_of<Reference::high_side>(segment, p).defined())
-            refuse_frame(Reference::high_side, depth[i], {Index(i)});
-        if (!axes_of<Reference::north>(segment, p).defined()) refuse_frame(Reference::north, depth[i], {Index(i)});
+    for_each_point(*segments_, depth, [&](std::size_t i, const auto& segment, const PathPoint& p, double at) {
+        if (!axes_of<Reference::high_side>(segment, p).defined()) refuse_frame(Reference::high_side, at, {Index(i)});
+        if (!axes_of<Reference::north>(segment, p).defined()) refuse_frame(Reference::north, at, {Index(i)});
         const double angle = arc_tangent(-p.tan_e, p.tan_d * p.tan_n) / degree;
         const double positive = angle < 0.0 ? angle + 360.0 : angle + 0.0;  // + 0.0 turns -0 into 0
         degrees[i] = positive < 360.0 ? positive : 0.0;                     // -1e-20 + 360 rounds to 360
@@ -407,17 +409,18 @@ Stations::Taken Stations::take(std::span<const double> depth, std::span<const do
     try {
         for (std::size_t i = 0; i < depth.size(); ++i) {
             std::string bad;
-            if (!(std::abs(depth[i]) <= largest_depth)) {
-                bad = std::string("depth ") + (std::isfinite(depth[i]) ? depth_rule : "must be finite");
+            const double at = read_once(depth[i]);
+            if (!(std::abs(at) <= largest_depth)) {
+                bad = std::string("depth ") + (std::isfinite(at) ? depth_rule : "must be finite");
             } else {
                 try {
-                    const auto from = take_one(depth[i], inclination[i], azimuth[i]);
+                    const auto from = take_one(at, read_once(inclination[i]), read_once(azimuth[i]));
                     if (from) taken.path_from = std::min(*from, taken.path_from.value_or(*from));
                 } catch (const InputError& error) {
                     bad = error.what();
                 }
             }
-            if (!bad.empty()) taken.refused.push_back("station at " + short_text(depth[i]) + " m: " + bad);
+            if (!bad.empty()) taken.refused.push_back("station at " + short_text(at) + " m: " + bad);
         }
     } catch (const std::bad_alloc&) {  // take all stations or none
         depth_.swap(before[0]);
