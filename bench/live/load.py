@@ -31,10 +31,10 @@ import numpy as np
 
 import helibore as hb
 from helibore.cli.live_view import Window
-from helibore.live import wits
-from helibore.live.configuration import parse
+from helibore.live.model.update import Update
+from helibore.live.rules.configuration import parse
 from helibore.live.server import Server
-from helibore.live.update import Update
+from helibore.live.wire import wits
 from helibore.viewer.protocol import WRITE
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "python"))

@@ -22,9 +22,10 @@ from pathlib import Path
 import numpy as np
 
 from helibore import Live, _core
-from helibore.live import checkpoint, journal, wits
-from helibore.live.archived_segments import archive
-from helibore.live.configuration import parse
+from helibore.live.journal import checkpoint, journal
+from helibore.live.journal.archived_segments import archive
+from helibore.live.rules.configuration import parse
+from helibore.live.wire import wits
 
 CONFIGURATION = """
 [wall]

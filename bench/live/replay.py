@@ -18,11 +18,11 @@ from pathlib import Path
 import numpy as np
 
 import helibore as hb
-from helibore.live import wits
-from helibore.live.configuration import parse
-from helibore.live.journal import Journal
+from helibore.live.journal.journal import Journal
 from helibore.live.live import read_into
-from helibore.live.model import Model
+from helibore.live.model.model import Model
+from helibore.live.rules.configuration import parse
+from helibore.live.wire import wits
 
 CONFIGURATION = """
 [wall]

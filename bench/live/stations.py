@@ -13,7 +13,7 @@ from contextlib import contextmanager
 import numpy as np
 
 import helibore as hb
-from helibore.live.configuration import parse
+from helibore.live.rules.configuration import parse
 
 CONFIGURATION = """
 [wall]

@@ -9,7 +9,7 @@ import time
 
 import numpy as np
 
-from helibore.live import wits
+from helibore.live.wire import wits
 
 
 def rig_frames(count: int) -> bytes:

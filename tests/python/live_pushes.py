@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 import helibore as hb
-from helibore.live.configuration import parse
+from helibore.live.rules.configuration import parse
 from helibore.simulation.tool import Hole, Lift, Tool, simulate
 
 CONFIGURATION = """

@@ -9,10 +9,10 @@ import numpy as np
 from live_wires import WALL
 
 from helibore import Live
-from helibore.live import wits
-from helibore.live.configuration import parse
-from helibore.live.journal import BYTES, segments
+from helibore.live.journal.journal import BYTES, segments
+from helibore.live.rules.configuration import parse
 from helibore.live.server import Server
+from helibore.live.wire import wits
 
 SOURCE = (
     '[source.mwd]\naddress = "ADDRESS"\nunits = "metric"\n'

@@ -6,8 +6,8 @@ import numpy as np
 
 import helibore as hb
 from helibore import Live
-from helibore.live import wits
-from helibore.live.configuration import parse
+from helibore.live.rules.configuration import parse
+from helibore.live.wire import wits
 from helibore.simulation.tool import Hole, Lift, Tool, simulate
 
 SECOND = 1_000_000_000

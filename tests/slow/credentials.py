@@ -27,7 +27,8 @@ from test_live_store import PASSWORD, Polled, grown, with_user  # noqa: E402
 from helibore import Live  # noqa: E402
 from helibore.cli.live_log import logged  # noqa: E402
 from helibore.cli.live_status import metrics  # noqa: E402
-from helibore.live import server, snapshot, store  # noqa: E402
+from helibore.live import server, snapshot  # noqa: E402
+from helibore.live.wire import store  # noqa: E402
 
 BASIC = base64.b64encode(f"rig7:{PASSWORD}".encode()).decode()
 

@@ -36,8 +36,8 @@ import test_live_power_cut
 from live_servers import Running, configured, frames, free_port, payloads, until
 
 from helibore import Live
-from helibore.live.configuration import parse
-from helibore.live.journal import RECORDS_START
+from helibore.live.journal.journal import RECORDS_START
+from helibore.live.rules.configuration import parse
 
 MEMORY = "/dev/shm" if Path("/dev/shm").is_dir() else None
 """A disk in memory, where a sync takes no time; what a power cut leaves is simulated."""

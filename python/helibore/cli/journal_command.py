@@ -15,7 +15,7 @@ from helibore.cli.quantities import FILE, FOLDER
 from helibore.cli.wall_options import opt, section
 
 if TYPE_CHECKING:
-    from helibore.live.journal import Segment
+    from helibore.live.journal.journal import Segment
     from helibore.live.live import Live
 
 JOURNAL = click.argument("folder", type=click.Path(path_type=Path, exists=True, file_okay=False))
@@ -42,9 +42,9 @@ def list_(folder: Path) -> None:
     \b
     helibore journal list well-7.journal
     """
-    from helibore.live import checkpoint
-    from helibore.live.clock import utc
-    from helibore.live.export import sessions
+    from helibore.live.journal import checkpoint
+    from helibore.live.journal.export import sessions
+    from helibore.live.model.clock import utc
 
     begun = sessions(folder)
     for segment in _segments(folder):
@@ -69,8 +69,8 @@ def verify(folder: Path) -> None:
     helibore journal verify well-7.journal && echo intact
     """
     from helibore.base.errors import InputError
-    from helibore.live import checkpoint
-    from helibore.live.journal import header_of
+    from helibore.live.journal import checkpoint
+    from helibore.live.journal.journal import header_of
 
     lost = records = salt = 0
     last = -1
@@ -142,8 +142,8 @@ def quarantine(folder: Path, configuration: Path | None, output: Path | None) ->
     helibore journal quarantine well-7.journal -o set-aside
     """
     from helibore.base.atomic_file import write_whole
-    from helibore.live.clock import utc
-    from helibore.live.export import quarantine as set_aside
+    from helibore.live.journal.export import quarantine as set_aside
+    from helibore.live.model.clock import utc
 
     found: dict[str, bytes] = {}
     for one in set_aside(folder, _replayed(folder, configuration).model):
@@ -183,9 +183,9 @@ def export(folder: Path, configuration: Path | None, output: Path, source: str |
 
     from helibore.base.atomic_file import write_whole
     from helibore.base.errors import InputError
-    from helibore.live.configuration import load
-    from helibore.live.export import export_bytes, export_csv
-    from helibore.live.session_header import sources_of
+    from helibore.live.journal.export import export_bytes, export_csv
+    from helibore.live.journal.session_header import sources_of
+    from helibore.live.rules.configuration import load
 
     check_file(output, (".csv", ".wits"))
     sources = sources_of(folder, load(configuration) if configuration else None, source)
@@ -220,7 +220,7 @@ def archive(folder: Path, remove: bool) -> None:
     \b
     helibore journal archive well-7.journal
     """
-    from helibore.live.archived_segments import archive as put_away
+    from helibore.live.journal.archived_segments import archive as put_away
 
     with _progress(folder) as step:
         done = put_away(folder, remove=remove, report=step)
@@ -229,8 +229,8 @@ def archive(folder: Path, remove: bool) -> None:
 
 
 def _replayed(folder: Path, file: Path | None) -> Live:
-    from helibore.live.configuration import load
     from helibore.live.live import Live
+    from helibore.live.rules.configuration import load
 
     with _progress(folder) as step:
         return Live.replay(folder, load(file) if file else None, report=step)
@@ -238,7 +238,7 @@ def _replayed(folder: Path, file: Path | None) -> Live:
 
 def _segments(folder: Path) -> Iterator[Segment]:
     """Yield the segments of a journal, and show on a terminal how many have been read."""
-    from helibore.live.journal import segments
+    from helibore.live.journal.journal import segments
 
     with _progress(folder) as step:
         for segment in segments(folder):
@@ -252,7 +252,7 @@ def _progress(folder: Path) -> Iterator[Callable[[object], None]]:
     import sys
     import time
 
-    from helibore.live.journal import all_paths
+    from helibore.live.journal.journal import all_paths
 
     total, begun, done = len(all_paths(folder)), time.monotonic(), 0
     shown = sys.stderr.isatty()

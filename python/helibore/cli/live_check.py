@@ -12,8 +12,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from helibore.live.configuration import Configuration
-from helibore.live.sources import INDEX, LENGTHS, Item, Source, StoreSource
+from helibore.live.rules.configuration import Configuration
+from helibore.live.rules.sources import INDEX, LENGTHS, Item, Source, StoreSource
 
 Row = tuple[str, str, str, str]
 _RIG = {"rotation": "rpm", "activity": ""}

@@ -64,14 +64,14 @@ def live(
     docs/driller.md ("While drilling") has the smallest CONFIGURATION, docs/live.md has every setting. After SIGHUP
     (kill -HUP), CONFIGURATION is read again, and its changes apply to later bytes.
     """
-    importlib.import_module("helibore.live.checks")  # imported first: its error names the extra that is missing
+    importlib.import_module("helibore.live.rules.checks")  # imported first: its error names the extra that is missing
     from helibore.cli.lines import counts_line
     from helibore.cli.live_check import described
     from helibore.cli.live_log import logged
     from helibore.cli.live_metrics import Access, MetricsServer
     from helibore.live.alarms import receiver
-    from helibore.live.configuration import load
     from helibore.live.live import Live
+    from helibore.live.rules.configuration import load
     from helibore.live.server import Server
 
     settings = load(configuration)

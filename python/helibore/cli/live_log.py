@@ -12,7 +12,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-from helibore.live.events import LOGGER
+from helibore.live.model.events import LOGGER
 
 MOST_WAITING = 1000
 """Most log lines that wait for a slow stderr or file; further lines are left out and counted."""

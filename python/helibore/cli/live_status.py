@@ -11,14 +11,14 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from helibore.live.alarms import local
-from helibore.live.events import Flag
-from helibore.live.pass_rules import PASSES
-from helibore.live.wits import RULE_NAMES
+from helibore.live.model.events import Flag
+from helibore.live.rules.pass_rules import PASSES
+from helibore.live.wire.wits import RULE_NAMES
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from helibore.live.journal import Journal
+    from helibore.live.journal.journal import Journal
     from helibore.live.server import Server
 
 PARSED = ("bytes", "frames", "items", "nulls", "not_numbers", *RULE_NAMES)

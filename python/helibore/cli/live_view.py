@@ -21,7 +21,7 @@ import numpy as np
 from helibore.base.errors import InputError
 from helibore.live.alarms import Alarm, clock_text, is_connected
 from helibore.live.live import Live
-from helibore.live.update import Update
+from helibore.live.model.update import Update
 from helibore.samples.helix import helix_of
 
 if TYPE_CHECKING:

@@ -32,13 +32,13 @@ from typing import Any
 import numpy as np
 
 from helibore.base.errors import InputError
-from helibore.live.clock import SECOND, utc
-from helibore.live.configuration import AlarmLimits
 from helibore.live.live import Live
-from helibore.live.mapping import SourceReader
-from helibore.live.model import OUTSIDE, USABLE
-from helibore.live.sources import Source, WitsSource
-from helibore.live.update import Update
+from helibore.live.model.clock import SECOND, utc
+from helibore.live.model.mapping import SourceReader
+from helibore.live.model.model import OUTSIDE, USABLE
+from helibore.live.model.update import Update
+from helibore.live.rules.configuration import AlarmLimits
+from helibore.live.rules.sources import Source, WitsSource
 
 HOLD = 60.0
 """Seconds that an alarm with a momentary cause (clock, depth jump, tight hole, washout) lasts after the last cause."""

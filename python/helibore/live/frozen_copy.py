@@ -13,12 +13,12 @@ import numpy as np
 
 from helibore.base.arrays import Floats
 from helibore.images.sector_image import SectorImage
-from helibore.live.events import Event
-from helibore.live.file_names import RULE, can_be_file
-from helibore.live.image_rows import sorted_rows
-from helibore.live.layout import Layout
 from helibore.live.live import Live
-from helibore.live.pass_log import Pass
+from helibore.live.model.events import Event
+from helibore.live.model.image_rows import sorted_rows
+from helibore.live.model.pass_log import Pass
+from helibore.live.rules.file_names import RULE, can_be_file
+from helibore.live.rules.layout import Layout
 from helibore.samples.caliper import Caliper
 from helibore.trajectory.survey import Path
 from helibore.wall.state import WallState

@@ -35,24 +35,24 @@ from helibore import _core
 from helibore.base.arrays import column, numbers
 from helibore.base.errors import InputError
 from helibore.images.sector_image import SectorImage
-from helibore.live import checkpoint as checkpoints
-from helibore.live import journal as journals
-from helibore.live.configuration import Configuration, load
-from helibore.live.events import LOGGER, Event, gather
-from helibore.live.file_names import RULE, can_be_file
-from helibore.live.image_rows import ImageRows
-from helibore.live.journal import Journal, Segment, segment_of, segments
-from helibore.live.layout import given_layout
-from helibore.live.model import Model, Rows
-from helibore.live.pass_log import Pass
-from helibore.live.session_header import (
+from helibore.live.journal import checkpoint as checkpoints
+from helibore.live.journal import journal as journals
+from helibore.live.journal.journal import Journal, Segment, segment_of, segments
+from helibore.live.journal.session_header import (
     changed_to,
     configuration_of,
     continued_with,
     numbers_of,
     recorded_configuration,
 )
-from helibore.live.update import Update, merge
+from helibore.live.model.events import LOGGER, Event, gather
+from helibore.live.model.image_rows import ImageRows
+from helibore.live.model.model import Model, Rows
+from helibore.live.model.pass_log import Pass
+from helibore.live.model.update import Update, merge
+from helibore.live.rules.configuration import Configuration, load
+from helibore.live.rules.file_names import RULE, can_be_file
+from helibore.live.rules.layout import given_layout
 from helibore.trajectory.survey import Path, Survey
 from helibore.wall.wall import Wall
 
@@ -541,7 +541,7 @@ class Live:
     def store(self, source: str, connection: int, payload: bytes, kind: int) -> Stored:
         """Store a record in the journal only; the caller must pass all results to :meth:`draw` in this order.
 
-        ``source`` and ``connection`` say where ``payload`` came from; ``kind`` is a number of `helibore.live.journal`.
+        ``source`` and ``connection`` say where ``payload`` came from; ``kind`` is a number of ``journal.py``.
 
         Raises
         ------

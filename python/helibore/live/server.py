@@ -20,20 +20,20 @@ from collections import deque
 from collections.abc import Callable
 
 from helibore.base.errors import InputError
-from helibore.live import checkpoint
-from helibore.live import journal as journals
 from helibore.live.alarms import TICK, WAITING, Alarms
-from helibore.live.archived_segments import archive
-from helibore.live.clock import SECOND
-from helibore.live.configuration import Configuration
-from helibore.live.events import LOGGER
-from helibore.live.journal import JournalFullError
+from helibore.live.journal import checkpoint
+from helibore.live.journal import journal as journals
+from helibore.live.journal.archived_segments import archive
+from helibore.live.journal.journal import JournalFullError
+from helibore.live.journal.session_header import changed_to
 from helibore.live.live import Live, Stored
-from helibore.live.session_header import changed_to
-from helibore.live.sources import Source, StoreSource, WitsSource
-from helibore.live.store import AccessDeniedError, StoreClient
-from helibore.live.transport import Link, Opener, opener
-from helibore.live.update import Update
+from helibore.live.model.clock import SECOND
+from helibore.live.model.events import LOGGER
+from helibore.live.model.update import Update
+from helibore.live.rules.configuration import Configuration
+from helibore.live.rules.sources import Source, StoreSource, WitsSource
+from helibore.live.wire.store import AccessDeniedError, StoreClient
+from helibore.live.wire.transport import Link, Opener, opener
 
 QUEUE_BYTES = 4 << 20
 QUEUE_RECORDS = 4096

@@ -25,11 +25,11 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from helibore.base.atomic_file import write_whole
-from helibore.live.clock import utc
-from helibore.live.events import Event
-from helibore.live.file_names import escaped
 from helibore.live.frozen_copy import FrozenCopy, FrozenWall, frozen_copy
 from helibore.live.live import Live
+from helibore.live.model.clock import utc
+from helibore.live.model.events import Event
+from helibore.live.rules.file_names import escaped
 from helibore.logs.image_means import image_means
 
 MANIFEST = "snapshot.json"

@@ -20,8 +20,8 @@ import numpy as np
 
 from helibore.base.arrays import Floats
 from helibore.base.errors import InputError, port_error
-from helibore.live import wits
-from helibore.live.address import Address, read_address
+from helibore.live.wire import wits
+from helibore.live.wire.address import Address, read_address
 from helibore.simulation.tool import Hole, Lift, Tool, simulate
 
 TELEMETRY = {

@@ -14,9 +14,9 @@ from live_wires import CHANGED, FRAMES, SENT, Clock, same_bits, sent_rows, write
 import helibore as hb
 from helibore import Live
 from helibore.cli import cli
-from helibore.live import checkpoint, journal
-from helibore.live.configuration import parse
-from helibore.live.session_header import recorded_configuration
+from helibore.live.journal import checkpoint, journal
+from helibore.live.journal.session_header import recorded_configuration
+from helibore.live.rules.configuration import parse
 
 
 def run(*arguments, code=0):
@@ -121,7 +121,7 @@ def test_a_recorded_configuration_that_cannot_be_read_stops_no_replay_with_anoth
     def refuse(_):
         raise AssertionError("a recorded configuration was read")
 
-    monkeypatch.setattr("helibore.live.session_header.parse", refuse)
+    monkeypatch.setattr("helibore.live.journal.session_header.parse", refuse)
     assert run("replay", folder, "-c", corrected) == expected
     assert run("export", folder, "-c", corrected, "-o", tmp_path / "x.wits").endswith(" bytes\n")
 

@@ -8,7 +8,7 @@ from live_wires import WALL
 
 from helibore.cli import cli
 from helibore.cli.live_check import described
-from helibore.live.configuration import parse
+from helibore.live.rules.configuration import parse
 
 WITS = (
     WALL + '[source.rig]\naddress = "tcp://10.1.0.7:9872"\nunits = "fps"\nsurvey = {}\n'

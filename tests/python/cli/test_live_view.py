@@ -19,7 +19,7 @@ from live_servers import configured, frames, free_port, until
 import helibore as hb
 from helibore.cli import cli
 from helibore.live.alarms import Alarm
-from helibore.live.configuration import parse
+from helibore.live.rules.configuration import parse
 from helibore.simulation.rig import Rig
 
 pytest.importorskip("uvicorn", reason="the page is served by the extra 'view'")

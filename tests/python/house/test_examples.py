@@ -9,7 +9,7 @@ from locations import ROOT
 import helibore as hb
 from helibore.base.errors import InputError
 from helibore.channels.role_map import read_map
-from helibore.live.configuration import load
+from helibore.live.rules.configuration import load
 from helibore.runs.manifest import check_files, read_jobs
 
 FILES = ROOT / "examples/files"

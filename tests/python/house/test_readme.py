@@ -27,7 +27,7 @@ from stand_ins import write_stand_ins
 
 import helibore as hb
 from helibore.cli import cli
-from helibore.live.configuration import parse
+from helibore.live.rules.configuration import parse
 from helibore.runs.manifest import read_jobs
 from helibore.simulation.rig import Rig
 

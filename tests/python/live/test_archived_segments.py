@@ -12,13 +12,13 @@ from live_servers import until
 from live_wires import CHANGED, FRAMES, SENT, Clock, same_bits, write_two_sessions
 
 from helibore import Live
-from helibore.live import archived_segments as archives
-from helibore.live import checkpoint, journal
-from helibore.live.archived_segments import archive, old_segments
-from helibore.live.configuration import parse
-from helibore.live.journal import segments
+from helibore.live.journal import archived_segments as archives
+from helibore.live.journal import checkpoint, journal
+from helibore.live.journal.archived_segments import archive, old_segments
+from helibore.live.journal.journal import segments
+from helibore.live.journal.session_header import sources_of
+from helibore.live.rules.configuration import parse
 from helibore.live.server import Server
-from helibore.live.session_header import sources_of
 
 
 @pytest.fixture(scope="module")

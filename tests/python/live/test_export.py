@@ -8,10 +8,10 @@ import io
 from live_wires import SENT, Clock
 
 from helibore import Live
-from helibore.live import wits
-from helibore.live.configuration import parse
-from helibore.live.export import export_csv
-from helibore.live.session_header import sources_of
+from helibore.live.journal.export import export_csv
+from helibore.live.journal.session_header import sources_of
+from helibore.live.rules.configuration import parse
+from helibore.live.wire import wits
 
 
 def test_a_frame_that_only_the_end_of_its_connection_completes_is_in_the_table(tmp_path):

@@ -8,8 +8,8 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from helibore.live import growing_array
-from helibore.live.growing_array import GrowingArray
+from helibore.live.model import growing_array
+from helibore.live.model.growing_array import GrowingArray
 
 
 @given(st.lists(st.tuples(st.lists(st.integers(-9, 9), max_size=9), st.integers(0, 5), st.booleans())))

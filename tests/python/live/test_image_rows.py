@@ -7,8 +7,8 @@ import pytest
 from live_wires import SENT, Clock
 
 from helibore import Live
-from helibore.live.configuration import parse
-from helibore.live.image_rows import ImageRows, sorted_rows
+from helibore.live.model.image_rows import ImageRows, sorted_rows
+from helibore.live.rules.configuration import parse
 
 
 @pytest.mark.parametrize("pieces", [1, 7, 500])

@@ -18,8 +18,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from helibore import _core
-from helibore.live import journal
-from helibore.live.journal import BYTES, OPENED, RECORDS_START, Journal, JournalFullError, segments
+from helibore.live.journal import journal
+from helibore.live.journal.journal import BYTES, OPENED, RECORDS_START, Journal, JournalFullError, segments
 
 
 def stored(folder: Path, read=None) -> list[tuple[int, int, bytes]]:

@@ -19,8 +19,8 @@ from live_wires import (
 import helibore as hb
 from helibore import Live
 from helibore.live import live as live_module
-from helibore.live import wits
-from helibore.live.configuration import parse
+from helibore.live.rules.configuration import parse
+from helibore.live.wire import wits
 
 
 @settings(max_examples=15, deadline=None)

@@ -27,8 +27,8 @@ from live_wires import SECOND, WALL, Clock
 from helibore import Live
 from helibore.live import alarms as module
 from helibore.live.alarms import Alarm, Alarms
-from helibore.live.configuration import parse
-from helibore.live.journal import Journal
+from helibore.live.journal.journal import Journal
+from helibore.live.rules.configuration import parse
 from helibore.live.server import TICK
 
 HOST = WALL + '[source.mwd]\naddress = "host"\nunits = "metric"\nsilence = 60.0\n'

@@ -10,9 +10,9 @@ from live_servers import configured, frames, free_port, until
 from live_wires import FRAMES, SENT, WALL, Clock, same_bits
 
 from helibore import Live
-from helibore.live.configuration import load, parse
-from helibore.live.export import sessions
-from helibore.live.journal import BYTES, CLOSED, CONNECTED, JournalFullError, segments
+from helibore.live.journal.export import sessions
+from helibore.live.journal.journal import BYTES, CLOSED, CONNECTED, JournalFullError, segments
+from helibore.live.rules.configuration import load, parse
 from helibore.live.server import Server
 
 TURNED = SENT.replace("order =", "toolface_offset = 90.0, order =").replace("0.216", "0.2")

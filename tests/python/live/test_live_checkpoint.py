@@ -15,11 +15,12 @@ from hypothesis import strategies as st
 from live_wires import FRAMES, RUN, SENT, WALL, Clock, same_bits, station
 
 from helibore import Live
-from helibore.live import checkpoint, journal, wits
-from helibore.live.cell_counts import CellCounts
-from helibore.live.configuration import parse
-from helibore.live.events import Flag
-from helibore.live.sequence import SequenceWatch
+from helibore.live.journal import checkpoint, journal
+from helibore.live.model.cell_counts import CellCounts
+from helibore.live.model.events import Flag
+from helibore.live.model.sequence import SequenceWatch
+from helibore.live.rules.configuration import parse
+from helibore.live.wire import wits
 
 MIXED = (
     WALL

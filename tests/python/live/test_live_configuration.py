@@ -7,11 +7,11 @@ import re
 import pytest
 from locations import ROOT
 
-from helibore.live import wits
-from helibore.live.address import Address
-from helibore.live.configuration import load, parse
-from helibore.live.layout import Layout
-from helibore.live.sources import Item
+from helibore.live.rules.configuration import load, parse
+from helibore.live.rules.layout import Layout
+from helibore.live.rules.sources import Item
+from helibore.live.wire import wits
+from helibore.live.wire.address import Address
 
 WALL = "[wall]\nbit_diameter = 0.2\nstart_depth = 10.0\n"
 SOURCE = '[source.rig]\naddress = "tcp://127.0.0.1:9872"\nunits = "metric"\n'

@@ -18,11 +18,11 @@ from live_wires import (
 
 from helibore import Live
 from helibore.live import live as live_module
-from helibore.live import wits
-from helibore.live.configuration import parse
-from helibore.live.depth_limits import DepthLimits, HeldSample
-from helibore.live.events import Flag
-from helibore.live.model import PENDING
+from helibore.live.model.events import Flag
+from helibore.live.model.model import PENDING
+from helibore.live.rules.configuration import parse
+from helibore.live.rules.depth_limits import DepthLimits, HeldSample
+from helibore.live.wire import wits
 
 
 def test_depth_is_the_bit_depth_when_it_was_measured_less_the_offset():

@@ -22,9 +22,9 @@ from live_wires import (
 
 from helibore import Live
 from helibore.live import live as live_module
-from helibore.live import wits
-from helibore.live.configuration import parse
-from helibore.live.events import Event, EventBook
+from helibore.live.model.events import Event, EventBook
+from helibore.live.rules.configuration import parse
+from helibore.live.wire import wits
 
 
 def test_gaps_late_frames_repeats_and_duplicates():

@@ -15,10 +15,11 @@ from hypothesis import strategies as st
 
 import helibore as hb
 from helibore import Live
-from helibore.live import journal as journals
-from helibore.live import update as update_module
-from helibore.live.configuration import parse
-from helibore.live.image_rows import ImageRows
+from helibore.live.journal import journal as journals
+from helibore.live.model import update as update_module
+from helibore.live.model.image_rows import ImageRows
+from helibore.live.model.update import Update
+from helibore.live.rules.configuration import parse
 from helibore.live.snapshot import snapshot
 
 
@@ -48,7 +49,7 @@ def test_a_poll_tells_everything_since_the_last():
     assert rows == len(live.images["GR"])
     stations = [event.text for event in events if event.rule == "station"]
     assert stations == ["station at 60 m: inclination[2] = 190: must lie in 0 to 180 degrees"]
-    assert live.poll() == hb.live.model.Update()
+    assert live.poll() == Update()
 
 
 def test_a_poll_tells_what_no_record_caused_and_what_recovery_did(tmp_path):
@@ -57,7 +58,7 @@ def test_a_poll_tells_what_no_record_caused_and_what_recovery_did(tmp_path):
         live.poll()
         live.report("view", "port 8000 is taken")
         assert [event.text for event in live.poll().events] == ["port 8000 is taken"]
-        assert live.poll() == hb.live.model.Update()
+        assert live.poll() == Update()
     (segment,) = journals.paths(tmp_path)
     segment.write_bytes(segment.read_bytes()[:-3])
     with Live(parse(live_pushes.CONFIGURATION), tmp_path) as live:

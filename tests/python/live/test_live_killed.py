@@ -21,19 +21,20 @@ import numpy as np
 
 import helibore as hb
 from helibore import Live
-from helibore.live import journal, wits
-from helibore.live.configuration import parse
-from helibore.live.journal import BYTES, segments
+from helibore.live.journal import journal
+from helibore.live.journal.journal import BYTES, segments
 from helibore.live.live import read_into
-from helibore.live.model import Model
+from helibore.live.model.model import Model
+from helibore.live.rules.configuration import parse
+from helibore.live.wire import wits
 
 START = """
 import hashlib, random, sys
 from helibore import Live
-from helibore.live.configuration import parse
-from helibore.live.archived_segments import archive
-from helibore.live.checkpoint import paths
-from helibore.live.journal import Journal
+from helibore.live.rules.configuration import parse
+from helibore.live.journal.archived_segments import archive
+from helibore.live.journal.checkpoint import paths
+from helibore.live.journal.journal import Journal
 """
 JOURNAL = (
     START

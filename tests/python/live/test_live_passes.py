@@ -10,11 +10,11 @@ from live_wires import FROM_BIT, Clock, rig, same_bits, sample
 
 from helibore import Live
 from helibore.live import live as live_module
-from helibore.live import wits
-from helibore.live.configuration import parse
-from helibore.live.pass_log import KEPT, PassLog
-from helibore.live.pass_rules import PassNumbers
+from helibore.live.model.pass_log import KEPT, PassLog
+from helibore.live.rules.configuration import parse
+from helibore.live.rules.pass_rules import PassNumbers
 from helibore.live.snapshot import snapshot
+from helibore.live.wire import wits
 
 CALIPER = 'caliper = { toolface = ["5010"], radius = ["5012"]'
 PLAIN = FROM_BIT.replace("LATENCY", "0.0")

@@ -9,10 +9,11 @@ import pytest
 from live_wires import FRAMES, WALL, Clock, same_bits, small_run
 
 from helibore import Live, Wall
-from helibore.live import journal, wits, witsml
-from helibore.live.configuration import parse
-from helibore.live.journal import segments
+from helibore.live.journal import journal
+from helibore.live.journal.journal import segments
 from helibore.live.live import Live as LiveClass
+from helibore.live.rules.configuration import parse
+from helibore.live.wire import wits, witsml
 
 CONFIGURATION = (
     WALL + '[source.mwd]\naddress = "host"\nunits = "metric"\n'

@@ -15,9 +15,9 @@ import pytest
 from live_wires import FRAMES, SENT, Clock, same_bits
 
 from helibore import Live
-from helibore.live import archived_segments, checkpoint
-from helibore.live.configuration import parse
-from helibore.live.journal import segments
+from helibore.live.journal import archived_segments, checkpoint
+from helibore.live.journal.journal import segments
+from helibore.live.rules.configuration import parse
 
 
 class PowerLostError(BaseException):

@@ -20,10 +20,10 @@ from helibore import Live
 from helibore.cli import cli, live_metrics
 from helibore.cli.live_status import metrics
 from helibore.live import server as server_module
-from helibore.live import transport, wits
-from helibore.live.configuration import parse
-from helibore.live.journal import JournalFullError
+from helibore.live.journal.journal import JournalFullError
+from helibore.live.rules.configuration import parse
 from helibore.live.server import Server, back_off
+from helibore.live.wire import transport, wits
 
 
 def test_back_off_grows_to_its_limit_and_is_spread():

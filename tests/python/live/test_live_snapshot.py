@@ -14,11 +14,11 @@ from live_wires import FRAMES, SENT, Clock, same_bits
 
 import helibore as hb
 from helibore import Live
-from helibore.live import wits
-from helibore.live.configuration import parse
 from helibore.live.frozen_copy import FrozenWall, frozen_copy
-from helibore.live.layout import Layout
+from helibore.live.rules.configuration import parse
+from helibore.live.rules.layout import Layout
 from helibore.live.snapshot import snapshot
+from helibore.live.wire import wits
 
 
 def both(number):

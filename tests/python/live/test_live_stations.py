@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import helibore as hb
-from helibore.live.configuration import PathTable
-from helibore.live.depth_limits import DepthLimits
-from helibore.live.stations import Stations
+from helibore.live.model.stations import Stations
+from helibore.live.rules.configuration import PathTable
+from helibore.live.rules.depth_limits import DepthLimits
 
 SETTINGS = {"method": "minimum-curvature", "reference": "high-side", "head": [1.0, 2.0, 3.0], "extend": 50.0}
 

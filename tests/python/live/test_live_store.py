@@ -18,10 +18,11 @@ from small_store import LOG, LONG_AGO, Store, enveloped
 
 import helibore as hb
 from helibore.live import server as server_module
-from helibore.live import store_reader, witsml
-from helibore.live.configuration import parse
-from helibore.live.redaction import Redactor
-from helibore.live.transport import Link
+from helibore.live.model import store_reader
+from helibore.live.rules.configuration import parse
+from helibore.live.wire import witsml
+from helibore.live.wire.redaction import Redactor
+from helibore.live.wire.transport import Link
 
 pytest.importorskip("httpx2", reason="WITSML stores need httpx2")
 

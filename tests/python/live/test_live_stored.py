@@ -16,10 +16,8 @@ from live_wires import (
 
 import helibore as hb
 from helibore import Live, _core
-from helibore.live.configuration import Configuration, parse
-from helibore.live.depth_limits import DepthLimits
 from helibore.live.frozen_copy import frozen_copy
-from helibore.live.journal import (
+from helibore.live.journal.journal import (
     BYTES,
     HEADER,
     MAGIC,
@@ -30,7 +28,9 @@ from helibore.live.journal import (
     paths,
     segments,
 )
-from helibore.live.session_header import sources_of
+from helibore.live.journal.session_header import sources_of
+from helibore.live.rules.configuration import Configuration, parse
+from helibore.live.rules.depth_limits import DepthLimits
 
 
 def test_the_host_pushes_samples_stations_and_images(tmp_path):

@@ -20,10 +20,10 @@ import helibore as hb
 from helibore import Live
 from helibore.cli import cli
 from helibore.cli.live_status import Page, metrics
-from helibore.live import wits
-from helibore.live.configuration import parse
+from helibore.live.rules.configuration import parse
 from helibore.live.server import Server
 from helibore.live.snapshot import snapshot
+from helibore.live.wire import wits
 from helibore.simulation.rig import Faults, Rig, configuration, connect, play
 from helibore.simulation.tool import Lift
 

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base.ranges import union
-from helibore.live.events import Event, gather
+from helibore.live.model.events import Event, gather
 from helibore.wall.append_result import Change
 
 MOST_RANGES = 1024

@@ -21,11 +21,11 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from helibore.live.clock import SECOND
-from helibore.live.depth_limits import DepthLimits, unit_differs, unit_rule
-from helibore.live.events import Flag
-from helibore.live.growing_array import GrowingArray
-from helibore.live.pass_rules import DRILL, REAM, RESCAN, TRIP, UNKNOWN, PassRules
+from helibore.live.model.clock import SECOND
+from helibore.live.model.events import Flag
+from helibore.live.model.growing_array import GrowingArray
+from helibore.live.rules.depth_limits import DepthLimits, unit_differs, unit_rule
+from helibore.live.rules.pass_rules import DRILL, REAM, RESCAN, TRIP, UNKNOWN, PassRules
 
 Times = npt.NDArray[np.int64]
 Values = npt.NDArray[np.float64]

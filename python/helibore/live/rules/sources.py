@@ -23,12 +23,12 @@ from pydantic import AfterValidator, Field, PlainValidator, field_validator
 from helibore.base import units
 from helibore.base.errors import InputError
 from helibore.base.nulls import NULLS
-from helibore.live import wits
-from helibore.live.address import Address, read_address
-from helibore.live.checks import Derived, Table, check, with_values, within
-from helibore.live.file_names import RULE, can_be_file
-from helibore.live.layout import LayoutTable
-from helibore.live.pass_rules import PassNumbers
+from helibore.live.rules.checks import Derived, Table, check, with_values, within
+from helibore.live.rules.file_names import RULE, can_be_file
+from helibore.live.rules.layout import LayoutTable
+from helibore.live.rules.pass_rules import PassNumbers
+from helibore.live.wire import wits
+from helibore.live.wire.address import Address, read_address
 
 LENGTHS = {"metric": ("m", "mm"), "fps": ("ft", "in")}
 """The units of depths and of radii in each unit set (in WITS, the units of items 0108 and 0844)."""

@@ -25,9 +25,9 @@ import numpy as np
 
 from helibore.base.atomic_file import write_whole
 from helibore.base.errors import InputError
-from helibore.live.events import Event
-from helibore.live.layout import Layout
-from helibore.live.pass_log import Pass
+from helibore.live.model.events import Event
+from helibore.live.model.pass_log import Pass
+from helibore.live.rules.layout import Layout
 
 FORMAT, VERSION = "helibore checkpoint", 3
 KEPT = 2

@@ -18,7 +18,7 @@ from pydantic import Field
 
 from helibore.base.errors import InputError
 from helibore.images.sector_image import Direction, Origin, SectorImage
-from helibore.live.checks import Derived, Table, check, within, without_none
+from helibore.live.rules.checks import Derived, Table, check, within, without_none
 from helibore.trajectory.references import Reference
 
 PathReference = Literal["high-side", "north"]

@@ -14,9 +14,9 @@ import numpy.typing as npt
 from pydantic import AfterValidator
 
 from helibore.base import units
-from helibore.live.checks import Table, within
-from helibore.live.clock import SECOND
-from helibore.live.events import Flag
+from helibore.live.model.clock import SECOND
+from helibore.live.model.events import Flag
+from helibore.live.rules.checks import Table, within
 
 CONFIRMED_WITHIN = 600 * SECOND
 """Nanoseconds. A sample whose depth jumps is used only if the next sample confirms the jump within this time."""

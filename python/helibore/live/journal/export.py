@@ -10,12 +10,13 @@ from typing import BinaryIO, TextIO
 
 import numpy as np
 
-from helibore.live import journal, wits
-from helibore.live.clock import utc
-from helibore.live.journal import Segment, segments
-from helibore.live.model import Model
-from helibore.live.session_header import headers
-from helibore.live.sources import Source, StoreSource
+from helibore.live.journal import journal
+from helibore.live.journal.journal import Segment, segments
+from helibore.live.journal.session_header import headers
+from helibore.live.model.clock import utc
+from helibore.live.model.model import Model
+from helibore.live.rules.sources import Source, StoreSource
+from helibore.live.wire import wits
 
 KINDS = {
     journal.BYTES: "bytes", journal.OPENED: "opened", journal.CONNECTED: "connected", journal.CLOSED: "closed",
@@ -52,7 +53,7 @@ class SetAside:
 def export_bytes(folder: Path, number: int, file: BinaryIO, report: Report = lambda _: None) -> int:
     """Write all bytes that the journal has of the source with this number, and return the number of bytes.
 
-    For a WITS source these are the bytes that it sent; for a store, its answers as `helibore.live.witsml` frames them.
+    For a WITS source these are the bytes that it sent; for a store, its answers as ``witsml.py`` frames them.
     ``report`` is called with each segment after it is read.
     """
     total = 0

@@ -24,10 +24,10 @@ from collections.abc import Callable
 from typing import Any
 
 from helibore.base.errors import InputError, needs
-from helibore.live import witsml
-from helibore.live.redaction import Redactor, check_password
-from helibore.live.sources import StoreSource
-from helibore.live.transport import Link, Opener
+from helibore.live.rules.sources import StoreSource
+from helibore.live.wire import witsml
+from helibore.live.wire.redaction import Redactor, check_password
+from helibore.live.wire.transport import Link, Opener
 
 PIECE = 1 << 19
 SOON = 0.25

@@ -19,8 +19,8 @@ from pathlib import Path
 from typing import Any
 
 from helibore.base.errors import needs, port_error
-from helibore.live import wits
-from helibore.live.sources import Source, WitsSource
+from helibore.live.rules.sources import Source, WitsSource
+from helibore.live.wire import wits
 
 CHUNK = 65536
 PATIENCE = 3

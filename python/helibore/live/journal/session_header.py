@@ -21,12 +21,12 @@ from typing import Any
 import numpy as np
 
 from helibore.base.errors import InputError
-from helibore.live import checkpoint
-from helibore.live import journal as journals
-from helibore.live.checks import joined_place
-from helibore.live.configuration import Configuration, parse
-from helibore.live.journal import Segment, all_paths, number_of, segments
-from helibore.live.sources import Source
+from helibore.live.journal import checkpoint
+from helibore.live.journal import journal as journals
+from helibore.live.journal.journal import Segment, all_paths, number_of, segments
+from helibore.live.rules.checks import joined_place
+from helibore.live.rules.configuration import Configuration, parse
+from helibore.live.rules.sources import Source
 
 Header = dict[str, Any]
 IMAGE_STAYS = ("name", "unit", "sectors", "layout")

@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
-from helibore.live.configuration import PathTable
-from helibore.live.depth_limits import DepthLimits
+from helibore.live.rules.configuration import PathTable
+from helibore.live.rules.depth_limits import DepthLimits
 from helibore.trajectory.survey import Path, Survey
 
 

@@ -24,23 +24,23 @@ import numpy.typing as npt
 from helibore import _core
 from helibore.base.angles import wrapped
 from helibore.base.errors import InputError
-from helibore.live import journal
-from helibore.live.cell_counts import CellCounts
-from helibore.live.clock import SECOND, ModelClock, utc
-from helibore.live.configuration import Configuration
-from helibore.live.depth import RigHistory
-from helibore.live.depth_limits import CONFIRMED_WITHIN, HeldSample
-from helibore.live.events import NEVER_DRAWN, Event, EventBook, Flag
-from helibore.live.image_rows import ImageRows
-from helibore.live.layout import Layout
-from helibore.live.mapping import LARGEST_TOOLFACE, Chunk, Reading, SourceReader
-from helibore.live.pass_log import PassLog
-from helibore.live.pass_rules import NO_NUMBER, PASSES, layer_of
-from helibore.live.session_header import configuration_of, read_header
-from helibore.live.sources import Source
-from helibore.live.stations import Stations
-from helibore.live.store_reader import reader_of
-from helibore.live.update import Update, joined
+from helibore.live.journal import journal
+from helibore.live.journal.session_header import configuration_of, read_header
+from helibore.live.model.cell_counts import CellCounts
+from helibore.live.model.clock import SECOND, ModelClock, utc
+from helibore.live.model.depth import RigHistory
+from helibore.live.model.events import NEVER_DRAWN, Event, EventBook, Flag
+from helibore.live.model.image_rows import ImageRows
+from helibore.live.model.mapping import LARGEST_TOOLFACE, Chunk, Reading, SourceReader
+from helibore.live.model.pass_log import PassLog
+from helibore.live.model.stations import Stations
+from helibore.live.model.store_reader import reader_of
+from helibore.live.model.update import Update, joined
+from helibore.live.rules.configuration import Configuration
+from helibore.live.rules.depth_limits import CONFIRMED_WITHIN, HeldSample
+from helibore.live.rules.layout import Layout
+from helibore.live.rules.pass_rules import NO_NUMBER, PASSES, layer_of
+from helibore.live.rules.sources import Source
 from helibore.samples.caliper import LARGEST_RADIUS
 from helibore.wall.state import WallState
 from helibore.wall.wall import Wall

@@ -24,8 +24,8 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base.errors import InputError
-from helibore.live.checks import Derived, Table, within
-from helibore.live.file_names import RULE, can_be_file
+from helibore.live.rules.checks import Derived, Table, within
+from helibore.live.rules.file_names import RULE, can_be_file
 
 Integers = npt.NDArray[np.int64]
 

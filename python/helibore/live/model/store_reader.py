@@ -17,11 +17,21 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base import units
-from helibore.live import witsml
-from helibore.live.depth_limits import DepthLimits
-from helibore.live.events import Event, EventBook
-from helibore.live.mapping import ABSENT, INVALID, NULL, VALUE, Chunk, Integers, Reading, SourceReader, Values
-from helibore.live.sources import INDEX, Curve, Source, StoreSource
+from helibore.live.model.events import Event, EventBook
+from helibore.live.model.mapping import (
+    ABSENT,
+    INVALID,
+    NULL,
+    VALUE,
+    Chunk,
+    Integers,
+    Reading,
+    SourceReader,
+    Values,
+)
+from helibore.live.rules.depth_limits import DepthLimits
+from helibore.live.rules.sources import INDEX, Curve, Source, StoreSource
+from helibore.live.wire import witsml
 
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?")
 BLOCK = 1024

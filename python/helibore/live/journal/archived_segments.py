@@ -15,8 +15,8 @@ from pathlib import Path
 
 from helibore.base.atomic_file import make_folder, write_whole
 from helibore.base.errors import InputError
-from helibore.live import checkpoint
-from helibore.live.journal import ARCHIVE, content, first_wall, header_of, paths
+from helibore.live.journal import checkpoint
+from helibore.live.journal.journal import ARCHIVE, content, first_wall, header_of, paths
 
 
 def old_segments(folder: Path, before: int | None = None) -> list[Path]:

@@ -18,8 +18,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from helibore.live.events import Event, EventBook
-from helibore.live.pass_rules import NO_NUMBER, PASSES, UNKNOWN, PassNumbers
+from helibore.live.model.events import Event, EventBook
+from helibore.live.rules.pass_rules import NO_NUMBER, PASSES, UNKNOWN, PassNumbers
 
 Integers = npt.NDArray[np.int64]
 Rows = npt.NDArray[np.void]

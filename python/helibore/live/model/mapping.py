@@ -19,12 +19,12 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base.angles import wrapped
-from helibore.live import wits
-from helibore.live.depth_limits import DepthLimits, Steps
-from helibore.live.events import Event, EventBook, Flag
-from helibore.live.pass_rules import LARGEST, NO_NUMBER
-from helibore.live.sequence import SequenceWatch
-from helibore.live.sources import Image, Item, Source, WitsCaliper
+from helibore.live.model.events import Event, EventBook, Flag
+from helibore.live.model.sequence import SequenceWatch
+from helibore.live.rules.depth_limits import DepthLimits, Steps
+from helibore.live.rules.pass_rules import LARGEST, NO_NUMBER
+from helibore.live.rules.sources import Image, Item, Source, WitsCaliper
+from helibore.live.wire import wits
 from helibore.samples.caliper import LARGEST_RADIUS
 
 Integers = npt.NDArray[np.int64]

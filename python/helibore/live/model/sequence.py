@@ -19,7 +19,7 @@ import bisect
 import numpy as np
 import numpy.typing as npt
 
-from helibore.live.events import Flag
+from helibore.live.model.events import Flag
 
 WRAP = 1 << 31
 LONGEST_GAP = 65536

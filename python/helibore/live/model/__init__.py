@@ -1,0 +1,1 @@
+"""The walls, images and path that the records give."""

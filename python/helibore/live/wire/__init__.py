@@ -1,0 +1,1 @@
+"""The bytes of a peer: addresses, links, and what they carry."""
