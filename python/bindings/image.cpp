@@ -2,6 +2,7 @@
 #include "helibore/image.hpp"
 
 #include "arrays.hpp"
+#include "gil.hpp"
 #include "register.hpp"
 
 namespace helibore::bindings {
@@ -28,7 +29,7 @@ py::array_t<double> cells(const Column& depth, const Column& values, const Colum
     const QuadCentres centres = quads_of(quads, sector);
     std::vector<double> found;
     {
-        const py::gil_scoped_release released;
+        const WithoutGil released;
         found = cell_values(image, span_of(low), span_of(high), centres, threads);
     }
     return array_of(std::move(found));
@@ -40,7 +41,7 @@ py::array_t<double> linear(const Column& depth, const Column& values, double rea
     const QuadCentres centres = quads_of(quads, sector);
     std::vector<double> found;
     {
-        const py::gil_scoped_release released;
+        const WithoutGil released;
         found = linear_values(image, reach, centres, threads);
     }
     return array_of(std::move(found));

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "arrays.hpp"
+#include "gil.hpp"
 #include "register.hpp"
 
 namespace helibore::bindings {
@@ -34,7 +35,7 @@ py::tuple scan(const py::buffer& bytes, std::size_t from, std::uint32_t salt) {
     const std::string_view text = view_of(view);
     journal::Scan found;
     {
-        const py::gil_scoped_release release;
+        const WithoutGil released;
         found = journal::scan(text, from, salt);
     }
     std::vector<std::pair<Index, Index>> damage;

@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 
 #include "arrays.hpp"
+#include "gil.hpp"
 #include "register.hpp"
 
 namespace helibore::bindings {
@@ -20,7 +21,7 @@ py::dict turn_columns(const Column& radius, int sectors, double start_toolface, 
                       .reference = reference};
     TurnLogs logs;
     {
-        const py::gil_scoped_release released;
+        const WithoutGil released;
         logs = turn_logs(turns, threads);
     }
     py::dict columns;
@@ -53,7 +54,7 @@ py::array_t<double> angular_gaps(const std::tuple<double, double, double, Index,
     const auto& [start_depth, start_toolface, pitch, sectors, first] = helix;
     std::vector<double> gaps;
     {
-        const py::gil_scoped_release released;
+        const WithoutGil released;
         gaps = helibore::angular_gaps({start_depth, start_toolface, pitch, sectors, count, first},
                                       {span_of(depth), span_of(toolface)}, reach, threads);
     }

@@ -8,7 +8,7 @@
 
 namespace py = pybind11;
 
-PYBIND11_MODULE(_core, m, py::mod_gil_not_used()) {
+PYBIND11_MODULE(main_interpreter, m) {
     m.doc() = "The compiled core of helibore.";
     m.attr("__version__") = HELIBORE_VERSION;
     m.attr("most_threads") = helibore::most_threads;
@@ -29,4 +29,17 @@ PYBIND11_MODULE(_core, m, py::mod_gil_not_used()) {
     helibore::bindings::register_surface(m);
     helibore::bindings::register_wall(m);
     helibore::bindings::register_wits(m);
+}
+
+// The module is made once, in the main interpreter: NumPy and pybind11's objects belong to one interpreter.
+extern "C" PYBIND11_EXPORT PyObject* PyInit__core() {
+#ifdef Py_GIL_DISABLED
+    PyErr_SetString(PyExc_ImportError, "helibore needs a build of Python with the GIL: this one is free-threaded");
+    return nullptr;
+#endif
+    if (PyInterpreterState_Get() != PyInterpreterState_Main()) {
+        PyErr_SetString(PyExc_ImportError, "helibore works in the main interpreter only: this is a subinterpreter");
+        return nullptr;
+    }
+    return PyInit_main_interpreter();
 }

@@ -2,6 +2,7 @@
 #include "helibore/surface.hpp"
 
 #include "arrays.hpp"
+#include "gil.hpp"
 #include "helibore/error.hpp"
 #include "register.hpp"
 
@@ -37,7 +38,7 @@ py::tuple surface(const py::tuple& helix, Index first, const Column& radius, con
     const HelixRadii radii = radii_of(helix, first, radius);
     SurfaceLayout layout;
     {
-        const py::gil_scoped_release released;
+        const WithoutGil released;
         layout = surface_layout(radii);
     }
     py::array_t<double> vertices({layout.vertex_count, Index{3}});
@@ -45,7 +46,7 @@ py::tuple surface(const py::tuple& helix, Index first, const Column& radius, con
     const auto vertex_rows = rows_in<Vector3>(vertices);
     const auto quad_rows = rows_in<Quad>(quads);
     {
-        const py::gil_scoped_release released;
+        const WithoutGil released;
         place(radii, path, layout.vertices, vertex_rows, threads);
         join(radii, layout, quad_rows, threads);
     }
@@ -60,7 +61,7 @@ py::tuple volume(const py::tuple& helix, Index first, const std::vector<Column>&
     HelixRadii radii = radii_of(helix, first, shells.at(0));
     VolumeLayout layout;
     {
-        const py::gil_scoped_release released;
+        const WithoutGil released;
         layout = volume_layout(radii, spans);
     }
     py::array_t<double> vertices({layout.vertex_count, Index{3}});
@@ -68,7 +69,7 @@ py::tuple volume(const py::tuple& helix, Index first, const std::vector<Column>&
     const auto vertex_rows = rows_in<Vector3>(vertices);
     const auto hexahedron_rows = rows_in<Hexahedron>(hexahedra);
     {
-        const py::gil_scoped_release released;
+        const WithoutGil released;
         for (std::size_t s = 0; s < spans.size(); ++s) {
             radii.radius = spans[s];
             place(radii, path, layout.shells[s], vertex_rows, threads);
@@ -100,7 +101,7 @@ py::array_t<double> hexahedron_volumes(const py::array_t<double, py::array::c_st
     const auto hexahedron_rows = rows_of_array<Hexahedron>(hexahedra);
     std::vector<double> found;
     {
-        const py::gil_scoped_release released;
+        const WithoutGil released;
         found = volumes(vertex_rows, hexahedron_rows, threads);
     }
     return array_of(std::move(found));

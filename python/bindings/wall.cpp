@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "arrays.hpp"
+#include "gil.hpp"
 #include "helibore/error.hpp"
 #include "helibore/estimates.hpp"
 #include "register.hpp"
@@ -82,7 +83,7 @@ bool are_columns(py::handle depth, py::handle toolface, py::handle radius, py::h
 // Calls a reader of the wall without the GIL: while it waits for an append, other Python threads continue.
 template <class T>
 T read_of(const Wall& wall, T (Wall::*read)() const) {
-    const py::gil_scoped_release released;
+    const WithoutGil released;
     return (wall.*read)();
 }
 
@@ -97,7 +98,7 @@ py::array_t<double> radius_of(const Wall& wall) {
     py::array_t<double> radius(read_of(wall, &Wall::size));
     const std::span<double> into(radius.mutable_data(), static_cast<std::size_t>(radius.size()));
     {
-        const py::gil_scoped_release released;
+        const WithoutGil released;
         if (wall.read_radius(into) == static_cast<Index>(into.size())) return radius;
     }
     return array_of(read_of(wall, &Wall::radius));
@@ -116,7 +117,7 @@ py::tuple read_into_arrays(const Wall& wall, Index count, std::size_t kinds,
     }
     bool fits = false;
     {
-        const py::gil_scoped_release released;
+        const WithoutGil released;
         fits = (wall.*read)(into);
     }
     return fits ? py::tuple(arrays) : py::tuple();
@@ -174,7 +175,7 @@ void register_wall(py::module_& m) {
                 const SampleColumns columns = columns_of(depth, toolface, radius, time);
                 Change change;
                 {
-                    const py::gil_scoped_release released;
+                    const WithoutGil released;
                     change = wall.append(columns);
                 }
                 return py::make_tuple(ranges_of(change), change.settled, change.accepted, change.redundant);
@@ -196,7 +197,7 @@ void register_wall(py::module_& m) {
             [](const Wall& wall, Index start, Index stop) {
                 VertexColumns of;
                 {
-                    const py::gil_scoped_release released;
+                    const WithoutGil released;
                     of = wall.vertices({start, stop});
                 }
                 return py::make_tuple(array_of(std::move(of.depth)), array_of(std::move(of.toolface)),
@@ -208,7 +209,7 @@ void register_wall(py::module_& m) {
         .def(
             "reach",
             [](const Wall& wall, Index start, Index stop) {
-                const py::gil_scoped_release released;
+                const WithoutGil released;
                 const Depths depths = wall.reach({start, stop});
                 return std::pair{depths.shallow, depths.deep};
             },
@@ -220,7 +221,7 @@ void register_wall(py::module_& m) {
                 for (const Column& channel : channels) spans.push_back(span_of(channel));
                 std::vector<std::vector<double>> values;
                 {
-                    const py::gil_scoped_release released;
+                    const WithoutGil released;
                     values = wall.interpolate_samples(spans, threads);
                 }
                 py::list arrays;
@@ -236,7 +237,7 @@ void register_wall(py::module_& m) {
         [](const Column& depth, const Column& toolface, const Column& radius, const std::optional<Column>& time,
            int threads) {
             const SampleColumns columns = columns_of(depth, toolface, radius, time);
-            const py::gil_scoped_release released;
+            const WithoutGil released;
             columns.validate(threads);
         },
         py::arg("depth"), py::arg("toolface"), py::arg("radius"), py::arg("time"), py::arg("threads"));
@@ -250,7 +251,7 @@ void register_wall(py::module_& m) {
             const Settings with = settings_of(settings, threads, "automatic");
             PointEstimates of;
             {
-                const py::gil_scoped_release released;
+                const WithoutGil released;
                 of = estimate_at(columns, at, with, nuggets);
             }
             py::list by_nugget;

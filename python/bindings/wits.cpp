@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "arrays.hpp"
+#include "gil.hpp"
 #include "helibore/error.hpp"
 #include "register.hpp"
 
@@ -30,7 +31,7 @@ py::tuple feed(wits::Parser& parser, const py::buffer& bytes) {
     const std::string_view text = view_of(view);
     wits::Batch batch;
     {
-        const py::gil_scoped_release release;
+        const WithoutGil released;
         batch = parser.feed(text);
     }
     return arrays_of(std::move(batch));

@@ -5,7 +5,8 @@ Each public name is imported when it is first used.
 
 import logging
 import os
-from typing import TYPE_CHECKING
+import threading
+from typing import TYPE_CHECKING, Any
 
 import lazy_loader
 
@@ -37,7 +38,7 @@ if TYPE_CHECKING:  # the same names as below
     from helibore.wall.tune import tune as tune
     from helibore.wall.wall import Wall as Wall
 
-__getattr__, _, __all__ = lazy_loader.attach(
+_load, _, __all__ = lazy_loader.attach(
     __name__,
     ["plot"],
     {
@@ -62,6 +63,17 @@ __getattr__, _, __all__ = lazy_loader.attach(
     },
 )
 __all__.remove("open")  # a star import must not replace the built-in function
+_loading = threading.RLock()
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name."""
+    with _loading:
+        return _load(name)
+
+
+if hasattr(os, "register_at_fork"):  # in the child, an import that another thread has begun would never end
+    os.register_at_fork(before=_loading.acquire, after_in_parent=_loading.release, after_in_child=_loading.release)
 
 
 def __dir__() -> list[str]:

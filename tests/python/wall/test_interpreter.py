@@ -1,0 +1,93 @@
+"""The interpreter ends, forks or is a second one while the core computes: real processes, which must end well."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+HOLE = """
+import os, sys, threading, time
+import numpy as np
+import helibore as hb
+n = 100_000
+depth, toolface, radius = np.linspace(100, 150, n), np.arange(n) * 37.0 % 360, np.full(n, 0.11)
+begun = threading.Event()
+def rebuild(): hb.reconstruct(hb.Caliper(depth, toolface, radius), bit_diameter=0.216, threads=2)
+def busy():
+    while True:
+        begun.set()
+        rebuild()
+"""
+ENDS = """
+threading.Thread(target=busy, daemon=True).start()
+begun.wait()
+time.sleep(0.2)
+"""
+FORKS = """
+threading.Thread(target=busy, daemon=True).start()
+begun.wait()
+for _ in range(3):
+    child = os.fork()
+    if child == 0:
+        import signal
+        signal.alarm(20)
+        rebuild()
+        os._exit(0)
+    assert os.waitpid(child, 0)[1] == 0
+os._exit(0)
+"""
+FEEDS = """
+wall = hb.Wall(bit_diameter=0.216, start_depth=100.0)
+def feed():
+    k = 0
+    while True:
+        begun.set()
+        wall.append(100 + (k + np.arange(1000)) * 1e-4, toolface[:1000], radius[:1000])
+        k += 1000
+threading.Thread(target=feed, daemon=True).start()
+begun.wait()
+time.sleep(0.2)
+"""
+WRITES = """
+def scribble():
+    while True:
+        depth[:] = np.roll(depth, 50_000)
+threading.Thread(target=scribble, daemon=True).start()
+for _ in range(15): hb.Wall(bit_diameter=0.216, start_depth=100.0, stop_depth=101.0).append(depth, toolface, radius)
+os._exit(0)
+"""
+
+
+def run(script: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, "-W", "ignore", "-c", script], capture_output=True, text=True, timeout=120)
+
+
+@pytest.mark.parametrize("script", [ENDS, FEEDS, WRITES], ids=["rebuilds", "feeds", "writes"])
+def test_a_program_ends_while_a_thread_is_in_a_call(script: str) -> None:
+    done = run(HOLE + script)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs fork")
+def test_a_child_that_is_forked_during_a_call_rebuilds_a_wall() -> None:
+    done = run(HOLE + FORKS)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_subinterpreter_refuses_the_package_in_one_sentence() -> None:
+    script = """
+try:
+    import _xxsubinterpreters as interpreters
+except ImportError:
+    import _interpreters as interpreters
+other = interpreters.create()
+try:
+    raised = interpreters.run_string(other, "import helibore")
+except Exception as error:
+    raised = error
+print(raised)
+"""
+    done = run(script)
+    assert "helibore works in the main interpreter only" in done.stdout, done.stderr
