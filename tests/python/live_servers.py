@@ -7,6 +7,7 @@ import time
 
 import numpy as np
 from live_wires import WALL
+from patience import PATIENCE
 
 from helibore import Live
 from helibore.live.journal.journal import BYTES, segments
@@ -32,7 +33,7 @@ def frames(count, first=0):
     ]
 
 
-def until(condition, seconds=40.0):
+def until(condition, seconds=PATIENCE):
     """Wait until ``condition`` is true."""
     end = time.monotonic() + seconds
     while not condition():

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from patience import PATIENCE
 
 CHROMIUM = shutil.which("chromium")
 MISSING = [
@@ -40,7 +41,6 @@ FLAGS = [
     *("--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"),
     "--disable-gpu-compositing",  # software GL is slow: it draws WebGL, and nothing else of the page
 ]
-PATIENCE = 40.0  # seconds: software GL on a busy machine
 
 # Resolves when nothing has arrived and nothing was drawn for a tenth of a second. New values stop glowing at once.
 AT_REST = """(patience) => new Promise((done, failed) => {
@@ -112,7 +112,7 @@ class Chromium:
 
     def close(self) -> None:
         self._process.terminate()
-        self._process.wait(20)
+        self._process.wait(PATIENCE)
         self._folder.cleanup()
 
 

@@ -15,7 +15,8 @@ from types import TracebackType
 from typing import Any
 
 from live_servers import until
-from screen import CHROMIUM, FLAGS, PATIENCE
+from patience import PATIENCE
+from screen import CHROMIUM, FLAGS
 
 
 class Tabs:
@@ -76,5 +77,5 @@ class Tabs:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self._socket.close()
         self._browser.terminate()
-        self._browser.wait(20)
+        self._browser.wait(PATIENCE)
         self._folder.cleanup()

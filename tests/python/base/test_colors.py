@@ -9,6 +9,7 @@ import subprocess
 import numpy as np
 import pytest
 from locations import WEB
+from patience import PATIENCE
 
 from helibore.base.colors import COLOR_MAPS, MISSING, ColorScale, color_table, colors_of, customary_map
 
@@ -87,7 +88,12 @@ def test_the_page_has_the_same_colours() -> None:
     node = shutil.which("node")
     assert node is not None
     run = subprocess.run(
-        [node, "--input-type=module", "-e", script], cwd=WEB, capture_output=True, text=True, timeout=60, check=True
+        [node, "--input-type=module", "-e", script],
+        cwd=WEB,
+        capture_output=True,
+        text=True,
+        timeout=PATIENCE,
+        check=True,
     )
     page = json.loads(run.stdout)
     assert list(page) == list(COLOR_MAPS)

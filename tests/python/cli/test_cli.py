@@ -17,6 +17,7 @@ import pytest
 import trimesh
 from command import run
 from locations import SHARED
+from patience import PATIENCE
 
 import helibore
 from helibore.cli import VERBS
@@ -26,7 +27,7 @@ from helibore.simulation.tool import Hole, simulate
 F12 = SHARED / "calipers/volve_F-12_2010_pfcs_xy_caliper.csv.gz"
 
 
-def real(*arguments: object, timeout: float = 120) -> subprocess.CompletedProcess[str]:
+def real(*arguments: object, timeout: float = PATIENCE) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "helibore", *(str(argument) for argument in arguments)]
     return subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
 
@@ -330,7 +331,9 @@ def test_our_own_fault_is_exit_code_1(folder: Path, tmp_path: Path) -> None:
         "'--bit-diameter', '8.5in']\n"
         "helibore.cli.main()\n"
     )
-    result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    result = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=PATIENCE, check=False
+    )
     assert result.returncode == 1
     assert "this is a bug in helibore" in result.stderr
     assert not list(tmp_path.iterdir())
@@ -342,7 +345,9 @@ def test_a_command_loads_only_what_it_needs() -> None:
         "heavy = {'trimesh', 'rich', 'matplotlib', 'scipy', 'pyarrow', 'lasio'} & set(sys.modules)\n"
         "sys.exit(f'loaded {heavy}' if heavy else 0)\n"
     )
-    result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    result = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=PATIENCE, check=False
+    )
     assert (result.returncode, result.stderr) == (0, "")
 
 

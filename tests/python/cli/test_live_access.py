@@ -12,6 +12,7 @@ from types import SimpleNamespace
 import pytest
 from click.testing import CliRunner
 from live_servers import Running, configured, frames, free_port, is_closed
+from patience import PATIENCE
 
 from helibore.cli import cli
 from helibore.cli.live_command import _window
@@ -24,7 +25,7 @@ def asked(url, authorization="", context=None):
     """Status and body of a request."""
     request = urllib.request.Request(url, headers={"Authorization": authorization} if authorization else {})
     try:
-        with urllib.request.urlopen(request, context=context, timeout=20) as page:
+        with urllib.request.urlopen(request, context=context, timeout=PATIENCE) as page:
             return page.status, page.read()
     except urllib.error.HTTPError as error:
         with error:
@@ -86,7 +87,7 @@ def test_metrics_need_no_new_thread_and_lose_no_slot(running, monkeypatch):
                 assert asked(f"http://127.0.0.1:{port}/metrics")[0] == 200
             patch.setattr("helibore.cli.live_metrics.metrics", lambda _: 1 / 0)
             for _ in range(2 * CONNECTIONS):
-                with socket.create_connection(("127.0.0.1", port), timeout=20) as link:
+                with socket.create_connection(("127.0.0.1", port), timeout=PATIENCE) as link:
                     link.sendall(b"GET /metrics HTTP/1.0\r\n\r\n")
                     assert is_closed(link)
         assert asked(f"http://127.0.0.1:{port}/metrics")[0] == 200

@@ -15,6 +15,7 @@ import urllib.request
 
 import pytest
 from live_servers import configured, frames, free_port, payloads, until
+from patience import PATIENCE
 
 from helibore import Live
 from helibore.cli import live_log
@@ -31,7 +32,7 @@ class Blocked(logging.Handler):
         self.let, self.lines = threading.Event(), []
 
     def emit(self, record):
-        self.let.wait(60)
+        self.let.wait(PATIENCE)
         self.lines.append(record.getMessage())
 
 
@@ -144,7 +145,7 @@ def test_a_stderr_that_nobody_reads_does_not_stop_the_drawing(tmp_path):
         until(lambda: len(payloads(tmp_path / "j")) >= 3)
         while process.poll() is None and os.read(reading, 65536):  # the end of the command may wait for its stderr
             pass
-        process.wait(30)
+        process.wait(PATIENCE)
     finally:
         process.kill()
         process.wait()

@@ -7,6 +7,7 @@ import threading
 
 import pytest
 from live_servers import Running, configured, free_port, until
+from patience import PATIENCE
 
 from helibore.cli import live_command
 
@@ -44,12 +45,12 @@ def test_a_terminal_that_takes_no_text_delays_nothing_and_one_that_is_lost_is_re
         def watch():
             with live_command._screen(running.server, quiet=False) as show:
                 show()
-                assert terminal.asked.wait(30)
+                assert terminal.asked.wait(PATIENCE)
                 show()
 
         watching = threading.Thread(target=watch, daemon=True)
         watching.start()
-        watching.join(60)
+        watching.join(PATIENCE)
         assert not watching.is_alive()
         terminal.lost.set()
         until(lambda: [event for event in running.live.model.events.latest if event.rule == "terminal"])

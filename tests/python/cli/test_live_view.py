@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from live_servers import configured, frames, free_port, until
+from patience import PATIENCE
 
 import helibore as hb
 from helibore.cli import cli
@@ -237,6 +238,6 @@ def test_a_played_rig_grows_on_the_page(tmp_path, browser):
         screen.close()
         played.terminate()
         running.terminate()
-        out, _ = running.communicate(timeout=30)
+        out, _ = running.communicate(timeout=PATIENCE)
     assert "samples drawn" in out
     assert running.returncode == 0

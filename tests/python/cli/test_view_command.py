@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from patience import PATIENCE
 
 pytest.importorskip("uvicorn", reason='the viewer needs the extra: pip install "helibore[view]"')
 
@@ -80,7 +81,7 @@ def test_it_serves_until_interrupted(caliper: Path) -> None:
                 assert "<canvas" in answer.read().decode()
         finally:
             process.send_signal(signal.SIGINT)
-        assert process.wait(20) == 0
+        assert process.wait(PATIENCE) == 0
 
 
 @pytest.mark.skipif(page("app.js") is None, reason="the page is not built: Node.js 18 was not there")
@@ -256,7 +257,7 @@ def test_a_saved_wall_is_shown_with_its_values(tmp_path: Path) -> None:
             assert said["attributes"] == {"GR": pytest.approx(wall.attributes["GR"][500], rel=1e-6)}
         finally:
             shown.send_signal(signal.SIGINT)
-        assert shown.wait(20) == 0
+        assert shown.wait(PATIENCE) == 0
     done = run(str(file), "--sectors", "32")
     assert done.exit_code == 2
     assert "--sectors: does not go with hole.wall, which has its own settings" in done.stderr
@@ -276,7 +277,7 @@ def test_the_settings_of_a_run_show_its_wall(caliper: Path, tmp_path: Path) -> N
     rows[:, 2] += 0.004
     np.savetxt(later, rows, delimiter=",", header="depth_m,toolface_deg,radius_m", comments="", fmt="%.6f")
     made.insert(2, str(later))
-    subprocess.run([*HELIBORE, *made, "-o", str(mesh)], check=True, timeout=60)
+    subprocess.run([*HELIBORE, *made, "-o", str(mesh)], check=True, timeout=PATIENCE)
     settings = tmp_path / "hole.glb.toml"
     command = [*HELIBORE, "view", str(settings), "--no-browser", "-q", "--token", "a&b #1"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as shown:
@@ -296,7 +297,7 @@ def test_the_settings_of_a_run_show_its_wall(caliper: Path, tmp_path: Path) -> N
             assert taken.stderr == f"helibore: 127.0.0.1 port {port}: {rule}\n"
         finally:
             shown.send_signal(signal.SIGINT)
-        assert shown.wait(20) == 0
+        assert shown.wait(PATIENCE) == 0
     for arguments, text in (
         ((str(settings), "--sectors", "64"), "--sectors: does not go with hole.glb.toml, which repeats a run"),
         ((str(mesh),), "hole.glb: a mesh has no samples; use the settings beside it, hole.glb.toml"),

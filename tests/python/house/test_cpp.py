@@ -13,6 +13,7 @@ from pathlib import Path
 import live_pushes
 import pytest
 from locations import ROOT
+from patience import PATIENCE
 
 import helibore
 
@@ -34,20 +35,12 @@ def run(*command: str | Path) -> str:
 @pytest.fixture(scope="module")
 def build() -> Path:
     """The core and its tests, compiled with warnings as errors; kept between runs."""
-    build = ROOT / "build" / "cpp"
-    options = (
-        "-DHELIBORE_TESTS=ON",
-        "-DHELIBORE_FUZZ=OFF",
-        "-DHELIBORE_WARNINGS_AS_ERRORS=ON",
-        "-DCMAKE_BUILD_TYPE=Release",
-    )
-    run("cmake", "-S", ROOT, "-B", build, "-G", "Ninja", *options)
-    run("cmake", "--build", build, "-j2")
-    return build
+    run("sh", ROOT / "tests/cpp/compile.sh")
+    return ROOT / "build/cpp"
 
 
 def test_ctest(build: Path) -> None:
-    run("ctest", "--test-dir", build, "--output-on-failure", "--no-tests=error", "--timeout", "300")
+    run("ctest", "--test-dir", build, "--output-on-failure", "--no-tests=error", "--timeout", str(int(PATIENCE)))
 
 
 @pytest.fixture(scope="module", params=["cmake --install", "wheel"])

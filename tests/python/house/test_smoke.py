@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from patience import PATIENCE
 
 import helibore as hb
 
@@ -85,7 +86,7 @@ def test_a_fork_after_threads_works() -> None:
     if child == 0:
         same = np.array_equal(hb.reconstruct(caliper, bit_diameter=0.216, threads=2).radius, before)
         os._exit(0 if same else 1)
-    give_up = time.monotonic() + 60
+    give_up = time.monotonic() + PATIENCE
     while time.monotonic() < give_up:
         done, status = os.waitpid(child, os.WNOHANG)
         if done:

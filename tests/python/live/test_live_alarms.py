@@ -23,6 +23,7 @@ import numpy as np
 import pytest
 from live_servers import Running, configured, frames, free_port, until
 from live_wires import SECOND, WALL, Clock
+from patience import PATIENCE
 
 from helibore import Live
 from helibore.live import alarms as module
@@ -337,7 +338,7 @@ class Hook:
             def do_POST(self):
                 hook.lines.append(json.loads(self.rfile.read(int(self.headers["Content-Length"]))))
                 if answer is None:
-                    hook.let.wait(60)
+                    hook.let.wait(PATIENCE)
                 self.send_response(answer or 200)
                 if answer == 302:
                     self.send_header("Location", "/elsewhere")
@@ -673,7 +674,7 @@ def test_a_process_without_descriptors_folder_or_lock_alarms_and_recovers(tmp_pa
             sender.sendall(b"".join(frames(20)))
             until(lambda: "helibore_samples_drawn_total 20.0" in command.metrics())
         command.process.send_signal(signal.SIGTERM)
-        assert command.process.wait(60) == 0
+        assert command.process.wait(PATIENCE) == 0
     assert Live.replay(tmp_path / "j").wall.sample_count == 20
 
 

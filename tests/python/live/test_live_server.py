@@ -15,6 +15,7 @@ from types import SimpleNamespace
 import pytest
 from click.testing import CliRunner
 from live_servers import Running, configured, frames, free_port, is_closed, payloads, until
+from patience import PATIENCE
 
 from helibore import Live
 from helibore.cli import cli, live_metrics
@@ -55,7 +56,7 @@ def test_a_link_that_gave_bytes_and_broke_is_opened_again_at_once(tmp_path, monk
 def test_a_file_is_read_to_its_end(tmp_path):
     (tmp_path / "rig.wits").write_bytes(b"".join(frames(500)))
     with Running(configured(f"file://{tmp_path}/rig.wits"), tmp_path / "j") as running:
-        assert running.server.wait(20)
+        assert running.server.wait(PATIENCE)
     assert running.live.wall.sample_count == 500
     assert b"".join(payloads(tmp_path / "j")) == b"".join(frames(500))
     assert sum(running.server.latency.counts) >= 2
@@ -66,7 +67,7 @@ def test_a_file_is_read_at_its_speed(tmp_path):
     (tmp_path / "rig.wits").write_bytes(stream)
     start = time.monotonic()
     with Running(configured(f"file://{tmp_path}/rig.wits?speed={2 * len(stream)}"), tmp_path / "j") as running:
-        assert running.server.wait(20)
+        assert running.server.wait(PATIENCE)
     assert time.monotonic() - start >= 0.5
     assert running.live.wall.sample_count == 20
 

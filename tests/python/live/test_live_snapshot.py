@@ -11,6 +11,7 @@ import time
 import numpy as np
 import pytest
 from live_wires import FRAMES, SENT, Clock, same_bits
+from patience import PATIENCE
 
 import helibore as hb
 from helibore import Live
@@ -191,7 +192,7 @@ def test_images_are_sorted_and_laid_when_the_wall_goes_on_already(monkeypatch):
     def laid_slowly(*given):
         pushing = threading.Thread(target=live.receive, args=("mwd", both(200)))
         pushing.start()
-        pushing.join(10)
+        pushing.join(PATIENCE)
         meanwhile.append(pushing.is_alive())
         return real(*given)
 

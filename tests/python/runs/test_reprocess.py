@@ -23,6 +23,7 @@ from click.testing import CliRunner
 from fsspec.exceptions import FSTimeoutError
 from hypothesis import given
 from hypothesis import strategies as st
+from patience import PATIENCE
 from pyarrow import parquet
 
 import helibore as hb
@@ -603,7 +604,9 @@ def test_a_script_that_would_start_itself_again_is_refused(field: Path, tmp_path
 
     def run(text: str) -> subprocess.CompletedProcess[str]:
         script.write_text(f"import helibore as hb\n{text}\n")
-        return subprocess.run([sys.executable, "all.py"], cwd=tmp_path, capture_output=True, text=True, timeout=100)
+        return subprocess.run(
+            [sys.executable, "all.py"], cwd=tmp_path, capture_output=True, text=True, timeout=PATIENCE
+        )
 
     for text, line in ((call, 2), (f"def main():\n    {call}\nmain()", 4)):
         done = run(text)

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from live_servers import free_port
+from patience import PATIENCE
 
 import helibore as hb
 from helibore import Live
@@ -145,7 +146,7 @@ def test_the_command_line_reads_a_played_rig(tmp_path):
             due.wait(0.5)
         finally:
             running.terminate()
-        out, err = running.communicate(timeout=30)
+        out, err = running.communicate(timeout=PATIENCE)
     assert running.returncode == 0, err
     assert b"samples drawn" in out
     assert (tmp_path / "now" / "main.wall").exists()

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from patience import PATIENCE
 
 import helibore as hb
 from helibore.viewer.web_app import page
@@ -44,7 +45,7 @@ def test_a_frame_gets_the_wall_its_growth_and_answers(monkeypatch: pytest.Monkey
             widget._handle_custom_msg({"view": "a", **content}, [])
 
         def next_sent() -> tuple[dict[str, Any], list[bytes]]:
-            return sent.get(timeout=60)
+            return sent.get(timeout=PATIENCE)
 
         def next_bytes() -> tuple[dict[str, Any], list[bytes]]:
             return next(part for part in iter(next_sent, None) if part[1])  # a state may come at any time

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 from made_wall import MadeWall, curved_path, gamma_and_resistivity
-from screen import NEEDS_BROWSER, PATIENCE, Screen
+from patience import PATIENCE
+from screen import NEEDS_BROWSER, Screen
 
 import helibore as hb
 

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from locations import ROOT, WEB
 from made_wall import MadeWall, curved_path, gamma_and_resistivity
+from patience import PATIENCE
 from screen import NEEDS_BROWSER, Screen
 
 import helibore as hb
@@ -53,7 +54,7 @@ def install(folder: Path) -> None:
     for name in ("package.json", "package-lock.json", ".npmrc"):
         shutil.copy(WEB / "check" / name, folder)
     command = [npm, "ci", "--ignore-scripts", "--no-audit", "--no-fund"]
-    subprocess.run(command, cwd=folder, capture_output=True, timeout=120, check=False)
+    subprocess.run(command, cwd=folder, capture_output=True, timeout=PATIENCE, check=False)
 
 
 def test_no_view_has_a_serious_violation(browser: Any, axe: str) -> None:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from locations import WEB
+from patience import PATIENCE
 
 from helibore.viewer.web_app import page
 
@@ -30,7 +31,7 @@ def install(folder: Path, *defines: str) -> Path:
         [cmake, "--build", build],
         [cmake, "--install", build, "--prefix", prefix],
     ):
-        done = subprocess.run([*map(str, command)], capture_output=True, text=True, timeout=300, check=False)
+        done = subprocess.run([*map(str, command)], capture_output=True, text=True, timeout=PATIENCE, check=False)
         assert done.returncode == 0, done.stdout + done.stderr
     return prefix / "viewer"
 

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import pytest
 from locations import ROOT
+from patience import PATIENCE
 from screen import NEEDS_BROWSER, Screen
 
 pytestmark = NEEDS_BROWSER
@@ -135,7 +136,7 @@ def run(port: int, script: str, *values: str) -> Iterator[str]:
         yield url
     finally:
         process.kill()
-        process.wait(20)
+        process.wait(PATIENCE)
 
 
 def answers(url: str) -> bool:

@@ -7,6 +7,7 @@ import subprocess
 
 import pytest
 from locations import WEB
+from patience import PATIENCE
 
 NODE = shutil.which("node")
 
@@ -16,5 +17,7 @@ def test_the_pages_own_tests_pass() -> None:
     assert NODE is not None
     files = sorted(str(path) for path in (WEB / "tests").glob("*.test.js"))
     assert files
-    run = subprocess.run([NODE, "--test", *files], cwd=WEB, capture_output=True, text=True, timeout=120, check=False)
+    run = subprocess.run(
+        [NODE, "--test", *files], cwd=WEB, capture_output=True, text=True, timeout=PATIENCE, check=False
+    )
     assert run.returncode == 0, run.stdout + run.stderr

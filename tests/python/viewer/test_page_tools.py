@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 from made_wall import MadeWall, curved_path, gamma_and_resistivity
+from patience import PATIENCE
 from screen import NEEDS_BROWSER, Screen
 
 import helibore as hb
@@ -362,7 +363,7 @@ def test_a_geologist_reopens_the_picks_changes_one_and_boxes_a_breakout(browser:
         screen.mouse.move(*place(screen, 270, 1013.5), steps=4)
         screen.mouse.up()
         screen.until("window.__wall.app.picking.boxes.length")
-        end = time.monotonic() + 20
+        end = time.monotonic() + PATIENCE
         while not (file.exists() and "breakout" in file.read_text()) and time.monotonic() < end:
             time.sleep(0.05)
         screen.close()
