@@ -162,15 +162,17 @@ def north_of(log_set: RawSet, roles: RoleMap) -> str:
 def survey(log_set: RawSet, roles: RoleMap | None = None) -> Survey:
     """Return the directional survey of a set as a `helibore.Survey`.
 
-    Stations without depth, inclination or azimuth are left out; the set's remarks say how many.
+    Stations are sorted by depth. Those without depth, inclination or azimuth are left out, and so are repeats of a
+    station; the set's remarks say how many.
 
     Raises
     ------
     InputError
-        If a column or its unit is missing, a unit is wrong, degrees look like radians, or depth does not grow.
+        If a column or its unit is missing, a unit is wrong, degrees look like radians, or two stations at one
+        depth differ.
     """
     roles = roles or guess(log_set)
-    at, depth = depths(log_set, roles, "--survey-depth")
+    at_depth, depth = depths(log_set, roles, "--survey-depth")
     try:
         inclined, turned = (needed(log_set, roles, role) for role in ("inclination", "azimuth"))
     except InputError as error:
@@ -188,19 +190,28 @@ def survey(log_set: RawSet, roles: RoleMap | None = None) -> Survey:
     plausibility.survey_angles(log_set, inclined, turned, inclination, azimuth)
     rows = np.flatnonzero(np.isfinite(depth) & np.isfinite(inclination) & np.isfinite(azimuth))
     if rows.size < depth.size:
-        remark = f"survey: {depth.size - rows.size} of {log_set.rows} stations left out: a value is missing"
-        if remark not in log_set.remarks:
-            log_set.remarks.append(remark)
-    depth = depth[rows]
-    falls = np.flatnonzero(np.diff(depth) <= 0)
-    if falls.size:
-        before, after = depth[falls[0]], depth[falls[0] + 1]
-        rule = f"depth {after:g} m {'repeats' if after == before else 'falls from'} {before:g} m: must grow"
-        raise log_set.input_error(rule, int(rows[falls[0] + 1]), at.channel)
+        _remark(log_set, f"survey: {depth.size - rows.size} of {log_set.rows} stations left out: a value is missing")
+    if np.any(np.diff(depth[rows]) < 0):
+        rows = rows[np.argsort(depth[rows], kind="stable")]
+        _remark(log_set, "survey: the stations are sorted by depth")
+    stations = np.stack([depth, inclination, azimuth], axis=1)[rows]
+    repeats = np.flatnonzero(np.diff(depth[rows]) == 0) + 1
+    for at in repeats:
+        if not np.array_equal(stations[at], stations[at - 1]):
+            rule = f"two stations at {depth[rows[at]]:g} m with different angles"
+            raise log_set.input_error(rule, int(rows[at]), at_depth.channel)
+    if repeats.size:
+        rows = np.delete(rows, repeats)
+        _remark(log_set, f"survey: {repeats.size} repeated stations left out")
     try:
-        return Survey(depth, inclination[rows], azimuth[rows])
+        return Survey(depth[rows], inclination[rows], azimuth[rows])
     except ValueError as error:
         raise log_set.input_error(str(error)) from error
+
+
+def _remark(log_set: RawSet, remark: str) -> None:
+    if remark not in log_set.remarks:
+        log_set.remarks.append(remark)
 
 
 def image(log_set: RawSet, name: str, roles: RoleMap | None = None) -> RawSectorImage:

@@ -9,11 +9,16 @@ from pathlib import Path
 from helibore.base.nulls import NULLS
 from helibore.channels.log_set import LogFile, LogSet
 from helibore.channels.sectors import join_sectors
+from helibore.files.input_file import ReadOptions
 from helibore.files.reading import read_file
 
 
 def open(  # noqa: A001
-    path: str | PathLike[str], nulls: Iterable[float] = NULLS, header_line: int | None = None
+    path: str | PathLike[str],
+    nulls: Iterable[float] = NULLS,
+    header_line: int | None = None,
+    encoding: str | None = None,
+    decimal: str | None = None,
 ) -> LogFile:
     """Open a log file of any format; its content decides the format, not its name.
 
@@ -26,6 +31,10 @@ def open(  # noqa: A001
         Numbers that mean "no measurement", in addition to a number that the file declares.
     header_line
         For CSV, TSV and XLSX: the line of the column names, counted from 1. None: helibore looks for this line.
+    encoding
+        For text: its encoding, such as "cp1251". None: UTF-8 (or UTF-16 with its mark), or else Windows-1252.
+    decimal
+        For CSV, TSV and LAS: the decimal mark, "." or ",". None: the cells decide, and a remark states what was read.
 
     Returns
     -------
@@ -51,7 +60,7 @@ def open(  # noqa: A001
     >>> file.image("ABDC").values.shape                 # doctest: +SKIP
     """
     path = Path(path)
-    raw = read_file(path, tuple(float(null) for null in nulls), header_line)
+    raw = read_file(path, ReadOptions(tuple(float(null) for null in nulls), header_line, encoding, decimal))
     sets = []
     for one in raw.sets:
         channels, gaps = join_sectors(one.channels, one.index)

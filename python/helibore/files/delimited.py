@@ -1,4 +1,4 @@
-"""Read tables separated by commas, tabs, semicolons or bars, plain or gzipped.
+"""Read tables separated by commas, tabs, semicolons, bars or blanks, plain or gzipped.
 
     # comment lines                      kept as remarks
     depth_m,toolface_deg,radius_mm       the header; the next line may state the units
@@ -6,17 +6,19 @@
 
 ``number_rows`` reads tables of up to 2 MiB. If pyarrow is installed, it reads larger tables with all cores. If pyarrow
 refuses a table, or takes numbers for text, ``number_rows`` reads the table or names the bad line. An empty cell is a
-missing value; NaN and infinities count as computed numbers. Decimal commas and columns separated by blanks are refused.
+missing value; NaN and infinities count as computed numbers. Blanks may separate the columns, too, and a first line
+``sep=;`` states the delimiter. `number_spellings` reads decimal commas, marks of thousands and angles.
 Units come from the units row below the header if there is one, else from the column names (``headings``).
 """
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
-from itertools import islice
+from itertools import dropwhile, islice
 from types import ModuleType
 from typing import Any
 
@@ -26,7 +28,11 @@ from helibore.base.errors import InputError
 from helibore.files.headings import is_number, is_units_row, unit_in_name
 from helibore.files.input_file import LINE_LIMIT, InputFile, decode
 from helibore.files.number_rows import NULL_TEXTS, column_of, read_rows, split_cells
+from helibore.files.number_spellings import read_spellings
 from helibore.files.raw_set import EXACT, Array, Channel, RawFile, RawSet, unique
+
+STATED_DELIMITER = re.compile(r"\s*sep=(?P<mark>[,;|\t])\s*", re.IGNORECASE)
+"""First line of a table in which Excel states the delimiter."""
 
 DELIMITERS = (",", "\t", ";", "|")
 BLANKS = tuple(" " * count for count in range(1, 17))
@@ -48,9 +54,9 @@ FEWEST_SECTORS = 4
 
 @dataclass
 class TableLayout:
-    """The layout of a table: delimiter, column names, units, and the number of lines above the rows."""
+    """The layout of a table: delimiter (None: blanks), column names, units, and the number of lines above the rows."""
 
-    delimiter: str
+    delimiter: str | None
     names: list[str]
     units: list[str] | None
     skip: int
@@ -67,7 +73,9 @@ def read(source: InputFile) -> RawFile:
     for name, count in Counter(layout.names).items():
         if 1 < count < FEWEST_SECTORS:
             layout.remarks.append(f"{count} columns are named {name}: they are called {name}:1, {name}:2 ...")
-    columns = None if whole else _by_pyarrow(source, layout, head, "cp1252" if remark else "utf8")
+    columns = (
+        None if whole or layout.delimiter is None else _by_pyarrow(source, layout, head, "cp1252" if remark else "utf8")
+    )
     line_of = _line_finder(source, layout)
     if columns is None:
         text, found_later = (head, "") if whole else source.text()
@@ -75,9 +83,13 @@ def read(source: InputFile) -> RawFile:
             layout.remarks.append(found_later)
         found = read_rows(source.path, text.split("\n")[layout.skip :], layout.skip + 1, names, layout.delimiter)
         columns, line_of = found.columns, found.line_of
+        layout.remarks += found.remarks
+    columns, spelled, remarks = read_spellings(columns, names, layout.delimiter == ",", source.options.decimal)
+    layout.remarks += remarks
     channels = []
     for position, (name, values) in enumerate(zip(names, columns, strict=True)):
         unit = layout.units[position] if layout.units else unit_in_name(layout.names[position])
+        unit = unit or spelled.get(position, "")
         channels.append(Channel(name, unit, "", values, source.nulls, nan_is_missing=False))
     rows = len(columns[0])
     comments = [remark.removeprefix(COMMENT).partition(":") for remark in layout.remarks if remark.startswith(COMMENT)]
@@ -106,11 +118,14 @@ def _head_text(source: InputFile) -> tuple[str, str, bool]:
 def find_layout(source: InputFile, head: str) -> TableLayout:
     """Find delimiter, header and units row in the first lines of a file.
 
-    Raise an InputError if the file is no table, or if ``source.header_line`` is not a line with text.
+    Raise an InputError if the file is no table, or if the stated header line is not a line with text.
     """
     remarks = []
     lines = head.split("\n", HEADING_LINES)[:HEADING_LINES]
-    start, header_line = 0, source.header_line
+    start, header_line = 0, source.options.header_line
+    stated = STATED_DELIMITER.fullmatch(lines[0])
+    if stated:
+        start = 1
     if header_line is not None:
         start = header_line - 1
         if not 0 <= start < len(lines) or not lines[start].strip():
@@ -120,11 +135,19 @@ def find_layout(source: InputFile, head: str) -> TableLayout:
         if comment := lines[start].strip(_AROUND_COMMENT):
             remarks.append(f"{COMMENT}{comment}")
         start += 1
-    rows = [line for line in lines[start:] if line.strip()]
-    if not rows:
+    filled = [line for line in lines[start:] if line.strip()]
+    if not filled:
         raise source.error(f"no header and no rows within {HEADING_LINES} lines", start)
-    delimiter = _delimiter(source, rows, start + 1)
-    first = [cell.strip() for cell in split_cells(rows[0].lstrip("#"), delimiter)]
+    rows = [
+        filled[0],
+        *dropwhile(lambda line: line.startswith("#"), filled[1:]),
+    ]  # Petrel underlines its header by #===
+    delimiter = stated["mark"] if stated else _delimiter(source, rows, start + 1)
+    header = rows[0].lstrip("#")
+    if delimiter is None:
+        first = _names_between_blanks(header, len(rows[-1].split()))
+    else:
+        first = [cell.strip() for cell in split_cells(header, delimiter)]
     second = [cell.strip() for cell in split_cells(rows[1], delimiter)] if len(rows) > 1 else []
     if header_line is None and all(is_number(cell) for cell in first):
         return _without_header(lines, start, delimiter, len(first), remarks)
@@ -132,14 +155,24 @@ def find_layout(source: InputFile, head: str) -> TableLayout:
         remarks.append("the header and the rows end in a delimiter: the last column has no name")
     names = [cell or f"column {number}" for number, cell in enumerate(first, 1)]
     units = None
-    skip = lines.index(rows[0], start) + 1
+    skip = lines.index(rows[1], start + 1) if len(rows) > 1 else lines.index(rows[0], start) + 1
     if len(second) == len(names) and is_units_row(second):
         units = [cell.strip("()[] ") for cell in second]
         skip = lines.index(rows[1], skip) + 1
     return TableLayout(delimiter, names, units, skip, remarks)
 
 
-def _without_header(lines: list[str], start: int, delimiter: str, width: int, remarks: list[str]) -> TableLayout:
+def _names_between_blanks(header: str, width: int) -> list[str]:
+    """Return the names of a header whose columns blanks separate; a name may hold a blank: ``MD (m)``.
+
+    Of the ways to cut it, the first counts that gives ``width`` names: at every blank, but not before a bracket, or at
+    two blanks and more.
+    """
+    cuts = (header.split(), re.findall(r"\S+(?: [\[(][^\])]*[\])])?", header), re.split(r"\s{2,}|\t", header.strip()))
+    return next((names for names in cuts if len(names) == width), cuts[0])
+
+
+def _without_header(lines: list[str], start: int, delimiter: str | None, width: int, remarks: list[str]) -> TableLayout:
     """Return the layout of a table without a header.
 
     The last comment line above the rows that has ``width`` names, two or more, names the columns. If there is no such
@@ -154,11 +187,12 @@ def _without_header(lines: list[str], start: int, delimiter: str, width: int, re
     return TableLayout(delimiter, [f"column {number}" for number in range(1, width + 1)], None, start, remarks)
 
 
-def _delimiter(source: InputFile, rows: list[str], line: int) -> str:
+def _delimiter(source: InputFile, rows: list[str], line: int) -> str | None:
     """Return the delimiter that splits each of the first 20 rows into the same number of cells, at least two.
 
-    If no delimiter does this, return the delimiter that splits the header into the most cells. If no delimiter splits
-    the header, return a comma if the table is one column, a name above numbers; else raise an InputError.
+    If no delimiter does this, blanks (None) separate the columns if they cut header and rows into as many cells. Else
+    return the delimiter that splits the header into the most cells. If no delimiter splits the header, return a comma
+    if the table is one column, a name above numbers; else raise an InputError.
     """
     sample = rows[:20]
     widths = {mark: [len(split_cells(row, mark)) for row in sample] for mark in DELIMITERS}
@@ -168,11 +202,15 @@ def _delimiter(source: InputFile, rows: list[str], line: int) -> str:
         even.sort(key=lambda mark: -widths[mark][0])
     if even:
         return even[0]
+    by_blanks = {len(row.split()) for row in sample[1:]}
+    if len(by_blanks) == 1 and (width := by_blanks.pop()) > 1 and len(_names_between_blanks(sample[0], width)) == width:
+        return None
     likely = max(DELIMITERS, key=lambda mark: widths[mark][0])
     if widths[likely][0] > 1:
         return likely  # rows of different widths: number_rows names the bad row
     if len(sample) > 1 and len(rows[0].split()) > 1:
-        raise source.error("columns are separated by blanks: must be comma, tab, semicolon or |", line)
+        rule = "blanks separate the columns: as many names as cells must be there, or a delimiter"
+        raise source.error(rule, line)
     if len(sample) > 1 and max(max(width) for width in widths.values()) > 1:
         raise source.error("the header has one column, the rows have more: another delimiter?", line)
     if len(sample) > 1 and all(is_number(row) for row in sample[1:]):
@@ -198,7 +236,7 @@ def _by_pyarrow(source: InputFile, layout: TableLayout, head: str, encoding: str
         for column in sample.columns:  # " NULL" or 1.#QNAN turns a column of numbers into text
             if column.type == pa.string() and column_of(column.fill_null("").to_pylist()).dtype.kind != "U":
                 return None
-        if encoding == "utf8" and not source.compressed:
+        if encoding == "utf8" and source.as_stored:
             table = _rows(csv, str(source.path), layout, layout.skip, types)
         else:
             table = _unpacked(pa, csv, source, layout, encoding, types)

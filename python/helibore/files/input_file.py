@@ -1,7 +1,7 @@
 """Read the bytes of a plain or gzipped file; only the bytes that a caller asks for are in memory.
 
     path -> first bytes -> format name          (the name of the file does not matter)
-    path -> stream()    -> bytes, gunzipped; a gzip bomb is refused
+    path -> stream()    -> bytes, gunzipped (a gzip bomb is refused); text of a stated encoding or UTF-16 as UTF-8
     path -> lines(), pieces(), text()           (a very long line is refused: see LINE_LIMIT)
 
 This file does not know about channels.
@@ -16,6 +16,7 @@ import zipfile
 import zlib
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
@@ -46,11 +47,11 @@ GZIP_RATIO = 200
 """Most unpacked bytes per packed byte. Logs of mostly -999.25 reach a ratio of 100; gzip bombs can reach 1,032."""
 
 UTF8_BOM = codecs.BOM_UTF8
+END_OF_TEXT = b"\x1a"
+"""Control-Z, with which old programs of DOS end a text."""
 
 # First bytes of files that helibore does not read, and the advice in the error.
 FOREIGN = {
-    b"\xff\xfe": "UTF-16 text: save it as UTF-8",
-    b"\xfe\xff": "UTF-16 text: save it as UTF-8",
     b"glTF": "a mesh (GLB) holds no samples: take the settings beside it (.glb.toml), a .wall or the caliper file",
     b"BZh": "bzip2: unpack it first",
     b"\xfd7zXZ": "xz: unpack it first",
@@ -107,24 +108,108 @@ class Gunzip(io.RawIOBase):
         super().close()
 
 
-class InputFile:
-    """One file on disk: its path, its first bytes, and its bytes as a stream.
+class Transcoder(io.RawIOBase):
+    """The text of a stream in any encoding, as UTF-8; a byte that the encoding does not know raises an error."""
 
-    ``nulls`` are numbers that mean no value; ``header_line`` is the line of a table's column names, if it is stated.
+    def __init__(self, path: Path, stream: BinaryIO, encoding: str) -> None:
+        self._path, self._stream, self._encoding = path, stream, encoding
+        self._decoder = codecs.getincrementaldecoder(encoding)()
+        self._ready = b""
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: Any) -> int:
+        more = True
+        while not self._ready and more:
+            piece = self._stream.read(len(buffer))
+            more = bool(piece)
+            try:
+                self._ready = self._decoder.decode(piece, final=not more).encode()
+            except UnicodeError as error:
+                raise file_error(self._path, f"is not {self._encoding} text throughout ({error})") from error
+        size = min(len(buffer), len(self._ready))
+        buffer[:size], self._ready = self._ready[:size], self._ready[size:]
+        return size
+
+    def close(self) -> None:
+        if not self.closed:
+            self._stream.close()
+        super().close()
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """What a caller states about a file because the file does not.
+
+    Attributes
+    ----------
+    nulls
+        Numbers that mean no value.
+    header_line
+        The line of a table's column names, counted from 1. None: it is searched.
+    encoding
+        Name of the text's encoding, such as "cp1251". None: UTF-8, UTF-16 with its mark, or else Windows-1252.
+    decimal
+        The decimal mark of numbers, "." or ",". None: the cells decide.
+
+    Raises
+    ------
+    InputError
+        If the encoding is unknown to Python or not of text, or ``decimal`` is another mark.
     """
 
-    def __init__(self, path: Path, nulls: tuple[float, ...] = (), header_line: int | None = None) -> None:
-        self.path, self.nulls, self.header_line = path, nulls, header_line
+    nulls: tuple[float, ...] = ()
+    header_line: int | None = None
+    encoding: str | None = None
+    decimal: str | None = None
+
+    def __post_init__(self) -> None:
+        if self.decimal not in (None, ".", ","):
+            raise InputError("decimal", "must be . or ,", repr(self.decimal))
+        if self.encoding is not None:
+            try:
+                "".encode(self.encoding)
+            except LookupError:
+                raise InputError("encoding", "is not one that Python knows", repr(self.encoding)) from None
+
+
+class InputFile:
+    """One file on disk: its path, its first bytes, its bytes as a stream, and what the caller states about it."""
+
+    def __init__(self, path: Path, options: ReadOptions = ReadOptions()) -> None:
+        self.path, self.options = path, options
         with path.open("rb") as file:
             self.compressed = file.read(2) == b"\x1f\x8b"
+        self.encoding: str | None = None
         with self.stream() as stream:
             self.head = read_exactly(stream, HEAD)
+        if options.encoding is not None and b"\0" not in self.head:
+            self.encoding = options.encoding
+        elif self.head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+            self.encoding = "utf-16"
+        if self.encoding is not None:
+            with self.stream() as stream:
+                self.head = read_exactly(stream, HEAD)
+
+    @property
+    def nulls(self) -> tuple[float, ...]:
+        return self.options.nulls
+
+    @property
+    def as_stored(self) -> bool:
+        """Whether the stream's bytes are those on the disk: neither unpacked nor decoded."""
+        return not self.compressed and self.encoding is None
 
     def stream(self) -> BinaryIO:
-        """Return a stream of the file's bytes, unpacked if it is gzipped. The caller closes the stream."""
+        """Return a stream of the file's bytes, unpacked and as UTF-8. The caller closes the stream."""
+        stream = self.path.open("rb")
         if self.compressed:
-            return cast(BinaryIO, io.BufferedReader(Gunzip(self.path), LINE_LIMIT))
-        return self.path.open("rb")
+            stream.close()
+            stream = cast(Any, io.BufferedReader(Gunzip(self.path), LINE_LIMIT))
+        if self.encoding is not None:
+            stream = cast(Any, io.BufferedReader(Transcoder(self.path, stream, self.encoding), LINE_LIMIT))
+        return stream
 
     def lines(self) -> Iterator[bytes]:
         """Yield every line with its ending; a line longer than ``LINE_LIMIT`` raises an error that names the line."""
@@ -186,6 +271,8 @@ class InputFile:
 def decode(path: Path, content: bytes) -> tuple[str, str]:
     """Return ``content`` as text, with ``\\n`` for every newline, and a remark on the encoding ('' for UTF-8)."""
     content = content.removeprefix(UTF8_BOM)
+    if content[-4:].rstrip(b"\r\n").endswith(END_OF_TEXT):
+        content = content.rstrip(b"\r\n").rstrip(END_OF_TEXT)
     at = content.find(b"\0")
     if at >= 0:
         raise file_error(path, "a zero byte: not text, or damaged", content.count(b"\n", 0, at) + 1)

@@ -25,6 +25,7 @@ from helibore.base.errors import needs
 from helibore.files.headings import is_number
 from helibore.files.input_file import InputFile
 from helibore.files.number_rows import read_rows
+from helibore.files.number_spellings import read_spellings
 from helibore.files.raw_set import Channel, RawFile, RawSet, SectorAxis, readable_sets, unique
 
 # MNEM.UNIT  VALUE : DESCRIPTION {FORMAT} | ASSOCIATION          (LAS 3.0 file structure, pages 8 to 10)
@@ -34,6 +35,7 @@ DATA = re.compile(r"A[^_]*$|LOG_DATA|.*_DATA(\[\d+\])?$")
 FORMAT = re.compile(r"\{\s*(?P<format>[^{}]*)\}")
 DATED = re.compile(r"(?:[DMY]{1,4}[/.-]){2}[DMY]{2,4}(?P<date>\d\S*)", re.IGNORECASE)
 """A date that follows its format without a blank, where the unit should stand: ``DATE.DD/MM/YYYY21/05/2007``."""
+FEET_IN_METRE = 1.0 / 0.3048
 INDEX = ("STRT", "STOP", "STEP", "NULL")
 """Header items that are kept without their unit: the range of the index, and the null value of the rows."""
 
@@ -69,12 +71,16 @@ def read(source: InputFile) -> RawFile:
     """Open a LAS file of version 2 or 3; version 1.2 is read as version 2, with a remark."""
     text, remark = source.text()
     sections = find_sections(source, text)
-    version = _items(_section(source, sections, "V"))
+    remarks = [remark] if remark else []
+    version = {"VERS": "2.0"}
+    if any(section.kind.startswith("V") for section in sections):
+        version = _items(_section(source, sections, "V"))
+    else:
+        remarks.append("no ~Version section: read as LAS 2.0")
     number = version.get("VERS", "").strip()
     major = int(float(number)) if is_number(number) and float(number) < 4 else 0
     if major not in (1, 2, 3):
         raise source.error("must be 2.0 or 3.0", f"line {sections[0].line}: VERS", value=repr(number))
-    remarks = [remark] if remark else []
     if major == 1:
         remarks.append("LAS 1.2: read as LAS 2.0; value and description are swapped in its ~Well section")
     read_sets = _las3 if major == 3 else _las2
@@ -93,7 +99,7 @@ def find_sections(source: InputFile, text: str) -> list[LasSection]:
         elif sections:
             sections[-1].lines.append(line)
     if len(sections) < 2:
-        raise source.error("truncated: no section after ~Version", sections[0].line if sections else 1)
+        raise source.error("truncated: one section of the header and no other", sections[0].line if sections else 1)
     return sections
 
 
@@ -128,9 +134,10 @@ def _las2(source: InputFile, sections: list[LasSection], version: dict[str, str]
         remarks.append(f"line {last.line}: ~{last.kind} follows the data section; its lines are not rows")
     header = _lasio_header(source, sections, data)
     curves = [LasCurve(c.original_mnemonic.strip(), _unit_and_value(c)[0], c.descr or "") for c in header.curves]
-    _name_curves(curves, remarks)
     if not curves:
-        raise source.error("the ~Curve section defines no curve", _section(source, sections, "C").line)
+        curves = _curves_of_title(source, sections, data, remarks)
+    _name_curves(curves, remarks)
+    _skip_names(data, curves, remarks)
     wrapped = version.get("WRAP", "NO").upper().startswith("Y")
     units_of, well = ({item.mnemonic: _unit_and_value(item)[part] for item in header.well} for part in (0, 1))
     stated = {item.mnemonic: _with_unit(*_unit_and_value(item)) for item in (*header.params, *header.well)}
@@ -138,6 +145,38 @@ def _las2(source: InputFile, sections: list[LasSection], version: dict[str, str]
     _check_range(log_set, well, units_of)
     log_set.header = stated | {name: well[name] for name in INDEX if name in well}
     return [log_set]
+
+
+def _curves_of_title(
+    source: InputFile, sections: list[LasSection], data: LasSection, remarks: list[str]
+) -> list[LasCurve]:
+    """Return the curves that the title of the data section names (``~A DEPT C1 C2``), for a file without ~Curve.
+
+    The unit of the index is that of STRT; other units are unknown.
+    """
+    names = data.title.split()[1:]
+    if not names:
+        curves = [section for section in sections if section.kind.startswith("C")]
+        place = f"line {curves[0].line}" if curves else None
+        raise source.error(
+            "the ~Curve section defines no curve" if curves else "truncated or damaged: no ~Curve section", place
+        )
+    well = [section for section in sections if section.kind.startswith("W")]
+    strt = [ITEM.match(line) for section in well for line in section.lines]
+    units_of_index = [match["unit"] for match in strt if match and match["name"].strip().upper() == "STRT"]
+    remarks.append("no ~Curve section: the names stand after ~A, and only the index has a unit, that of STRT")
+    return [LasCurve(name, "" if at else "".join(units_of_index[:1]), "") for at, name in enumerate(names)]
+
+
+def _skip_names(data: LasSection, curves: list[LasCurve], remarks: list[str]) -> None:
+    """Make a comment of the first row, and of the second, if they repeat the names and the units of the curves."""
+    rows = (at for at, line in enumerate(data.lines) if line.strip() and not line.lstrip().startswith("#"))
+    for at, stated in zip(rows, ([c.name for c in curves], [c.unit for c in curves if c.unit]), strict=False):
+        cells = [cell.strip('"[]()').upper() for cell in re.split(r"[\s,;]+", data.lines[at].strip())]
+        if cells != [each.upper() for each in stated]:
+            return
+        data.lines[at] = f"# {data.lines[at]}"
+        remarks.append(f"line {data.line + 1 + at} repeats the header: it is no row")
 
 
 def _name_curves(curves: list[LasCurve], remarks: list[str]) -> None:
@@ -180,8 +219,9 @@ def _with_unit(unit: str, value: str) -> str:
 
 
 def _null(text: str | None) -> tuple[float, ...]:
+    """Return a header's number, which may have a decimal comma; nothing for other text."""
     try:
-        return (float(text),) if text else ()
+        return (float(text.replace(",", ".")),) if text else ()
     except ValueError:
         return ()
 
@@ -198,7 +238,11 @@ def _las3(source: InputFile, sections: list[LasSection], version: dict[str, str]
     if delimiter == "?":
         place = f"line {sections[0].line}: DLM"
         raise source.error("must be SPACE, COMMA or TAB", place, value=repr(version["DLM"]))
-    tables = [section for section in sections if DATA.match(section.kind)]
+    titles = {section.kind for section in sections}
+    tables = [
+        section for section in sections
+        if DATA.match(section.kind) or section.title.partition("|")[2].strip().upper() in titles
+    ]  # fmt: skip
     if not tables:
         raise source.error("truncated: no data section (~Log_Data or ~ASCII)", sections[-1].line)
 
@@ -269,12 +313,14 @@ def _set(
     """
     names = [curve.name for curve in curves]
     rows = read_rows(source.path, data.lines, data.line + 1, names, delimiter, comments=True, wrapped=wrapped)
+    columns, spelled, spellings = read_spellings(rows.columns, names, delimiter == ",", source.options.decimal)
     nulls = source.nulls + _null(well.get("NULL"))
     channels = [
-        Channel(curve.name, curve.unit, curve.description, column, nulls, curve.axis)
-        for curve, column in zip(curves, rows.columns, strict=True)
+        Channel(curve.name, curve.unit or spelled.get(at, ""), curve.description, column, nulls, curve.axis)
+        for at, (curve, column) in enumerate(zip(curves, columns, strict=True))
     ]
-    return RawSet(source.path, name, channels, rows.count, names[0], well, remarks + rows.remarks, rows.line_of)
+    remarks = [*remarks, *rows.remarks, *spellings]
+    return RawSet(source.path, name, channels, rows.count, names[0], well, remarks, rows.line_of)
 
 
 def _check_range(log_set: RawSet, well: dict[str, str], units_of: dict[str, str]) -> None:
@@ -292,10 +338,21 @@ def _check_range(log_set: RawSet, well: dict[str, str], units_of: dict[str, str]
         scale = 1.0
         if unit and index.unit and unit.lower() != index.unit.lower():
             log_set.remarks.append(f"STRT is in {unit}, the index {index.name} in {index.unit}")
+    ratios: list[float] = []
     for name, row in (("STRT", 0), ("STOP", -1)):
         declared = _null(well.get(name))
         found = float(index.values[row])
+        if declared and declared[0]:
+            ratios.append(found / (scale * declared[0]))
         if declared and not np.isclose(scale * declared[0], found, rtol=0, atol=1e-3 * max(1.0, abs(found) * 1e-3)):
             log_set.remarks.append(
                 f"{name} = {declared[0]:g} in the header, {found:g} in the rows: truncated or edited?"
             )
+    metres = {"M": FEET_IN_METRE, "FT": 1.0 / FEET_IN_METRE, "F": 1.0 / FEET_IN_METRE}.get(index.unit.upper())
+    if metres and len(ratios) == 2 and np.allclose(ratios, metres, rtol=1e-3):
+        other = "feet" if index.unit.upper() == "M" else "metres"
+        log_set.remarks.append(
+            f"the rows are {ratios[0]:.4f} times STRT and STOP: {index.name} is in {other} although the header says "
+            f"{index.unit}? It is read as {index.unit}; state its unit if that is wrong ({index.name}:{other[0]}"
+            f"{'t' if other == 'feet' else ''})"
+        )

@@ -12,7 +12,7 @@ import csv
 import re
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import islice
 from pathlib import Path
 
@@ -33,6 +33,9 @@ WINDOWS_NAN = re.compile(r"-?1\.#\w+")
 
 RUN_TOGETHER = re.compile(r"(?<=\d)-(?=\d)")
 """The place where two numbers meet: a writer of fixed columns leaves no blank before a wide number, 12.34-999.25."""
+
+OVERFLOW = re.compile(r"\*+")
+"""A number that did not fit its field, as Fortran writes it; files also state it as their null value."""
 
 WHOLE = re.compile(r"-?[0-9]{1,19}")
 
@@ -79,8 +82,9 @@ def read_rows(
         raise file_error(path, "no rows below the header", max(1, first_line - 1))
 
     remarks: list[str] = []
-    if wrapped:
-        return _wrapped(path, kept, line_of, names)
+    if wrapped or (delimiter is None and _is_wrapped(kept, len(names))):
+        remarks.append("wrapped rows" if wrapped else "rows run over several lines, although the header says WRAP NO")
+        return replace(_wrapped(path, kept, line_of, names), remarks=remarks)
     if delimiter is None and all("," in line for line in kept[:3]) and len(kept[0].split()) < len(names):
         delimiter = ","
         remarks.append("the rows are cut by commas, not by blanks as the header says")
@@ -170,7 +174,19 @@ def _wrapped(path: Path, kept: list[str], line_of: Callable[[int], int], names: 
         raise file_error(path, rule, line_of(len(kept) - 1))
     starts = [number for number, line in enumerate(kept) for _ in line.split()][::width]
     columns = [column_of(cells[position::width]) for position in range(width)]
-    return Rows(columns, count, lambda row: line_of(starts[row]), ["wrapped rows"])
+    return Rows(columns, count, lambda row: line_of(starts[row]))
+
+
+def _is_wrapped(kept: list[str], width: int) -> bool:
+    """Return whether the rows of ``width`` cells repeat one pattern of several lines, such as 1 cell and then 5."""
+    pattern: list[int] = []
+    for line in kept[:width]:
+        if sum(pattern) >= width:
+            break
+        pattern.append(len(line.split()))
+    if len(pattern) < 2 or sum(pattern) != width or len(kept) % len(pattern):
+        return False
+    return all(len(line.split()) == pattern[at % len(pattern)] for at, line in enumerate(kept))
 
 
 def column_of(cells: list[str]) -> Array:
@@ -185,7 +201,7 @@ def column_of(cells: list[str]) -> Array:
         numbers, empty = np.array(cells, dtype=np.float64), np.zeros(len(cells), dtype=bool)
     except ValueError:
         bare = [cell.strip() for cell in cells]
-        empty = np.array([cell in _NULLS for cell in bare])
+        empty = np.array([cell in _NULLS or OVERFLOW.fullmatch(cell) is not None for cell in bare])
         try:
             numbers = np.array(
                 [0.0 if gone else np.nan if WINDOWS_NAN.fullmatch(cell) else to_float(cell)

@@ -6,7 +6,7 @@ from importlib import import_module
 from pathlib import Path
 
 from helibore.base.errors import InputError, require_library
-from helibore.files.input_file import InputFile, find_format
+from helibore.files.input_file import InputFile, ReadOptions, find_format
 from helibore.files.raw_set import RawFile
 
 READERS = {
@@ -15,6 +15,9 @@ READERS = {
     "parquet": ("columnar", "read_parquet"), "npz": ("columnar", "read_npz"),
 }  # fmt: skip
 """For each format, the module of this folder and its function that read it. A module is imported at its first use."""
+
+STATED_OF = {"header_line": ("csv", "xlsx"), "encoding": ("csv", "las", "json"), "decimal": ("csv", "las")}
+"""For each of the `ReadOptions` that only some formats take, these formats."""
 
 LIBRARIES = {".las": "lasio", ".dlis": "dlisio", ".lis": "dlisio", ".xlsx": "python_calamine", ".parquet": "pyarrow"}
 """The library that reads a format, by the usual ending of the format's files. Other formats need no library."""
@@ -31,14 +34,18 @@ def check_library(ending: str) -> None:
         require_library(LIBRARIES[ending], "dlis" if ending == ".lis" else ending[1:])
 
 
-def read_file(path: Path, nulls: tuple[float, ...], header_line: int | None = None) -> RawFile:
-    """Read a file of any format. ``nulls`` are numbers that mean no value; only tables may have a ``header_line``."""
+def read_file(path: Path, options: ReadOptions) -> RawFile:
+    """Read a file of any format. Only tables may have a stated header line, and only texts the other options."""
     if path.is_dir():
         raise IsADirectoryError(f"{path}: is a directory")
-    source = InputFile(path, nulls, header_line)
+    source = InputFile(path, options)
     name = find_format(source)
-    if header_line is not None and name not in ("csv", "xlsx"):
-        raise InputError(f"{path.name}: header_line", f"is for tables, but the file is {name}", str(header_line))
+    for stated, formats in STATED_OF.items():
+        value = getattr(options, stated)
+        if value is not None and name not in formats:
+            raise InputError(
+                f"{path.name}: {stated}", f"is for {', '.join(formats)}, but the file is {name}", str(value)
+            )
     module, reader = READERS[name]
     file: RawFile = getattr(import_module(f"helibore.files.{module}"), reader)(source)
     if not file.sets:

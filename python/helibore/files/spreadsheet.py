@@ -22,7 +22,7 @@ HEADING_ROWS = 500
 
 
 def read(source: InputFile) -> RawFile:
-    """Open a workbook; ``source.header_line`` is the row of the column names in every sheet, counted from 1."""
+    """Open a workbook; the stated header line is the row of the column names in every sheet, counted from 1."""
     with needs("python-calamine", "xlsx"):
         import python_calamine
     refuse_zip_bomb(source)
@@ -37,7 +37,7 @@ def read(source: InputFile) -> RawFile:
 
 
 def _sheet(source: InputFile, name: str, sheet: list[list[Any]]) -> RawSet:
-    rows, header = [[_text(cell) for cell in row] for row in sheet], source.header_line
+    rows, header = [[_text(cell) for cell in row] for row in sheet], source.options.header_line
     start = _find_header(rows) if header is None else header - 1
     if start is None or not 0 <= start < len(rows) or not any(rows[start]):
         if header is not None:

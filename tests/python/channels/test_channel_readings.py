@@ -374,8 +374,7 @@ def test_survey_in_stated_units(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("0,0,0\n30,1,0\n30,2,0\n", "line 4, column md_m: depth 30 m repeats 30 m: must grow"),
-        ("30,0,0\n\n20,1,0\n", "line 4, column md_m: depth 20 m falls from 30 m: must grow"),
+        ("0,0,0\n30,1,0\n30,2,0\n", "line 4, column md_m: two stations at 30 m with different angles"),
         ("0,0,0\n30,180.5,0\n", "line 3, column incl_deg: 180.5 deg: inclination lies within 0 and 180"),
         ("0,-1,0\n30,1,0\n", "line 2, column incl_deg: -1 deg: inclination lies within 0 and 180"),
         ("0,1,400\n30,1,0\n", "line 2, column azim_deg: 400 deg: azimuth lies within -360 and 360"),

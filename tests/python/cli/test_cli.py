@@ -214,7 +214,7 @@ def test_bad_option(folder: Path, tmp_path: Path, options: list[str], message: s
 @pytest.mark.parametrize(
     ("survey", "message"),
     [
-        ("1990,5,0\n1990,5,0\n", "s.csv, line 3, column md_m: depth 1990 m repeats 1990 m: must grow"),
+        ("1990,5,0\n1990,6,0\n", "s.csv, line 3, column md_m: two stations at 1990 m with different angles"),
         ("1990,5,0\n2010,190,0\n", "s.csv, line 3, column incl_deg: 190 deg: inclination lies within 0 and 180"),
     ],
 )

@@ -120,7 +120,7 @@ def test_the_header_line_may_be_given(tmp_path: Path) -> None:
     with pytest.raises(hb.InputError, match=r"^t.csv, line 8: no rows below the header$"):
         hb.open(path, header_line=8)
     (tmp_path / "t.json").write_text("[]")
-    with pytest.raises(hb.InputError, match=r"^t.json: header_line = 2: is for tables, but the file is json$"):
+    with pytest.raises(hb.InputError, match=r"^t.json: header_line = 2: is for csv, xlsx, but the file is json$"):
         hb.open(tmp_path / "t.json", header_line=2)
 
 
@@ -168,14 +168,14 @@ def test_a_word_far_down_is_named_with_its_line(tmp_path: Path) -> None:
             "md,r\n1,2\n3;4\n",
             "line 3: truncated: 1 values where 2 columns are defined (it has 2 when cut at ';': another delimiter?)",
         ),
-        ("md r\n1 2\n3 4\n", "line 1: columns are separated by blanks"),
+        ("md r s\n1 2\n3 4\n", "line 1: blanks separate the columns"),
         ("md,r\n1,2\n3,x\n", "line 3, column r = 'x': is not a number"),
         ('md,r\n1,"2\n3,4\n', "line 2: a quote is opened and not closed"),
         ('md,note\n1,a\n2,"b\n3,c\n', "line 3: a quote is opened and not closed"),
-        ("md;r\n1,5;2,5\n", "line 2, column md = '1,5': is not a number: a decimal comma?"),
+        ("md;r\n1,5;2.5\n", "line 2, column md = '1,5': is not a number: a decimal comma?"),
         ("hello\nworld\n", "line 1: not a table: no comma, tab, semicolon or | separates columns"),
         (b"md,r\n1,2\n\x00\x00\x00\n", "binary, and no format that helibore reads"),
-        (b"\xff\xfem\x00d\x00", "UTF-16 text: save it as UTF-8"),
+        (b"\xff\xfem\x00d", "is not utf-16 text throughout"),
         (b"md,\xc3\xa9\n1,2\n3,\xe9\n", "line 3: encodings are mixed: line 1 is UTF-8, byte 0xe9 here is not"),
         ("md,r\n" + "1" * (1 << 21) + ",2\n", "a line is longer than 1,048,576 bytes"),
         ("<html><body></body></html>", "<html> is no WITSML"),

@@ -56,15 +56,15 @@ def parquet(columns: dict[str, Any], damage: slice | None = None, end: int | Non
 NUMBERS = np.random.default_rng(0).random(5000)
 # "(...)" stands for the words of a library.
 CASES: list[tuple[str, str | bytes, str]] = [
-    ("t.csv", "md_m tf_deg\n1 2\n3 4\n",
-     ", line 1: columns are separated by blanks: must be comma, tab, semicolon or |"),
+    ("t.csv", "md_m tf_deg r\n1 2\n3 4\n",
+     ", line 1: blanks separate the columns: as many names as cells must be there, or a delimiter"),
     ("t.csv", "md_m\n1,2\n3,4\n", ", line 1: the header has one column, the rows have more: another delimiter?"),
     ("t.csv", "a" * (3 << 20), ", line 1: a line is longer than 1,048,576 bytes"),
     ("t.csv", b"a,b\n" + b"1,2\n" * 20_000 + b"1,\0\n", ", line 20002: a zero byte: not text, or damaged"),
     ("t.csv", b"a,b\0\n", ": binary, and no format that helibore reads (DLIS, LIS, Parquet, NPZ, XLSX)"),
     ("t.csv", "  \n \n", ": empty: nothing but blanks"),
     ("t.csv", "", ": empty: 0 bytes"),
-    ("t.csv", b"\xff\xfea\0", ": UTF-16 text: save it as UTF-8"),
+    ("t.csv", b"\xff\xfea", ": is not utf-16 text throughout (...)"),
     ("t.zip", zipped(), ": a zip archive: unpack it first"),
     ("t.zip", zipped()[:40], ": truncated or damaged zip archive (...)"),
     ("t.gz", gzip.compress(zipped()), ": a gzipped zip file: unpack it first"),
@@ -78,7 +78,6 @@ CASES: list[tuple[str, str | bytes, str]] = [
     ("t.json", CURVES % ("", "1" + "0" * 400 + "], [null"), ", column A: holds a whole number too large for a float"),
     ("t.json", '[{"header": {},\n "curves" [}]', ", line 2: Expecting ':' delimiter (character 11)"),
     ("t.json", '{"wells": {"W": 1}}', ": well 'W': must be an object of columns"),
-    ("t.las", "~Well\nSTRT.M 1 :\n~A\n1\n", ": truncated or damaged: no ~Version section"),
     ("t.las", LAS2 + "~A\n1 2\n", ": truncated or damaged: no ~Curve section"),
     ("t.las", LAS2 + "~Curve\nDEPT.M :\n", ": truncated or damaged: no ~A(scii) section"),
     ("t.las", LAS2.replace("STRT.M 1 :", "STRT {{") + "~Curve\nDEPT.M :\n~A\n1\n", ": the header is damaged (...)"),
@@ -120,7 +119,6 @@ def test_a_file_is_refused_with_its_place_and_the_rule(
 @pytest.mark.parametrize(
     ("start", "text"),
     [
-        (b"\xfe\xff\0a", "UTF-16 text: save it as UTF-8"),
         (
             b"glTF",
             "a mesh (GLB) holds no samples: take the settings beside it (.glb.toml), a .wall or the caliper file",
