@@ -16,14 +16,23 @@ import re
 import numpy as np
 
 from helibore.base import units
+from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Integers, Mask
 from helibore.channels import plausibility
 from helibore.channels.columns import about_names, column, needed
-from helibore.channels.roles import ROLES, WALL, Role, RoleMap, guess
+from helibore.channels.roles import ROLES, WALL, Role, RoleMap, guess, toolface_reference, toolface_rule
 from helibore.files.raw_set import RawSet
 from helibore.preparation.conditioning import Echo
-from helibore.preparation.readings import IMAGE_ROW, Readings
+from helibore.preparation.readings import IMAGE_ROW, HoleDirection, Readings
 from helibore.preparation.sensors import Sensor
+from helibore.samples.bit_sizes import FEW
+from helibore.trajectory.references import Plane, to_high_side
+
+REFERENCE_WORDS = {"high-side": "the high side", "horizontal-north": "north, in the horizontal plane"}
+"""Words of `note` for what a toolface counts from."""
+
+ANGLES_AGREE = 0.5
+"""Degrees: two toolfaces of one set agree if the median and the spread of their difference are at most this."""
 
 UNSTATED = {
     units.ANGLE: "deg, since a value is beyond 2 pi (no unit stated)",
@@ -104,7 +113,9 @@ def readings(
         np.array([names.index(name) for name in arm], dtype=np.int64), tuple(names), tuple(across), time,
         _passes(log_set, roles),
         turning.reference if turning else "", _high_side(log_set, roles), turning is not None,
-        _count_missing(log_set, roles, depth, toolface, time), _notes(roles, arms), log_set.place,
+        _count_missing(log_set, roles, depth, toolface, time),
+        (*_notes(roles, arms), *agreement_of_angles(log_set, roles)),
+        turning.north if turning else "", _hole(log_set, roles), log_set.place,
     )  # fmt: skip
 
 
@@ -258,6 +269,80 @@ def _high_side(log_set: RawSet, roles: RoleMap) -> Mask | None:
     return tagged
 
 
+def _hole(log_set: RawSet, roles: RoleMap) -> HoleDirection | None:
+    """Return the direction of the hole at each row; None without inclination and azimuth, or if their units fail."""
+    inclined, turned = roles.one("inclination"), roles.one("azimuth")
+    usable = all(
+        role is not None
+        and role.unit
+        and log_set[role.channel].shape == (log_set.rows,)
+        and not log_set[role.channel].is_text
+        for role in (inclined, turned)
+    )
+    if inclined is None or turned is None or not usable:
+        return None
+    inclination, azimuth = column(log_set, inclined), column(log_set, turned)
+    known = np.isfinite(inclination) & np.isfinite(azimuth)
+    if not known.any():
+        return None
+    return HoleDirection(inclination, azimuth, turned.north)
+
+
+def agreement_of_angles(log_set: RawSet, roles: RoleMap) -> list[str]:
+    """Compare the toolfaces of a set with each other, by the direction of the hole in the same set.
+
+    Returns a sentence for each toolface that is not in use, with the median and the spread of the difference from the
+    toolface in use. A constant difference is often that of two norths.
+    """
+    used, hole = roles.one("toolface"), _hole(log_set, roles)
+    if used is None or hole is None or used.reference in ("", "automatic"):
+        return []
+    lines = []
+    own = _from_high_side(log_set, used, hole)
+    for channel in log_set:
+        if channel.name == used.channel or channel.is_text or channel.shape != (log_set.rows,) or not channel.unit:
+            continue
+        if toolface_rule(channel) is None or units.measures(channel.unit) != units.ANGLE:
+            continue
+        reference, north = toolface_reference(channel)
+        if not reference:
+            continue
+        other = Role(channel.name, "toolface", "", channel.unit, reference=reference, north=north)
+        off = wrapped(_from_high_side(log_set, other, hole) - own + 180.0) - 180.0
+        off = off[np.isfinite(off)]
+        if off.size < FEW:
+            continue
+        middle = float(np.degrees(np.angle(np.mean(np.exp(1j * np.radians(off))))))
+        away = wrapped(off - middle + 180.0) - 180.0
+        middle += float(np.median(away))
+        spread = 1.4826 * float(np.median(np.abs(away - np.median(away))))
+        turned = roles.one("azimuth")
+        between = f"{used.channel} and {channel.name}, by {turned.channel if turned else ''}"
+        if abs(middle) <= ANGLES_AGREE and spread <= ANGLES_AGREE:
+            lines.append(f"{between}: agree, to {middle:+.2f} deg (median), spread {spread:.2f} deg")
+            continue
+        norths = {
+            one: each
+            for one, each in ((channel.name, north), (used.channel, used.north), ("the hole", hole.north))
+            if each
+        }
+        stated = f" (stated: {', '.join(f'{one} {each} north' for one, each in norths.items())})" if norths else ""
+        lines.append(
+            f"{between}: disagree by {middle:+.2f} deg (median), spread {spread:.2f} deg{stated}; {used.channel} is "
+            "used. A constant difference may be the declination between two norths"
+        )
+    return lines
+
+
+def _from_high_side(log_set: RawSet, role: Role, hole: HoleDirection) -> Floats:
+    """Return a toolface channel counted from the high side, degrees, by the direction of the hole at each row."""
+    angle = column(log_set, role)
+    if role.reference == "high-side":
+        return angle
+    plane: Plane = "horizontal" if role.reference == "horizontal-north" else "section"
+    return to_high_side(angle, hole.inclination, hole.azimuth, plane)
+
+
 def _count_missing(
     log_set: RawSet, roles: RoleMap, depth: Floats, toolface: Floats, time: Floats | None
 ) -> dict[str, int]:
@@ -301,5 +386,7 @@ def note(role: Role) -> str:
     if role.latency:
         parts.append(f"{role.latency:g} s late")
     if role.reference:
-        parts.append(f"from {role.reference}")
+        parts.append(
+            f"from {f'{role.north} ' if role.north else ''}{REFERENCE_WORDS.get(role.reference, role.reference)}"
+        )
     return f"{' '.join(parts)}: {role.reason}"

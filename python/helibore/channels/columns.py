@@ -6,7 +6,6 @@ wall is built from.
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +15,7 @@ from helibore.base import units
 from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.channels import plausibility
-from helibore.channels.roles import ROLES, Role, RoleMap, guess
+from helibore.channels.roles import ROLES, Role, RoleMap, guess, north_stated
 from helibore.files.delimited import NO_HEADER
 from helibore.files.raw_set import RawSet
 from helibore.images.sector_image import Direction, Origin, SectorImage
@@ -153,10 +152,7 @@ def north_of(log_set: RawSet, roles: RoleMap) -> str:
     It is searched in the name and description of the azimuth channel. Return "" if they name no north, or several.
     """
     role = roles.one("azimuth")
-    channel = None if role is None else log_set[role.channel]
-    text = "" if channel is None else re.sub("[\\W_]+", " ", f"{channel.name} {channel.description}".lower())
-    named = set(re.findall(r"\b(true|grid|magnetic)\b", text))
-    return named.pop() if len(named) == 1 else ""
+    return "" if role is None else role.north or north_stated(log_set[role.channel])
 
 
 def survey(log_set: RawSet, roles: RoleMap | None = None) -> Survey:
@@ -204,7 +200,7 @@ def survey(log_set: RawSet, roles: RoleMap | None = None) -> Survey:
         rows = np.delete(rows, repeats)
         _remark(log_set, f"survey: {repeats.size} repeated stations left out")
     try:
-        return Survey(depth[rows], inclination[rows], azimuth[rows])
+        return Survey(depth[rows], inclination[rows], azimuth[rows], north=north_of(log_set, roles))
     except ValueError as error:
         raise log_set.input_error(str(error)) from error
 

@@ -9,7 +9,14 @@
     latency = 0.5                      # seconds from a measurement to its time stamp
     first = 11.25                      # images: angle of the first sector; in a radius image, of the sector's centre
     step = 22.5                        # images: angle from one sector to the next
-    reference = "north"                # toolface: what it counts from: north, high-side, or automatic (by inclination)
+    reference = "north"                # toolface: what it counts from: north, horizontal-north (the azimuth of a pad),
+                                       # high-side, or automatic (by inclination)
+    north = "magnetic"                 # toolface from north, azimuth: true, magnetic or grid
+
+    [[names]]                          # names that mean a role in every file that is read with this map
+    names = ["XRB", "RBX"]             # without units
+    role = "toolface"
+    reference = "high-side"            # also: north; angle, of an arm
 
 A channel that the map does not name keeps its guessed role. The role of a channel that the map names is confirmed: the
 checks for likely mistakes are skipped.
@@ -29,12 +36,24 @@ from helibore.base import units
 from helibore.base.errors import InputError, check_choice, check_names
 from helibore.base.toml_file import read_toml
 from helibore.channels.log_set import LogFile
-from helibore.channels.roles import REFERENCES, ROLES, SINGLE, WALL, Role, RoleMap, guess, toolface_reference
-from helibore.files.raw_set import RawSet
+from helibore.channels.roles import (
+    REFERENCES,
+    ROLES,
+    SINGLE,
+    WALL,
+    NameRule,
+    Role,
+    RoleMap,
+    guess,
+    role_names,
+    toolface_reference,
+)
+from helibore.files.raw_set import Channel, RawSet
+from helibore.trajectory.references import NORTHS
 
 KEYS = {
     "role": str, "unit": str, "angle": float, "first": float, "step": float, "offset": float, "latency": float,
-    "reference": str,
+    "reference": str, "north": str,
 }  # fmt: skip
 ANGLES, PLACE = ("angle", "first", "step"), ("offset", "latency")
 SPELLING = re.compile(r"(?P<name>.+?)(?:@(?P<angle>[-+]?\d+\.?\d*))?(?::(?P<unit>[^:]+))?")
@@ -58,8 +77,7 @@ def write_map(roles: RoleMap, with_set: bool = True, warning: str = "") -> str:
             lines.append(f"unit = {quoted(role.unit)}{comment}")
         lines += [f"{key} = {float(getattr(role, key))!r}" for key in ANGLES if getattr(role, key) is not None]
         lines += [f"{key} = {getattr(role, key)!r}" for key in PLACE if getattr(role, key)]
-        if role.reference:
-            lines.append(f"reference = {quoted(role.reference)}")
+        lines += [f"{key} = {quoted(getattr(role, key))}" for key in ("reference", "north") if getattr(role, key)]
         lines.append("")
     return "\n".join([*lines, *_without_role(roles)])
 
@@ -103,12 +121,37 @@ def read_map(path: str | Path, file: LogFile) -> RoleMap:
     """
     path = Path(path)
     tree = read_toml(path, path.name)
-    check_names(f"{path.name}: ", tree, ("set", "channels"))
+    check_names(f"{path.name}: ", tree, ("set", "channels", "names"))
     entries = tree.get("channels", {})
     if not isinstance(entries, dict) or not isinstance(tree.get("set", ""), str):
         raise InputError(path.name, "channels must be tables, set must be a name")
     log_set = file.set(tree.get("set"))
-    return overlay(guess(log_set), log_set, entries, path.name)
+    names = role_names().with_rules(_name_rules(tree.get("names", []), path.name))
+    return overlay(guess(log_set, names), log_set, entries, path.name)
+
+
+def _name_rules(entries: Any, place: str) -> list[NameRule]:
+    """Return the names that a map adds to those of helibore."""
+    if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
+        raise InputError(place, "names must be tables, [[names]]")
+    rules = []
+    for number, entry in enumerate(entries, 1):
+        at = f"{place}: names {number}"
+        check_names(f"{at}: ", entry, ("names", "role", "reference", "north", "angle"))
+        listed, role = entry.get("names"), entry.get("role")
+        if not isinstance(listed, list) or not listed or not all(isinstance(name, str) for name in listed):
+            raise InputError(f"{at}: names", "must be a list of names", repr(listed))
+        check_choice(f"{at}: role", role, ROLES)
+        stated = {key: entry[key] for key in ("reference", "north") if key in entry}
+        for key, value in stated.items():
+            check_choice(f"{at}: {key}", value, REFERENCES if key == "reference" else NORTHS)
+        angle = entry.get("angle")
+        if angle is not None and (type(angle) not in (int, float) or not math.isfinite(angle)):
+            raise InputError(f"{at}: angle", "must be a finite number", repr(angle))
+        lower = tuple(name.lower() for name in listed)
+        angle = None if angle is None else float(angle)
+        rules.append(NameRule(role, lower, angle=angle, reason=f"{place} says so", **stated))
+    return rules
 
 
 def overlay(roles: RoleMap, log_set: RawSet, entries: dict[str, Any], place: str, why: str = "the map") -> RoleMap:
@@ -122,7 +165,7 @@ def overlay(roles: RoleMap, log_set: RawSet, entries: dict[str, Any], place: str
         if name not in log_set:
             raise InputError(place, f"no channel {name!r}; the set holds {', '.join(log_set.names)}")
         base = changed.get(name) or Role(name, "none", "", log_set[name].unit)
-        changed[name] = _entry(base, entry, f"{place}: {name}", why, toolface_reference(log_set[name]))
+        changed[name] = _entry(base, entry, f"{place}: {name}", why, log_set[name])
     for role in SINGLE:
         stated = [each for each in changed.values() if each.role == role and each.confirmed]
         if len(stated) > 1:
@@ -134,7 +177,7 @@ def overlay(roles: RoleMap, log_set: RawSet, entries: dict[str, Any], place: str
     return RoleMap(roles.set_name, changed)
 
 
-def _entry(base: Role, entry: Any, place: str, why: str, own_reference: str) -> Role:
+def _entry(base: Role, entry: Any, place: str, why: str, channel: Channel) -> Role:
     if not isinstance(entry, dict):
         raise InputError(place, "must be a table")
     for key, value in entry.items():
@@ -148,11 +191,16 @@ def _entry(base: Role, entry: Any, place: str, why: str, own_reference: str) -> 
     unit = entry.get("unit", base.unit)
     if unit and ROLES[role] and units.measures(unit) != ROLES[role]:
         raise InputError(f"{place}: unit", f"must be a unit of {ROLES[role]} for a {role}", repr(unit))
-    own_reference = base.reference if role == base.role else own_reference if role == "toolface" else ""
-    reference = entry.get("reference", own_reference)
+    own_reference, own_north = base.reference, base.north
+    if role != base.role:
+        own_reference, own_north = toolface_reference(channel) if role == "toolface" else ("", "")
+    reference, north = entry.get("reference", own_reference), entry.get("north", own_north)
     if "reference" in entry and (role != "toolface" or reference not in REFERENCES):
         rule = f"must be one of {', '.join(REFERENCES)}, of a toolface"
         raise InputError(f"{place}: reference", rule, repr(reference))
+    if "north" in entry and (role not in ("toolface", "azimuth") or north not in NORTHS):
+        rule = f"must be one of {', '.join(NORTHS)}, of a toolface or an azimuth"
+        raise InputError(f"{place}: north", rule, repr(north))
     angle, first, step = (
         float(entry[key]) if key in entry else getattr(base, key) if role == base.role else None for key in ANGLES
     )
@@ -161,7 +209,7 @@ def _entry(base: Role, entry: Any, place: str, why: str, own_reference: str) -> 
         raise InputError(f"{place}: offset = {offset:g}, latency", "must be finite", f"{latency:g}")
     if (offset or latency) and role not in WALL:
         raise InputError(place, f"offset and latency belong to a sensor: a role of {', '.join(WALL)}")
-    return Role(base.channel, role, why, unit, angle, first, step, offset, latency, reference, confirmed=True)
+    return Role(base.channel, role, why, unit, angle, first, step, offset, latency, reference, north, True)
 
 
 def parse_options(

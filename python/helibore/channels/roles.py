@@ -3,16 +3,20 @@
     name, description, unit, shape  --guess-->  role: depth, toolface, radius, diameter, inclination, image ...
     [channels."pfc1_x_in"]  role = "diameter"  unit = "in"  angle = 0.0        (an entry of a map)
 
-A guess uses names, descriptions, units and shapes, never the values. ``columns`` converts the values.
+A guess uses names, descriptions, units and shapes, never the values. ``columns`` converts the values. The names are
+data, in ``role_names.json``; every name is tried before any description, and a user's map can add names.
 A ``diameter`` is two wall points, at ``angle`` and ``angle + 180``; a ``radius`` is one wall point. ``angle`` is
 counted from the toolface channel if there is one, else from the toolface reference.
 """
 
 from __future__ import annotations
 
+import json
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
+from functools import cache
+from pathlib import Path
 
 from helibore.base import units
 from helibore.files.headings import unit_in_name
@@ -44,57 +48,91 @@ SINGLE = (
     "depth", "time", "toolface", "inclination", "azimuth", "tvd", "north", "east", "bit-diameter", "pass",
     "toolface-reference",
 )  # fmt: skip
-"""Roles that only one channel of a set can have; the channel that fits the earliest of `PATTERNS` gets the role."""
+"""Roles that only one channel of a set can have; the channel that fits the earliest name gets it."""
 
 WALL = ("radius", "diameter", "radius-image", "travel-time")
 """Roles whose values are wall points."""
 
-REFERENCES = ("north", "high-side", "automatic")
-"""What a toolface channel may count from; automatic: north where the hole is nearly vertical, else the high side."""
+REFERENCES = ("north", "horizontal-north", "high-side", "automatic")
+"""What a toolface channel may count from.
 
-# Role, pattern of the whole name (unit suffix taken off, lower case), pattern anywhere in the description.
-# Within a role the earlier pattern wins, so "md" is taken before "tdep".
-PATTERNS: tuple[tuple[str, str, str], ...] = (
-    ("depth", r"md|m\.?depth|measured ?depth|depth[_ ]?md|md[_ ]?depth", r"^measured depth$"),
-    ("depth", r"dept|depth|depthmd|dmd|hole[_ ]?depth", r"^depth$|\bdepth hole\b|\bmeasured depth\b"),
-    ("depth", r"tdep|bdep|index", r"\bframe \d+ depth\b"),
-    ("time", r"time|t|etim|elapsed|elapsed[_ ]?time|timestamp|utc|date[_ ]?time|dtimstn", r"^(elapsed )?time$"),
-    ("toolface", r"toolface|tool[_ ]face|tf|tfo|gtf|mtf|hstf|sgtf|smtf", r"\btool ?face\b"),
-    ("toolface", r"rb|hsrb|rbof|relative[_ ]bearing", r"\brelative bearing\b"),
-    (
-        "toolface",
-        r"(p1|pad_?1_?)(az|azim|azimuth|no)(_\w+)?",
-        r"\b(pad|arm|caliper|electrode) ?(1|one) (azimuth|north)",
-    ),
-    ("toolface", r"(at\d?)?[gm]tfm?", r"^$ never"),
-    ("inclination", r"incl?|inclination|incdeg|innm|inclm?", r"\binclination\b"),
-    ("inclination", r"devi?(_.*)?|deviation|hdev|drift", r"\bhole deviation\b"),
-    ("azimuth", r"azi?|azim|azimuth|azideg|hazi|azin?m?", r"\b(hole )?azimuth\b"),
-    ("tvd", r"tvd|tvdss", r"\btrue vertical depth\b"),
-    ("north", r"n/s|n|ns|north|northing|dispns", r"^(northing|north[- ]south)\b"),
-    ("east", r"e/w|e|ew|east|easting|dispew", r"^(easting|east[- ]west)\b"),
-    ("bit-diameter", r"bs|bit[_ ]?size|bit[_ ]?d(iam(eter)?)?", r"\bbit ?size\b"),
-    ("pass", r"pass([_ ]?(no|nr|number|id))?", r"^pass( number)?$"),
-    ("toolface-reference", r"(toolface|tf)[_ ]?(ref(erence)?|type)", r"^toolface (reference|type)$"),
-)
+horizontal-north: the angle lies in the horizontal plane, as the azimuth of a pad does; the others lie across the hole.
+automatic: north where the hole is nearly vertical, else the high side.
+"""
+
 NO_RULE = "no rule fits"
 
-NORTH = re.compile(r"(p1|pad_?1_?)(az|azim|azimuth|no)(_\w+)?|s?mtfm?|at\d?mtfm?")
-"""Names of toolfaces that count from north: the azimuth of pad 1, and magnetic toolfaces."""
-NORTH_TEXT = re.compile(r"(1|one) (azimuth|north)|\bmagnetic tool ?face\b|\bfrom (magnetic |true |grid )?north\b", re.I)
-
-RADIUS = re.compile(r"(wall[_ ]?|hole[_ ]?|cal(iper)?[_ ]?)?(radius|radi)|r")
-DIAMETER = re.compile(r"(wall[_ ]?|hole[_ ]?|cal(iper)?[_ ]?)?diam(eter)?|dia|d")
-# One of the two arm pairs of an X-Y caliper: pfc1_x, cal_y, c1, xcal, caliper_2; by the numbers of the arms, C13, C24.
-ARM = re.compile(
-    r"(?:.*(?:cal|caliper|pfc|arm|diam)[a-z]*\d?[_ ]?)(x|y)|(x|y)[_ ]?cal(?:iper)?|(?:c|cal|caliper)[_ ]?(1|2|13|24)"
-)
-SIDE = re.compile(r"\bcaliper\b.*\b(horizontal|vertical)\b|\b(horizontal|vertical)\b.*\bcaliper\b", re.IGNORECASE)
 ECHO = re.compile(r"(tw)?tt\d?|travel[_ ]?time|transit[_ ]?time|awtt|two[_ ]?way[_ ]?time")
-MEAN = re.compile(r"hcal|cali?|calcm|caliper|.*cal.*(ave|avg|mean).*|(ave|avg|mean)[_ ]?cal.*|[du]cav")
-# The largest or smallest diameter of a row: it is no mean and has no direction (cal_max_diameter, CMAX, HMIN).
-EXTREME = re.compile(r".*(cal|diam).*(max|min).*|(max|min).*(cal|diam).*|[ch](max|min)")
 CALIPER_TEXT = re.compile(r"\bcaliper\b(?!.*\b(matrix|filtered|corrected porosity|salinity)\b)", re.IGNORECASE)
+NORTH_TEXT = re.compile(r"\bfrom (magnetic |true |grid )?north\b", re.IGNORECASE)
+ONE_OF_SEVERAL = re.compile(r"\b(arm|finger|radius)\b", re.IGNORECASE)
+
+NAMES_FILE = Path(__file__).with_name("role_names.json")
+
+
+@dataclass(frozen=True)
+class NameRule:
+    """One entry of the table of names: which names and descriptions mean a role, and what is known by the name."""
+
+    role: str
+    names: tuple[str, ...] = ()  # whole names, in lower case, without a unit
+    pattern: str = "$ never"  # a regular expression for the whole name
+    described: str = "$ never"  # a regular expression anywhere in the description
+    never: str = "$ never"  # a regular expression that occurs neither in the name nor in the description
+    reference: str = ""  # of a toolface: one of REFERENCES, or "" for the wall's own
+    north: str = ""  # of an angle from north: true, magnetic or grid; "": not known by the name
+    angle: float | None = None  # of an arm: its direction, degrees from the toolface
+    arm: str = ""  # "x" or "y": one pair of an X-Y caliper, which turns with the tool
+    reason: str = ""  # why a channel of this name has no role
+    unit_stated: bool = False  # whether the channel must state its unit
+    needs_toolface: bool = False  # whether the set must have a toolface
+
+    def named(self, channel: Channel) -> bool:
+        """Return whether the name of a channel fits this rule."""
+        return any(name in self.names or re.fullmatch(self.pattern, name) for name in _spellings(channel))
+
+    def says(self, channel: Channel) -> bool:
+        """Return whether the description of a channel fits this rule."""
+        return bool(channel.description and re.search(self.described, channel.description, re.IGNORECASE))
+
+    def allows(self, channel: Channel) -> bool:
+        """Return whether nothing in a channel's name, description or unit rules the role out."""
+        text = re.sub(r"_", " ", f"{channel.name} {channel.description}")
+        return not re.search(self.never, text, re.IGNORECASE) and bool(channel.unit or not self.unit_stated)
+
+
+@dataclass(frozen=True)
+class RoleNames:
+    """The names of channels by role: roles that one channel of a set has, wall channels, and sets of arms."""
+
+    single: tuple[NameRule, ...]
+    wall: tuple[NameRule, ...]
+    sets: tuple[tuple[tuple[str, ...], float], ...]  # names of arms that belong together, and the angle between two
+
+    def with_rules(self, rules: Iterable[NameRule]) -> RoleNames:
+        """Return these names after ``rules``, which come first."""
+        own = tuple(rules)
+        return replace(
+            self,
+            single=(*(rule for rule in own if rule.role in SINGLE), *self.single),
+            wall=(*(rule for rule in own if rule.role not in SINGLE), *self.wall),
+        )
+
+
+@cache
+def _table() -> tuple[RoleNames, re.Pattern[str]]:
+    table = json.loads(NAMES_FILE.read_text(encoding="utf-8"))
+    single, wall = (
+        tuple(NameRule(**{**entry, "names": tuple(entry.get("names", ()))}) for entry in table[part])
+        for part in ("single", "wall")
+    )
+    sets = tuple((tuple(names), float(each["step"])) for each in table["sets"] for names in each["names"])
+    return RoleNames(single, wall, sets), re.compile(f"(?:{'|'.join(table['endings'])})$")
+
+
+def role_names() -> RoleNames:
+    """Return the names that helibore knows, from the file ``role_names.json`` beside this one."""
+    return _table()[0]
 
 
 @dataclass(frozen=True)
@@ -111,6 +149,7 @@ class Role:
     offset: float = 0.0  # of a wall channel: metres from the point whose depth is recorded up to its sensor
     latency: float = 0.0  # seconds from the measurement of this sensor to its time stamp
     reference: str = ""  # of a toolface: what it counts from, one of REFERENCES; "": as the wall's toolface
+    north: str = ""  # of an angle from north: true, magnetic or grid; "": not stated
     confirmed: bool = False  # whether a map states this role, so that checks for likely mistakes are skipped
 
     @property
@@ -142,10 +181,14 @@ class RoleMap:
         return found[0] if found else None
 
 
-def guess(log_set: RawSet) -> RoleMap:
-    """Guess the role of every channel of a set, each with its reason; the role is ``none`` if no role fits."""
+def guess(log_set: RawSet, names: RoleNames | None = None) -> RoleMap:
+    """Guess the role of every channel of a set, each with its reason; the role is ``none`` if no role fits.
+
+    ``names`` are the names to know; None: those of helibore.
+    """
+    names = names or role_names()
     roles = {channel.name: _none(channel, NO_RULE) for channel in log_set}
-    _single_roles(log_set, roles)
+    _single_roles(log_set, roles, names)
     has_toolface = any(role.role == "toolface" for role in roles.values())
     for channel in log_set:
         if roles[channel.name].role != "none" or channel.is_text:
@@ -155,26 +198,27 @@ def guess(log_set: RawSet) -> RoleMap:
         elif channel.shape[0] != log_set.rows:
             roles[channel.name] = _none(channel, f"{channel.shape[0]} values beside {log_set.rows} rows: an axis")
         else:
-            roles[channel.name] = _wall_role(channel, has_toolface) or roles[channel.name]
-    _text_roles(log_set, roles, has_toolface)
+            roles[channel.name] = _wall_role(channel, has_toolface, names) or roles[channel.name]
+    _text_roles(log_set, roles, has_toolface, names)
+    _sets_of_arms(log_set, roles, names)
     _pair_arms(roles)
     return RoleMap(log_set.name, roles)
 
 
-def _text_roles(log_set: RawSet, roles: dict[str, Role], has_toolface: bool) -> None:
+def _text_roles(log_set: RawSet, roles: dict[str, Role], has_toolface: bool, names: RoleNames) -> None:
     """Give a missing role to a text column whose name fits, so that an error names its bad cell later."""
     taken = {each.role for each in roles.values()}
     for channel in log_set:
         if not channel.is_text or roles[channel.name].role != "none" or len(channel.shape) != 1:
             continue
-        for role, name, _ in PATTERNS:
-            wanted = role in ("depth", "toolface", "inclination", "azimuth") and role not in taken
-            if wanted and re.fullmatch(name, stem(channel)) and _fits(channel, ROLES[role]):
+        for rule in names.single:
+            wanted = rule.role in ("depth", "toolface", "inclination", "azimuth") and rule.role not in taken
+            if wanted and rule.named(channel) and rule.allows(channel) and _fits(channel, ROLES[rule.role]):
                 reason = f"named {channel.name}, but not every cell is a number"
-                roles[channel.name] = Role(channel.name, role, reason, channel.unit)
-                taken.add(role)
+                roles[channel.name] = Role(channel.name, rule.role, reason, channel.unit)
+                taken.add(rule.role)
                 break
-        found = None if taken & set(WALL) else _wall_role(channel, has_toolface or "toolface" in taken)
+        found = None if taken & set(WALL) else _wall_role(channel, has_toolface or "toolface" in taken, names)
         if roles[channel.name].role == "none" and found is not None and found.role in WALL:
             roles[channel.name] = replace(found, reason=f"{found.reason}, but not every cell is a number")
 
@@ -192,39 +236,38 @@ def stem(channel: Channel) -> str:
     return re.sub(r"\s*[\[(][^\])]*[\])]\s*$", "", name).strip()
 
 
+def _spellings(channel: Channel) -> tuple[str, str]:
+    """Return the channel's name without its unit, and without the ending of a variant too: ``rb_s`` -> ``rb``."""
+    plain = stem(channel)
+    return plain, _table()[1].sub("", plain) or plain
+
+
 def _fits(channel: Channel, kind: str) -> bool:
     """Return whether a channel's unit allows a role: the unit is of this kind or not stated, or no unit is needed."""
     return not kind or not channel.unit or units.measures(channel.unit) == kind
 
 
-def _single_roles(log_set: RawSet, roles: dict[str, Role]) -> None:
+def _single_roles(log_set: RawSet, roles: dict[str, Role], names: RoleNames) -> None:
     """Assign each role of `SINGLE` (depth, time, toolface ...) to the channel that fits it best.
 
-    The other channels that fit a role do not get it; their reasons name the channel that has the role. If no channel
-    fits depth, the index becomes the depth if its unit is one of length.
+    All names are tried before any description: a pad's azimuth is described like the hole's. The other channels that
+    fit a role do not get it; their reasons name the channel that has the role. If no channel fits depth, the index
+    becomes the depth if its unit is one of length.
     """
-    inclined = any(one.is_text and re.fullmatch(r"incl?|inclination|devi?|deviation", stem(one)) for one in log_set)
-    for role, name, described in PATTERNS:
-        for channel in log_set:
-            allowed = not channel.is_text or role in ("time", "toolface-reference")
-            how = _match(channel, name, described) if allowed and channel.shape == (log_set.rows,) else ""
-            if not how or roles[channel.name].role != "none":
-                continue
-            if not _fits(channel, ROLES[role]):
-                reason = f"{how}, like {role}, but {channel.unit!r} is no known unit of {ROLES[role]}"
-                roles[channel.name] = _none(channel, reason)
-                continue
-            owner = next((each.channel for each in roles.values() if each.role == role), None)
-            if owner is not None:
-                roles[channel.name] = _none(channel, f"{how}, like {role}; {owner} has this role")
-            elif role == "azimuth" and not inclined:
-                reason = f"{how}, but a survey also needs an inclination (an angle around the hole is a toolface)"
-                roles[channel.name] = _none(channel, reason)
-            else:
-                index = " and it is the index" if channel.name == log_set.index else ""
-                reference = toolface_reference(channel) if role == "toolface" else ""
-                roles[channel.name] = Role(channel.name, role, how + index, channel.unit, reference=reference)
-                inclined = inclined or role == "inclination"
+    candidates = [one for one in log_set if one.shape == (log_set.rows,)]
+    inclined = any(
+        (rule.named(one) or rule.says(one)) and _fits(one, units.ANGLE)
+        for rule in names.single if rule.role == "inclination" for one in candidates
+    )  # fmt: skip
+    for by_name in (True, False):
+        for rule in names.single:
+            for channel in candidates:
+                free = roles[channel.name].role == "none" and (by_name or roles[channel.name].reason == NO_RULE)
+                if not free or (channel.is_text and rule.role not in ("time", "toolface-reference")):
+                    continue
+                if (rule.named(channel) if by_name else rule.says(channel)) and rule.allows(channel):
+                    how = f"named {channel.name}" if by_name else f'described as "{channel.description}"'
+                    roles[channel.name] = _single_role(log_set, roles, rule, channel, how, inclined)
     first = log_set[log_set.index] if log_set.index else None
     placed = any(each.role == "depth" for each in roles.values())
     if first is None or placed or first.is_text or roles[first.name].role != "none":
@@ -233,16 +276,52 @@ def _single_roles(log_set: RawSet, roles: dict[str, Role]) -> None:
         roles[first.name] = Role(first.name, "depth", "it is the index and a length", first.unit)
 
 
-def toolface_reference(channel: Channel) -> str:
-    """Return "north" if the name or description of a toolface says that it counts from north, else ""."""
-    return "north" if NORTH.fullmatch(stem(channel)) or NORTH_TEXT.search(channel.description) else ""
+def _single_role(
+    log_set: RawSet, roles: dict[str, Role], rule: NameRule, channel: Channel, how: str, inclined: bool
+) -> Role:
+    """Return the role of a channel that fits a rule: that of the rule, or none with the reason why not."""
+    role = rule.role
+    if not _fits(channel, ROLES[role]):
+        return _none(channel, f"{how}, like {role}, but {channel.unit!r} is no known unit of {ROLES[role]}")
+    owner = next((each.channel for each in roles.values() if each.role == role), None)
+    if owner is not None:
+        return _none(channel, f"{how}, like {role}; {owner} has this role")
+    if role == "azimuth" and not inclined:
+        reason = f"{how}, but a survey also needs an inclination (an angle around the hole is a toolface)"
+        return _none(channel, reason)
+    index = " and it is the index" if channel.name == log_set.index else ""
+    reference, north = _reference(rule, channel) if role == "toolface" else ("", "")
+    if role == "azimuth":
+        north = north_stated(channel)
+    return Role(channel.name, role, how + index, channel.unit, reference=reference, north=north)
 
 
-def _match(channel: Channel, name: str, described: str) -> str:
-    if re.fullmatch(name, stem(channel)):
-        return f"named {channel.name}"
-    found = re.search(described, channel.description, re.IGNORECASE) if channel.description else None
-    return f'described as "{channel.description}"' if found else ""
+def _reference(rule: NameRule, channel: Channel) -> tuple[str, str]:
+    """Return what a toolface counts from, and which north, by its rule, or else its description; "" if not stated."""
+    rules = [rule, *(each for each in role_names().single if each.role == "toolface" and each.says(channel))]
+    known = next((each for each in rules if each.reference), NameRule("toolface"))
+    reference = known.reference or ("north" if NORTH_TEXT.search(channel.description) else "")
+    return reference, (known.north or north_stated(channel)) if reference.endswith("north") else ""
+
+
+def toolface_rule(channel: Channel, names: RoleNames | None = None) -> NameRule | None:
+    """Return the rule by which a channel is a toolface, by its name or else its description; None if it is none."""
+    rules = [rule for rule in (names or role_names()).single if rule.role == "toolface" and rule.allows(channel)]
+    return next((rule for rule in rules if rule.named(channel)), None) or next(
+        (rule for rule in rules if rule.says(channel)), None
+    )
+
+
+def toolface_reference(channel: Channel) -> tuple[str, str]:
+    """Return what a toolface counts from, one of `REFERENCES`, and which north, by its name or description, or ""."""
+    return _reference(toolface_rule(channel) or NameRule("toolface"), channel)
+
+
+def north_stated(channel: Channel) -> str:
+    """Return the north that a channel's name and description state: true, grid or magnetic; "" if none or several."""
+    text = re.sub(r"[\W_]+", " ", f"{channel.name} {channel.description}".lower())
+    named = set(re.findall(r"\b(true|grid|magnetic)\b", text))
+    return named.pop() if len(named) == 1 else ""
 
 
 def _image_role(channel: Channel) -> Role:
@@ -277,34 +356,59 @@ def _is_echo(channel: Channel) -> bool:
     return bool(named) and units.measures(channel.unit) == units.TIME
 
 
-def _wall_role(channel: Channel, has_toolface: bool) -> Role | None:
+def _wall_role(channel: Channel, has_toolface: bool, names: RoleNames) -> Role | None:
     """Return the role of a wall channel: radius, diameter, arm, travel time or mean diameter; None if none fits."""
     if _is_echo(channel):
         reason = f"named or described as a travel time ({channel.description or channel.name})"
         return Role(channel.name, "travel-time", reason, channel.unit, 0.0 if has_toolface else None)
     if not _fits(channel, units.LENGTH):
         return None
-    name, unit = stem(channel), channel.unit
-    if side := SIDE.search(channel.description):
-        vertical = (side[1] or side[2]).lower() == "vertical"
-        angle = 0.0 if vertical else 90.0
-        reason = f'described as "{channel.description}": a diameter through {angle:g} and {angle + 180:g} deg'
-        return Role(channel.name, "diameter", reason, unit, angle)
-    if arm := ARM.fullmatch(name):
-        letter = (arm[1] or arm[2] or {"1": "x", "2": "y"}[arm[3][0]]).lower()
-        angle = {"x": 0.0, "y": 90.0}[letter]
-        reason = f"named like the {letter} arm pair of a caliper: across the hole at {angle:g} deg from the toolface"
-        return Role(channel.name, "diameter", reason, unit, angle)
-    if EXTREME.fullmatch(name):
-        return _none(channel, f"named {channel.name}: the extreme diameter of a row has no direction and is no mean")
-    if RADIUS.fullmatch(name):
-        return Role(channel.name, "radius", f"named {channel.name}", unit, 0.0 if has_toolface else None)
-    if DIAMETER.fullmatch(name) and has_toolface:
-        return Role(channel.name, "diameter", f"named {channel.name}", unit, 0.0)
-    if MEAN.fullmatch(name) or DIAMETER.fullmatch(name) or (unit and CALIPER_TEXT.search(channel.description)):
-        reason = f"named or described as a caliper ({channel.description or channel.name}) without a direction"
+    unit = channel.unit
+    for rule in names.wall:
+        named = rule.named(channel)
+        if not (named or rule.says(channel)) or not rule.allows(channel) or (rule.needs_toolface and not has_toolface):
+            continue
+        how = f"named {channel.name}" if named else f'described as "{channel.description}"'
+        if rule.role == "none":
+            return _none(channel, f"{how}: {rule.reason}")
+        if rule.role == "mean-diameter":
+            reason = f"named or described as a caliper ({channel.description or channel.name}) without a direction"
+            return Role(channel.name, rule.role, reason, unit)
+        if rule.arm:
+            how = f"named like the {rule.arm} arm pair of a caliper: across the hole at {rule.angle:g} deg"
+            how += " from the toolface"
+        elif rule.role == "diameter" and not rule.needs_toolface and rule.angle is not None:
+            how += f": a diameter through {rule.angle:g} and {rule.angle + 180:g} deg"
+        angle = rule.angle if rule.angle is not None or not has_toolface else 0.0
+        return Role(channel.name, rule.role, how, unit, angle)
+    if unit and CALIPER_TEXT.search(channel.description):
+        reason = f"named or described as a caliper ({channel.description}) without a direction"
         return Role(channel.name, "mean-diameter", reason, unit)
     return None
+
+
+def _sets_of_arms(log_set: RawSet, roles: dict[str, Role], names: RoleNames) -> None:
+    """Give three calipers of one tool their directions: three diameters lie 60 degrees apart, and are no X-Y pair.
+
+    If the descriptions speak of arms, the channels may also be three radii, 120 degrees apart; then they get no role.
+    """
+    by_name = {stem(channel): channel for channel in log_set if channel.shape == (log_set.rows,)}
+    for members, step in names.sets:
+        arms = [by_name[name] for name in members if name in by_name and _fits(by_name[name], units.LENGTH)]
+        if len(arms) < len(members):
+            continue
+        shown = ", ".join(arm.name for arm in arms)
+        for number, arm in enumerate(arms):
+            angle = step * number
+            reason = f"one arm pair of {shown}, {step:g} deg apart: across the hole at {angle:g} deg from the toolface"
+            role = Role(arm.name, "diameter", reason, arm.unit, angle)
+            if any(ONE_OF_SEVERAL.search(each.description) for each in arms):
+                reason = (
+                    f"{shown} are three diameters {step:g} deg apart, or three radii {2 * step:g} deg apart: name them "
+                    f"by options or in a map, --diameter {arm.name}@{angle:g} or --radius {arm.name}@{2 * angle:g}"
+                )
+                role = _none(arm, reason)
+            roles[arm.name] = role
 
 
 def _pair_arms(roles: dict[str, Role]) -> None:

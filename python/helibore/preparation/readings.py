@@ -27,6 +27,15 @@ def _row_place(row: int) -> str:
 
 
 @dataclass(frozen=True)
+class HoleDirection:
+    """The direction of the hole at the n rows of a log, as its own sensors measured it."""
+
+    inclination: Floats  # degrees, (n,); NaN where missing
+    azimuth: Floats  # degrees, (n,); NaN where missing
+    north: str = ""  # the north of the azimuths: true, magnetic or grid; "": not stated
+
+
+@dataclass(frozen=True)
 class Readings:
     """The readings of a tool's p sensors in the n rows of a log, in order; columns are (n,), NaN where missing."""
 
@@ -40,11 +49,13 @@ class Readings:
     across: tuple[bool, ...]  # whether the radius of a sensor is half a diameter, which hides the tool's offset, (p,)
     time: Floats | None = None  # seconds
     pass_number: Integers | None = None  # -1 where a row has no number; None where the log numbers no passes
-    reference: str = ""  # what toolfaces count from: north, high-side, automatic; "": the wall's own reference
+    reference: str = ""  # what toolfaces count from: north, horizontal-north, high-side, automatic; "": as the wall's
     high_side: npt.NDArray[np.bool_] | None = None  # whether a row's toolface counts from the high side; None: no tags
     turning: bool = True  # whether the log has a toolface
     missing: dict[str, int] = field(default_factory=dict)  # channel name to the number of its missing values
     notes: tuple[str, ...] = ()  # a sentence for each channel used: its role, unit and reason
+    north: str = ""  # the north of toolfaces from north: true, magnetic or grid; "": not stated
+    hole: HoleDirection | None = None  # the direction of the hole at each row, if the log has it
     place: Callable[[int], str] = _row_place  # where a row stands in the file, for errors: "line 12" or "row 7"
 
     def __repr__(self) -> str:

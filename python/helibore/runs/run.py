@@ -33,7 +33,7 @@ from helibore.channels.opening import open as open_file
 from helibore.channels.role_map import read_map
 from helibore.channels.roles import RoleMap, guess
 from helibore.images.sector_image import SectorImage
-from helibore.preparation.prepare import Prepared, Track, prepare
+from helibore.preparation.prepare import Preparation, Prepared, Track, prepare
 from helibore.preparation.readings import Readings
 from helibore.preparation.sensors import TimeSeries
 from helibore.runs import run_settings
@@ -148,6 +148,7 @@ class Run:
         if self.settings.path.reference or self.path is not None:
             return self.settings.path.reference
         stated = {self.settings.preparation.toolface_from or one.reference for one in self.readings}
+        stated = {one.removeprefix("horizontal-") for one in stated}  # without a survey, such angles stay as they are
         tagged = any(one.high_side is not None for one in self.readings)
         return stated.pop() if stated in ({"north"}, {"high-side"}) and not tagged else None
 
@@ -274,10 +275,16 @@ def build_wall(
         run.wall.made_from["toolface"] = ASSUMED
     if (survey := run.settings.survey) is not None:
         north = north_of(run.files.log_set(survey), survey.roles)
-        run.wall.made_from["survey"] = {"name": survey.file.name, "north": north}
+        run.wall.made_from["survey"] = {"name": survey.file.name, "north": north, **_norths(settings.preparation)}
     run.wall.path = run.path
     run.messages += add_images(run.wall, images)
     return run
+
+
+def _norths(preparation: Preparation) -> dict[str, float]:
+    """Return the declination and the convergence that were used, for the record of a wall."""
+    angles = {"declination": preparation.declination, "convergence": preparation.convergence}
+    return {name: angle for name, angle in angles.items() if angle is not None}
 
 
 def preparation_lines(wall: Wall) -> list[tuple[str, str]]:

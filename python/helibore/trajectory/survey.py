@@ -4,13 +4,13 @@
     path = survey.path(extend=20.0)
     path.position(depths)                                 # (n, 3): north, east, down
 
-Positions and frames between stations follow the curve of the method. Not supported: corrections of a survey (grid
-convergence, declination, sag) and its uncertainty.
+Positions and frames between stations follow the curve of the method. A survey can state its north; `Norths` turns
+azimuths into another. Not supported: other corrections of a survey (sag, tool errors) and its uncertainty.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import InitVar, dataclass, field
 from typing import Any, Literal
 
@@ -19,11 +19,11 @@ import numpy.typing as npt
 
 from helibore import _core
 from helibore.base.arrays import Floats, column
-from helibore.base.errors import InputError
+from helibore.base.errors import InputError, check_choice
 from helibore.base.frames import frame_rows
 from helibore.base.notebook import card, curve_picture
 from helibore.base.units import ANGLE, LENGTH
-from helibore.trajectory.references import Reference
+from helibore.trajectory.references import NORTHS, Reference
 
 Method = Literal["minimum-curvature", "radius-of-curvature"]
 CorePath = _core.Path
@@ -42,6 +42,8 @@ class Survey:
     azimuth
         Degrees from north, clockwise seen from above, -360 to 360. It has no meaning at inclination 0, except that the
         radius-of-curvature method turns evenly from the azimuth given there, as published software does.
+    north
+        The north that the azimuths count from: "true", "magnetic" or "grid"; "" if it is not stated.
 
     Raises
     ------
@@ -53,21 +55,25 @@ class Survey:
     inclination: Floats
     azimuth: Floats
     left_out: int  # rows of a table that `from_table` left out
+    north: str  # true, magnetic or grid; "": not stated
     _core: _core.Survey = field(init=False)
 
-    def __init__(self, depth: npt.ArrayLike, inclination: npt.ArrayLike, azimuth: npt.ArrayLike) -> None:
+    def __init__(
+        self, depth: npt.ArrayLike, inclination: npt.ArrayLike, azimuth: npt.ArrayLike, *, north: str = ""
+    ) -> None:
+        check_choice("north", north, ("", *NORTHS))
         columns = {"depth": column("depth", depth).copy()}
         for name, values in (("inclination", inclination), ("azimuth", azimuth)):
             columns[name] = column(name, values, columns["depth"].size, "depth").copy()
         for of in columns.values():
             of.flags.writeable = False
-        self.__dict__.update(columns, left_out=0, _core=_core.Survey(**columns))
+        self.__dict__.update(columns, left_out=0, north=north, _core=_core.Survey(**columns))
 
     def __len__(self) -> int:
         return self.depth.size
 
-    def __reduce__(self) -> tuple[type[Survey], tuple[Floats, ...]]:
-        return Survey, (self.depth, self.inclination, self.azimuth)
+    def __reduce__(self) -> tuple[Callable[..., Survey], tuple[Floats | str, ...]]:
+        return _survey, (self.depth, self.inclination, self.azimuth, self.north)
 
     def _repr_html_(self) -> str:
         numbers = {
@@ -126,7 +132,7 @@ class Survey:
         wanted = {"depth": (depth, LENGTH), "inclination": (inclination, ANGLE), "azimuth": (azimuth, ANGLE)}
         rows = frame_rows(table, wanted, units)
         with rows.named():
-            made = cls(**rows.columns)
+            made = cls(*(rows.columns[name] for name in wanted))
         made.__dict__["left_out"] = int((~rows.complete).sum())
         return made
 
@@ -173,6 +179,11 @@ class Survey:
         their divisions by differences of angles.
         """
         return Path(self, method, reference, head, extend)
+
+
+def _survey(depth: Floats, inclination: Floats, azimuth: Floats, north: str) -> Survey:
+    """Return a survey that was pickled."""
+    return Survey(depth, inclination, azimuth, north=north)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -74,7 +74,7 @@ def test_xy_caliper_is_four_wall_points_a_row(tmp_path: Path) -> None:
     np.testing.assert_allclose(found.radius / 0.0254, [4, 4, 4.5, 4.5, 5, 5, 5.5, 5.5], rtol=1e-15)
     assert found.notes == (
         "MD is depth in FT: named by an option",
-        "RB is toolface in deg: named by an option",
+        "RB is toolface in deg from the high side: named by an option",
         "X is diameter in IN at 0 deg: named by an option",
         "Y is diameter in INCHES at 90 deg: named by an option",
     )

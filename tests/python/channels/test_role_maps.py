@@ -46,7 +46,7 @@ def test_map_round_trip(tmp_path: Path) -> None:
     ("text", "rule"),
     [
         ("channels = 3", "m.toml: channels must be tables"),
-        ("x = 1", "m.toml: x: must be one of set, channels"),
+        ("x = 1", "m.toml: x: must be one of set, channels, names"),
         ("[", "m.toml: not TOML"),
         ('set = "other"', "xy.csv: no set 'other'; it holds 'table'"),
         ("[channels.nope]", "m.toml: no channel 'nope'; the set holds md_m, rb_deg"),

@@ -87,30 +87,96 @@ def test_reasons_are_sentences_about_this_channel() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "described"),
+    ("name", "described", "reference", "north"),
     [
-        ("P1AZ", ""), ("P1AZ_MEST", ""), ("P1NO", ""), ("PAD1_AZIMUTH_deg", ""), ("MTF", ""), ("SMTF", ""),
-        ("AT2MTFM", ""), ("X", "Pad 1 azimuth"), ("TF", "Tool face from true north"), ("TF", "Magnetic toolface"),
+        ("P1NO", "", "north", ""), ("P1NO_FBST_S", "", "north", ""), ("MTF", "", "north", "magnetic"),
+        ("SMTF", "", "north", "magnetic"), ("AT2MTFM", "", "north", "magnetic"),
+        ("TF", "Tool face from true north", "north", "true"), ("TF", "Magnetic toolface", "north", "magnetic"),
+        ("RB", "", "high-side", ""), ("RB_FBST", "", "high-side", ""), ("HSRB", "", "high-side", ""),
+        ("GTF", "", "high-side", ""), ("IRBR", "", "high-side", ""), ("X", "Relative bearing", "high-side", ""),
     ],
 )  # fmt: skip
-def test_a_bearing_from_north_is_one_by_itself(name: str, described: str) -> None:
+def test_a_toolface_states_what_it_counts_from(name: str, described: str, reference: str, north: str) -> None:
     one = log_set(DEPTH, channel(name, "deg", np.arange(40.0) * 9.0, described), radius(0.1))
     role = guess(one)[name]
-    assert (role.role, role.reference) == ("toolface", "north")
-    assert one.readings().reference == "north"
+    assert (role.role, role.reference, role.north) == ("toolface", reference, north)
+    assert (one.readings().reference, one.readings().north) == (reference, north)
     confirmed = overlay(guess(one), one, {name: {"unit": "deg"}}, "map")
-    assert confirmed[name].reference == "north"
+    assert (confirmed[name].reference, confirmed[name].north) == (reference, north)
     assert overlay(guess(one), one, {name: {"reference": "high-side"}}, "map")[name].reference == "high-side"
     assert overlay(guess(one), one, {name: {"role": "none"}}, "map")[name].reference == ""
     path = hb.Survey([0.0, 50.0], [30.0, 30.0], [70.0, 70.0]).path()  # counts from the high side
     turned = hb.prepare(one.readings(), path=path).caliper
     off = np.degrees(np.arctan2(-np.sin(np.radians(70.0)), np.cos(np.radians(30.0)) * np.cos(np.radians(70.0))))
+    off = 0.0 if reference == "high-side" else off
     np.testing.assert_allclose((turned.toolface - np.arange(40.0) * 9.0 - off + 180) % 360 - 180, 0, atol=1e-9)
 
 
-@pytest.mark.parametrize("name", ["RB", "TF", "GTF", "toolface_deg"])
+@pytest.mark.parametrize("name", ["TF", "TFO", "toolface_deg", "ROT"])
 def test_other_toolfaces_count_from_what_the_wall_counts_from(name: str) -> None:
-    assert guess(log_set(DEPTH, channel(name, "deg"), radius(0.1)))[name].reference == ""
+    role = guess(log_set(DEPTH, channel(name, "deg", np.arange(40.0)), radius(0.1)))[name]
+    assert (role.role, role.reference) == ("toolface", "")
+
+
+SETS_OF_NAMES = [
+    # toolface, its reference, inclination, azimuth, other channels without a role of their own; by vendor and tool
+    ("RB", "high-side", "DEVI", "HAZI", ("P1AZ",)),
+    ("P1AZ", "horizontal-north", "DEVI", "HAZI", ()),
+    ("RB_FBST", "high-side", "DEVIM", "HAZIM", ("P1NO_FBST",)),
+    ("P1NO_OBMT", "north", "DEVI", "HAZI", ("P1AZ_OBMT",)),
+    ("RB_NGI_UPPER", "high-side", "DEVI", "HAZI", ()),
+    ("RBR", "high-side", "DEV", "HAZ", ("AZI1",)),
+    ("IRBR", "high-side", "ITLT", "IAZI", ("IAP1",)),
+    ("AZI1", "horizontal-north", "SDEV", "HAZIM", ()),
+    ("IAP1", "horizontal-north", "DHAV", "DAZ", ()),
+    ("UAZI", "horizontal-north", "INC", "AZM", ()),
+    ("RBCB", "high-side", "DEVCB", "DAZCB", ()),
+    ("RBGX", "high-side", "DEVGX", "DAZGX", ()),
+    ("HSRB", "high-side", "SINCL", "SAZIMC", ()),
+    ("4RB", "high-side", "4DVI", "4UHA", ()),
+    ("P1NO", "north", "HDEVI", "AZIM", ()),
+]
+
+
+@pytest.mark.parametrize(("toolface", "reference", "inclination", "azimuth", "others"), SETS_OF_NAMES)
+@pytest.mark.parametrize("described", [False, True])
+@pytest.mark.parametrize("turned", [False, True])
+def test_vendors_names(
+    toolface: str,
+    reference: str,
+    inclination: str,
+    azimuth: str,
+    others: tuple[str, ...],
+    described: bool,
+    turned: bool,
+) -> None:
+    words = {toolface: "Pad 1 azimuth" if "north" in reference else "Relative bearing", azimuth: "Hole azimuth"}
+    words |= {inclination: "Hole deviation"} | dict.fromkeys(others, "Azimuth of the reference pad")
+    names = [toolface, inclination, azimuth, *others]
+    channels = [channel(name, "deg", described=words[name] if described else "") for name in names]
+    roles = guess(log_set(channel("DEPT", "m"), *(channels[::-1] if turned else channels)))
+    assert [roles[name].role for name in names[1:]] == ["inclination", "azimuth", *("none" for _ in others)]
+    # An azimuth in the horizontal plane may stand before or after the toolface; the toolface has the role.
+    assert (roles[toolface].role, roles[toolface].reference) == ("toolface", reference)
+
+
+def test_three_calipers_are_no_pair() -> None:
+    turn = channel("RB", "deg")
+    found = guess(log_set(turn, *(channel(f"CAL{n}", "in") for n in (1, 2, 3))))
+    assert [(found[f"CAL{n}"].role, found[f"CAL{n}"].angle) for n in (1, 2, 3)] == [
+        ("diameter", 0.0), ("diameter", 60.0), ("diameter", 120.0),
+    ]  # fmt: skip
+    pair = guess(log_set(turn, *(channel(f"CAL{n}", "in") for n in (1, 2))))
+    assert [pair[f"CAL{n}"].angle for n in (1, 2)] == [0.0, 90.0]
+    arms = guess(log_set(turn, *(channel(f"CAL{n}", "in", described=f"Caliper arm {n}") for n in (1, 2, 3))))
+    assert {arms[f"CAL{n}"].role for n in (1, 2, 3)} == {"none"}
+    assert "three radii 120 deg apart" in arms["CAL1"].reason
+
+
+def test_means_and_extremes_have_no_direction() -> None:
+    names = ("UCAV", "DCAV", "ADIA", "HDAR", "HDIA", "LCAL", "IDAV", "IRAV", "ERAV", "HDMX", "HDMN", "CMAX", "CALMAX")
+    found = guess(log_set(channel("RB", "deg"), *(channel(name, "in") for name in names)))
+    assert [found[name].role for name in names] == ["mean-diameter"] * 7 + ["none"] * 6
 
 
 def test_arm_pairs_are_known_by_the_numbers_of_their_arms() -> None:

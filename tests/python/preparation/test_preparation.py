@@ -648,7 +648,10 @@ def test_rows_without_a_time_are_left_out() -> None:
 @pytest.mark.parametrize(
     ("settings", "rule"),
     [
-        ({"toolface_from": "south"}, "toolface_from = 'south': must be one of north, high-side, automatic"),
+        (
+            {"toolface_from": "south"},
+            "toolface_from = 'south': must be one of north, horizontal-north, high-side, automatic",
+        ),
         ({"bias": "tool"}, "bias = 'tool': must be one of none, arm, side"),
         ({"turn_height": 0.0}, "turn_height = 0: must be finite and above 0"),
         (
