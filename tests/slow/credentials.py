@@ -28,6 +28,7 @@ from helibore import Live  # noqa: E402
 from helibore.cli.live_log import logged  # noqa: E402
 from helibore.cli.live_status import metrics  # noqa: E402
 from helibore.live import server, snapshot  # noqa: E402
+from helibore.live.kinds.witsml_stores import WitsmlStores  # noqa: E402
 from helibore.live.wire import store  # noqa: E402
 
 BASIC = base64.b64encode(f"rig7:{PASSWORD}".encode()).decode()
@@ -102,7 +103,7 @@ def traces(kept: bytes) -> list[str]:
 
 def main() -> None:
     os.environ["STORE_PASSWORD"] = PASSWORD
-    store.SOON = server.FIRST_WAIT = server.LONGEST_WAIT_FOR_STORE = 0.01
+    store.SOON = server.FIRST_WAIT = WitsmlStores.longest_wait = 0.01
     forms = {name: page[2:-2] for name, page in test_live_store.written_in_twenty_ways().items()}
     answers = [raw for written in forms.values() for raw in places(written).values()]
     ways = f"{len(forms)} forms in {len(answers) // len(forms)} places"

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from helibore.live.rules.configuration import Configuration
-from helibore.live.rules.sources import INDEX, LENGTHS, Item, Source, StoreSource
+from helibore.live.rules.sources import LENGTHS, Item, Source
 
 Row = tuple[str, str, str, str]
 _RIG = {"rotation": "rpm", "activity": ""}
@@ -43,14 +43,12 @@ def _rows(settings: Configuration, source: Source) -> Iterator[Row]:
     def row(
         name: str, items: Sequence[Item], unit: str | None, usual: str = "", known: tuple[str, float] | None = None
     ) -> Row:
-        if isinstance(source, StoreSource):
-            curves = [
-                "the index" if one.code == INDEX else source.curves[one.code - INDEX - 1].mnemonic for one in items
-            ]
+        if source.units == "sent":
+            curves = [source.name_of(one) for one in items]
             return name, _span(list(dict.fromkeys(curves))), "", "in the unit that the store sends"
         remarks = [f"{known[0]} comes as {known[1] / items[0].scale:.6g}"] if known else []
         remarks += [f"no unit stated: taken as {usual}"] if usual and not unit else []
-        return name, _span([f"{one.code:04d}" for one in items]), unit or usual, "; ".join(remarks)
+        return name, _span([source.name_of(one) for one in items]), unit or usual, "; ".join(remarks)
 
     for name, item in source.rig.items():
         depths = name in ("bit_depth", "hole_depth")

@@ -32,13 +32,13 @@ from typing import Any
 import numpy as np
 
 from helibore.base.errors import InputError
+from helibore.live.kinds.kind import kind_of
 from helibore.live.live import Live
 from helibore.live.model.clock import SECOND, utc
-from helibore.live.model.mapping import SourceReader
 from helibore.live.model.model import OUTSIDE, USABLE
 from helibore.live.model.update import Update
 from helibore.live.rules.configuration import AlarmLimits
-from helibore.live.rules.sources import Source, WitsSource
+from helibore.live.rules.sources import Source
 
 HOLD = 60.0
 """Seconds that an alarm with a momentary cause (clock, depth jump, tight hole, washout) lasts after the last cause."""
@@ -50,8 +50,6 @@ LONGEST_LINE = 200
 """The most bytes that are kept of the last line on the command's stderr: those at the end of the line."""
 MOST_LINES = 100
 """The most lines that wait in the queue for the command and the webhook."""
-MOST_ITEMS = 20
-"""The most WITS items that the text of an alarm lists."""
 MOST_RANGES = 256
 """The most changed ranges of vertices that wait for the next check; if there are more, the latest ranges are kept."""
 STEP = 0.01
@@ -370,34 +368,12 @@ class Alarms:
             name = reader.source.name
             if reader.seems_radians:
                 found["toolface", name] = reader.seems_radians
-            if lacking := self._items_lacking(reader):
+            if lacking := kind_of(reader.source).lacking(reader):
                 if now - self._lacking.setdefault(name, now) > self._limits.refused * SECOND:
                     found["missing", name] = lacking
             else:
                 self._lacking.pop(name, None)
         return found
-
-    def _items_lacking(self, reader: SourceReader) -> str:
-        """Return in words what a source has not sent yet: a frame, or any item of a quantity that its samples need.
-
-        Return "" if nothing is lacking, if no byte has come, or if the source is a store.
-        """
-        source, caliper = reader.source, reader.source.caliper
-        if not isinstance(source, WitsSource) or not reader.total("bytes"):
-            return ""
-        if not reader.total("frames"):
-            return "bytes come, and no WITS frame (&& ... !!) is among them"
-        if caliper is None:
-            return ""
-        bit = [source.rig["bit_depth"]] if "bit_depth" in source.rig and not caliper.depth else []
-        needed = {"toolface": caliper.toolface, "radius": caliper.radius, "depth": caliper.depth, "bit_depth": bit}
-        codes = {name: [item.code for item in items] for name, items in needed.items() if items}
-        lacking = [f"{name} (item {of[0]:04d})" for name, of in codes.items() if not reader.seen[of].any()]
-        if not lacking:
-            return ""
-        others = [f"{code:04d}" for code in np.flatnonzero(reader.seen).tolist() if code not in source.mapped]
-        listed = ", ".join(others[:MOST_ITEMS]) + (" ..." if len(others) > MOST_ITEMS else "")
-        return f"no frame had {', '.join(lacking)}; items that came and are not mapped: {listed or 'none'}"
 
     def _depth_jumps(self) -> dict[str, tuple[int, str]]:
         """Return, for each source with jumps of depth, their number and the text of the latest jump."""

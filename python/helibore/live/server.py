@@ -26,23 +26,22 @@ from helibore.live.journal import journal as journals
 from helibore.live.journal.archived_segments import archive
 from helibore.live.journal.journal import JournalFullError
 from helibore.live.journal.session_header import changed_to
+from helibore.live.kinds.kind import kind_of
 from helibore.live.live import Live, Stored
 from helibore.live.model.clock import SECOND
 from helibore.live.model.events import LOGGER
 from helibore.live.model.update import Update
 from helibore.live.rules.configuration import Configuration
-from helibore.live.rules.sources import Source, StoreSource, WitsSource
-from helibore.live.wire.store import AccessDeniedError, StoreClient
-from helibore.live.wire.transport import Link, Opener, opener
+from helibore.live.rules.sources import Source
+from helibore.live.wire.transport import AccessDeniedError, Link, Opener
 
 QUEUE_BYTES = 4 << 20
 QUEUE_RECORDS = 4096
-FIRST_WAIT, LONGEST_WAIT, LONGEST_WAIT_FOR_STORE = 1.0, 5.0, 60.0
+FIRST_WAIT = 1.0
 CHECKPOINT_AGAIN = 60.0
 """Seconds until the next try after a checkpoint could not be written."""
 TABLES_OF_START = "journal", "snapshot", "alarms"
-SETTINGS_OF_START = "allow", "mode", "every", "replace_after"
-"""A running server does not change the TABLES_OF_START of the file and the SETTINGS_OF_START of its WITS sources."""
+"""Tables that a running server does not change."""
 
 
 def back_off(failures: int, longest: float, draw: Callable[[], float] = random.random) -> float:
@@ -53,10 +52,9 @@ def back_off(failures: int, longest: float, draw: Callable[[], float] = random.r
 def _is_elsewhere(source: Source, used: Source) -> bool:
     """Return whether a source must be connected again after its settings changed from ``used``.
 
-    A sender is connected again only for another address, because its bytes could be lost. A store loses nothing, so it
-    is connected again for any changed setting.
+    A source of a kind that resumes loses nothing, so it is connected again for any changed setting.
     """
-    return source.address != used.address or (isinstance(source, StoreSource) and source != used)
+    return source.address != used.address or (kind_of(source).resumes and source != used)
 
 
 class Queue:
@@ -220,7 +218,7 @@ class Server:
         """Read all later bytes with another configuration; connect each source with a new address there.
 
         An event names the changed settings that take effect only at a restart: those of `TABLES_OF_START` and
-        `SETTINGS_OF_START`.
+        `SourceKind.of_start`.
 
         Raises
         ------
@@ -247,8 +245,8 @@ class Server:
     def _unused(self, now: Configuration) -> list[str]:
         """Return the names of the settings that differ from what the server uses until a restart."""
         names = [name for name in TABLES_OF_START if getattr(now, name) != getattr(self._begun, name)]
-        pairs = [(now.sources[name], used) for name, used in self._used.items() if isinstance(used, WitsSource)]
-        return names + [f"source.{source.name}.{name}" for source, used in pairs for name in SETTINGS_OF_START
+        pairs = [(now.sources[name], used) for name, used in self._used.items()]
+        return names + [f"source.{source.name}.{name}" for source, used in pairs for name in kind_of(used).of_start
                         if getattr(source, name) != getattr(used, name)]  # fmt: skip
 
     def _move(self, source: Source) -> None:
@@ -336,10 +334,8 @@ class Server:
         self.live.report(rule, text, source)
 
     def _opener(self, name: str, source: Source) -> Opener:
-        if not isinstance(source, StoreSource):
-            return opener(source, functools.partial(self._report, name))
-        readers, number = self.live.model.readers, self.live.model.numbers[name]
-        return StoreClient(source, lambda: getattr(readers[number], "last", None))
+        readers, number, kind = self.live.model.readers, self.live.model.numbers[name], kind_of(source)
+        return kind.open(source, lambda: kind.position(readers[number]), functools.partial(self._report, name))
 
     def _is_used(self, source: Source) -> bool:
         """Return whether the server runs and ``source`` is still connected with these settings."""
@@ -365,7 +361,7 @@ class Server:
 
     def _read_again_and_again(self, source: Source, one: Opener) -> None:
         failures = 0
-        longest = LONGEST_WAIT_FOR_STORE if isinstance(source, StoreSource) else LONGEST_WAIT
+        longest = kind_of(source).longest_wait
         drawn = self.live.model.readers[self.live.model.numbers[source.name]].connection
         self._connections.setdefault(source.name, drawn)
         while self._is_used(source):
@@ -397,7 +393,7 @@ class Server:
         """Read one link to its end; return whether any bytes came."""
         connected = f"connected to {link.peer}"
         # A store is connected once it answers.
-        self.states[source.name] = "connecting" if isinstance(source, StoreSource) else connected
+        self.states[source.name] = "connecting" if kind_of(source).answers else connected
         came, write_at = False, time.monotonic()
         message, every = source.message or (b"", 0.0)
         try:

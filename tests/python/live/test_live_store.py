@@ -72,7 +72,7 @@ def store(tmp_path):
 @pytest.fixture(autouse=True)
 def _soon(monkeypatch):
     monkeypatch.setattr(server_module, "FIRST_WAIT", 0.02)
-    monkeypatch.setattr(server_module, "LONGEST_WAIT_FOR_STORE", 0.05)
+    monkeypatch.setattr("helibore.live.kinds.witsml_stores.WitsmlStores.longest_wait", 0.05)
 
 
 def test_a_store_is_connected_once_it_answers(store, tmp_path):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, TextIO
@@ -13,10 +13,10 @@ import numpy as np
 from helibore.live.journal import journal
 from helibore.live.journal.journal import Segment, segments
 from helibore.live.journal.session_header import headers
+from helibore.live.kinds.kind import kind_of
 from helibore.live.model.clock import utc
 from helibore.live.model.model import Model
-from helibore.live.rules.sources import Source, StoreSource
-from helibore.live.wire import wits
+from helibore.live.rules.sources import Source
 
 KINDS = {
     journal.BYTES: "bytes", journal.OPENED: "opened", journal.CONNECTED: "connected", journal.CLOSED: "closed",
@@ -79,7 +79,7 @@ def export_csv(folder: Path, sources: dict[int, Source], file: TextIO, report: R
     """
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(["utc", "source", "connection", "line", "name", "value"])
-    rows, parsers = 0, dict[int, tuple[int, wits.Parser]]()
+    rows, items = 0, {number: kind_of(source).items(source) for number, source in sources.items()}
     for segment in segments(folder):
         for row, record in enumerate(segment.records):
             kind, number, link = int(record["kind"]), int(record["source"]), int(record["connection"])
@@ -91,25 +91,13 @@ def export_csv(folder: Path, sources: dict[int, Source], file: TextIO, report: R
                 values = np.frombuffer(payload).reshape(len(COLUMNS[kind]), -1)
                 found = [(link, 0, name, f"{value:.9g}") for one in values.T.tolist()
                          for name, value in zip(COLUMNS[kind], one, strict=True)]  # fmt: skip
-            elif kind in (journal.BYTES, journal.CLOSED) and source and not isinstance(source, StoreSource):
-                last = parsers.get(number, (link,))[0]
-                if last != link:  # the end of the last connection is not in the journal
-                    found += _items(last, parsers.pop(number)[1].finish())
-                _, parser = parsers.setdefault(number, (link, wits.Parser(source.nulls, *source.limits)))
-                found += _items(link, parser.feed(payload) if kind == journal.BYTES else parser.finish())
+            elif kind in (journal.BYTES, journal.CLOSED) and (turn := items.get(number)):
+                found = list(turn(link, payload, kind == journal.CLOSED))
             stamp, sender = utc(int(record["wall"])), source.name if source else ""
             writer.writerows([stamp, sender, *item] for item in found)
             rows += len(found)
         report(segment)
     return rows
-
-
-def _items(connection: int, batch: wits.Batch) -> Iterator[tuple[int, int, str, str]]:
-    """Yield (connection, line, item code, text of the value) of each item in a batch."""
-    for number, frame in enumerate(batch.frames):
-        for row in range(int(frame["first"]), int(frame["first"] + frame["items"])):
-            text = batch.text_of(row).decode("ascii", "backslashreplace")
-            yield connection, batch.line_of(row, number), f"{batch.items['code'][row]:04d}", text
 
 
 def quarantine(folder: Path, model: Model) -> list[SetAside]:

@@ -100,7 +100,7 @@ class SourceReader:
     seems_radians
         The reason for which the toolfaces seem to be radians, although their unit is not stated; "" if they do not.
     seen
-        For each code RRII, whether a WITS item with this code has come.
+        For each code of an `Item`, whether a value with this code has come.
     """
 
     STATE: tuple[str, ...] = (
@@ -236,15 +236,23 @@ class SourceReader:
         values, states = self._table(batch, reading)
         repeated = self._repeats(batch, states, reading)
         flags = self._sequence(values, reading)
-        reading.rig = self._rig(values, reading)
-        reading.pass_number = self._pass_numbers(values, states, flags | repeated)
-        self._triples(reading, values, states, flags | repeated)
-        self._images(reading, values, states, flags | repeated)
+        self._fill(reading, values, states, flags | repeated)
         if self.source.station:
             stations = np.column_stack([self._value(values, item) for item in self.source.station])
             reading.station_frame = np.flatnonzero(np.isfinite(stations).all(axis=1) & (repeated == 0))
             reading.stations = stations[reading.station_frame]
         return reading
+
+    def _fill(self, reading: Reading, values: Values, states: npt.NDArray[np.uint8], flags: Integers) -> None:
+        """Set the rig quantities, pass numbers, triples and image rows that a table of values and states gives."""
+        reading.rig = self._rig(values, reading)
+        reading.pass_number = self._pass_numbers(values, states, flags)
+        self._triples(reading, values, states, flags)
+        self._images(reading, values, states, flags)
+
+    def unmapped(self) -> list[str]:
+        """Return the names of the items that came and that no setting maps."""
+        return [f"{code:04d}" for code in np.flatnonzero(self.seen).tolist() if code not in self.source.mapped]
 
     def _completed(self, batch: wits.Batch) -> Integers:
         """Return the stream offset at which each frame was known to be complete: the end of its last line.

@@ -26,6 +26,7 @@ from helibore.base.angles import wrapped
 from helibore.base.errors import InputError
 from helibore.live.journal import journal
 from helibore.live.journal.session_header import configuration_of, read_header
+from helibore.live.kinds.kind import kind_of
 from helibore.live.model.cell_counts import CellCounts
 from helibore.live.model.clock import SECOND, ModelClock, utc
 from helibore.live.model.depth import RigHistory
@@ -34,7 +35,6 @@ from helibore.live.model.image_rows import ImageRows
 from helibore.live.model.mapping import LARGEST_TOOLFACE, Chunk, Reading, SourceReader
 from helibore.live.model.pass_log import PassLog
 from helibore.live.model.stations import Stations
-from helibore.live.model.store_reader import reader_of
 from helibore.live.model.update import Update, joined
 from helibore.live.rules.configuration import Configuration
 from helibore.live.rules.depth_limits import CONFIRMED_WITHIN, HeldSample
@@ -118,7 +118,7 @@ class Model:
         self.images: dict[str, ImageRows] = {}
         self.numbers = dict(numbers or {name: number for number, name in enumerate(sorted(configuration.sources), 1)})
         self.readers = {
-            self.numbers[name]: reader_of(source, self.events, configuration.depth)
+            self.numbers[name]: kind_of(source).reader(source, self.events, configuration.depth)
             for name, source in sorted(configuration.sources.items())
         }
         self.layouts = {image.name: image.layout for one in configuration.sources.values() for image in one.images}
@@ -232,7 +232,8 @@ class Model:
             number = self.numbers.setdefault(name, len(self.numbers) + 1)
             if number in self.readers and (before.sources.get(name), before.depth) == (source, configuration.depth):
                 continue
-            old, self.readers[number] = self.readers.get(number), reader_of(source, self.events, configuration.depth)
+            old = self.readers.get(number)
+            self.readers[number] = kind_of(source).reader(source, self.events, configuration.depth)
             if old:
                 self.readers[number].go_on_from(old)
             if number in self._held and _depth_items(before.sources.get(name)) != _depth_items(source):

@@ -29,8 +29,9 @@ from helibore.live.model.mapping import (
     SourceReader,
     Values,
 )
+from helibore.live.model.named_reader import NamedReader
 from helibore.live.rules.depth_limits import DepthLimits
-from helibore.live.rules.sources import INDEX, Curve, Source, StoreSource
+from helibore.live.rules.sources import INDEX, Curve, StoreSource
 from helibore.live.wire import witsml
 
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?")
@@ -41,7 +42,7 @@ FUTURE = 86_400.0
 """Seconds by which the clock of a store may be ahead of this machine's clock."""
 
 
-class StoreReader(SourceReader):
+class StoreReader(NamedReader):
     """Reads the answers of one store.
 
     Attributes
@@ -51,7 +52,7 @@ class StoreReader(SourceReader):
     """
 
     STATE = (
-        *SourceReader.STATE, "_frames", "last", "_last_key", "_nulls", "_bad_units", "_reported_jump", "_reported_index"
+        *NamedReader.STATE, "_frames", "last", "_last_key", "_nulls", "_bad_units", "_reported_jump", "_reported_index"
     )  # fmt: skip
 
     def __init__(self, source: StoreSource, events: EventBook, limits: DepthLimits) -> None:
@@ -128,17 +129,14 @@ class StoreReader(SourceReader):
         reading = Reading(time, order + np.arange(len(numbers)), wall, np.array(numbers), self._connection)
         values = np.full((len(numbers), len(self._codes)), np.nan)
         states = np.zeros(values.shape, np.uint8)
-        self._fill(log, numbers, values, states, stamp[2])
+        self._read_cells(log, numbers, values, states, stamp[2])
         self._unmeasured(states)
         self.counts["items"] += int(np.count_nonzero(states == VALUE))
         self.counts["nulls"] += int(np.count_nonzero(states == NULL))
         self.counts["not_numbers"] += int(np.count_nonzero(states == INVALID))
         flags = np.zeros(len(numbers), np.int64)
-        reading.rig = self._rig(values, reading)
         self._events.report_rows(self._wrong_numbers(values), lambda row: self._wrong_number(row, reading, values))
-        reading.pass_number = self._pass_numbers(values, states, flags)
-        self._triples(reading, values, states, flags)
-        self._images(reading, values, states, flags)
+        self._fill(reading, values, states, flags)
         return reading
 
     def _new_rows(self, log: witsml.LogRows, wall: int) -> list[int]:
@@ -189,15 +187,17 @@ class StoreReader(SourceReader):
         rule = f"no row continues from it within {self._store.jump:g} {unit}: not read"
         self._report(wall, "jump", f"index {text[:60]}: {far}, and {rule}", line)
 
-    def _fill(
+    def _read_cells(
         self, log: witsml.LogRows, numbers: list[int], values: Values, states: npt.NDArray[np.uint8], wall: int
     ) -> None:
         """Write the cells of the mapped curves to ``values`` and ``states``, one block of rows at a time."""
         curves = {INDEX: Curve(log.mnemonics[0], units.LENGTH)} if self._store.index == "depth" else {}
         curves |= dict(enumerate(self._store.curves, INDEX + 1))
+        self._note(log.mnemonics[1:])
         places = []
         for code, curve in curves.items():
             if self._column[code] >= 0 and curve.mnemonic in log.mnemonics:
+                self.seen[code] = True
                 at = log.mnemonics.index(curve.mnemonic)
                 places.append((self._column[code], at, curve.mnemonic, self._scale(curve, log.units[at], wall)))
         for start in range(0, len(numbers), BLOCK):
@@ -270,13 +270,6 @@ class StoreReader(SourceReader):
 
 def _log_of(store: StoreSource) -> tuple[tuple[str, str, str] | None, str]:
     return store.log.uids if store.log else None, store.index
-
-
-def reader_of(source: Source, events: EventBook, limits: DepthLimits) -> SourceReader:
-    """Return the reader for the bytes of ``source``."""
-    if isinstance(source, StoreSource):
-        return StoreReader(source, events, limits)
-    return SourceReader(source, events, limits)
 
 
 _STATION_KINDS = (units.LENGTH, units.ANGLE, units.ANGLE)

@@ -392,9 +392,18 @@ class Source(Table):
         mapped = [item.code for item in (*rig.values(), *number, *measured)]
         self._derive(name=context.name, rig=rig, images=images, measured=measured, mapped=mapped)
 
+    @classmethod
+    def index_of(cls, entries: dict[str, Any]) -> str:  # noqa: ARG003
+        """Return what orders the rows of the source with the table ``entries``: "depth" or "time"."""
+        return "time"
+
     def origin(self, item: Item | None) -> object:
         """Return what the source sends as ``item``, to compare it with an item of an earlier configuration."""
         return item
+
+    def name_of(self, item: Item) -> str:
+        """Return the name of an item as its source calls it."""
+        return f"{item.code:04d}"
 
     def meaning(self) -> dict[str, Any]:
         """Return the settings that affect the wall, without those of the transport."""
@@ -442,6 +451,29 @@ class WitsSource(Source):
             )
 
 
+class NamedSource(Source):
+    """A source whose values have names; ``curves[n]`` has the number n + 2 as the code of its `Item`."""
+
+    items: StoreRig = StoreRig()
+    caliper: StoreCaliper | None = None
+    image: dict[str, StoreImage] = {}
+    curves: Derived[list[Curve]] = []
+
+    def model_post_init(self, context: Context) -> None:
+        super().model_post_init(context)
+        self._derive(curves=context.curves)
+
+    def origin(self, item: Item | None) -> object:
+        return self.curves[item.code - INDEX - 1] if item and item.code > INDEX else item
+
+    def name_of(self, item: Item) -> str:
+        return "the index" if item.code == INDEX else self.curves[item.code - INDEX - 1].mnemonic
+
+    def meaning(self) -> dict[str, Any]:
+        curves = [{"mnemonic": curve.mnemonic, "kind": curve.kind} for curve in self.curves]
+        return super().meaning() | {"curves": curves}
+
+
 class StoreObject(Table):
     """An object of a store, named by the uids of its well, of its wellbore and of the object."""
 
@@ -471,8 +503,8 @@ class Trajectory(StoreObject):
         return self.well, self.wellbore, self.trajectory
 
 
-class StoreSource(Source):
-    """A WITSML store that helibore polls; ``curves[n]`` of its log has the number n + 2.
+class StoreSource(NamedSource):
+    """A WITSML store that helibore polls; its names are the mnemonics of its log.
 
     The password is read from the environment when a client is made.
     """
@@ -486,17 +518,13 @@ class StoreSource(Source):
     answer_mb: Annotated[int, within(1, 256)] = 16
     log: Log | None = None
     trajectory: Trajectory | None = None
-    items: StoreRig = StoreRig()
-    caliper: StoreCaliper | None = None
-    image: dict[str, StoreImage] = {}
-    curves: Derived[list[Curve]] = []
     index: Derived[str] = "depth"
     jump: Derived[float] = 0.0
 
     def model_post_init(self, context: Context) -> None:
         super().model_post_init(context)
         jump = self.log.jump if self.log else None
-        self._derive(curves=context.curves, index=context.index, jump=jump or JUMPS[context.index])
+        self._derive(index=context.index, jump=jump or JUMPS[context.index])
         if bool(self.user) != bool(self.password_env):
             raise InputError("", "user and password_env must both be set, or neither")
         if self.log is None and self.trajectory is None:
@@ -504,25 +532,17 @@ class StoreSource(Source):
         if self.curves and self.log is None:
             raise InputError("log", f"must be set: the curve {self.curves[0].mnemonic} is read from a log")
 
-    def origin(self, item: Item | None) -> object:
-        return self.curves[item.code - INDEX - 1] if item and item.code > INDEX else item
+    @classmethod
+    def index_of(cls, entries: dict[str, Any]) -> str:
+        log = entries.get("log")
+        return "time" if isinstance(log, dict) and log.get("index") == "time" else "depth"
 
     def meaning(self) -> dict[str, Any]:
-        curves = [{"mnemonic": curve.mnemonic, "kind": curve.kind} for curve in self.curves]
+        meaning = super().meaning()
         log, trajectory = self.log and self.log.uids, self.trajectory and self.trajectory.uids
-        store = {"log": log, "index": self.index, "trajectory": trajectory, "curves": curves}
+        store = {"log": log, "index": self.index, "trajectory": trajectory, "curves": meaning.pop("curves")}
         jump = {"jump": self.jump} if self.jump != JUMPS[self.index] else {}
-        return super().meaning() | {"store": store | jump}
-
-
-def read_source(name: str, entries: dict[str, Any], bit_diameter: float, reference: str) -> Source:
-    """Check the table of a source and return it; it is a store if its address begins with https:."""
-    store = str(entries.get("address", "")).lower().startswith("https:")
-    log = entries.get("log")
-    index = "time" if isinstance(log, dict) and log.get("index") == "time" else "depth"
-    lengths = LENGTHS.get(str(entries.get("units")), LENGTHS["metric"])
-    context = Context(name, bit_diameter, reference, lengths, index)
-    return check(StoreSource if store else WitsSource, entries, f"source.{name}", context)
+        return meaning | {"store": store | jump}
 
 
 def _run(first: Item, name: str, given: int, members: int = 1) -> list[Item]:

@@ -27,15 +27,11 @@ from helibore.base.errors import InputError, needs
 from helibore.live.rules.sources import StoreSource
 from helibore.live.wire import witsml
 from helibore.live.wire.redaction import Redactor, check_password
-from helibore.live.wire.transport import Link, Opener
+from helibore.live.wire.transport import AccessDeniedError, Link, Opener
 
 PIECE = 1 << 19
 SOON = 0.25
 """Seconds until the query for the rest of a partial answer."""
-
-
-class AccessDeniedError(OSError):
-    """The store refused the user or the password. Another try would also fail, and could lock the account."""
 
 
 Position = Callable[[], tuple[str, str] | None]

@@ -29,6 +29,10 @@ ACCEPT_AGAIN = 1.0
 """Seconds until the next try after a connection could not be accepted, for example if no descriptor is free."""
 
 
+class AccessDeniedError(OSError):
+    """The peer refused the user, the password or the token. Another try would also fail, and could lock the account."""
+
+
 class Link(ABC):
     """One open connection."""
 
