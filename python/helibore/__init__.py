@@ -22,6 +22,9 @@ if TYPE_CHECKING:  # the same names as below
     from helibore.channels.opening import open as open  # noqa: A004
     from helibore.images.sector_image import SectorImage as SectorImage
     from helibore.live.live import Live as Live
+    from helibore.logs.stress import HorizontalStress as HorizontalStress
+    from helibore.logs.stress import horizontal_stress as horizontal_stress
+    from helibore.logs.stress import stress_of_picks as stress_of_picks
     from helibore.mesh.surface import Surface as Surface
     from helibore.mesh.volume import Volume as Volume
     from helibore.preparation.prepare import Preparation as Preparation
@@ -48,6 +51,7 @@ _load, _, __all__ = lazy_loader.attach(
         "channels.opening": ["open"],
         "images.sector_image": ["SectorImage"],
         "live.live": ["Live"],
+        "logs.stress": ["HorizontalStress", "horizontal_stress", "stress_of_picks"],
         "mesh.surface": ["Surface"],
         "mesh.volume": ["Volume"],
         "preparation.prepare": ["Preparation", "prepare"],
