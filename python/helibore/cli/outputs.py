@@ -64,7 +64,7 @@ def add_nearest(wall: Wall) -> None:
 def add_measured(wall: Wall) -> None:
     """Give a wall the attribute 'measured', for meshes; a wall of a tool with few arms always has it."""
     from helibore.wall.interpolation import measured_quads
-    from helibore.wall.state import MEASURED
+    from helibore.wall.wall_columns import MEASURED
 
     if wall.basis != "azimuthal":
         raise InputError("--measured", f"needs a shape that was measured; this wall: {wall.basis_text}")

@@ -14,6 +14,7 @@ Sectors must be evenly spaced. Scattered values are not supported. ``base.colors
 from __future__ import annotations
 
 import math
+from collections import UserDict
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -314,7 +315,7 @@ def _rows(values: npt.ArrayLike, count: int) -> Floats:
     return rows
 
 
-class SectorImages(dict[str, SectorImage]):
+class SectorImages(UserDict[str, SectorImage]):
     """Images of a wall by name. Setting a plain array is refused, because an array states neither depths nor layout."""
 
     def __setitem__(self, name: str, image: SectorImage) -> None:

@@ -7,7 +7,7 @@ frozen copy                       walls, images, stations, passes, events       
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,61 +19,11 @@ from helibore.live.model.image_rows import sorted_rows
 from helibore.live.model.pass_log import Pass
 from helibore.live.rules.file_names import RULE, can_be_file
 from helibore.live.rules.layout import Layout
-from helibore.samples.caliper import Caliper
 from helibore.trajectory.survey import Path
 from helibore.wall.state import WallState
-from helibore.wall.wall import Wall
 
 Rows = tuple[tuple[Floats, Floats, float], str, Layout | None]
 """The rows of an image: (depth, values, step) in order of arrival, unit and layout."""
-
-
-class FrozenWall(Wall):
-    """A copy of a wall, which can be saved, measured and meshed like the original; append no sample to it.
-
-    Parameters
-    ----------
-    wall
-        The wall to copy.
-    path
-        As `Wall.path`.
-    """
-
-    def __init__(self, wall: Wall, path: Path | None) -> None:
-        super().__init__(basis=wall.basis, **asdict(wall.settings))
-        self._copy = wall._state()
-        size = len(self._copy.radius)
-        self.stop_depth = float(wall.vertices(size - 1, size).depth[0]) if size else self._copy.start_depth
-        self.path = path
-
-    def _state(self, samples: bool = True) -> WallState:  # noqa: ARG002
-        return replace(
-            self._copy, path=self.path, images=self.images, attributes=self.attributes, made_from=self.made_from
-        )
-
-    def __len__(self) -> int:
-        """Return the number of vertices."""
-        return len(self._copy.radius)
-
-    @property
-    def start_depth(self) -> float:
-        """As `Wall.start_depth`."""
-        return self._copy.start_depth
-
-    @property
-    def radius(self) -> Floats:
-        """As `Wall.radius`, but without making a copy."""
-        return self._copy.radius
-
-    @property
-    def nearest(self) -> Floats:
-        """As `Wall.nearest`, but without making a copy."""
-        return self._copy.nearest
-
-    @property
-    def samples(self) -> Caliper:
-        """As `Wall.samples`."""
-        return self._copy.samples
 
 
 @dataclass(frozen=True)
@@ -102,7 +52,7 @@ class FrozenCopy:
 
     wall_time: int
     records: int
-    walls: dict[str, FrozenWall]
+    walls: dict[str, WallState]
     images: dict[str, tuple[Floats, Floats]]
     stations: Floats
     path: Path | None
@@ -126,18 +76,20 @@ def frozen_copy(live: Live) -> FrozenCopy:
         except ValueError as error:
             of.left_out.append(f"image '{name}': {error}: not laid on a wall")
             continue
-        for wall in of.walls.values():
+        for layer, wall in of.walls.items():
             if _meets(image, wall):
-                wall.images[name] = image
+                of.walls[layer] = replace(wall, images={**wall.images, name: image})
     return of
 
 
 def _copied(live: Live) -> tuple[FrozenCopy, dict[str, Rows]]:
     """Return the copy without images, and by name the rows of each image; rows never change after they arrive."""
     model = live.model
-    walls = {name: FrozenWall(wall, live.path) for name, wall in live.layers.items() if len(wall)}
-    for wall in walls.values():
-        wall.made_from = {"configuration": model.stretches}
+    walls = {
+        name: replace(wall._state(), path=live.path, images={}, made_from={"configuration": model.stretches})
+        for name, wall in live.layers.items()
+        if len(wall)
+    }
     images = {name: ((*image.so_far()[1:], image.step), image.unit, model.layouts.get(name))
               for name, image in live.images.items() if len(image)}  # fmt: skip
     of = FrozenCopy(model.wall_time, model.records, walls, {}, model.stations.rows(), live.path, live.passes,
@@ -145,7 +97,7 @@ def _copied(live: Live) -> tuple[FrozenCopy, dict[str, Rows]]:
     return of, images
 
 
-def _meets(image: SectorImage, wall: Wall) -> bool:
+def _meets(image: SectorImage, wall: WallState) -> bool:
     """Return whether the image covers more than one turn between the first and the last turn of the wall.
 
     If it does, it surely covers one quad of the wall or more.

@@ -25,12 +25,13 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from helibore.base.atomic_file import write_whole
-from helibore.live.frozen_copy import FrozenCopy, FrozenWall, frozen_copy
+from helibore.live.frozen_copy import FrozenCopy, frozen_copy
 from helibore.live.live import Live
 from helibore.live.model.clock import utc
 from helibore.live.model.events import Event
 from helibore.live.rules.file_names import escaped
 from helibore.logs.image_means import image_means
+from helibore.wall.state import WallState
 
 MANIFEST = "snapshot.json"
 Cells = Sequence[float | str | None]
@@ -127,12 +128,12 @@ def _write(of: FrozenCopy, target: Path, logs: str) -> None:
         _mesh(of.walls["main"], of, target)
 
 
-def _mesh(wall: FrozenWall, of: FrozenCopy, target: Path) -> None:
+def _mesh(wall: WallState, of: FrozenCopy, target: Path) -> None:
     if len(wall) <= wall.settings.sectors + 1:
         return
-    top, bottom = sorted((wall.start_depth, wall.stop_depth))
+    top, bottom = sorted((wall.start_depth, stop := float(wall.depth[-1])))
     if of.path is None or (of.path.start_depth <= top and of.path.stop_depth >= bottom):
-        wall.surface(of.path, stop=wall.stop_depth).save(target / "main.glb")
+        wall.surface(of.path, stop=stop).save(target / "main.glb")
 
 
 def _place(event: Event) -> Cells:

@@ -23,15 +23,15 @@ class _NamedValues(MutableMapping[str, Floats]):
     """Read-only float64 arrays by name, and units by name."""
 
     def __init__(self) -> None:
-        self._values: dict[str, Floats] = {}
+        self._values: dict[str, tuple[Floats, float]] = {}  # with the depth of vertex 0 when a wall's values were set
         self.units: dict[str, str] = {}
 
-    def _keep(self, name: str, values: Floats) -> None:
+    def _keep(self, name: str, values: Floats, start_depth: float = math.nan) -> None:
         values.flags.writeable = False
-        self._values[name] = values
+        self._values[name] = values, start_depth
 
     def __getitem__(self, name: str) -> Floats:
-        return self._values[name]
+        return self._values[name][0]
 
     def __delitem__(self, name: str) -> None:
         del self._values[name]
@@ -87,12 +87,13 @@ class WallAttributes(_NamedValues):
         Unit by name, if it is known.
     """
 
-    def __init__(self, helix: Callable[[], tuple[float, int]]) -> None:
+    def __init__(self, helix: Callable[[], tuple[float, int]] | None = None) -> None:
         super().__init__()
-        self._helix = helix  # returns the depth of vertex 0, and how many quads the wall has room for
-        self._starts: dict[str, float] = {}
+        self._helix = helix  # returns the depth of vertex 0, and how many quads the wall has room for; None: frozen
 
     def __setitem__(self, name: str, values: npt.ArrayLike) -> None:
+        if self._helix is None:
+            raise InputError(f"attributes[{name!r}]", "cannot be set on a frozen copy: set it on the wall")
         start, quads = self._helix()
         array = column(f"attributes[{name!r}]", values)
         if array.size != quads:
@@ -100,14 +101,24 @@ class WallAttributes(_NamedValues):
             raise InputError(f"attributes[{name!r}] has {array.size} values", rule)
         self.restore(name, start, array.copy())
 
+    def __delitem__(self, name: str) -> None:
+        if self._helix is None:
+            raise InputError(f"attributes[{name!r}]", "cannot be removed from a frozen copy: remove it from the wall")
+        super().__delitem__(name)
+
+    def frozen(self) -> WallAttributes:
+        """Return a copy that does not change. Each step copies a whole dict, so other threads may assign meanwhile."""
+        copy = WallAttributes()
+        copy._values, copy.units = dict(self._values), dict(self.units)
+        return copy
+
     def start_depth(self, name: str) -> float:
         """Return the depth of vertex 0 at the time the values were set, metres."""
-        return self._starts[name]
+        return self._values[name][1]
 
     def restore(self, name: str, start_depth: float, values: Floats) -> None:
         """Set values that belong to a helix with this depth of vertex 0, for example those of an archive."""
-        self._starts[name] = start_depth
-        self._keep(name, values)
+        self._keep(name, values, start_depth)
 
     def whole(self, name: str, start_depth: float, quads: int) -> Floats:
         """Return values for a wall with this start and number of quads: the values that were set, then NaN.
@@ -117,7 +128,7 @@ class WallAttributes(_NamedValues):
         InputError
             If the start of the helix has moved since the values were set, or the wall has fewer quads than values.
         """
-        start, values = self._starts[name], self._values[name]
+        values, start = self._values[name]
         if start != start_depth and not (math.isnan(start) and math.isnan(start_depth)):
             moved = f"when the wall began at {start:g} m; it begins at {start_depth:g} m now"
             raise InputError(f"attributes[{name!r}] was set {moved}", "set it again")

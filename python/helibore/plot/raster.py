@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from helibore.base.arrays import Floats
+from helibore.base.settings import Settings
 from helibore.images.sector_image import SectorImage
-from helibore.samples.helix import HelixSettings
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Grid:
         return self.left + np.linspace(0.0, 360.0, self.columns + 1)
 
 
-def unroll_wall(values: Floats, settings: HelixSettings, start_depth: float, grid: Grid) -> Floats:
+def unroll_wall(values: Floats, settings: Settings, start_depth: float, grid: Grid) -> Floats:
     """Return one value a pixel, (rows, columns), from the values (n,) at a helix's vertices, the middles of cells."""
     K, pitch = settings.sectors, settings.pitch
     # Column j lies j/K of a turn farther along, so rows of equal depth differ from column to column.

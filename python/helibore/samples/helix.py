@@ -15,25 +15,15 @@ import numpy as np
 
 from helibore.base.arrays import Floats, Integers
 from helibore.base.errors import InputError
+from helibore.base.settings import Settings
 from helibore.samples.caliper import Basis, basis_text
-
-
-class HelixSettings(Protocol):
-    """The settings of a wall that define its helix."""
-
-    @property
-    def sectors(self) -> int: ...
-    @property
-    def pitch(self) -> float: ...
-    @property
-    def start_toolface(self) -> float: ...
 
 
 class WallLike(Protocol):
     """What surfaces, volumes, images and logs need of a wall; `helibore.Wall` is such a wall."""
 
     @property
-    def settings(self) -> HelixSettings: ...
+    def settings(self) -> Settings: ...
     @property
     def start_depth(self) -> float: ...
     @property

@@ -13,7 +13,7 @@ The archive is a zip file of uncompressed NumPy arrays, which ``np.load`` and an
 A zip file needs no extra library, NumPy and the standard library write it at the speed of memory, every member has a
 CRC-32, and a truncated file lacks the directory at its end. ``helibore.wall.load`` appends the samples to an empty wall
 and compares the result with the stored vertices. Reading takes 50 ms and appending takes 44 ms (2.4 M samples, 256 k
-vertices, two cores). This file reads and writes a `WallState`, and does not import `Wall`.
+vertices, two cores). This file reads and writes a `WallColumns`, and does not import `Wall`.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ from helibore import _core
 from helibore.base.arrays import Array
 from helibore.base.atomic_file import write_whole
 from helibore.base.errors import InputError
-from helibore.wall.state import WallState
+from helibore.wall.wall_columns import WallColumns
 
 ENDING = ".wall"
 FORMAT, VERSION = "helibore wall", 1
@@ -57,7 +57,7 @@ _IMAGE = ("name", "unit", "origin", "reference", "direction", "offset", "reach")
 Arrays = dict[str, Array]
 
 
-def save(wall: WallState, filename: str | os.PathLike[str]) -> None:
+def save(wall: WallColumns, filename: str | os.PathLike[str]) -> None:
     """Write ``wall`` to ``filename``, as `Wall.save` describes."""
     path = Path(filename)
     if path.suffix.lower() != ENDING:
@@ -100,7 +100,7 @@ def opened(filename: str | os.PathLike[str]) -> Iterator[Members]:
 # ------------------------------------------------------------------ writing
 
 
-def _contents(wall: WallState) -> tuple[Arrays, dict[str, Any]]:
+def _contents(wall: WallColumns) -> tuple[Arrays, dict[str, Any]]:
     """Return the arrays of a wall by name, and everything else as JSON values."""
     try:
         same = json.loads(json.dumps(wall.made_from, allow_nan=False)) == wall.made_from

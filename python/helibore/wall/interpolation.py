@@ -15,7 +15,7 @@ from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Integers, column
 from helibore.base.errors import InputError
 from helibore.samples.caliper import Caliper
-from helibore.wall.state import WallState
+from helibore.wall.wall_columns import WallColumns
 
 
 def canonical_order(caliper: Caliper) -> Integers:
@@ -50,7 +50,7 @@ def on_quads(values: Floats, sectors: int) -> Floats:
     return mean
 
 
-def measured_quads(wall: WallState) -> Floats:
+def measured_quads(wall: WallColumns) -> Floats:
     """Return 1 for each quad whose four corners are measured (`Wall.measured`), 0 for the others, (q,)."""
     measured: Floats = (on_quads(wall.measured.astype(np.float64), wall.settings.sectors) == 1.0).astype(np.float64)
     return measured

@@ -1,74 +1,16 @@
-"""A frozen copy of a wall: archives hold it, and meshes and logs are made from it while the wall itself grows."""
+"""A wall at one moment: it is saved, measured and meshed like the wall, which may grow meanwhile."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
 
-import numpy as np
-
-from helibore import _core
-from helibore.base.arrays import Floats, Integers32, Mask
-from helibore.base.settings import Settings
-from helibore.base.thread_count import thread_count
-from helibore.images.sector_image import SectorImage
-from helibore.mesh.attributes import WallAttributes
-from helibore.samples.caliper import Basis, Caliper
-from helibore.samples.helix import quad_room, whole_helix
-from helibore.trajectory.survey import Path
-
-MEASURED = "measured"
-"""Attribute of the meshes of a tool with few arms: 1 for a measured quad, 0 for one that is interpolated."""
+from helibore.wall.reads import WallReads
+from helibore.wall.wall_columns import WallColumns
 
 
-@dataclass(frozen=True, eq=False)
-class WallState:
-    """Copies of a wall's arrays at one moment, named as in `Wall`; path, images and attributes are those of the wall.
+@dataclass(frozen=True, eq=False, repr=False)
+class WallState(WallColumns, WallReads):  # the columns come first: the readings of the same name copy a wall
+    """The arrays of a wall at one moment and the methods that read them, as in `Wall`. It never changes."""
 
-    ``sample_columns`` are depth, toolface, radius and, if samples have times, time; () if they were not copied.
-    ``sums`` holds for each vertex the sums from which its uncertainty is computed; () without `Settings.sigma`.
-    """
-
-    settings: Settings
-    basis: Basis
-    basis_text: str
-    start_depth: float
-    radius: Floats
-    nearest: Floats
-    support: Integers32
-    iterations: Integers32
-    sample_columns: tuple[Floats, ...]
-    path: Path | None
-    images: Mapping[str, SectorImage]
-    attributes: WallAttributes
-    made_from: dict[str, Any]
-    arms: Caliper | None = None
-    sums: tuple[Floats, ...] = ()
-    threads: int | None = None
-
-    @cached_property
-    def angular_gap(self) -> Floats:
-        depth, toolface, *_ = self.sample_columns
-        reach = self.settings.gap_reach
-        return _core.angular_gaps(
-            whole_helix(self), self.radius.size, depth, toolface, reach, thread_count(self.threads)
-        )
-
-    @cached_property
-    def measured(self) -> Mask:
-        return np.isfinite(self.radius) & (self.angular_gap <= self.settings.largest_gap)
-
-    @property
-    def samples(self) -> Caliper:
-        return Caliper(*self.sample_columns, basis=self.basis)
-
-    @property
-    def sample_count(self) -> int:
-        return self.sample_columns[0].size
-
-    @property
-    def quads(self) -> int:
-        """Number of quads between the vertices, including those with a missing corner."""
-        return quad_room(self.radius.size, self.settings.sectors)
+    def _state(self, samples: bool | None = True) -> WallState:  # noqa: ARG002
+        return self

@@ -30,7 +30,7 @@ from helibore.base.errors import InputError
 from helibore.base.settings import Settings
 from helibore.samples.helix import whole_helix
 from helibore.wall.estimates import MOST_UNMEASURED, Columns, choose_left_out, estimate_left_out
-from helibore.wall.state import WallState
+from helibore.wall.wall_columns import WallColumns
 
 TARGETS = 2000
 NORMAL_95 = 1.959964
@@ -146,7 +146,7 @@ def _fit(squares: Floats, weights: Floats, changes: Floats, near: _Fit | None = 
     return _Fit(-cost, float(np.exp(at[0])), float(np.exp(at[1] - at[2:] @ middle[:, 0])), at[2:])
 
 
-def wall_sigma(wall: WallState, threads: int) -> Floats:
+def wall_sigma(wall: WallColumns, threads: int) -> Floats:
     """Return the standard uncertainty at each vertex, for `Wall.sigma`. ``wall`` must have its ``sums``.
 
     The uncertainty is NaN if the wall is assumed round: the samples around the hole are copies of one reading, or of
@@ -163,7 +163,7 @@ def wall_sigma(wall: WallState, threads: int) -> Floats:
     return sigma
 
 
-def _unmeasured(wall: WallState) -> np.ndarray:
+def _unmeasured(wall: WallColumns) -> np.ndarray:
     """Return whether each vertex lies in a gap of the turn above `Settings.largest_gap`.
 
     In most walls no vertex lies in such a gap, and a part of the samples is enough to show this. The depths are divided

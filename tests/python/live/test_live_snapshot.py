@@ -15,11 +15,12 @@ from patience import PATIENCE
 
 import helibore as hb
 from helibore import Live
-from helibore.live.frozen_copy import FrozenWall, frozen_copy
+from helibore.live.frozen_copy import frozen_copy
 from helibore.live.rules.configuration import parse
 from helibore.live.rules.layout import Layout
 from helibore.live.snapshot import snapshot
 from helibore.live.wire import wits
+from helibore.wall.reads import WallReads
 
 
 def both(number):
@@ -89,7 +90,7 @@ def test_what_is_still_reads_as_the_wall_did():
         live.receive("mwd", frame)
     assert len(kept) == len(before) < len(live.wall)
     assert np.array_equal(kept.radius, before.radius, equal_nan=True)
-    assert kept.stop_depth == before.depth[-1]
+    assert kept.depth[-1] == before.depth[-1]
     assert np.array_equal(kept.surface(kept.path).vertices, surface.vertices)
     assert np.array_equal(kept.logs().equivalent_diameter, logs.equivalent_diameter, equal_nan=True)
     assert np.array_equal(kept.logs().age, logs.age, equal_nan=True)
@@ -115,7 +116,7 @@ def test_what_cannot_be_written_leaves_the_snapshot_before(tmp_path, monkeypatch
 
     for name in ("save", "logs"):
         with monkeypatch.context() as patch:
-            patch.setattr(FrozenWall, name, refuse)
+            patch.setattr(WallReads, name, refuse)
             for frame in FRAMES[2:60]:
                 live.receive("mwd", frame)
             with pytest.raises(OSError, match="No space left"):

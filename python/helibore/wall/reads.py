@@ -1,0 +1,324 @@
+"""What can be read from a wall: the same methods for a `Wall` that grows and for a `WallState`, which never changes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore import _core
+from helibore.base.arrays import Floats, Mask
+from helibore.base.colors import over_bit
+from helibore.base.errors import InputError, needs
+from helibore.base.notebook import card, map_picture
+from helibore.base.thread_count import thread_count
+from helibore.logs.picks import ENDING as PICKS
+from helibore.mesh.surface import Surface, surface_of
+from helibore.mesh.volume import Volume, volume_of
+from helibore.samples.helix import helix_of, whole_helix
+from helibore.trajectory.survey import Path
+from helibore.wall import archive
+from helibore.wall.interpolation import measured_quads
+from helibore.wall.points import PointValues, values_at
+from helibore.wall.uncertainty import wall_sigma
+from helibore.wall.wall_columns import MEASURED, WallColumns
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+    from helibore.base.settings import Settings
+    from helibore.logs.summary import WallSummary
+    from helibore.logs.turn_logs import Logs
+    from helibore.logs.zone_criteria import Criteria
+    from helibore.logs.zones import Classification
+
+
+class WallReads:
+    """The methods that read a wall. Each reads one copy of the wall, so other threads may change the wall meanwhile."""
+
+    if TYPE_CHECKING:  # a subclass holds these; properties here would hide the fields of a dataclass
+
+        @property
+        def settings(self) -> Settings: ...
+        @property
+        def start_depth(self) -> float: ...
+        @property
+        def radius(self) -> Floats: ...
+        @property
+        def sample_count(self) -> int: ...
+        @property
+        def threads(self) -> int | None: ...
+
+    def _state(self, samples: bool | None = True) -> WallColumns:
+        """Return a copy of the wall; ``samples`` says whether it holds them. None: if they have arm numbers."""
+        raise NotImplementedError
+
+    def __len__(self) -> int:
+        return len(self.radius)
+
+    @property
+    def depth(self) -> Floats:
+        """(n,) float64 measured depth of each vertex, metres; a copy."""
+        return whole_helix(self).depth(np.arange(len(self)))
+
+    @property
+    def toolface(self) -> Floats:
+        """(n,) float64 toolface of each vertex, degrees in [0, 360); a copy."""
+        return whole_helix(self).toolface(np.arange(len(self)))
+
+    @property
+    def sigma(self) -> Floats:
+        """(n,) float64 standard uncertainty of each radius, metres; `wall_sigma` computes it at each access.
+
+        With 95 % probability the true radius is within 1.96 sigma. NaN if the vertex is farther from samples than the
+        calibration covers, or in a gap of the turn larger than `Settings.largest_gap`; and everywhere if the shape is
+        assumed round (`basis`). For other walls, raises InputError if there are fewer than 100 samples, if no sample
+        has another sample within ``max_distance``, or if ``window`` is set.
+        """
+        return self._sigma_of(self._state())
+
+    def _sigma_of(self, state: WallColumns) -> Floats:
+        """Return the uncertainty of a state's radii; if it lacks the sums for that, compute the wall again."""
+        threads = thread_count(state.threads)
+        if not state.sums and state.radius.size:
+            settings = vars(state.settings) | {"sigma": True, "direct": False}
+            again = _core.Wall(settings, threads, "automatic")
+            again.append(*state.sample_columns)
+            state = replace(state, sums=again.sums())
+        return wall_sigma(state, threads)
+
+    @property
+    def angular_gap(self) -> Floats:
+        """(n,) float64 degrees around the hole between the nearest samples on the two sides of each vertex.
+
+        Samples within `Settings.gap_reach` metres of the vertex's depth count. The gap is 0 at a sample's toolface; it
+        is 360 if there is no sample, or only one at another toolface. A small gap means that the tool measured this
+        part of the turn. Between the arms of a tool with few arms the gap is large, and the wall is interpolated, even
+        if samples of the arms are near.
+        """
+        return self._state().angular_gap
+
+    @property
+    def measured(self) -> Mask:
+        """(n,) bool: whether the wall is measured at each vertex; otherwise it is interpolated, or has no radius.
+
+        A vertex is measured if it has a radius and its `angular_gap` is at most `Settings.largest_gap`. `Logs.coverage`
+        is the share of such vertices.
+        """
+        return self._state().measured
+
+    def at(self, depth: npt.ArrayLike, toolface: npt.ArrayLike) -> PointValues:
+        """Return radius, nearest distance, support and angular gap at points, as `helibore.wall.points.PointValues`.
+
+        Parameters
+        ----------
+        depth, toolface
+            Metres and degrees, finite: two numbers, or two arrays of m values.
+
+        Raises
+        ------
+        InputError
+            If a value is not finite or the lengths differ.
+
+        Examples
+        --------
+        >>> wall = reconstruct(Caliper([0, 0.1, 0.2], [0, 90, 180], [0.1] * 3), bit_diameter=0.2, sectors=4)
+        >>> wall.at(0.1, 45).radius
+        array([0.1])
+        """
+        return values_at(self._state(), depth, toolface)
+
+    def surface(
+        self, path: Path | Literal["own"] | None = "own", start: float | None = None, stop: float | None = None
+    ) -> Surface:
+        """Place the wall along a path and join neighbouring turns into quads, with its images and attributes.
+
+        The surface of a tool with few arms (`arms`) has the attribute ``measured``: 1 for a quad whose four corners are
+        `measured`, 0 for one that is interpolated.
+
+        Parameters
+        ----------
+        path
+            Path of the hole; ``"own"`` means the wall's own `path`. Without a path the surface goes straight down from
+            (0, 0, 0), with toolface 0 to the north.
+        start, stop
+            Depths, metres; None: the ends of the wall. The surface holds the quads of the vertices with depths in
+            [start, stop), so that surfaces of neighbouring intervals meet without overlap or gap. These quads reach one
+            turn beyond the end towards which the helix grows: ``stop``, or ``start`` if the pitch is negative.
+
+        Raises
+        ------
+        InputError
+            If the path does not reach a vertex, if the path's reference is undefined there (``vertex 7 at depth 12:
+            ...``), if no vertex lies between ``start`` and ``stop``, or if JSON cannot hold `made_from`; and as
+            `SectorImage.on` and `WallAttributes`.
+        """
+        state = self._state(samples=None)
+        surface = surface_of(state, _resolve_path(state, path), start, stop, thread_count(state.threads))
+        if state.arms is not None:
+            surface.attributes[MEASURED] = measured_quads(state)
+        for name, image in state.images.items():
+            surface.attributes[name] = image.on(state)
+            surface.attributes.units[name] = image.unit
+        for name in state.attributes:
+            surface.attributes[name] = state.attributes.whole(name, state.start_depth, state.quads)
+        surface.attributes.units.update(state.attributes.units)
+        return surface
+
+    def volume(
+        self,
+        path: Path | Literal["own"] | None = "own",
+        shells: Sequence[float | npt.ArrayLike | WallReads] = (0.05, 0.20),
+        start: float | None = None,
+        stop: float | None = None,
+    ) -> Volume:
+        """Thicken the wall outwards, shell by shell, into hexahedra; ``measured`` is as in `surface`.
+
+        Parameters
+        ----------
+        path, start, stop
+            As for `surface`.
+        shells
+            One or more shells, from the wall outwards. Each is a thickness in metres; or thicknesses, one for every
+            vertex of the wall (NaN: no shell there); or a second wall on the same helix. All thicknesses count from the
+            wall itself, not from the previous shell: ``[0.05, 0.20]`` gives layers of 0.05 and 0.15 m.
+
+        Raises
+        ------
+        InputError
+            As `surface`; if a second wall has another helix; if a shell does not lie beyond the previous one, or the
+            path bends so sharply that a shell folds over itself. The error names shell, vertex and depth.
+        """
+        state = self._state(samples=None)
+        volume = volume_of(state, _resolve_path(state, path), shells, start, stop, thread_count(state.threads))
+        if state.arms is not None:
+            volume.hang(MEASURED, [measured_quads(state)] * len(shells))
+        return volume
+
+    def save(self, filename: str | os.PathLike[str]) -> None:
+        """Write the wall to an archive, whole or not at all; `helibore.load` reopens it.
+
+        The archive holds settings, samples, vertices, `path`, `images`, `attributes` and `made_from`. The reopened wall
+        equals this wall in every bit, also after further appends. `helibore.wall.archive` describes the file. `picks`,
+        if there are any, are written to FILENAME.picks.csv, which `helibore.load` also reads; a wall without picks does
+        not change such a file.
+
+        Parameters
+        ----------
+        filename
+            Ends in .wall; an existing file is replaced.
+
+        Raises
+        ------
+        InputError
+            If the name has another ending, or JSON cannot hold `made_from`.
+        OSError
+            If the file cannot be written; an existing file then does not change.
+        """
+        state = self._state()
+        archive.save(state, filename)
+        if state.picks:
+            state.picks.save(f"{os.fspath(filename)}{PICKS}", state.path)
+
+    def logs(self, rugosity_window: float = 1.0, threads: int | None = None, *, sigma: bool = False) -> Logs:
+        """Measure every full turn with `helibore.logs.turn_logs.turn_logs`, for this wall and its bit diameter.
+
+        ``rugosity_window`` is the metres of hole over which rugosity is computed; it is rounded to an odd number of
+        turns, for example to 9 turns for 1 m at a pitch of 0.1 m. If ``threads`` is None, the wall's threads are
+        used. If ``sigma`` is True, the logs have the uncertainty of diameters and volumes, and this raises an
+        InputError as `sigma` does.
+        """
+        from helibore.logs.turn_logs import turn_logs
+
+        state = self._state()
+        known = self._sigma_of(state) if sigma else None
+        return turn_logs(state, None, rugosity_window, threads, known)
+
+    def zones(self, criteria: Criteria | None = None) -> Classification:
+        """Find washouts, breakouts, key seats and undergauge hole with `helibore.logs.zones.classify`.
+
+        ``criteria`` holds the limits in metres; None: the usual limits of the industry.
+        """
+        from helibore.logs.zones import classify
+
+        return classify(self._state(), criteria)
+
+    def summary(
+        self, start: float | None = None, stop: float | None = None, criteria: Criteria | None = None
+    ) -> WallSummary:
+        """Summarize the wall, or an interval of the wall, with `helibore.logs.summary.summarize`.
+
+        ``start`` and ``stop`` are measured depths, metres, finite; None: the ends of the wall. ``criteria`` is as in
+        `zones`.
+        """
+        from helibore.logs.summary import summarize
+
+        return summarize(self._state(), start, stop, criteria)
+
+    def to_xarray(self) -> Dataset:
+        """Return the vertices as an ``xarray.Dataset`` by turn and sector, in metres and degrees.
+
+        Returns
+        -------
+        Dataset
+            ``radius``, ``nearest``, ``support``, ``angular_gap`` and the coordinate ``depth``, each (turn, sector), and
+            the coordinate ``toolface`` (sector). Missing values are NaN, also in an incomplete last turn, where
+            ``support`` is 0.
+
+        Raises
+        ------
+        MissingExtraError
+            If xarray is not installed.
+        """
+        with needs("xarray", "tables"):
+            from xarray import Dataset
+        state, sectors = self._state(), self.settings.sectors
+        helix, radius = helix_of(state), state.radius
+        turns = -(-radius.size // sectors)
+        k = np.arange(turns * sectors)
+
+        def by_turn(values: npt.NDArray[Any], missing: float = np.nan) -> tuple[tuple[str, str], npt.NDArray[Any]]:
+            filled = np.full(k.size, missing, values.dtype)
+            filled[: values.size] = values
+            return ("turn", "sector"), filled.reshape(turns, sectors)
+
+        return Dataset(
+            {
+                "radius": (*by_turn(radius), {"units": "m"}),
+                "nearest": (*by_turn(state.nearest), {"units": "m"}),
+                "support": by_turn(state.support, 0),
+                "angular_gap": (*by_turn(state.angular_gap), {"units": "deg"}),
+            },
+            {
+                "depth": (*by_turn(helix.depth(k)), {"units": "m"}),
+                "toolface": ("sector", helix.toolface(np.arange(sectors))),
+            },
+            {"basis": state.basis, "bit_diameter": self.settings.bit_diameter},
+        )
+
+    def _repr_html_(self) -> str:
+        sectors, radius = self.settings.sectors, self.radius
+        if len(radius) < sectors:
+            return card(repr(self), {}, "")
+        over, scale = over_bit(radius, self.settings.bit_diameter)
+        turns = over[: len(over) // sectors * sectors].reshape(-1, sectors)
+        picture = map_picture(turns, scale, "radius over bit size by depth and toolface")
+        return card("Wall", self.summary().numbers(), picture)
+
+    def __repr__(self) -> str:
+        if not len(self):
+            return "Wall(empty)"
+        last = self.start_depth + (len(self) - 1) * self.settings.pitch / self.settings.sectors
+        return f"Wall({len(self)} vertices, {self.start_depth:g} to {last:g} m, {self.sample_count} samples)"
+
+
+def _resolve_path(state: WallColumns, path: Path | Literal["own"] | None) -> Path | None:
+    if isinstance(path, str):
+        if path != "own":
+            raise InputError("path", "must be a Path, None or 'own'", repr(path))
+        return state.path
+    return path
