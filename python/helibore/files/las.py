@@ -35,7 +35,7 @@ DATA = re.compile(r"A[^_]*$|LOG_DATA|.*_DATA(\[\d+\])?$")
 FORMAT = re.compile(r"\{\s*(?P<format>[^{}]*)\}")
 DATED = re.compile(r"(?:[DMY]{1,4}[/.-]){2}[DMY]{2,4}(?P<date>\d\S*)", re.IGNORECASE)
 """A date that follows its format without a blank, where the unit should stand: ``DATE.DD/MM/YYYY21/05/2007``."""
-FEET_IN_METRE = 1.0 / 0.3048
+FEET_IN_METRE = 1.0 / units.factor("ft", units.LENGTH)
 INDEX = ("STRT", "STOP", "STEP", "NULL")
 """Header items that are kept without their unit: the range of the index, and the null value of the rows."""
 

@@ -28,7 +28,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from helibore.base.arrays import Floats
+from helibore.base.arrays import Floats, finite_column, require
 from helibore.base.axial import axial_mean
 from helibore.base.errors import InputError, check_choice
 from helibore.logs.picks import BREAKOUT, Pick
@@ -114,12 +114,21 @@ class HorizontalStress:
     def record(self, latitude: float, longitude: float, regime: str = "U", site: str = "") -> dict[str, str]:
         """Return the first columns of a record of the World Stress Map (2016), with name and value of each.
 
-        ID is empty, because the World Stress Map gives it. ``regime`` is NF, NS, SS, TS, TF or U (not known).
+        ID is empty, because the World Stress Map gives it.
+
+        Parameters
+        ----------
+        latitude, longitude
+            Decimal degrees; south and west are negative.
+        regime
+            NF, NS, SS, TS, TF or U (not known).
+        site
+            Name of the well or the place.
 
         Raises
         ------
         InputError
-            If latitude or longitude (decimal degrees, south and west negative) or the regime is out of range.
+            If latitude, longitude or regime is out of range.
         """
         for name, value, most in (("latitude", latitude, 90.0), ("longitude", longitude, 180.0)):
             if not -most <= value <= most:
@@ -158,7 +167,7 @@ def horizontal_stress(
     scheme
         "image" or "caliper": the limits in `SCHEMES`.
     weighting
-        "length" or "number" (each feature counts once).
+        What weighs a feature: "length", or "number" if each counts once.
     depth
         (n,) measured depths, metres.
     left_out
@@ -172,18 +181,10 @@ def horizontal_stress(
     check_choice("kind", kind, tuple(OFFSETS))
     check_choice("scheme", scheme, tuple(SCHEMES))
     check_choice("weighting", weighting, WEIGHTINGS)
-    axes, lengths = np.asarray(azimuth, dtype=np.float64), np.asarray(length, dtype=np.float64)
-    depths = np.full(axes.shape, np.nan) if depth is None else np.asarray(depth, dtype=np.float64)
-    for name, values in (("length", lengths), ("depth", depths)):
-        if values.shape != axes.shape or axes.ndim != 1:
-            raise InputError(f"{name} has shape {values.shape}", f"must have that of azimuth, {axes.shape}, one axis")
-    for name, values, wrong in (
-        ("azimuth", axes, ~np.isfinite(axes)), ("length", lengths, ~(np.isfinite(lengths) & (lengths > 0))),
-    ):  # fmt: skip
-        if wrong.any():
-            at = int(np.argmax(wrong))
-            rule = "must be finite" if name == "azimuth" else "must be finite and above 0"
-            raise InputError(f"{name}[{at}]", rule, f"{values[at]:g}")
+    axes = finite_column("azimuth", azimuth)
+    lengths = finite_column("length", length, axes.size, "azimuth")
+    require("length", lengths, lengths > 0, "must be above 0")
+    depths = np.full(axes.size, np.nan) if depth is None else finite_column("depth", depth, axes.size, "azimuth")
     weight = lengths if weighting == "length" else np.ones(axes.size)
     found = axial_mean((axes + OFFSETS[kind]) % 180, weight)
     rank, limit = _rank(axes.size, float(lengths.sum()), found.deviation, SCHEMES[scheme])
@@ -226,11 +227,20 @@ def _rank(count: int, length: float, deviation: float, limits: tuple[Limits, ...
 def stress_of_picks(
     picks: Iterable[Pick], path: Path, kind: str = BREAKOUT, scheme: str = "image", weighting: str = "length"
 ) -> HorizontalStress:
-    """Return SHmax from the picks of one class on a well path, whose azimuths count from true north.
+    """Return SHmax from the picks of one class on a well path.
 
     A breakout is as long as its box. An induced fracture is as long as its trace up and down the hole, and its azimuth
     is the strike of its plane. Picks beyond the ends of the path, where the hole is more inclined than
     `MOST_INCLINATION`, and where toolface 0 is undefined are left out; ``left_out`` counts them.
+
+    Parameters
+    ----------
+    picks
+        Of any class; those of ``kind`` count.
+    path
+        The well path; its azimuths must count from true north.
+    kind, scheme, weighting
+        As in `horizontal_stress`.
     """
     check_choice("kind", kind, tuple(OFFSETS))
     azimuths: list[float] = []
