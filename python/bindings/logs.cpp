@@ -1,7 +1,11 @@
 // helibore._core: turn_columns, which returns the logs of turns as a dictionary of columns, and angular_gaps.
 #include "helibore/logs.hpp"
+#include "helibore/unworn.hpp"
 
 #include <pybind11/stl.h>
+
+#include <algorithm>
+#include <string>
 
 #include "arrays.hpp"
 #include "gil.hpp"
@@ -49,6 +53,29 @@ py::dict turn_columns(const Column& radius, int sectors, double start_toolface, 
     return columns;
 }
 
+py::dict unworn_columns(const Column& radius, int sectors, double start_toolface, double bit_diameter,
+                        const Column& counts, int threads) {
+    const Turns turns{.start_toolface = start_toolface, .sectors = sectors, .radius = span_of(radius)};
+    UnwornTurns found;
+    {
+        const py::gil_scoped_release released;
+        found = unworn_turns(turns, bit_diameter, span_of(counts), threads);
+    }
+    py::dict columns;
+    columns["unworn_diameter"] = array_of(std::move(found.diameter));
+    columns["unworn_0"] = array_of(std::move(found.centre_0));
+    columns["unworn_90"] = array_of(std::move(found.centre_90));
+    for (std::size_t number = 0; number < found.lobes.size(); ++number) {
+        const std::string lobe = "lobe" + std::to_string(number + 1) + "_";
+        TurnLobes& of = found.lobes[number];
+        columns[py::str(lobe + "toolface")] = array_of(std::move(of.toolface));
+        columns[py::str(lobe + "width")] = array_of(std::move(of.width));
+        columns[py::str(lobe + "height")] = array_of(std::move(of.height));
+        columns[py::str(lobe + "pipe")] = array_of(std::move(of.pipe));
+    }
+    return columns;
+}
+
 py::array_t<double> angular_gaps(const std::tuple<double, double, double, Index, Index>& helix, Index count,
                                  const Column& depth, const Column& toolface, double reach, int threads) {
     const auto& [start_depth, start_toolface, pitch, sectors, first] = helix;
@@ -61,13 +88,31 @@ py::array_t<double> angular_gaps(const std::tuple<double, double, double, Index,
     return array_of(std::move(gaps));
 }
 
+py::array_t<bool> sampled(const std::tuple<double, double, double, Index, Index>& helix, Index count,
+                          const Column& depth, const Column& toolface, double reach, double angle, int threads) {
+    const auto& [start_depth, start_toolface, pitch, sectors, first] = helix;
+    std::vector<std::uint8_t> found;
+    {
+        const py::gil_scoped_release released;
+        found = helibore::sampled({start_depth, start_toolface, pitch, sectors, count, first},
+                                  {span_of(depth), span_of(toolface)}, reach, angle, threads);
+    }
+    py::array_t<bool> mask(static_cast<py::ssize_t>(found.size()));
+    std::ranges::copy(found, mask.mutable_data());
+    return mask;
+}
+
 }  // namespace
 
 void register_logs(py::module_& m) {
     m.def("turn_columns", &turn_columns, py::arg("radius"), py::arg("sectors"), py::arg("start_toolface"),
           py::arg("window"), py::arg("threads"), py::arg("first"), py::arg("reference"));
+    m.def("unworn_columns", &unworn_columns, py::arg("radius"), py::arg("sectors"), py::arg("start_toolface"),
+          py::arg("bit_diameter"), py::arg("counts"), py::arg("threads"));
     m.def("angular_gaps", &angular_gaps, py::arg("helix"), py::arg("count"), py::arg("depth"), py::arg("toolface"),
           py::arg("reach"), py::arg("threads"));
+    m.def("sampled", &sampled, py::arg("helix"), py::arg("count"), py::arg("depth"), py::arg("toolface"),
+          py::arg("reach"), py::arg("angle"), py::arg("threads"));
 }
 
 }  // namespace helibore::bindings

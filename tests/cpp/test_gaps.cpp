@@ -35,6 +35,25 @@ void agree(const HelixVertices& helix, const std::vector<std::vector<double>>& s
         CHECK(std::abs(found[static_cast<std::size_t>(k)] - gap_of(helix, k, samples, reach)) < 1e-9);
 }
 
+// The same samples, near each vertex in both directions.
+void near_ones(const HelixVertices& helix, const std::vector<std::vector<double>>& samples, double reach) {
+    for (const double angle : {0.0, 7.0, 15.0, 120.0, 180.0}) {
+        const std::vector<std::uint8_t> found = sampled(helix, {samples[0], samples[1]}, reach, angle);
+        CHECK(found == sampled(helix, {samples[0], samples[1]}, reach, angle, 3));
+        for (Index k = 0; k < helix.count; ++k) {
+            const auto K = static_cast<double>(helix.sectors);
+            const double depth = helix.start_depth + static_cast<double>(k) * helix.pitch / K;
+            const double own = helix.start_toolface + static_cast<double>(k % helix.sectors) * 360.0 / K;
+            bool near = false;
+            for (std::size_t i = 0; i < samples[0].size(); ++i) {
+                near = near || (std::abs(samples[0][i] - depth) <= reach &&
+                                std::abs(std::remainder(samples[1][i] - own, 360.0)) <= angle);
+            }
+            CHECK((found[static_cast<std::size_t>(k)] != 0) == near);
+        }
+    }
+}
+
 void loops() {
     for (const double pitch : {0.1, -0.1})
         for (const Index sectors : {1, 3, 48})
@@ -42,13 +61,12 @@ void loops() {
                 const Hole hole = oval_hole(n, 9.0, 2.0);
                 Wall wall({.bit_diameter = 0.216});  // sorts the samples
                 wall.append(hole.all());
-                for (const double reach : {0.02, 0.3, 9.0})
-                    agree({.start_depth = 10.0,
-                           .start_toolface = 350.0,
-                           .pitch = pitch,
-                           .sectors = sectors,
-                           .count = 200},
-                          wall.samples(), reach);
+                for (const double reach : {0.02, 0.3, 9.0}) {
+                    const HelixVertices helix{
+                        .start_depth = 10.0, .start_toolface = 350.0, .pitch = pitch, .sectors = sectors, .count = 200};
+                    agree(helix, wall.samples(), reach);
+                    near_ones(helix, wall.samples(), reach);
+                }
             }
 }
 
@@ -104,6 +122,7 @@ void refusals() {
     CHECK_THROWS(InputError, "threads = 0: must lie in 1 to 1024", angular_gaps({}, good, 1.0, 0));
     CHECK_THROWS(InputError, "toolface has 1 values, depth has 2: must be equal",
                  angular_gaps({}, {two, std::span(two).first(1)}, 1.0));
+    CHECK_THROWS(InputError, "angle = 181: must lie in 0 to 180", sampled({}, good, 1.0, 181.0));
     CHECK_THROWS(InputError, "toolface[1] = inf: must be finite", angular_gaps({}, {two, bad}, 1.0));
 }
 

@@ -15,6 +15,7 @@
 // missing. The caller computes volumes, ratios and depths from these columns.
 #pragma once
 
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
@@ -83,5 +84,10 @@ struct SamplePlaces {
 // the only sample that counts lies at another toolface. The result does not depend on `threads`.
 std::vector<double> angular_gaps(const HelixVertices& vertices, const SamplePlaces& samples, double reach,
                                  int threads = 1);
+
+// Returns 1 for each vertex that has a sample within `reach` metres of its depth and `angle` degrees of its toolface, 0
+// for the others. The result does not depend on `threads`.
+std::vector<std::uint8_t> sampled(const HelixVertices& vertices, const SamplePlaces& samples, double reach,
+                                  double angle, int threads = 1);
 
 }  // namespace helibore

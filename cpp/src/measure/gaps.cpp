@@ -101,8 +101,9 @@ void look_into(const Sectors& in, std::size_t s, double reach, const Off& off, L
 }
 
 // Sets line.side: for each vertex, degrees from its toolface to the nearest sample clockwise (counter-clockwise if
-// `clockwise` is false). The toolface of these vertices is the border before sector `number`.
-void look_around(const Sectors& in, Index number, Index sectors, double reach, bool clockwise, Line& line) {
+// `clockwise` is false), as far as the nearest `most` sectors have it. The toolface of these vertices is the border
+// before sector `number`.
+void look_around(const Sectors& in, Index number, Index sectors, double reach, bool clockwise, Index most, Line& line) {
     const double own = border(number, sectors);
     line.side.assign(line.depth.size(), whole_turn);
     line.open.resize(line.depth.size());
@@ -111,7 +112,7 @@ void look_around(const Sectors& in, Index number, Index sectors, double reach, b
         const double degrees = clockwise ? toolface - own : own - toolface;
         return degrees < 0.0 ? degrees + whole_turn : degrees;
     };
-    for (Index step = 0; step < sectors && !line.open.empty(); ++step) {
+    for (Index step = 0; step < most && !line.open.empty(); ++step) {
         const Index s = (number + (clockwise ? step : 2 * sectors - 1 - step)) % sectors;
         if (in.starts[static_cast<std::size_t>(s)] < in.starts[static_cast<std::size_t>(s) + 1]) {
             look_into(in, static_cast<std::size_t>(s), reach, off, line);
@@ -119,11 +120,11 @@ void look_around(const Sectors& in, Index number, Index sectors, double reach, b
     }
 }
 
-}  // namespace
-
-std::vector<double> angular_gaps(const HelixVertices& vertices, const SamplePlaces& samples, double reach,
-                                 int threads) {
-    const StandardArithmetic standard;
+// Calls take(vertex, ahead, behind) for each vertex, with the degrees to the nearest samples on its two sides among the
+// nearest `most` sectors; 360: none.
+template <class Take>
+void look_from_all(const HelixVertices& vertices, const SamplePlaces& samples, double reach, Index most, int threads,
+                   const Take& take) {
     require(vertices.sectors >= 1, "sectors", vertices.sectors, "must be 1 or more");
     require(vertices.sectors <= 1000000, "sectors", vertices.sectors, "must be at most 1000000");
     require_first("first", vertices.first, vertices.sectors);
@@ -143,7 +144,6 @@ std::vector<double> angular_gaps(const HelixVertices& vertices, const SamplePlac
     const Index sectors = vertices.sectors;
     const Helix helix{vertices.start_depth, vertices.start_toolface, vertices.pitch, sectors, vertices.first};
     const Sectors in = sorted({depth, toolface}, vertices.start_toolface, sectors);
-    std::vector<double> gaps(static_cast<std::size_t>(vertices.count));
     for_each_part(threads, std::min(sectors, vertices.count), [&](int, Index number) {
         const Index turns = (vertices.count - number + sectors - 1) / sectors;
         const auto vertex = [&](Index row) {
@@ -152,16 +152,43 @@ std::vector<double> angular_gaps(const HelixVertices& vertices, const SamplePlac
         Line line;
         line.depth.resize(static_cast<std::size_t>(turns));
         for (Index row = 0; row < turns; ++row) line.depth[static_cast<std::size_t>(row)] = helix.depth(vertex(row));
-        look_around(in, number, sectors, reach, true, line);
+        look_around(in, number, sectors, reach, true, most, line);
         const std::vector<double> ahead = line.side;
-        look_around(in, number, sectors, reach, false, line);
+        look_around(in, number, sectors, reach, false, most, line);
         for (Index row = 0; row < turns; ++row) {
             const auto i = static_cast<std::size_t>(row);
-            gaps[static_cast<std::size_t>(vertex(row))] =
-                ahead[i] == 0.0 ? 0.0 : std::min(ahead[i] + line.side[i], whole_turn);
+            take(static_cast<std::size_t>(vertex(row)), ahead[i], line.side[i]);
         }
     });
+}
+
+}  // namespace
+
+std::vector<double> angular_gaps(const HelixVertices& vertices, const SamplePlaces& samples, double reach,
+                                 int threads) {
+    const StandardArithmetic standard;
+    require_vertex_count(vertices.count);
+    std::vector<double> gaps(static_cast<std::size_t>(vertices.count));
+    look_from_all(vertices, samples, reach, vertices.sectors, threads,
+                  [&](std::size_t vertex, double ahead, double behind) {
+                      gaps[vertex] = ahead == 0.0 ? 0.0 : std::min(ahead + behind, whole_turn);
+                  });
     return gaps;
+}
+
+std::vector<std::uint8_t> sampled(const HelixVertices& vertices, const SamplePlaces& samples, double reach,
+                                  double angle, int threads) {
+    const StandardArithmetic standard;
+    require(angle >= 0.0 && angle <= 180.0, "angle", angle, "must lie in 0 to 180");
+    // A sample at `angle` may lie in the sector that begins there.
+    const auto far = static_cast<Index>(angle * static_cast<double>(vertices.sectors) / whole_turn) + 1;
+    require_vertex_count(vertices.count);
+    std::vector<std::uint8_t> found(static_cast<std::size_t>(vertices.count));
+    look_from_all(vertices, samples, reach, std::min(far, vertices.sectors), threads,
+                  [&](std::size_t vertex, double ahead, double behind) {
+                      found[vertex] = std::min(ahead, behind) <= angle + rounding ? 1 : 0;
+                  });
+    return found;
 }
 
 }  // namespace helibore

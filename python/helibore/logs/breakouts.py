@@ -1,6 +1,6 @@
 """Find the direction and the opening of breakout lobes in a section; ``base.axial`` has the part shared with images.
 
-height(toolface) = distance of the wall from the centre of the area, less C2/2
+height(toolface) = distance of the wall from the centre of the unworn circle, less the circle's radius
 
      .-----.             The axis of a turn is half the angle of sum w exp(2 i toolface). The weight w is the height
    (  o   )  )  lobe     less opening_level times the turn's greatest height; it is 0 where that is negative.
@@ -33,15 +33,15 @@ def rows(radius: Floats, turns: Integers, sectors: int) -> Floats:
 
 
 def sections(logs: Logs, turns: Integers, radius: Floats, start: float) -> tuple[Floats, Floats]:
-    """Return each vertex's height over the circle of C2, metres, and direction from its centre, degrees.
+    """Return each vertex's height over the unworn circle, metres, and direction from its centre, degrees.
 
     Both are (turns, sectors).
     """
     toolface = np.radians(start + np.arange(logs.sectors) * (360 / logs.sectors))
     around = rows(radius, turns, logs.sectors)
-    x = around * np.cos(toolface) - logs.centre_0[turns, None]
-    y = around * np.sin(toolface) - logs.centre_90[turns, None]
-    return np.hypot(x, y) - logs.c2[turns, None] / 2, np.degrees(np.arctan2(y, x))
+    x = around * np.cos(toolface) - logs.unworn_0[turns, None]
+    y = around * np.sin(toolface) - logs.unworn_90[turns, None]
+    return np.hypot(x, y) - logs.unworn_diameter[turns, None] / 2, np.degrees(np.arctan2(y, x))
 
 
 def lobes_of(

@@ -18,7 +18,7 @@ import numpy as np
 from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Integers
 from helibore.base.errors import InputError
-from helibore.logs.log_columns import COLUMNS
+from helibore.logs.log_columns import COLUMNS, LOBES, UNWORN
 
 _EXTREMES = {"least": np.minimum, "greatest": np.maximum, "least there": np.fmin, "greatest there": np.fmax}
 
@@ -33,9 +33,12 @@ def by_step(columns: Mapping[str, Any], pitch: float, bit_diameter: float, step:
     def gather(values: Floats, rule: str) -> Floats:
         return _gather(values[order][turns], starts, rule)
 
+    highest = _greatest(columns["lobe1_height"][order][turns], starts)
     square = gather((columns["equivalent_diameter"] / 2) ** 2, "mean")
     return {
         **{of.name: gather(columns[of.name], of.by_step) for of in COLUMNS if of.by_step != "own"},
+        **{name: gather(columns[name], "mean") for name in UNWORN},
+        **{name: columns[name][order][turns][highest] for name in LOBES},
         "arm_diameter": tuple(gather(of, "mean") for of in columns["arm_diameter"]),
         "depth": (number.astype(np.float64) + 0.5) * float(step),
         "equivalent_diameter": 2 * np.sqrt(square),
@@ -69,6 +72,16 @@ def _gather(values: Floats, starts: Integers, rule: str) -> Floats:
         return mean
     extreme: Floats = _EXTREMES[rule].reduceat(values, starts)
     return extreme
+
+
+def _greatest(values: Floats, starts: Integers) -> Integers:
+    """Return where each step has its greatest value, or its first place if all values are NaN, (steps,)."""
+    if not values.size:
+        return np.empty(0, np.int64)
+    known = np.where(np.isnan(values), -math.inf, values)
+    most = np.repeat(np.maximum.reduceat(known, starts), np.diff(starts, append=values.size))
+    places = np.where(known == most, np.arange(values.size), values.size)
+    return np.minimum.reduceat(places, starts)
 
 
 def _axis(toolface: Floats, starts: Integers) -> Floats:

@@ -107,6 +107,15 @@ class Logs(Tabular):
     enclosing_diameter
         Diameter of the smallest circle around all vertices; with ``shape = "arms"`` at least the largest diameter of
         the arms.
+    unworn_diameter, unworn_0, unworn_90
+        Diameter and centre of the unworn circle, which the bit left: a robust fit to the measured vertices of the
+        turn, in which worn rock hardly counts. NaN if less than a quarter of the turn is measured.
+    lobe1_toolface, lobe1_width, lobe1_height, lobe1_pipe
+        The highest lobe, a run of vertices more than 3 mm (in 8.5 in hole) outside the unworn circle: its toolface seen
+        from the circle's centre, degrees in [0, 360); degrees above a quarter of its height; greatest height; diameter
+        of the circle through the part above 0.35 of the height, which in a key seat is the pipe's. NaN without a lobe.
+    lobe2_toolface, lobe2_width, lobe2_height, lobe2_pipe
+        The next lobe of the turn.
     rugosity
         Root mean square of the radii over `rugosity_window` metres around the turn, after a straight line along the
         hole is subtracted in each sector. Also NaN within half a window of an end or a missing radius.
@@ -177,6 +186,17 @@ class Logs(Tabular):
     inscribed_0: Floats
     inscribed_90: Floats
     enclosing_diameter: Floats
+    unworn_diameter: Floats
+    unworn_0: Floats
+    unworn_90: Floats
+    lobe1_toolface: Floats
+    lobe1_width: Floats
+    lobe1_height: Floats
+    lobe1_pipe: Floats
+    lobe2_toolface: Floats
+    lobe2_width: Floats
+    lobe2_height: Floats
+    lobe2_pipe: Floats
     rugosity: Floats
     volume: Floats
     excess: Floats
@@ -448,6 +468,7 @@ def turn_logs(
     first = helix.first // K
     threads = getattr(wall, "threads", None) if threads is None else threads
     found: dict[str, Any] = _core.turn_columns(radius, *around, window, thread_count(threads), first, reference)
+    found |= _core.unworn_columns(radius, *around, bit, _counts(wall), thread_count(threads))
     square, turns = found.pop("mean_square"), radius.size // K
     depth = helix.start_depth + (np.arange(first, first + turns, dtype=np.float64) * K + (K - 1) / 2) * (pitch / K)
     path: Path | None = getattr(wall, "path", None)
@@ -520,6 +541,14 @@ def _coverage(wall: WallLike, with_radius: Floats) -> Floats:
     K = wall.settings.sectors
     seen: Floats = measured[: with_radius.size * K].reshape(-1, K).mean(axis=1)
     return seen
+
+
+def _counts(wall: WallLike) -> Floats:
+    """Return 1 for each vertex that is measured, 0 for the others; without entries if the wall does not state it."""
+    measured: Mask | None = getattr(wall, "measured", None)
+    if measured is None or getattr(wall, "basis", "azimuthal") != "azimuthal":
+        return np.empty(0)
+    return measured.astype(np.float64)
 
 
 def _from_arms(wall: Any, depth: Floats, of_wall: dict[str, Any]) -> dict[str, Any]:

@@ -5,13 +5,14 @@ whose rule fits:
 
     undergauge   least diameter  < bit - 0.25 in
     washout      C2 - bit       >= 0.5 in                                     enlarged all around
-    breakout     C1 - C2        >= 1 in, and both ends of C1 are high         two lobes, opposite
-    key seat     one end of C1   is >= 0.25 in high, and the other end is not high     one lobe
+    breakout     C1 - C2        >= 1 in, and both lobes are high              two lobes, opposite
+    key seat     one lobe        is >= 0.25 in high and at most 150 degrees wide, and no other is high
     gauge        all other turns
 
-Both ends of C1 are high if twice the height of the lower end is at least `Criteria.symmetry` times the sum of both
-heights. The height of an end of C1 is its distance outside the circle of diameter C2 around the centre of the area.
-For a tool with few arms C1 and C2 are diameters of arms, and the centre is that of the tool (``arms``).
+Lobes and their heights are those over the unworn circle (`Logs.lobe1_height`). Two lobes are opposite if the angle
+between them is 140 degrees or more. Both are high if twice the height of the lower one is at least `Criteria.symmetry`
+times the sum of both heights. For a tool with few arms C1 and C2 are diameters of arms, the heights are those of the
+two ends of C1 over the circle of C2, and its centre is that of the tool (``arms``).
 
 These are the usual four-arm criteria (JewelSuite's defaults; the undergauge limit is helibore's), applied to the whole
 section instead of four pads. `helibore.logs.zones` applies them.
@@ -45,12 +46,12 @@ class Criteria:
     washout
         Least C2 - bit of a washout.
     key_seat
-        Least height of a key seat over the circle of C2.
+        Least height of a key seat over the unworn circle.
     undergauge
         How much less than the bit the least diameter must be.
     symmetry
-        Share of the elongation that must be symmetric about the hole's centre in a breakout, 0 to 1; if the
-        share is less, the turn is one-sided. 0.5 is usual for six-arm tools.
+        Share of the height of both lobes that must be symmetric about the unworn circle's centre in a breakout, 0 to
+        1; if the share is less, the turn is one-sided. 0.5 is usual for six-arm tools.
     opening_level
         Share of a lobe's height at which its opening is measured, in (0, 1).
     least_length

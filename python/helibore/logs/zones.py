@@ -23,7 +23,6 @@ from helibore.base.arrays import Floats, Integers, Mask, runs_of
 from helibore.base.axial import Axes, BreakoutLobe, axial_mean
 from helibore.base.errors import InputError, check_choice
 from helibore.base.notebook import card, curve_picture
-from helibore.base.ranges import PIECE, pieces
 from helibore.base.tables import LogColumn, LogTable, Tabular, columns_of
 from helibore.logs.breakouts import axes_of_arms, lobes_of, lobes_of_arms
 from helibore.logs.turn_logs import Logs, turn_logs
@@ -51,6 +50,10 @@ WORST = 5
 Kinds = npt.NDArray[np.int8]
 GAUGE, WASHOUT, BREAKOUT, KEY_SEAT, UNDERGAUGE = range(5)
 NO_KIND = -1
+OPPOSITE = 140.0
+"""Least degrees between two lobes that are opposite: the lobes of a breakout."""
+WIDEST_KEY_SEAT = 150.0
+"""Degrees; a wider lobe is no key seat."""
 NO_LOBE = BreakoutLobe(math.nan, math.nan, math.nan)
 
 
@@ -79,6 +82,9 @@ class Zone:
         Measured depth of ``enlargement``, metres.
     coverage
         Mean share of the zone's turns, also in its gaps, that is measured, not interpolated, 0 to 1.
+    pipe_diameter
+        Of a key seat that a wall shows: median, over the turns, of the diameter of the pipe that fits its bottom,
+        metres. NaN for other kinds.
     toolface
         Axis of a breakout, [0, 180), or direction of a key seat, [0, 360), degrees; NaN for other kinds.
     deviation
@@ -97,6 +103,7 @@ class Zone:
     elongation: float
     peak: float
     coverage: float
+    pipe_diameter: float
     toolface: float
     deviation: float
     lobes: tuple[BreakoutLobe, ...]
@@ -175,6 +182,7 @@ class Classification(Tabular):
             ("ELONG", "m", sizes["elongation"], [of.elongation for of in zones]),
             ("PEAK", "m", sizes["peak"], [of.peak for of in zones]),
             ("COVER", "", "Share of the zone that is measured, not interpolated", [of.coverage for of in zones]),
+            ("PIPE", "m", "Diameter of the pipe that fits a key seat", [of.pipe_diameter for of in zones]),
             ("AXIS", "deg", "Axis of a breakout, toolface of a key seat", [of.toolface for of in zones]),
             ("AXISDEV", "deg", "Axial standard deviation in the zone", [of.deviation for of in zones]),
         ]
@@ -183,7 +191,7 @@ class Classification(Tabular):
             rows += [
                 (f"LOBE{number}", "deg", "Toolface of the lobe", [of.toolface for of in lobes]),
                 (f"OPEN{number}", "deg", "Opening of the lobe", [of.opening for of in lobes]),
-                (f"HIGH{number}", "m", "Typical height of the lobe over the circle of C2", [of.height for of in lobes]),
+                (f"HIGH{number}", "m", "Typical height of the lobe over the circle", [of.height for of in lobes]),
             ]
         meanings = {COLUMNS_OF_SIZES.get(name, name): text for name, text in SIZES.items()}
         return LogTable(columns_of(*rows), {**self.facts(), **meanings})
@@ -235,7 +243,7 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
     if logs.step is not None or len(logs) > radius.size // K or logs.sectors != K:
         raise InputError("logs", "must be the logs of the turns of the same wall")
     start = float(wall.settings.start_toolface)
-    lower, higher = _end_heights(logs, radius, start)
+    lower, higher = _lobe_heights(logs)
     fits = _kinds(logs, criteria, lower, higher)
     under, elongation = logs.least_diameter - logs.bit_diameter, logs.c1 - logs.c2
     measures = {WASHOUT: logs.c2 - logs.bit_diameter, BREAKOUT: elongation, KEY_SEAT: higher, UNDERGAUGE: under}
@@ -253,43 +261,33 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
 
 
 def _kinds(logs: Logs, criteria: Criteria, lower: Floats, higher: Floats) -> Kinds:
-    """Return the kind of each turn without regard to its neighbours; `_end_heights` gives ``lower`` and ``higher``."""
+    """Return the kind of each turn without regard to its neighbours; `_lobe_heights` gives ``lower`` and ``higher``."""
     bit = logs.bit_diameter
     elongation = logs.c1 - logs.c2
     missing = np.isnan(logs.c1) if logs.shape == "arms" else np.isnan(logs.mean)
     under = ~missing & (logs.least_diameter < bit - criteria.undergauge)
     total = lower + higher
-    both = 2 * lower >= criteria.symmetry * total
+    both = (lower > 0) & (2 * lower >= criteria.symmetry * total)
     kind = np.full(len(logs), GAUGE, dtype=np.int8)
     kind[both & (elongation >= criteria.elongation)] = BREAKOUT
-    kind[~both & (higher >= criteria.key_seat)] = KEY_SEAT
+    narrow = True if logs.shape == "arms" else logs.lobe1_width <= WIDEST_KEY_SEAT
+    kind[~both & (higher >= criteria.key_seat) & narrow] = KEY_SEAT
     kind[washed_out(logs.c2, bit, criteria)] = WASHOUT
     kind[under] = UNDERGAUGE
     kind[missing] = NO_KIND
     return kind
 
 
-def _end_heights(logs: Logs, radius: Floats, start: float) -> tuple[Floats, Floats]:
-    """Return the heights of both ends of C1 over the circle of C2 around the centre of the area, metres.
+def _lobe_heights(logs: Logs) -> tuple[Floats, Floats]:
+    """Return the heights of the lobe opposite to the highest lobe, 0 without one, and of the highest lobe, metres.
 
-    The first array has the lower end of each turn, the second has the higher end.
+    For a tool with few arms they are those of the lower and the higher end of C1.
     """
     if logs.shape == "arms":
         half = (logs.c1 - logs.c2) / 2
         return half - logs.uneven / 2, half + logs.uneven / 2
-    K = logs.sectors
-    lower, higher = np.empty(len(logs)), np.empty(len(logs))
-    for turns in pieces(slice(0, len(logs)), max(PIECE // K, 1)):
-        around = radius[turns.start * K : turns.stop * K].reshape(-1, K)
-        number = np.rint((np.nan_to_num(logs.c1_toolface[turns]) - start) * (K / 360)).astype(np.int64)
-        ends = []
-        for at in (number % K, (number + K // 2) % K):
-            toolface, length = np.radians(start + at * (360 / K)), around[np.arange(len(around)), at]
-            x = length * np.cos(toolface) - logs.centre_0[turns]
-            y = length * np.sin(toolface) - logs.centre_90[turns]
-            ends.append(np.hypot(x, y) - logs.c2[turns] / 2)
-        lower[turns], higher[turns] = np.minimum(*ends), np.maximum(*ends)
-    return lower, higher
+    apart = np.abs((logs.lobe1_toolface - logs.lobe2_toolface + 180) % 360 - 180)
+    return np.where(apart >= OPPOSITE, logs.lobe2_height, 0.0), np.nan_to_num(logs.lobe1_height)
 
 
 def _runs(fits: Mask, free: Mask, criteria: Criteria, pitch: float) -> Iterator[tuple[int, int]]:
@@ -325,12 +323,15 @@ def _zone(
     size = (logs.least_diameter if code == UNDERGAUGE else logs.c1)[inside] - logs.bit_diameter
     most, measured, limit = int(extreme(size)), measures[inside], criteria.limits()[KINDS[code]]
     measure = float(measured[extreme(measured)])
-    toolface = deviation = math.nan
+    toolface = deviation = pipe = math.nan
     lobes: tuple[BreakoutLobe, ...] = ()
     if code in (BREAKOUT, KEY_SEAT) and logs.shape == "arms":
         toolface, deviation, lobes = lobes_of_arms(logs, inside, radius, start, code == BREAKOUT)
     elif code in (BREAKOUT, KEY_SEAT):
         toolface, deviation, lobes = lobes_of(logs, inside, radius, start, criteria.opening_level, code == BREAKOUT)
+    fits = logs.lobe1_pipe[inside]
+    if code == KEY_SEAT and logs.shape == "wall" and np.isfinite(fits).any():
+        pipe = float(np.nanmedian(fits))
     return Zone(
         kind=KINDS[code],
         start=ends[0] - logs.height / 2,
@@ -342,6 +343,7 @@ def _zone(
         elongation=float((logs.c1 - logs.c2)[inside].max()),
         peak=float(logs.depth[inside[most]]),
         coverage=float(logs.coverage[first:stop].mean()),
+        pipe_diameter=pipe,
         toolface=toolface,
         deviation=deviation,
         lobes=lobes,

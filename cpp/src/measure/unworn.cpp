@@ -1,0 +1,274 @@
+// Each turn is fitted alone, from four starts; the best fit counts. All lengths are those of a hole of 8.5 in, scaled
+// to the bit.
+#include "helibore/unworn.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "base/arithmetic.hpp"
+#include "base/degrees.hpp"
+#include "base/host_memory.hpp"
+#include "base/messages.hpp"
+#include "base/threads.hpp"
+#include "base/trigonometry.hpp"
+#include "samples/helix.hpp"
+
+namespace helibore {
+namespace {
+
+constexpr Index block = 64;  // turns
+constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+constexpr double scaled_bit = 0.2159;                                     // metres, 8.5 in
+constexpr std::array<double, 5> spreads{8e-3, 5e-3, 3e-3, 2e-3, 1.2e-3};  // metres
+constexpr int steps = 2;  // at each spread, and `last_steps` at the last
+constexpr int last_steps = 6;
+constexpr double inside_spread = 2.5;  // times the spread outside: noise and cuttings reach inside, wear does not
+constexpr double centre_guess = 15e-3, radius_guess = 20e-3;  // metres; standard deviations from the axis and the bit
+constexpr double judged_spread = 1.5e-3, far_inside = 3e-3;   // metres
+constexpr double least_lobe = 3e-3;                           // metres; a lobe is higher
+constexpr double width_level = 0.25, pipe_level = 0.35;
+constexpr double least_share = 0.25;  // of the vertices must count
+
+struct Fit {
+    double x, y, radius;
+};
+
+struct Directions {
+    std::vector<double> x, y;
+};
+
+// Falls from 1 to 0 as exp(-u^2 / 2) does; a library's exp differs in its last bits between machines.
+double falling(double square) {
+    const double of = 1.0 / (1.0 + square / 6.0);
+    return of * of * of;
+}
+
+// The vertices of one turn, metres.
+struct Turn {
+    std::vector<double> x, y, height;
+    std::vector<bool> counts;
+    double scale, bit_radius;
+    std::size_t size() const { return x.size(); }
+};
+
+double excess(const Turn& turn, std::size_t i, const Fit& fit) {
+    const double dx = turn.x[i] - fit.x, dy = turn.y[i] - fit.y;
+    return std::sqrt(dx * dx + dy * dy) - fit.radius;
+}
+
+double weight(double excess, double spread) {
+    const double u = excess / (excess > 0.0 ? spread : inside_spread * spread);
+    return falling(u * u);
+}
+
+// One step of iterated least squares: the circle moves to the weighted mean of the excess, with a pull to the guess.
+Fit improved(const Turn& turn, const Fit& fit, double spread) {
+    std::array<double, 6> a{};  // upper half of the normal matrix: xx, xy, xr, yy, yr, rr
+    std::array<double, 3> b{};
+    for (std::size_t i = 0; i < turn.size(); ++i) {
+        if (!turn.counts[i]) continue;
+        const double dx = turn.x[i] - fit.x, dy = turn.y[i] - fit.y, away = std::sqrt(dx * dx + dy * dy);
+        if (away == 0.0) continue;
+        const double e = away - fit.radius, nx = dx / away, ny = dy / away;
+        const double w = weight(e, spread) / (spread * spread);
+        a[0] += w * nx * nx, a[1] += w * nx * ny, a[2] += w * nx, a[3] += w * ny * ny, a[4] += w * ny, a[5] += w;
+        b[0] += w * nx * e, b[1] += w * ny * e, b[2] += w * e;
+    }
+    const double of_centre = 1.0 / (turn.scale * turn.scale * centre_guess * centre_guess);
+    const double of_radius = 1.0 / (turn.scale * turn.scale * radius_guess * radius_guess);
+    a[0] += of_centre, a[3] += of_centre, a[5] += of_radius;
+    b[0] -= of_centre * fit.x, b[1] -= of_centre * fit.y, b[2] -= of_radius * (fit.radius - turn.bit_radius);
+    // Cholesky; the pull makes the matrix positive definite.
+    const double l0 = std::sqrt(a[0]), l1 = a[1] / l0, l2 = a[2] / l0;
+    const double l3 = std::sqrt(a[3] - l1 * l1), l4 = (a[4] - l1 * l2) / l3;
+    const double l5 = std::sqrt(a[5] - l2 * l2 - l4 * l4);
+    const double u = b[0] / l0, v = (b[1] - l1 * u) / l3, w = (b[2] - l2 * u - l4 * v) / l5;
+    const double dr = w / l5, dy = (v - l4 * dr) / l3, dx = (u - l1 * dy - l2 * dr) / l0;
+    return {fit.x + dx, fit.y + dy, std::max(fit.radius + dr, 0.1 * turn.bit_radius)};
+}
+
+// How well a circle fits; higher is better. Rock far inside it, and a size far from the bit, speak against it.
+double merit(const Turn& turn, const Fit& fit) {
+    double sum = 0.0, inside = 0.0, count = 0.0;
+    for (std::size_t i = 0; i < turn.size(); ++i) {
+        if (!turn.counts[i]) continue;
+        const double e = excess(turn, i, fit) / turn.scale, u = e / judged_spread;
+        sum += falling(u * u);
+        inside += e < -far_inside ? 1.0 : 0.0;
+        count += 1.0;
+    }
+    const double off = (fit.radius - turn.bit_radius) / (turn.scale * radius_guess);
+    return (sum - inside) / count - 0.05 * off * off;
+}
+
+Fit fitted(const Turn& turn, std::vector<double>& radii) {
+    double x = 0.0, y = 0.0;
+    radii.clear();
+    for (std::size_t i = 0; i < turn.size(); ++i) {
+        if (!turn.counts[i]) continue;
+        x += turn.x[i], y += turn.y[i];
+        radii.push_back(std::sqrt(turn.x[i] * turn.x[i] + turn.y[i] * turn.y[i]));
+    }
+    x /= static_cast<double>(radii.size()), y /= static_cast<double>(radii.size());
+    const auto quarter = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 4);
+    std::nth_element(radii.begin(), quarter, radii.end());
+    Fit best{};
+    double most = -std::numeric_limits<double>::infinity();
+    for (Fit fit :
+         {Fit{0.0, 0.0, turn.bit_radius}, Fit{0.0, 0.0, *quarter}, Fit{x, y, *quarter}, Fit{-x, -y, *quarter}}) {
+        for (const double spread : spreads) {
+            for (int step = 0; step < (spread == spreads.back() ? last_steps : steps); ++step) {
+                fit = improved(turn, fit, spread * turn.scale);
+            }
+        }
+        const double of = merit(turn, fit);
+        if (of > most) most = of, best = fit;
+    }
+    return best;
+}
+
+// Returns the diameter of the circle that fits the vertices [first, stop) above a height, by least squares of squared
+// distances (Kasa); NaN for fewer than three vertices, or vertices in a line.
+double pipe_of(const Turn& turn, std::size_t first, std::size_t stop, double level) {
+    const std::size_t K = turn.size();
+    double n = 0.0, x = 0.0, y = 0.0;
+    for (std::size_t i = first; i < stop; ++i) {
+        if (turn.height[i % K] < level) continue;
+        n += 1.0, x += turn.x[i % K], y += turn.y[i % K];
+    }
+    if (n < 3.0) return missing;
+    x /= n, y /= n;
+    double xx = 0.0, xy = 0.0, yy = 0.0, xs = 0.0, ys = 0.0, s = 0.0;
+    for (std::size_t i = first; i < stop; ++i) {
+        if (turn.height[i % K] < level) continue;
+        const double dx = turn.x[i % K] - x, dy = turn.y[i % K] - y, square = dx * dx + dy * dy;
+        xx += dx * dx, xy += dx * dy, yy += dy * dy, xs += dx * square, ys += dy * square, s += square;
+    }
+    const double determinant = xx * yy - xy * xy;
+    if (!(determinant > 1e-12 * s * s)) return missing;
+    const double cx = 0.5 * (xs * yy - ys * xy) / determinant, cy = 0.5 * (ys * xx - xs * xy) / determinant;
+    return 2.0 * std::sqrt(cx * cx + cy * cy + s / n);
+}
+
+struct Lobe {
+    double toolface, width, height, pipe;
+};
+
+// Returns the lobe of the run of vertices [first, stop), whose numbers may pass the end of the turn; none if none of
+// its vertices counts.
+std::optional<Lobe> lobe_of(const Turn& turn, const Fit& fit, std::size_t first, std::size_t stop) {
+    const std::size_t K = turn.size();
+    Lobe lobe{0.0, 0.0, 0.0, missing};
+    double x = 0.0, y = 0.0;
+    for (std::size_t i = first; i < stop; ++i) {
+        const std::size_t k = i % K;
+        const double dx = turn.x[k] - fit.x, dy = turn.y[k] - fit.y, away = std::sqrt(dx * dx + dy * dy);
+        if (turn.counts[k]) lobe.height = std::max(lobe.height, turn.height[k]);
+        if (away > 0.0) x += turn.height[k] * dx / away, y += turn.height[k] * dy / away;
+    }
+    if (!(lobe.height > 0.0)) return std::nullopt;
+    lobe.toolface = wrap_toolface(arc_tangent(y, x) / degree);
+    double wide = 0.0;
+    for (std::size_t i = first; i < stop; ++i) wide += turn.height[i % K] >= width_level * lobe.height ? 1.0 : 0.0;
+    lobe.width = wide * 360.0 / static_cast<double>(K);
+    lobe.pipe = pipe_of(turn, first, stop, pipe_level * lobe.height);
+    return lobe;
+}
+
+void put(const std::optional<Lobe>& lobe, std::size_t at, TurnLobes& lobes) {
+    if (!lobe) return;
+    lobes.toolface[at] = lobe->toolface;
+    lobes.width[at] = lobe->width;
+    lobes.height[at] = lobe->height;
+    lobes.pipe[at] = lobe->pipe;
+}
+
+void find_lobes(Turn& turn, const Fit& fit, std::size_t at, UnwornTurns& found) {
+    const std::size_t K = turn.size();
+    const double limit = least_lobe * turn.scale;
+    std::size_t low = K;  // a vertex that is in no lobe
+    for (std::size_t k = 0; k < K; ++k) {
+        turn.height[k] = excess(turn, k, fit);
+        if (!(turn.height[k] > limit)) low = k;
+    }
+    std::optional<Lobe> highest, next;
+    const auto take = [&](std::size_t first, std::size_t stop) {
+        const auto lobe = lobe_of(turn, fit, first, stop);
+        if (!lobe) return;
+        if (!highest || lobe->height > highest->height) {
+            next = highest, highest = lobe;
+        } else if (!next || lobe->height > next->height) {
+            next = lobe;
+        }
+    };
+    if (low == K) {
+        take(0, K);
+    } else {
+        for (std::size_t i = low + 1; i < low + K; ++i) {
+            if (!(turn.height[i % K] > limit)) continue;
+            std::size_t stop = i;
+            while (turn.height[stop % K] > limit) ++stop;  // ends at `low`
+            take(i, stop);
+            i = stop;
+        }
+    }
+    put(highest, at, found.lobes[0]);
+    put(next, at, found.lobes[1]);
+}
+
+}  // namespace
+
+UnwornTurns unworn_turns(const Turns& turns, double bit_diameter, std::span<const double> given, int threads) {
+    const StandardArithmetic standard;
+    const std::vector<double> radius = copied(turns.radius);
+    const std::vector<double> counts = copied(given);
+    require_sectors(turns.sectors);
+    require(std::isfinite(turns.start_toolface), "start_toolface", turns.start_toolface, "must be finite");
+    require(bit_diameter >= 1e-50 && bit_diameter <= 1e50, "bit_diameter", bit_diameter, "must lie in 1e-50 to 1e50 m");
+    require_threads(threads);
+    if (!counts.empty()) require_length("counts", counts.size(), radius.size(), "radius");
+    const auto K = static_cast<std::size_t>(turns.sectors);
+    const Index count = static_cast<Index>(radius.size() / K);
+    UnwornTurns found;
+    for (std::vector<double>* column : {&found.diameter, &found.centre_0, &found.centre_90}) {
+        column->assign(static_cast<std::size_t>(count), missing);
+    }
+    for (TurnLobes& lobes : found.lobes) {
+        for (std::vector<double>* column : {&lobes.toolface, &lobes.width, &lobes.height, &lobes.pipe}) {
+            column->assign(static_cast<std::size_t>(count), missing);
+        }
+    }
+    Directions directions;
+    for (std::size_t k = 0; k < K; ++k) {
+        const auto [sine, cosine] =
+            sine_cosine(turns.start_toolface + static_cast<double>(k) * 360.0 / static_cast<double>(K));
+        directions.x.push_back(cosine), directions.y.push_back(sine);
+    }
+    for_each_range(threads, count, block, [&](int, const Range& range) {
+        Turn turn{std::vector<double>(K), std::vector<double>(K),    std::vector<double>(K),
+                  std::vector<bool>(K),   bit_diameter / scaled_bit, 0.5 * bit_diameter};
+        std::vector<double> radii;
+        for (Index at = range.start; at < range.stop; ++at) {
+            const auto i = static_cast<std::size_t>(at);
+            std::size_t known = 0, there = 0;
+            for (std::size_t k = 0; k < K; ++k) {
+                const double r = radius[i * K + k];
+                there += r == r ? 1 : 0;
+                turn.x[k] = r * directions.x[k], turn.y[k] = r * directions.y[k];
+                turn.counts[k] = counts.empty() || counts[i * K + k] != 0.0;
+                known += turn.counts[k] ? 1 : 0;
+            }
+            if (there < K || known < 3 || static_cast<double>(known) < least_share * static_cast<double>(K)) continue;
+            const Fit fit = fitted(turn, radii);
+            found.diameter[i] = 2.0 * fit.radius;
+            found.centre_0[i] = fit.x;
+            found.centre_90[i] = fit.y;
+            find_lobes(turn, fit, i, found);
+        }
+    });
+    return found;
+}
+
+}  // namespace helibore
