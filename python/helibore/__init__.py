@@ -17,7 +17,6 @@ if TYPE_CHECKING:  # the same names as below
     from helibore import plot as plot
     from helibore.base.errors import InputError as InputError
     from helibore.base.errors import MissingExtraError as MissingExtraError
-    from helibore.base.settings import Settings as Settings
     from helibore.base.tables import LogColumn as LogColumn
     from helibore.channels.opening import open as open  # noqa: A004
     from helibore.images.sector_image import SectorImage as SectorImage
@@ -32,6 +31,7 @@ if TYPE_CHECKING:  # the same names as below
     from helibore.runs.reconstruct import reconstruct as reconstruct
     from helibore.runs.reprocess import reprocess as reprocess
     from helibore.samples.caliper import Caliper as Caliper
+    from helibore.settings.wall_settings import Settings as Settings
     from helibore.trajectory.survey import Path as Path
     from helibore.trajectory.survey import Survey as Survey
     from helibore.viewer import view as view
@@ -46,7 +46,7 @@ _load, _, __all__ = lazy_loader.attach(
     ["plot"],
     {
         "base.errors": ["InputError", "MissingExtraError"],
-        "base.settings": ["Settings"],
+        "settings.wall_settings": ["Settings"],
         "base.tables": ["LogColumn"],
         "channels.opening": ["open"],
         "images.sector_image": ["SectorImage"],

@@ -54,10 +54,19 @@ def check_choice(place: str, value: object, choices: Collection[object]) -> None
 
 
 def check_names(prefix: str, names: Iterable[str], known: Collection[str]) -> None:
-    """Raise InputError if a name is not known. The error lists known names; its place is ``prefix`` + this name."""
+    """Raise InputError if a name is not known; see `unknown_name`. Its place is ``prefix`` + this name."""
     for name in names:
         if name not in known:
-            raise InputError(f"{prefix}{name}", f"must be one of {', '.join(known)}")
+            raise unknown_name(f"{prefix}{name}", name, known)
+
+
+def unknown_name(place: str, name: str, known: Iterable[str]) -> InputError:
+    """Return the error for a name that is not known: it states the nearest known name, or else all known names."""
+    from difflib import get_close_matches
+
+    known = list(known)
+    near = get_close_matches(name, known, 1)
+    return InputError(place, f"not known; did you mean {near[0]}?" if near else f"must be one of {', '.join(known)}")
 
 
 def check_ending(path: str | PathLike[str], endings: Collection[str], why: str = "") -> str:

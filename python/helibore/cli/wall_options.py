@@ -23,8 +23,11 @@ import click
 from click.core import ParameterSource
 
 from helibore.base.errors import InputError
-from helibore.cli.quantities import ANGLE, BIT, FILE, LENGTH, LENGTH_OR_NONE, NUMBERS, SHIFT, TIME
+from helibore.cli.declared_options import options_of, stated
+from helibore.cli.quantities import ANGLE, FILE, LENGTH, NUMBERS, SHIFT, TIME
 from helibore.mesh.mesh_files import SURFACE_ENDINGS, VOLUME_ENDINGS
+from helibore.settings.declared import members
+from helibore.settings.wall_settings import Settings
 from helibore.trajectory.references import Reference
 from helibore.wall.archive import ENDING as ARCHIVE
 
@@ -82,7 +85,7 @@ def opts(names: str, help: str, **settings: Any) -> tuple[str, dict[str, Any]]: 
 
 SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
     "Source": (
-        opt("--bit-diameter", "Bit size, such as 8.5in, '8 1/2in' or 0.216m. Archives and settings have it.", type=BIT),
+        *options_of(Settings, "bit_diameter"),
         opt("--average", "Average caliper in place of SOURCE; the shape is assumed round.", metavar="FILE:CHANNEL"),
         opt("--gauge", "Gauge hole in place of SOURCE; it is not measured and only carries images.", is_flag=True),
         opt("--from-settings", "Repeat the run that wrote this settings file, which may also be SOURCE.", type=FILE),
@@ -172,23 +175,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--head", "North, east and down of the first station.", type=LENGTH, nargs=3, default=("0m", "0m", "0m")),
     ),
     "Wall": (
-        opt("--sectors", "Vertices in a turn.", type=int, default=64),
-        opt("--pitch", "Pitch of the helix; negative for a well logged upwards.", type=LENGTH, default="100mm"),
-        opt("--start-toolface", "Toolface of the first vertex.", type=ANGLE, default="0deg"),
-        opt("--neighbors", "Number of nearest samples that make a vertex.  [8; kriging: 16]", type=int),
-        opt("--window", "Search only this many samples around a vertex, as in the published method.  [all]", type=int),
-        opt("--power", "Weights are distance^-power.", type=float, default=1.0),
-        opt("--max-distance", "A vertex uses no sample farther away than this; none: no limit.", type=LENGTH_OR_NONE,
-            default="1m"),
-        opt("--max-iterations", "Greatest number of iterations for a radius.", type=int, default=4),
-        opt("--tolerance", "Change of radius that ends the iteration.", type=LENGTH, default="0.001mm"),
-        opt("--angular-scale", "Factor on distances around the hole. 1: true arcs; 2: as in the published method; "
-            "above 1, more neighbours lie above and below.", type=float,
-            default=1.0),
-        opt("--estimator", "Method that computes a radius from its neighbours.", default="inverse-distance",
-            type=click.Choice(["inverse-distance", "kriging"])),
-        opt("--kriging-range", "Distance from which two radii are not correlated.  [helibore finds it]", type=LENGTH),
-        opt("--nugget", "Kriging: variance of the noise divided by variance of the shape.", type=float, default=0.1),
+        *options_of(Settings, *(name for name in members(Settings) if name != "bit_diameter")),
         opt("--tune", "Find the estimator, its angular scale and nugget by leaving samples out. The settings beside "
             "the output hold the result.", is_flag=True),
         opt("--threads", "Number of threads.  [all cores]", type=int),
@@ -418,7 +405,6 @@ def _check_numbers(options: dict[str, Any]) -> None:
 def _opened(options: dict[str, Any]) -> tuple[RunSettings, OpenFiles]:
     """Open every file that the options name; return the settings of the run, and the files."""
     from helibore.base.nulls import NULLS
-    from helibore.base.settings import Settings
     from helibore.channels.role_map import parse_options
     from helibore.preparation.conditioning import Echo
     from helibore.preparation.prepare import Preparation
@@ -461,7 +447,7 @@ def _opened(options: dict[str, Any]) -> tuple[RunSettings, OpenFiles]:
     named = options | {"steep": options["switch"][0], "level": options["switch"][1]}
     if options["radius_range"]:
         named |= dict(zip(("least_radius", "greatest_radius"), options["radius_range"], strict=True))
-    if options["pitch"] < 0:  # a helix that goes up starts at its deep end
+    if (options["pitch"] or 0) < 0:  # a helix that goes up starts at its deep end
         named |= {"start_depth": options["stop_depth"], "stop_depth": options["start_depth"]}
 
     def made(kind: type[Any]) -> Any:
@@ -470,7 +456,7 @@ def _opened(options: dict[str, Any]) -> tuple[RunSettings, OpenFiles]:
     settings = RunSettings(
         nulls=nulls, gauge=options["gauge"], image=_images(options), scalar=_scalars(options),
         preparation=made(Preparation), path=made(PathSettings),
-        wall=None if archive is not None else made(Settings), **inputs,
+        wall=None if archive is not None else Settings(**stated(Settings, named)), **inputs,
     )  # fmt: skip
     return settings, files
 

@@ -17,8 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from helibore.base.arrays import Floats
-from helibore.base.settings import Settings
 from helibore.images.sector_image import SectorImage
+from helibore.settings.wall_settings import Settings
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,6 @@ import numpy as np
 from helibore.base.arrays import Floats
 from helibore.base.colors import FILL_COLORS, MISSING, ZONE_COLORS, ColorScale, ink_on
 from helibore.base.errors import InputError
-from helibore.base.settings import Settings
 from helibore.base.units import INCH, MILLIMETRE
 from helibore.images.sector_image import SectorImage
 from helibore.logs.curves import ScalarCurve
@@ -31,6 +30,7 @@ from helibore.plot.paper import FAINT, FONT, INK, RULE, SMALL, USUAL, Sheet
 from helibore.plot.raster import Grid, unroll_image, unroll_wall
 from helibore.plot.shading import HATCH_BYTES
 from helibore.samples.caliper import Basis
+from helibore.settings.wall_settings import Settings
 from helibore.trajectory.true_depth import TrueDepth
 
 if TYPE_CHECKING:

@@ -27,7 +27,6 @@ import numpy as np
 from helibore.base.arrays import Floats
 from helibore.base.atomic_file import write_whole
 from helibore.base.errors import InputError
-from helibore.base.settings import Settings
 from helibore.channels.channel_readings import readings
 from helibore.channels.log_set import LogSet
 from helibore.files.columnar import parquet_values
@@ -40,6 +39,7 @@ from helibore.runs.output_store import Json, Store
 from helibore.runs.run import Run, interval, no_samples
 from helibore.runs.run_settings import Input
 from helibore.samples.caliper import LARGEST_RADIUS, Basis, Caliper, basis_text
+from helibore.settings.wall_settings import Settings
 from helibore.trajectory.survey import Path as WellPath
 from helibore.wall.wall import Wall
 

@@ -9,7 +9,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Unpack
 
 from helibore.base.errors import InputError
 from helibore.base.tables import refuse_table
@@ -20,6 +20,7 @@ from helibore.wall.wall import Wall, wall_of
 if TYPE_CHECKING:
     from helibore.preparation.prepare import Preparation, Prepared, Track
     from helibore.preparation.readings import Readings
+    from helibore.settings.keywords import WallSettings
     from helibore.trajectory.survey import Path
 
 DIFFERENCE = "difference"
@@ -34,7 +35,7 @@ def reconstruct(
     path: Path | None = None,
     track: Track | None = None,
     threads: int | None = None,
-    **settings: Any,
+    **settings: Unpack[WallSettings],
 ) -> Wall:
     """Rebuild the wall of a hole from its samples, by one append to an empty `Wall`.
 

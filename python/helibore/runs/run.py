@@ -23,7 +23,6 @@ from typing import Any
 import numpy as np
 
 from helibore.base.errors import InputError
-from helibore.base.settings import Settings
 from helibore.channels.channel_readings import note, readings
 from helibore.channels.columns import column, depths, needed, north_of
 from helibore.channels.depth_remarks import depth_remarks
@@ -40,6 +39,7 @@ from helibore.runs import run_settings
 from helibore.runs.reconstruct import reconstruct
 from helibore.runs.run_settings import ImageInput, Input, Output, RunSettings
 from helibore.samples.caliper import LARGEST_RADIUS, Caliper
+from helibore.settings.wall_settings import Settings
 from helibore.trajectory.references import ASSUMED
 from helibore.trajectory.survey import Path as WellPath
 from helibore.trajectory.survey import Survey

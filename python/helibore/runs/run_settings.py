@@ -28,12 +28,12 @@ from helibore._core import __version__
 from helibore.base.atomic_file import write_whole
 from helibore.base.errors import InputError, check_choice
 from helibore.base.nulls import NULLS
-from helibore.base.settings import Settings
 from helibore.base.toml_file import read_toml
 from helibore.channels.roles import ROLES, Role, RoleMap
 from helibore.images.sector_image import Origin
 from helibore.preparation.conditioning import Echo
 from helibore.preparation.prepare import Preparation
+from helibore.settings.wall_settings import Settings
 from helibore.trajectory.references import Reference
 from helibore.trajectory.survey import Method
 

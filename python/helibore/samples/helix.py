@@ -15,8 +15,8 @@ import numpy as np
 
 from helibore.base.arrays import Floats, Integers
 from helibore.base.errors import InputError
-from helibore.base.settings import Settings
 from helibore.samples.caliper import Basis, basis_text
+from helibore.settings.wall_settings import Settings
 
 
 class WallLike(Protocol):

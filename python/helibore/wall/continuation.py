@@ -26,9 +26,9 @@ import numpy as np
 
 from helibore import _core
 from helibore.base.arrays import Floats
-from helibore.base.settings import Settings
 from helibore.base.thread_count import thread_count
 from helibore.samples.helix import Helix
+from helibore.settings.wall_settings import Settings
 from helibore.wall.estimates import MOST_UNMEASURED, Columns
 
 LEAST_GAIN = 8.0

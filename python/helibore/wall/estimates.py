@@ -16,8 +16,8 @@ import numpy as np
 from helibore import _core
 from helibore.base.arrays import Floats, Integers
 from helibore.base.errors import InputError
-from helibore.base.settings import Settings
 from helibore.samples.caliper import Caliper
+from helibore.settings.wall_settings import Settings
 
 FEWEST_SAMPLES = 100
 MOST_UNMEASURED = 0.5

@@ -18,11 +18,11 @@ import numpy as np
 from helibore import _core
 from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
-from helibore.base.settings import Settings
 from helibore.images.sector_image import SectorImage
 from helibore.logs.picks import ENDING as PICKS
 from helibore.logs.picks import Picks
 from helibore.samples.caliper import Caliper
+from helibore.settings.wall_settings import Settings
 from helibore.trajectory.survey import Survey
 from helibore.wall.archive import ARMS, STATIONS, VERTICES, Arrays, Members, opened
 from helibore.wall.wall import Wall

@@ -30,11 +30,11 @@ from helibore.wall.wall_columns import MEASURED, WallColumns
 if TYPE_CHECKING:
     from xarray import Dataset
 
-    from helibore.base.settings import Settings
     from helibore.logs.summary import WallSummary
     from helibore.logs.turn_logs import Logs
     from helibore.logs.zone_criteria import Criteria
     from helibore.logs.zones import Classification
+    from helibore.settings.wall_settings import Settings
 
 
 class WallReads:

@@ -20,17 +20,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 
 from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.base.notebook import card
-from helibore.base.settings import Settings
 from helibore.base.tables import refuse_table
 from helibore.base.thread_count import thread_count
 from helibore.samples.caliper import Caliper
+from helibore.settings.keywords import WallSettings
+from helibore.settings.wall_settings import Settings
 from helibore.wall.continuation import LEAST_GAIN, find_continuation
 from helibore.wall.estimates import (
     FEW_BOXES,
@@ -176,7 +177,7 @@ def tune(
     targets: int = 2000,
     threads: int | None = None,
     seed: int = 0,
-    **fixed: Any,
+    **fixed: Unpack[WallSettings],
 ) -> Tuning:
     """Find the settings that rebuild a hole best, by leaving samples out.
 
@@ -212,7 +213,7 @@ def tune(
     refuse_table(caliper, "caliper")
     settings = Settings(bit_diameter=bit_diameter, **fixed)
     Wall(**vars(settings) | {"kriging_range": settings.kriging_range or 1.0})  # the core checks the settings
-    return _tuning(in_depth_order(caliper), settings, fixed, targets, thread_count(threads), seed, boxes=targets)
+    return _tuning(in_depth_order(caliper), settings, dict(fixed), targets, thread_count(threads), seed, boxes=targets)
 
 
 def cross_validate(wall: Wall, targets: int = 1000, threads: int | None = None) -> Tuning:

@@ -27,8 +27,8 @@ import numpy as np
 from helibore import _core
 from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
-from helibore.base.settings import Settings
 from helibore.samples.helix import whole_helix
+from helibore.settings.wall_settings import Settings
 from helibore.wall.estimates import MOST_UNMEASURED, Columns, choose_left_out, estimate_left_out
 from helibore.wall.wall_columns import WallColumns
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Iterable, Mapping
 from functools import partial
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -19,13 +19,14 @@ import numpy.typing as npt
 from helibore import _core
 from helibore.base.arrays import Floats, sample_columns
 from helibore.base.errors import InputError
-from helibore.base.settings import Settings
 from helibore.base.thread_count import thread_count
 from helibore.images.sector_image import SectorImage, SectorImages
 from helibore.logs.picks import Pick, Picks
 from helibore.mesh.attributes import WallAttributes
 from helibore.samples.caliper import Basis, Caliper, basis_text, check_basis
 from helibore.samples.helix import quad_room
+from helibore.settings.keywords import WallSettings
+from helibore.settings.wall_settings import Settings
 from helibore.trajectory.survey import Path, checked_path
 from helibore.wall.append_result import Change, VertexColumns
 from helibore.wall.estimates import find_kriging_range, in_depth_order
@@ -68,7 +69,7 @@ class Wall(WallReads):
         threads: int | None = None,
         instruction_set: str = "automatic",
         basis: Basis = "azimuthal",
-        **settings: Any,
+        **settings: Unpack[WallSettings],
     ) -> None:
         check_basis(basis)
         self._basis = basis
@@ -418,7 +419,12 @@ def _copied(value: Any) -> Any:
 
 
 def wall_of(
-    caliper: Caliper, *, bit_diameter: float, path: Path | None = None, threads: int | None = None, **settings: Any
+    caliper: Caliper,
+    *,
+    bit_diameter: float,
+    path: Path | None = None,
+    threads: int | None = None,
+    **settings: Unpack[WallSettings],
 ) -> Wall:
     """Return a wall made from the samples of ``caliper``; the parameters are those of `helibore.reconstruct`."""
     if settings.get("estimator") == "kriging" and settings.get("kriging_range") is None:

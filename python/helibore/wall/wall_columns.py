@@ -11,13 +11,13 @@ import numpy as np
 
 from helibore import _core
 from helibore.base.arrays import Floats, Integers32, Mask
-from helibore.base.settings import Settings
 from helibore.base.thread_count import thread_count
 from helibore.images.sector_image import SectorImage
 from helibore.logs.picks import Picks
 from helibore.mesh.attributes import WallAttributes
 from helibore.samples.caliper import Basis, Caliper
 from helibore.samples.helix import quad_room, whole_helix
+from helibore.settings.wall_settings import Settings
 from helibore.trajectory.survey import Path
 
 MEASURED = "measured"

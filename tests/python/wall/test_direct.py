@@ -81,7 +81,7 @@ def test_a_saved_wall_goes_on_being_direct(tmp_path: Any) -> None:
 
 
 def test_direct_is_a_truth_value() -> None:
-    with pytest.raises(ValueError, match=exactly("direct = 1: must be True or False")):
+    with pytest.raises(ValueError, match=exactly("direct = 1: must be true or false")):
         hb.Wall(bit_diameter=BIT, direct=1)
 
 

@@ -101,7 +101,7 @@ def test_neighbors_follow_the_estimator() -> None:
 
 
 BAD = [
-    ({"estimator": "spline"}, "estimator = 'spline': must be 'inverse-distance' or 'kriging'"),
+    ({"estimator": "spline"}, "estimator = 'spline': must be one of inverse-distance, kriging"),
     ({"estimator": "kriging"}, "kriging_range: must be given where samples arrive later; reconstruct() finds it"),
     ({"estimator": "kriging", "kriging_range": 0.0}, "kriging_range = 0: must be finite and above 0"),
     ({"estimator": "kriging", "kriging_range": 1, "neighbors": 65}, "neighbors = 65: must lie in 1 to 64"),

@@ -1,0 +1,234 @@
+"""Read declared settings from TOML and from texts of the command line; an error names file, line, key and rule.
+
+source, tree = TomlSource.load(Path("well.toml"))
+read_table(Settings, tree["wall"], source, ("wall",))    the table [wall] as `Settings`
+parse_setting(member, "8 1/2in")                          the value of one setting, as a command line has it
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import typing
+from bisect import bisect_left
+from dataclasses import MISSING, dataclass, field
+from pathlib import Path
+from typing import Any, Literal, TypeVar
+
+from helibore.base import units
+from helibore.base.errors import InputError, unknown_name
+from helibore.base.toml_file import parse_toml, read_text
+from helibore.settings.declared import NOUNS, Member, Unit, members, shown
+
+Key = str | int
+Made = TypeVar("Made")
+
+
+@dataclass(frozen=True)
+class TomlSource:
+    """Where settings come from: the name that errors show, the folder of file names, and the text for line numbers.
+
+    If ``recorded``, helibore wrote the file, perhaps an earlier version with other names of settings.
+    """
+
+    name: str
+    folder: Path = Path()
+    text: str = field(default="", repr=False)
+    recorded: bool = False
+
+    @classmethod
+    def load(cls, path: Path) -> tuple[TomlSource, dict[str, Any]]:
+        """Read a TOML file; return its source and its tables."""
+        text = read_text(path, path.name)
+        tree = parse_toml(text, path.name)
+        return cls(path.name, path.parent, text, "helibore" in tree), tree
+
+    def place(self, keys: tuple[Key, ...]) -> str:
+        """Return a place for errors: ``well.toml, line 12: image 2.origin``; tables of a list are counted from 1."""
+        name = ""
+        for key in keys:
+            name += f" {key + 1}" if isinstance(key, int) else f".{key}" if name else key
+        line = self.line(keys)
+        where = f"{self.name}, line {line}" if line else self.name
+        return f"{where}: {name}" if name else where
+
+    def error(self, keys: tuple[Key, ...], rule: str, value: Any = MISSING) -> InputError:
+        """Return the error for a value that breaks a rule."""
+        return InputError(self.place(keys), rule, None if value is MISSING else shown(value))
+
+    def line(self, keys: tuple[Key, ...]) -> int | None:
+        """Return the line where a key stands, or its table if the key is missing; None if there is neither."""
+        if not self.text or not keys:
+            return None
+        lines = self.text.splitlines(keepends=True)
+
+        @functools.cache
+        def begun(count: int) -> Any:
+            """Parse the first ``count`` lines, and as many more as the last value needs."""
+            try:
+                return parse_toml("".join(lines[:count]), self.name)
+            except InputError:
+                return begun(count + 1)
+
+        if not _holds(begun(len(lines)), keys):
+            return self.line(keys[:-1])
+        return bisect_left(range(len(lines) + 1), True, key=lambda count: _holds(begun(count), keys))
+
+
+def _holds(tree: Any, keys: tuple[Key, ...]) -> bool:
+    """Return whether a tree has a key, given with the keys of its tables."""
+    for key in keys:
+        if isinstance(key, int):
+            there = isinstance(tree, list) and key < len(tree)
+        else:
+            there = isinstance(tree, dict) and key in tree
+        if not there:
+            return False
+        tree = tree[key]
+    return True
+
+
+def read_table(kind: type[Made], tree: Any, source: TomlSource, keys: tuple[Key, ...] = ()) -> Made:
+    """Return a table as an object of a declared class; ``keys`` lead to the table in the file.
+
+    Raises
+    ------
+    InputError
+        On a key that is not known, a key that is missing, and a value that breaks its rule.
+    """
+    if not isinstance(tree, dict):
+        raise source.error(keys, f"must be {NOUNS[dict]}", tree)
+    known = members(kind)
+    values = {}
+    for key, value in tree.items():
+        member = known.get(key) or _former(known, key, source, keys)
+        values[member.name] = read_value(member.hint, member.optional, member.unit, value, source, (*keys, key))
+    for name, member in known.items():
+        if member.default is MISSING and name not in values:
+            raise source.error((*keys, name), "is missing")
+    try:
+        return kind(**values)
+    except InputError as error:
+        if error.place in known:
+            raise InputError(source.place((*keys, error.place)), error.rule, error.value) from error
+        raise error.within(source.place(keys)) from error
+
+
+def _former(known: dict[str, Member], key: str, source: TomlSource, keys: tuple[Key, ...]) -> Member:
+    """Return the setting that had the name ``key`` in an earlier version; refuse a name that never was one."""
+    for member in known.values():
+        if key in member.formerly:
+            if source.recorded:
+                return member
+            raise source.error((*keys, key), f"is now called {member.name}")
+    raise unknown_name(source.place((*keys, key)), key, known)
+
+
+def read_value(
+    hint: Any, optional: bool, unit: Unit | None, value: Any, source: TomlSource, keys: tuple[Key, ...]
+) -> Any:
+    """Return a value of TOML in a type.
+
+    "none" stands for None where None is allowed; a text such as "8.5in" is a number where the number has a unit.
+    """
+    if value == "none" and optional:
+        return None
+    kind = typing.get_origin(hint) or hint
+    if dataclasses.is_dataclass(kind):
+        return read_table(typing.cast(type[Any], kind), value, source, keys)
+    if kind is tuple:
+        return _read_list(typing.get_args(hint), unit, value, source, keys)
+    if kind is dict and typing.get_args(hint) and isinstance(value, dict):
+        of = typing.get_args(hint)[1]
+        return {name: read_value(of, False, unit, each, source, (*keys, name)) for name, each in value.items()}
+    if kind is Path and isinstance(value, str):
+        return source.folder / value
+    if kind is float and unit is not None and isinstance(value, str):
+        try:
+            return units.quantity(value, unit.kind)
+        except InputError as error:
+            rule = f"{error.place}: {error.rule}" if error.place.startswith("unit") else error.rule
+            raise source.error(keys, rule, value) from error
+    if kind is float and type(value) is int:
+        return float(value)
+    choices = typing.get_args(hint) if kind is Literal else ()
+    if hint is Any or type(value) is kind or value in choices:
+        return value
+    raise source.error(keys, f"must be {'one of ' + ', '.join(map(str, choices)) if choices else NOUNS[kind]}", value)
+
+
+def _read_list(parts: tuple[Any, ...], unit: Unit | None, value: Any, source: TomlSource, keys: tuple[Key, ...]) -> Any:
+    endless = parts[-1] is Ellipsis
+    if not isinstance(value, list) or not (endless or len(parts) == len(value)):
+        if dataclasses.is_dataclass(parts[0]):
+            raise source.error(keys, f"must be tables, [[{'.'.join(map(str, keys))}]]", value)
+        raise source.error(keys, "must be a list" if endless else f"must be a list of {len(parts)}", value)
+    kinds = [parts[0]] * len(value) if endless else parts
+    return tuple(
+        read_value(of, False, unit, each, source, (*keys, number))
+        for number, (of, each) in enumerate(zip(kinds, value, strict=True))
+    )
+
+
+def parse_setting(member: Member, text: str, name: str = "") -> Any:
+    """Return the value of a setting from a text of the command line, checked by the rules of the setting.
+
+    The text is what stands behind the equals sign in TOML, but texts need no quotes: ``4``, ``0.3in``, ``true``,
+    ``[2, 3]`` or ``2,3``. ``name`` is the place in errors; "": the name of the setting.
+    """
+    source = TomlSource(name or member.name, Path())
+    value: Any = text
+    if member.kind not in (str, Path) and member.choices == ():
+        value = _as_toml(text, member)
+    if member.kind is float and member.unit is not None and member.unit.needed and text.strip()[-1:].isdigit():
+        rule = f"needs a unit, such as {text}{member.unit.shown} or {text}mm"
+        raise InputError(source.name, rule, shown(text))
+    try:
+        return member.checked(read_value(member.hint, member.optional, member.unit, value, source, ()))
+    except InputError as error:
+        rule = error.rule + _unit_hint(member, text)
+        raise InputError(source.name, rule, shown(text) if error.value else None) from error
+
+
+def _unit_hint(member: Member, text: str) -> str:
+    """Return what to add to an error if a user most likely left out the unit: 8.5 for a bit of 8.5in."""
+    try:
+        number = float(text)
+    except ValueError:
+        return ""
+    if member.unit is None or member.unit.kind != units.LENGTH or number <= 0:
+        return ""
+    return f"; a number without a unit is metres; did you mean {text}{'mm' if number > 100 else 'in'}?"
+
+
+def _as_toml(text: str, member: Member) -> Any:
+    """Return the TOML value that a text is; the text itself if it is none. A list needs no brackets."""
+    for form in (text, f"[{text}]") if member.kind is not tuple or text.startswith("[") else (f"[{text}]",):
+        try:
+            return parse_toml(f"value = {form}", member.name)["value"]
+        except InputError:
+            if member.kind is not tuple:
+                break
+    if member.kind is tuple:
+        return [part.strip() for part in text.split(",")]
+    return text
+
+
+def split_setting(text: str, groups: dict[str, type[Any]]) -> tuple[str, Member, Any]:
+    """Return group, setting and value of a text such as ``wall.power=2``; ``groups`` are the declared classes by name.
+
+    Raise InputError if the group or the setting is not known, or the value breaks its rule.
+    """
+    name, equals, value = text.partition("=")
+    group, dot, key = name.strip().partition(".")
+    if not (equals and dot and key):
+        raise InputError("--setting", "must be GROUP.NAME=VALUE, such as wall.power=2", shown(text))
+    if group not in groups:
+        raise unknown_name(group, group, groups)
+    known = members(groups[group])
+    if key not in known:
+        former = next((member.name for member in known.values() if key in member.formerly), None)
+        if former:
+            raise InputError(name, f"is now called {group}.{former}")
+        raise unknown_name(name, key, known)
+    return group, known[key], parse_setting(known[key], value, name)

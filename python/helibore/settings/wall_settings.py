@@ -1,0 +1,122 @@
+"""The settings of a wall. The radius of every vertex depends only on these settings and on the samples."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Literal, cast
+
+from helibore.settings.declared import (
+    DEGREES,
+    DEPTH,
+    FINITE,
+    METRES,
+    MILLIMETRES,
+    NOT_ZERO,
+    POSITIVE,
+    Declared,
+    Option,
+    Rule,
+    at_least,
+    at_most,
+    within,
+)
+
+DISTANCE = Rule("must be above 0", lambda value: value > 0)
+ANGLE = Rule("must be above 0 and at most 360", lambda value: 0 < value <= 360)
+FINEST_NUGGET = Rule("must be finite and at least 1e-6", lambda value: 1e-6 <= value < float("inf"))
+TOLERANCE = Rule("must be 0 or above", lambda value: value >= 0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings(Declared):
+    """Settings of a wall; the method was published in Energies 2021, 14, 291."""
+
+    bit_diameter: Annotated[
+        float, METRES, POSITIVE, at_least(0.001, "m"), at_most(4, "m"), Option("from the project or the wall"),
+        "Bit size, such as 8.5in or '8 1/2in'. The first trial radius is half of it.",
+    ]  # fmt: skip
+    sectors: Annotated[int, within(3, 1_000_000), Option(), "Vertices in a turn, K."] = 64
+    pitch: Annotated[float, MILLIMETRES, NOT_ZERO, DEPTH, Option(),
+        "Pitch of the helix; negative for a well logged upwards. It is the distance along the hole from one turn to "
+        "the next.",
+    ] = 0.1  # fmt: skip
+    start_depth: Annotated[float | None, METRES, FINITE, DEPTH,
+        "Depth at which the helix starts. None: the depth of the first sample along the helix.",
+    ] = None  # fmt: skip
+    stop_depth: Annotated[float | None, METRES, FINITE, DEPTH,
+        "Depth at which the helix stops. None: the depth of the last sample along the helix.",
+    ] = None  # fmt: skip
+    start_toolface: Annotated[float, DEGREES, FINITE, within(-1e6, 1e6, "degrees"), Option(),
+        "Toolface of the first vertex.",
+    ] = 0.0  # fmt: skip
+    neighbors: Annotated[int, within(1, 256), Option("8; kriging: 16"),
+        "Number of nearest samples that make a vertex. With kriging, at most 64; None: 8, with kriging 16. V in the "
+        "published method.",
+    ] = cast(int, None)  # fmt: skip  # becomes 8 or 16
+    window: Annotated[int | None, at_least(1), Option("all"),
+        "Search only this many samples around a vertex, as in the published method. They are consecutive in depth (U). "
+        "None: search all, exactly.",
+    ] = None  # fmt: skip
+    power: Annotated[float, POSITIVE, at_most(100), Option(), "Weights are distance^-power."] = 1.0
+    max_distance: Annotated[float | None, METRES, DISTANCE, at_least(1e-9, "m"), Option(),
+        "A vertex uses no sample farther away than this; none: no limit.",
+    ] = 1.0  # fmt: skip
+    max_iterations: Annotated[int, within(1, 255), Option(),
+        "Greatest number of iterations for a radius. The estimate is repeated with the new radius until the radius "
+        "moves by at most ``tolerance``.",
+    ] = 4  # fmt: skip
+    tolerance: Annotated[float, MILLIMETRES, TOLERANCE, Option(), "Change of radius that ends the iteration."] = 1e-6
+    angular_scale: Annotated[float, POSITIVE, within(0.001, 1000), Option(),
+        "Factor on distances around the hole; 1: true arcs; 2: as in the published method. Above 1, more neighbours "
+        "lie above and below: 4 halves the error of many holes, whose shape changes little with depth "
+        "(``bench/accuracy/angular_scale.py``). The published method is its Eq. 4.",
+    ] = 1.0  # fmt: skip
+    estimator: Annotated[Literal["inverse-distance", "kriging"], Option(),
+        "Method that computes a radius from its neighbours. 'inverse-distance' is the published method; 'kriging' is "
+        "ordinary kriging of the neighbours that the last estimate by inverse distance used, at its trial radius. "
+        "Kriging weighs neighbours by how alike two radii are at their distance, so it averages out noise and follows "
+        "slopes. Its radius may lie outside the radii used, by at most half of their range.",
+    ] = "inverse-distance"  # fmt: skip
+    kriging_range: Annotated[float | None, METRES, POSITIVE, Option("helibore finds it"),
+        "Distance from which two radii are not correlated. It counts in the metric of ``angular_scale`` (the "
+        "covariance is Wendland's C2 function); a range above half a turn counts as half a turn. None: "
+        "`helibore.reconstruct` takes four times the median distance of the 16th nearest sample; a live wall must be "
+        "given a range.",
+    ] = None  # fmt: skip
+    nugget: Annotated[float, FINEST_NUGGET, Option(),
+        "Kriging: variance of the noise divided by variance of the shape.",
+    ] = 0.1  # fmt: skip
+    sigma: Annotated[bool,
+        "Keep for each vertex the sums from which `Wall.sigma` is computed. `Wall.sigma` then need not estimate all "
+        "vertices again. Radii do not depend on this setting.",
+    ] = False  # fmt: skip
+    direct: Annotated[bool,
+        "Direct connection (published Eq. 6), for live walls. Where a vertex is not settled and samples lie in its "
+        "cell (half a sector to either side, half a pitch up and down), the vertex takes the radius of the last of "
+        "these samples in canonical order. Once it is settled, it is interpolated like any other vertex.",
+    ] = False  # fmt: skip
+    first_vertex: Annotated[int,
+        "The wall is a stretch of the helix from this vertex, a multiple of ``sectors``. If it is not 0, "
+        "``start_depth`` must be given. The values of the stretch equal those of the whole wall exactly if it gets all "
+        "samples within `Wall.reach`.",
+    ] = 0  # fmt: skip
+    stop_vertex: Annotated[int | None,
+        "The stretch ends before this vertex, which replaces ``stop_depth``. None: at the last sample.",
+    ] = None  # fmt: skip
+    gap_reach: Annotated[float, METRES, POSITIVE,
+        "A part of the turn counts as measured by samples within this depth. It counts as measured where the angle "
+        "between the nearest samples on its two sides is at most ``largest_gap``. Radii do not depend on these two "
+        "settings.",
+    ] = 0.5  # fmt: skip
+    largest_gap: Annotated[float, DEGREES, ANGLE,
+        "The largest angle between samples, within ``gap_reach``, that counts as measured.",
+    ] = 60.0  # fmt: skip
+    most_vertices: Annotated[int, within(1, 2147483647),
+        "An append that would give the wall more vertices is refused. The error names the depth; so one wrong depth "
+        "does not fill the memory.",
+    ] = 100_000_000  # fmt: skip
+
+    def __post_init__(self) -> None:
+        if self.neighbors is None:
+            object.__setattr__(self, "neighbors", 16 if self.estimator == "kriging" else 8)
+        super().__post_init__()
