@@ -49,6 +49,9 @@ def metrics(server: Server) -> str:
     family("sequence_numbers_missing", "gauge", "Sequence numbers that were skipped and have not come.", lost, "source")
     ages = [((name,), age) for name, age in source_ages(server).items() if age is not None]
     family("source_age_seconds", "gauge", "Time since the last byte.", ages, "source")
+    now = server.live.clock()[1]
+    sampled = [((name,), (now - last) / 1e9) for name, last in sorted(server.alarms.sampled.items())]
+    family("sample_age_seconds", "gauge", "Time since the last caliper sample.", sampled, "source")
     counts, text = model.counts, "Samples whose depth is known, or will never be known."
     family("samples_received", "counter", text, [((), counts["received"])])
     family("samples_drawn", "counter", "Samples drawn in a layer.", [((), counts["drawn"])])

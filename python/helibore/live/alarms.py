@@ -42,6 +42,8 @@ from helibore.live.rules.sources import Source
 
 HOLD = 60.0
 """Seconds that an alarm with a momentary cause (clock, depth jump, tight hole, washout) lasts after the last cause."""
+MOMENTARY = "depth_jump", "depth_step", "hole_falls"
+"""Rules of the model whose every event begins an alarm that lasts for HOLD."""
 SECONDS = 10.0
 """Time limit of one run of the alarm command, and of one request to the webhook."""
 WAITS = (0.0, 1.0, 5.0)
@@ -204,8 +206,8 @@ class Alarms:
 
     Attributes
     ----------
-    synced
-        Monotonic time of the last successful sync, ns.
+    synced, sampled
+        Monotonic time of the last successful sync, and of the last sample of each source; ns.
     counts, undelivered
         Number of alarms of each (rule, source), and number of lines that did not fit in the queue, or that the command
         or the webhook did not take; a line that neither took is counted twice.
@@ -229,6 +231,7 @@ class Alarms:
         self._received, self._sampled = live.model.counts["received"], -(1 << 62)
         self._refused = {name: Refused(self._outcomes(name)) for name in live.configuration.sources}
         self._lacking: dict[str, int] = {}
+        self.sampled: dict[str, int] = {}
         self._jumps = self._depth_jumps()
         self._held: dict[tuple[str, str], tuple[int, str]] = {}
         self._changed: deque[tuple[int, int]] = deque(maxlen=MOST_RANGES)
@@ -272,9 +275,9 @@ class Alarms:
         self._measure(now)
         self._hang_up()
         before, self._jumps = self._jumps, self._depth_jumps()
-        for source, (count, text) in self._jumps.items():
-            if count != before.get(source, (0, ""))[0]:
-                self._held["depth_jump", source] = now, text
+        for key, (count, text) in self._jumps.items():
+            if count != before.get(key, (0, ""))[0]:
+                self._held[key] = now, text
         found = {key: text for key, (at, text) in self._held.items() if now - at < HOLD * SECOND}
         found |= self._of_sources(now) | self._of_samples(now) | self._of_depth(now) | self._of_journal(now)
         try:
@@ -352,10 +355,13 @@ class Alarms:
 
     def _of_samples(self, now: int) -> dict[tuple[str, str], str]:
         """Return the text of each alarm about samples (``refused``, ``toolface``, ``missing``) that has a cause."""
-        found = {}
+        found: dict[tuple[str, str], str] = {}
+        found |= self._live.model.watch.active.copy()
         for name, refused in self._refused.items():
             new = self._outcomes(name) - refused.before
             refused.before += new
+            if new:
+                self.sampled[name] = now
             if new[USABLE]:
                 refused.reasons.clear()
             elif new:
@@ -368,6 +374,7 @@ class Alarms:
             name = reader.source.name
             if reader.seems_radians:
                 found["toolface", name] = reader.seems_radians
+            found |= {(rule, name): text for rule, text in list(reader.doubts.items())}
             if lacking := kind_of(reader.source).lacking(reader):
                 if now - self._lacking.setdefault(name, now) > self._limits.refused * SECOND:
                     found["missing", name] = lacking
@@ -375,10 +382,10 @@ class Alarms:
                 self._lacking.pop(name, None)
         return found
 
-    def _depth_jumps(self) -> dict[str, tuple[int, str]]:
-        """Return, for each source with jumps of depth, their number and the text of the latest jump."""
-        events = (event for event in self._live.model.events.latest if event.rule == "depth_jump")
-        return {event.source: (event.count, event.newest.text) for event in events}
+    def _depth_jumps(self) -> dict[tuple[str, str], tuple[int, str]]:
+        """Return, for each rule of MOMENTARY and source, the number of its events and the text of the latest one."""
+        events = (event for event in self._live.model.events.latest if event.rule in MOMENTARY)
+        return {(event.rule, event.source): (event.count, event.newest.text) for event in events}
 
     def _of_depth(self, now: int) -> dict[tuple[str, str], str]:
         """Return the text of the alarm ``standing`` if samples come although the bit depth does not change.

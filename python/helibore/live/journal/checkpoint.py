@@ -27,12 +27,13 @@ from helibore.base.atomic_file import write_whole
 from helibore.base.errors import InputError
 from helibore.live.model.events import Event
 from helibore.live.model.pass_log import Pass
+from helibore.live.model.watch import WatchedChannel
 from helibore.live.rules.layout import Layout
 
 FORMAT, VERSION = "helibore checkpoint", 3
 KEPT = 2
 CONTENTS = "state.json"
-RECORDS: dict[str, type] = {"Event": Event, "Pass": Pass, "Layout": Layout}
+RECORDS: dict[str, type] = {"Event": Event, "Pass": Pass, "Layout": Layout, "WatchedChannel": WatchedChannel}
 Arrays = list[Any]
 
 

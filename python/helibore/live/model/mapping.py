@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import bisect
 import hashlib
+import itertools
 from collections import OrderedDict
 from dataclasses import dataclass, field
 
@@ -64,8 +65,9 @@ class Reading:
         (n,) for each frame: receive time and order, as in `Chunk`; wall clock time; line in the stream, from 1.
     rig
         The rig quantities by name, (n,); NaN where a frame has no usable value.
-    triples, triple_frame, triple_flags
-        (m, 3) depth, toolface and radius; for each triple the row of its frame in ``time``, and its flags.
+    triples, triple_frame, triple_flags, triple_group
+        (m, 3) depth, toolface and radius; for each triple the row of its frame in ``time``, its flags, and its place in
+        the lists of the caliper.
     images
         (image, index of the frame of each row, depths, values, flags) for each image that has rows.
     stations, station_frame
@@ -85,6 +87,7 @@ class Reading:
     triple_frame: Integers = field(default_factory=lambda: np.empty(0, np.int64))
     triples: Values = field(default_factory=lambda: np.empty((0, 3)))
     triple_flags: Integers = field(default_factory=lambda: np.empty(0, np.int64))
+    triple_group: Integers = field(default_factory=lambda: np.empty(0, np.int64))
     images: list[tuple[Image, Integers, Values, Values, Integers]] = field(default_factory=list)
     stations: Values = field(default_factory=lambda: np.empty((0, 3)))
     station_frame: Integers = field(default_factory=lambda: np.empty(0, np.int64))
@@ -99,13 +102,15 @@ class SourceReader:
     ----------
     seems_radians
         The reason for which the toolfaces seem to be radians, although their unit is not stated; "" if they do not.
+    doubts
+        What is wrong with the stream now, by rule.
     seen
         For each code of an `Item`, whether a value with this code has come.
     """
 
     STATE: tuple[str, ...] = (
         "_steps", "_parser", "_connection", "counts", "watches", "recent", "_pass_number", "_held", "_ends", "_walls",
-        "_toolfaces", "seems_radians", "seen",
+        "_toolfaces", "seems_radians", "seen", "doubts",
     )  # fmt: skip
 
     def __init__(self, source: Source, events: EventBook, limits: DepthLimits) -> None:
@@ -132,6 +137,7 @@ class SourceReader:
         self._toolfaces: list[float] = []  # the first FIRST_TOOLFACES
         self.seems_radians = ""
         self.seen = np.zeros(10_000, bool)
+        self.doubts: dict[str, str] = {}
         # The bytes that the parser holds, and for each record that brought them: offset of its end, wall clock time.
         self._held = bytearray()
         self._ends: list[int] = []
@@ -457,7 +463,7 @@ class SourceReader:
         self._events.report_rows((outside | far).nonzero()[0], describe)
         self._judge_unit(toolface, reading, frame)
         toolface = wrapped(toolface + np.broadcast_to(caliper.toolface_offset, len(caliper.toolface))[group])
-        reading.triple_frame, reading.triple_flags = frame, triple_flags
+        reading.triple_frame, reading.triple_flags, reading.triple_group = frame, triple_flags, group
         reading.triples = np.column_stack([depth, toolface, radius])
 
     def _judge_unit(self, toolface: Values, reading: Reading, frame: Integers) -> None:
@@ -473,11 +479,21 @@ class SourceReader:
         low, high = min(self._toolfaces, default=0.0), max(self._toolfaces, default=0.0)
         half = np.pi + 0.005  # senders round their values
         one_turn = (low >= 0 and high <= 2 * half) or (low >= -half and high <= half)
+        if len(self._toolfaces) == FIRST_TOOLFACES and self._seem_tenths(low, high):
+            rule = "it seems that they are tenths of a degree: map an item in degrees, or correct the sender"
+            self.seems_radians = f"the first {FIRST_TOOLFACES} toolfaces lie from {low:g} to {high:g}: {rule}"
+            at = int(frame[rows[-1]])
+            self._report(int(reading.wall[at]), "toolface", self.seems_radians, int(reading.line[at]))
         if len(self._toolfaces) == FIRST_TOOLFACES and one_turn and high - low > np.pi:
             rule = 'it seems that they are radians: state toolface_unit = "rad", or "deg" if they are degrees'
             self.seems_radians = f"the first {FIRST_TOOLFACES} toolfaces lie from {low:g} to {high:g}: {rule}"
             at = int(frame[rows[-1]])
             self._report(int(reading.wall[at]), "toolface", self.seems_radians, int(reading.line[at]))
+
+    def _seem_tenths(self, low: float, high: float) -> bool:
+        """Return whether the first toolfaces lie in one turn of tenths of a degree and do not only count turns."""
+        falls = sum(after < before for before, after in itertools.pairwise(self._toolfaces))
+        return low >= -1800 and 720 < high <= 3600 and FIRST_TOOLFACES / 5 < falls < FIRST_TOOLFACES * 4 / 5
 
     def _images(self, reading: Reading, values: Values, states: npt.NDArray[np.uint8], flags: Integers) -> None:
         for image in self.source.images:

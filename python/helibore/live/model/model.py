@@ -36,6 +36,7 @@ from helibore.live.model.mapping import LARGEST_TOOLFACE, Chunk, Reading, Source
 from helibore.live.model.pass_log import PassLog
 from helibore.live.model.stations import Stations
 from helibore.live.model.update import Update, joined
+from helibore.live.model.watch import Frame, Watch, WatchedCaliper
 from helibore.live.rules.configuration import Configuration
 from helibore.live.rules.depth_limits import CONFIRMED_WITHIN, HeldSample
 from helibore.live.rules.layout import Layout
@@ -57,6 +58,8 @@ LATEST = 4e9
 """Seconds. A sample is wrong if its time differs from the start of 1970 by more than this, as in the year 2097."""
 MOST_SET_ASIDE = 10_000
 """The model keeps the numbers and reasons of at most this many records that were set aside."""
+UNUSABLE = Flag.NULL | Flag.INVALID | Flag.DUPLICATE | Flag.LATE
+"""Flags of triples that the watch does not take."""
 USABLE, OUTSIDE = "usable", "outside"
 """Outcomes of a sample that no flag refuses: usable, or outside, because all layers that take it begin after it."""
 
@@ -100,7 +103,7 @@ class Model:
     STATE = (
         "samples", "image_rows", "stations", "layouts", "readers", "clock", "rig", "passes", "events", "counts",
         "outcomes", "records", "wall_time", "next_sequence", "last_seen", "set_aside", "_cell_counts", "_held",
-        "_pending", "_held_rows", "_next_row", "_session", "_meaning", "_deepest",
+        "_pending", "_held_rows", "_next_row", "_session", "_meaning", "_deepest", "watch",
     )  # fmt: skip
 
     def __init__(
@@ -141,6 +144,8 @@ class Model:
         self.last_seen: dict[str, int] = {}
         self.records = self.wall_time = self.next_sequence = 0
         self.set_aside: dict[int, str] = {}
+        self.watch = Watch(self._watched)
+        self._frames: list[Frame] = []
         self._cell_counts: dict[str, dict[int, CellCounts]] = {name: {} for name in self.layers}
         self._set_limits()
 
@@ -261,12 +266,23 @@ class Model:
         self._longest_latency = max(self._longest_latency, int(max(latencies, default=0.0) * SECOND))
         for rows in self.images.values():
             rows.set_step(self.configuration.samples.image_step)
+        calipers, bit = {}, self.configuration.wall["bit_diameter"] / 2
+        for name, source in self.configuration.sources.items():
+            if (caliper := source.caliper) is not None:
+                turned = caliper.toolface_offset
+                sensors = len(turned) if isinstance(turned, list) else 0
+                calipers[name] = WatchedCaliper(bit, caliper.offset, sensors)
+        images = {one.name: name for name, source in self.configuration.sources.items() for one in source.images}
+        self.watch.use(calipers, images, self.configuration.passes, self.configuration.depth.jump)
         size = self.layers["main"].settings
         for counts in self._cell_counts.values():
             for number in (0, *self.readers):  # 0: the host
                 counts.setdefault(number, CellCounts(size.sectors, size.pitch)).set_most(
                     self.configuration.samples.most
                 )
+
+    def _watched(self, wall: int, rule: str, source: str, text: str) -> None:
+        self.events.report(Event(wall, source, 0, 0, -1, rule, text))
 
     def _report(self, record: np.void, rule: str, text: str, source: str = "", connection: int = 0) -> None:
         self.events.report(Event(int(record["wall"]), source, connection, 0, -1, rule, text))
@@ -303,6 +319,8 @@ class Model:
             else:
                 found += self._pushed(rows, records, payloads, times, update)
         self.rig.settle()
+        frames, self._frames = self._frames, []
+        self.watch.take(frames)
         if parts := [part for part in (self._pending, *found) if len(part)]:
             self._pending = before = np.concatenate(parts) if len(parts) > 1 else parts[0]
             with self._set_aside(records[-1], f"{len(before)} samples and image rows"):
@@ -360,6 +378,7 @@ class Model:
     def _use(self, reading: Reading, reader: SourceReader, update: Update) -> list[Rows]:
         """Add rig quantities to tracks and stations to the path; return triples and image rows as pending rows."""
         self.counts["keep_alives"] += reading.keep_alives
+        self._frames += _frames_of(reading, reader.source.name)
         for name, values in reading.rig.items():
             self.rig.tracks[name].append(reading.time, reading.order, values)
         name = reader.source.name
@@ -657,6 +676,33 @@ class Model:
             values = np.array([held[row] for row in rows["row"][good].tolist()])
             start, stop = self.images[name].append(depth[good], values)
             update.images[name] = (update.images.get(name, (start, 0))[0], stop)
+
+
+def _frames_of(reading: Reading, source: str) -> list[Frame]:
+    """Return what the watch sees of a reading: each frame with a rig quantity, a sample or an image row."""
+    frames: dict[int, Frame] = {}
+
+    def at(row: int) -> Frame:
+        if row not in frames:
+            order, time, wall = int(reading.order[row]), int(reading.time[row]), int(reading.wall[row])
+            frames[row] = Frame(order, time, wall, source, {})
+        return frames[row]
+
+    for name, values in reading.rig.items():
+        for row in np.flatnonzero(np.isfinite(values)).tolist():
+            at(row).rig[name] = float(values[row])
+    if len(reading.triple_frame):
+        usable = np.isfinite(reading.triples[:, 1:]).all(axis=1) & ((reading.triple_flags & int(UNUSABLE)) == 0)
+        of, triples, group = reading.triple_frame[usable], reading.triples[usable], reading.triple_group[usable]
+        starts = np.flatnonzero(np.diff(of, prepend=-1)).tolist()
+        for start, stop in itertools.pairwise([*starts, len(of)]):
+            one = at(int(of[start]))
+            one.sensor = group[start:stop]
+            one.depth, one.toolface, one.radius = triples[start:stop].T
+    for image, rows, *_ in reading.images:
+        for row in rows.tolist():
+            at(row).images += (image.name,)
+    return list(frames.values())
 
 
 def _depth_items(source: Source | None) -> object:

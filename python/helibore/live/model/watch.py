@@ -1,0 +1,410 @@
+"""Watch the measurement: streams that are well formed and wrong (dead, stuck, of another unit, of another hole).
+
+    frames of all sources, in the order of the journal -> rig: on bottom? turning? -> a watch for each caliper and image
+                                                                                          -> event, and what lasts
+
+Every rule takes one frame at a time and the model's time, so a replay in large windows reports the same events. The
+alarms of a running server are derived from them. The constants are those with which 150 simulated days of telemetry and
+13 days at one sample a second gave no false alarm, and each wrong stream gave one.
+"""
+
+from __future__ import annotations
+
+import math
+import statistics
+from collections import deque
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.base import units
+from helibore.live.model.clock import SECOND
+from helibore.live.rules.pass_rules import PassRules
+
+Floats = npt.NDArray[np.float64]
+Report = Callable[[int, str, str, str], None]
+"""Reports an event: wall clock time, rule, source and text."""
+
+QUIET, QUIET_GAPS, QUIET_AFTER_STOP = 60.0, 25.0, 600.0
+"""Seconds on bottom without a sample: at least, in median gaps, and at least after the bit was off bottom."""
+LEAST_DRILLED = 0.1
+"""Metres that must be drilled without a sample: a string may stand on bottom for long."""
+KNOWN_GAPS = 10
+"""The number of gaps between samples from which their median counts."""
+LONGEST_STEP = 30.0
+"""Seconds. Of a longer gap between two bit depths, only this much counts as time on bottom."""
+FASTEST, SLACK = 3.0, 1.0
+"""Speed of a string, m/s, and length, m, that a step of the bit depth may have without any speed before or after it."""
+HOLE_FALLS, HOLE_FRAMES = 0.6, 3
+"""Metres by which the hole depth must be lower, and the number of frames in a row that must say so."""
+FIRST_RADII = 100
+_SMALL = units.MILLIMETRE / units.INCH
+SCALES = {
+    2.0: 'diameters, read as radii (measures = "diameter")',
+    0.5: 'radii, read as diameters (measures = "radius")',
+    _SMALL: 'inches, read as millimetres (radius_unit = "in")',
+    2 * _SMALL: "diameters in inches, read as radii in millimetres (measures and radius_unit)",
+    1 / _SMALL: 'millimetres, read as inches (radius_unit = "mm")',
+    2 / _SMALL: "diameters in millimetres, read as radii in inches (measures and radius_unit)",
+}  # fmt: skip
+"""For each ratio of the median radius to that of the bit: what the values seem to be."""
+NEAR = 0.12
+"""The relative error within which a ratio counts as one of SCALES."""
+SENSORS, SENSOR_OFF = 64, 0.006
+"""Samples of each sensor that are compared, and metres by which the median of one must differ from the others'."""
+STAYS, STAYS_ROUNDED, ROUNDED, ROUNDED_AFTER = 50, 600, 0.2, 200
+"""Equal values in a row; the same for a channel in which more than ROUNDED of at least ROUNDED_AFTER values repeat."""
+TURNING = 40.0
+"""rpm from which the toolface must move."""
+TOOLFACES, TOOLFACE_SECONDS, RESULTANT = 60, 500.0, 0.97
+"""Number of toolfaces, the least time over which they are taken, and the length of their mean vector if they stay."""
+
+
+@dataclass(slots=True)
+class Frame:
+    """What one frame of one source says: rig quantities, and the samples or rows that came with it.
+
+    ``sensor``, ``depth``, ``toolface`` and ``radius`` have an entry for each sample with a value; ``depth`` may be NaN.
+    ``images`` has the names of the images with a row.
+    """
+
+    order: int
+    time: int
+    wall: int
+    source: str
+    rig: dict[str, float]
+    sensor: npt.NDArray[np.int64] | None = None
+    depth: Floats | None = None
+    toolface: Floats | None = None
+    radius: Floats | None = None
+    images: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class WatchedCaliper:
+    """What the watch needs of the settings of a caliper: the radius of the bit, the offset and the number of sensors.
+
+    ``sensors`` is 0 if the triples of a frame are one sensor's samples, one after the other.
+    """
+
+    bit_radius: float
+    offset: float
+    sensors: int
+
+
+class Quiet:
+    """Time on bottom and metres drilled since the last sample of a caliper, or the last row of an image."""
+
+    STATE = ("last", "gaps", "seconds", "drilled", "stopped", "lasts")
+
+    def __init__(self) -> None:
+        self.last = -1
+        self.gaps: deque[float] = deque(maxlen=99)
+        self.seconds = self.drilled = 0.0
+        self.stopped = True
+        self.lasts = False
+
+    def came(self, time: int) -> None:
+        if self.last >= 0 and not self.stopped and time > self.last:
+            self.gaps.append((time - self.last) / SECOND)
+        self.last, self.seconds, self.drilled, self.stopped, self.lasts = time, 0.0, 0.0, False, False
+
+    def on(self, seconds: float, metres: float) -> str:
+        """Count time on bottom; return what to say once samples are overdue, "" before and after that."""
+        self.seconds, self.drilled = self.seconds + seconds, self.drilled + metres
+        if self.lasts or len(self.gaps) < KNOWN_GAPS or self.drilled < LEAST_DRILLED:
+            return ""
+        usual = statistics.median(self.gaps)
+        limit = max(QUIET, QUIET_GAPS * usual)
+        if self.seconds <= (max(limit, QUIET_AFTER_STOP) if self.stopped else limit):
+            return ""
+        self.lasts = True
+        came = f"{self.drilled:.1f} m drilled; before that, one every {usual:.3g} s"
+        return f"no sample in {self.seconds:.0f} s on bottom, {came}: the tool may be dead"
+
+
+@dataclass
+class WatchedChannel:
+    """The values of one channel: how many in a row were equal, and how many of all repeated the one before."""
+
+    value: float = math.nan
+    equal: int = 0
+    count: int = 0
+    repeats: int = 0
+    lasts: bool = False
+
+    def take(self, values: Floats) -> int:
+        """Take values in order; return the number of equal ones once it is too large, 0 before and after that."""
+        found = 0
+        for value in values.tolist():
+            self.count += 1
+            if value != self.value:
+                self.value, self.equal, self.lasts = value, 1, False
+                continue
+            self.equal += 1
+            self.repeats += 1
+            share = (self.repeats - self.equal + 1) / max(self.count - self.equal, 1)
+            known = self.count - self.equal >= ROUNDED_AFTER
+            if not self.lasts and self.equal >= (STAYS if known and share <= ROUNDED else STAYS_ROUNDED):
+                self.lasts, found = True, self.equal
+        return found
+
+
+class CaliperWatch:
+    """The rules for the samples of one caliper."""
+
+    STATE = ("radii", "scale", "channels", "sensors", "odd", "toolfaces", "toolface_at", "toolface_lasts")
+
+    def __init__(self) -> None:
+        self.radii: list[float] = []
+        self.scale = ""
+        self.channels: dict[int, WatchedChannel] = {}
+        self.sensors: dict[int, list[float]] = {}
+        self.odd = -1
+        self.toolfaces: deque[float] = deque(maxlen=TOOLFACES)
+        self.toolface_at = -1
+        self.toolface_lasts = False
+
+
+class Watch:
+    """The rules for all sources, and what is wrong now.
+
+    Attributes
+    ----------
+    active
+        The text of each rule of each source that is broken now, by (rule, source).
+    """
+
+    STATE = (
+        "active", "_bit", "_hole", "_deepest", "_rpm", "_first_hole", "_intervals", "_lower", "_quiet", "_calipers",
+    )  # fmt: skip
+
+    def __init__(self, report: Report) -> None:
+        self._report = report
+        self.active: dict[tuple[str, str], str] = {}
+        self._bit: list[tuple[int, float, int, str]] = []  # the latest bit depths: time, depth, wall, source
+        self._hole = self._deepest = self._first_hole = math.nan
+        self._rpm: tuple[int, float] | None = None
+        self._intervals: deque[float] = deque(maxlen=31)
+        self._lower: list[float] = []
+        self._quiet: dict[str, Quiet] = {}
+        self._calipers: dict[str, CaliperWatch] = {}
+        self._settings: dict[str, WatchedCaliper] = {}
+
+    def use(
+        self, calipers: Mapping[str, WatchedCaliper], images: Mapping[str, str], rules: PassRules, jump: float
+    ) -> None:
+        """Use these settings from now on: the caliper of each source, the source of each image, and the limits."""
+        changed = {name for name in calipers if self._settings.get(name, calipers[name]) != calipers[name]}
+        self._settings, self._rules, self._jump = dict(calipers), rules, jump
+        watched = [*calipers, *(f"{source} image {name}" for name, source in images.items())]
+        self._quiet = {name: self._quiet.get(name, Quiet()) for name in watched}
+        for name in changed:  # another bit or tool: its first radii are compared again
+            self._calipers.pop(name, None)
+            self._first_hole = self._hole if self._hole == self._hole else self._deepest
+        self._calipers = {name: self._calipers.get(name, CaliperWatch()) for name in calipers}
+        self.active = {key: of for key, of in self.active.items() if key[1] in self._quiet and key[1] not in changed}
+
+    def take(self, frames: list[Frame]) -> None:
+        """Take frames in any order of one window of the journal; windows must come in order."""
+        frames.sort(key=lambda frame: frame.order)
+        for frame in frames:
+            if frame.rig:
+                self._take_rig(frame)
+            if frame.radius is not None and len(frame.radius):
+                self._came(frame.source, frame.time)
+                self._take_samples(frame)
+            for image in frame.images:
+                self._came(f"{frame.source} image {image}", frame.time)
+
+    def _begin(self, frame: Frame, rule: str, source: str, text: str) -> None:
+        self.active[rule, source] = text
+        self._report(frame.wall, rule, source, text)
+
+    def _came(self, name: str, time: int) -> None:
+        if (quiet := self._quiet.get(name)) is not None:
+            quiet.came(time)
+            self.active.pop(("no_samples", name), None)
+
+    def _turning(self, time: int) -> float:
+        """Return the latest rotation in rpm; NaN if it is unknown or older than ``stale`` seconds."""
+        if self._rpm is None or time - self._rpm[0] > self._rules.stale * SECOND:
+            return math.nan
+        return self._rpm[1]
+
+    def _take_rig(self, frame: Frame) -> None:
+        if (rpm := frame.rig.get("rotation", math.nan)) == rpm:
+            self._rpm = frame.time, rpm
+        before = self._hole if self._hole == self._hole else self._deepest
+        if (hole := frame.rig.get("hole_depth", math.nan)) == hole:
+            self._take_hole(frame, hole)
+        if (bit := frame.rig.get("bit_depth", math.nan)) == bit:
+            self._deepest = max(self._deepest, bit) if self._deepest == self._deepest else bit
+            bottom = self._hole if self._hole == self._hole else self._deepest
+            self._first_hole = bottom if self._first_hole != self._first_hole else self._first_hole
+            self._take_bit(frame, bit, bottom, max(bottom - before, 0.0) if before == before else 0.0)
+
+    def _take_hole(self, frame: Frame, hole: float) -> None:
+        """Report a hole depth that falls: HOLE_FRAMES frames in a row are HOLE_FALLS lower than the deepest one."""
+        if self._hole != self._hole or hole > self._hole - HOLE_FALLS:
+            self._hole, self._lower = max(hole, self._hole) if self._hole == self._hole else hole, []
+            return
+        self._lower.append(hole)
+        if len(self._lower) == HOLE_FRAMES:
+            text = (
+                f"the hole depth fell from {self._hole:.2f} m to {hole:.2f} m: another hole (a sidetrack), or a "
+                "corrected depth; for another hole, begin another journal"
+            )
+            self._report(frame.wall, "hole_falls", frame.source, text)
+            self._hole = self._deepest = hole
+            self._lower = []
+
+    def _take_bit(self, frame: Frame, bit: float, bottom: float, drilled: float) -> None:
+        on_bottom = bottom - bit <= self._rules.on_bottom
+        if self._bit:
+            last = self._bit[-1]
+            seconds = (frame.time - last[0]) / SECOND
+            self._intervals.append(seconds)
+            self._count_quiet(
+                frame, on_bottom and bottom - last[1] - drilled <= self._rules.on_bottom, seconds, drilled
+            )
+        self._bit = [*self._bit[-3:], (frame.time, bit, frame.wall, frame.source)]
+        if len(self._bit) == 4:
+            self._judge_step()
+
+    def _count_quiet(self, frame: Frame, on_bottom: bool, seconds: float, drilled: float) -> None:
+        for name, quiet in self._quiet.items():
+            if not on_bottom:
+                quiet.stopped = True
+            elif text := quiet.on(min(seconds, LONGEST_STEP), drilled):
+                self._begin(frame, "no_samples", name, text)
+
+    def _judge_step(self) -> None:
+        """Report a step of the bit depth that no string can make; it is judged a frame later."""
+        (t0, d0, _, _), (t1, d1, _, _), (t2, d2, wall, source), (t3, d3, _, _) = self._bit
+        usual = statistics.median(self._intervals)
+        first, step, after = ((b - a) / SECOND or usual or 1.0 for a, b in ((t0, t1), (t1, t2), (t2, t3)))
+        step = max(step, usual)
+        length = abs(d2 - d1)
+        speeds = abs(d1 - d0) / max(first, usual) + abs(d3 - d2) / max(after, usual)
+        allowed = min(FASTEST * step, step * step / 4 + speeds * step / 2 + SLACK)
+        if length > max(allowed, SLACK) and length <= self._jump:
+            text = (
+                f"the bit depth stepped by {d2 - d1:+.2f} m to {d2:.2f} m in {step:.3g} s, faster than a string moves: "
+                "a corrected or wrong depth; samples from here on lie at the new depth"
+            )
+            self._report(wall, "depth_step", source, text)
+
+    def _take_samples(self, frame: Frame) -> None:
+        settings, watch = self._settings.get(frame.source), self._calipers.get(frame.source)
+        if settings is None or watch is None or frame.radius is None:
+            return
+        rpm = self._turning(frame.time)
+        if len(watch.radii) < FIRST_RADII:
+            self._take_first(frame, settings, watch)
+        self._take_channels(frame, settings, watch)
+        if settings.sensors >= 3 and rpm >= self._rules.rotating:
+            self._take_sensors(frame, settings, watch)
+        if rpm > TURNING:
+            self._take_toolface(frame, watch, rpm)
+
+    def _take_first(self, frame: Frame, settings: WatchedCaliper, watch: CaliperWatch) -> None:
+        """Compare the first radii of hole that was drilled since the start with the bit."""
+        assert frame.radius is not None
+        assert frame.depth is not None
+        depth = frame.depth
+        if self._bit:
+            depth = np.where(np.isnan(depth), self._bit[-1][1] - settings.offset, depth)
+        new = frame.radius[~(depth < self._first_hole)] if self._first_hole == self._first_hole else frame.radius
+        watch.radii += new[: FIRST_RADII - len(watch.radii)].tolist()
+        if len(watch.radii) < FIRST_RADII:
+            return
+        median = statistics.median(watch.radii)
+        for ratio, what in SCALES.items():
+            if abs(median / settings.bit_radius / ratio - 1) < NEAR:
+                watch.scale = what
+                text = (
+                    f"the first {FIRST_RADII} radii have the median {1e3 * median:.1f} mm, "
+                    f"{median / settings.bit_radius:.3g} times that of the bit: it seems that they are {what}; "
+                    "or the hole is as wide, or bit_diameter is wrong"
+                )
+                self._begin(frame, "radius_scale", frame.source, text)
+
+    def _take_channels(self, frame: Frame, settings: WatchedCaliper, watch: CaliperWatch) -> None:
+        assert frame.radius is not None
+        assert frame.sensor is not None
+        many = settings.sensors >= 2
+        for sensor in np.unique(frame.sensor).tolist() if many else [0]:
+            channel = watch.channels.setdefault(sensor, WatchedChannel())
+            equal = channel.take(frame.radius[frame.sensor == sensor] if many else frame.radius)
+            key = "stays", frame.source
+            if equal:
+                name = f"radius {sensor + 1}" if many else "the radius"
+                text = f"{name} stays at {1e3 * channel.value:.2f} mm, {equal} times in a row: a sensor that is stuck"
+                self._begin(frame, *key, text)
+            elif key in self.active and not any(each.lasts for each in watch.channels.values()):
+                del self.active[key]
+
+    def _take_sensors(self, frame: Frame, settings: WatchedCaliper, watch: CaliperWatch) -> None:
+        """Compare the medians of SENSORS samples of each sensor: while the string turns, all see the same wall."""
+        assert frame.radius is not None
+        assert frame.sensor is not None
+        for sensor, radius in zip(frame.sensor.tolist(), frame.radius.tolist(), strict=True):
+            values = watch.sensors.setdefault(sensor, [])
+            if len(values) < SENSORS:
+                values.append(radius)
+        if len(watch.sensors) < settings.sensors or min(map(len, watch.sensors.values())) < SENSORS:
+            return
+        medians = {sensor: statistics.median(values) for sensor, values in sorted(watch.sensors.items())}
+        watch.sensors = {}
+        key = "sensors", frame.source
+        odd, text = -1, ""
+        for sensor, median in medians.items():
+            others = [other for one, other in medians.items() if one != sensor]
+            middle = statistics.median(others)
+            if abs(median - middle) > SENSOR_OFF and max(others) - min(others) <= SENSOR_OFF / 2:
+                odd = sensor
+                text = (
+                    f"radius {sensor + 1} has the median {1e3 * median:.1f} mm of {SENSORS} samples while the string "
+                    f"turns, the others {1e3 * middle:.1f} mm: a sensor that is stuck, worn or not calibrated"
+                )
+        if odd >= 0 and odd != watch.odd:
+            self._begin(frame, *key, text)
+        elif odd < 0:
+            self.active.pop(key, None)
+        watch.odd = odd
+
+    def _take_toolface(self, frame: Frame, watch: CaliperWatch, rpm: float) -> None:
+        """Take a toolface at most every TOOLFACE_SECONDS / TOOLFACES: while the string turns, they must not stay."""
+        assert frame.toolface is not None
+        since = (frame.time - watch.toolface_at) / SECOND if watch.toolface_at >= 0 else math.inf
+        if since < TOOLFACE_SECONDS / TOOLFACES:
+            return
+        watch.toolface_at = frame.time
+        turns = since * rpm / 60 if since < math.inf else 0.5
+        if abs(turns - round(turns)) < 0.02:
+            return  # sampled once in a whole number of turns, a toolface stays
+        watch.toolfaces.append(math.radians(float(frame.toolface[0])))
+        if len(watch.toolfaces) < TOOLFACES:
+            return
+        angles = np.array(watch.toolfaces)
+        resultant = float(abs(np.exp(1j * angles).mean()))
+        key = "toolface_stays", frame.source
+        if resultant <= RESULTANT:
+            watch.toolface_lasts = False
+            self.active.pop(key, None)
+        elif not watch.toolface_lasts:
+            watch.toolface_lasts = True
+            middle = float(np.degrees(np.angle(np.exp(1j * angles).mean())))
+            around = np.degrees(np.angle(np.exp(1j * (angles - math.radians(middle)))))
+            span = float(around.max() - around.min())
+            unit = "radians" if 4 < span <= 6.4 else "tens of degrees" if 25 < span <= 36.5 else ""
+            seems = f"it seems that they are {unit} (toolface_unit)"
+            cause = seems if unit else "the toolface is stuck, or the rotation is wrong"
+            text = (
+                f"{TOOLFACES} toolfaces lie within {span:.3g} deg around {middle % 360:.3g} deg, although the string "
+                f"turns with {rpm:.0f} rpm: {cause}"
+            )
+            self._begin(frame, *key, text)
