@@ -78,6 +78,8 @@ class Store:
             return self.send(page, self.bodies.pop(0), 200)
         if trouble == "500":
             return self.send(page, self.page, 500)
+        if trouble == "429":
+            return self.send(page, b"slowly", 429, retry_after="3600")
         if trouble == "redirect":
             return self.send(page, b"", 302)
         body = enveloped(self.trajectory() if "<trajectorys" in asked else self.log(asked), self.result(asked))
@@ -109,11 +111,13 @@ class Store:
             return None
         return self.send(page, body, 200, sent=len(body) // 2 if trouble == "cut" else None)
 
-    def send(self, page, body, status, sent=None, encoding=None) -> None:
+    def send(self, page, body, status, sent=None, encoding=None, retry_after=None) -> None:
         page.send_response(status)
         page.send_header("Content-Length", str(len(body)))
         if encoding:
             page.send_header("Content-Encoding", encoding)
+        if retry_after:
+            page.send_header("Retry-After", retry_after)
         if status == 302:
             page.send_header("Location", self.url + "/elsewhere")
         page.end_headers()

@@ -245,6 +245,7 @@ class Alarms:
         ]
         self._lines: queue.Queue[bytes] = queue.Queue(MOST_LINES)
         self._posting: tuple[float, list[http.client.HTTPConnection]] | None = None
+        self._running: subprocess.Popen[bytes] | None = None
         self._stopping = threading.Event()
         self._thread: threading.Thread | None = None
 
@@ -328,6 +329,9 @@ class Alarms:
         self._stopping.set()
         if self._thread:
             self._thread.join(SECONDS / 2)
+        if (running := self._running) is not None and running.poll() is None:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(running.pid, signal.SIGKILL)  # a command that hangs must not outlive helibore
 
     def _of_sources(self, now: int) -> dict[tuple[str, str], str]:
         found = {}
@@ -484,6 +488,7 @@ class Alarms:
                                        stderr=writing, start_new_session=True)  # fmt: skip
         finally:
             os.close(writing)
+        self._running = command
         try:
             command.communicate(line, timeout=SECONDS)
         except subprocess.TimeoutExpired:

@@ -33,7 +33,7 @@ from helibore.live.model.events import LOGGER
 from helibore.live.model.update import Update
 from helibore.live.rules.configuration import Configuration
 from helibore.live.rules.sources import Source
-from helibore.live.wire.transport import AccessDeniedError, Link, Opener
+from helibore.live.wire.transport import AccessDeniedError, BusyError, Link, Opener
 
 QUEUE_BYTES = 4 << 20
 QUEUE_RECORDS = 4096
@@ -365,7 +365,8 @@ class Server:
         drawn = self.live.model.readers[self.live.model.numbers[source.name]].connection
         self._connections.setdefault(source.name, drawn)
         while self._is_used(source):
-            began, why = time.monotonic(), "the connection ended, and nothing came"
+            began, why, asked = time.monotonic(), "the connection ended, and nothing came", 0.0
+            link: Link | None = None
             self.states[source.name] = "connecting" if source.address.kind != "listen" else "listening"
             try:
                 link = one.open(TICK)
@@ -379,15 +380,16 @@ class Server:
                 self._pause(source, float("inf"))
                 return
             except OSError as error:
-                failures = 1 if self.last_received.get(source.name, 0.0) > began else failures + 1
-                why = str(error)
+                came = self.last_received.get(source.name, 0.0) > began
+                failures = 1 if came and link is not None and link.went_well else failures + 1
+                why, asked = str(error), error.seconds if isinstance(error, BusyError) else 0.0
                 self._report(source.name, "link", why)
             if one.ends and failures == 0:
                 self.states[source.name] = "ended"
                 return
             if failures and source.address.kind != "listen":
                 self.states[source.name] = f"waiting to connect: {why}"
-                self._pause(source, back_off(failures, longest))
+                self._pause(source, max(asked, back_off(failures, longest)))
 
     def _read(self, source: Source, link: Link, connection: int) -> bool:
         """Read one link to its end; return whether any bytes came."""
@@ -407,8 +409,9 @@ class Server:
                 if payload is None:
                     break
                 if payload:
-                    came, self.states[source.name] = True, connected
-                    self.last_received[source.name] = time.monotonic()
+                    if link.useful:
+                        came, self.states[source.name] = True, connected
+                        self.last_received[source.name] = time.monotonic()
                     self._put(source, connection, payload, journals.BYTES)
         finally:
             with contextlib.suppress(OSError):  # the link may be broken

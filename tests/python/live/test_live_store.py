@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 import base64
+import datetime
 import html
 import json
 import logging
 import os
 import re
+import threading
 import tracemalloc
 import urllib.parse
 
 import numpy as np
 import pytest
 from live_servers import Running, payloads, until
+from live_wires import Clock
 from small_store import LOG, LONG_AGO, Store, enveloped
 
 import helibore as hb
 from helibore.live import server as server_module
+from helibore.live.kinds.kind import kind_of
 from helibore.live.model import store_reader
 from helibore.live.rules.configuration import parse
 from helibore.live.wire import witsml
@@ -620,3 +624,90 @@ def test_answers_come_out_of_the_journal_as_they_went_in_however_cut_and_damage_
         assert found == parts * 3
     answers, stray = witsml.Frames().feed(b"noise" * 20 + stream)
     assert (stray, answers) == (100, parts * 3)
+
+
+def test_a_store_that_asks_to_wait_is_left_alone(store, tmp_path):
+    store.rows, store.trouble = grown(50), ["429"] * 1000
+    with Polled(store, tmp_path / "j") as polled:
+        until(lambda: "waiting" in polled.server.states["store"])
+        threading.Event().wait(1.0)
+        assert len(store.questions) == 1
+        assert any("asked to wait for 3600 s" in line for line in polled.reported())
+        assert "answered 429" in polled.server.states["store"]
+
+
+@pytest.mark.parametrize("trouble", ["500", "compressed", "huge", "redirect", "error"])
+def test_a_refused_answer_is_asked_for_once_in_each_wait(store, tmp_path, monkeypatch, trouble):
+    monkeypatch.setattr(server_module, "FIRST_WAIT", 0.2)
+    monkeypatch.setattr("helibore.live.kinds.witsml_stores.WitsmlStores.longest_wait", 60.0)
+    store.rows, store.trouble = grown(50), [trouble] * 1000
+    with Polled(store, tmp_path / "j") as polled:
+        until(lambda: len(store.questions) >= 4)  # waits of 0.1 to 0.2, 0.2 to 0.4, 0.4 to 0.8 s
+        asked = len(store.questions)
+        threading.Event().wait(0.5)
+        assert len(store.questions) <= asked + 1
+        assert trouble == "error" or not polled.server.states["store"].startswith("connected")
+
+
+def test_a_trajectory_that_always_fails_does_not_begin_the_waits_anew(store, tmp_path, monkeypatch):
+    monkeypatch.setattr(server_module, "FIRST_WAIT", 0.2)
+    monkeypatch.setattr("helibore.live.kinds.witsml_stores.WitsmlStores.longest_wait", 60.0)
+    store.rows, store.trouble = grown(50), ["", "500"] * 1000
+    with Polled(store, tmp_path / "j"):
+        until(lambda: len(store.questions) >= 8)
+        threading.Event().wait(0.5)
+        assert len(store.questions) <= 10
+
+
+def by_time(rows):
+    names, units = ["TIME", "TF", "RAD", "DBTM"], ["s", "dega", "mm", "m"]
+    lists = f"<mnemonicList>{','.join(names)}</mnemonicList><unitList>{','.join(units)}</unitList>"
+    body = "".join(f"<data>{row}</data>" for row in rows)
+    document = LOG.replace("HEADER", "<direction>increasing</direction>").replace("ROWS", lists + body)
+    return witsml.framed("log", "whole", enveloped(document))
+
+
+TIMED = (
+    CONFIGURATION.replace('"URL"', '"https://store.example"')
+    .replace('index = "depth"', 'index = "time"')
+    .replace("image.GR = {", "# {")
+)
+
+
+def timed_rows(first, count=10):
+    stamps = [datetime.datetime(2023, 11, 14, 22, 0, first + i) for i in range(count)]
+    return [f"{stamp.isoformat()},{i * 37 % 360},110,101.{i}" for i, stamp in enumerate(stamps)]
+
+
+def test_a_log_whose_clock_was_set_back_is_said():
+    live = hb.Live(parse(TIMED), clock=(clock := Clock()))
+    live.receive("store", by_time(timed_rows(20)))
+    reader = live.model.readers[1]
+    for n in range(7):
+        assert ("behind" in reader.doubts) == (n >= 6)
+        clock.step(10)
+        live.receive("store", by_time(timed_rows(n)))
+    assert live.model.events.counts["store", "behind"] == 7
+    live.receive("store", by_time(timed_rows(30)))
+    assert reader.doubts == {}
+
+
+def test_a_log_by_time_that_answers_and_stands_is_said():
+    live = hb.Live(parse(TIMED), clock=(clock := Clock()))
+    live.receive("store", by_time(timed_rows(20)))
+    for n in range(40):
+        clock.step(10)
+        live.receive("store", witsml.framed("log", "same", b""))
+        assert ("no_rows" in live.model.readers[1].doubts) == (n >= 30)
+    assert live.model.events.counts["store", "no_rows"] == 1
+    live.receive("store", by_time(timed_rows(31)))
+    assert live.model.readers[1].doubts == {}
+
+
+def test_a_store_without_the_mapped_mnemonics_lacks_them():
+    live = hb.Live(parse(TIMED.replace('"TF"', '"tf"')), clock=Clock())
+    live.receive("store", by_time(timed_rows(20)))
+    reader = live.model.readers[1]
+    lacking = kind_of(reader.source).lacking(reader)
+    assert "toolface (curve tf)" in lacking
+    assert lacking.endswith("TF")

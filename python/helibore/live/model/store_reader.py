@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base import units
+from helibore.live.model.clock import SECOND
 from helibore.live.model.events import Event, EventBook
 from helibore.live.model.mapping import (
     ABSENT,
@@ -38,6 +39,10 @@ NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?")
 BLOCK = 1024
 """Number of rows that are split into cells at a time."""
 MOST_UNITS = 1000
+STANDS = 300.0
+"""Seconds for which a log by time may answer without a new row."""
+BEHIND = 6
+"""The number of answers in a row without a new row, although they have several rows, from which an alarm says so."""
 FUTURE = 86_400.0
 """Seconds by which the clock of a store may be ahead of this machine's clock."""
 
@@ -52,7 +57,8 @@ class StoreReader(NamedReader):
     """
 
     STATE = (
-        *NamedReader.STATE, "_frames", "last", "_last_key", "_nulls", "_bad_units", "_reported_jump", "_reported_index"
+        *NamedReader.STATE, "_frames", "last", "_last_key", "_nulls", "_bad_units", "_reported_jump", "_reported_index",
+        "_grew", "_behind",
     )  # fmt: skip
 
     def __init__(self, source: StoreSource, events: EventBook, limits: DepthLimits) -> None:
@@ -64,6 +70,8 @@ class StoreReader(NamedReader):
         self._nulls = source.nulls
         self._bad_units: set[tuple[str, str]] = set()
         self._reported_jump = self._reported_index = -np.inf
+        self._grew = -1  # model time of the latest answer with a new row
+        self._behind = 0  # answers in a row whose rows all lie at or before the last index
 
     def go_on_from(self, before: SourceReader) -> None:
         """Take over the state of the reader that this reader replaces, including an answer that is not complete yet.
@@ -102,6 +110,8 @@ class StoreReader(NamedReader):
         if state == "refused":
             kept = f"{len(body)} bytes of it are kept" if body else "it was empty, or equal to the previous one"
             self._report(stamp[2], "refused", f"an answer about the {kind} was refused and not read; {kept}")
+        if kind == "log" and state in ("whole", "same"):
+            self._watch_age(stamp)
         if state != "whole":
             return None
         self.counts["frames"] += 1
@@ -122,7 +132,9 @@ class StoreReader(NamedReader):
             raise ValueError("direction = 'decreasing': must be increasing")
         if log.null and NUMBER.fullmatch(log.null):
             self._nulls = [*self.source.nulls, float(log.null)]
+        before = self._last_key
         numbers = self._new_rows(log, stamp[2])
+        self._watch_rows(log, numbers, before, stamp)
         if not numbers:
             return None
         time, order, wall = (np.full(len(numbers), value, np.int64) for value in stamp)
@@ -138,6 +150,30 @@ class StoreReader(NamedReader):
         self._events.report_rows(self._wrong_numbers(values), lambda row: self._wrong_number(row, reading, values))
         self._fill(reading, values, states, flags)
         return reading
+
+    def _watch_age(self, stamp: tuple[int, int, int]) -> None:
+        """Report a log by time that answers and does not grow."""
+        if self._store.index != "time" or self._grew < 0 or "no_rows" in self.doubts:
+            return
+        if stamp[0] - self._grew > STANDS * SECOND:
+            last = self.last[0] if self.last else ""
+            text = f"the log by time answers, and no row after {last} came for {STANDS:g} s"
+            self.doubts["no_rows"] = f"{text}: what writes it may be dead, or its clock was set back"
+            self._report(stamp[2], "no_rows", self.doubts["no_rows"])
+
+    def _watch_rows(self, log: witsml.LogRows, numbers: list[int], before: float, stamp: tuple[int, int, int]) -> None:
+        """Note new rows; report an answer of several rows that all lie at or before the last index."""
+        if numbers:
+            self._grew, self._behind = stamp[0], 0
+            self.doubts.pop("no_rows", None)
+            self.doubts.pop("behind", None)
+        elif len(log.rows) > 1 and before > -np.inf and self._last_key == before:
+            self._behind += 1
+            first = log.rows[0].partition(",")[0][:60]
+            text = f"{len(log.rows)} rows from {first} on lie at or before the last index, and were not read"
+            self._report(stamp[2], "behind", text)
+            if self._behind >= BEHIND:
+                self.doubts["behind"] = f"{BEHIND} answers: {text}: the sender's clock or time zone was set back"
 
     def _new_rows(self, log: witsml.LogRows, wall: int) -> list[int]:
         """Return the numbers, from 1, of the rows after the last index, and update the last index.

@@ -12,6 +12,7 @@ An answer that fails ends the link with an OSError; ``server.py`` decides when t
 from __future__ import annotations
 
 import contextlib
+import email.utils
 import hashlib
 import logging
 import os
@@ -27,9 +28,11 @@ from helibore.base.errors import InputError, needs
 from helibore.live.rules.sources import StoreSource
 from helibore.live.wire import witsml
 from helibore.live.wire.redaction import Redactor, check_password
-from helibore.live.wire.transport import AccessDeniedError, Link, Opener
+from helibore.live.wire.transport import AccessDeniedError, BusyError, Link, Opener
 
 PIECE = 1 << 19
+LONGEST_RETRY = 86_400.0
+"""The most seconds that a store can ask helibore to wait."""
 SOON = 0.25
 """Seconds until the query for the rest of a partial answer."""
 
@@ -93,6 +96,7 @@ class StoreLink(Link):
         self._before: dict[str, bytes] = {}
         self._socket: socket.socket | None = None
         self._answering = False
+        self.useful = self.went_well = False
         self._thread = threading.Thread(target=self._poll, name=f"poll {store.source.name}", daemon=True)
         self._thread.start()
 
@@ -119,9 +123,12 @@ class StoreLink(Link):
                 partial = self._ask_log() if self._source.log else False
                 if self._source.trajectory and not partial:
                     self._ask("trajectory", witsml.trajectory_query(self._source.trajectory.uids), "returnElements=all")
+                self.went_well = True
                 self._closed.wait(SOON if partial else self._source.every)
         except AccessDeniedError as error:
             self._pieces.put(error)
+        except BusyError as error:
+            self._pieces.put(BusyError(self._redactor.clean_text(str(error)), error.seconds))
         except (OSError, self._http.TransportError) as error:
             self._pieces.put(OSError(self._redactor.clean_text(str(error) or type(error).__name__)))
         except Exception as error:
@@ -146,6 +153,7 @@ class StoreLink(Link):
         """
         body, state, failure = self._answer(witsml.envelope(kind, query, options))
         body = self._redactor.clean(body, cut=state != "whole")
+        self.useful = state == "whole"
         same = state == "whole" and body == self._before.get(kind)
         if state == "refused":
             body = self._refusal(kind, body)
@@ -203,7 +211,7 @@ class StoreLink(Link):
         end = time.monotonic() + source.timeout
         headers = {"Content-Type": "text/xml; charset=utf-8", "SOAPAction": f'"{witsml.ACTION}"',
                    "Accept-Encoding": "identity"}  # fmt: skip
-        body, refused, denied = bytearray(), "", None
+        body, refused, denied, wait = bytearray(), "", None, 0.0
         self._answering = False
         late = threading.Timer(source.timeout + 1.0, self._hang_up)  # httpx2 has no time limit for all headers together
         late.daemon = True
@@ -220,6 +228,7 @@ class StoreLink(Link):
                 self._answering = True
                 if response.status_code != 200:
                     refused = f"answered {response.status_code}"
+                    wait = _retry_after(response.headers.get("retry-after", ""))
                     if response.status_code in (401, 403):
                         denied = AccessDeniedError(f"{host}: {refused}: the user or the password is wrong")
                 elif response.headers.get("content-encoding", "identity") != "identity":
@@ -244,4 +253,17 @@ class StoreLink(Link):
         finally:
             late.cancel()
         failure = OSError(f"{host}: {refused}") if refused else None
+        if wait and refused:
+            failure = BusyError(f"{host}: {refused}: asked to wait for {wait:g} s", wait)
         return bytes(body), "refused" if refused else "whole", denied or failure
+
+
+def _retry_after(text: str) -> float:
+    """Return the seconds, at most LONGEST_RETRY, for which a header Retry-After asks to wait; 0 if it is not valid."""
+    if text.strip().isdigit():
+        return min(float(text), LONGEST_RETRY)
+    try:
+        when = email.utils.parsedate_to_datetime(text)
+    except ValueError:
+        return 0.0
+    return min(max(when.timestamp() - time.time(), 0.0), LONGEST_RETRY)

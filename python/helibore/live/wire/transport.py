@@ -33,10 +33,28 @@ class AccessDeniedError(OSError):
     """The peer refused the user, the password or the token. Another try would also fail, and could lock the account."""
 
 
+class BusyError(OSError):
+    """The peer asks to be left alone for ``seconds``."""
+
+    def __init__(self, text: str, seconds: float) -> None:
+        super().__init__(text)
+        self.seconds = seconds
+
+
 class Link(ABC):
-    """One open connection."""
+    """One open connection.
+
+    Attributes
+    ----------
+    useful
+        Whether what came can be read; a refused answer of a store cannot.
+    went_well
+        Whether the link did at least once all that it should, so that earlier failures do not count any more.
+    """
 
     peer: str
+    useful: bool = True
+    went_well: bool = True
 
     @abstractmethod
     def read(self, seconds: float) -> bytes | None:
