@@ -72,7 +72,10 @@ HB_API int32_t HB_CALL hb_close(int64_t handle);
 
 /* Later calls of this thread use `run` to share out their work to the host's threads. If `run` is NULL, they start
    threads of the library again. `run` calls job(context, worker) once for each worker in [0, workers), on any threads,
-   and returns when all these calls have returned. A worker needs 64 KB of stack at most; runner.hpp says more. */
+   and returns when all these calls have returned. A worker needs 64 KB of stack at most; runner.hpp says more.
+   `run` may call the library. But a call on the object whose call it serves, in the thread of that call, returns
+   HB_INPUT ("this wall: is being appended to or read in this thread"); in another thread the call waits until the
+   object is free, so `run` must not wait for it. */
 typedef void(HB_CALL* hb_job)(void* context, int32_t worker);
 typedef void(HB_CALL* hb_run)(void* host, int32_t workers, hb_job job, void* context);
 HB_API int32_t HB_CALL hb_use_runner(hb_run run, void* host);

@@ -10,10 +10,10 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <mutex>
 #include <span>
 
 #include "base/arithmetic.hpp"
+#include "base/locks.hpp"
 #include "helibore/error.hpp"
 
 namespace helibore::wits {
@@ -132,7 +132,7 @@ struct Position {
 struct Parser::State {
     std::vector<double> nulls;
     Limits limits;
-    std::mutex lock;
+    Mutex lock;
     std::string held;              // the stream from at.held_base on: an open frame, or the line being read
     std::vector<Item> open_items;  // of the open frame, read by earlier calls
     Position at;
@@ -175,12 +175,12 @@ Parser& Parser::operator=(Parser&&) noexcept = default;
 
 Batch Parser::feed(std::string_view bytes) {
     const StandardArithmetic standard;
-    const std::lock_guard guard(state_->lock);
+    const Held guard(state_->lock);
     return state_->whole_or_nothing([&](Batch& batch) { state_->take(bytes, batch); });
 }
 
 Batch Parser::finish() {
-    const std::lock_guard guard(state_->lock);
+    const Held guard(state_->lock);
     Batch batch = state_->whole_or_nothing([&](Batch& made) { state_->end(made); });
     state_->at.skipping_line = state_->at.in_stray_run = false;
     return batch;
@@ -238,7 +238,7 @@ void Parser::State::end(Batch& batch) {
 }
 
 Counts Parser::counts() const {
-    const std::lock_guard guard(state_->lock);
+    const Held guard(state_->lock);
     return state_->at.counts;
 }
 
@@ -256,7 +256,7 @@ struct Saved {
 }  // namespace
 
 std::string Parser::state() const {
-    const std::lock_guard guard(state_->lock);
+    const Held guard(state_->lock);
     const auto& [nulls, limits, lock, held, open_items, at] = *state_;
     const Saved saved{at.counts,
                       at.held_base,
@@ -311,7 +311,7 @@ void Parser::restore(std::string_view bytes) {
         require(item.frame == counts.frames && item.code >= 101 && item.code <= 9999);
         require(item.flags == 0 ? std::isfinite(item.value) : item.flags <= not_a_number && std::isnan(item.value));
     }
-    const std::lock_guard guard(state_->lock);
+    const Held guard(state_->lock);
     state_->held.assign(held);
     state_->open_items = std::move(items);
     state_->at = {.counts = saved.counts,

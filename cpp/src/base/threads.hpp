@@ -16,13 +16,16 @@
 #include <atomic>
 #include <cstdint>
 #include <exception>
-#include <mutex>
 #include <string>
-#include <system_error>
-#include <thread>
 #include <vector>
 
+#ifndef HELIBORE_NO_THREADS
+#include <system_error>
+#include <thread>
+#endif
+
 #include "base/arithmetic.hpp"
+#include "base/locks.hpp"
 #include "base/messages.hpp"
 #include "helibore/runner.hpp"
 #include "helibore/types.hpp"
@@ -61,7 +64,7 @@ void for_each_part(int threads, Index parts, const Job& job) {
         stretches[static_cast<std::size_t>(w)].stop = parts * (w + 1) / workers;
     }
     std::atomic<bool> failed{false};
-    std::mutex lock;
+    Mutex lock;
     std::exception_ptr failure;
     const auto work = [&](int worker) {
         try {
@@ -71,7 +74,7 @@ void for_each_part(int threads, Index parts, const Job& job) {
             }
         } catch (...) {
             failed = true;
-            const std::scoped_lock held(lock);
+            const Held held(lock);
             if (!failure) failure = std::current_exception();
         }
     };
@@ -90,6 +93,9 @@ void for_each_part(int threads, Index parts, const Job& job) {
         runner.run(runner.host, workers, once, &all);
         for (int worker = 0; worker < workers; ++worker) once(&all, worker);
     } else {
+#ifdef HELIBORE_NO_THREADS
+        work(0);
+#else
         std::vector<std::jthread> started;
         started.reserve(static_cast<std::size_t>(workers));
         try {
@@ -101,6 +107,7 @@ void for_each_part(int threads, Index parts, const Job& job) {
         } catch (const std::system_error&) {  // the system grants no more threads: the threads that run do the work
             if (started.empty()) work(0);
         }
+#endif
     }
     if (failure) std::rethrow_exception(failure);
 }

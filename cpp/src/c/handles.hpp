@@ -7,12 +7,12 @@
 
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <unordered_map>
 #include <variant>
 #include <vector>
 
+#include "base/locks.hpp"
 #include "base/messages.hpp"
 #include "helibore/error.hpp"
 #include "helibore/helibore.h"
@@ -25,7 +25,7 @@ struct WallHandle {
     static constexpr const char* kind = "a wall";
     std::shared_ptr<const Wall> read;
     std::shared_ptr<Wall> append;  // null for the wall of a live well
-    std::mutex lock;
+    Mutex lock;
     std::vector<Range> ranges;  // of the last append
 };
 
@@ -38,14 +38,14 @@ struct LiveHandle {
     static constexpr const char* kind = "a live well";
     explicit LiveHandle(const LiveSettings& settings) : live(settings) {}
     Live live;
-    std::mutex lock;
+    Mutex lock;
     Update last;  // of the last poll
 };
 
 struct ParserHandle {
     static constexpr const char* kind = "a WITS parser";
     wits::Parser parser;
-    std::mutex lock;
+    Mutex lock;
     wits::Batch last;  // of the last feed
 };
 
@@ -60,7 +60,7 @@ class Handles {
     Object find(std::int64_t handle) const;  // throws InputError
 
   private:
-    mutable std::mutex lock_;
+    mutable Mutex lock_;
     std::unordered_map<std::int64_t, Object> objects_;
     std::int64_t last_ = 0;
 };

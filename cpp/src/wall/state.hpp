@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
-#include <mutex>
 #include <utility>
 #include <vector>
 
+#include "base/locks.hpp"
 #include "helibore/wall.hpp"
 #include "samples/samples.hpp"
 #include "search/search.hpp"
@@ -57,7 +57,7 @@ struct Wall::State {
     std::vector<std::int32_t> iterations(Range range) const;
     std::vector<std::uint8_t> provisional(Range range) const;
 
-    mutable std::mutex lock;
+    mutable CallLock lock{"wall"};
     Settings settings;
     Search search;
     Samples samples;

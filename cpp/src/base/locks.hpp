@@ -1,0 +1,84 @@
+// Locks of objects that several threads of a host may use. A build with HELIBORE_NO_THREADS has no threads and no
+// locks.
+#pragma once
+
+#include <atomic>
+
+#ifndef HELIBORE_NO_THREADS
+#include <mutex>
+#endif
+#ifdef __unix__
+#include <unistd.h>
+#endif
+
+#include "helibore/error.hpp"
+
+namespace helibore {
+
+#ifdef HELIBORE_NO_THREADS
+struct Mutex {
+    void lock() {}
+    bool try_lock() { return true; }
+    void unlock() {}
+};
+#else
+using Mutex = std::mutex;
+#endif
+
+template <class Lockable>
+class Held {
+  public:
+    explicit Held(Lockable& lock) : lock_(lock) { lock.lock(); }
+    ~Held() { lock_.unlock(); }
+    Held(const Held&) = delete;
+    Held& operator=(const Held&) = delete;
+
+  private:
+    Lockable& lock_;
+};
+
+// The lock of an object whose calls share out work to a runner of the host. A call waits for the calls of other
+// threads. Where it would wait for ever, it throws: in a call that the runner makes on the thread whose call it serves,
+// and in a forked process, if another thread was in a call when the process was forked.
+class CallLock {
+  public:
+    // `object` is the name of the object in errors, such as "wall".
+    explicit CallLock(const char* object) : object_(object) {}
+
+    void lock() {
+        if (!mutex_.try_lock()) {
+            if (thread_ == this_thread())
+                throw InputError(std::string("this ") + object_, "is being appended to or read in this thread");
+            if (process_ != this_process())
+                throw InputError(std::string("this ") + object_,
+                                 "was in use by another thread when this process was forked");
+            mutex_.lock();
+        }
+        thread_ = this_thread();
+        process_ = this_process();
+    }
+    void unlock() {
+        thread_ = nullptr;
+        mutex_.unlock();
+    }
+
+  private:
+    static const void* this_thread() {
+        constinit static thread_local char here = 0;
+        return &here;
+    }
+    static int this_process() {
+#ifdef __unix__
+        return static_cast<int>(getpid());
+#else
+        return 0;
+#endif
+    }
+
+    Mutex mutex_;
+    std::atomic<const void*> thread_{nullptr};
+    std::atomic<int> process_{0};
+    const char* object_;
+};
+
+}  // namespace helibore
