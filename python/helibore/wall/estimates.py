@@ -26,6 +26,10 @@ _MOST_BOX_DEPTH = 1.0
 FEW_BOXES = 200
 """Number of boxes that is enough for an uncertainty. `tune` makes one box for each target, so that its choice hardly
 varies with the boxes."""
+_LEVEL = 1e-3
+"""Metres: samples within this depth are compared, however near in toolface others are."""
+_COMPARISONS = 2e6
+"""With this many comparisons a range is found in some 30 ms."""
 
 Columns = tuple[Floats, Floats, Floats]
 Boxes = tuple[Floats, Floats]
@@ -147,12 +151,22 @@ def estimate_left_out(
     return Estimates(*_core.estimate_at(samples, points, vars(settings), threads, nuggets))
 
 
+def _spread(count: int, most: int) -> Integers:
+    """Return up to ``most`` of ``count`` rows, spread evenly."""
+    return np.unique(np.linspace(0, count - 1, min(most, count)).astype(np.int64))
+
+
 def find_kriging_range(samples: Columns, settings: Settings) -> float:
     """Return four times the median distance from a sample to the 16th nearest one, in the metric of the settings.
 
-    If there are too few samples, or all lie at one position, return half the circumference at bit size.
+    The median is that of up to 1,000 samples. They are fewer if many samples lie near one depth, because each is
+    then compared with all of these. If there are too few samples, or all lie at one position, return half the
+    circumference at bit size.
     """
-    rows = np.unique(np.linspace(0, samples[0].size - 1, min(1000, samples[0].size)).astype(np.int64))
+    depth = samples[0]
+    rows = _spread(depth.size, 1000)
+    starts, stops = (np.searchsorted(depth, depth[rows] + reach) for reach in (-_LEVEL, _LEVEL))
+    rows = _spread(depth.size, int(np.clip(_COMPARISONS / np.mean(stops - starts + 1), 2, 1000)))
     simple = replace(settings, estimator="inverse-distance", neighbors=16, max_distance=None, max_iterations=2)
     farthest = estimate_left_out(samples, rows, simple).farthest
     farthest = farthest[farthest > 0]

@@ -11,6 +11,7 @@ import pytest
 from reference import Floats, exactly, random_hole, reference
 
 import helibore as hb
+from helibore.wall import estimates
 
 BIT = 0.216
 
@@ -93,6 +94,22 @@ def test_the_range_is_four_times_the_median_distance_of_the_16th_neighbour() -> 
     for_all = np.hypot(2.0 * 0.108 * turn, depth[:, None] - depth)
     expected = 4 * np.median(np.sort(for_all, axis=1)[:, 16])
     assert wall.settings.kriging_range == pytest.approx(expected, rel=0.02)  # radii differ a little from the bit's
+
+
+def test_the_range_of_a_crowd_at_one_depth_is_found_at_a_few_places(monkeypatch: pytest.MonkeyPatch) -> None:
+    count = 40_000
+    found: list[int] = []
+    estimate = estimates.estimate_left_out
+
+    def counted(samples: estimates.Columns, rows: estimates.Integers, *rest: Any) -> estimates.Estimates:
+        found.append(rows.size * samples[0].size)
+        return estimate(samples, rows, *rest)
+
+    monkeypatch.setattr(estimates, "estimate_left_out", counted)
+    toolface = np.arange(count) * 360.0 / count
+    wall = kriged((np.full(count, 5.0), toolface, np.full(count, 0.11)), start_depth=4.9, stop_depth=5.1)
+    assert wall.settings.kriging_range == pytest.approx(4 * 8 * 2 * np.pi * 0.11 / count, rel=0.02)
+    assert found[0] <= 5_000_000  # comparisons
 
 
 def test_neighbors_follow_the_estimator() -> None:
