@@ -11,6 +11,7 @@
 
 #include "check.hpp"
 #include "failing_allocation.hpp"
+#include "helibore/estimates.hpp"
 #include "helibore/helibore.h"
 #include "helibore/live.hpp"
 #include "helibore/logs.hpp"
@@ -287,9 +288,12 @@ void bad_input() {
     REFUSED(hb_live_path(live, nullptr), "path: must not be null");
 
     // structs of another version
-    settings.size = 12;
-    REFUSED(hb_wall_create(&settings, &none), "settings.size = 12: must be " + std::to_string(sizeof settings) +
-                                                  ", as in helibore.h of version " + hb_version());
+    for (const std::uint32_t size : {std::uint32_t{12}, std::uint32_t{sizeof settings + 8}}) {
+        settings.size = size;
+        REFUSED(hb_wall_create(&settings, &none), "settings.size = " + std::to_string(size) + ": must lie in 136 to " +
+                                                      std::to_string(sizeof settings) +
+                                                      ", as in helibore.h of version " + hb_version());
+    }
     settings = settings_of();
     hb_change change = {};
     REFUSED(hb_wall_append(wall, 0, nullptr, nullptr, nullptr, nullptr, &change),
@@ -365,6 +369,74 @@ void bad_input() {
 }
 
 // A text of more than 1023 bytes is cut, but not within a character: "\u6df1" takes three bytes.
+// A host of the first header: its settings end before `sigma`.
+void older_struct() {
+    hb_settings settings = {}, newest = settings_of();
+    std::memset(&settings, 0x5a, sizeof settings);
+    settings.size = 136;
+    CHECK(hb_settings_init(&settings) == HB_OK);
+    CHECK(settings.size == 136 && settings.sectors == 64);
+    CHECK(settings.sigma == 0x5a5a5a5a && settings.reserved == 0x5a5a5a5a);  // not its memory
+    settings.bit_diameter = 0.216;
+    std::int64_t wall = 0, count = 0;
+    hb_sigma_rule rule = sized<hb_sigma_rule>();
+    CHECK(hb_wall_create(&settings, &wall) == HB_OK);
+    CHECK(hb_wall_sigma(wall, &rule, &count, nullptr) == HB_INPUT);  // the default
+    newest.sigma = 1;
+    CHECK(hb_wall_create(&newest, &wall) == HB_OK);
+    CHECK(hb_wall_sigma(wall, &rule, &count, nullptr) == HB_OK);
+}
+
+// The numbers of C++ for what is measured on a wall.
+void measures() {
+    hb_settings settings = settings_of();
+    settings.sigma = 1;
+    std::int64_t wall = 0;
+    CHECK(hb_wall_create(&settings, &wall) == HB_OK);
+    CHECK(append(wall, hole.all()) == HB_OK);
+    helibore::Settings same{.bit_diameter = 0.216, .sectors = 48, .pitch = 0.05, .start_depth = 100.0};
+    same.sigma = true;
+    helibore::Wall expected(same);
+    expected.append(hole.all());
+    const auto samples = expected.samples();
+    const auto sums = expected.sums();
+    std::int64_t count = expected.size();
+    std::vector<double> found(static_cast<std::size_t>(count)), near(2);
+    const auto equal = [](std::span<const double> a, std::span<const double> b) {
+        Bits of_a, of_b;
+        add(of_a, a);
+        add(of_b, b);
+        return of_a == of_b;
+    };
+
+    CHECK(hb_wall_angular_gaps(wall, 0.05, &count, found.data()) == HB_OK);
+    CHECK(equal(found, helibore::angular_gaps({100.0, 0.0, 0.05, 48, count}, {samples[0], samples[1]}, 0.05)));
+    const hb_sigma_rule rule{sizeof rule, 0, 1e-6, 2e-6, 0.5, 0.7, 1.5, 0.4};
+    CHECK(hb_wall_sigma(wall, &rule, &count, found.data()) == HB_OK);
+    CHECK(equal(found, helibore::sigma_of({sums[0], sums[1], sums[2], sums[3]}, {1e-6, 2e-6, 0.5, 0.7, 1.5, 0.4})));
+
+    const double depth[] = {101.3, 190.0}, toolface[] = {77.0, 0.0}, nothing[] = {-1.0, -1.0}, trial[] = {0.108, 0.108};
+    const auto at =
+        helibore::estimate_at({samples[0], samples[1], samples[2]}, {depth, toolface, trial, nothing, nothing}, same);
+    found.resize(2);
+    CHECK(hb_wall_estimate(wall, 2, depth, toolface, found.data(), near.data()) == HB_OK);
+    CHECK(equal(found, at.radius) && equal(near, at.nearest) && std::isnan(found[1]) && found[0] > 0.1);
+
+    const double thickness[] = {0.05, 0.2};
+    std::int64_t vertices = 0, cells = 0;
+    CHECK(hb_wall_volume(wall, 0, 0, 200, 2, thickness, &vertices, nullptr, &cells, nullptr) == HB_BUFFER_TOO_SMALL);
+    std::vector<helibore::Vector3> places(static_cast<std::size_t>(vertices));
+    std::vector<helibore::Hexahedron> corners(static_cast<std::size_t>(cells));
+    CHECK(vertices == 600 && cells == 2 * 151);
+    CHECK(hb_wall_volume(wall, 0, 0, 200, 2, thickness, &vertices, places[0].data(), &cells, corners[0].data()) ==
+          HB_OK);
+    for (const double volume : helibore::volumes(places, corners)) CHECK(volume > 0.0);
+    const double falling[] = {0.05, 0.01};
+    REFUSED(hb_wall_volume(wall, 0, 0, 0, 0, thickness, &vertices, nullptr, &cells, nullptr),
+            "shells = 0: must lie in 1 to 1000");
+    CHECK(hb_wall_volume(wall, 0, 0, 200, 2, falling, &vertices, nullptr, &cells, nullptr) == HB_INPUT);
+}
+
 void long_texts() {
     const std::int64_t live = new_live();
     std::int64_t count = 0;
@@ -758,6 +830,8 @@ int main() {
     same_numbers_as_cpp();
     live();
     wits();
+    older_struct();
+    measures();
     bad_input();
     long_texts();
     not_open();

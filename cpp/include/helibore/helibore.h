@@ -15,8 +15,9 @@
    Handles are numbers above 0. A number is never used again, so the use of a closed or wrong handle is an error.
    hb_close closes handles of every kind. Any thread may use any handle; calls on one wall wait for each other.
 
-   Set the member `size` of a struct to its sizeof before a call. A library of another version, whose struct has other
-   members, then refuses the struct.
+   Set the member `size` of a struct to its sizeof before a call. Later headers add members at the end of a struct. A
+   library takes the shorter structs of older headers: members that they lack have their defaults, and are not written.
+   It refuses a struct that is longer than its own, by name and size.
 
    Arrays belong to the host; the library keeps no pointer to them. They have `n` values each; they may be NULL if n is
    0. Some calls fill arrays whose length the host does not know. Before such a call, set *count to the number of values
@@ -111,6 +112,8 @@ typedef struct hb_settings {
     int32_t direct;
     int32_t threads;
     int32_t instruction_set;
+    int32_t sigma;    /* 1: the wall keeps what hb_wall_sigma needs */
+    int32_t reserved; /* 0 */
 } hb_settings;
 
 #define HB_MINIMUM_CURVATURE 0
@@ -188,6 +191,31 @@ HB_API int32_t HB_CALL hb_wall_samples(int64_t wall, int32_t column, int64_t* co
 HB_API int32_t HB_CALL hb_wall_interpolate(int64_t wall, int64_t n, const double* samples, int64_t* count,
                                            double* values);
 
+/* Computes the angular gap of each vertex: degrees between the nearest samples on its two sides that lie within `reach`
+   metres of its depth; logs.hpp says more. Fills *count values, one for each vertex. */
+HB_API int32_t HB_CALL hb_wall_angular_gaps(int64_t wall, double reach, int64_t* count, double* values);
+
+/* uncertainty.hpp has the formula. */
+typedef struct hb_sigma_rule {
+    uint32_t size;
+    int32_t reserved;
+    double noise;
+    double between;
+    double scatter_power;
+    double distance_power;
+    double stretch;
+    double reach;
+} hb_sigma_rule;
+
+/* Computes the standard uncertainty of each radius by a rule; the wall must have been created with `sigma`. Fills
+ *count values, one for each vertex. */
+HB_API int32_t HB_CALL hb_wall_sigma(int64_t wall, const hb_sigma_rule* rule, int64_t* count, double* values);
+
+/* Estimates the radius at n points from the samples of the wall, by its settings; `window` has no effect. nearest: the
+   distance of the nearest sample used. Both are NaN where no sample is within max_distance; either may be NULL. */
+HB_API int32_t HB_CALL hb_wall_estimate(int64_t wall, int64_t n, const double* depth, const double* toolface,
+                                        double* radius, double* nearest);
+
 /* Computes the logs of each full turn, column after column in the order of logs.hpp: HB_LOG_COLUMNS times *turns
    values. window: the number of turns over which rugosity is measured, odd, 3 or more. */
 #define HB_LOG_COLUMNS 18
@@ -198,6 +226,13 @@ HB_API int32_t HB_CALL hb_wall_logs(int64_t wall, int64_t window, int64_t* turns
    helix. quads: for each quad, the rows of its four corners in `vertices`. */
 HB_API int32_t HB_CALL hb_wall_surface(int64_t wall, int64_t path, int64_t start, int64_t stop, int64_t* vertex_count,
                                        double* vertices, int64_t* vertex_index, int64_t* quad_count, int64_t* quads);
+
+/* Computes the volume of the vertices [start, stop) between the wall and one or more shells, along a path (0: straight
+   down). thickness: of each shell, metres from the wall, rising. vertices: north, east and down of each vertex of the
+   wall, then of each shell. hexahedra: for each, the rows of its eight corners in `vertices`. */
+HB_API int32_t HB_CALL hb_wall_volume(int64_t wall, int64_t path, int64_t start, int64_t stop, int64_t shells,
+                                      const double* thickness, int64_t* vertex_count, double* vertices,
+                                      int64_t* hexahedron_count, int64_t* hexahedra);
 
 /* --- path -------------------------------------------------------------------------------------------------------- */
 

@@ -32,6 +32,9 @@ struct SampleColumns {
     void validate(int threads = 1) const;
 };
 
+// The columns of VertexColumns, in their order.
+enum class Column { depth, toolface, radius, nearest, support, iterations, provisional };
+
 // One value for each vertex: metres and degrees.
 struct VertexColumns {
     std::vector<double> depth, toolface;
@@ -89,6 +92,10 @@ class Wall {
     // vertex found too few samples and max_distance sets no limit, or if its window is cut short by the end of the
     // samples. For an empty range, shallow is infinity and deep is -infinity.
     Depths reach(Range range) const;
+
+    // Writes one column of a range of vertices into the host's own memory. Throws InputError if the range reaches
+    // beyond the wall, or if `into` has another length.
+    void read(Column column, Range range, std::span<double> into) const;
 
     // Writes the radii of all vertices into the host's own memory and returns size(). If `into` has another length, it
     // writes nothing: the wall may have grown since the host asked for its size.

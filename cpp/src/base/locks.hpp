@@ -12,8 +12,11 @@
 #endif
 
 #include "helibore/error.hpp"
+#include "helibore/runner.hpp"
 
 namespace helibore {
+
+Runner& runner_of_this_thread();  // each thread has its own
 
 #ifdef HELIBORE_NO_THREADS
 struct Mutex {
@@ -63,10 +66,7 @@ class CallLock {
     }
 
   private:
-    static const void* this_thread() {
-        constinit static thread_local char here = 0;
-        return &here;
-    }
+    static const void* this_thread() { return &runner_of_this_thread(); }
     static int this_process() {
 #ifdef __unix__
         return static_cast<int>(getpid());

@@ -32,8 +32,6 @@
 
 namespace helibore {
 
-Runner& runner_of_this_thread();
-
 inline void require_threads(int threads) {
     require(threads >= 1 && threads <= most_threads, "threads", Index{threads},
             "must lie in 1 to " + std::to_string(most_threads));

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <string>
 #include <unordered_map>
@@ -113,13 +114,41 @@ inline void require_count(std::int64_t n) {
 // Writes to each count the number of values that is needed. Throws BufferTooSmall if a count was less than that.
 void require_room(std::initializer_list<std::int64_t*> counts, std::initializer_list<std::int64_t> needed);
 
+// The size of a struct in the first header that had it. Later headers add members at its end.
 template <class Struct>
-void require_struct(const char* name, const Struct* given) {
+inline constexpr std::size_t first_size = sizeof(Struct);
+template <>
+inline constexpr std::size_t first_size<hb_settings> = 136;
+
+// Returns the size of the struct in the header of the host. Throws InputError if it is older than the first header or
+// newer than this library.
+template <class Struct>
+std::size_t require_struct(const char* name, const Struct* given) {
     require_pointer(name, given);
-    if (given->size == sizeof(Struct)) return;
+    const std::size_t size = given->size;
+    if (size >= first_size<Struct> && size <= sizeof(Struct)) return size;
+    const std::string most = std::to_string(sizeof(Struct)) + ", as in helibore.h of version " HELIBORE_VERSION;
     throw InputError(std::string(name) + ".size",
-                     "must be " + std::to_string(sizeof(Struct)) + ", as in helibore.h of version " HELIBORE_VERSION,
-                     std::to_string(given->size));
+                     first_size<Struct> == sizeof(Struct)
+                         ? "must be " + most
+                         : "must lie in " + std::to_string(first_size<Struct>) + " to " + most,
+                     std::to_string(size));
+}
+
+// Returns a copy of the host's struct; members that its header lacks have the values of `defaults`.
+template <class Struct>
+Struct taken(const char* name, const Struct* given, Struct defaults) {
+    const std::size_t size = require_struct(name, given);
+    std::memcpy(&defaults, given, size);
+    return defaults;
+}
+
+// Fills the members that the host's header has.
+template <class Struct>
+void give(const char* name, Struct* given, Struct values) {
+    const std::size_t size = require_struct(name, given);
+    values.size = static_cast<std::uint32_t>(size);
+    std::memcpy(given, &values, size);
 }
 
 }  // namespace helibore::c

@@ -8,6 +8,7 @@
 
 #include "base/threads.hpp"
 #include "c/handles.hpp"
+#include "helibore/estimates.hpp"
 #include "helibore/logs.hpp"
 #include "helibore/surface.hpp"
 
@@ -39,7 +40,9 @@ hb_settings to_c(const Settings& s) {
             .estimator = static_cast<std::int32_t>(s.estimator),
             .direct = s.direct,
             .threads = s.threads,
-            .instruction_set = static_cast<std::int32_t>(s.instruction_set)};
+            .instruction_set = static_cast<std::int32_t>(s.instruction_set),
+            .sigma = s.sigma,
+            .reserved = 0};
 }
 
 template <class Enum>
@@ -50,8 +53,7 @@ Enum choice(const char* name, std::int32_t value, Enum last) {
 }
 
 Settings settings_of(const hb_settings* given) {
-    require_struct("settings", given);
-    const hb_settings& s = *given;
+    const hb_settings s = taken("settings", given, to_c(Settings{}));
     const auto set = [](double value) { return std::isnan(value) ? std::optional<double>() : value; };
     return {.bit_diameter = s.bit_diameter,
             .sectors = s.sectors,
@@ -69,6 +71,7 @@ Settings settings_of(const hb_settings* given) {
             .estimator = choice("estimator", s.estimator, Estimator::kriging),
             .kriging_range = s.kriging_range,
             .nugget = s.nugget,
+            .sigma = s.sigma != 0,
             .direct = s.direct != 0,
             .most_vertices = s.most_vertices,
             .threads = s.threads,
@@ -76,11 +79,11 @@ Settings settings_of(const hb_settings* given) {
 }
 
 PathSettings settings_of(const hb_path_settings* given) {
-    require_struct("settings", given);
-    return {.method = choice("method", given->method, Method::radius_of_curvature),
-            .reference = choice("reference", given->reference, Reference::parallel_transport),
-            .head = {given->head_north, given->head_east, given->head_down},
-            .extend = given->extend};
+    const hb_path_settings s = taken("settings", given, hb_path_settings{});
+    return {.method = choice("method", s.method, Method::radius_of_curvature),
+            .reference = choice("reference", s.reference, Reference::parallel_transport),
+            .head = {s.head_north, s.head_east, s.head_down},
+            .extend = s.extend};
 }
 
 hb_change to_c(const Change& change) {
@@ -111,8 +114,9 @@ void copy_to(T* into, const Values& values) {
 // Copies `values` to the host's array `into`, which has room for *count values; sets *count to their number.
 template <class T, class Values>
 void fill(std::int64_t* count, const char* name, T* into, const Values& values) {
-    require_room({count}, {static_cast<Index>(values.size())});
-    copy_to(array(name, into, *count).data(), values);
+    const auto needed = static_cast<Index>(values.size());
+    require_room({count}, {needed});
+    copy_to(array(name, into, needed).data(), values);
 }
 
 template <class T>
@@ -136,6 +140,12 @@ struct WallRadii {
     }
 };
 
+// Returns the numbers of the wall's vertices on the helix.
+Range all_of(const Wall& wall) {
+    const Index first = wall.settings().first_vertex;
+    return {first, first + wall.size()};
+}
+
 }  // namespace
 
 const char* hb_version(void) {
@@ -155,16 +165,13 @@ int32_t hb_use_runner(hb_run run, void* host) {
 }
 
 int32_t hb_settings_init(hb_settings* settings) {
-    return guarded([&] {
-        require_struct("settings", settings);
-        *settings = to_c(Settings{});
-    });
+    return guarded([&] { give("settings", settings, to_c(Settings{})); });
 }
 
 int32_t hb_path_settings_init(hb_path_settings* settings) {
     return guarded([&] {
-        require_struct("settings", settings);
-        *settings = {sizeof *settings, HB_MINIMUM_CURVATURE, HB_HIGH_SIDE, 0, 0.0, 0.0, 0.0, 0.0};
+        give("settings", settings,
+             hb_path_settings{sizeof *settings, HB_MINIMUM_CURVATURE, HB_HIGH_SIDE, 0, 0.0, 0.0, 0.0, 0.0});
     });
 }
 
@@ -186,7 +193,7 @@ int32_t hb_wall_append(int64_t wall, int64_t n, const double* depth, const doubl
             throw InputError("wall", "must not be the wall of a live well; use hb_live_append_samples",
                              std::to_string(wall));
         Change done = handle->append->append(samples_of(n, depth, toolface, radius, time));
-        if (change) *change = to_c(done);
+        if (change) give("change", change, to_c(done));
         const Held held(handle->lock);
         handle->ranges = std::move(done.ranges);
     });
@@ -217,7 +224,7 @@ int32_t hb_wall_get(int64_t wall, hb_wall_state* state) {
         require_struct("state", state);
         const Wall& w = *handle->read;
         const Index settled = w.settled();  // read first: an append between these calls only adds vertices
-        *state = {sizeof *state, 0, w.size(), w.sample_count(), settled, w.start_depth()};
+        give("state", state, hb_wall_state{sizeof *state, 0, w.size(), w.sample_count(), settled, w.start_depth()});
     });
 }
 
@@ -225,24 +232,10 @@ int32_t hb_wall_read(int64_t wall, int32_t column, int64_t start, int64_t stop, 
     return guarded([&] {
         const auto handle = find<WallHandle>("wall", wall);
         require(column >= HB_DEPTH && column <= HB_PROVISIONAL, "column", Index{column}, "must lie in 0 to 6");
-        const VertexColumns found = handle->read->vertices({start, stop});
-        array("values", values, stop - start);
-        switch (column) {
-            case HB_DEPTH:
-                return copy_to(values, found.depth);
-            case HB_TOOLFACE:
-                return copy_to(values, found.toolface);
-            case HB_RADIUS:
-                return copy_to(values, found.radius);
-            case HB_NEAREST:
-                return copy_to(values, found.nearest);
-            case HB_SUPPORT:
-                return copy_to(values, found.support);
-            case HB_ITERATIONS:
-                return copy_to(values, found.iterations);
-            default:
-                return copy_to(values, found.provisional);
-        }
+        const auto length = static_cast<std::uint64_t>(stop) - static_cast<std::uint64_t>(start);
+        if (length > 0 && !values) handle->read->vertices({start, stop});  // an error of the range comes first
+        if (length > 0) require_pointer("values", values);
+        handle->read->read(static_cast<Column>(column), {start, stop}, {values, length});
     });
 }
 
@@ -296,6 +289,75 @@ int32_t hb_wall_logs(int64_t wall, int64_t window, int64_t* turns, double* value
         require_room({turns}, {static_cast<Index>(logs.mean.size())});
         double* into = array("values", values, *turns).data();
         for (const auto* column : columns) into = std::copy(column->begin(), column->end(), into);
+    });
+}
+
+int32_t hb_wall_angular_gaps(int64_t wall, double reach, int64_t* count, double* values) {
+    return guarded([&] {
+        const auto handle = find<WallHandle>("wall", wall);
+        require_room({count}, {handle->read->size()});
+        const WallRadii of(*handle->read, all_of(*handle->read));
+        const auto samples = handle->read->samples();
+        const HelixVertices vertices{of.helix.start_depth, of.settings.start_toolface, of.settings.pitch,
+                                     of.settings.sectors,  std::ssize(of.radius),      of.settings.first_vertex};
+        fill(count, "values", values, angular_gaps(vertices, {samples[0], samples[1]}, reach, of.settings.threads));
+    });
+}
+
+int32_t hb_wall_sigma(int64_t wall, const hb_sigma_rule* rule, int64_t* count, double* values) {
+    return guarded([&] {
+        const auto handle = find<WallHandle>("wall", wall);
+        const hb_sigma_rule with = taken("rule", rule, hb_sigma_rule{});
+        const auto sums = handle->read->sums();
+        fill(count, "values", values,
+             sigma_of({sums[0], sums[1], sums[2], sums[3]},
+                      {with.noise, with.between, with.scatter_power, with.distance_power, with.stretch, with.reach}));
+    });
+}
+
+int32_t hb_wall_estimate(int64_t wall, int64_t n, const double* depth, const double* toolface, double* radius,
+                         double* nearest) {
+    return guarded([&] {
+        const auto handle = find<WallHandle>("wall", wall);
+        const std::span<const double> at = column("depth", depth, n), around = column("toolface", toolface, n);
+        const auto samples = handle->read->samples();
+        const Settings settings = handle->read->settings();
+        const std::vector<double> trial(at.size(), 0.5 * settings.bit_diameter), none(at.size(), -1.0);
+        const PointEstimates of =
+            estimate_at({samples[0], samples[1], samples[2]}, {at, around, trial, none, none}, settings);
+        copy_to(radius, of.radius);
+        copy_to(nearest, of.nearest);
+    });
+}
+
+int32_t hb_wall_volume(int64_t wall, int64_t path, int64_t start, int64_t stop, int64_t shells, const double* thickness,
+                       int64_t* vertex_count, double* vertices, int64_t* hexahedron_count, int64_t* hexahedra) {
+    return guarded([&] {
+        const auto handle = find<WallHandle>("wall", wall);
+        const Path along = path == 0 ? Path() : find<PathHandle>("path", path)->path;
+        require(shells >= 1 && shells <= 1000, "shells", Index{shells}, "must lie in 1 to 1000");
+        WallRadii of(*handle->read, {start, stop});
+        std::vector<std::vector<double>> radii(1, of.radius);
+        for (const double given : array("thickness", thickness, shells)) {
+            const double thick = given;
+            radii.push_back(of.radius);
+            for (double& radius : radii.back()) radius += thick;
+        }
+        const std::vector<std::span<const double>> spans(radii.begin(), radii.end());
+        const VolumeLayout layout = volume_layout(of.helix, spans);
+        require_room({vertex_count, hexahedron_count}, {layout.vertex_count, layout.hexahedron_count});
+        array("vertices", vertices, layout.vertex_count);
+        array("hexahedra", hexahedra, layout.hexahedron_count);
+        static_assert(sizeof(Hexahedron) == 8 * sizeof(std::int64_t));
+        const std::span rows(reinterpret_cast<Vector3*>(vertices), static_cast<std::size_t>(layout.vertex_count));
+        const std::span cells(reinterpret_cast<Hexahedron*>(hexahedra),
+                              static_cast<std::size_t>(layout.hexahedron_count));
+        for (std::size_t s = 0; s < spans.size(); ++s) {
+            of.helix.radius = spans[s];
+            place(of.helix, along, layout.shells[s], rows, of.settings.threads);
+        }
+        join(of.helix, layout, cells, of.settings.threads);
+        require_upright(of.helix, layout, rows, cells, of.settings.threads);
     });
 }
 
@@ -386,12 +448,13 @@ int32_t hb_live_poll(int64_t live, hb_update* update) {
         const Held held(handle->lock);
         handle->last = handle->live.poll();
         const Update& last = handle->last;
-        *update = {.size = sizeof *update,
-                   .reserved = 0,
-                   .change = last.change ? to_c(*last.change) : to_c(Change{}),
-                   .path_from = last.path_from.value_or(no_value),
-                   .images = static_cast<Index>(last.images.size()),
-                   .events = static_cast<Index>(last.events.size())};
+        give("update", update,
+             hb_update{.size = sizeof *update,
+                       .reserved = 0,
+                       .change = last.change ? to_c(*last.change) : to_c(Change{}),
+                       .path_from = last.path_from.value_or(no_value),
+                       .images = static_cast<Index>(last.images.size()),
+                       .events = static_cast<Index>(last.events.size())});
     });
 }
 

@@ -114,6 +114,41 @@ VertexColumns Wall::State::read(Range range) const {
             support(range), iterations(range), provisional(range)};
 }
 
+void Wall::State::read(Column column, Range range, double* into) const {
+    const Index n = range.stop - range.start;
+    switch (column) {
+        case Column::depth:
+            for (Index i = 0; i < n; ++i) into[i] = helix.depth(range.start + i);
+            return;
+        case Column::toolface: {  // those of one turn, again and again
+            const Index turn = std::min<Index>(n, helix.sectors);
+            for (Index i = 0; i < turn; ++i) into[i] = helix.toolface(range.start + i);
+            for (Index i = turn; i < n; i += turn) std::copy_n(into + i - turn, std::min(turn, n - i), into + i);
+            return;
+        }
+        case Column::radius:
+            vertices.copy(&Vertices::Block::radius, range, into);
+            direct.show(range, into);
+            return;
+        case Column::nearest:
+            return vertices.copy(&Vertices::Block::nearest, range, into);
+        case Column::support:
+            return vertices.copy(&Vertices::Block::support, range, into);
+        case Column::iterations:
+            return vertices.copy(&Vertices::Block::iterations, range, into);
+        case Column::provisional:
+            for (Index i = 0; i < n; ++i) into[i] = direct.stands_for(range.start + i) ? 1.0 : 0.0;
+    }
+}
+
+void Wall::read(Column column, Range range, std::span<double> into) const {
+    locked(*state_, [&](const State& s) {
+        const Range own = s.local(range);
+        require_length("into", into.size(), length_of(own), "the range");
+        s.read(column, own, into.data());
+    });
+}
+
 Index Wall::size() const {
     return locked(*state_, [](const State& s) { return s.count; });
 }

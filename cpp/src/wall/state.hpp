@@ -49,6 +49,7 @@ struct Wall::State {
     Range all() const { return {0, count}; }
     Range local(Range range) const;  // converts numbers on the whole helix to numbers in this wall
     VertexColumns read(Range range) const;
+    void read(Column column, Range range, double* into) const;
     std::vector<double> depth(Range range) const;
     std::vector<double> toolface(Range range) const;
     std::vector<double> radius(Range range) const;

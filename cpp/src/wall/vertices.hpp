@@ -98,6 +98,16 @@ class Vertices {
         return out;
     }
 
+    // Writes one member of the blocks for a range of vertices.
+    template <class T, std::size_t n>
+    void copy(std::array<T, n> Block::* member, Range range, double* into) const {
+        for (Index k = range.start; k < range.stop;) {
+            const Index first = k % block_size, length = std::min(range.stop - k, block_size - first);
+            into = std::copy_n((block(k / block_size).*member).begin() + first, length, into);
+            k += length;
+        }
+    }
+
     // Returns one of the kernel's sums (`which`), with a value for each vertex of a block.
     std::span<const double> sum(std::size_t which, Index block) const {
         return (*sums_[static_cast<std::size_t>(block)])[which];

@@ -101,11 +101,12 @@ def test_the_shared_library_exports_the_names_of_its_header(build: Path) -> None
 
 # Bytes and members of each struct; they change with the minor version only.
 STRUCTS = {
-    "hb_settings": (136, 21),
+    "hb_settings": (144, 23),
     "hb_path_settings": (48, 8),
     "hb_wall_state": (40, 6),
     "hb_change": (40, 6),
     "hb_update": (72, 6),
+    "hb_sigma_rule": (56, 8),
 }
 
 
@@ -135,6 +136,17 @@ def test_hosts_in_c_and_python(prefix: Path, consumer: Path, tmp_path: Path) -> 
     assert run(consumer / "host_allocator") == HOST + "all memory given back\n"
     assert run(tmp_path / "host") == HOST
     assert run(sys.executable, ROOT / "tests/consumer/host.py", library) == HOST
+
+
+def test_a_host_of_the_first_header_works_with_the_newest_library(prefix: Path, tmp_path: Path) -> None:
+    if not (prefix / "include/helibore" / C_HEADER.name).exists():
+        return  # a wheel has no shared library
+    (library,) = prefix.glob("lib*/libhelibore.so")
+    first = ROOT / "tests/consumer/first_header"
+    assert (first / "helibore/helibore.h").read_text() != C_HEADER.read_text()
+    flags = [f"-I{first}", f"-L{library.parent}", "-lhelibore", f"-Wl,-rpath,{library.parent}"]
+    run(CC, "-std=c99", ROOT / "tests/consumer/host.c", "-o", tmp_path / "host", *flags)
+    assert run(tmp_path / "host") == HOST
 
 
 @pytest.mark.parametrize("standard", ["c89", "c99", "c11", "c17"])
