@@ -1,75 +1,98 @@
-// Packs of eight doubles and eight floats in plain C++, for every machine; compilers turn the loops into the vector
-// instructions of the machine.
+// Packs of eight doubles and eight floats for every machine, in vectors of 16 bytes: the vector types of GCC and Clang,
+// which become SSE2, NEON or WebAssembly's simd128.
 #pragma once
+
+#ifdef __SSE2__
+#include <emmintrin.h>
+#elif defined(__aarch64__)
+#include <arm_neon.h>
+#elif defined(__wasm_simd128__)
+#include <wasm_simd128.h>
+#endif
 
 #include "search/kernel/kernel.hpp"
 
 namespace helibore::kernel {
 namespace {
 
-// Returns the bits of a number as an integer, or the number that has the bits of an integer.
-template <class Bits, class Number>
-inline Bits bits_of(Number x) {
-    Bits b;
-    __builtin_memcpy(&b, &x, sizeof b);
-    return b;
+using Double2 = double __attribute__((vector_size(16)));
+using Float4 = float __attribute__((vector_size(16)));
+using Long2 = std::int64_t __attribute__((vector_size(16)));
+using Int4 = std::int32_t __attribute__((vector_size(16)));
+
+// Returns the vector that has the same bits.
+template <class To, class From>
+inline To bits_as(From x) {
+    return reinterpret_cast<To>(x);
+}
+
+inline Double2 square_root(Double2 x) {
+#ifdef __SSE2__
+    return _mm_sqrt_pd(x);
+#elif defined(__aarch64__)
+    return vsqrtq_f64(x);
+#elif defined(__wasm_simd128__)
+    return bits_as<Double2>(wasm_f64x2_sqrt(bits_as<v128_t>(x)));
+#else
+    return Double2{__builtin_sqrt(x[0]), __builtin_sqrt(x[1])};
+#endif
+}
+
+// The number at p and those behind it.
+template <class Vector, class Number>
+inline Vector vector_at(const Number* p) {
+    Vector v;
+    __builtin_memcpy(&v, p, sizeof v);
+    return v;
 }
 
 struct PlainNarrow {
-    static constexpr int width = 8;
-    static constexpr int candidates = 1;
+    static constexpr int width = 8, candidates = 1;
     using Single = PlainNarrow;
-    float v[width];
+    Float4 v[2];
 
     PlainNarrow() = default;
-    explicit PlainNarrow(float x) : v{x, x, x, x, x, x, x, x} {}
-    void store(float* p) const {
-        for (int i = 0; i < width; ++i) p[i] = v[i];
-    }
-    static PlainNarrow load(const float* p) {
-        return each([&](int i) { return p[i]; });
-    }
+    PlainNarrow(Float4 low_half, Float4 high_half) : v{low_half, high_half} {}
+    explicit PlainNarrow(float x) : v{Float4{x, x, x, x}, Float4{x, x, x, x}} {}
+
+    static PlainNarrow load(const float* p) { return {vector_at<Float4>(p), vector_at<Float4>(p + 4)}; }
+    void store(float* p) const { __builtin_memcpy(p, v, sizeof v); }
     unsigned at_most(float x) const {
-        unsigned all = 0;
-        for (int i = 0; i < width; ++i) all |= static_cast<unsigned>(v[i] <= x) << i;
-        return all;
+        const PlainNarrow most(x);
+        const Int4 bits = (bits_as<Int4>(v[0] <= most.v[0]) & Int4{1, 2, 4, 8}) |
+                          (bits_as<Int4>(v[1] <= most.v[1]) & Int4{16, 32, 64, 128});
+        return static_cast<unsigned>(bits[0] | bits[1] | bits[2] | bits[3]);
     }
     static PlainNarrow each_vertex(PlainNarrow x) { return x; }
     static PlainNarrow each_candidate(const float* p) { return PlainNarrow(*p); }
     Single candidate(int) const { return *this; }
-    template <class F>
-    static PlainNarrow each(F f) {
-        PlainNarrow r;
-        for (int i = 0; i < width; ++i) r.v[i] = f(i);
-        return r;
+
+    friend PlainNarrow operator+(PlainNarrow x, PlainNarrow y) { return {x.v[0] + y.v[0], x.v[1] + y.v[1]}; }
+    friend PlainNarrow operator-(PlainNarrow x, PlainNarrow y) { return {x.v[0] - y.v[0], x.v[1] - y.v[1]}; }
+    friend PlainNarrow operator*(PlainNarrow x, PlainNarrow y) { return {x.v[0] * y.v[0], x.v[1] * y.v[1]}; }
+    static PlainNarrow min(PlainNarrow x, PlainNarrow y) {
+        return {x.v[0] < y.v[0] ? x.v[0] : y.v[0], x.v[1] < y.v[1] ? x.v[1] : y.v[1]};
     }
-    friend PlainNarrow operator+(PlainNarrow a, PlainNarrow b) {
-        return each([&](int i) { return a.v[i] + b.v[i]; });
-    }
-    friend PlainNarrow operator-(PlainNarrow a, PlainNarrow b) {
-        return each([&](int i) { return a.v[i] - b.v[i]; });
-    }
-    friend PlainNarrow operator*(PlainNarrow a, PlainNarrow b) {
-        return each([&](int i) { return a.v[i] * b.v[i]; });
-    }
-    static PlainNarrow min(PlainNarrow a, PlainNarrow b) {
-        return each([&](int i) { return a.v[i] < b.v[i] ? a.v[i] : b.v[i]; });
-    }
-    static PlainNarrow max(PlainNarrow a, PlainNarrow b) {
-        return each([&](int i) { return a.v[i] > b.v[i] ? a.v[i] : b.v[i]; });
+    static PlainNarrow max(PlainNarrow x, PlainNarrow y) {
+        return {x.v[0] > y.v[0] ? x.v[0] : y.v[0], x.v[1] > y.v[1] ? x.v[1] : y.v[1]};
     }
 
     static constexpr std::int32_t low = (std::int32_t{1} << narrow_position_bits) - 1;
-    static std::int32_t bits(float x) { return bits_of<std::int32_t>(x); }
+    template <class F>
+    static PlainNarrow of_bits(F f) {
+        return {bits_as<Float4>(f(0)), bits_as<Float4>(f(1))};
+    }
+    Int4 bits(int half) const { return bits_as<Int4>(v[half]); }
     static PlainNarrow tag(PlainNarrow square, PlainNarrow position) {
-        return each([&](int i) { return bits_of<float>((bits(square.v[i]) & ~low) | bits(position.v[i])); });
+        return of_bits([&](int half) { return (square.bits(half) & ~low) | position.bits(half); });
     }
     // Returns 1 + position * 2^-23 for each key: normal floats, in the order of the positions.
     static PlainNarrow position_key(PlainNarrow key) {
-        return each([&](int i) { return bits_of<float>((bits(key.v[i]) & low) | bits(1.0f)); });
+        return of_bits([&](int half) { return (key.bits(half) & low) | PlainNarrow(1.0f).bits(half); });
     }
     void store_positions(std::int32_t* at) const {
-        for (int i = 0; i < width; ++i) at[i] = bits(v[i]) & low;
+        const Int4 positions[] = {bits(0) & low, bits(1) & low};
+        __builtin_memcpy(at, positions, sizeof positions);
     }
 };
 
@@ -77,104 +100,117 @@ struct PlainPack {
     static constexpr int width = 8;
     using Narrow = PlainNarrow;
     struct Mask {
-        bool m[width];
+        Long2 m[4];
     };
-    double v[width];
+    Double2 v[4];
 
     PlainPack() = default;
-    explicit PlainPack(double x) : v{x, x, x, x, x, x, x, x} {}
+    explicit PlainPack(double x) : v{Double2{x, x}, Double2{x, x}, Double2{x, x}, Double2{x, x}} {}
     explicit PlainPack(Narrow x) {
-        for (int i = 0; i < width; ++i) v[i] = static_cast<double>(x.v[i]);
+        for (int i = 0; i < 4; ++i)
+            v[i] = Double2{static_cast<double>(x.v[i / 2][i % 2 * 2]), static_cast<double>(x.v[i / 2][i % 2 * 2 + 1])};
     }
     Narrow narrow() const {
-        return Narrow::each([&](int i) { return static_cast<float>(v[i]); });
-    }
-
-    static PlainPack load(const double* p) {
-        PlainPack r;
-        for (int i = 0; i < width; ++i) r.v[i] = p[i];
-        return r;
-    }
-    void store(double* p) const {
-        for (int i = 0; i < width; ++i) p[i] = v[i];
+        const auto four = [&](int i) {
+            return Float4{static_cast<float>(v[i][0]), static_cast<float>(v[i][1]), static_cast<float>(v[i + 1][0]),
+                          static_cast<float>(v[i + 1][1])};
+        };
+        return {four(0), four(2)};
     }
     template <class F>
     static PlainPack each(F f) {
         PlainPack r;
-        for (int i = 0; i < width; ++i) r.v[i] = f(i);
+#pragma GCC unroll 4
+        for (int i = 0; i < 4; ++i) r.v[i] = f(i);
         return r;
     }
     template <class F>
     static Mask test(F f) {
         Mask r;
-        for (int i = 0; i < width; ++i) r.m[i] = f(i);
+#pragma GCC unroll 4
+        for (int i = 0; i < 4; ++i) r.m[i] = bits_as<Long2>(f(i));
         return r;
     }
-    friend PlainPack operator+(PlainPack a, PlainPack b) {
-        return each([&](int i) { return a.v[i] + b.v[i]; });
+
+    static PlainPack load(const double* p) {
+        return each([&](int i) { return vector_at<Double2>(p + 2 * i); });
     }
-    friend PlainPack operator-(PlainPack a, PlainPack b) {
-        return each([&](int i) { return a.v[i] - b.v[i]; });
+    void store(double* p) const { __builtin_memcpy(p, v, sizeof v); }
+    friend PlainPack operator+(PlainPack x, PlainPack y) {
+        return each([&](int i) { return x.v[i] + y.v[i]; });
     }
-    friend PlainPack operator*(PlainPack a, PlainPack b) {
-        return each([&](int i) { return a.v[i] * b.v[i]; });
+    friend PlainPack operator-(PlainPack x, PlainPack y) {
+        return each([&](int i) { return x.v[i] - y.v[i]; });
     }
-    friend PlainPack operator/(PlainPack a, PlainPack b) {
-        return each([&](int i) { return a.v[i] / b.v[i]; });
+    friend PlainPack operator*(PlainPack x, PlainPack y) {
+        return each([&](int i) { return x.v[i] * y.v[i]; });
+    }
+    friend PlainPack operator/(PlainPack x, PlainPack y) {
+        return each([&](int i) { return x.v[i] / y.v[i]; });
     }
     // Like the x86 instructions, min (max) returns the second operand unless the first is less (greater), also for NaN.
-    static PlainPack min(PlainPack a, PlainPack b) {
-        return each([&](int i) { return a.v[i] < b.v[i] ? a.v[i] : b.v[i]; });
+    static PlainPack min(PlainPack x, PlainPack y) {
+        return each([&](int i) { return x.v[i] < y.v[i] ? x.v[i] : y.v[i]; });
     }
-    static PlainPack max(PlainPack a, PlainPack b) {
-        return each([&](int i) { return a.v[i] > b.v[i] ? a.v[i] : b.v[i]; });
+    static PlainPack max(PlainPack x, PlainPack y) {
+        return each([&](int i) { return x.v[i] > y.v[i] ? x.v[i] : y.v[i]; });
     }
-    static PlainPack abs(PlainPack a) {
-        return each([&](int i) { return __builtin_fabs(a.v[i]); });
+    static PlainPack abs(PlainPack x) {
+        return of_bits([&](int i) { return x.bits(i) & 0x7fffffffffffffff; });
     }
-    static PlainPack sqrt(PlainPack a) {
-        return each([&](int i) { return __builtin_sqrt(a.v[i]); });
+    static PlainPack sqrt(PlainPack x) {
+        return each([&](int i) { return square_root(x.v[i]); });
     }
-    static Mask less(PlainPack a, PlainPack b) {
-        return test([&](int i) { return a.v[i] < b.v[i]; });
+    static Mask less(PlainPack x, PlainPack y) {
+        return test([&](int i) { return x.v[i] < y.v[i]; });
     }
-    static Mask less_equal(PlainPack a, PlainPack b) {
-        return test([&](int i) { return a.v[i] <= b.v[i]; });
+    static Mask less_equal(PlainPack x, PlainPack y) {
+        return test([&](int i) { return x.v[i] <= y.v[i]; });
     }
-    static Mask both(Mask a, Mask b) {
-        return test([&](int i) { return a.m[i] && b.m[i]; });
+    static Mask both(Mask x, Mask y) {
+        return test([&](int i) { return x.m[i] & y.m[i]; });
     }
-    static unsigned bits(Mask a) {
-        unsigned all = 0;
-        for (int i = 0; i < width; ++i) all |= static_cast<unsigned>(a.m[i]) << i;
-        return all;
+    static unsigned bits(Mask x) {
+        const Long2 all =
+            (x.m[0] & Long2{1, 2}) | (x.m[1] & Long2{4, 8}) | (x.m[2] & Long2{16, 32}) | (x.m[3] & Long2{64, 128});
+        return static_cast<unsigned>(all[0] | all[1]);
     }
     static PlainPack blend(Mask m, PlainPack yes, PlainPack no) {
         return each([&](int i) { return m.m[i] ? yes.v[i] : no.v[i]; });
     }
 
-    // Does the same as Avx512Pack::exponent.
+    // Do the same as those of Avx512Pack. 2^52 + n has the integer n in its low bits.
     static PlainPack exponent(PlainPack x) {
-        return each([&](int i) { return static_cast<double>((bits(x.v[i]) >> 52) - 1023); });
+        return of_bits([&](int i) { return (x.bits(i) >> 52 & 0xfff) | PlainPack(0x1p52).bits(i); }) -
+               PlainPack(0x1p52 + 1023.0);
     }
     static PlainPack mantissa(PlainPack x) {
-        return each([&](int i) { return bits_of<double>((bits(x.v[i]) & 0xfffffffffffff) | bits(1.0)); });
+        return of_bits([&](int i) { return (x.bits(i) & 0xfffffffffffff) | PlainPack(1.0).bits(i); });
     }
     static PlainPack power_of_two(PlainPack n) {
-        return each([&](int i) { return bits_of<double>((static_cast<std::int64_t>(n.v[i]) + 1023) << 52); });
+        const PlainPack biased = n + PlainPack(0x1p52 + 1023.0);
+        return of_bits([&](int i) { return biased.bits(i) << 52; });
     }
 
     static constexpr std::int64_t low = (std::int64_t{1} << position_bits) - 1;
-    static std::int64_t bits(double x) { return bits_of<std::int64_t>(x); }
-    static PlainPack tag(PlainPack square, PlainPack position) {
-        return each([&](int i) { return bits_of<double>((bits(square.v[i]) & ~low) | bits(position.v[i])); });
+    template <class F>
+    static PlainPack of_bits(F f) {
+        return each([&](int i) { return bits_as<Double2>(f(i)); });
     }
+    Long2 bits(int part) const { return bits_as<Long2>(v[part]); }
+    static PlainPack tag(PlainPack square, PlainPack position) {
+        return of_bits([&](int i) { return (square.bits(i) & ~low) | position.bits(i); });
+    }
+    // Rows are loaded whole, two at a time, and transposed.
     template <class Row>
     static void read(const Row& row, PlainPack& depth, PlainPack& toolface, PlainPack& radius) {
-        for (int i = 0; i < width; ++i) {
-            depth.v[i] = row(i).depth;
-            toolface.v[i] = row(i).toolface;
-            radius.v[i] = row(i).radius;
+#pragma GCC unroll 4
+        for (int i = 0; i < 4; ++i) {
+            const double *a = &row(2 * i).depth, *b = &row(2 * i + 1).depth;
+            const Double2 left = vector_at<Double2>(a), right = vector_at<Double2>(b);
+            depth.v[i] = Double2{left[0], right[0]};
+            toolface.v[i] = Double2{left[1], right[1]};
+            radius.v[i] = Double2{a[2], b[2]};
         }
     }
 
