@@ -169,6 +169,8 @@ class Server:
         self._begun, self._used = live.configuration, dict[str, Source]()
         self._connections: dict[str, int] = {}
         self.alarms = Alarms(live, self.states)
+        self._marking, self._marks = threading.Lock(), dict[Link, int]()
+        self._sync_soon = threading.Event()
         self._changing = threading.Lock()
         self._following = self._checked(live.configuration)
         self._drawing = self.thread("draw", self._draw)
@@ -204,6 +206,7 @@ class Server:
     def stop(self) -> None:
         """Stop reading, draw the queued records, and sync the journal."""
         self._stop.set()
+        self._sync_soon.set()
         for source_thread in list(self._threads.values()):
             source_thread.join()
         self._drained.set()
@@ -412,15 +415,28 @@ class Server:
                     if link.useful:
                         came, self.states[source.name] = True, connected
                         self.last_received[source.name] = time.monotonic()
-                    self._put(source, connection, payload, journals.BYTES)
+                    if self._put(source, connection, payload, journals.BYTES) and link.holds:
+                        self._stored(link)
         finally:
             with contextlib.suppress(OSError):  # the link may be broken
                 link.close()
             self._put(source, connection, b"", journals.CLOSED)
         return came
 
-    def _put(self, source: Source, connection: int, payload: bytes, kind: int) -> None:
-        """Store a record; while the disk is full, try again every second and let the sender wait."""
+    def _stored(self, link: Link) -> None:
+        """Let the next sync acknowledge what ``link`` has returned; without syncs, acknowledge it now."""
+        if self.live.journal is None or self.live.configuration.journal.sync_interval == 0:
+            link.on_disk(link.holds)
+            return
+        with self._marking:
+            self._marks[link] = link.holds
+        self._sync_soon.set()
+
+    def _put(self, source: Source, connection: int, payload: bytes, kind: int) -> bool:
+        """Store a record; while the disk is full, try again every second and let the sender wait.
+
+        Return False if the server stopped before the record was stored.
+        """
         state, reported = self.states[source.name], False
         while True:
             try:
@@ -431,10 +447,10 @@ class Server:
                     self.states[source.name] = WAITING
                     reported = True
                 if self._stop.wait(1.0):
-                    return  # the record is neither stored nor drawn
+                    return False  # the record is neither stored nor drawn
             else:
                 self.states[source.name] = state
-                return
+                return True
 
     def _draw(self) -> None:
         while not (self._drained.is_set() and not len(self._queue)):
@@ -454,9 +470,16 @@ class Server:
         if self.live.journal is None or interval == 0:
             return
         failing = False
-        while not self._stop.wait(interval):
+        while not self._stop.is_set():
+            self._sync_soon.wait(interval)
+            self._sync_soon.clear()
+            with self._marking:
+                marks, self._marks = self._marks, {}
             try:
                 self.live.sync()
+                for link, mark in marks.items():
+                    with contextlib.suppress(OSError, ValueError):  # the link may have ended
+                        link.on_disk(mark)
                 self.alarms.synced = self.live.clock()[1]
                 if failing:
                     self.live.report("synced", "the disk takes the journal again")
@@ -465,6 +488,9 @@ class Server:
                 if not failing:
                     self.live.report("disk", str(error))
                 failing = True
+                with self._marking:  # a later sync acknowledges them
+                    self._marks = marks | self._marks
+                self._stop.wait(interval)
 
     def _checkpoint(self) -> None:
         """Write a checkpoint after each segment, then archive old segments; after an error, try again in a minute."""

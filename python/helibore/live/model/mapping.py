@@ -363,16 +363,25 @@ class SourceReader:
         starts = (batch.frames["start"][rows] - batch.base).tolist()
         stops = (batch.frames["stop"][rows] - batch.base).tolist()
         for row, start, stop in zip(rows.tolist(), starts, stops, strict=True):
-            words = hashlib.blake2b(text[start:stop], digest_size=DIGEST_BYTES).digest()  # shorter than a frame
+            words = self.digest(text[start:stop])
             if words in recent:
                 flags[row] = Flag.DUPLICATE
                 self._report(int(reading.wall[row]), "duplicate", "a frame was sent twice", int(reading.line[row]),
                            start + batch.base)  # fmt: skip
                 continue
-            recent[words] = None
-            if len(recent) > REMEMBERED:
-                recent.popitem(last=False)
+            self._remember(words)
         return flags
+
+    @staticmethod
+    def digest(message: bytes) -> bytes:
+        """Return a digest of a frame or message, which is shorter than it."""
+        return hashlib.blake2b(message, digest_size=DIGEST_BYTES).digest()
+
+    def _remember(self, digest: bytes) -> None:
+        """Add the digest of a message to the last REMEMBERED ones."""
+        self._recent[digest] = None
+        if len(self._recent) > REMEMBERED:
+            self._recent.popitem(last=False)
 
     def _sequence(self, values: Values, reading: Reading) -> Integers:
         flags = np.zeros(len(values), np.int64)

@@ -63,6 +63,14 @@ class Link(ABC):
     def write(self, payload: bytes) -> None:  # noqa: B027  # not every kind sends
         """Send a heartbeat or a poll; links that cannot send ignore the call."""
 
+    @property
+    def holds(self) -> int:
+        """Number of payloads that `read` has returned, of a link that acknowledges them; 0 of other links."""
+        return 0
+
+    def on_disk(self, mark: int) -> None:  # noqa: B027  # not every kind acknowledges
+        """Acknowledge the first ``mark`` payloads: the journal has them on the disk."""
+
     def close(self) -> None:  # noqa: B027  # not every kind holds something open
         """Close the link."""
 

@@ -1,0 +1,231 @@
+"""MQTT: messages of a broker's topics, as JSON objects of named values, or as one number for each topic."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal
+from urllib.parse import urlsplit
+
+import numpy as np
+from pydantic import AfterValidator, Field, PlainValidator
+
+from helibore.base import units
+from helibore.base.errors import InputError
+from helibore.live.kinds.kind import Position, Report, SourceKind
+from helibore.live.model.events import EventBook
+from helibore.live.model.mapping import Chunk, Reading, SourceReader
+from helibore.live.model.named_reader import NamedReader
+from helibore.live.model.sequence import SequenceWatch
+from helibore.live.rules.checks import within
+from helibore.live.rules.depth_limits import DepthLimits
+from helibore.live.rules.sources import LENGTHS, Context, Item, NamedSource, Text
+from helibore.live.wire.address import Address
+from helibore.live.wire.mqtt_link import MqttOpener
+from helibore.live.wire.redaction import check_password
+from helibore.live.wire.transport import Opener
+
+HEAD = re.compile(rb"mqtt (new|dup|retained|large) (\d{1,5}) (\d{1,8})\n")
+LONGEST_HEAD = 40
+PORTS = {"mqtt": 1883, "mqtts": 8883}
+DEEPEST = 8
+"""The most levels of objects in a message."""
+
+
+def _address(text: object) -> Address:
+    rule = "must be mqtts://HOST:PORT, or mqtt://HOST:PORT without encryption"
+    try:
+        parts = urlsplit(str(text))
+        port = parts.port
+    except ValueError:
+        raise InputError("", rule, repr(text)) from None
+    if "@" in str(text):
+        raise InputError("", "must not hold a user or password: give user and password_env", f"'{parts.scheme}://...'")
+    if not parts.hostname or parts.path.strip("/") or parts.query or parts.fragment:
+        raise InputError("", rule, repr(text))
+    return Address(parts.scheme, host=parts.hostname, port=port or PORTS.get(parts.scheme, 0))
+
+
+def _topics(topics: list[str]) -> list[str]:
+    if not topics or not all(topics):
+        raise ValueError('must be a list of topics, such as ["rig7/#"]')
+    return topics
+
+
+class MqttSource(NamedSource):
+    """An MQTT broker; names are keys of JSON objects (``a.b`` for a key in an object), or topics of bare numbers."""
+
+    address: Annotated[Address, PlainValidator(_address)]
+    units: Literal["metric", "fps"] = Field(description='"metric" or "fps", because MQTT does not transmit units')
+    client: Text = Field(description="the client name, for which the broker keeps messages while helibore is away")
+    topics: Annotated[list[str], AfterValidator(_topics)] = Field(description="a list of topics to subscribe to")
+    sequence: str = ""
+    user: str = ""
+    password_env: str = ""
+    ca: str = ""
+    message_kb: Annotated[int, within(1, 8192)] = 256
+
+    def model_post_init(self, context: Context) -> None:
+        depth, size = (units.factor(unit, units.LENGTH) for unit in LENGTHS[self.units])
+        super().model_post_init(context)
+        if self.caliper:
+            half = 0.5 if self.caliper.measures == "diameter" else 1.0
+            self.caliper._derive(
+                radius=[Item(item.code, size * half) for item in self.caliper.radius],
+                depth=[Item(item.code, depth) for item in self.caliper.depth],
+            )
+        scales = {"bit_depth": depth, "hole_depth": depth}
+        self._derive(rig={name: Item(item.code, scales.get(name, 1.0)) for name, item in self.rig.items()})
+        if bool(self.user) != bool(self.password_env):
+            raise InputError("", "user and password_env must both be set, or neither")
+        if self.user and self.address.kind == "mqtt" and not self.address.is_loopback:
+            raise InputError(
+                "address", "must be mqtts: others can read the password", repr(f"mqtt://{self.address.host}")
+            )
+
+    def meaning(self) -> dict[str, Any]:
+        return super().meaning() | {"sequence": self.sequence}
+
+
+class MqttReader(NamedReader):
+    """Reads the framed messages of ``mqtt_link.py``."""
+
+    STATE = (*NamedReader.STATE, "_begun")
+
+    def __init__(self, source: MqttSource, events: EventBook, limits: DepthLimits) -> None:
+        super().__init__(source, events, limits)
+        self._sequence_name = source.sequence
+        self._begun = b""
+        if source.sequence:
+            self.watches = {0: SequenceWatch()}
+
+    def go_on_from(self, before: SourceReader) -> None:
+        super().go_on_from(before)
+        if isinstance(before, MqttReader):
+            self._begun = before._begun
+
+    def read(self, chunk: Chunk) -> list[Reading]:
+        readings = []
+        if chunk.connection != self._connection:
+            self._begun, self._connection = b"", chunk.connection
+        for row, payload in enumerate(chunk.payloads):
+            self.counts["bytes"] += len(payload)
+            self._begun += payload
+            wall = int(chunk.wall[row])
+            rows = [one for message in self._messages(wall) for one in self._rows(*message, wall)]
+            if not rows:
+                continue
+            number = np.arange(len(rows))
+            time, order, walls = (np.full(len(rows), column[row]) for column in (chunk.time, chunk.order, chunk.wall))
+            reading = Reading(time, (order << 20) + number, walls, number + 1, chunk.connection)
+            self._check_sequence(rows, wall)
+            self._read_named(rows, reading, {})
+            readings.append(reading)
+        return readings
+
+    def _messages(self, wall: int) -> Iterator[tuple[str, bytes, bytes]]:
+        """Yield state, topic and payload of each whole message, and keep the rest."""
+        while self._begun:
+            head = HEAD.match(self._begun)
+            if head is None:
+                if len(self._begun) >= LONGEST_HEAD or b"\n" in self._begun:
+                    self._report(
+                        wall, "stray_text", f"{len(self._begun)} bytes that belong to no message were not read"
+                    )
+                    self._begun = b""
+                return
+            start, topic, size = head.end(), int(head[2]), int(head[3])
+            if len(self._begun) < start + topic + size:
+                return
+            found = (
+                head[1].decode(),
+                self._begun[start : start + topic],
+                self._begun[start + topic : start + topic + size],
+            )
+            self._begun = self._begun[start + topic + size :]
+            yield found
+
+    def _rows(self, state: str, topic: bytes, payload: bytes, wall: int) -> list[dict[str, object]]:
+        """Return the rows of a message; a message that was read before, or that is old, has none."""
+        name = topic.decode("utf-8", "replace")
+        self.counts["frames"] += 1
+        digest = self.digest(topic + b"\0" + payload)
+        if state == "dup" and digest in self._recent:
+            self._report(wall, "duplicate", f"topic {name[:60]}: a message was sent again")
+            return []
+        self._remember(digest)
+        if state == "retained":
+            self._report(wall, "retained", f"topic {name[:60]}: a message that the broker kept was not read: it is old")
+            return []
+        if state == "large":
+            self._report(wall, "refused", f"topic {name[:60]}: a message longer than message_kb was not read")
+            return []
+        try:
+            return list(_objects(name, json.loads(payload, parse_constant=_refuse)))
+        except (ValueError, RecursionError) as error:
+            text = str(error).partition(": line")[0] or type(error).__name__
+            self._report(wall, "not_json", f"topic {name[:60]}: {text}: {bytes(payload[:60])!r}")
+            return []
+
+    def _check_sequence(self, rows: list[dict[str, object]], wall: int) -> None:
+        if not self._sequence_name:
+            return
+        numbers = [row.get(self._sequence_name) for row in rows]
+        known = [float(number) for number in numbers if isinstance(number, (int, float))]
+        _, reported = self.watches[0].take(np.array(known))
+        for _, rule, text in reported:
+            self._report(wall, rule, text)
+
+
+def _refuse(text: str) -> float:
+    raise ValueError(f"{text} is not JSON")
+
+
+def _objects(topic: str, value: object) -> Iterator[dict[str, object]]:
+    """Yield the rows of a message: an object, a list of objects, or a number, whose name is the topic."""
+    if isinstance(value, list):
+        for one in value:
+            if not isinstance(one, dict):
+                raise ValueError("must be a number, an object or a list of objects")
+            yield from _objects(topic, one)
+    elif isinstance(value, dict):
+        yield dict(_flat("", value, 0))
+    elif value is None or (isinstance(value, (int, float)) and not isinstance(value, bool)):
+        yield {topic: value}
+    else:
+        raise ValueError("must be a number, an object or a list of objects")
+
+
+def _flat(place: str, value: dict[str, object], depth: int) -> Iterator[tuple[str, object]]:
+    for name, one in value.items():
+        if isinstance(one, dict) and depth < DEEPEST:
+            yield from _flat(f"{place}{name}.", one, depth + 1)
+        else:
+            yield f"{place}{name}", one
+
+
+class MqttTopics(SourceKind[MqttSource, MqttReader]):
+    """MQTT brokers."""
+
+    schemes = "mqtt", "mqtts"
+    table = MqttSource
+    longest_wait = 60.0
+    resumes = True
+    nothing = "messages come, and none of them can be read"
+
+    def open(self, source: MqttSource, position: Position, report: Report) -> Opener:  # noqa: ARG002
+        place, auth = f"source.{source.name}", None
+        if source.user:
+            if source.password_env not in os.environ:
+                raise InputError(f"{place}.password_env", "is not set in the environment", repr(source.password_env))
+            auth = source.user, os.environ[source.password_env]
+            check_password(f"{place}.password_env", auth[1])
+        return MqttOpener(place, source.address, source.client, source.topics, source.message_kb << 10, auth, source.ca)
+
+    def reader(self, source: MqttSource, events: EventBook, limits: DepthLimits) -> MqttReader:
+        return MqttReader(source, events, limits)
+
+
+KIND = MqttTopics()
