@@ -8,10 +8,13 @@ Vertex k lies at toolface (start_toolface + k 360/K) mod 360 and depth start_dep
 
 from __future__ import annotations
 
+import operator
+import pickle
 import threading
-from collections.abc import Iterable, Mapping
+import zlib
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
-from typing import Any, Unpack
+from typing import Any, SupportsIndex, Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -290,12 +293,19 @@ class Wall(WallReads):
             (interpolated,) = self._core.interpolate_samples([rows], self._threads)
         return on_quads(interpolated, self._settings.sectors) if on == "quads" else interpolated
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce_ex__(self, protocol: SupportsIndex) -> tuple[Any, ...]:
+        """Return the wall as a pickle inside the pickle, with a checksum: a wrong bit would give another wall."""
+        buffers: list[pickle.PickleBuffer] = []
+        inner = pickle.dumps(self._contents(), 5, buffer_callback=buffers.append)
+        columns = buffers if operator.index(protocol) >= 5 else [bytes(of.raw()) for of in buffers]
+        return _unpickled, (inner, columns, _checksum(inner, buffers))
+
+    def _contents(self) -> tuple[Any, ...]:
         state = self._state()
         attributes = {name: (state.attributes.start_depth(name), of) for name, of in state.attributes.items()}
         placing = (state.path, state.images, attributes, state.attributes.units, state.made_from, list(state.picks))
         empty = partial(Wall, threads=self._threads, basis=self._basis, **vars(self._settings))
-        return empty, (), (state.sample_columns, state.arms, *placing)
+        return empty, (state.sample_columns, state.arms, *placing)
 
     def __setstate__(self, state: tuple[Any, ...]) -> None:
         """Restore a wall from an archive or a pickle: compute the vertices again from the samples."""
@@ -434,4 +444,20 @@ def wall_of(
     wall = Wall(bit_diameter=bit_diameter, threads=threads, basis=caliper.basis, **settings)
     wall.append(caliper.depth, caliper.toolface, caliper.radius, caliper.time, arm=caliper.arm)
     wall.path = path
+    return wall
+
+
+def _checksum(inner: bytes, buffers: Sequence[pickle.PickleBuffer | bytes | bytearray | memoryview]) -> int:
+    found = zlib.crc32(inner)
+    for buffer in buffers:
+        found = zlib.crc32(pickle.PickleBuffer(buffer).raw(), found)
+    return found
+
+
+def _unpickled(inner: bytes, buffers: list[Any], checksum: int) -> Wall:
+    if _checksum(inner, buffers) != checksum:
+        raise InputError("pickle of a wall", "is damaged: its checksum differs")
+    empty, state = pickle.loads(inner, buffers=buffers)
+    wall: Wall = empty()
+    wall.__setstate__(state)
     return wall

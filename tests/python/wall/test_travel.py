@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import multiprocessing
 import pickle
+import warnings
 
 import numpy as np
 import pytest
@@ -121,3 +122,36 @@ def pickle_buffers(one):
     buffers = []
     pickle.dumps(one, 5, buffer_callback=lambda of: buffers.append(of.raw()))
     return buffers
+
+
+@pytest.mark.parametrize("protocol", [2, 5])
+def test_a_pickle_with_a_wrong_bit_is_refused_or_gives_the_same_wall(protocol):
+    depth, toolface = np.linspace(10, 11, 60), np.arange(60) * 37.0 % 360
+    wall = hb.reconstruct(hb.Caliper(depth, toolface, 0.1 + toolface / 1e5), bit_diameter=0.2, sectors=8)
+    wall.made_from = {"well": "A"}
+    whole = pickle.dumps(wall, protocol)
+    random, refused = np.random.default_rng(protocol), 0
+    for at in random.integers(8 * len(whole), size=300):
+        flipped = bytearray(whole)
+        flipped[at // 8] ^= 1 << at % 8
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                again = pickle.loads(bytes(flipped))
+        except Exception:
+            refused += 1
+        else:
+            assert isinstance(again, hb.Wall)
+            assert again.radius.tobytes() == wall.radius.tobytes()
+            assert (again.settings, again.made_from, again.basis) == (wall.settings, wall.made_from, wall.basis)
+    assert refused > 250
+
+
+def test_a_damaged_pickle_is_named():
+    wall = hb.reconstruct(hb.Caliper([1, 2], [0, 90], [0.1, 0.11]), bit_diameter=0.2)
+    buffers = []
+    small = pickle.dumps(wall, 5, buffer_callback=buffers.append)
+    columns = [bytearray(of.raw()) for of in buffers]
+    columns[2][7] ^= 1
+    with pytest.raises(hb.InputError, match="pickle of a wall: is damaged"):
+        pickle.loads(small, buffers=columns)
