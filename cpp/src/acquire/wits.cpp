@@ -11,6 +11,7 @@
 #include <cstring>
 #include <limits>
 #include <span>
+#include <utility>
 
 #include "base/arithmetic.hpp"
 #include "base/locks.hpp"
@@ -26,6 +27,12 @@ constexpr Index largest_count = Index{1} << 62;  // of bytes: sums do not overfl
 
 Index as_index(std::size_t n) {
     return static_cast<Index>(n);
+}
+
+// Returns whether a byte at the start or the end of a line means nothing: a blank, a carriage return, NUL, or
+// the STX and ETX of a serial line.
+bool is_padding(char byte) {
+    return byte == ' ' || byte == '\r' || (byte >= '\0' && byte <= '\3' && byte != '\1');
 }
 
 // Returns the code RRII at the start of a line as 100 RR + II, or 0 if the line does not start with a code.
@@ -141,6 +148,7 @@ struct Parser::State {
     Batch whole_or_nothing(const Read& read);
     void take(std::string_view bytes, Batch& batch);
     void end(Batch& batch);
+    std::pair<std::size_t, std::size_t> without_padding(std::size_t start, std::size_t stop) const;
     void take_line(std::size_t start, std::size_t stop, std::size_t next, Batch& batch);
     void take_item(std::string_view line, Index offset, Batch& batch);
     void begin_frame(std::size_t start, std::size_t next, Batch& batch);
@@ -213,9 +221,11 @@ void Parser::State::take(std::string_view bytes, Batch& batch) {
     for (;;) {
         const std::size_t end = held.find('\n', at.searched);
         if (end == std::string::npos) break;
-        const std::size_t stop = end > at.line_start && held[end - 1] == '\r' ? end - 1 : end;
         ++at.counts.lines;
-        if (!at.skipping_line) take_line(at.line_start, stop, end + 1, batch);
+        if (!at.skipping_line) {
+            const auto [start, stop] = without_padding(at.line_start, end);
+            take_line(start, stop, end + 1, batch);
+        }
         at.skipping_line = false;
         at.line_start = at.searched = end + 1;
     }
@@ -223,16 +233,25 @@ void Parser::State::take(std::string_view bytes, Batch& batch) {
     take_unended_line(batch);
 }
 
+// Returns the ends of the text in [start, stop) of `held` without the padding that senders put around a line. A line
+// that is too long keeps its padding: its start is dropped before its end is known.
+std::pair<std::size_t, std::size_t> Parser::State::without_padding(std::size_t start, std::size_t stop) const {
+    if (as_index(stop - start) > limits.line + 1) return {start, stop};
+    while (start < stop && is_padding(held[start])) ++start;
+    while (start < stop && is_padding(held[stop - 1])) --stop;
+    return {start, stop};
+}
+
 void Parser::State::end(Batch& batch) {
-    std::string_view last = std::string_view(held).substr(at.line_start);
-    if (last.ends_with('\r')) last.remove_suffix(1);
+    const auto [start, stop] = without_padding(at.line_start, held.size());
+    const std::string_view last = std::string_view(held).substr(start, stop - start);
     at.counts.lines += !last.empty();
     if (at.place == Place::inside && last == "!!")
         end_frame(held.size(), batch);
     else if (at.place == Place::inside)
         drop_frame(Rule::cut_off, batch);
     else if (at.place == Place::outside && !last.empty())
-        stray(at.line_start, last.size(), at.counts.lines, batch);
+        stray(start, last.size(), at.counts.lines, batch);
     at.place = Place::outside;
     at.line_start = at.searched = held.size();
 }
@@ -298,7 +317,9 @@ void Parser::restore(std::string_view bytes) {
     require(within(saved.place, static_cast<Index>(Place::dropped)));
     const std::string_view held = bytes.substr(0, static_cast<std::size_t>(saved.held));
     if (static_cast<Place>(saved.place) == Place::inside) {  // the text of the frame, whose line ends were read
-        require(held.starts_with("&&\n") ? saved.body_start == 3 : held.starts_with("&&\r\n") && saved.body_start == 4);
+        const std::size_t first = held.find('\n');
+        require(held.starts_with("&&") && first != std::string_view::npos && saved.body_start == as_index(first) + 1);
+        require(std::all_of(held.begin() + 2, held.begin() + as_index(first), is_padding));
         require(saved.line_start >= saved.body_start && held[static_cast<std::size_t>(saved.line_start) - 1] == '\n');
     } else {
         require(saved.items == 0);

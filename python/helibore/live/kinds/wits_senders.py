@@ -20,7 +20,7 @@ class WitsSenders(SourceKind[WitsSource, SourceReader]):
     table = WitsSource
     of_start = "allow", "mode", "every", "replace_after"
     message, word = "frame", "item"
-    nothing = "bytes come, and no WITS frame (&& ... !!) is among them"
+    nothing = "bytes come, and no WITS frame (&& ... !!) is among them; each of its lines must end with LF"
 
     def open(self, source: WitsSource, position: Position, report: Report) -> Opener:  # noqa: ARG002
         return opener(source, report)
