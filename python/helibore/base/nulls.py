@@ -5,4 +5,4 @@ NULLS = (-999.25, -9999.0, -9999.25)
 
 def say_so(number: str = "NUMBER") -> str:
     """Return advice for users: the option that declares a number to mean "no value"."""
-    return f"--absent {number} says so (Python: nulls of hb.open)"
+    return f"-s nulls={number} says so (Python: nulls of hb.open)"

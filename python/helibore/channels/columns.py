@@ -168,7 +168,7 @@ def survey(log_set: RawSet, roles: RoleMap | None = None) -> Survey:
         depth differ.
     """
     roles = roles or guess(log_set)
-    at_depth, depth = depths(log_set, roles, "--survey-depth")
+    at_depth, depth = depths(log_set, roles, "--column survey-depth")
     try:
         inclined, turned = (needed(log_set, roles, role) for role in ("inclination", "azimuth"))
     except InputError as error:
@@ -176,13 +176,17 @@ def survey(log_set: RawSet, roles: RoleMap | None = None) -> Survey:
         if known is not None:
             rule = (
                 f"a survey needs the azimuth beside the inclination {known.channel}: the path and true dips follow "
-                "from both. Name the azimuth by --azimuth or in a map; without a survey, dips count from the hole, "
+                "from both. Name the azimuth by --column azimuth=NAME or in a map; without a survey, dips count "
+                "from the hole, "
                 "and toolfaces count from the high side"
             )
             raise InputError(error.place, rule) from error
         rule = "a survey is depth, inclination and azimuth at each station; positions alone do not state the directions"
         raise InputError(error.place, f"{error.rule}; {rule}") from error
-    inclination, azimuth = column(log_set, inclined, "--inclination"), column(log_set, turned, "--azimuth")
+    inclination, azimuth = (
+        column(log_set, inclined, "--column inclination"),
+        column(log_set, turned, "--column azimuth"),
+    )
     plausibility.survey_angles(log_set, inclined, turned, inclination, azimuth)
     rows = np.flatnonzero(np.isfinite(depth) & np.isfinite(inclination) & np.isfinite(azimuth))
     if rows.size < depth.size:

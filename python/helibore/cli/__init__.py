@@ -11,6 +11,7 @@ Each verb turns its options into calls of the library and prints the result.
 
 from __future__ import annotations
 
+import difflib
 import importlib
 import sys
 from collections.abc import Iterator
@@ -22,9 +23,24 @@ import click
 from helibore._core import __version__
 from helibore.base.errors import MissingExtraError
 
-VERBS = ("demo", "inspect", "journal", "live", "logs", "mesh", "plot", "reconstruct", "report", "reprocess",
-         "simulate", "view")  # fmt: skip
-MODULES = {"reconstruct": "mesh", "report": "plot"}
+VERBS = {
+    "demo": "Simulate a hole and write its wall as a mesh and a picture.",
+    "inspect": "Show what a file holds and which role each channel gets.",
+    "journal": "Check, list, replay, export and archive a journal.",
+    "live": "Build a wall from live sources while a hole is drilled.",
+    "logs": "Write the logs of a wall as LAS, CSV, Parquet or DLIS.",
+    "mesh": "Build a mesh or a volume of a wall with its images.",
+    "plot": "Draw the log of a wall as PNG, SVG or PDF at a true scale.",
+    "reconstruct": "Build the wall of a borehole from caliper files and a survey.",
+    "report": "Write a report of a wall as one HTML page.",
+    "reprocess": "Rebuild the walls of many wells, on this machine or a cluster.",
+    "settings": "List the settings that -s states, with their defaults.",
+    "simulate": "Simulate a hole and a tool, and write the samples to files.",
+    "view": "Show a wall in the browser.",
+    "zones": "Write the washouts, breakouts and key seats of a wall.",
+}
+"""Each verb and what it does; the list of verbs is shown without loading their modules."""
+MODULES = {"reconstruct": "mesh", "report": "plot", "zones": "logs"}
 """The module of each verb whose module has another name: ``reconstruct`` is in ``mesh_command``."""
 
 
@@ -61,6 +77,18 @@ class Verbs(click.Group):
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
         return list(VERBS)
 
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
+        """List the verbs; their modules are not loaded."""
+        with formatter.section("Commands"):
+            formatter.write_dl(list(VERBS.items()))
+
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
+        """Find the verb; an unknown one is an error that names the nearest."""
+        if args and args[0] not in VERBS and not args[0].startswith("-"):
+            near = difflib.get_close_matches(args[0], VERBS, 1)
+            raise click.UsageError(f"No such command '{args[0]}'.{f' Did you mean {near[0]}?' if near else ''}", ctx)
+        return super().resolve_command(ctx, args)
+
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
         """Load the module of a verb and return its command; None if there is no such verb."""
         if cmd_name not in VERBS:
@@ -85,7 +113,8 @@ def cli() -> None:
 
     \b
     helibore demo                                       a simulated hole, from samples to mesh and picture
-    helibore reconstruct caliper.csv -o wall.glb --bit-diameter 8.5in
+    helibore reconstruct caliper.csv --bit-diameter 8.5in -o well.wall
+    helibore plot well.wall -o well.pdf
     """
 
 

@@ -10,8 +10,8 @@ from helibore.base.errors import InputError, MissingExtraError
 from helibore.cli.lines import summary_lines
 from helibore.cli.outputs import QUIET
 from helibore.cli.quantities import FOLDER
+from helibore.cli.sections import opt, section
 from helibore.cli.terminal import Terminal
-from helibore.cli.wall_options import opt, section
 
 DEPTH_SCALE, DPI = 250, 120
 """Depth scale of the picture, 1:250 (50 m of hole are 200 mm on paper), and its resolution, pixels per inch."""

@@ -12,7 +12,7 @@ import click
 from helibore.cli.lines import counts_line
 from helibore.cli.outputs import OUTPUT, check_file
 from helibore.cli.quantities import FILE, FOLDER
-from helibore.cli.wall_options import opt, section
+from helibore.cli.sections import opt, section
 
 if TYPE_CHECKING:
     from helibore.live.journal.journal import Segment

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import click
 
 from helibore.cli.quantities import FILE, FOLDER
-from helibore.cli.wall_options import opt, section
+from helibore.cli.sections import opt, section
 
 if TYPE_CHECKING:
     from helibore.cli.live_log import LogWriter

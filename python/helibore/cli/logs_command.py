@@ -16,8 +16,9 @@ from helibore.base.errors import InputError
 from helibore.cli.lines import annulus_lines, breakout_line, row_line, sigma_lines, summary_lines, zone_lines
 from helibore.cli.outputs import OUTPUT, QUIET, check_folder, own_options, save_lines
 from helibore.cli.quantities import FILE, LENGTH, across_and_along, facts_in, split_pair
+from helibore.cli.sections import Sectioned, opt, opts, section
 from helibore.cli.terminal import Terminal
-from helibore.cli.wall_options import HEADER, Sectioned, header_of, open_run, opt, opts, section, takes_a_wall
+from helibore.cli.wall_options import HEADER, SHOWN, header_of, open_run, refuse_interval, takes_a_wall
 from helibore.cli.zone_options import CRITERIA, criteria_of
 
 if TYPE_CHECKING:
@@ -29,10 +30,27 @@ if TYPE_CHECKING:
 ALONG = ("DEPT", "TOP", "BOTTOM", "LENGTH", "NEAREST", "TVD", "PEAK")
 """Columns that hold lengths along the hole or on the wall, not sizes across the hole."""
 
+NAMED = (
+    opt("--well", "Name of the well, for the files.  [as the source states it, else the name of its file]"),
+    HEADER,
+    opt(
+        "--unit",
+        "Unit of diameters, radii and other sizes across the hole, also of the criteria; depths stay in metres. "
+        "ft: inches, and feet for depths. Volumes stay in m3.",
+        type=click.Choice(["m", "mm", "in", "ft"]),
+        default="m",
+    ),
+)
+"""Options of every table of a wall: the names of the well, and the unit."""
+
 DECIMALS = {"in": 4, "mm": 3, "ft": 5}
 
 
-@click.command("logs", cls=Sectioned, short_help="Write the logs of a wall as LAS, CSV, Parquet or DLIS.")
+@click.command(
+    "logs",
+    cls=Sectioned,
+    common=(*SHOWN, "step", "sigma", "casings", "well", "headers", "unit", "zones", "breakouts"),
+)
 @section("Options", OUTPUT("Logs to write: .las, .csv, .parquet or .dlis."), QUIET)
 @section(
     "Logs",
@@ -45,15 +63,7 @@ DECIMALS = {"in": 4, "mm": 3, "ft": 5}
     ),
     opt("--sigma", "Also write the uncertainty of diameters and volumes: DEQ_SIGMA, VOL_SIGMA.", is_flag=True),
     opts("--casing casings", "Outer diameter of a casing, for its annulus and clearance.", type=LENGTH),
-    opt("--well", "Name of the well, for the files.  [as the source states it, else the name of its file]"),
-    HEADER,
-    opt(
-        "--unit",
-        "Unit of diameters, radii and other sizes across the hole, also of the criteria; depths stay in metres. "
-        "ft: inches, and feet for depths. Volumes stay in m3.",
-        type=click.Choice(["m", "mm", "in", "ft"]),
-        default="m",
-    ),
+    *NAMED,
 )
 @section(
     "Zones",
@@ -68,7 +78,7 @@ def logs(**options: Any) -> None:
 
     \b
     helibore logs well.wall -o well.las --step 0.5m --casing "7in" --zones zones.csv
-    helibore logs xy.csv.gz --diameter x_in@0 --diameter y_in@90 --bit-diameter 6.2in -o xy.csv
+    helibore logs caliper.csv --bit-diameter 8.5in -o well.csv
 
     With --from and --to, only the rows between them are written. If a row is a turn, it also has the class of hole
     (CLASS). Each image of the wall has a column with its mean around the hole. Every file states bit size, windows,
@@ -133,6 +143,44 @@ def logs(**options: Any) -> None:
     ])  # fmt: skip
 
 
+@click.command(cls=Sectioned, common=(*SHOWN, "well", "headers", "unit", "scaled"))
+@section("Options", OUTPUT("Table to write: .las, .csv, .parquet or .dlis."), QUIET)
+@section("Logs", *NAMED)
+@section("Zones", *CRITERIA)
+@takes_a_wall
+def zones(**options: Any) -> None:
+    """Write the zones of a wall as a table: washouts, breakouts, key seats and undergauge hole.
+
+    \b
+    helibore zones well.wall -o zones.csv
+    helibore zones well.wall -o zones.csv -s zones.washout=0.3in -s zones.join=2m
+
+    The table states the criteria. The file zones.csv.toml beside zones.csv repeats the run.
+    """
+    from helibore.files.log_writing import check_format, save_table
+    from helibore.logs.zones import classify
+    from helibore.runs.run import make_wall
+
+    output = options["output"]
+    check_format(output)
+    check_folder(output)
+    terminal = Terminal(options["quiet"])
+    run = open_run(options, terminal, (output,))
+    options = own_options(run, "zones", options)
+    refuse_interval(run, options)
+    wall = make_wall(run, options["threads"], terminal.stage).wall
+    criteria = criteria_of(wall, options)
+    if wall.basis != "azimuthal":
+        raise InputError("zones", f"need a shape that was measured; this wall: {wall.basis_text}")
+    found = classify(wall, criteria)
+    with terminal.stage("save", f"Writing {output.name}"):
+        header = {"well": run.name} | header_of(run, options)
+        save_table(_in_unit(found.table(), options["unit"]), output, header=header)
+        saved = save_lines(run, output, "zones", options)
+    lines = zone_lines(found, wall.summary(), options["unit"])
+    terminal.summary([*run.messages, *lines, *saved, ("time", terminal.times())])
+
+
 def _in_unit(table: LogTable, unit: str) -> LogTable:
     """Return the table with sizes across the hole in ``unit``; ft: in inches, with lengths along the hole in feet."""
     from helibore.base import units
@@ -174,7 +222,9 @@ def _measured(wall: Wall, options: dict[str, Any], reference: Any) -> _Measured:
     every = wall.logs(rugosity_window=options["rugosity_window"], sigma=options["sigma"])
     if reference not in (None, every.reference):
         if every.reference:
-            raise InputError(f"--reference {reference}", f"the wall's path counts toolfaces from {every.reference}")
+            raise InputError(
+                f"-s path.reference={reference}", f"the wall's path counts toolfaces from {every.reference}"
+            )
         every = replace(every, reference=reference)
     inside = every.rows_between(options["start_depth"], options["stop_depth"])
     if not inside.any():

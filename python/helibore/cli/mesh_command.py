@@ -28,8 +28,9 @@ from helibore.cli.outputs import (
     save_lines,
 )
 from helibore.cli.quantities import FILE, LENGTH
+from helibore.cli.sections import Sectioned, opt, opts, section
 from helibore.cli.terminal import Terminal
-from helibore.cli.wall_options import Sectioned, open_run, opt, opts, section, takes_a_wall
+from helibore.cli.wall_options import MADE, SHOWN, open_run, takes_a_wall
 from helibore.mesh.mesh_files import SURFACE_ENDINGS, VOLUME_ENDINGS
 from helibore.mesh.surface import Surface
 from helibore.mesh.volume import Volume
@@ -46,9 +47,14 @@ TABLES = (".csv", ".csv.gz", ".npz")
 COLORED = (".glb", ".ply")
 COLORLESS = (ARCHIVE, ".obj", ".stl")
 
-takes_a_mesh = section(
+WRITTEN = section(
     "Options",
-    OUTPUT("Mesh to write: .glb, .vtu, .vtp, .vtkhdf, .ply, .obj, .stl; or .wall, an archive to reopen."),
+    OUTPUT("What to write: .wall, an archive that keeps everything; or a mesh: .glb, .vtu, .vtp, .vtkhdf, .ply, .obj, "
+           ".stl."),
+    QUIET,
+)  # fmt: skip
+takes_a_mesh = section(
+    "Mesh",
     opts("--shell shells", f"Write a volume of hexahedra this thick around the wall ({', '.join(VOLUME_ENDINGS)}).",
          type=LENGTH),
     SIGMA,
@@ -58,33 +64,31 @@ takes_a_mesh = section(
         " or radius.  [the first image, or else radius]", metavar="NAME"),
     opt("--centres", "With --recentre: table of centre, deviation and inliers of each turn: .csv, .csv.gz or .npz.",
         type=FILE),
-    QUIET,
 )  # fmt: skip
 
 
-@click.command(cls=Sectioned, short_help="Build a mesh of the wall from caliper files and a survey.")
+@click.command(cls=Sectioned, common=(*MADE, "centres"))
+@WRITTEN
 @takes_a_mesh
 @takes_a_wall
 def reconstruct(**options: Any) -> None:
-    """Build a mesh of the borehole wall from caliper files and a survey.
+    """Build the wall of a borehole from caliper files and a survey.
 
     \b
-    helibore reconstruct caliper.csv --survey survey.csv -o wall.glb --bit-diameter 8.5in
-    helibore reconstruct xy.csv.gz --diameter x_in@0 --diameter y_in@90 --from 3080 --to 3240m \\
-                         -o wall.glb --bit-diameter 6.2in
-    helibore reconstruct run1.las run2.las --map map.toml --drop-spikes 6 --find-shifts --compare-with 1 \\
-                         -o wall.glb --bit-diameter 216mm
-    helibore reconstruct --from-settings wall.glb.toml -o again.glb
+    helibore reconstruct caliper.csv --survey survey.csv --bit-diameter 8.5in -o w.wall
+    helibore reconstruct xy.csv.gz --column diameter=x_in@0 --column diameter=y_in@90 \\
+                         --from 3080 --to 3240m --bit-diameter 6.2in -o w.glb
+    helibore reconstruct run1.las run2.las --drop-spikes 6 --find-shifts --bit-diameter 216mm -o w.wall
+    helibore reconstruct w.wall.toml -o again.wall         a run repeated, to the last bit
 
-    SOURCE is CSV, Parquet, LAS, DLIS, JSON, WITSML or NPZ; several files are passes over one hole, earliest first. The
-    meaning of each column is guessed from names and units, and printed; to change it, edit the map that
-    `helibore inspect` prints. The file wall.glb.toml beside wall.glb repeats the run. A .wall file keeps samples,
-    settings, path and images; hb.load opens it again.
+    Several SOURCE files are passes over one hole, earliest first. Roles of columns are guessed and printed. plot,
+    report, view, logs, mesh and zones read w.wall.
     """
     _write("reconstruct", options)
 
 
-@click.command(cls=Sectioned, short_help="Build a mesh or a volume of a wall with its images.")
+@click.command(cls=Sectioned, common=(*SHOWN, "shells", "sigma", "nearest", "measured", "color_by"))
+@WRITTEN
 @takes_a_mesh
 @takes_a_wall
 def mesh(**options: Any) -> None:
@@ -94,7 +98,7 @@ def mesh(**options: Any) -> None:
     helibore mesh --gauge --bit-diameter 8.5in --image mem.las:ABDC:edge --survey survey.csv -o well.glb
     helibore mesh --average log.json:CALCM --bit-diameter 8.5in --image log.json:GRCS:edge -o well.vtu
     helibore mesh well.wall --shell 5cm --shell 20cm -o volume.vtkhdf
-    helibore mesh --from-settings volume.vtkhdf.toml -o again.vtkhdf
+    helibore mesh volume.vtkhdf.toml -o again.vtkhdf
 
     SOURCE is an archive (.wall), caliper files, or the settings file (.toml) beside an output. Every shell has the
     values of the images. The file well.glb.toml beside well.glb repeats the run.

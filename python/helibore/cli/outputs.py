@@ -12,17 +12,19 @@ from click.core import ParameterSource
 from helibore.base.errors import InputError, check_ending, check_names
 from helibore.cli.lines import Lines
 from helibore.cli.quantities import FILE
-from helibore.cli.wall_options import SECTIONS, opt
+from helibore.cli.sections import opt
+from helibore.cli.wall_options import SECTIONS
 
 if TYPE_CHECKING:
     from helibore.cli.terminal import Terminal
     from helibore.runs.run import Run
     from helibore.wall.wall import Wall
 
-SIGMA = opt("--sigma", "Add the standard uncertainty of the radius as the attribute 'sigma'.", is_flag=True)
+SIGMA = opt("--sigma", "Add the standard uncertainty of the radius.", is_flag=True)
 QUIET = opt("-q --quiet", "Print nothing but errors.", is_flag=True)
 
-NOT_RECORDED = ("source", "output", "centres", "zones", "breakouts", "quiet", "help")
+NOT_RECORDED = ("source", "output", "centres", "zones", "breakouts", "quiet", "help", "settings", "column",
+                "look")  # fmt: skip
 """A command's own options that do not change the bytes of its output; the settings do not record them."""
 OF_ANY_COMMAND = ("criteria", "scaled")
 """Options that a command takes also from the settings of another command, because they define the wall's zones."""

@@ -18,25 +18,23 @@ from helibore.base import units
 from helibore.cli.lines import Lines, trust_lines
 from helibore.cli.outputs import OUTPUT, QUIET, SIGMA, add_sigma, check_file, own_options, save_lines
 from helibore.cli.quantities import LENGTH, split_pair
+from helibore.cli.sections import LOOK, Sectioned, opt, opts, section
 from helibore.cli.terminal import Terminal
-from helibore.cli.wall_options import (
+from helibore.cli.wall_options import (  # fmt: skip
     BESIDE,
     HEADER,
     INCLINATION,
     SCALAR,
+    SHOWN,
     TEMPLATE,
-    Sectioned,
     curves_of_files,
     header_of,
     load_picks,
     open_run,
-    opt,
-    opts,
     picks_option,
-    section,
     takes_a_wall,
     walls_beside,
-)  # fmt: skip
+)
 from helibore.cli.zone_options import CRITERIA, criteria_of
 
 if TYPE_CHECKING:
@@ -45,9 +43,14 @@ if TYPE_CHECKING:
     from helibore.runs.run import Run
 
 PAGES = (".html", ".htm")
+COMMON = (
+    *SHOWN, "besides", "scalars", "picks", "headers", "template", "scale", "unit", "curves", "left", "look", "polar",
+    "no_polar", "body", "no_body", "sigma", "dpi",
+)  # fmt: skip
+"""Parameters that have an option of their own in ``plot`` and ``report``."""
 
 takes_a_drawing = section(
-    "Drawing",
+    "Print",
     opt("--well", "Name of the well, as the title.  [as the files state it, else the name of the file]"),
     HEADER,
     SCALAR,
@@ -55,14 +58,14 @@ takes_a_drawing = section(
     BESIDE,
     picks_option(exists=True),
     opt("--scale", "Depth scale, 200 or 1:200.  [the finest usual scale that fits]", metavar="N"),
-    opt("--unit", "Unit of diameters and radii; ft: inches, and feet for depths.",
+    opt("--unit", "Unit of diameters; ft: inches, and feet for depths.",
         type=click.Choice(["in", "mm", "ft"]), default="in"),
-    opts("--curve curves", "Diameter in the caliper track: C1 largest, C2 across C1, D0 and D90 through toolface 0 "
-         "and 90.  [C1, C2]",
+    opts("--curve curves", "Diameter in the caliper track.  [C1, C2]",
          type=click.Choice(["C1", "C2", "D0", "D90", "none"])),
-    opt("--left", "Toolface at the left edge of images; 180 puts toolface 0 in the middle.",
+    opt("--left", "Toolface at the left edge of images.",
         type=click.Choice(["0", "90", "180", "270"]), default="0"),
     opt("--elevation", "Height of depth 0 above sea level; true depths are then TVDSS.  [TVD]", type=LENGTH),
+    LOOK,
     opts("--limits", "Ends of an image's colours or of a curve's scale, in its unit.", metavar="NAME=LOW,HIGH"),
     opts("--color-map color_maps", "Colour map of an image.", metavar="NAME=MAP"),
     opts("--log logs", "Image whose colours, or curve whose scale, follows the logarithm.", metavar="NAME"),
@@ -72,7 +75,7 @@ takes_a_drawing = section(
     opts("--polar", "Depth of a cross section.  [helibore chooses up to four]", type=LENGTH),
     opt("--no-polar", "Draw no cross sections.", is_flag=True),
     *CRITERIA,
-    opt("--body", "Interval of the 3-D view.  [the 12 m with most relief, if measured all around]",
+    opt("--body", "Interval of the 3-D view.  [the 12 m with most relief]",
         type=LENGTH, nargs=2),
     opt("--no-body", "Draw no 3-D view.", is_flag=True),
     SIGMA,
@@ -80,11 +83,11 @@ takes_a_drawing = section(
 )  # fmt: skip
 
 
-@click.command(cls=Sectioned, short_help="Draw the log of a wall as PNG, SVG or PDF at a true scale.")
+@click.command(cls=Sectioned, common=(*COMMON, "paper"))
 @section(
     "Options",
     OUTPUT("Picture to write: .png, .svg or .pdf."),
-    opt("--paper", "Paper of a PDF: pages, or a roll as long as the interval. PNG and SVG are rolls.",
+    opt("--paper", "Paper of a PDF; PNG and SVG are rolls.",
         type=click.Choice(["a4", "a3", "roll"]), default="a4"),
     QUIET,
 )  # fmt: skip
@@ -95,7 +98,7 @@ def plot(**options: Any) -> None:
 
     \b
     helibore plot well.wall -o well.pdf --scale 1:500
-    helibore plot xy.csv.gz --diameter x_in@0 --diameter y_in@90 --bit-diameter 6.2in -o xy.png
+    helibore plot caliper.csv --bit-diameter 8.5in -o well.png
     helibore plot --gauge --bit-diameter 8.5in --image mem.las:ABDC:centre -o images.pdf
     helibore plot wall.glb.toml -o wall.pdf
 
@@ -126,7 +129,7 @@ def plot(**options: Any) -> None:
     terminal.summary([*run.messages, *_trust(run, options), paper, *saved, ("time", terminal.times())])
 
 
-@click.command(cls=Sectioned, short_help="Write a report of a wall as one HTML page.")
+@click.command(cls=Sectioned, common=COMMON)
 @section("Options", OUTPUT("Page to write: .html."), QUIET)
 @takes_a_drawing
 @takes_a_wall
@@ -135,7 +138,7 @@ def report(**options: Any) -> None:
 
     \b
     helibore report well.wall -o well.html --well "15/9-F-12"
-    helibore report xy.csv.gz --diameter x_in@0 --diameter y_in@90 --bit-diameter 6.2in -o xy.html
+    helibore report caliper.csv --bit-diameter 8.5in -o well.html
 
     SOURCE and the options are those of `helibore plot`. The page needs no network and prints on A4.
     """
@@ -206,13 +209,13 @@ def _trust(run: Run, options: dict[str, Any]) -> Lines:
 
 
 def _with_look(curve: ScalarCurve, looks: dict[str, Look]) -> ScalarCurve:
-    """Return the curve with the scale that --limits and --log state for its name; remove its entry from ``looks``."""
+    """Return the curve with the scale that ``--look`` states for its name; remove its entry from ``looks``."""
     look = looks.pop(curve.name, None)
     if look is None:
         return curve
-    for option, value in (("dynamic", look.window), ("color-map", look.color_map)):
+    for word, value in (("window", look.window), ("map", look.color_map)):
         if value is not None:
-            raise click.UsageError(f"--{option} {curve.name}: goes with an image, not with a curve")
+            raise click.UsageError(f"--look {curve.name}={word}: goes with an image, not with a curve")
     return replace(curve, limits=look.limits, log=bool(look.log))
 
 
@@ -231,23 +234,25 @@ def _looks(options: dict[str, Any]) -> dict[str, Look]:
 
     looks: dict[str, dict[str, Any]] = defaultdict(dict)
     for text in options["limits"]:
-        name, value = split_pair("limits", text)
+        name, value = split_pair("look", text)
         try:
             low, high = (float(part) for part in value.split(","))
         except ValueError:
-            raise click.UsageError(f"--limits {text}: must be NAME=LOW,HIGH") from None
+            raise click.UsageError(
+                f"--look {text}: must be NAME=LOW,HIGH, log, linear, map:MAP or window:LENGTH"
+            ) from None
         if not (math.isfinite(low) and math.isfinite(high) and low < high):
-            raise click.UsageError(f"--limits {text}: LOW must be below HIGH")
+            raise click.UsageError(f"--look {text}: LOW must be below HIGH")
         looks[name]["limits"] = (low, high)
     for text in options["color_maps"]:
-        name, value = split_pair("color-map", text)
+        name, value = split_pair("look", text)
         looks[name]["color_map"] = value
     for text in options["dynamic"]:
-        name, value = split_pair("dynamic", text)
+        name, value = split_pair("look", text)
         try:
             looks[name]["window"] = units.quantity(value, units.LENGTH)
         except ValueError as error:
-            raise click.UsageError(f"--dynamic {text}: {error}") from None
+            raise click.UsageError(f"--look {name}=window:{value}: {error}") from None
     for option, log in (("logs", True), ("linear", False)):
         for name in options[option]:
             looks[name]["log"] = log

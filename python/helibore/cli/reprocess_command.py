@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from helibore.cli.outputs import QUIET
-from helibore.cli.wall_options import Sectioned, opt, section
+from helibore.cli.sections import Sectioned, opt, section
 
 if TYPE_CHECKING:
     from helibore.runs.reprocess import Progress
@@ -25,7 +25,7 @@ FAILED = 3
 """Exit code if wells failed, or the catalogue could not be written."""
 
 
-@click.command("reprocess", cls=Sectioned, short_help="Rebuild the walls of many wells, on this machine or a cluster.")
+@click.command("reprocess", cls=Sectioned)
 @section(
     "Options",
     opt("-o --output", "Folder of the results, at any fsspec address.  [output in the manifest]"),

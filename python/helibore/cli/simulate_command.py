@@ -20,8 +20,8 @@ from click.core import ParameterSource
 
 from helibore.cli.outputs import QUIET
 from helibore.cli.quantities import BIT, FOLDER, LENGTH, LIFT
+from helibore.cli.sections import Sectioned, opt, opts, section
 from helibore.cli.terminal import Terminal
-from helibore.cli.wall_options import Sectioned, opt, opts, section
 
 if TYPE_CHECKING:
     from helibore.base.arrays import Floats
@@ -32,7 +32,7 @@ PLAYED = ("start", "stop", "lifts", "seed", "wits", "telemetry", "speed", "fault
 """Names of the options that may be given together with --wits."""
 
 
-@click.command(cls=Sectioned, short_help="Simulate a hole and a tool, and write the samples to files.")
+@click.command(cls=Sectioned)
 @click.argument("folder", type=FOLDER, required=False)
 @section(
     "Options",

@@ -13,20 +13,20 @@ import click
 from helibore.base.errors import InputError
 from helibore.cli.lines import trust_lines
 from helibore.cli.outputs import QUIET, SIGMA, add_sigma, own_options
+from helibore.cli.sections import Sectioned, opt, section
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_options import (
     BESIDE,
     HEADER,
     SCALAR,
+    SHOWN,
     TEMPLATE,
-    Sectioned,
     curves_of_files,
     header_of,
     load_picks,
     open_run,
-    opt,
     picks_option,
-    section,
+    refuse_interval,
     takes_a_wall,
     walls_beside,
 )
@@ -39,9 +39,14 @@ if TYPE_CHECKING:
     from helibore.wall.wall import Wall
 
 
-@click.command(cls=Sectioned, short_help="Show a wall in the browser.")
+@click.command(
+    cls=Sectioned,
+    common=(*SHOWN, "scalars", "template", "besides", "picks", "headers", "well", "host", "port", "token", "browser",
+            "sigma"),
+)  # fmt: skip
+@section("Options", QUIET)
 @section(
-    "Options",
+    "Page",
     SCALAR,
     TEMPLATE,
     BESIDE,
@@ -54,7 +59,6 @@ if TYPE_CHECKING:
     opt("--token", "Secret that the page requires; the address that the command prints contains it."),
     opt("--browser/--no-browser", "Open the page.", default=True),
     SIGMA,
-    QUIET,
 )
 @takes_a_wall
 def view(**options: Any) -> None:
@@ -75,10 +79,7 @@ def view(**options: Any) -> None:
     check_page()
     run = open_run(options, terminal)
     options = own_options(run, "view", options)
-    if run.settings.archive is not None or run.settings.output is not None:
-        for option, name in (("--from", "start_depth"), ("--to", "stop_depth")):
-            if options[name] is not None:
-                raise click.UsageError(f"{option}: does not go with a saved wall, which is shown whole")
+    refuse_interval(run, options)
     from helibore.logs.template import Template
     from helibore.runs.run import make_wall, placing
     from helibore.viewer import attributes_of
@@ -156,7 +157,7 @@ def path_options(run: Run) -> str:
     if path.start_depth > wall.depth.min() and run.settings.archive is None:
         options.append(f"--from {path.start_depth:.10g}m")
     if path.stop_depth < wall.depth.max():
-        options.append(f"--extend {math.ceil(100 * (wall.depth.max() - path.survey_depth)) / 100:.10g}m")
+        options.append(f"-s path.extend={math.ceil(100 * (wall.depth.max() - path.survey_depth)) / 100:.10g}m")
     return f" ({' '.join(options)})" if options else ""
 
 

@@ -4,10 +4,10 @@
     run1.csv run2.csv --bit-diameter 8.5in      caliper files, prepared and rebuilt
     --average log.las:CALI --bit-diameter ...   an average caliper: the size is measured, the shape is assumed round
     --gauge --bit-diameter ... --image ...      a hole at bit size, not measured, on which images are shown
-    wall.glb.toml, --from-settings wall.glb.toml    the files and settings of an earlier run
+    wall.glb.toml                               the files and settings of an earlier run
 
-What a channel means is guessed from names and units; ``--map`` overrules the guess, and the column options overrule
-both. A column is NAME[@ANGLE][:UNIT]: md_m, rb:deg, x_in@0, CAL1@90:in.
+What a channel means is guessed from names and units; ``--map`` overrules the guess, and ``--column`` overrules both. A
+column is NAME[@ANGLE][:UNIT]: md_m, rb:deg, x_in@0, CAL1@90:in.
 """
 
 from __future__ import annotations
@@ -23,8 +23,9 @@ import click
 from click.core import ParameterSource
 
 from helibore.base.errors import InputError
-from helibore.cli.declared_options import options_of, stated
+from helibore.cli.declared_options import option_of, options_of, stated
 from helibore.cli.quantities import ANGLE, FILE, LENGTH, NUMBERS, SHIFT, TIME
+from helibore.cli.sections import COLUMN, SETTING, Command, SectionOption, opt, opts, section, spelled
 from helibore.mesh.mesh_files import SURFACE_ENDINGS, VOLUME_ENDINGS
 from helibore.settings.declared import members
 from helibore.settings.wall_settings import Settings
@@ -39,68 +40,26 @@ if TYPE_CHECKING:
     from helibore.runs.run_settings import ImageInput, Input, RunSettings, ScalarInput
     from helibore.wall.wall import Wall
 
-Command = Callable[..., Any]
 SETTINGS = ".toml"
 INCLINATION = "inclination"
 """The name of the scalar track that needs no file, because it comes from the survey."""
-
-
-class Sectioned(click.Command):
-    """A command whose help lists its options in sections."""
-
-    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the options under the headings of their sections, in the order in which the command has them."""
-        rows: dict[str, list[tuple[str, str]]] = {"Options": []}
-        for parameter in (each for each in self.get_params(ctx) if isinstance(each, click.Option)):
-            record = parameter.get_help_record(ctx)
-            if record is not None:
-                rows.setdefault(getattr(parameter, "section", "Options"), []).append(record)
-        for title, records in rows.items():
-            with formatter.section(title):
-                formatter.write_dl(records)
-
-
-def section(name: str, *options: tuple[str, dict[str, Any]]) -> Callable[[Command], Command]:
-    """Return a decorator that gives a command ``options``, as `opt` makes them, in a section of its help."""
-    kind = type("SectionOption", (click.Option,), {"section": name})
-
-    def add(command: Command) -> Command:
-        for names, settings in reversed(options):
-            command = click.option(*names.split(), cls=kind, **settings)(command)
-        return command
-
-    return add
-
-
-def opt(names: str, help: str, **settings: Any) -> tuple[str, dict[str, Any]]:  # noqa: A002
-    """Return an option for `section`: its names, and the arguments of `click.option`. The help shows its default."""
-    shown = settings.get("default") not in (None, ()) and "is_flag" not in settings
-    return names, {"help": help, "show_default": shown} | settings
-
-
-def opts(names: str, help: str, **settings: Any) -> tuple[str, dict[str, Any]]:  # noqa: A002
-    """Return an option for `section` that a user may give several times."""
-    return opt(names, f"{help} Repeatable.", multiple=True, **settings)
 
 
 SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
     "Source": (
         *options_of(Settings, "bit_diameter"),
         opt("--average", "Average caliper in place of SOURCE; the shape is assumed round.", metavar="FILE:CHANNEL"),
-        opt("--gauge", "Gauge hole in place of SOURCE; it is not measured and only carries images.", is_flag=True),
-        opt("--from-settings", "Repeat the run that wrote this settings file, which may also be SOURCE.", type=FILE),
-        opts("--image", "Image on the wall. ORIGIN is what lies at toolface 0 of the image: the centre or the edge "
-             "of sector 1. REFERENCE, north or high-side, is the direction of that toolface 0, if it "
-             "differs from the wall's reference.",
-             metavar="FILE:CHANNEL:ORIGIN[:REFERENCE]"),
+        opt("--gauge", "Gauge hole in place of SOURCE, which only carries images.", is_flag=True),
+        opts("--image", "Image FILE:CHANNEL:ORIGIN[:REFERENCE]; ORIGIN, centre or edge of sector 1, lies at toolface 0 "
+             "of REFERENCE, north or high-side.  [the wall's reference]", metavar="IMAGE"),
         opt("--from start_depth", "Start depth.  [top of the wall]", type=LENGTH),
         opt("--to stop_depth", "Stop depth.  [bottom of the wall]", type=LENGTH),
     ),
     "Columns": (
-        opts("--map maps", "Roles of the channels as TOML (see helibore inspect): one map for all files, or one for "
-             "each file.", type=FILE),
-        opts("--set sets", "Sets of a source file that holds several, each a pass: by name, by number as helibore "
-             "inspect lists them (3 or 2,5-8), or all sets that hold these columns (with=CALX,CALY).", metavar="SETS"),
+        opts("--map maps", "Roles of the channels as TOML (see helibore inspect), for all files or for each.",
+             type=FILE),
+        opts("--set sets", "Sets of a file that holds several, each a pass: names, numbers (2,5-8) or with=COLUMNS.",
+             metavar="SETS"),
         opt("--depth", "NAME[:UNIT] of the depth.", metavar="COLUMN"),
         opt("--toolface", "NAME[:UNIT] of the toolface or relative bearing.", metavar="COLUMN"),
         opts("--radius", "NAME[@ANGLE][:UNIT] of a radius; ANGLE is where on the tool the arm is mounted.",
@@ -113,7 +72,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opts("--absent", "Number that means no value, besides -999.25, -9999, -9999.25.", type=float),
     ),
     "Sensors": (
-        opt("--track", "File with depth (and toolface) by time, for a caliper that has only a time.", type=FILE),
+        opt("--track", "File with depth (and toolface) by time.", type=FILE),
         opt("--track-map", "Roles of the channels of the --track file, as TOML.", type=FILE),
         opt("--sensor-offset", "How far every sensor lies above the point whose depth is recorded; added to the offset "
             "in a map.", type=LENGTH, default="0m"),
@@ -143,7 +102,8 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--radius-range", "Drop radii outside this range.", type=LENGTH, nargs=2, metavar="LEAST GREATEST"),
         opt("--drop-repeated repeated", "Drop samples equal to an earlier sample.", is_flag=True),
         opt("--drop-spikes spikes", "Drop samples that differ from the turns around them by this many deviations; 6 is "
-            "usual.", type=float, metavar="DEVIATIONS"),
+            "usual.",
+            type=float, metavar="DEVIATIONS"),
         opt("--turn-height", "Height of a turn, for a tool that does not turn.  [a turn is a rotation, or a row of an "
             "image]", type=LENGTH),
         opt("--recentre", "Correct the radii of every turn for the tool's offset from the axis.", is_flag=True),
@@ -153,12 +113,11 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--passes", "Passes to use, such as 2,3.  [all]", type=NUMBERS),
         opt("--latest", "In each 0.5 m, use the last pass that measured there.  [merge the passes]", is_flag=True),
         opts("--shift shifts", "Add a length to a pass's depths, such as 3=-0.2m.", type=SHIFT),
-        opt("--find-shifts", "Find each pass's depth shift from the overlap, unless --shift sets it.", is_flag=True),
-        opt("--bias", "Subtract the bias of each pass and arm; with side, a separate bias for each side of "
-            "the hole.",
+        opt("--find-shifts", "Find each pass's depth shift from the overlap.", is_flag=True),
+        opt("--bias", "Subtract the bias of each pass and arm, or of each side of the hole.",
             type=click.Choice(["none", "arm", "side"]), default="none"),
-        opt("--compare-with earlier", "Earlier passes. The wall is made from the other passes; its attribute "
-            "'difference' is its radius minus the radius of the wall of the earlier passes.", type=NUMBERS, default=()),
+        opt("--compare-with earlier", "Earlier passes; the attribute 'difference' is the wall minus their wall.",
+            type=NUMBERS, default=()),
     ),
     "Path and toolface": (
         opt("--survey", "Survey file.  [the hole is straight and vertical]", type=FILE),
@@ -176,21 +135,32 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
     ),
     "Wall": (
         *options_of(Settings, *(name for name in members(Settings) if name != "bit_diameter")),
-        opt("--tune", "Find the estimator, its angular scale and nugget by leaving samples out. The settings beside "
-            "the output hold the result.", is_flag=True),
+        *(option_of(members(Settings)[name]) for name in ("gap_reach", "largest_gap")),
+        opt("--tune", "Find estimator, angular scale and nugget by leaving samples out.", is_flag=True),
         opt("--threads", "Number of threads.  [all cores]", type=int),
     ),
 }  # fmt: skip
 """Every option of a wall, by section of the help."""
 
-ANYWHERE = ("from_settings", "image", "header_lines", "start_depth", "stop_depth", "threads")
+ANYWHERE = ("image", "header_lines", "start_depth", "stop_depth", "threads")
 """Options that also go with an archive or a settings file, although these have their own settings of the wall."""
+
+
+SHOWN = ("bit_diameter", "survey", "column", "maps", "image", "average", "gauge", "start_depth", "stop_depth")
+"""Parameters of a wall that have an option of their own in every command that shows a wall."""
+
+MADE = (
+    *SHOWN, "sets", "track", "spikes", "recentre", "passes", "latest", "shifts", "find_shifts", "bias", "earlier",
+    "sectors", "pitch", "estimator", "tune", "threads",
+)  # fmt: skip
+"""Parameters of a wall that have an option of their own in the command that makes a wall."""
 
 
 def takes_a_wall(command: Command) -> Command:
     """Give a command the argument SOURCE and the options that say how to make a wall from it."""
     for name in reversed(SECTIONS):
         command = section(name, *SECTIONS[name])(command)
+    command = section("Source", COLUMN)(section("Options", SETTING)(command))
     return click.argument("source", type=FILE, nargs=-1)(command)
 
 
@@ -200,7 +170,7 @@ def open_run(options: dict[str, Any], terminal: Terminal, outputs: Sequence[Path
     An output is refused if that file, or the file of its settings, is a file that the run reads.
     """
     _check_source(options)
-    given = options["from_settings"] or next(iter(options["source"]), None)
+    given = next(iter(options["source"]), None)
     with terminal.stage("import", "Loading helibore"):
         from helibore.runs.run import Run, reopen
         from helibore.runs.run_settings import read_settings, settings_file
@@ -219,6 +189,14 @@ def open_run(options: dict[str, Any], terminal: Terminal, outputs: Sequence[Path
             run = Run(*_opened(options), tune=options["tune"])
             _check_outputs(outputs, [each.file for each in run.settings.inputs], settings_file)
     return run
+
+
+def refuse_interval(run: Run, options: dict[str, Any]) -> None:
+    """Refuse --from and --to for a saved wall, which a command shows whole."""
+    if run.settings.archive is not None or run.settings.output is not None:
+        for name in ("start_depth", "stop_depth"):
+            if options[name] is not None:
+                raise click.UsageError(f"{spelled(name)}: does not go with a saved wall, which is shown whole")
 
 
 def load_picks(run: Run, file: Path | None) -> Path | None:
@@ -242,21 +220,21 @@ def load_picks(run: Run, file: Path | None) -> Path | None:
 
 def picks_option(*, exists: bool) -> Any:
     """Return the option ``--picks``. ``exists``: the table must exist already."""
-    text = "Table of the picks (CSV).  [name of the first file shown, with .picks.csv added]"
+    text = "Table of the picks (CSV).  [FILE.picks.csv beside the first file shown]"
     return opt("--picks", text, type=click.Path(exists=exists, dir_okay=False, path_type=Path))
 
 
-TEMPLATE = opt("--template", "TOML file of tracks, their order and widths, units and scale, as the viewer saves it.",
+TEMPLATE = opt("--template", "TOML file of tracks, widths, units and scale, as the viewer saves it.",
                type=FILE)  # fmt: skip
 BESIDE = opts(
     "--beside besides",
-    "Archive of another well or pass, to show on the same depths; the shown name is the name of the file.",
+    "Archive of another well or pass, to show on the same depths.",
     type=FILE,
 )
 SCALAR = opts(
     "--scalar scalars",
-    "Curve along the hole, shown in a track of its own; the inclination comes from the survey.",
-    metavar=f"FILE:CHANNEL|{INCLINATION}",
+    f"Curve FILE:CHANNEL in a track of its own; {INCLINATION}: that of the survey.",
+    metavar="CURVE",
 )
 
 
@@ -310,8 +288,7 @@ def _curve(one: ScalarInput, run: Run) -> ScalarCurve:
 
 HEADER = opts(
     "--header headers",
-    "Entry of the header: company, well, field, location, service (company), run, date, datum, kb, gl (elevations), "
-    "bit, mud or remarks.  [as the files state it]",
+    "Entry of the header, such as company=ACME.  [as the files state it]",
     metavar="NAME=TEXT",
 )
 
@@ -340,7 +317,7 @@ def _check_outputs(outputs: Sequence[Path], inputs: Sequence[Path], settings_fil
 
 def _check_source(options: dict[str, Any]) -> None:
     """Refuse a mesh as source, no source, several kinds of source, and options that would have no effect."""
-    source, settings = options["source"], options["from_settings"]
+    source = options["source"]
     endings = {file.suffix.lower() for file in source}
     for file in source:
         if file.suffix.lower() in (*SURFACE_ENDINGS, *VOLUME_ENDINGS):
@@ -348,8 +325,8 @@ def _check_source(options: dict[str, Any]) -> None:
             instead = f"its settings, {settings_beside.name}, a saved .wall, or the caliper file"
             instead = f"the settings beside it, {settings_beside.name}" if settings_beside.is_file() else instead
             raise InputError(file.name, f"a mesh has no samples; use {instead}")
-    if bool(source) + (options["average"] is not None) + options["gauge"] + (settings is not None) != 1:
-        one = "exactly one of SOURCE, --average, --gauge and --from-settings"
+    if bool(source) + (options["average"] is not None) + options["gauge"] != 1:
+        one = "exactly one of SOURCE, --average and --gauge"
         raise click.UsageError(f"give {one}")
     if len(source) > 1 and endings & {ARCHIVE, SETTINGS}:
         raise click.UsageError("several SOURCE files must all be caliper files, not archives or settings")
@@ -361,10 +338,9 @@ def _check_source(options: dict[str, Any]) -> None:
     elif ARCHIVE in endings:
         sections = tuple(name for name in SECTIONS if name != "Path and toolface")
         _refuse(sections, ("source", "absent", *ANYWHERE), f"{source[0].name}, which has its own settings")
-    elif settings is not None or SETTINGS in endings:
-        file = settings or source[0]
-        _refuse(tuple(SECTIONS), ("source", *ANYWHERE), f"{file.name}, which repeats a run")
-    if ARCHIVE not in endings and SETTINGS not in endings and settings is None:
+    elif SETTINGS in endings:
+        _refuse(tuple(SECTIONS), ("source", *ANYWHERE), f"{source[0].name}, which repeats a run")
+    if not endings & {ARCHIVE, SETTINGS}:
         _check_numbers(options)
 
 
@@ -372,12 +348,10 @@ def _refuse(sections: Sequence[str], allowed: Sequence[str], source: str) -> Non
     """Refuse options of ``sections`` on the command line, except ``allowed``; they have no effect on this source."""
     context = click.get_current_context()
     for parameter in context.command.params:
-        if (
-            _given(parameter.name or "")
-            and getattr(parameter, "section", "") in sections
-            and parameter.name not in allowed
-        ):
-            raise click.UsageError(f"{parameter.opts[0]}: does not go with {source}")
+        if not isinstance(parameter, SectionOption) or parameter.section not in sections or not parameter.expose_value:
+            continue
+        if _given(parameter.name or "") and parameter.name not in allowed:
+            raise click.UsageError(f"{parameter.spelled}: does not go with {source}")
 
 
 def _given(name: str) -> bool:
@@ -387,14 +361,14 @@ def _given(name: str) -> bool:
 def _check_numbers(options: dict[str, Any]) -> None:
     chosen = [name for name in ("estimator", "angular_scale", "nugget", "neighbors", "kriging_range") if _given(name)]
     if options["tune"] and chosen:
-        raise click.UsageError(f"--{chosen[0].replace('_', '-')}: does not go with --tune, which finds it")
+        raise click.UsageError(f"{spelled(chosen[0])}: does not go with --tune, which finds it")
     start, stop = options["start_depth"], options["stop_depth"]
     if start is not None and stop is not None and not start < stop:
         raise InputError(f"--to {stop:g} m", f"must be deeper than --from {start:g} m")
     if options["reference"] not in (None, "north", "high-side") and options["survey"] is None:
-        raise click.UsageError(f"--reference {options['reference']}: needs --survey")
+        raise click.UsageError(f"-s path.reference={options['reference']}: needs --survey")
     if (options["mud_velocity"] is None) != (options["tool_radius"] is None):
-        raise click.UsageError("--mud-velocity and --tool-radius: travel times need both")
+        raise click.UsageError("echo.velocity and echo.tool_radius: travel times need both")
     if len(options["maps"]) not in (0, 1, len(options["source"])):
         counts = f"{len(options['maps'])} maps for {len(options['source'])} caliper files"
         raise click.UsageError(f"{counts}: must be one map for all files, or one for each file")
@@ -524,17 +498,17 @@ def _average(files: OpenFiles, options: dict[str, Any]) -> Input:
 
 
 def _header_lines(options: dict[str, Any], sources: Sequence[Path]) -> dict[Path, int]:
-    """Return, by file, the line numbers of ``--header-line``; a number without a file applies to all sources."""
+    """Return, by file, the line numbers of ``header_line``; a number without a file applies to all sources."""
     read = [*sources, options["survey"], options["track"], *(one.file for one in _images(options) + _scalars(options))]
     lines: dict[Path, int] = {}
     for text in options["header_lines"]:
         file, _, number = text.rpartition("=")
         if not number.isascii() or not number.isdigit():
-            raise click.UsageError(f"--header-line {text}: must be LINE or FILE=LINE")
+            raise click.UsageError(f"-s header_line={text}: must be LINE or FILE=LINE")
         if not file and not sources:
-            raise click.UsageError(f"--header-line {text}: must be FILE=LINE, as no SOURCE is a table")
+            raise click.UsageError(f"-s header_line={text}: must be FILE=LINE, as no SOURCE is a table")
         if file and Path(file) not in read:
-            raise click.UsageError(f"--header-line {text}: no option reads the file {file}")
+            raise click.UsageError(f"-s header_line={text}: no option reads the file {file}")
         lines |= dict.fromkeys([Path(file)] if file else sources, int(number))
     return lines
 

@@ -39,7 +39,8 @@ def without_caliper(
     hole = f"a round hole as large as {means[0]}" if means else "a gauge hole"
     sectors = log.set()[images[0]].shape[1]
     lacks = (
-        f"has images ({', '.join(images)}) and no known caliper around the hole (--radius or --diameter names one). "
+        f"has images ({', '.join(images)}) and no known caliper around the hole (--column radius=NAME or "
+        f"diameter=NAME states one). "
         f"This command puts the images on {hole}. With edge, sector 1 starts at toolface 0; with centre, it is centred "
         f"there. Only the tool's manual says which is right; the other word turns {images[0]} by {180 / sectors:g} deg"
     )

@@ -9,7 +9,7 @@ import click
 
 from helibore.base.errors import InputError
 from helibore.cli.quantities import split_pair
-from helibore.cli.wall_options import opt, opts
+from helibore.cli.sections import near, opt, opts
 
 if TYPE_CHECKING:
     from helibore.logs.zone_criteria import Criteria
@@ -24,9 +24,9 @@ CRITERIA = (
 
 
 def criteria_of(wall: Wall, options: dict[str, Any]) -> Criteria:
-    """Return the criteria of zones: the values that ``--criterion`` states, and default values of the other criteria.
+    """Return the criteria of zones: the values that ``-s zones.NAME`` states, and default values of the other criteria.
 
-    With ``--scaled``, the default values are scaled to the bit size.
+    With ``zones.scaled``, the default values are scaled to the bit size.
     """
     from helibore.base import units
     from helibore.logs.zone_criteria import Criteria
@@ -37,16 +37,15 @@ def criteria_of(wall: Wall, options: dict[str, Any]) -> Criteria:
     known = [field.name for field in fields(Criteria)]
     found = {}
     for text in options["criteria"]:
-        form = f"NAME=VALUE, NAME one of {', '.join(known).replace('_', '-')}"
-        name, value = split_pair("criterion", text, form)
+        name, value = split_pair("setting", text, "zones.NAME=VALUE")
         name = name.replace("-", "_")
         if name not in known:
-            raise click.UsageError(f"--criterion {text}: must be {form}")
+            raise click.UsageError(f"-s zones.{name}: {near(name, known)}must be one of {', '.join(known)}")
         try:
             if name not in (*shares, "least_length", "join") and value[-1:].isdigit():  # no unit is stated
-                raise click.UsageError(f"--criterion {text}: needs a unit, such as {value}in or {value}mm")
+                raise click.UsageError(f"-s zones.{text}: needs a unit, such as {value}in or {value}mm")
             found[name] = float(value) if name in shares else units.quantity(value, units.LENGTH)
         except ValueError as error:
             rule = "must be a number from 0 to 1" if name in shares else error
-            raise click.UsageError(f"--criterion {text}: {rule}") from None
+            raise click.UsageError(f"-s zones.{text}: {rule}") from None
     return Criteria.scaled(wall.settings.bit_diameter, **found) if options["scaled"] else Criteria(**found)

@@ -415,7 +415,8 @@ class _Pipeline:
                 top, bottom = one.depth[rest].min(), one.depth[rest].max()
                 self.report.append((
                     "stuck", f"{one.name}: {one.channels[int(one.arm[sensor])]} does not move in {rest.size:,} rows "
-                    f"between {top:.1f} and {bottom:.1f} m while the other arms do: kept; --drop-stuck drops them"
+                    f"between {top:.1f} and {bottom:.1f} m while the other arms do: kept; -s "
+                    f"preparation.stuck=ROWS drops them"
                 ))  # fmt: skip
 
     def _drop_single_samples(self) -> None:
@@ -439,7 +440,7 @@ class _Pipeline:
                     f"{100 * share:.0f} % of the samples have the depth, toolface and radius of an earlier sample, and "
                     "count again"
                 )
-                self.report.append(("repeated", f"{text}; --drop-repeated drops them"))
+                self.report.append(("repeated", f"{text}; -s preparation.repeated=true drops them"))
         samples = self.samples
         if settings.spikes is not None:
             turn, _ = self._turns(rows=True)
@@ -756,7 +757,7 @@ class _Pipeline:
         names = self._arm_names()
         lines = found.disagreements([names[number] for number in found.arms])
         if lines:
-            passes = "--split-passes 5m " if unsplit and np.ptp(number) else ""
+            passes = "-s preparation.reversal=5m " if unsplit and np.ptp(number) else ""
             self.report.append(("bias", f"{lines[0]}; {passes}--bias arm subtracts it"))
 
     def _finished(self) -> Prepared:
@@ -795,8 +796,8 @@ class _Pipeline:
             channel = one.channels[int(one.arm[int(samples.sensor[at])])]
             place = f"{one.name}, {one.place(int(samples.row[at]))}, column {channel}"
             limit = "greatest_radius" if samples.radius[at] > LARGEST_RADIUS else "least_radius"
-            rule = f"must be above 0 and at most {LARGEST_RADIUS:g} m; --radius-range drops such radii (Python: "
-            rule += f"{limit}); if the number of the file means no value, {say_so()}"
+            rule = f"must be above 0 and at most {LARGEST_RADIUS:g} m; -s preparation.radius_range=LEAST,GREATEST "
+            rule += f"drops such radii (Python: {limit}); if the number of the file means no value, {say_so()}"
             raise InputError(f"{place}: radius {samples.radius[at]:g} m", rule)
 
     def _caliper(self) -> Caliper:

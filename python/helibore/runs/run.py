@@ -356,7 +356,7 @@ def _read_image(run: Run, one: ImageInput) -> SectorImage:
     log.channel(one.name)
     image = log.image(one.name).sector_image(one.origin, reference)
     size = f"{image.depth.size:,} rows x {image.sectors} sectors, {image.missing:,} values missing"
-    assumed = "" if stated else ", since no reference is stated (:north or --reference north states one)"
+    assumed = "" if stated else ", since no reference is stated (:north or -s path.reference=north states one)"
     run.messages.append(("image", f"{one.file.name}:{one.name}: {size}, from {reference}{assumed}"))
     return image
 
@@ -507,8 +507,10 @@ def _first_station(log: LogSet, roles: RoleMap, survey: Survey, head: tuple[floa
     known = len(stated) == 3 and bool(np.isfinite(stated).all())
     if any(head) or (np.abs(stated).max() if known else top) <= 0.001:
         return
-    place = "--head says where it lies"
+    place = "-s path.head says where it lies"
     if known:
         north, east, down = (f"{value:.10g}" for value in stated)
-        place = f"the file states north {north}, east {east}, down {down} m; --head {north} {east} {down} sets these"
+        place = (
+            f"the file states north {north}, east {east}, down {down} m; -s path.head={north},{east},{down} sets these"
+        )
     yield "", f"positions count from the first station, at {top:g} m, as if it were (0, 0, 0); {place}"

@@ -156,7 +156,7 @@ def write_settings(path: str | os.PathLike[str], settings: RunSettings) -> None:
     import tomli_w
 
     path = Path(path)
-    first = f"# To repeat this run: helibore {settings.verb} --from-settings {path.name} -o OUTPUT\n"
+    first = f"# To repeat this run: helibore {settings.verb} {path.name} -o OUTPUT\n"
     content = (first + tomli_w.dumps(_tree(settings, path.resolve().parent))).encode()
     write_whole(path, lambda file: file.write(content))
 

@@ -319,12 +319,14 @@ HEADER = "md_m,tf_deg,radius_m\n"
          "c.csv, line 4, column md_m: NaN or infinite: a depth must be finite, or empty"),
         (HEADER + "1,2,0\n1,2,0.1\n1,2,0.1\n", {},
          "c.csv, line 2, column radius_m: radius 0 m: must be above 0 and at most 2 m; "
-         "--radius-range drops such radii (Python: least_radius); if the number of the file means no value, --absent "
-         "NUMBER says so (Python: nulls of hb.open)"),
+         "-s preparation.radius_range=LEAST,GREATEST drops such radii (Python: least_radius); if the number of the "
+         "file means no value, -s "
+         "nulls=NUMBER says so (Python: nulls of hb.open)"),
         (HEADER + ",2,99\n1,2,0.1\n1,2,8.5\n1,2,0.1\n1,2,0.1\n", {},
          "c.csv, line 4, column radius_m: radius 8.5 m: must be above 0 and at most 2 m; "
-         "--radius-range drops such radii (Python: greatest_radius); if the number of the file means no value, "
-         "--absent NUMBER says so (Python: nulls of hb.open)"),
+         "-s preparation.radius_range=LEAST,GREATEST drops such radii (Python: greatest_radius); if the number of "
+         "the file means no value, "
+         "-s nulls=NUMBER says so (Python: nulls of hb.open)"),
         (HEADER + "1,2,8.5\n", {},
          "c.csv, column radius_m: median 8.5 m if the unit is m: no radius of a borehole (would fit cm or in)"),
         (HEADER + "1,2,-999.25\n2,,0.1\n", {}, "c.csv: no row has depth, toolface and a radius (1 values missing in "
@@ -428,7 +430,10 @@ def test_few_sectors_are_the_arms_of_a_tool(tmp_path: Path) -> None:
     path = written(tmp_path, text)
     one = hb.open(path).set()
     guessed = guess(one)
-    with pytest.raises(ValueError, match=r"arms of a tool with few arms: --radius ARM1_m@0 --radius ARM2_m@90 --rad"):
+    with pytest.raises(
+        ValueError,
+        match=r"arms of a tool with few arms: --column radius=ARM1_m@0 --column radius=ARM2_m@90 --column rad",
+    ):
         readings(one, guessed)
     stated = {**guessed.roles, "ARM": replace(guessed["ARM"], first=0.0, step=90.0)}
     of_image = readings(one, replace(guessed, roles=stated))

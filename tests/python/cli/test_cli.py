@@ -76,7 +76,7 @@ def test_simulate_formats_hold_the_same(tmp_path: Path) -> None:
 def test_reconstruct_is_the_library(folder: Path, tmp_path: Path) -> None:
     mesh = tmp_path / "wall.ply"
     result = run("reconstruct", folder / "caliper.csv", "--survey", folder / "survey.csv", "-o", mesh,
-                 "--bit-diameter", "216mm", "--sectors", 32, "--pitch", "5cm", "--neighbors", 6)  # fmt: skip
+                 "--bit-diameter", "216mm", "--sectors", 32, "--pitch", "5cm", "-s", "wall.neighbors=6")  # fmt: skip
     assert result.exit_code == 0, result.output
     caliper, survey = helibore.open(folder / "caliper.csv").caliper(), helibore.open(folder / "survey.csv").survey()
     wall = helibore.reconstruct(caliper, bit_diameter=0.216, sectors=32, pitch=0.05, neighbors=6)
@@ -149,32 +149,35 @@ def test_upwards(folder: Path, tmp_path: Path) -> None:
         ("md_m,rb_deg\n1,2\n", [], "c.csv, column 'r': not in the file, which has md_m, rb_deg"),
         ("md_m,rb_deg,r\n1,2,0.1\n", [], 'c.csv, column r: unit missing: state it in a map '
          '([channels."r"] unit = ...), or as r:UNIT in its option; radius is length'),
-        ("md_m,rb_deg,r\n1,2,0.1\n", ["--radius", "r:parsec"],
+        ("md_m,rb_deg,r\n1,2,0.1\n", ["--column", "radius=r:parsec"],
          "c.csv: r: unit = 'parsec': must be a unit of length for a radius"),
-        ("md_m,rb_deg,r\n1,2,0.1\n1,2,big\n", ["--radius", "r:m"], "c.csv, line 3, column r = 'big': is not a number"),
-        ("md_m,rb_deg,r\n1,2,0.1\nnan,2,1\n", ["--radius", "r:m"],
+        ("md_m,rb_deg,r\n1,2,0.1\n1,2,big\n", ["--column", "radius=r:m"],
+         "c.csv, line 3, column r = 'big': is not a number"),
+        ("md_m,rb_deg,r\n1,2,0.1\nnan,2,1\n", ["--column", "radius=r:m"],
          "c.csv, line 3, column md_m: NaN or infinite: a depth must be finite, or empty"),
-        ("md_m,rb_deg,r\n1,2,0.1\ninf,2,1\n", ["--radius", "r:m"],
+        ("md_m,rb_deg,r\n1,2,0.1\ninf,2,1\n", ["--column", "radius=r:m"],
          "c.csv, line 3, column md_m: NaN or infinite: a depth must be finite, or empty"),
-        ("md_m,rb_deg,r\n1,2,0.1\n1,2,0\n1,2,0.1\n", ["--radius", "r:m"],
-         "c.csv, line 3, column r: radius 0 m: must be above 0 and at most 2 m; --radius-range drops such "
-         "radii (Python: least_radius); if the number of the file means no value, --absent NUMBER says so (Python: "
+        ("md_m,rb_deg,r\n1,2,0.1\n1,2,0\n1,2,0.1\n", ["--column", "radius=r:m"],
+         "c.csv, line 3, column r: radius 0 m: must be above 0 and at most 2 m; -s "
+         "preparation.radius_range=LEAST,GREATEST drops such "
+         "radii (Python: least_radius); if the number of the file means no value, -s nulls=NUMBER says so (Python: "
          "nulls of hb.open)"),
-        ("md_m,rb_deg,r\n1,2,8.5\n", ["--radius", "r:m"],
+        ("md_m,rb_deg,r\n1,2,8.5\n", ["--column", "radius=r:m"],
          "c.csv, column r: median 8.5 m if the unit is m: no radius of a borehole (would fit cm or in)"),
-        ("md_m,rb_deg,r\n", ["--radius", "r:m"], "c.csv, line 1: no rows below the header"),
-        ("md_m,rb_deg,r\n1,2,-9999\n", ["--radius", "r:m"], "c.csv, column r: every value is missing"),
+        ("md_m,rb_deg,r\n", ["--column", "radius=r:m"], "c.csv, line 1: no rows below the header"),
+        ("md_m,rb_deg,r\n1,2,-9999\n", ["--column", "radius=r:m"], "c.csv, column r: every value is missing"),
         ("", [], "c.csv: empty: 0 bytes"),
-        ("md_m,rb_deg,r\n1,2,0.1\n2,2,0.1\n", ["--radius", "r:m", "--from", "5"],
+        ("md_m,rb_deg,r\n1,2,0.1\n2,2,0.1\n", ["--column", "radius=r:m", "--from", "5"],
          "c.csv: no samples below 5 m; the file has 1 to 2 m"),
-        ("md_m,rb_deg,r\n1,2,0.1\n2,2,0.1\n", ["--radius", "r:m", "--to", "0.5"],
+        ("md_m,rb_deg,r\n1,2,0.1\n2,2,0.1\n", ["--column", "radius=r:m", "--to", "0.5"],
          "c.csv: no samples above 0.5 m; the file has 1 to 2 m"),
     ],
 )  # fmt: skip
 def test_bad_caliper(tmp_path: Path, text: str, options: list[str], message: str) -> None:
     (tmp_path / "c.csv").write_text(text)
-    radius = ["--radius", "r"] if "--radius" not in options else []
-    result = run("reconstruct", tmp_path / "c.csv", "--depth", "md_m", "--toolface", "rb_deg", *radius, *options,
+    radius = ["--column", "radius=r"] if not any("radius=" in each for each in options) else []
+    result = run("reconstruct", tmp_path / "c.csv", "--column", "depth=md_m", "--column", "toolface=rb_deg",
+        *radius, *options,
                  "-o", tmp_path / "w.glb", "--bit-diameter", "8.5in")  # fmt: skip
     assert (result.exit_code, result.stdout) == (2, "")
     assert result.stderr == f"helibore: {message}\n"
@@ -190,7 +193,7 @@ def test_bad_caliper(tmp_path: Path, text: str, options: list[str], message: str
             ["--pitch", "5lightyears"],
             r"Invalid value for '--pitch': '5lightyears': unit 'lightyears': not known; known are m, .*",
         ),
-        (["--neighbors", "0"], r"Invalid value for '--neighbors': '0': must lie in 1 to 256 .*"),
+        (["-s", "wall.neighbors=0"], r"Invalid value for '-s wall.neighbors': '0': must lie in 1 to 256 .*"),
         (["--bit-diameter", "0"], r"Invalid value for '--bit-diameter': '0': must be finite and above 0 .*"),
         (
             ["--bit-diameter", "8.5"],
@@ -235,11 +238,11 @@ def test_header_lines_are_options_and_settings(folder: Path, tmp_path: Path) -> 
     )
     (tmp_path / "c.csv").write_text(caliper)
     (tmp_path / "s.csv").write_text(survey)
-    options = ["--header-line", "2", "--survey", tmp_path / "s.csv", "--header-line", f"{tmp_path / 's.csv'}=3",
+    options = ["-s", "header_line=2", "--survey", tmp_path / "s.csv", "-s", f"header_line={tmp_path / 's.csv'}=3",
                "--bit-diameter", "216mm"]  # fmt: skip
     made, again = tmp_path / "w.vtu", tmp_path / "again.vtu"
     assert run("reconstruct", tmp_path / "c.csv", *options, "-o", made).exit_code == 0
-    assert run("reconstruct", "--from-settings", f"{made}.toml", "-o", again).exit_code == 0
+    assert run("reconstruct", f"{made}.toml", "-o", again).exit_code == 0
     assert again.read_bytes() == made.read_bytes()
     shown = run("inspect", tmp_path / "c.csv", "--header-line", "2")
     assert (shown.exit_code, "toolface" in shown.stdout) == (0, True)
@@ -251,14 +254,14 @@ def test_header_lines_are_options_and_settings(folder: Path, tmp_path: Path) -> 
 @pytest.mark.parametrize(
     ("given", "rule"),
     [
-        ("x", "--header-line x: must be LINE or FILE=LINE"),
-        ("s.csv=x", "--header-line s.csv=x: must be LINE or FILE=LINE"),
-        ("other.csv=3", "--header-line other.csv=3: no option reads the file other.csv"),
+        ("x", "-s header_line=x: must be LINE or FILE=LINE"),
+        ("s.csv=x", "-s header_line=s.csv=x: must be LINE or FILE=LINE"),
+        ("other.csv=3", "-s header_line=other.csv=3: no option reads the file other.csv"),
         ("0", "caliper.csv: header_line = 0: must be the line of the column names, within the first 500"),
     ],
 )
 def test_header_lines_that_are_refused(folder: Path, tmp_path: Path, given: str, rule: str) -> None:
-    result = run("reconstruct", folder / "caliper.csv", "--header-line", given, "--bit-diameter", "216mm", "-o",
+    result = run("reconstruct", folder / "caliper.csv", "-s", f"header_line={given}", "--bit-diameter", "216mm", "-o",
                  tmp_path / "w.vtu")  # fmt: skip
     assert result.exit_code == 2
     assert " ".join(result.stderr.split()).removeprefix("helibore: ").partition(" (see ")[0] == rule
@@ -271,17 +274,17 @@ def test_header_lines_of_a_track_and_an_image(tmp_path: Path) -> None:
     (tmp_path / "t.csv").write_text("run 1,by me,\n1,2,3\ntime_s,md_m,tf_deg\n" + track)
     cells = "".join(f"{1000 + 0.1 * k},1,2,3,4\n" for k in seconds)
     (tmp_path / "i.csv").write_text("run 1,,,,\n1,2,3,4,5\nmd_m,GR1_gapi,GR2_gapi,GR3_gapi,GR4_gapi\n" + cells)
-    options = ["--track", tmp_path / "t.csv", "--header-line", f"{tmp_path / 't.csv'}=3", "--bit-diameter", "216mm"]
-    options += ["--image", f"{tmp_path / 'i.csv'}:GR:edge", "--header-line", f"{tmp_path / 'i.csv'}=3"]
+    options = ["--track", tmp_path / "t.csv", "-s", f"header_line={tmp_path / 't.csv'}=3", "--bit-diameter", "216mm"]
+    options += ["--image", f"{tmp_path / 'i.csv'}:GR:edge", "-s", f"header_line={tmp_path / 'i.csv'}=3"]
     made, again = tmp_path / "w.vtu", tmp_path / "again.vtu"
     result = run("reconstruct", tmp_path / "c.csv", *options, "-o", made)
     assert result.exit_code == 0, result.output
     assert (tmp_path / "w.vtu.toml").read_text().count("header_line = 3") == 2
-    assert run("reconstruct", "--from-settings", f"{made}.toml", "-o", again).exit_code == 0
+    assert run("reconstruct", f"{made}.toml", "-o", again).exit_code == 0
     assert again.read_bytes() == made.read_bytes()
-    gauge = ["--gauge", "--bit-diameter", "216mm", *options[-4:], "--header-line", "3", "-o", tmp_path / "g.vtu"]
+    gauge = ["--gauge", "--bit-diameter", "216mm", *options[-4:], "-s", "header_line=3", "-o", tmp_path / "g.vtu"]
     refused = run("reconstruct", *gauge)
-    rule = "helibore: --header-line 3: must be FILE=LINE, as no SOURCE is a table"
+    rule = "helibore: -s header_line=3: must be FILE=LINE, as no SOURCE is a table"
     assert (refused.exit_code, " ".join(refused.stderr.split()).partition(" (see ")[0]) == (2, rule)
 
 
@@ -297,7 +300,7 @@ def test_path_must_cover_the_wall(folder: Path, tmp_path: Path) -> None:
     assert lines
     assert float(lines[1]) > 2001
     assert old.read_bytes() == b"the old file"
-    assert run("reconstruct", folder / "caliper.csv", *options, "--extend", "10m").exit_code == 0
+    assert run("reconstruct", folder / "caliper.csv", *options, "-s", "path.extend=10m").exit_code == 0
     assert sorted(path.name for path in tmp_path.iterdir()) == ["s.csv", "w.glb", "w.glb.toml"]
 
 
@@ -358,7 +361,8 @@ def test_f12(tmp_path: Path) -> None:
     if not F12.exists():
         pytest.skip("shared data not beside the project: no Volve F-12 caliper")
     mesh = tmp_path / "f12.glb"
-    result = run("reconstruct", F12, "--diameter", "pfc1_x_in@0", "--diameter", "pfc2_y_in@90", "--from", "3080",
+    result = run("reconstruct", F12, "--column", "diameter=pfc1_x_in@0", "--column", "diameter=pfc2_y_in@90",
+        "--from", "3080",
                  "--to", "3240", "-o", mesh, "--bit-diameter", "6.2in")  # fmt: skip
     assert result.exit_code == 0, result.output
     with gzip.open(F12, "rt") as file:
@@ -375,7 +379,8 @@ def test_f12(tmp_path: Path) -> None:
         "up to 12.2 mm less in radius than the merged wall, from 3165.50 to 3166.26 m in 6 rows; --passes 26 shows it"
     )
     assert f"passes pass 26 (pfc2_y_in) reads {spot}" in " ".join(result.output.split())
-    others = run("reconstruct", F12, "--diameter", "pfc1_x_in@0", "--diameter", "pfc2_y_in@90", "--from", "3080",
+    others = run("reconstruct", F12, "--column", "diameter=pfc1_x_in@0", "--column", "diameter=pfc2_y_in@90",
+        "--from", "3080",
                  "--to", "3240", "-o", tmp_path / "others.wall", "--bit-diameter", "6.2in",
                  "--passes", "12,15,27,28,29,30,38,40,41")  # fmt: skip
     assert others.exit_code == 0, others.output
@@ -406,7 +411,7 @@ def test_tune_builds_the_wall_with_the_settings_it_finds(folder: Path, tmp_path:
     assert f"tuned {found.sentence}" in " ".join(result.output.split())
     assert found.best is not found.candidates[0]
     assert f'estimator = "{found.settings.estimator}"' in mesh.with_name("tuned.ply.toml").read_text()
-    repeated = run("reconstruct", "--from-settings", mesh.with_name("tuned.ply.toml"), "-o", again, "-q")
+    repeated = run("reconstruct", mesh.with_name("tuned.ply.toml"), "-o", again, "-q")
     assert repeated.exit_code == 0, repeated.output
     assert again.read_bytes() == mesh.read_bytes()
 
@@ -421,15 +426,17 @@ def test_reconstruct_prints_its_error_and_what_tuning_would_gain(folder: Path, t
 
 def test_tune_does_not_go_with_what_it_finds(folder: Path) -> None:
     result = run(
-        "reconstruct", folder / "caliper.csv", "-o", "w.ply", "--bit-diameter", "216mm", "--tune", "--nugget", 1
+        "reconstruct", folder / "caliper.csv", "-o", "w.ply", "--bit-diameter", "216mm", "--tune", "-s", "wall.nugget=1"
     )
     assert result.exit_code == 2
-    assert "--nugget: does not go with --tune, which finds it" in result.output
+    assert "-s wall.nugget: does not go with --tune, which finds it" in result.output
 
 
 def test_sigma_is_an_attribute_of_archives_and_meshes(folder: Path, tmp_path: Path) -> None:
     archive = tmp_path / "w.wall"
-    made = run("reconstruct", folder / "caliper.csv", "-o", archive, "--bit-diameter", "216mm", "--sigma", "-q")
+    made = run(
+        "reconstruct", folder / "caliper.csv", "-o", archive, "--bit-diameter", "216mm", "-s", "mesh.sigma=true", "-q"
+    )
     assert made.exit_code == 0, made.output
     wall = helibore.load(archive)
     assert wall.attributes.units["sigma"] == "m"
@@ -440,16 +447,16 @@ def test_sigma_is_an_attribute_of_archives_and_meshes(folder: Path, tmp_path: Pa
     assert "of the wall has no sigma" not in made.output
     few = tmp_path / "few.csv"
     few.write_text("\n".join((folder / "caliper.csv").read_text().splitlines()[:40]))
-    result = run("reconstruct", few, "-o", archive, "--bit-diameter", "216mm", "--sigma")
+    result = run("reconstruct", few, "-o", archive, "--bit-diameter", "216mm", "-s", "mesh.sigma=true")
     assert result.exit_code == 2
     assert "too few samples for an uncertainty: must be at least 100" in " ".join(result.output.split())
 
 
 def test_nearest_is_an_attribute_of_meshes(folder: Path, tmp_path: Path) -> None:
     mesh = tmp_path / "w.vtu"
-    made = run("reconstruct", folder / "caliper.csv", "-o", mesh, "--bit-diameter", "216mm", "--nearest")
+    made = run("reconstruct", folder / "caliper.csv", "-o", mesh, "--bit-diameter", "216mm", "-s", "mesh.nearest=true")
     assert made.exit_code == 0, made.output
-    archive = run("reconstruct", "--from-settings", f"{mesh}.toml", "-o", tmp_path / "w.wall", "-q")
+    archive = run("reconstruct", f"{mesh}.toml", "-o", tmp_path / "w.wall", "-q")
     assert archive.exit_code == 0, archive.output
     wall = helibore.load(tmp_path / "w.wall")
     assert wall.attributes["nearest"][0] == pytest.approx(wall.nearest[[0, 1, 65, 64]].mean(), rel=1e-12)

@@ -73,8 +73,8 @@ def test_every_ending_holds_the_logs_of_the_library(
 def test_zones_breakouts_of_images_casings_and_criteria(folder: Path, tmp_path: Path) -> None:
     zones, dark, output = tmp_path / "zones.csv", tmp_path / "dark.csv", tmp_path / "w.csv"
     done = run(folder / "w.wall", "-o", output, "--zones", zones, "--breakouts", f"AMP={dark}", "--casing", "7in",
-               "--criterion", "elongation=0.5in", "--criterion", "least-length=0.2", "--criterion", "symmetry=0.4",
-               "--rugosity-window", "0.5m", "--well", "15/9-X")  # fmt: skip
+               "-s", "zones.elongation=0.5in", "-s", "zones.least-length=0.2", "-s", "zones.symmetry=0.4",
+               "-s", "logs.rugosity_window=0.5m", "--well", "15/9-X")  # fmt: skip
     assert done.exit_code == 0, done.output
     wall = hb.load(folder / "w.wall")
     found = wall.zones(Criteria(elongation=0.0127, least_length=0.2, symmetry=0.4))
@@ -201,7 +201,7 @@ def test_feet_are_of_depths_and_inches_of_sizes(folder: Path, tmp_path: Path) ->
 def test_zones_without_zones_are_an_empty_table(folder: Path, tmp_path: Path) -> None:
     zones = tmp_path / "zones.csv"
     zones.write_text("old")
-    none = ("--zones", zones, "--criterion", "elongation=1m", "--criterion", "washout=1m", "--criterion", "key-seat=1m")
+    none = ("--zones", zones, "-s", "zones.elongation=1m", "-s", "zones.washout=1m", "-s", "zones.key-seat=1m")
     done = run(folder / "w.wall", "-o", tmp_path / "w.csv", *none)
     assert done.exit_code == 0
     assert "none by the criteria" in done.output
@@ -232,14 +232,14 @@ def test_a_wall_without_a_shape_has_logs_and_no_zones(tmp_path: Path) -> None:
          "step = 5: the turns, 2003.25 to 2003.85 m, must reach from one multiple of the step to the next"),
         (["-o", "w.csv", "--from", "3000"],
          "--from and --to: no full turn of the wall lies between them; turns reach from 2000.05 to 2019.95 m"),
-        (["-o", "w.csv", "--rugosity-window=-1"], "rugosity_window = -1.0: must be finite and above 0"),
+        (["-o", "w.csv", "-s", "logs.rugosity_window=-1"], "rugosity_window = -1.0: must be finite and above 0"),
         (["-o", "w.csv", "--casing", "0in"], "casing = 0: must be finite and above 0"),
-        (["-o", "w.csv", "--criterion", "depth=1"],
-         "--criterion depth=1: must be NAME=VALUE, NAME one of elongation, washout, key-seat,"),
-        (["-o", "w.csv", "--criterion", "washout=0.2"],
-         "--criterion washout=0.2: needs a unit, such as 0.2in or 0.2mm"),
-        (["-o", "w.csv", "--criterion", "washout=1kg"], "--criterion washout=1kg: unit 'kg'"),
-        (["-o", "w.csv", "--criterion", "symmetry=2"], "symmetry = 2.0: must be in [0, 1]"),
+        (["-o", "w.csv", "-s", "zones.depth=1"],
+         "-s zones.depth: must be one of elongation, washout, key_seat,"),
+        (["-o", "w.csv", "-s", "zones.washout=0.2"],
+         "-s zones.washout=0.2: needs a unit, such as 0.2in or 0.2mm"),
+        (["-o", "w.csv", "-s", "zones.washout=1kg"], "-s zones.washout=1kg: unit 'kg'"),
+        (["-o", "w.csv", "-s", "zones.symmetry=2"], "symmetry = 2.0: must be in [0, 1]"),
         (["-o", "w.csv", "--breakouts", "AMP"], "--breakouts AMP: must be IMAGE=FILE"),
         (["-o", "w.csv", "--breakouts", "GR=g.csv"], "image 'GR': the wall has no image of this name; it has AMP"),
     ],
@@ -258,7 +258,7 @@ def test_bad_options_are_one_line_and_write_nothing(
 @pytest.mark.skipif(not CALIPERS.is_dir(), reason="needs ../shared/data/calipers")
 def test_a_real_caliper_becomes_logs_in_one_command(tmp_path: Path) -> None:
     f12 = CALIPERS / "volve_F-12_2010_pfcs_xy_caliper.csv.gz"
-    done = run(f12, "--diameter", "pfc1_x_in@0", "--diameter", "pfc2_y_in@90", "--bit-diameter", "6.2in",
+    done = run(f12, "--column", "diameter=pfc1_x_in@0", "--column", "diameter=pfc2_y_in@90", "--bit-diameter", "6.2in",
                "--from", "3080", "--to", "3240", "--step", "1m", "-o", tmp_path / "f12.csv")  # fmt: skip
     assert done.exit_code == 0, done.output
     size = column(tmp_path / "f12.csv", "DEQ") / 0.0254

@@ -60,13 +60,13 @@ def test_a_gauge_hole_along_a_survey(folder: Path) -> None:
 
 def test_an_average_caliper_and_an_archive_again(folder: Path) -> None:
     given = ("--average", f"{folder}/a.csv:cali_m", "--bit-diameter", "216mm", "--image", f"{folder}/g.csv:GR:edge")
-    result = run(*given, "--reference", "north", "--survey", folder / "s.csv", "-o", folder / "m.wall")
+    result = run(*given, "-s", "path.reference=north", "--survey", folder / "s.csv", "-o", folder / "m.wall")
     assert result.exit_code == 0, result.output
     wall = hb.load(folder / "m.wall")
     assert wall.basis == "average"
     assert wall.path is not None
     assert wall.path.reference == wall.images["GR"].reference == "north"
-    assert "at 990 m, as if it were (0, 0, 0); --head says where it lies" in " ".join(result.output.split())
+    assert "at 990 m, as if it were (0, 0, 0); -s path.head says where it lies" in " ".join(result.output.split())
     assert run(folder / "m.wall", "-o", folder / "m.vtu", "-q").exit_code == 0
     wall.surface().save(folder / "own.vtu", color_by="GR")
     assert (folder / "m.vtu").read_bytes() == (folder / "own.vtu").read_bytes()
@@ -74,7 +74,7 @@ def test_an_average_caliper_and_an_archive_again(folder: Path) -> None:
 
 def test_shells_carry_the_images(folder: Path) -> None:
     given = (folder / "w.wall", "--image", f"{folder}/g.csv:GR:edge", "--shell", "5cm", "--shell", "0.2m")
-    result = run(*given, "--reference", "north", "-o", folder / "v.vtu")
+    result = run(*given, "-s", "path.reference=north", "-o", folder / "v.vtu")
     assert result.exit_code == 0, result.output
     wall = hb.load(folder / "w.wall")
     volume = wall.volume(shells=[0.05, 0.2])
@@ -117,21 +117,27 @@ def test_a_constant_image_and_one_below_zero_keep_their_values(folder: Path) -> 
             ["w.wall", "-o", "m.vtu", "--shell", "5cm", "--color-by", "radius"],
             "--color-by: does not go with a volume, which has no colours",
         ),
-        (["w.wall", "-o", "m.glb", "--sectors", "64"], "--sectors: does not go with w.wall, which has"),
-        (["w.wall", "-o", "m.glb", "--pitch", "5cm"], "--pitch: does not go with w.wall, which has its own"),
+        (["w.wall", "-o", "m.glb", "-s", "wall.sectors=64"], "-s wall.sectors: does not go with w.wall, which has"),
         (
-            ["w.toml", "-o", "m.glb", "--max-distance", "1m"],
-            "--max-distance: does not go with w.toml, which ",
+            ["w.wall", "-o", "m.glb", "-s", "wall.pitch=5cm"],
+            "-s wall.pitch: does not go with w.wall, which has its own",
+        ),
+        (
+            ["w.toml", "-o", "m.glb", "-s", "wall.max_distance=1m"],
+            "-s wall.max_distance: does not go with w.toml, which ",
         ),
         (["w.wall", "-o", "m.glb", "--bit-diameter", "8.5in"], "--bit-diameter: does not go with w.wall"),
-        (["w.wall", "-o", "m.glb", "--diameter", "x@0"], "--diameter: does not go with w.wall, which has its"),
         (
-            ["--gauge", "-o", "m.glb", "--bit-diameter", "8.5in", "--depth", "md"],
-            "--depth: does not go with --gauge, which reads no caliper",
+            ["w.wall", "-o", "m.glb", "--column", "diameter=x@0"],
+            "--column diameter: does not go with w.wall, which has its",
         ),
         (
-            ["--average", "a.csv:cali_m", "-o", "m.glb", "--bit-diameter", "8.5in", "--toolface", "tf"],
-            "--toolface: does not go with --average, which names its channel",
+            ["--gauge", "-o", "m.glb", "--bit-diameter", "8.5in", "--column", "depth=md"],
+            "--column depth: does not go with --gauge, which reads no caliper",
+        ),
+        (
+            ["--average", "a.csv:cali_m", "-o", "m.glb", "--bit-diameter", "8.5in", "--column", "toolface=tf"],
+            "--column toolface: does not go with --average, which names its channel",
         ),
         (
             ["w.wall", "-o", "m.ply", "--image", "g.csv:GR:edge:west"],
@@ -185,7 +191,7 @@ def test_a_wall_keeps_its_own_path(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("option", "rule"),
     [
-        (("--centres", "c.csv"), "--centres: needs --recentre (see cli mesh --help)"),
+        (("-s", "mesh.centres=c.csv"), "--centres: needs --recentre (see cli mesh --help)"),
         (("--color-by", "difference"), "--color-by: does not go with .stl, which has no colours (see cli mesh --help)"),
     ],
 )

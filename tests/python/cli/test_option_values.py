@@ -34,11 +34,12 @@ SOURCE = ("c.csv", "--bit-diameter", "216mm")
 @pytest.mark.parametrize(
     ("given", "settings"),
     [
-        (("--start-toolface", "30deg", "--window", "200", "--power", "2.5", "--max-iterations", "6",
-          "--tolerance", "0.01mm", "--angular-scale", "2"),
+        (("-s", "wall.start_toolface=30deg", "-s", "wall.window=200", "-s", "wall.power=2.5", "-s",
+            "wall.max_iterations=6",
+          "-s", "wall.tolerance=0.01mm", "-s", "wall.angular_scale=2"),
          {"start_toolface": 30.0, "window": 200, "power": 2.5, "max_iterations": 6, "tolerance": 1e-5,
           "angular_scale": 2.0}),
-        (("--estimator", "kriging", "--kriging-range", "30cm", "--nugget", "0.2"),
+        (("--estimator", "kriging", "-s", "wall.kriging_range=30cm", "-s", "wall.nugget=0.2"),
          {"estimator": "kriging", "kriging_range": 0.3, "nugget": 0.2}),
     ],
 )  # fmt: skip
@@ -56,24 +57,23 @@ def test_options_of_the_wall_are_arguments_of_the_library(
 @pytest.mark.usefixtures("folder")
 def test_options_of_the_preparation_are_settings() -> None:
     given = {
-        "--samples-from": ("1000.1m", "shallowest", 1000.1), "--samples-to": ("1002.9m", "deepest", 1002.9),
-        "--drop-closed": ("40mm", "closed", 0.04), "--turn-height": ("5cm", "turn_height", 0.05),
-        "--sensor-offset": ("1cm", "sensor_offset", 0.01), "--shift": ("2=5cm", "shifts", [[2, 0.05]]),
+        "shallowest": ("1000.1m", 1000.1), "deepest": ("1002.9m", 1002.9), "closed": ("40mm", 0.04),
+        "turn_height": ("5cm", 0.05), "sensor_offset": ("1cm", 0.01), "shifts": ("2=5cm", [[2, 0.05]]),
+        "saturated": ("false", False), "drop_closed": ("false", False), "latest": ("true", True),
     }  # fmt: skip
-    flags = {"--keep-saturated": ("saturated", False), "--keep-closed": ("drop_closed", False),
-             "--latest": ("latest", True)}  # fmt: skip
-    words = [word for option, (text, _, _) in given.items() for word in (option, text)]
-    result = run("reconstruct", *SOURCE, *words, *flags, "-o", "w.wall")
+    words = [word for name, (text, _) in given.items() for word in ("-s", f"preparation.{name}={text}")]
+    result = run("reconstruct", *SOURCE, *words, "-o", "w.wall")
     assert result.exit_code == 0, result.output
     found = tomllib.loads(Path("w.wall.toml").read_text())["preparation"]
-    expected = {name: value for _, name, value in given.values()} | dict(flags.values())
+    expected = {name: value for name, (_, value) in given.items()}
     assert {name: found.get(name) for name in expected} == expected
 
 
 @pytest.mark.usefixtures("folder")
 def test_columns_of_the_survey_and_the_method_between_its_stations() -> None:
-    given = ("--survey", "s.csv", "--survey-depth", "md_m", "--inclination", "b_deg", "--azimuth", "c_deg",
-             "--method", "radius-of-curvature")  # fmt: skip
+    given = ("--survey", "s.csv", "--column", "survey-depth=md_m", "--column", "inclination=b_deg", "--column",
+        "azimuth=c_deg",
+             "-s", "path.method=radius-of-curvature")  # fmt: skip
     result = run("reconstruct", *SOURCE, *given, "-o", "w.wall")
     assert result.exit_code == 0, result.output
     path = hb.load("w.wall").path
@@ -93,7 +93,7 @@ def test_options_of_a_drawing_are_arguments_of_the_plot(monkeypatch: pytest.Monk
 
     monkeypatch.setattr("helibore.plot.pages", pages)
     given = ("--paper", "a3", "--curve", "D0", "--curve", "C2", "--left", "180", "--polar", "1001m", "--polar", "1002m",
-             "--body", "1001m", "1002m", "--dynamic", "GR=2m", "--linear", "RES")  # fmt: skip
+             "--body", "1001m", "1002m", "--look", "GR=window:2m", "--look", "RES=linear")  # fmt: skip
     result = run("plot", *SOURCE, *given, "-o", "w.pdf")
     assert result.stderr == "helibore: log: not drawn\n"
     looks = seen.pop("looks")
@@ -113,10 +113,16 @@ def test_options_of_a_drawing_are_arguments_of_the_plot(monkeypatch: pytest.Monk
     ("arguments", "error"),
     [
         (("simulate", "s", "--seed", "-1"), "Invalid value for '--seed': -1 is not in the range x>=0."),
-        (("mesh", "--gauge", "--from", "1", "--to", "2", "--pitch", "0", "-o", "w.ply"), "pitch = 0: must be finite"),
-        (("plot", "w.wall", "--dynamic", "GR=wide", "-o", "w.png"), "--dynamic GR=wide: 'wide': must be a number with"),
+        (
+            ("mesh", "--gauge", "--from", "1", "--to", "2", "-s", "wall.pitch=0", "-o", "w.ply"),
+            "Invalid value for '-s wall.pitch': '0': must be finite",
+        ),
+        (
+            ("plot", "w.wall", "--look", "GR=window:wide", "-o", "w.png"),
+            "--look GR=window:wide: 'wide': must be a number with",
+        ),
         (("plot", "w.wall", "--unit", "ft", "--template", "t.toml", "-o", "w.png"), "--unit: does not go with --temp"),
-        (("logs", "w.wall", "--criterion", "symmetry=x", "-o", "w.las"), "--criterion symmetry=x: must be a number f"),
+        (("logs", "w.wall", "-s", "zones.symmetry=x", "-o", "w.las"), "-s zones.symmetry=x: must be a number f"),
     ],
 )
 @pytest.mark.usefixtures("folder")

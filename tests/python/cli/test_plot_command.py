@@ -63,7 +63,7 @@ def test_scalar_tracks_and_a_header_from_the_file_and_the_command_line(tmp_path:
     las.write_text(CURVES + rows)
     survey.write_text("md_m,inc_deg,azi_deg\n1990,10,20\n2030,30,20\n")
     arguments = ["--average", f"{las}:CALI", "--bit-diameter", "8.5in", "--survey", survey, "--no-body", "--dpi", 50,
-                 "--scalar", f"{las}:GR", "--scalar", f"{las}:RT", "--log", "RT", "--limits", "GR=0,200",
+                 "--scalar", f"{las}:GR", "--scalar", f"{las}:RT", "--look", "RT=log", "--look", "GR=0,200",
                  "--scalar", "inclination", "--header", "company=Acme Offshore", "--header", "mud=OBM 1.2"]  # fmt: skip
     picks = tmp_path / "dips.csv"
     picks.write_text("class,depth_m,toolface_deg,apparent_dip_deg\nbed,2010,30,40\n")
@@ -113,24 +113,24 @@ def test_criteria_are_those_of_the_command_line_and_of_the_settings_of_another_c
     usual = "washout C2 − bit at least 0.5 in, breakout C1 − C2 at least 1 in"
     run("report", archive, "-o", page, *look)
     assert usual in page.read_text()
-    run("report", archive, "-o", page, *look, "--criterion", "washout=0.3in", "--criterion", "least-length=0.5")
+    run("report", archive, "-o", page, *look, "-s", "zones.washout=0.3in", "-s", "zones.least-length=0.5")
     assert "washout C2 − bit at least 0.3 in" in page.read_text()
     assert "over at least 0.5 m of hole" in page.read_text()
     las = tmp_path / "a.las"
-    run("logs", archive, "-o", las, "--criterion", "washout=0.2in", "--scaled", "--step", "1m")
+    run("logs", archive, "-o", las, "-s", "zones.washout=0.2in", "-s", "zones.scaled=true", "--step", "1m")
     run("report", f"{las}.toml", "-o", page, *look)
     assert "washout C2 − bit at least 0.2 in, breakout C1 − C2 at least 1 in" in page.read_text()
     options = tomllib.loads((tmp_path / "a.html.toml").read_text())["options"]
     assert (options["criteria"], options["scaled"], "step" in options) == (["washout=0.2in"], True, False)
     assert "to the last bit" in run("report", f"{page}.toml", "-o", tmp_path / "again.html")
-    run("report", f"{las}.toml", "-o", page, *look, "--criterion", "washout=0.4in")
+    run("report", f"{las}.toml", "-o", page, *look, "-s", "zones.washout=0.4in")
     assert "washout C2 − bit at least 0.4 in" in page.read_text()
     assert "elongation 0.02" in run("logs", f"{page}.toml", "-o", las)
     assert "washout 0.01016 m" in run("logs", f"{page}.toml", "-o", las)
     svg = tmp_path / "a.svg"
     run("plot", f"{las}.toml", "-o", svg, *look)
     assert "washout C2 − bit at least 0.4 in" in svg.read_text()
-    refused = run_cli("--average", "x.las:CALI", "--bit-diameter", "8.5in", "--criterion", "depth=1", "-o", svg)
+    refused = run_cli("--average", "x.las:CALI", "--bit-diameter", "8.5in", "-s", "zones.depth=1", "-o", svg)
     assert refused.exit_code == 2
 
 
@@ -165,7 +165,7 @@ def test_scalar_tracks_have_the_values_of_the_file_and_the_inclination_of_the_su
 
     monkeypatch.setattr(f"helibore.{drawn_by}", draw)
     arguments = [verb, "--gauge", "--from", 2000, "--to", 2022, "--bit-diameter", "8.5in", "--survey", survey]
-    scalars = ["--scalar", f"{las}:GR", "--scalar", f"{las}:RT", "--log", "RT", "--scalar", "inclination"]
+    scalars = ["--scalar", f"{las}:GR", "--scalar", f"{las}:RT", "--look", "RT=log", "--scalar", "inclination"]
     output = tmp_path / ("well.svg" if verb == "plot" else "well.html")
     result = CliRunner().invoke(cli, [str(word) for word in (*arguments, *scalars, "-o", output)])
     assert result.stderr == "helibore: drawing: not drawn\n"
@@ -186,8 +186,8 @@ def test_the_header_line_of_an_average_caliper(tmp_path: Path) -> None:
     arguments = [
         "--average",
         f"{tmp_path / 'c.csv'}:cali_in",
-        "--header-line",
-        3,
+        "-s",
+        "header_line=3",
         "--bit-diameter",
         "8.5in",
         "--dpi",
@@ -199,7 +199,9 @@ def test_the_header_line_of_an_average_caliper(tmp_path: Path) -> None:
     assert result.exit_code == 0, result.output
     again = run_cli(tmp_path / "log.png.toml", "-o", tmp_path / "again.png")
     assert "to the last bit" in again.output
-    ranged = run_cli(*arguments, "--radius-range", "4.255in", "1m", "-o", tmp_path / "log.png")  # from 8.51 in on
+    ranged = run_cli(
+        *arguments, "-s", "preparation.radius_range=4.255in,1m", "-o", tmp_path / "log.png"
+    )  # from 8.51 in on
     assert "dropped 1 rows: outside the range of radii" in " ".join(ranged.output.split())
     assert "to the last bit" in run_cli(tmp_path / "log.png.toml", "-o", tmp_path / "again.png").output
 
@@ -214,7 +216,7 @@ def test_the_header_line_of_an_average_caliper(tmp_path: Path) -> None:
         (("--scalar", "i.csv:GR"), "i.csv, column GR: has 4 values a row: a curve has one value a row"),
         (("--scalar", "mem.las:XX"), "mem.las: no channel 'XX'; it holds DEPT, GR, RT, CALI"),
         (("--scalar", "mem.las:GR", "--from", "2010m"), "curve 'GR', 2010 to 2022 m: has no value there"),
-        (("--scalar", "mem.las:GR", "--log", "GR", "--limits", "GR=0,9"), "curve 'GR': a logarithmic scale needs "
+        (("--scalar", "mem.las:GR", "--look", "GR=log", "--look", "GR=0,9"), "curve 'GR': a logarithmic scale needs "
                                                                          "limits above 0"),
         (("--header", "colour=red"), "--header colour=red: must be NAME=TEXT, NAME one of company, well, field, "
                                      "location, service, run, date, datum, kb, gl, bit, mud, remarks"),
@@ -236,13 +238,16 @@ def test_what_is_refused_of_scalar_tracks_and_headers(
 @pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
 def test_plot_writes_an_archive_as_a_picture(tmp_path: Path, archive: Path, ending: str) -> None:
     output, body = tmp_path / f"log.{ending}", () if ending == "png" else ("--no-body",)
-    result = run_cli(archive, "-o", output, "--dpi", 50, "--well", "Well & <one>", "--scale", "1:200", *body)
+    result = run_cli(archive, "-o", output, "--dpi", 50, "--header", "well=Well & <one>", "--scale", "1:200", *body)
     assert result.exit_code == 0, result.output
     content = output.read_bytes()
     assert content.startswith({"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[ending])
     assert sorted(path.name for path in tmp_path.iterdir()) == [f"log.{ending}", f"log.{ending}.toml", "well.wall"]
     again = tmp_path / f"again.{ending}"
-    assert run_cli(archive, "-o", again, "--dpi", 50, "--well", "Well & <one>", "--scale", 200, *body).exit_code == 0
+    assert (
+        run_cli(archive, "-o", again, "--dpi", 50, "--header", "well=Well & <one>", "--scale", 200, *body).exit_code
+        == 0
+    )
     assert again.read_bytes() == content
 
 
@@ -263,11 +268,11 @@ def test_pages_wider_than_their_paper_are_named(tmp_path: Path, archive: Path) -
         (["-o", "log.jpg"], "log.jpg: the ending must be one of .png, .svg, .pdf"),
         (["-o", "no/log.png"], "no/log.png: the folder no must exist"),
         (["-o", "log.png", "--scale", "1:x"], "--scale 1:x: must be a whole number, such as 200 or 1:200"),
-        (["-o", "log.png", "--limits", "GR=9,1"], "--limits GR=9,1: LOW must be below HIGH"),
-        (["-o", "log.png", "--limits", "9,1"], "--limits 9,1: must be NAME=..."),
-        (["-o", "log.png", "--color-map", "GR=jet"], "color_map = 'jet': must be one of image, viridis"),
+        (["-o", "log.png", "--look", "GR=9,1"], "--look GR=9,1: LOW must be below HIGH"),
+        (["-o", "log.png", "--look", "9,1"], "--look =9,1: must be NAME=..."),
+        (["-o", "log.png", "--look", "GR=map:jet"], "color_map = 'jet': must be one of image, viridis"),
         (["-o", "log.png", "--picks", "no.csv"], "Invalid value for '--picks': File 'no.csv' does not exist."),
-        (["-o", "log.png", "--gauge"], "give exactly one of SOURCE, --average, --gauge and --from-settings"),
+        (["-o", "log.png", "--gauge"], "give exactly one of SOURCE, --average and --gauge"),
         (
             ["-o", "log.png", "--image", "x.las"],
             "--image x.las: must be FILE:CHANNEL:ORIGIN or FILE:CHANNEL:ORIGIN:",
@@ -288,14 +293,14 @@ def test_plot_refuses(archive: Path, monkeypatch: pytest.MonkeyPatch, arguments:
     assert sorted(path.name for path in archive.parent.iterdir()) == ["log.png", "well.wall"]
 
 
-@pytest.mark.parametrize(("option", "value"), [("--dynamic", "1m"), ("--color-map", "viridis")])
-def test_what_only_an_image_has_is_refused_for_a_curve(archive: Path, option: str, value: str) -> None:
+@pytest.mark.parametrize("word", ["window:1m", "map:viridis"])
+def test_what_only_an_image_has_is_refused_for_a_curve(archive: Path, word: str) -> None:
     table = archive.parent / "log.csv"
     table.write_text("depth_m,CAL_in\n" + "".join(f"{2000 + row},8.5\n" for row in range(9)))
-    given = ("--scalar", f"{table}:CAL_in", option, f"CAL_in={value}", "-o", archive.parent / "log.png")
+    given = ("--scalar", f"{table}:CAL_in", "--look", f"CAL_in={word}", "-o", archive.parent / "log.png")
     result = run_cli(archive, *given)
     assert result.exit_code == 2
-    assert f"helibore: {option} CAL_in: goes with an image, not with a curve" in result.stderr
+    assert f"helibore: --look CAL_in={word.partition(':')[0]}: goes with an image, not with a curve" in result.stderr
 
 
 @pytest.mark.parametrize("option", ["--image=log.csv:GR:edge", "--average=log.csv:GR"])
@@ -318,7 +323,7 @@ def test_a_channel_that_is_not_there_is_named(tmp_path: Path, option: str) -> No
             "8.5\n-999,8.5",
             (),
             "log.csv, line 3, column depth_m: -999 m in 9 rows, other depths lie between 1000 and 1008 m: "
-            "a number that means no value? --absent -999 says so",
+            "a number that means no value? -s nulls=-999 says so",
         ),
     ],
 )
@@ -340,12 +345,12 @@ def test_a_print_names_its_survey_and_the_north_that_the_file_states(tmp_path: P
     survey = tmp_path / "survey.csv"
     survey.write_text(f"depth_m,inclination_deg,{azimuth}\n900,30,40\n1100,30,40\n")
     made = ("--gauge", "--bit-diameter", "8.5in", "--from", 1000, "--to", 1005, "--survey", survey)
-    result = run_cli(*made, "--azimuth", azimuth, "-o", tmp_path / "log.svg", "--no-body")
+    result = run_cli(*made, "--column", f"azimuth={azimuth}", "-o", tmp_path / "log.svg", "--no-body")
     assert result.exit_code == 0, result.output
     assert f"<!-- survey.csv: {said} -->" in (tmp_path / "log.svg").read_text()
 
 
-ASSUMED = "from high-side, since no reference is stated (:north or --reference north states one)"
+ASSUMED = "from high-side, since no reference is stated (:north or -s path.reference=north states one)"
 
 
 @pytest.mark.parametrize(
@@ -353,11 +358,11 @@ ASSUMED = "from high-side, since no reference is stated (:north or --reference n
     [
         ("", (), False, ASSUMED, "assumed from the high side"),
         ("", (), True, ASSUMED, "assumed from the high side"),
-        ("", ("--reference", "high-side"), True, "from high-side", "from the high side"),
+        ("", ("-s", "path.reference=high-side"), True, "from high-side", "from the high side"),
         (":high-side", (), True, "from high-side", "from the high side"),
         (":north", (), False, "from north", "from north"),
         (":high-side", (), False, "from high-side", "from the high side"),
-        ("", ("--reference", "north"), False, "from north", "from north"),
+        ("", ("-s", "path.reference=north"), False, "from north", "from north"),
     ],
 )
 def test_what_an_image_counts_from_is_told_and_whether_anything_says_so(
@@ -398,13 +403,14 @@ def test_a_full_disk_leaves_the_old_picture(archive: Path, monkeypatch: pytest.M
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["calipers/volve_F-12_2010_pfcs_xy_caliper.csv.gz", "--diameter", "pfc1_x_in@0", "--diameter", "pfc2_y_in@90",
+        ["calipers/volve_F-12_2010_pfcs_xy_caliper.csv.gz", "--column", "diameter=pfc1_x_in@0", "--column",
+            "diameter=pfc2_y_in@90",
          "--from", 3080, "--to", 3110, "--bit-diameter", "6.2in"],
         ["--gauge", "--bit-diameter", "8.5in", "--image", "lwd-images/P11-A-02_Composite_MEM_Image_NF.las:ABDC:centre",
          "--image", "lwd-images/P11-A-02_Composite_MEM_Image_NF.las:GRAS:edge", "--from", 2020, "--to", 2060],
         ["--average", "lwd-images/15_9-F-15_D__WL_RAW_BHPR-CAL-DEN-GR-MECH-NEU-REMP_MWD_2.json:CALCM", "--bit-diameter",
          "8.5in", "--image", "lwd-images/15_9-F-15_D__WL_RAW_BHPR-CAL-DEN-GR-MECH-NEU-REMP_MWD_2.json:APRA:centre",
-         "--log", "APRA", "--color-map", "APRA=resistivity", "--from", 4320, "--to", 4340],
+         "--look", "APRA=log", "--look", "APRA=map:resistivity", "--from", 4320, "--to", 4340],
     ],
 )  # fmt: skip
 def test_real_wells(arguments: list[Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

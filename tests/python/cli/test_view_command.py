@@ -42,7 +42,8 @@ INNM.deg : Inclination
     rows="".join(f"{500 + row} 60 {' '.join(str(20 + row + sector) for sector in range(8))}\n" for row in range(5)),
 ).encode()
 IMAGES_ONLY = (
-    "has images (GRAS) and no known caliper around the hole (--radius or --diameter names one). This command puts the "
+    "has images (GRAS) and no known caliper around the hole (--column radius=NAME or diameter=NAME states one). "
+    "This command puts the "
     "images on a gauge hole. With edge, sector 1 starts at toolface 0; with centre, it is centred there. Only the "
     "tool's manual says which is right; the other word turns GRAS by 22.5 deg"
 )
@@ -111,7 +112,7 @@ def test_what_it_cannot_do_is_one_line_and_exit_code_two(
         (
             ("nocaliper.csv", *BIT),
             "nocaliper.csv: no channel has the role radius, diameter or radius-image: name one by an option or in a "
-            "map, such as --radius NAME:in; the channels are depth, gr",
+            "map, such as --column radius=NAME:in; the channels are depth, gr",
         ),
         ((".", *BIT), ".: is a directory"),
         (("none.csv", *BIT), "none.csv: No such file or directory"),
@@ -133,7 +134,7 @@ def test_what_it_cannot_do_is_one_line_and_exit_code_two(
         (
             (str(caliper), *BIT, "--survey", "short.csv"),
             "short.csv: the wall lies from 500.00 to 505.00 m, the path from 400.00 to 504.00 m: extend the path, or "
-            "give a longer survey (--extend 1m)",
+            "give a longer survey (-s path.extend=1m)",
         ),
         (
             ("memory.las",),
@@ -148,8 +149,8 @@ def test_what_it_cannot_do_is_one_line_and_exit_code_two(
         (
             ("--gauge", "--image", "memory.las:GRAS:edge", *BIT, "--survey", "memory.las"),
             "memory.las: a survey needs the azimuth beside the inclination INNM: the path and true dips follow from "
-            "both. Name the azimuth by --azimuth or in a map; without a survey, dips count from the hole, and "
-            "toolfaces count from the high side",
+            "both. Name the azimuth by --column azimuth=NAME or in a map; without a survey, dips count from the hole, "
+            "and toolfaces count from the high side",
         ),
         (
             (str(caliper), *BIT, "--host", "0.0.0.0"),
@@ -174,7 +175,7 @@ def test_the_head_says_where_the_first_station_lies(
     survey = tmp_path / "survey.csv"
     survey.write_text("md_m,incl_deg,azim_deg\n500,8,10\n600,9,10\n")
     given = ["view", str(caliper), "--bit-diameter", "216mm", "--survey", str(survey)]
-    result = CliRunner().invoke(cli, [*given, "--head", "-10m", "20m", "430m"])
+    result = CliRunner().invoke(cli, [*given, "-s", "path.head=-10m,20m,430m"])
     assert "first station at [[-10.0, 20.0, 430.0]]" in result.stderr
 
 
@@ -258,9 +259,9 @@ def test_a_saved_wall_is_shown_with_its_values(tmp_path: Path) -> None:
         finally:
             shown.send_signal(signal.SIGINT)
         assert shown.wait(PATIENCE) == 0
-    done = run(str(file), "--sectors", "32")
+    done = run(str(file), "-s", "wall.sectors=32")
     assert done.exit_code == 2
-    assert "--sectors: does not go with hole.wall, which has its own settings" in done.stderr
+    assert "-s wall.sectors: does not go with hole.wall, which has its own settings" in done.stderr
     torn = tmp_path / "torn.wall"
     torn.write_bytes(file.read_bytes()[:2000])
     done = run(str(torn))
@@ -299,7 +300,10 @@ def test_the_settings_of_a_run_show_its_wall(caliper: Path, tmp_path: Path) -> N
             shown.send_signal(signal.SIGINT)
         assert shown.wait(PATIENCE) == 0
     for arguments, text in (
-        ((str(settings), "--sectors", "64"), "--sectors: does not go with hole.glb.toml, which repeats a run"),
+        (
+            (str(settings), "-s", "wall.sectors=64"),
+            "-s wall.sectors: does not go with hole.glb.toml, which repeats a run",
+        ),
         ((str(mesh),), "hole.glb: a mesh has no samples; use the settings beside it, hole.glb.toml"),
     ):
         done = run(*arguments)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import tomllib
 from pathlib import Path
 
@@ -41,8 +42,8 @@ def test_absent_numbers_come_beside_the_usual_ones(tmp_path: Path) -> None:
     rows[40], rows[60] = "1000.8,-999.2,8.5,8.5", "1001.2,20,-999.25,8.5"
     (tmp_path / "a.csv").write_text("\n".join(["MD_m,RB_deg,C1_in,C2_in", *rows]))
     given = ("mesh", tmp_path / "a.csv", "--bit-diameter", "8.5in", "-o", tmp_path / "a.ply")
-    assert "if the number means no value, --absent -999.2 says so" in run(*given).stderr
-    result = run(*given, "--absent", "-999.2")
+    assert "if the number means no value, -s nulls=-999.2 says so" in run(*given).stderr
+    result = run(*given, "-s", "nulls=-999.2")
     assert result.exit_code == 0, result.output
     assert tomllib.loads((tmp_path / "a.ply.toml").read_text())["nulls"] == [-999.25, -9999.0, -9999.25, -999.2]
 
@@ -67,7 +68,7 @@ def test_an_image_needs_file_channel_and_origin(image: str) -> None:
     assert f"--image {image}: must be FILE:CHANNEL:ORIGIN" in result.stderr
 
 
-COLUMNS = ("--diameter", "CALX@0", "--diameter", "CALY@90", "--bit-diameter", "8.5in")
+COLUMNS = ("--column", "diameter=CALX@0", "--column", "diameter=CALY@90", "--bit-diameter", "8.5in")
 
 
 @pytest.mark.parametrize(
@@ -135,27 +136,31 @@ def test_a_map_without_a_set_is_for_every_set_that_is_chosen() -> None:
 
 
 @pytest.mark.parametrize("verb", WALLS)
-def test_every_command_has_every_option_of_a_wall(verb: str) -> None:
+def test_every_command_has_every_option_of_a_wall_or_names_its_successor(verb: str) -> None:
     text = run(verb, "--help").output
-    for name, options in SECTIONS.items():
-        assert f"\n{name}:\n" in text
-        for names, _ in options:
-            assert names.split()[0] in text
+    for option in (names.split()[0] for options in SECTIONS.values() for names, _ in options):
+        if not re.search(rf"^  {option} ", text, re.MULTILINE):
+            refused = run(verb, option, "1")
+            assert refused.exit_code == 2
+            assert re.match(
+                rf"helibore: {option}: no longer an option; it is now (-s|--column) [\w.-]+=", refused.stderr
+            )
 
 
 @pytest.mark.parametrize(
     ("options", "rule"),
     [
-        ((), "give exactly one of SOURCE, --average, --gauge and --from-settings"),
+        ((), "give exactly one of SOURCE, --average and --gauge"),
         (("p.json", "w.wall"), "several SOURCE files must all be caliper files, not archives or settings"),
-        (("p.json", "--set", "1"), "Missing option '--bit-diameter': only archives (.wall) and settings (.toml) have "
+        (("p.json", "-s", "source.set=1"), "Missing option '--bit-diameter': only archives (.wall) and settings "
+                                           "(.toml) have "
          "it."),
-        (("--gauge", "--bit-diameter", "8in", "--recentre"), "--recentre: does not go with --gauge, which reads no "
-         "caliper"),
-        (("--average", "p.json:CALX", "--bit-diameter", "8in", "--passes", "1"), "--passes: does not go with "
-         "--average, which names its channel"),
-        (("p.json", "--bit-diameter", "8in", "--tool-radius", "4cm"), "--mud-velocity and --tool-radius: travel times "
-         "need both"),
+        (("--gauge", "--bit-diameter", "8in", "--column", "depth=md"), "--column depth: does not go with --gauge, "
+         "which reads no caliper"),
+        (("--average", "p.json:CALX", "--bit-diameter", "8in", "-s", "preparation.stuck=1"), "-s preparation.stuck: "
+         "does not go with --average, which names its channel"),
+        (("p.json", "--bit-diameter", "8in", "-s", "echo.tool_radius=4cm"),
+         "echo.velocity and echo.tool_radius: travel times need both"),
     ],
 )  # fmt: skip
 @pytest.mark.parametrize("verb", ["reconstruct", "logs"])
@@ -196,8 +201,8 @@ def test_the_page_has_the_criteria_of_the_command_line_or_of_the_output_it_is_gi
         return run("view", *arguments).stderr.split()[-1]
 
     assert zones("w.wall") == "0"  # 10 mm are less than half an inch
-    assert zones("w.wall", "--criterion", "washout=0.3in") == "1"
-    run("logs", "w.wall", "-o", "w.csv", "--criterion", "washout=0.3in", "--scaled")
+    assert zones("w.wall", "-s", "zones.washout=0.3in") == "1"
+    run("logs", "w.wall", "-o", "w.csv", "-s", "zones.washout=0.3in", "-s", "zones.scaled=true")
     assert zones("w.csv.toml") == "1"
     assert given == [Criteria(), Criteria(washout=0.3 * 0.0254), Criteria.scaled(0.22, washout=0.3 * 0.0254)]
 
@@ -214,7 +219,7 @@ def test_every_command_recognises_a_tool_with_few_arms_and_takes_survey_and_prep
     depth = 1000 + np.arange(200) * 0.05
     rows = np.column_stack([depth, depth * 12 % 360, 8.5 + 0 * depth, 9.0 + 0 * depth])[[0, *range(200)]]
     np.savetxt("xy.csv", rows, fmt="%.4f", delimiter=",", header="md_m,rb_deg,x_in,y_in", comments="")
-    columns = ("--diameter", "x_in@0", "--diameter", "y_in@90", "--bit-diameter", "8.5in")
+    columns = ("--column", "diameter=x_in@0", "--column", "diameter=y_in@90", "--bit-diameter", "8.5in")
     if verb == "view":
         pytest.importorskip("uvicorn", reason='the viewer needs the extra: pip install "helibore[view]"')
         from helibore import viewer
@@ -226,7 +231,7 @@ def test_every_command_recognises_a_tool_with_few_arms_and_takes_survey_and_prep
         monkeypatch.setattr(viewer, "view", stop)
         monkeypatch.setattr(command, "check_page", lambda: None)
     Path("s.csv").write_text("md_m,incl_deg,azim_deg\n990,40,90\n1030,41,95\n")
-    columns = (*columns, "--survey", "s.csv", "--drop-repeated")
+    columns = (*columns, "--survey", "s.csv", "-s", "preparation.repeated=true")
     small = ("--dpi", "40", "--no-body", "--no-polar", "--scale", "500") if verb in ("plot", "report") else ()
     result = run(verb, "xy.csv", *columns, *small, *(("-o", output) if output else ()))
     assert result.exit_code == (2 if verb == "view" else 0), result.output
@@ -262,7 +267,7 @@ def test_a_bearing_from_north_is_reported_and_the_sides_of_pictures_follow(
     rows = np.column_stack([depth, depth * 12 % 360, 8.5 + 0 * depth, 9.0 + 0 * depth])
     np.savetxt("xy.csv", rows, fmt="%.4f", delimiter=",", header="md_m,P1AZ_deg,x_in,y_in", comments="")
     Path("s.csv").write_text("md_m,incl_deg,azim_deg\n990,40,90\n1030,41,95\n")
-    source = ("xy.csv", "--diameter", "x_in@0", "--diameter", "y_in@90", "--toolface", "P1AZ_deg")
+    source = ("xy.csv", "--column", "diameter=x_in@0", "--column", "diameter=y_in@90", "--column", "toolface=P1AZ_deg")
     seen = {}
 
     def log(_: hb.Wall, **settings: object) -> None:

@@ -58,13 +58,15 @@ def test_a_run_is_repeated_to_the_last_bit(folder: Path, tmp_path: Path) -> None
     mesh, again = tmp_path / "w.glb", tmp_path / "again.glb"
     first = run(
         "reconstruct", folder / "c.csv", "--survey", folder / "s.csv", "-o", mesh, "--bit-diameter", "216mm",
-        "--sectors", 32, "--drop-spikes", 6, "--radius-range", "50mm", "300mm", "--recentre", "--split-passes", "0.5m",
-        "--find-shifts", "--bias", "arm", "--compare-with", 1, "--color-by", "difference",
-        "--reference", "parallel-transport",
-        "--toolface-from", "automatic", "--max-distance", "none", "--centres", tmp_path / "centres.csv",
+        "--sectors", 32, "--drop-spikes", 6, "-s", "preparation.radius_range=50mm,300mm", "--recentre",
+        "-s", "preparation.reversal=0.5m",
+        "--find-shifts", "--bias", "arm", "--compare-with", 1, "-s", "mesh.color_by=difference",
+        "-s", "path.reference=parallel-transport",
+        "-s", "preparation.toolface_from=automatic", "-s", "wall.max_distance=none", "--centres",
+            tmp_path / "centres.csv",
     )  # fmt: skip
     assert first.exit_code == 0, first.output
-    second = run("reconstruct", "--from-settings", settings_file(mesh), "-o", again)
+    second = run("reconstruct", settings_file(mesh), "-o", again)
     assert second.exit_code == 0, second.output
     assert again.read_bytes() == mesh.read_bytes()
     assert re.search(r"repeated +to the last bit", second.output)
@@ -105,7 +107,7 @@ def test_settings_survive_and_stay_beside_their_files(folder: Path, tmp_path: Pa
     assert read_settings(tmp_path / "other.toml") == settings
     moved = tmp_path.with_name(f"{tmp_path.name}-moved")
     tmp_path.rename(moved)
-    again = run("reconstruct", "--from-settings", moved / "w.ply.toml", "-o", moved / "again.ply")
+    again = run("reconstruct", moved / "w.ply.toml", "-o", moved / "again.ply")
     assert again.exit_code == 0, again.output
     assert (moved / "again.ply").read_bytes() == (moved / "w.ply").read_bytes()
     roles = tomllib.loads((moved / "w.ply.toml").read_text())["caliper"][0]["channel"]
@@ -120,7 +122,7 @@ def test_a_changed_input_is_refused(folder: Path, tmp_path: Path) -> None:
     before = checksum(tmp_path / "c.csv")
     with (tmp_path / "c.csv").open("a") as file:
         file.write("1,2001,3,0.1\n")
-    again = run("reconstruct", "--from-settings", tmp_path / "w.stl.toml", "-o", tmp_path / "again.stl")
+    again = run("reconstruct", tmp_path / "w.stl.toml", "-o", tmp_path / "again.stl")
     assert (again.exit_code, again.stdout) == (2, "")
     assert again.stderr == (
         f"helibore: {tmp_path}/c.csv: has changed since the run: its BLAKE2b is {checksum(tmp_path / 'c.csv')}, the "
@@ -128,7 +130,7 @@ def test_a_changed_input_is_refused(folder: Path, tmp_path: Path) -> None:
     )
     assert not (tmp_path / "again.stl").exists()
     (tmp_path / "c.csv").unlink()
-    gone = run("reconstruct", "--from-settings", tmp_path / "w.stl.toml", "-o", tmp_path / "again.stl")
+    gone = run("reconstruct", tmp_path / "w.stl.toml", "-o", tmp_path / "again.stl")
     assert (gone.exit_code, gone.stderr) == (2, f"helibore: {tmp_path}/c.csv: No such file or directory\n")
 
 
@@ -136,13 +138,13 @@ def test_options_do_not_go_with_settings(folder: Path, tmp_path: Path) -> None:
     assert (
         run("reconstruct", folder / "c.npz", "-o", tmp_path / "w.glb", "--bit-diameter", "216mm", "-q").exit_code == 0
     )
-    from_settings = ("reconstruct", "--from-settings", tmp_path / "w.glb.toml", "-o", tmp_path / "x.glb")
-    for option in (["--sectors", "8"], [folder / "c.npz"], ["--recentre"]):
+    from_settings = ("reconstruct", tmp_path / "w.glb.toml", "-o", tmp_path / "x.glb")
+    for option in (["--sectors", "8"], ["--gauge"], ["--recentre"]):
         result = run(*from_settings, *option)
         assert result.exit_code == 2
         rule = f"{option[0]}: does not go with w.glb.toml, which repeats a run"
-        source = "give exactly one of SOURCE, --average, --gauge and --from-settings"
-        assert (rule if str(option[0]).startswith("-") else source) in result.stderr
+        source = "give exactly one of SOURCE, --average and --gauge"
+        assert (source if option == ["--gauge"] else rule) in result.stderr
     assert run(*from_settings, "--threads", 1, "-q").exit_code == 0
     assert (tmp_path / "x.glb").read_bytes() == (tmp_path / "w.glb").read_bytes()
 
@@ -173,7 +175,7 @@ def test_bad_settings(folder: Path, tmp_path: Path, old: str, new: str, rule: st
     text = (tmp_path / "w.glb.toml").read_text()
     assert old in text
     (tmp_path / "bad.toml").write_text(text.replace(old, new, 1))
-    result = run("reconstruct", "--from-settings", tmp_path / "bad.toml", "-o", tmp_path / "x.glb")
+    result = run("reconstruct", tmp_path / "bad.toml", "-o", tmp_path / "x.glb")
     assert result.exit_code == 2, result.exception
     assert result.stderr.startswith(f"helibore: bad.toml: {rule}"), result.stderr
     assert not (tmp_path / "x.glb").exists()
@@ -299,7 +301,7 @@ def test_a_map_overrules_and_several_files_are_passes(folder: Path, tmp_path: Pa
     result = run("reconstruct", *files, "-o", tmp_path / "l.ply", "--compare-with", 1)
     assert result.exit_code == 0, result.output
     assert "difference  this wall minus the wall of the earlier passes: " in result.output
-    again = run("reconstruct", "--from-settings", tmp_path / "l.ply.toml", "-o", tmp_path / "l2.ply", "-q")
+    again = run("reconstruct", tmp_path / "l.ply.toml", "-o", tmp_path / "l2.ply", "-q")
     assert again.exit_code == 0, again.output
     assert (tmp_path / "l2.ply").read_bytes() == (tmp_path / "l.ply").read_bytes()
     wrong = run(
@@ -317,17 +319,27 @@ def test_track_and_travel_times_on_the_command_line(tmp_path: Path) -> None:
     rows = "".join(f"{t:.3f},{echo + 0.5 * np.sin(t):.4f}\n" for t in time[50:-50])
     (tmp_path / "c.csv").write_text(f"time_s,tt_us\n{rows}")
     base = ("reconstruct", tmp_path / "c.csv", "--track", tmp_path / "track.npz", "--bit-diameter", "216mm")
-    result = run(*base, "--mud-velocity", 1500, "--tool-radius", "45mm", "--latency", "0.2s", "-o", tmp_path / "w.ply")
+    result = run(
+        *base,
+        "-s",
+        "echo.velocity=1500",
+        "-s",
+        "echo.tool_radius=45mm",
+        "-s",
+        "preparation.latency=0.2s",
+        "-o",
+        tmp_path / "w.ply",
+    )
     assert result.exit_code == 0, result.output
     assert "tt_us is travel-time in us" in result.output
-    again = run("reconstruct", "--from-settings", tmp_path / "w.ply.toml", "-o", tmp_path / "again.ply")
+    again = run("reconstruct", tmp_path / "w.ply.toml", "-o", tmp_path / "again.ply")
     assert again.exit_code == 0, again.output
     assert (tmp_path / "again.ply").read_bytes() == (tmp_path / "w.ply").read_bytes()
     lacking = run(*base, "-o", tmp_path / "x.ply")
     assert (lacking.exit_code, lacking.stdout) == (2, "")
     assert "a travel time needs the velocity in the mud" in lacking.stderr
-    half = run(*base, "--mud-velocity", 1500, "-o", tmp_path / "x.ply")
-    assert "--mud-velocity and --tool-radius: travel times need both" in half.stderr
+    half = run(*base, "-s", "echo.velocity=1500", "-o", tmp_path / "x.ply")
+    assert "echo.velocity and echo.tool_radius: travel times need both" in half.stderr
 
 
 def test_maps_of_survey_and_track(folder: Path, tmp_path: Path) -> None:
@@ -345,12 +357,19 @@ def test_maps_of_survey_and_track(folder: Path, tmp_path: Path) -> None:
         entries = [f'[channels."{key}"]\nrole = "{role}"\nunit = "{unit}"\n' for key, (role, unit) in roles.items()]
         (tmp_path / f"{name}.toml").write_text("\n".join(entries))
     base = ("reconstruct", tmp_path / "c.csv", "--track", tmp_path / "t.csv", "--survey", tmp_path / "s.csv")
-    maps_of = ("--track-map", tmp_path / "t.toml", "--survey-map", tmp_path / "s.toml", "--bit-diameter", "216mm")
+    maps_of = (
+        "-s",
+        f"track.map={tmp_path / 't.toml'}",
+        "-s",
+        f"survey.map={tmp_path / 's.toml'}",
+        "--bit-diameter",
+        "216mm",
+    )
     result = run(*base, *maps_of, "-o", tmp_path / "w.vtu")
     assert result.exit_code == 0, result.output
     assert "at is depth in ft: the map" in result.output
     assert "how deep is depth in m: the map" in result.output
-    again = run("reconstruct", "--from-settings", tmp_path / "w.vtu.toml", "-o", tmp_path / "again.vtu", "-q")
+    again = run("reconstruct", tmp_path / "w.vtu.toml", "-o", tmp_path / "again.vtu", "-q")
     assert again.exit_code == 0, again.output
     assert (tmp_path / "again.vtu").read_bytes() == (tmp_path / "w.vtu").read_bytes()
 
@@ -362,7 +381,7 @@ def test_the_settings_of_another_version_are_read(folder: Path, tmp_path: Path) 
     settings = read_settings(tmp_path / "w.glb.toml")
     settings = replace(settings, helibore="99.0", output=Output(tmp_path / "w.glb", "0" * 64))
     write_settings(tmp_path / "old.toml", settings)
-    result = run("reconstruct", "--from-settings", tmp_path / "old.toml", "-o", tmp_path / "x.glb")
+    result = run("reconstruct", tmp_path / "old.toml", "-o", tmp_path / "x.glb")
     assert result.exit_code == 0
     assert re.search(r"repeated +with other bytes: another version or machine wrote it", result.output)
 
@@ -386,7 +405,7 @@ def plain() -> str:
 def test_spoiled_files_say_what_is_wrong(tmp_path: Path, what: str) -> None:
     spoil, rule = SPOILED[what]
     (tmp_path / "c.csv").write_text(spoil(plain()))
-    columns = ("--depth", "md_m", "--toolface", "tf_deg") if what in ("tf_deg", "everywhere") else ()
+    columns = ("--column", "depth=md_m", "--column", "toolface=tf_deg") if what in ("tf_deg", "everywhere") else ()
     result = run("reconstruct", tmp_path / "c.csv", *columns, "-o", tmp_path / "w.glb", "--bit-diameter", "216mm")
     assert (result.exit_code, result.stdout) == (2, "")
     assert rule in result.stderr
@@ -408,10 +427,10 @@ def test_depths_that_fall_or_repeat_are_reported(tmp_path: Path) -> None:
         tmp_path / "x.glb",
         "--bit-diameter",
         "1m",
-        "--reference",
-        "parallel-transport",
+        "-s",
+        "path.reference=parallel-transport",
     )
-    assert "--reference parallel-transport: needs --survey" in lacking.stderr
+    assert "-s path.reference=parallel-transport: needs --survey" in lacking.stderr
 
 
 @pytest.mark.parametrize(
@@ -419,20 +438,20 @@ def test_depths_that_fall_or_repeat_are_reported(tmp_path: Path) -> None:
     [
         (
             "md_m,inc_deg,azi_deg", "990,3,20", (),
-            "at 990 m, as if it were (0, 0, 0); --head says where it lies",
+            "at 990 m, as if it were (0, 0, 0); -s path.head says where it lies",
         ),
-        ("md_m,inc_deg,azi_deg", "990,3,20", ("--head", "0m", "0m", "900m"), ""),
+        ("md_m,inc_deg,azi_deg", "990,3,20", ("-s", "path.head=0m,0m,900m"), ""),
         ("md_m,inc_deg,azi_deg", "0,3,20", (), ""),
         ("md_m,inc_deg,azi_deg,n_m,e_m,tvd_m", "0,3,20,0,0,0", (), ""),
         (
             "md_m,inc_deg,azi_deg,n_m,e_m,tvd_m", "0,3,20,29.293,2.087,0", (),
             "at 0 m, as if it were (0, 0, 0); the file states north 29.293, east 2.087, down 0 m; "
-            "--head 29.293 2.087 0 sets these",
+            "-s path.head=29.293,2.087,0 sets these",
         ),
         (
             "md_ft,inc_deg,azi_deg,n_ft,e_ft,tvd_ft", "100,3,20,10,20,99", (),
             "at 30.48 m, as if it were (0, 0, 0); the file states north 3.048, east 6.096, down 30.1752 m; "
-            "--head 3.048 6.096 30.1752 sets these",
+            "-s path.head=3.048,6.096,30.1752 sets these",
         ),
     ],
 )  # fmt: skip

@@ -49,9 +49,9 @@ def folder(written: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Pa
     [
         ((*BIT, "--gauge", "--image", "g.csv:GR:edge", "--survey", "s.csv"), "m.glb"),
         ((*BIT, "--average", "a.csv:cali_m", "--image", "g.csv:GR:edge:north", "--survey", "s.csv"), "m.wall"),
-        ((*BIT, "--pitch", "-73mm", "--sectors", "24", "--max-distance", "none", "c.csv"), "m.ply"),
+        ((*BIT, "-s", "wall.pitch=-73mm", "-s", "wall.sectors=24", "-s", "wall.max_distance=none", "c.csv"), "m.ply"),
         (("w.wall", "--image", "g.csv:GR:centre:high-side", "--shell", "5cm", "--shell", "3.3in"), "m.vtu"),
-        (("w.wall", "--from", "1002", "--to", "1004.1", "--survey", "s.csv", "--head", "-10m", "20", "900"), "m.obj"),
+        (("w.wall", "--from", "1002", "--to", "1004.1", "--survey", "s.csv", "-s", "path.head=-10m,20,900"), "m.obj"),
         (("w.glb.toml", "--color-by", "radius"), "m.vtp"),
     ],
 )
@@ -73,11 +73,11 @@ def test_a_mesh_is_repeated_to_the_last_bit_wherever_its_folder_is(
     before = Path(output).read_bytes()
     monkeypatch.chdir(tmp_path)
     folder.rename(tmp_path / "moved")
-    again = run("mesh", "--from-settings", f"moved/{output}.toml", "-o", f"again{Path(output).suffix}")
+    again = run("mesh", f"moved/{output}.toml", "-o", f"again{Path(output).suffix}")
     assert again.exit_code == 0, again.output
     assert "to the last bit" in again.output
     assert (tmp_path / f"again{Path(output).suffix}").read_bytes() == before
-    third = run("mesh", "--from-settings", f"again{Path(output).suffix}.toml", "-o", f"moved/{output}", "-q")
+    third = run("mesh", f"again{Path(output).suffix}.toml", "-o", f"moved/{output}", "-q")
     assert (third.exit_code, third.output) == (0, "")
     assert tomllib.loads((tmp_path / "moved" / f"{output}.toml").read_text()) == settings
 
@@ -101,7 +101,7 @@ def test_a_changed_file_is_refused(folder: Path) -> None:
     before = checksum("g.csv")
     with (folder / "g.csv").open("a") as file:
         file.write("1011,1,2,3,4,5,6,7,8\n")
-    again = run("mesh", "--from-settings", "m.glb.toml", "-o", "again.glb")
+    again = run("mesh", "m.glb.toml", "-o", "again.glb")
     assert (again.exit_code, again.stdout) == (2, "")
     assert again.stderr == (
         f"helibore: g.csv: has changed since the run: its BLAKE2b is {checksum('g.csv')}, the settings have {before}; "
@@ -110,14 +110,16 @@ def test_a_changed_file_is_refused(folder: Path) -> None:
     assert not (folder / "again.glb").exists()
 
 
-@pytest.mark.parametrize("option", [("--sectors", "8"), ("--gauge",), ("w.wall",), ("--extend", "0m"), ("--set", "x")])
+@pytest.mark.parametrize(
+    "option", [("-s", "wall.sectors=8"), ("--gauge",), ("-s", "path.extend=0m"), ("-s", "source.set=x")]
+)
 @pytest.mark.usefixtures("folder")
 def test_no_option_of_the_wall_goes_beside_settings(option: tuple[str, ...]) -> None:
     assert run("mesh", "w.wall", "-o", "m.stl", "-q").exit_code == 0
-    again = run("mesh", "--from-settings", "m.stl.toml", "-o", "again.stl", *option)
-    rule = f"{option[0]}: does not go with m.stl.toml, which repeats a run"
-    if option[0] in ("--gauge", "w.wall"):
-        rule = "give exactly one of SOURCE, --average, --gauge and --from-settings"
+    again = run("mesh", "m.stl.toml", "-o", "again.stl", *option)
+    rule = f"{' '.join(option).partition('=')[0]}: does not go with m.stl.toml, which repeats a run"
+    if option == ("--gauge",):
+        rule = "give exactly one of SOURCE, --average and --gauge"
     assert (again.exit_code, again.stderr) == (2, f"helibore: {rule} (see cli mesh --help)\n")
 
 
@@ -149,7 +151,7 @@ def test_bad_settings(folder: Path, old: str, new: str, rule: str) -> None:
     text = (folder / "m.stl.toml").read_text()
     assert old in text
     (folder / "m.stl.toml").write_text(text.replace(old, new, 1))
-    again = run("mesh", "--from-settings", "m.stl.toml", "-o", "again.stl")
+    again = run("mesh", "m.stl.toml", "-o", "again.stl")
     assert (again.exit_code, again.stdout) == (2, "")
     assert again.stderr.startswith(f"helibore: m.stl.toml: {rule}"), again.stderr
     assert not (folder / "again.stl").exists()
@@ -184,7 +186,7 @@ def test_every_command_repeats_its_output_and_builds_the_wall_of_another(
     given = given[: -4 if (verb, source) == ("mesh", ("w.wall",)) else None]  # an archive holds the whole wall
     first = run(verb, *given, *more, "-o", f"first{ending}")
     assert first.exit_code == 0, first.output
-    again = run(verb, "--from-settings", f"first{ending}.toml", "-o", f"again{ending}")
+    again = run(verb, f"first{ending}.toml", "-o", f"again{ending}")
     assert again.exit_code == 0, again.output
     assert "to the last bit" in again.output
     assert (folder / f"again{ending}").read_bytes() == (folder / f"first{ending}").read_bytes()
@@ -199,8 +201,8 @@ def test_every_command_repeats_its_output_and_builds_the_wall_of_another(
 @pytest.mark.usefixtures("folder")
 def test_another_ending_or_option_claims_nothing_about_bytes() -> None:
     assert run("reconstruct", "c.csv", *BIT, "-o", "w.glb", "-q").exit_code == 0
-    for given in (("-o", "again.ply"), ("-o", "again.glb", "--color-by", "radius")):
-        again = run("reconstruct", "--from-settings", "w.glb.toml", *given)
+    for given in (("-o", "again.ply"), ("-o", "again.glb", "-s", "mesh.color_by=radius")):
+        again = run("reconstruct", "w.glb.toml", *given)
         assert again.exit_code == 0, again.output
         words = " ".join(again.output.split())
         assert "repeated the wall of w.glb; its bytes are not compared with those of another kind of output" in words

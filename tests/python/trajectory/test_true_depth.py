@@ -98,7 +98,17 @@ def test_without_a_survey_the_track_is_as_it_was(wall: hb.Wall) -> None:
 def test_the_command_takes_the_elevation_in_any_unit(wall: hb.Wall, tmp_path: Path) -> None:
     wall.path = SLANTED.path()
     wall.save(tmp_path / "w.wall")
-    given = ["plot", str(tmp_path / "w.wall"), "--elevation", "82ft", "--no-polar", "--no-body", "--dpi", "40", "-o"]
+    given = [
+        "plot",
+        str(tmp_path / "w.wall"),
+        "-s",
+        "print.elevation=82ft",
+        "--no-polar",
+        "--no-body",
+        "--dpi",
+        "40",
+        "-o",
+    ]
     done = CliRunner().invoke(cli, [*given, str(tmp_path / "w.svg")])
     assert done.exit_code == 0, done.output
     assert re.search(r"TVDSS is TVD less 24.9936 m", (tmp_path / "w.svg").read_text())

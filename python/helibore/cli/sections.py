@@ -1,0 +1,283 @@
+"""Options in sections of the help; the rare ones of a command are settings, stated as ``-s NAME=VALUE``.
+
+    @click.command(cls=Sectioned, common=("output", "sectors"))     the options of these names stand in the help
+    -s wall.power=2                                                 the others, by the names of their settings
+    --power 2                                                       an error that says so
+
+An option of one command may be a setting of another. Both ways convert the same text with the same type, so a value
+that breaks its rule gives the same words.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+import click
+
+Command = Callable[..., Any]
+Text = tuple[str, str]
+
+GROUPS = {
+    "Source": "source", "Columns": "columns", "Sensors": "preparation", "Conditioning": "preparation",
+    "Passes": "preparation", "Path and toolface": "path", "Wall": "wall", "Mesh": "mesh", "Logs": "logs",
+    "Zones": "zones", "Print": "print", "Page": "view",
+}  # fmt: skip
+"""What stands before the dot in the names of the settings of a section."""
+
+NAMES = {
+    "bit_diameter": "wall.bit_diameter", "start_depth": "wall.start_depth", "stop_depth": "wall.stop_depth",
+    "survey_depth": "columns.survey_depth", "inclination": "columns.inclination", "azimuth": "columns.azimuth",
+    "maps": "source.map", "sets": "source.set", "well": "header.well", "criteria": "zones.criteria",
+        "scaled": "zones.scaled", "zones": "logs.zones", "breakouts": "logs.breakouts",
+    "absent": "nulls", "threads": "threads", "header_lines": "header_line", "track": "track.file",
+    "track_map": "track.map", "mud_velocity": "echo.velocity", "tool_radius": "echo.tool_radius",
+    "echo_window": "echo.window", "survey": "survey.file", "survey_map": "survey.map", "survey_set": "survey.set",
+    "limits": "look.limits", "color_maps": "look.color_map", "logs": "look.log", "linear": "look.linear",
+    "dynamic": "look.dynamic",
+}  # fmt: skip
+"""Names of settings that the section does not give."""
+
+HEADINGS = {
+    "Columns": "Source", "Sensors": "Source", "Path and toolface": "Source", "Conditioning": "Preparation",
+    "Passes": "Preparation",
+}  # fmt: skip
+"""Headings under which the help lists the options of a section; other sections have their own."""
+
+FAMILIES = {"criteria": "zones", "headers": "header"}
+"""Options that take NAME=VALUE, and the groups whose other names they take: ``-s header.company=ACME``."""
+
+ALWAYS = ("output", "settings", "quiet")
+"""Options of every command that has settings."""
+
+REMOVED = {"--from-settings": "give the settings file as SOURCE"}
+"""Options of earlier versions that are no setting, and what to do instead."""
+
+WORDS = {"log": "look.log", "linear": "look.linear"}
+"""Words of ``--look`` that are no value of a setting."""
+
+
+class SectionOption(click.Option):
+    """An option in a section of the help. If it is ``rare``, it is a setting and has no option of its own."""
+
+    section = "Options"
+    rare = False
+
+    @property
+    def setting(self) -> str:
+        """The name of the setting, such as ``wall.power``."""
+        name = str(self.name)
+        return NAMES.get(name, f"{GROUPS.get(self.section, 'run')}.{name}")
+
+    @property
+    def spelled(self) -> str:
+        """What a user writes on the command line: ``--sectors``, ``-s wall.power`` or ``--column radius``."""
+        if not self.rare:
+            return self.opts[0]
+        group, _, name = self.setting.partition(".")
+        if group == "columns":
+            return f"--column {name.replace('_', '-')}"
+        return "--look" if group == "look" else f"-s {self.setting}"
+
+    @property
+    def form(self) -> str:
+        """`spelled` with its value, such as ``-s wall.power=NUMBER``."""
+        if self.setting.startswith("look."):
+            return f"--look {LOOKS[self.setting]}"
+        if self.name in FAMILIES:
+            return f"-s {FAMILIES[self.name]}.NAME=VALUE"
+        value = (
+            str(not self.default).lower()
+            if self.is_flag
+            else self.make_metavar(click.Context(click.Command("helibore")))
+        )
+        return f"{self.spelled}={value}"
+
+    def add_to_parser(self, parser: Any, ctx: click.Context) -> None:
+        """Let the parser know the option, unless it is rare."""
+        if not self.rare:
+            super().add_to_parser(parser, ctx)
+
+    def get_error_hint(self, ctx: click.Context | None) -> str:
+        """Return what an error names."""
+        return f"'{self.spelled}'" if self.rare else super().get_error_hint(ctx)
+
+    def handle_parse_result(self, ctx: click.Context, opts: Mapping[str, Any], args: list[str]) -> Any:
+        """Take the values that ``-s``, ``--column`` and ``--look`` state; the option itself wins over them."""
+        stated = list(_stated(opts))
+        if not stated:
+            return super().handle_parse_result(ctx, opts, args)
+        texts = [value for name, value in stated if name == self.setting]
+        family = FAMILIES.get(str(self.name), "")
+        known = _settings_of(ctx.command)
+        texts += [
+            f"{name.partition('.')[2]}={value}"
+            for name, value in stated
+            if family and name.startswith(f"{family}.") and name not in known
+        ]
+        if texts:
+            opts = {**opts, str(self.name): self._values(texts, opts.get(str(self.name)))}
+        return super().handle_parse_result(ctx, opts, args)
+
+    def _values(self, texts: list[str], given: Any) -> Any:
+        if self.multiple:
+            return [*(given or ()), *texts]
+        if given is not None:
+            return given
+        return tuple(texts[-1].split(",")) if self.nargs > 1 else texts[-1]
+
+
+def _stated(opts: Mapping[str, Any]) -> Iterator[Text]:
+    """Yield the settings that the command line states, in the order of the options that state them."""
+    for text in opts.get("settings") or ():
+        name, _, value = text.partition("=")
+        yield name.replace("-", "_"), value
+    for text in opts.get("column") or ():
+        name, _, value = text.partition("=")
+        yield f"columns.{name.replace('-', '_')}", value
+    for text in opts.get("look") or ():
+        yield from _look(text)
+
+
+LOOKS = {
+    "look.limits": "NAME=LOW,HIGH", "look.color_map": "NAME=map:MAP", "look.dynamic": "NAME=window:LENGTH",
+    "look.log": "NAME=log", "look.linear": "NAME=linear",
+}  # fmt: skip
+"""What ``--look`` takes for each setting of a look."""
+
+
+def _look(text: str) -> Iterator[Text]:
+    """Yield the settings of a look: RES=0.2,2000,log has the limits RES=0.2,2000 and is logarithmic."""
+    name, _, look = text.rpartition("=")
+    limits = []
+    for word in look.split(","):
+        kind, _, value = word.partition(":")
+        if word in WORDS:
+            yield WORDS[word], name
+        elif kind in ("map", "window") and value:
+            yield ("look.color_map" if kind == "map" else "look.dynamic"), f"{name}={value}"
+        else:
+            limits.append(word)
+    if limits or not name:
+        yield "look.limits", f"{name}={','.join(limits)}"
+
+
+def _settings_of(command: click.Command) -> dict[str, SectionOption]:
+    """Return the options of a command by the names of their settings."""
+    return {each.setting: each for each in command.params if isinstance(each, SectionOption)}
+
+
+class Sectioned(click.Command):
+    """A command whose help lists its common options in sections; the others are settings.
+
+    ``common``: the names of the parameters that have an option of their own; None: all.
+    """
+
+    def __init__(self, *args: Any, common: Sequence[str] | None = None, **extra: Any) -> None:
+        super().__init__(*args, **extra)
+        for each in self.params:
+            if common is not None and isinstance(each, SectionOption) and each.name not in (*common, *ALWAYS):
+                each.rare = each.hidden = True
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Parse the options; an option that is now a setting names it."""
+        try:
+            return super().parse_args(ctx, args)
+        except click.NoSuchOption as error:
+            name = error.option_name
+            if name in REMOVED:
+                raise click.UsageError(f"{name}: no longer an option; {REMOVED[name]}", ctx) from error
+            for each in self.params:
+                if isinstance(each, SectionOption) and each.rare and name in each.opts:
+                    raise click.UsageError(f"{name}: no longer an option; it is now {each.form}", ctx) from error
+            raise
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the options under the headings of their sections, in the order in which the command has them."""
+        rows: dict[str, list[Text]] = {"Options": []}
+        for parameter in (each for each in self.get_params(ctx) if isinstance(each, click.Option)):
+            record = parameter.get_help_record(ctx)
+            if record is not None:
+                own = getattr(parameter, "section", "Options")
+                rows.setdefault(HEADINGS.get(own, own), []).append(record)
+        for title, records in rows.items():
+            if records:
+                with formatter.section(title):
+                    formatter.write_dl(records)
+
+
+def section(name: str, *options: tuple[str, dict[str, Any]]) -> Callable[[Command], Command]:
+    """Return a decorator that gives a command ``options``, as `opt` makes them, in a section of its help."""
+    kind = type("SectionOption", (SectionOption,), {"section": name})
+
+    def add(command: Command) -> Command:
+        for names, settings in reversed(options):
+            command = click.option(*names.split(), cls=kind, **settings)(command)
+        return command
+
+    return add
+
+
+def opt(names: str, help: str, **settings: Any) -> tuple[str, dict[str, Any]]:  # noqa: A002
+    """Return an option for `section`: its names, and the arguments of `click.option`. The help shows its default."""
+    shown = settings.get("default") not in (None, ()) and "is_flag" not in settings
+    return names, {"help": help, "show_default": shown} | settings
+
+
+def opts(names: str, help: str, **settings: Any) -> tuple[str, dict[str, Any]]:  # noqa: A002
+    """Return an option for `section` that a user may give several times."""
+    return opt(names, f"{help} Repeatable.", multiple=True, **settings)
+
+
+def spelled(name: str) -> str:
+    """Return what a user of the current command writes for the parameter ``name``."""
+    for each in click.get_current_context().command.params:
+        if each.name == name:
+            return each.spelled if isinstance(each, SectionOption) else each.opts[0]
+    return f"--{name.replace('_', '-')}"
+
+
+def _known(ctx: click.Context, param: click.Parameter, texts: tuple[str, ...]) -> None:
+    """Refuse a setting that the command does not have; the error names the nearest one that it has."""
+    known = _settings_of(ctx.command)
+    families = {FAMILIES.get(str(each.name)) for each in known.values()}
+    for text in texts:
+        name, equals, _ = text.partition("=")
+        if not equals:
+            raise click.BadParameter(f"'{text}': must be NAME=VALUE", ctx, param)
+        full = f"columns.{name}" if param.name == "column" else name
+        full = full.replace("-", "_")
+        if full not in known and full.partition(".")[0] not in families:
+            raise click.UsageError(f"{param.opts[0]} {name}: {_nearest(name, known, param)}", ctx)
+
+
+def _nearest(name: str, known: Mapping[str, SectionOption], param: click.Parameter) -> str:
+    names = [each.removeprefix("columns.").replace("_", "-") for each in known if each.startswith("columns.")]
+    if param.name != "column":
+        names = list(known)
+        every = "`helibore settings` lists the settings"
+    else:
+        every = f"must be one of {', '.join(names)}"
+    return f"no setting of this command; {near(name, names)}{every}"
+
+
+def near(name: str, known: Sequence[str]) -> str:
+    """Return the hint on the known name that is nearest to an unknown one; "" if none is near."""
+    found = [each for each in known if each.partition(".")[2] == name] or difflib.get_close_matches(name, known, 1, 0.5)
+    return f"the nearest is {found[0]}; " if found else ""
+
+
+SETTING = opts(
+    "-s --setting settings", "Any other setting, such as wall.power=2; helibore settings lists them.",
+    metavar="NAME=VALUE", expose_value=False, callback=_known,
+)  # fmt: skip
+COLUMN = opts(
+    "--column", "Column of a role, such as depth=md_m:ft, radius=CAL1@90:in or toolface=rb:deg.  [guessed; see "
+    "helibore inspect]",
+    metavar="ROLE=COLUMN", expose_value=False, callback=_known,
+)  # fmt: skip
+LOOK = opts(
+    "--look", "Colours of an image or scale of a curve: GR=20,150 or RES=0.2,2000,log or GR=map:viridis,window:2m.",
+    metavar="NAME=LOOK", expose_value=False,
+)  # fmt: skip

@@ -1,0 +1,133 @@
+"""Each command has few options; everything else is a setting, with one name, in every command that takes it."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+
+import click
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from command import run
+
+import helibore as hb
+from helibore.cli import VERBS, cli
+from helibore.cli.sections import FAMILIES, SectionOption
+from helibore.cli.settings_command import SHOWN, known_settings
+
+
+@pytest.fixture
+def caliper(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    k = np.arange(600)
+    rows = np.column_stack([1000 + k * 0.005, k * 37.0 % 360, 0.11 + 0.01 * np.cos(np.radians(74.0 * k))])
+    np.savetxt("c.csv", rows, fmt="%.6f", delimiter=",", header="depth_m,toolface_deg,radius_m", comments="")
+    return tmp_path
+
+
+def command_of(verb: str) -> click.Command:
+    found = cli.get_command(click.Context(cli), verb)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("verb", [verb for verb in VERBS if verb not in ("settings", "live", "simulate")])
+def test_a_command_has_few_options_and_a_short_help(verb: str) -> None:
+    text = CliRunner().invoke(cli, [verb, "--help"], terminal_width=100).output
+    assert len(re.findall(r"^  (?:-\w, )?--", text, re.MULTILINE)) <= 30
+    assert text.count("\n") < 70
+
+
+@pytest.mark.parametrize("verb", SHOWN)
+def test_every_parameter_has_an_option_or_names_its_setting(verb: str) -> None:
+    command = command_of(verb)
+    for each in command.params:
+        if isinstance(each, SectionOption) and each.rare:
+            refused = run(verb, each.opts[-1], "1")
+            assert refused.exit_code == 2
+            assert refused.stderr.startswith(f"helibore: {each.opts[-1]}: no longer an option; it is now {each.form}")
+        elif isinstance(each, SectionOption):
+            assert each.get_help_record(click.Context(command)) is not None
+
+
+def test_the_list_has_every_setting_of_every_command() -> None:
+    text = CliRunner().invoke(cli, ["settings"], terminal_width=100).output
+    listed = set(re.findall(r"^  ([a-z_]+(?:\.\w+)?)(?=  |$)", text, re.MULTILINE))
+    assert listed == set(known_settings())
+    names = [each.setting for each in command_of("reconstruct").params if isinstance(each, SectionOption)]
+    assert len(names) == len(set(names))
+
+
+def test_one_group_or_one_setting_is_listed() -> None:
+    text = run("settings", "wall.power").output
+    assert text.startswith("wall:\n  wall.power  ")
+    assert "wall.nugget" not in text
+    assert "echo.velocity" in run("settings", "echo").output
+    unknown = run("settings", "wall.pwer")
+    assert unknown.exit_code == 2
+    assert unknown.stderr.startswith("helibore: wall.pwer: no setting or group; the nearest is wall.power; ")
+
+
+@pytest.mark.usefixtures("caliper")
+def test_a_setting_reaches_the_wall_in_every_way_it_is_stated() -> None:
+    base = ("reconstruct", "c.csv", "--bit-diameter", "216mm", "-q")
+    assert run(*base, "--sectors", 24, "-s", "wall.power=2", "-o", "a.wall").exit_code == 0
+    assert run(*base, "-s", "wall.sectors=24", "--setting", "wall.power=2", "-o", "b.wall").exit_code == 0
+    assert Path("a.wall").read_bytes() == Path("b.wall").read_bytes()
+    assert tomllib.loads(Path("a.wall.toml").read_text())["wall"]["power"] == 2.0
+    assert run(*base, "--sectors", 24, "-s", "wall.sectors=99", "-o", "c.wall").exit_code == 0
+    assert hb.load("c.wall").settings.sectors == 24, "the option counts over the setting"
+
+
+@pytest.mark.usefixtures("caliper")
+@pytest.mark.parametrize(
+    ("words", "error"),
+    [
+        (("-s", "wall.pwer=2"), "-s wall.pwer: no setting of this command; the nearest is wall.power"),
+        (("-s", "power=2"), "-s power: no setting of this command; the nearest is wall.power"),
+        (("-s", "zones.washout=1in"), "-s zones.washout: no setting of this command"),
+        (("-s", "wall.power"), "Invalid value for '-s' / '--setting': 'wall.power': must be NAME=VALUE"),
+        (("-s", "wall.power=x"), "Invalid value for '-s wall.power': 'x': must be a number"),
+        (("-s", "wall.power=0"), "Invalid value for '-s wall.power': '0': must be finite and above 0"),
+        (("--sectors", "2"), "Invalid value for '--sectors': '2': must lie in 3 to 1000000"),
+        (("-s", "wall.sectors=2"), "Invalid value for '--sectors': '2': must lie in 3 to 1000000"),
+        (("--column", "radiu=x"), "--column radiu: no setting of this command; the nearest is radius"),
+        (("-s", "preparation.saturated=perhaps"), "Invalid value for '-s preparation.saturated': 'perhaps' is not"),
+        (("--from-settings", "a.toml"), "--from-settings: no longer an option; give the settings file as SOURCE"),
+        (("--power", "2"), "--power: no longer an option; it is now -s wall.power=NUMBER"),
+        (("--sektors", "2"), "No such option '--sektors'. (Did you mean"),
+    ],
+)
+def test_what_is_wrong_names_the_setting_and_the_nearest(words: tuple[str, ...], error: str) -> None:
+    result = run("reconstruct", "c.csv", "--bit-diameter", "216mm", "-o", "w.wall", *words)
+    assert (result.exit_code, result.stderr[: 10 + len(error)]) == (2, f"helibore: {error}")
+    assert list(Path().iterdir()) == [Path("c.csv")]
+
+
+def test_an_unknown_command_names_the_nearest() -> None:
+    result = run("plto")
+    assert (result.exit_code, result.stderr[:52]) == (2, "helibore: No such command 'plto'. Did you mean plot?")
+
+
+@pytest.mark.usefixtures("caliper")
+def test_zones_are_written_with_the_criteria_that_are_stated() -> None:
+    assert run("reconstruct", "c.csv", "--bit-diameter", "216mm", "-o", "w.wall", "-q").exit_code == 0
+    made = run("zones", "w.wall", "-o", "z.csv", "-s", "zones.washout=0.3in", "-s", "zones.least-length=1m")
+    assert made.exit_code == 0, made.output
+    text = Path("z.csv").read_text()
+    assert run("logs", "w.wall", "-o", "l.csv", "--zones", "y.csv", "-s", "zones.washout=0.3in", "-s",
+               "zones.least_length=1m", "-q").exit_code == 0  # fmt: skip
+    assert Path("y.csv").read_text() == text
+    again = run("zones", "z.csv.toml", "-o", "again.csv")
+    assert "to the last bit" in again.output
+    assert Path("again.csv").read_text() == text
+    refused = run("zones", "w.wall", "-o", "n.csv", "--from", "1001")
+    assert (refused.exit_code, "--from: does not go with a saved wall" in refused.stderr) == (2, True)
+
+
+def test_families_are_groups_of_commands() -> None:
+    for verb in ("plot", "report", "view", "logs", "zones"):
+        taken = {FAMILIES[str(each.name)] for each in command_of(verb).params if each.name in FAMILIES}
+        assert taken == {"zones", "header"}
