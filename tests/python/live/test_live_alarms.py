@@ -168,7 +168,7 @@ def test_bytes_without_a_frame_are_an_alarm():
         live.receive("mwd", b"<xml>hello</xml>\r\n")
         alarms.check()
     assert rules(alarms) == [("missing", "mwd")]
-    assert texts(live)["alarm_missing"] == "bytes come, and no WITS frame (&& ... !!) is among them"
+    assert texts(live)["alarm_missing"].startswith("bytes come, and no WITS frame (&& ... !!)")
     live.receive("mwd", frames(1)[0])
     alarms.check()
     assert rules(alarms) == []
