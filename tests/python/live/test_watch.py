@@ -80,6 +80,7 @@ OPERATIONS = {
     "rounded to 1 mm": (Operations(rounding=0.001), 0),
     "wired, rounded": (replace(WIRED, rounding=0.001), 0),
     "exact rpm": (replace(WIRED, exact_rpm=True), 0),
+    "quick telemetry": (Operations(sample_every=8.0), 0),
     "slow telemetry": (Operations(sample_every=60.0), 0),
 }
 

@@ -29,8 +29,10 @@ Report = Callable[[int, str, str, str], None]
 
 QUIET, QUIET_GAPS, QUIET_AFTER_STOP = 60.0, 25.0, 600.0
 """Seconds on bottom without a sample: at least, in median gaps, and at least after the bit was off bottom."""
-LEAST_DRILLED = 0.1
-"""Metres that must be drilled without a sample: a string may stand on bottom for long."""
+WIRED, QUIET_TELEMETRY = 2.0, 330.0
+"""Seconds between samples up to which a tool is wired; by mud pulse, a downlink can silence a tool for 303 s."""
+LEAST_DRILLED, LONGEST_STAND = 0.1, 60.0
+"""Metres that must be drilled without a sample, and the seconds that count of a stand on bottom without drilling."""
 KNOWN_GAPS = 10
 """The number of gaps between samples from which their median counts."""
 LONGEST_STEP = 30.0
@@ -97,27 +99,32 @@ class WatchedCaliper:
 class Quiet:
     """Time on bottom and metres drilled since the last sample of a caliper, or the last row of an image."""
 
-    STATE = ("last", "gaps", "seconds", "drilled", "stopped", "lasts")
+    STATE = ("last", "gaps", "seconds", "stood", "drilled", "stopped", "lasts")
 
     def __init__(self) -> None:
         self.last = -1
         self.gaps: deque[float] = deque(maxlen=99)
-        self.seconds = self.drilled = 0.0
+        self.seconds = self.stood = self.drilled = 0.0
         self.stopped = True
         self.lasts = False
 
     def came(self, time: int) -> None:
         if self.last >= 0 and not self.stopped and time > self.last:
             self.gaps.append((time - self.last) / SECOND)
-        self.last, self.seconds, self.drilled, self.stopped, self.lasts = time, 0.0, 0.0, False, False
+        self.seconds = self.stood = self.drilled = 0.0
+        self.last, self.stopped, self.lasts = time, False, False
 
     def on(self, seconds: float, metres: float) -> str:
         """Count time on bottom; return what to say once samples are overdue, "" before and after that."""
-        self.seconds, self.drilled = self.seconds + seconds, self.drilled + metres
+        self.stood += seconds
+        if metres <= 0:
+            return ""
+        self.seconds += min(self.stood, LONGEST_STAND)
+        self.stood, self.drilled = 0.0, self.drilled + metres
         if self.lasts or len(self.gaps) < KNOWN_GAPS or self.drilled < LEAST_DRILLED:
             return ""
         usual = statistics.median(self.gaps)
-        limit = max(QUIET, QUIET_GAPS * usual)
+        limit = max(QUIET if usual <= WIRED else QUIET_TELEMETRY, QUIET_GAPS * usual)
         if self.seconds <= (max(limit, QUIET_AFTER_STOP) if self.stopped else limit):
             return ""
         self.lasts = True
