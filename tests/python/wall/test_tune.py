@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -72,7 +73,8 @@ def test_noise_alone_keeps_no_candidate_that_is_worse() -> None:
 
 def test_the_result_does_not_depend_on_threads_or_order() -> None:
     one = hb.tune(caliper(), bit_diameter=BIT, targets=300, threads=1)
-    assert hb.tune(caliper(), bit_diameter=BIT, targets=300, threads=2) == one
+    two = hb.tune(caliper(), bit_diameter=BIT, targets=300, threads=2)
+    assert str(asdict(two)) == str(asdict(one))  # a NaN equals none
 
 
 def test_fixed_settings_are_kept() -> None:
