@@ -215,7 +215,7 @@ def test_a_wall_that_was_not_measured_says_so() -> None:
 
 def test_report_on_the_command_line(wall: hb.Wall, tmp_path: Path) -> None:
     wall.save(tmp_path / "well.wall")
-    arguments = ["report", str(tmp_path / "well.wall"), "--dpi", "40", "--well", "W-1", "-o"]
+    arguments = ["report", str(tmp_path / "well.wall"), "--dpi", "40", "--header", "well=W-1", "-o"]
     result = CliRunner().invoke(cli, [*arguments, str(tmp_path / "well.html")])
     assert result.exit_code == 0, result.output
     text = (tmp_path / "well.html").read_text(encoding="utf-8")
