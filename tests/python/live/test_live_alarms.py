@@ -417,7 +417,8 @@ def test_a_command_or_a_webhook_that_hangs_delays_no_alarm(tmp_path, monkeypatch
         alarms.close()
         if way == "command":
             until((tmp_path / "pids").exists)
-            os.kill(int((tmp_path / "pids").read_text().split()[0]), signal.SIGKILL)
+            pid = (tmp_path / "pids").read_text().split()[0]
+            until(lambda: not is_running(pid))  # it does not outlive helibore
 
 
 def test_a_command_that_hangs_is_ended_with_what_it_started(tmp_path, monkeypatch):
