@@ -19,6 +19,7 @@ def open(  # noqa: A001
     header_line: int | None = None,
     encoding: str | None = None,
     decimal: str | None = None,
+    salvage: bool = False,
 ) -> LogFile:
     """Open a log file of any format; its content decides the format, not its name.
 
@@ -35,6 +36,9 @@ def open(  # noqa: A001
         For text: its encoding, such as "cp1251". None: UTF-8 (or UTF-16 with its mark), or else Windows-1252.
     decimal
         For CSV, TSV and LAS: the decimal mark, "." or ",". None: the cells decide, and a remark states what was read.
+    salvage
+        Whether a truncated or damaged DLIS, gzipped, text or table file gives what lies before the damage; a remark
+        states what is lost.
 
     Returns
     -------
@@ -60,7 +64,7 @@ def open(  # noqa: A001
     >>> file.image("ABDC").values.shape                 # doctest: +SKIP
     """
     path = Path(path)
-    raw = read_file(path, ReadOptions(tuple(float(null) for null in nulls), header_line, encoding, decimal))
+    raw = read_file(path, ReadOptions(tuple(float(null) for null in nulls), header_line, encoding, decimal, salvage))
     sets = []
     for one in raw.sets:
         channels, gaps = join_sectors(one.channels, one.index)

@@ -19,7 +19,7 @@ import numpy as np
 
 from helibore.base.errors import InputError, needs
 from helibore.files.headings import is_number
-from helibore.files.input_file import InputFile
+from helibore.files.input_file import SALVAGE, InputFile
 from helibore.files.raw_set import Array, Channel, RawFile, RawSet, SectorAxis, readable_sets, unique
 
 
@@ -27,9 +27,12 @@ def read(source: InputFile) -> RawFile:
     """Open a DLIS file; the rows of a frame are read when they are first used."""
     with needs("dlisio", "dlis"):
         from dlisio import dlis
+        from dlisio.common import Actions, ErrorHandler
     readers = []
+    lost: list[str] = []
+    critical = lost.append if source.options.salvage else Actions.RAISE
     with damage_named(source), dlisio_warnings() as warned, ExitStack() as opened:
-        logical_files = opened.enter_context(dlis.load(str(source.path)))
+        logical_files = opened.enter_context(dlis.load(str(source.path), error_handler=ErrorHandler(critical=critical)))
         for number, logical in enumerate(logical_files):
             label = f"{number}/" if len(logical_files) > 1 else ""
             frames, parameters = list(logical.frames), _parameters(logical)
@@ -41,6 +44,8 @@ def read(source: InputFile) -> RawFile:
         opened.pop_all()  # the rows are read later
     for one in sets:
         one.remarks.extend(sorted(warned))
+        if lost:
+            one.remarks.append(f"salvaged: {one.rows} rows lie before the damage; what follows it is lost")
     return RawFile("DLIS", sets, logical_files.close)
 
 
@@ -52,7 +57,8 @@ def damage_named(source: InputFile, what: str = "") -> Iterator[None]:
     except InputError:
         raise
     except Exception as error:
-        raise source.damaged(f"{what or 'DLIS'}: truncated or damaged", error) from error
+        damage = source.damaged(f"{what or 'DLIS'}: truncated or damaged", error)
+        raise InputError(damage.place, damage.rule + ("" if what or source.options.salvage else SALVAGE)) from error
 
 
 @contextmanager
@@ -101,13 +107,15 @@ def _frame(source: InputFile, name: str, frame: Any, parameters: dict[str, str])
     def rows() -> Array:
         with damage_named(source, f"frame {name}"), dlisio_warnings():
             table: Array = frame.curves()
-        if len(table) != count:
+        if len(table) != count and not source.options.salvage:
             raise source.error(f"frame {name}: {len(table)} of {count} rows are there: truncated or damaged")
         return table
 
     def column(label: str, shape: tuple[int, ...]) -> Array:
         return rows()[label].reshape(shape)
 
+    if source.options.salvage:
+        count = len(rows())
     if len(labels) != len(frame.channels):
         raise source.error(f"frame {name}: {len(labels)} columns for {len(frame.channels)} channels")
     channels = []

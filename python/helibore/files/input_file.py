@@ -47,6 +47,9 @@ GZIP_RATIO = 200
 """Most unpacked bytes per packed byte. Logs of mostly -999.25 reach a ratio of 100; gzip bombs can reach 1,032."""
 
 UTF8_BOM = codecs.BOM_UTF8
+SALVAGE = "; salvage = true reads what is before the damage"
+"""End of a message about a file of which a part can be read."""
+
 END_OF_TEXT = b"\x1a"
 """Control-Z, with which old programs of DOS end a text."""
 
@@ -76,10 +79,13 @@ def file_error(
 
 
 class Gunzip(io.RawIOBase):
-    """The unpacked bytes of a gzip file; gzip bombs are refused, and errors name the file."""
+    """The unpacked bytes of a gzip file; gzip bombs are refused, and errors name the file.
 
-    def __init__(self, path: Path) -> None:
-        self._path = path
+    If there is a set ``lost``, a stream that is damaged ends at the damage, and the set gets a sentence about it.
+    """
+
+    def __init__(self, path: Path, lost: set[str] | None = None) -> None:
+        self._path, self._lost = path, lost
         self._packed = path.open("rb")
         self._plain = gzip.GzipFile(fileobj=self._packed, mode="rb")
         self._unpacked = 0
@@ -89,17 +95,24 @@ class Gunzip(io.RawIOBase):
 
     def readinto(self, buffer: Any) -> int:
         try:
-            piece = self._plain.read(len(buffer))
-        except EOFError as error:
-            raise file_error(self._path, "truncated: the gzip stream ends early") from error
-        except (OSError, zlib.error) as error:
-            raise file_error(self._path, f"damaged gzip stream ({error})") from error
+            piece = self._plain.read1(len(buffer))
+        except (EOFError, OSError, zlib.error) as error:
+            damage = self._damage(error)
+            if self._lost is None:
+                raise damage from error
+            self._lost.add(f"salvaged: {damage.rule.removesuffix(SALVAGE)}: what follows is lost")
+            return 0
         self._unpacked += len(piece)
         if self._unpacked > GZIP_FREE and self._unpacked > GZIP_RATIO * self._packed.tell():
             rule = f"unpacks to more than {GZIP_RATIO} times its size: refused as a gzip bomb"
             raise file_error(self._path, rule)
         buffer[: len(piece)] = piece
         return len(piece)
+
+    def _damage(self, error: Exception) -> InputError:
+        if isinstance(error, EOFError):
+            return file_error(self._path, f"truncated: the gzip stream ends early{SALVAGE}")
+        return file_error(self._path, f"damaged gzip stream ({error})")
 
     def close(self) -> None:
         if not self.closed:
@@ -152,6 +165,8 @@ class ReadOptions:
         Name of the text's encoding, such as "cp1251". None: UTF-8, UTF-16 with its mark, or else Windows-1252.
     decimal
         The decimal mark of numbers, "." or ",". None: the cells decide.
+    salvage
+        Whether a truncated or damaged file gives what can be read of it, with a remark on what is lost.
 
     Raises
     ------
@@ -163,6 +178,7 @@ class ReadOptions:
     header_line: int | None = None
     encoding: str | None = None
     decimal: str | None = None
+    salvage: bool = False
 
     def __post_init__(self) -> None:
         if self.decimal not in (None, ".", ","):
@@ -179,6 +195,7 @@ class InputFile:
 
     def __init__(self, path: Path, options: ReadOptions = ReadOptions()) -> None:
         self.path, self.options = path, options
+        self.lost: set[str] = set()  # sentences on what a salvaged file has lost
         with path.open("rb") as file:
             self.compressed = file.read(2) == b"\x1f\x8b"
         self.encoding: str | None = None
@@ -206,7 +223,9 @@ class InputFile:
         stream = self.path.open("rb")
         if self.compressed:
             stream.close()
-            stream = cast(Any, io.BufferedReader(Gunzip(self.path), LINE_LIMIT))
+            stream = cast(
+                Any, io.BufferedReader(Gunzip(self.path, self.lost if self.options.salvage else None), LINE_LIMIT)
+            )
         if self.encoding is not None:
             stream = cast(Any, io.BufferedReader(Transcoder(self.path, stream, self.encoding), LINE_LIMIT))
         return stream

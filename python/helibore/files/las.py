@@ -312,7 +312,16 @@ def _set(
     ``well`` becomes the header of the set; its item NULL, if there is one, is the null value of the rows.
     """
     names = [curve.name for curve in curves]
-    rows = read_rows(source.path, data.lines, data.line + 1, names, delimiter, comments=True, wrapped=wrapped)
+    rows = read_rows(
+        source.path,
+        data.lines,
+        data.line + 1,
+        names,
+        delimiter,
+        comments=True,
+        wrapped=wrapped,
+        salvage=source.options.salvage,
+    )
     columns, spelled, spellings = read_spellings(rows.columns, names, delimiter == ",", source.options.decimal)
     nulls = source.nulls + _null(well.get("NULL"))
     channels = [

@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from helibore.files.headings import to_float
-from helibore.files.input_file import file_error
+from helibore.files.input_file import SALVAGE, file_error
 from helibore.files.raw_set import EXACT, Array
 
 NULL_TEXTS = (
@@ -58,6 +58,7 @@ def read_rows(
     delimiter: str | None,
     comments: bool = False,
     wrapped: bool = False,
+    salvage: bool = False,
 ) -> Rows:
     """Read the rows of a table with the columns ``names``; ``lines[0]`` is line ``first_line`` of the file ``path``.
 
@@ -67,7 +68,8 @@ def read_rows(
 
     A column is float64, masked where cells are empty. It is int64 if all cells are whole numbers and one is too large
     to be exact in float64, and text if a cell is neither empty nor a number. An InputError names the file and line if
-    there is no row, a row has another number of cells than there are names, or a quote is not closed.
+    there is no row, a row has another number of cells than there are names, or a quote is not closed. With ``salvage``,
+    a last row that is cut is left out.
     """
 
     def is_row(line: str) -> bool:
@@ -77,11 +79,16 @@ def read_rows(
         numbers = (number for number, line in enumerate(lines, first_line) if is_row(line))
         return next(islice(numbers, row, None))
 
+    remarks: list[str] = []
     kept = list(filter(is_row if comments else str.strip, lines))
+    if salvage and len(kept) > 1 and not wrapped:
+        cells = [len(split_cells(line, delimiter)) for line in (kept[0], kept[-1])]
+        if cells[1] < cells[0] or kept[-1].count('"') % 2:
+            remarks.append(f"salvaged: the last row, line {line_of(len(kept) - 1)}, is cut and left out")
+            del kept[-1]
     if not kept:
         raise file_error(path, "no rows below the header", max(1, first_line - 1))
 
-    remarks: list[str] = []
     if wrapped or (delimiter is None and _is_wrapped(kept, len(names))):
         remarks.append("wrapped rows" if wrapped else "rows run over several lines, although the header says WRAP NO")
         return replace(_wrapped(path, kept, line_of, names), remarks=remarks)
@@ -146,7 +153,7 @@ def _cells(
             cut = "truncated: " if len(rows) == len(kept) - 1 and len(row) < width else ""
             others = [mark for mark in (",", "\t", ";", "|") if mark != delimiter and line.count(mark) == width - 1]
             hint = f" (it has {width} when cut at {others[0]!r}: another delimiter?)" if others and delimiter else ""
-            rule = f"{cut}{len(row)} values where {width} columns are defined{hint}"
+            rule = f"{cut}{len(row)} values where {width} columns are defined{hint}{SALVAGE if cut else ''}"
             raise file_error(path, rule, line_of(len(rows)))
         rows.append(row)
     if cut_rows:

@@ -48,6 +48,8 @@ def read_file(path: Path, options: ReadOptions) -> RawFile:
             )
     module, reader = READERS[name]
     file: RawFile = getattr(import_module(f"helibore.files.{module}"), reader)(source)
+    for each in file.sets:
+        each.remarks.extend(sorted(source.lost))
     if not file.sets:
         raise source.error(f"{file.format}: holds no channels")
     return file

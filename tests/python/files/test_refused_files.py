@@ -101,7 +101,8 @@ CASES: list[tuple[str, str | bytes, str]] = [
     ("t.parquet", parquet({}), ": Parquet without columns"),
     ("t.parquet", parquet({"a": NUMBERS}, end=-9), ": truncated or damaged Parquet (...)"),
     ("t.parquet", parquet({"a": NUMBERS}, damage=slice(2000, 2400)), ", column a: damaged Parquet (...)"),
-    ("t.dlis", b"000001V1.00RECORD 8192" + b" " * 58 + bytes(200), ": DLIS: truncated or damaged (...)"),
+    ("t.dlis", b"000001V1.00RECORD 8192" + b" " * 58 + bytes(200),
+     ": DLIS: truncated or damaged (...); salvage = true reads what is before the damage"),
     ("t.xlsx", zipped("xl/workbook.xml", b"<"), ": truncated or damaged workbook (...)"),
 ]  # fmt: skip
 
