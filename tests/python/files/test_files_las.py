@@ -266,7 +266,8 @@ def test_a_damaged_or_empty_set_does_not_block_the_others(tmp_path: Path) -> Non
     assert one.name == "Tops_Data"
     assert one["TOPN"].values.tolist() == ["10", "Upper", "Lower, x"]
     assert one["TOPT"].values.tolist() == [1500, 1600, 1700]
-    damage = "w.las, line 22: truncated: 1 values where 2 columns are defined; salvage = true reads what is before the damage"
+    damage = "w.las, line 22: truncated: 1 values where 2 columns are defined"
+    damage += "; salvage = true reads what is before the damage"
     empty = "w.las, line 16: no rows below the header"
     assert one.remarks == [f"another set is left out: {empty}", f"another set is left out: {damage}"]
     (tmp_path / "w.las").write_text(SETS.replace("10,1500\n", "1\n"))
