@@ -255,10 +255,10 @@ UnwornTurns unworn_turns(const Turns& turns, double bit_diameter, std::span<cons
             std::size_t known = 0, there = 0;
             for (std::size_t k = 0; k < K; ++k) {
                 const double r = radius[i * K + k];
-                there += r == r ? 1 : 0;
+                there += r == r ? 1U : 0U;
                 turn.x[k] = r * directions.x[k], turn.y[k] = r * directions.y[k];
-                turn.counts[k] = counts.empty() || counts[i * K + k] != 0.0;
-                known += turn.counts[k] ? 1 : 0;
+                turn.counts[k] = counts.empty() || counts[i * K + k] != 0.0 ? 1 : 0;
+                known += turn.counts[k] ? 1U : 0U;
             }
             if (there < K || known < 3 || static_cast<double>(known) < least_share * static_cast<double>(K)) continue;
             const Fit fit = fitted(turn, radii);
