@@ -22,7 +22,8 @@ namespace helibore::wits {
 // The largest number of bytes in a line (without its line end), of bytes in a frame (after its "&&" line), and of lines
 // in a frame. A longer line or frame is dropped, counted and reported as an Event; reading continues at the next line,
 // or for a frame at the next "&&".
-// `helibore live` has the same limits as settings of a source, with their bounds: python/helibore/live/rules/sources.py.
+// `helibore live` has the same limits as settings of a source, with their bounds:
+// python/helibore/live/rules/sources.py.
 struct Limits {
     Index line = 1024;
     Index frame = 65536;
