@@ -26,7 +26,8 @@ InstructionSet instruction_set_named(const std::string& name) {
 Estimator estimator_named(const std::string& name) {
     if (name == "inverse-distance") return Estimator::inverse_distance;
     if (name == "kriging") return Estimator::kriging;
-    throw InputError("estimator", "must be inverse-distance or kriging", "'" + name + "'");
+    if (name == "near-and-far") return Estimator::near_and_far;
+    throw InputError("estimator", "must be inverse-distance, kriging or near-and-far", "'" + name + "'");
 }
 
 // Settings have the same names in Python and C++; None means no value, or no limit.
@@ -55,6 +56,9 @@ Settings settings_of(const py::dict& given, int threads, const std::string& inst
     std::optional<double> kriging_range;
     take("kriging_range", kriging_range);
     take("nugget", s.nugget);
+    std::optional<std::vector<double>> covariance;
+    take("covariance", covariance);
+    s.covariance = covariance.value_or(std::vector<double>{});
     take("sigma", s.sigma);
     take("direct", s.direct);
     take("most_vertices", s.most_vertices);

@@ -3,6 +3,7 @@
 
 #include <limits>
 #include <optional>
+#include <vector>
 
 #include "helibore/types.hpp"
 
@@ -12,8 +13,8 @@ namespace helibore {
 enum class InstructionSet { automatic, plain, avx2, avx512 };
 
 // The method that computes a radius from its neighbours. Kriging uses the neighbours of the last estimate by inverse
-// distance.
-enum class Estimator { inverse_distance, kriging };
+// distance. near_and_far is kriging by Settings::covariance, with near and far neighbours (search/near_far.hpp).
+enum class Estimator { inverse_distance, kriging, near_and_far };
 
 inline constexpr double no_limit = std::numeric_limits<double>::infinity();
 
@@ -24,7 +25,8 @@ struct Settings {
     std::optional<double> start_depth = {};  // depth of vertex 0, within 1e7 m of 0; none: the first sample
     std::optional<double> stop_depth = {};   // the wall ends here; none: at the last sample along the helix
     double start_toolface = 0.0;             // toolface of vertex 0, degrees
-    int neighbors = 8;                       // V: how many nearest samples give a radius, 1 to 256; kriging: 1 to 64
+    int neighbors = 8;                       // V: how many nearest samples give a radius, 1 to 256; kriging: 1 to 64;
+                                             // near_and_far: as many from each of three sets, 1 to 21
     std::optional<Index> window = {};        // U: search only this many consecutive samples; none: all samples
     double power = 1.0;                      // weight = distance^-power; above 0, at most 100
     double max_distance = 1.0;               // metres, 1e-9 or more; samples farther away are not used; may be no_limit
@@ -32,8 +34,13 @@ struct Settings {
     double tolerance = 1e-6;                 // metres; stop when the radius changes by no more than this
     double angular_scale = 1.0;  // 0.001 to 1000. 1: true arc length; 2: as published (Energies 2021, 14, 291)
     Estimator estimator = Estimator::inverse_distance;
-    double kriging_range = 0.0;         // metres in the metric of angular_scale; kriging: must be set
-    double nugget = 0.1;                // kriging: noise variance divided by the variance of the shape, at least 1e-6
+    double kriging_range = 0.0;  // metres in the metric of angular_scale; kriging: must be set
+    double nugget = 0.1;         // kriging: noise variance divided by the variance of the shape, at least 1e-6
+    // near_and_far: R, the noise variance of a sample, and one to three terms, each with its variance, length around
+    // and length along the hole; metres and square metres. The covariance of two radii is the sum over the terms of
+    // variance M(h), with M(h) = (1 + sqrt3 h) exp(-sqrt3 h), h = hypot(chord / around, depth difference / along) and
+    // chord = 2 R sin(toolface difference / 2).
+    std::vector<double> covariance = {};
     bool sigma = false;                 // the wall keeps Wall::sums for uncertainties; radii do not depend on it
     bool direct = false;                // a vertex that is not settled shows its latest sample, provisionally
     Index most_vertices = 100'000'000;  // an append that would exceed this is refused, because a depth must be wrong

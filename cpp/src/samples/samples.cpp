@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <numeric>
 
 #include "base/large_pages.hpp"
@@ -136,6 +137,21 @@ Level level_of(const Chunk& chunk, Index first, Index last, int neighbors) {
 }
 
 }  // namespace
+
+const std::vector<std::uint16_t>& Chunk::thinned(const Cells& cells) const {
+    return thinned_.get([&] {
+        std::vector<std::uint16_t> rows;
+        std::vector<double> last(static_cast<std::size_t>(cells.around), -std::numeric_limits<double>::infinity());
+        for (Index i = 0; i < count; ++i) {
+            double& row = last[static_cast<std::size_t>(cells.column(toolface()[i]))];
+            const double now = cells.row(depth()[i]);
+            if (now == row) continue;
+            row = now;
+            rows.push_back(static_cast<std::uint16_t>(i));
+        }
+        return rows;
+    });
+}
 
 const Levels& Chunk::levels(int neighbors) const {
     return levels_.get([&] {

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <compare>
 #include <cstdint>
 #include <memory>
@@ -56,6 +57,18 @@ struct Level {
     }
 };
 using Levels = std::vector<Level>;
+
+// A division of the hole into cells. The first sample of each cell, in canonical order, belongs to the thinned set
+// (search/near_far.hpp).
+struct Cells {
+    double height;  // metres
+    Index around;   // number of cells in a turn
+
+    double row(double depth) const { return std::floor(depth / height); }
+    Index column(double toolface) const {
+        return std::min(static_cast<Index>(toolface * (static_cast<double>(around) / 360.0)), around - 1);
+    }
+};
 
 // The toolfaces of a chunk give a lower bound of the angle from any toolface to the nearest of them. The bound is above
 // 0 only if an arm that does not turn leaves most of the circle empty.
@@ -146,12 +159,15 @@ class Chunk {
         return false;
     }
     const Levels& levels(int neighbors) const;
+    // Returns the first row of each cell, in order. A cell may have an earlier row in the chunk before.
+    const std::vector<std::uint16_t>& thinned(const Cells& cells) const;
     const ChunkToolfaces& circle() const {
         return circle_.get([this] { return ChunkToolfaces(toolface(), count); });
     }
     void change_count(Index to) {
         levels_.forget();
         circle_.forget();
+        thinned_.forget();
         count = to;
     }
 
@@ -171,6 +187,7 @@ class Chunk {
     Index capacity_, stride_;
     FoundOnce<Levels> levels_;
     FoundOnce<ChunkToolfaces> circle_;
+    FoundOnce<std::vector<std::uint16_t>> thinned_;
 };
 
 using Chunks = std::vector<std::shared_ptr<Chunk>>;

@@ -15,6 +15,7 @@
 #include <limits>
 
 #include "search/kernel/plain_weight.hpp"
+#include "search/near_far.hpp"
 #include "search/search.hpp"
 
 namespace helibore {
@@ -27,6 +28,7 @@ constexpr std::uint64_t low_bits = (std::uint64_t{1} << kernel::position_bits) -
 
 void Search::interpolate(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
                          std::span<const std::span<const double>> channels, std::span<double* const> out) const {
+    if (near_far_) return near_far_->interpolate(samples, helix, group, vertex_count, scratch, channels, out);
     const kernel::Group solved = solve(samples, helix, group, vertex_count, scratch);
     const bool listed = scratch.first_list;
     const kernel::Group g = listed ? solved : list_at(samples, helix, group, vertex_count, solved.trial, scratch);

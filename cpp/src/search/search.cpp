@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "search/kernel/instruction_set.hpp"
+#include "search/near_far.hpp"
 
 namespace helibore {
 namespace {
@@ -74,6 +75,7 @@ Search::Search(const Settings& settings)
     const Helix helix{0.0, settings.start_toolface, settings.pitch, settings.sectors};
     toolface_.resize(static_cast<std::size_t>(settings.sectors));
     for (Index k = 0; k < settings.sectors; ++k) toolface_[static_cast<std::size_t>(k)] = helix.toolface(k);
+    if (settings.estimator == Estimator::near_and_far) near_far_ = std::make_shared<const NearFar>(settings);
 }
 
 kernel::Group Search::start(const Helix& helix, Index group, Index vertex_count) const {
@@ -144,6 +146,7 @@ kernel::Group Search::list_at(const Samples& samples, const Helix& helix, Index 
 
 void Search::run(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
                  GroupResult& result) const {
+    if (near_far_) return near_far_->run(samples, helix, group, vertex_count, scratch, result);
     const kernel::Group g = solve(samples, helix, group, vertex_count, scratch);
     const Index used = std::min(lanes, vertex_count - group * lanes);
     double reach = 0.0;
@@ -161,13 +164,28 @@ void Search::run(const Samples& samples, const Helix& helix, Index group, Index 
     const Span span(g, helix);
     if (rules_.windowed)
         window_reach(samples, scratch.windows, span, result);
-    else {
-        // The reach is rounded up. If max_distance sets no limit, any sample may change a vertex that has too few
-        // neighbours.
-        reach = reach < kernel::missing_square / 2 ? std::sqrt(reach) * (1.0 + 1e-6) : no_limit;
-        result.shallow = span.shallow - reach;
-        result.deep = span.deep + reach;
-    }
+    else
+        set_reach(span, reach, result);
+}
+
+// Sets the depths between which a sample can change a group, from the greatest squared distance at which one would. The
+// distance is rounded up. If max_distance sets no limit, any sample may change a vertex that has too few neighbours.
+void Search::set_reach(const Span& span, double square, GroupResult& result) const {
+    const double reach = square < kernel::missing_square / 2 ? std::sqrt(square) * (1.0 + 1e-6) : no_limit;
+    result.shallow = span.shallow - reach;
+    result.deep = span.deep + reach;
+}
+
+kernel::Group Search::neighbours(const Samples& samples, const Helix& helix, Index group, Index vertex_count,
+                                 Scratch& scratch, kernel::Candidate* found, GroupResult& result) const {
+    scratch.list.found = found;
+    const Index used = std::min(lanes, vertex_count - group * lanes);
+    std::fill_n(found, lanes * rules_.neighbors, kernel::Candidate{kernel::none_depth, 0.0, 0.0, 0});
+    const kernel::Group g = solve(samples, helix, group, vertex_count, scratch);
+    double reach = 0.0;
+    for (Index i = 0; i < used; ++i) reach = std::max(reach, std::min(g.reach_square[i], rules_.max_square));
+    set_reach(Span(g, helix), reach, result);
+    return g;
 }
 
 // Finds the ranks of the samples in the windows of a group's vertices.

@@ -16,6 +16,8 @@
 
 namespace helibore {
 
+class NearFar;
+
 kernel::Rules rules_of(const Settings& settings);
 
 // The result of the search of a group.
@@ -55,6 +57,7 @@ class Search {
 
       private:
         friend class Search;
+        friend class NearFar;
         void pad();
 
         // Room for the longest list, which few groups need; not zeroed, so that unused memory costs nothing.
@@ -62,6 +65,7 @@ class Search {
         std::unique_ptr<float[]> across, along;
         std::unique_ptr<kernel::Room> room;
         std::unique_ptr<kernel::KrigingRoom> kriging;
+        std::shared_ptr<void> near_far;  // NearFar::Scratch, made when first needed
         kernel::CandidateList list;
         std::vector<unsigned char> keep;
         Samples::Place place;
@@ -85,6 +89,12 @@ class Search {
     // group], NaN if no neighbour has a value.
     void interpolate(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
                      std::span<const std::span<const double>> channels, std::span<double* const> out) const;
+
+    // Finds the neighbours of the group at its first trial radii: found[i * 8 + lane], in canonical order, rows of
+    // depth kernel::none_depth where there are fewer. They may lie beyond max_distance. Of the result, only `shallow`
+    // and `deep` are set.
+    kernel::Group neighbours(const Samples& samples, const Helix& helix, Index group, Index vertex_count,
+                             Scratch& scratch, kernel::Candidate* found, GroupResult& result) const;
 
     const kernel::Functions& functions() const { return *functions_; }
 
@@ -119,6 +129,7 @@ class Search {
     void shrink(const kernel::Box& box, kernel::Group& g, Scratch& scratch) const;
     void find_windows(const Samples& samples, const kernel::Group& g, Index used, Windows& windows) const;
     Index place_windows(const Windows& windows, const kernel::CandidateList& list, kernel::Group& g) const;
+    void set_reach(const Span& span, double square, GroupResult& result) const;
     void window_reach(const Samples& samples, const Windows& windows, const Span& span, GroupResult& result) const;
     double mean_across(const kernel::Group& g, const kernel::CandidateList& list) const;
     void find_turns(const Samples& samples, double low, double high, kernel::Group& g) const;
@@ -128,6 +139,7 @@ class Search {
     std::vector<double> toolface_;  // of the vertices of a turn
     kernel::Rules rules_;
     const kernel::Functions* functions_;
+    std::shared_ptr<const NearFar> near_far_;  // with Estimator::near_and_far only
 };
 
 }  // namespace helibore

@@ -3,10 +3,13 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "base/arithmetic.hpp"
 #include "base/messages.hpp"
 #include "base/threads.hpp"
+#include "helibore/error.hpp"
 #include "search/kernel/kernel.hpp"
 
 namespace helibore {
@@ -19,6 +22,20 @@ void require_positive(const char* name, double value) {
 void require_within(const char* name, Index value, Index least, Index most) {
     require(value >= least && value <= most, name, value,
             "must lie in " + std::to_string(least) + " to " + std::to_string(most));
+}
+
+void require_covariance(const Settings& settings) {
+    const std::vector<double>& values = settings.covariance;
+    const std::size_t n = values.size();
+    if (n != 5 && n != 8 && n != 11) throw InputError("covariance", "must have 5, 8 or 11 values", std::to_string(n));
+    for (std::size_t i = 0; i < n; ++i) {
+        const bool square = i == 1 || (i >= 2 && i % 3 == 2);
+        const auto [least, most] = square ? std::pair{1e-14, 1e2} : std::pair{1e-4, 1e6};
+        require(values[i] >= least && values[i] <= most, entry_name("covariance", static_cast<Index>(i)), values[i],
+                square ? "must lie in 1e-14 to 100" : "must lie in 0.0001 to 1000000");
+    }
+    if (settings.window)
+        throw InputError("window", "must not be given with near-and-far", std::to_string(*settings.window));
 }
 
 }  // namespace
@@ -40,7 +57,9 @@ void Settings::validate() const {
     if (stop_vertex) require_within("stop_vertex", *stop_vertex, first_vertex + 1, Index{1} << 40);
     require(!stop_vertex || !stop_depth, "stop_vertex", stop_vertex.value_or(0), "must not be given with a stop_depth");
     require_within("neighbors", neighbors, 1,
-                   estimator == Estimator::kriging ? kernel::max_kriged : kernel::max_neighbors);
+                   estimator == Estimator::near_and_far ? kernel::max_kriged / 3
+                   : estimator == Estimator::kriging    ? kernel::max_kriged
+                                                        : kernel::max_neighbors);
     if (window) require(*window >= 1, "window", *window, "must be at least 1");
     require_positive("power", power);
     require(power <= 100.0, "power", power, "must be at most 100");  // so that no exponent of a weight overflows
@@ -51,6 +70,7 @@ void Settings::validate() const {
     require_positive("angular_scale", angular_scale);
     require(angular_scale >= 0.001 && angular_scale <= 1000.0, "angular_scale", angular_scale,
             "must lie in 0.001 to 1000");
+    if (estimator == Estimator::near_and_far) require_covariance(*this);
     if (estimator == Estimator::kriging) require_positive("kriging_range", kriging_range);
     require(std::isfinite(nugget) && nugget >= 1e-6, "nugget", nugget, "must be finite and at least 1e-6");
     require_within("most_vertices", most_vertices, 1, largest_count);

@@ -100,6 +100,8 @@ def _check_settings(run: Run, why: str) -> None:
     if run.settings.image:
         raise InputError("image", why)
     wall = _settings(run)
+    if wall.estimator == "automatic":
+        raise InputError("wall.estimator", f"must be another one, because choosing it {why}", "'automatic'")
     if wall.estimator == "kriging" and wall.kriging_range is None:
         raise InputError("wall.kriging_range", f"must be a number, because finding it {why}")
 

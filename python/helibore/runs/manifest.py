@@ -196,7 +196,10 @@ def check_settings(job: Job, place: str) -> RunSettings:
     settings = run_settings(strip_maps(job.tree), place)
     if settings.wall is not None:
         try:
-            Wall(threads=1, **vars(settings.wall) | {"kriging_range": settings.wall.kriging_range or 1.0})
+            found: Json = {"kriging_range": settings.wall.kriging_range or 1.0}  # `reconstruct` finds both
+            if settings.wall.estimator == "automatic":
+                found["estimator"] = "inverse-distance"
+            Wall(threads=1, **vars(settings.wall) | found)
         except InputError as error:
             raise error.within(f"{place}: wall") from error
     return settings

@@ -261,6 +261,8 @@ def build_wall(
             caliper = made if isinstance(made, Caliper) else made.caliper
             if run.tune:
                 wall = _tune(run, wall, caliper, threads)
+            elif wall.estimator == "automatic":
+                wall = _choose(run, wall, caliper)
             run.built = reconstruct(made, threads=threads, **vars(wall))
             made_from = [one.file for one in (*settings.caliper, settings.average) if one is not None]
             if made_from:
@@ -320,6 +322,16 @@ def _tune(run: Run, wall: Settings, caliper: Caliper, threads: int | None) -> Se
     run.messages.append(("tuned", tuning.sentence))
     run.settings = replace(run.settings, wall=tuning.settings)
     return tuning.settings
+
+
+def _choose(run: Run, wall: Settings, caliper: Caliper) -> Settings:
+    """Return the settings of the wall with the estimator that suits its samples, and give them to the run."""
+    from helibore.wall.automatic import choose
+
+    choice = choose(caliper, wall)
+    run.messages.append(("estimator", choice.sentence))
+    run.settings = replace(run.settings, wall=choice.settings)
+    return choice.settings
 
 
 def add_images(wall: Wall, images: list[SectorImage]) -> list[tuple[str, str]]:

@@ -20,9 +20,10 @@ class WallSettings(TypedDict, total=False):
     max_iterations: int
     tolerance: float
     angular_scale: float
-    estimator: Literal["inverse-distance", "kriging"]
+    estimator: Literal["inverse-distance", "kriging", "near-and-far", "automatic"]
     kriging_range: float | None
     nugget: float
+    covariance: tuple[float, ...] | None
     sigma: bool
     direct: bool
     first_vertex: int

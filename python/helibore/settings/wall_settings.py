@@ -24,6 +24,7 @@ from helibore.settings.declared import (
 DISTANCE = Rule("must be above 0", lambda value: value > 0)
 ANGLE = Rule("must be above 0 and at most 360", lambda value: 0 < value <= 360)
 FINEST_NUGGET = Rule("must be finite and at least 1e-6", lambda value: 1e-6 <= value < float("inf"))
+COVARIANCE = Rule("must have 5, 8 or 11 values", lambda values: len(values) in (5, 8, 11))
 TOLERANCE = Rule("must be 0 or above", lambda value: value >= 0)
 
 
@@ -50,8 +51,8 @@ class Settings(Declared):
         "Toolface of the first vertex.",
     ] = 0.0  # fmt: skip
     neighbors: Annotated[int, within(1, 256), Option("8; kriging: 16"),
-        "Number of nearest samples that make a vertex. With kriging, at most 64; None: 8, with kriging 16. V in the "
-        "published method.",
+        "Number of nearest samples that make a vertex. With kriging, at most 64; with 'near-and-far' as many from each "
+        "of three sets, at most 21. None: 8; with kriging and 'near-and-far' 16. V in the published method.",
     ] = cast(int, None)  # fmt: skip  # becomes 8 or 16
     window: Annotated[int | None, at_least(1), Option("all"),
         "Search only this many samples around a vertex, as in the published method. They are consecutive in depth (U). "
@@ -71,11 +72,15 @@ class Settings(Declared):
         "lie above and below: 4 halves the error of many holes, whose shape changes little with depth "
         "(``bench/accuracy/angular_scale.py``). The published method is its Eq. 4.",
     ] = 1.0  # fmt: skip
-    estimator: Annotated[Literal["inverse-distance", "kriging"], Option(),
+    estimator: Annotated[Literal["inverse-distance", "kriging", "near-and-far", "automatic"], Option(),
         "Method that computes a radius from its neighbours. 'inverse-distance' is the published method; 'kriging' is "
         "ordinary kriging of the neighbours that the last estimate by inverse distance used, at its trial radius. "
         "Kriging weighs neighbours by how alike two radii are at their distance, so it averages out noise and follows "
-        "slopes. Its radius may lie outside the radii used, by at most half of their range.",
+        "slopes. Its radius may lie outside the radii used, by at most half of their range. 'near-and-far' is kriging "
+        "by ``covariance``, with neighbours that are near in the metric of its first term, near in that of its second "
+        "term, and far on all sides; a larger ``max_distance`` lets it use a shape that continues along the hole. "
+        "'automatic' fits a covariance to the samples and takes the cheapest of the three whose expected error is "
+        "within 3 % of the best; a live wall must be given one of the three.",
     ] = "inverse-distance"  # fmt: skip
     kriging_range: Annotated[float | None, METRES, POSITIVE, Option("helibore finds it"),
         "Distance from which two radii are not correlated. It counts in the metric of ``angular_scale`` (the "
@@ -86,6 +91,12 @@ class Settings(Declared):
     nugget: Annotated[float, FINEST_NUGGET, Option(),
         "Kriging: variance of the noise divided by variance of the shape.",
     ] = 0.1  # fmt: skip
+    covariance: Annotated[tuple[float, ...] | None, COVARIANCE,
+        "Covariance of the radii, for 'near-and-far'. A radius R (m), the noise variance of a sample (m^2), and for "
+        "each of one to three terms its variance (m^2), length around and length along the hole (m). The covariance of "
+        "two radii is the sum over the terms of variance (1 + a) exp(-a), with a^2 = 3 ((chord / around)^2 + (depth / "
+        "along)^2) and chord = 2 R sin(toolface difference / 2). None: not known.",
+    ] = None  # fmt: skip
     sigma: Annotated[bool,
         "Keep for each vertex the sums from which `Wall.sigma` is computed. `Wall.sigma` then need not estimate all "
         "vertices again. Radii do not depend on this setting.",
@@ -118,5 +129,5 @@ class Settings(Declared):
 
     def __post_init__(self) -> None:
         if self.neighbors is None:
-            object.__setattr__(self, "neighbors", 16 if self.estimator == "kriging" else 8)
+            object.__setattr__(self, "neighbors", 16 if self.estimator in ("kriging", "near-and-far") else 8)
         super().__post_init__()

@@ -141,6 +141,8 @@ def estimate_left_out(
     nuggets
         The nuggets of kriging for which `Estimates.by_nugget` has radii.
     """
+    if settings.estimator == "near-and-far":  # `helibore.wall.near_and_far` leaves samples out of it
+        raise InputError("estimator", "must be 'inverse-distance' or 'kriging' to be cross-validated", "'near-and-far'")
     depth, toolface, _ = samples
     nothing = np.zeros(rows.size)
     if trial is None:

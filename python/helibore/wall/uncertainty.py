@@ -13,13 +13,17 @@ divided by its standard deviation. So the true radius lies within 1.96 sigma of 
 places like those of the left-out samples. Sigma is NaN at places that are farther from the samples used than 98 % of
 the left-out samples are, and in gaps of the turn (`Wall.angular_gap` above `Settings.largest_gap`).
 
+With near and far neighbours, sigma is that of the covariance instead: the kriging variance of each radius, times the
+square of one factor, q / 1.96 within 0.85 to 2.5, from a few hundred left-out samples. There, a gap of the turn is
+measured within the greatest length of the covariance along the hole (0.5 to 15 m) above and below the vertex.
+
 If a tool leaves more than half of the turns unmeasured (few arms, telemetry), samples are too far apart to separate
 noise from shape. Then tau^2 (1 + W) replaces tau^2 W.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -29,10 +33,14 @@ from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.samples.helix import whole_helix
 from helibore.settings.wall_settings import Settings
-from helibore.wall.estimates import MOST_UNMEASURED, Columns, choose_left_out, estimate_left_out
+from helibore.wall.estimates import FEWEST_SAMPLES, MOST_UNMEASURED, Columns, choose_left_out, estimate_left_out
+from helibore.wall.near_and_far import Places, covariance_of
 from helibore.wall.wall_columns import WallColumns
 
 TARGETS = 2000
+_FEW_TARGETS = 300
+_FACTORS = (0.85, 2.5)
+_LONGEST_GAP = 15.0  # metres
 NORMAL_95 = 1.959964
 _FREEDOM = 5.0
 _MEDIAN_SQUARE = 0.455
@@ -155,12 +163,45 @@ def wall_sigma(wall: WallColumns, threads: int) -> Floats:
     if wall.basis != "azimuthal":
         return np.full(wall.radius.size, np.nan)
     depth, toolface, radius = wall.sample_columns[:3]
+    if wall.settings.estimator == "near-and-far":
+        return _near_and_far_sigma(wall, (depth, toolface, radius))
     calibration = calibrate((depth, toolface, radius), wall.settings, threads)
     sigma, unmeasured = calibration.sigma(wall.sums), _unmeasured(wall)
     if np.mean(unmeasured) > MOST_UNMEASURED:
         sigma = np.hypot(sigma, calibration.quantile / NORMAL_95 * calibration.noise)
     sigma[unmeasured] = np.nan
     return sigma
+
+
+def _near_and_far_sigma(wall: WallColumns, samples: Columns) -> Floats:
+    longest = max(term.along for term in covariance_of(wall.settings).terms)
+    gaps = replace(wall, settings=replace(wall.settings, gap_reach=float(np.clip(longest, 0.5, _LONGEST_GAP))))
+    sigma: Floats = near_and_far_factor(samples, wall.settings) * np.sqrt(wall.sums[0])
+    sigma[_unmeasured(gaps)] = np.nan
+    return sigma
+
+
+def near_and_far_factor(samples: Columns, settings: Settings) -> float:
+    """Return the factor of the kriging standard deviation, from samples that are left out with boxes around them.
+
+    It is 1 if there are too few samples to leave any out.
+    """
+    if samples[0].size < FEWEST_SAMPLES:
+        return 1.0
+    covariance = covariance_of(settings)
+    rows, boxes = choose_left_out(samples, settings, _FEW_TARGETS, 0, "for an uncertainty")
+    limit = np.inf if settings.max_distance is None else settings.max_distance
+    among = Places(samples, covariance, settings.neighbors, limit)
+    depth, toolface, radius = samples
+    found = np.array([
+        among.estimate((depth[row], toolface[row]), (height, width))
+        for row, height, width in zip(rows, *boxes, strict=True)
+    ])  # fmt: skip
+    share = np.abs(found[:, 0] - radius[rows]) / np.sqrt(found[:, 1] + covariance.noise)
+    share = share[np.isfinite(share)]
+    if not share.size:
+        return 1.0
+    return float(f"{np.clip(np.quantile(share, 0.95) / NORMAL_95, *_FACTORS):.6g}")  # six digits: as in `calibrate`
 
 
 def _unmeasured(wall: WallColumns) -> np.ndarray:

@@ -77,6 +77,8 @@ class Wall(WallReads):
         check_basis(basis)
         self._basis = basis
         self._settings = Settings(bit_diameter=bit_diameter, **settings)
+        if self._settings.estimator == "automatic":
+            raise InputError("estimator", "must be another one where samples arrive later", "'automatic'")
         if self._settings.estimator == "kriging" and self._settings.kriging_range is None:
             raise InputError("kriging_range", "must be given where samples arrive later; reconstruct() finds it")
         self._threads = thread_count(threads)
@@ -437,6 +439,11 @@ def wall_of(
     **settings: Unpack[WallSettings],
 ) -> Wall:
     """Return a wall made from the samples of ``caliper``; the parameters are those of `helibore.reconstruct`."""
+    if settings.get("estimator") == "automatic":
+        from helibore.wall.automatic import choose
+
+        found = choose(caliper, Settings(bit_diameter=bit_diameter, **settings)).settings
+        return wall_of(caliper, path=path, threads=threads, **vars(found))
     if settings.get("estimator") == "kriging" and settings.get("kriging_range") is None:
         checked = Settings(bit_diameter=bit_diameter, **settings)
         Wall(**vars(checked) | {"kriging_range": 1.0})  # the core checks the other settings

@@ -50,6 +50,7 @@ def folder(written: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Pa
         ((*BIT, "--gauge", "--image", "g.csv:GR:edge", "--survey", "s.csv"), "m.glb"),
         ((*BIT, "--average", "a.csv:cali_m", "--image", "g.csv:GR:edge:north", "--survey", "s.csv"), "m.wall"),
         ((*BIT, "-s", "wall.pitch=-73mm", "-s", "wall.sectors=24", "-s", "wall.max_distance=none", "c.csv"), "m.ply"),
+        ((*BIT, "-s", "wall.pitch=0.5m", "-s", "wall.estimator=automatic", "c.csv"), "m.ply"),
         (("w.wall", "--image", "g.csv:GR:centre:high-side", "--shell", "5cm", "--shell", "3.3in"), "m.vtu"),
         (("w.wall", "--from", "1002", "--to", "1004.1", "--survey", "s.csv", "-s", "path.head=-10m,20,900"), "m.obj"),
         (("w.glb.toml", "--color-by", "radius"), "m.vtp"),

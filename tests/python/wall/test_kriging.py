@@ -44,7 +44,16 @@ def test_agrees_with_the_reference(case: dict[str, Any]) -> None:
 
 
 def vars_of(wall: hb.Wall) -> dict[str, Any]:
-    apart = ("direct", "sigma", "gap_reach", "largest_gap", "most_vertices", "first_vertex", "stop_vertex")
+    apart = (
+        "covariance",
+        "direct",
+        "sigma",
+        "gap_reach",
+        "largest_gap",
+        "most_vertices",
+        "first_vertex",
+        "stop_vertex",
+    )
     return {name: value for name, value in vars(wall.settings).items() if name not in apart}
 
 
@@ -118,7 +127,10 @@ def test_neighbors_follow_the_estimator() -> None:
 
 
 BAD = [
-    ({"estimator": "spline"}, "estimator = 'spline': must be one of inverse-distance, kriging"),
+    (
+        {"estimator": "spline"},
+        "estimator = 'spline': must be one of inverse-distance, kriging, near-and-far, automatic",
+    ),
     ({"estimator": "kriging"}, "kriging_range: must be given where samples arrive later; reconstruct() finds it"),
     ({"estimator": "kriging", "kriging_range": 0.0}, "kriging_range = 0: must be finite and above 0"),
     ({"estimator": "kriging", "kriging_range": 1, "neighbors": 65}, "neighbors = 65: must lie in 1 to 64"),

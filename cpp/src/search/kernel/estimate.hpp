@@ -245,6 +245,12 @@ Verdict estimate(Group& g, const CandidateList& list, const Rules& rules, const 
         reach.store(g.reach_square);
         least_trial.store(g.least_trial);
         height_square.store(g.height_square);
+        if (list.found) {  // of the vertices that are done now
+            const unsigned done = P::bits(P::less(P::blend(active, P(1.0), P(0.0)), P::load(g.active)));
+            for (int lane = 0; lane < lanes; ++lane)
+                if (done >> lane & 1)
+                    for (int i = lane; i < rules.neighbors * lanes; i += lanes) list.found[i] = list.rows[at[i]];
+        }
         if (rules.range > 0.0 || rules.sums) {  // completes the vertices that are done now and have neighbours
             const auto done = P::less(P(0.0), P::blend(active, P(0.0), P::min(P::load(g.active), P::load(g.support))));
             if (any(done)) complete(g, list, rules, at, current, done);

@@ -69,6 +69,16 @@ struct alignas(64) KrigingRoom {
     double values[lanes * (max_kriged * (max_kriged + 3) + 2)];
 };
 
+// Settings::covariance, as the kernel reads it: squares of distances times these factors are 3 h^2.
+inline constexpr int max_terms = 3;
+struct CovarianceRule {
+    int terms;
+    double variance[max_terms];
+    double around[max_terms];  // 3 (2 R / around)^2: of the squared sine of half the toolface difference
+    double along[max_terms];   // 3 / along^2
+    double noise, radius;      // radius: R
+};
+
 // Columns of list_capacity + 1 values; `across` and `along` have 16 more, which may be read. Positions from count on,
 // up to the next multiple of 16, and list_capacity itself hold "none": depth none_depth, toolface and radius 0; in the
 // narrow columns 0 and narrow_none.
@@ -80,7 +90,8 @@ struct CandidateList {
     const float* narrow_position;  // floats with these bits
     std::int64_t count;
     Room* room;
-    KrigingRoom* kriging;  // null unless Rules::range is above 0
+    KrigingRoom* kriging;        // null unless Rules::range is above 0
+    Candidate* found = nullptr;  // if set, receives the neighbours: found[i * lanes + lane], in canonical order
 };
 
 // Writes first + i to `out` for each bit i that is set in a mask of 16 bits. Returns how many bits are set; `out` has
@@ -188,6 +199,9 @@ struct Functions {
     void (*nominate)(Group& group, const CandidateList& list, const Rules& rules, const Box& box, unsigned char* keep);
     // Estimates the group once, at its trial radii, from the candidates at[0], at[lanes], ...: radii and sums.
     void (*estimate_from)(Group& group, const CandidateList& list, const Rules& rules, const std::int32_t* at);
+    // Kriges the group by a covariance from rows[i * lanes + lane], i < g.support[lane], and n is the greatest support.
+    // Sets g.radius, and g.sums.square_weights to the kriging variance.
+    void (*krige_near_far)(Group& group, const Candidate* rows, int n, const CovarianceRule& rule, KrigingRoom& room);
     // Writes the standard uncertainties of n vertices to `sigma`, computed from their sums. n is a multiple of `lanes`.
     void (*sigma)(const double* const sums[sum_count], std::int64_t n, const SigmaRule& rule, double* sigma);
 };

@@ -61,16 +61,17 @@ inline void fill_system(const Group& g, const CandidateList& list, const Rules& 
     }
 }
 
-// The radius, and the sum of the squared weights (0 unless `with_squares`).
+// The radius, the sum of the squared weights (0 unless `with_squares`), and the kriging variance less that of the
+// shape.
 template <class P>
 struct Kriged {
-    P radius, squares;
+    P radius, squares, excess;
 };
 
 // Eliminates row by row; the sums of products of the last three columns are then 1' A^-1 1, 1' A^-1 r and so on.
 template <class P>
 inline Kriged<P> solve_system(KrigingSystem<P>& system, int n, double nugget, P trial, bool with_squares) {
-    P ones(0.0), mean(0.0), toward(0.0), radius(0.0);
+    P ones(0.0), mean(0.0), toward(0.0), radius(0.0), explained(0.0);
     for (int k = 0; k < n; ++k) {
         const P* pivot = system.row[k];
         const P inverse = P(1.0) / P::max(pivot[k], P(nugget));
@@ -84,6 +85,7 @@ inline Kriged<P> solve_system(KrigingSystem<P>& system, int n, double nugget, P 
         mean = mean + one * pivot[n + 1];
         toward = toward + one * pivot[n + 2];
         radius = radius + covariance * pivot[n + 1];
+        explained = explained + covariance * pivot[n + 2];
     }
     mean = mean / ones;
     radius = trial + (mean + (radius - mean * toward));
@@ -100,7 +102,8 @@ inline Kriged<P> solve_system(KrigingSystem<P>& system, int n, double nugget, P 
             squares = squares + weight[k] * weight[k];
         }
     }
-    return {radius, squares};
+    const P open = P(1.0) - toward;
+    return {radius, squares, open * open / ones - explained};
 }
 
 // Returns the kriged radius of each vertex. `at`: the positions of its neighbours at the trial radius. The result of a

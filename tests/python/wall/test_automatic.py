@@ -1,0 +1,150 @@
+"""The estimator 'automatic': what it finds in known holes, settings that repeat the wall, few samples."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from reference import Floats, exactly
+
+import helibore as hb
+from helibore.wall.automatic import choose
+from helibore.wall.covariance import Covariance, Term, choose_blocks, fit_covariance
+from helibore.wall.near_and_far import Places
+
+BIT = 0.216
+
+
+def oval(depth: Floats, toolface: Floats) -> Floats:
+    return np.asarray(0.11 + 0.006 * np.cos(2.0 * np.radians(toolface - 30.0 - 2.0 * depth)))
+
+
+def four_arms(length: float = 20.0) -> hb.Caliper:
+    depth = np.repeat(np.arange(0.0, length, 0.05), 4)
+    toolface = (depth * 12.0 + np.tile([0.0, 90.0, 180.0, 270.0], depth.size // 4)) % 360.0
+    noise = np.random.default_rng(3).normal(0.0, 3e-4, depth.size)
+    return hb.Caliper(depth, toolface, oval(depth, toolface) + noise)
+
+
+@pytest.fixture(scope="module")
+def wall() -> hb.Wall:
+    return hb.reconstruct(four_arms(), bit_diameter=BIT, estimator="automatic")
+
+
+def test_four_arms_of_an_oval_hole_are_joined_by_its_shape(wall: hb.Wall) -> None:
+    default = hb.reconstruct(four_arms(), bit_diameter=BIT)
+    off = [np.sqrt(np.mean((of.radius - oval(of.depth, of.toolface)) ** 2)) for of in (wall, default)]
+    assert wall.settings.estimator == "near-and-far"
+    assert off[0] < 0.3 * off[1]
+
+
+def test_the_settings_found_repeat_the_wall_bit_for_bit(wall: hb.Wall, tmp_path: Path) -> None:
+    again = hb.reconstruct(four_arms(), **vars(wall.settings))
+    np.testing.assert_array_equal(again.radius, wall.radius)
+    wall.save(tmp_path / "found.wall")
+    loaded = hb.load(tmp_path / "found.wall")
+    assert loaded.settings == wall.settings
+    np.testing.assert_array_equal(loaded.radius, wall.radius)
+    assert choose(four_arms(), hb.Settings(bit_diameter=BIT, estimator="automatic")).settings == wall.settings
+
+
+def test_sigma_holds_the_truth_where_it_is_stated(wall: hb.Wall) -> None:
+    sigma, off = wall.sigma, np.abs(wall.radius - oval(wall.depth, wall.toolface))
+    known = np.isfinite(sigma)
+    assert known.mean() > 0.5
+    assert np.mean(off[known] <= 1.96 * sigma[known]) > 0.85
+    assert np.median(sigma[known]) < 1e-3
+
+
+def test_arms_that_do_not_turn_leave_gaps_without_a_sigma() -> None:
+    depth = np.repeat(np.arange(0.0, 10.0, 0.05), 4)
+    toolface = np.tile([10.0, 100.0, 190.0, 280.0], depth.size // 4)
+    caliper = hb.Caliper(depth, toolface, oval(0.0 * depth, toolface))
+    covariance = (0.11, 1e-8, 1e-7, 0.05, 0.06, 2e-5, 0.1, 5.0)
+    wall = hb.reconstruct(caliper, bit_diameter=BIT, estimator="near-and-far", covariance=covariance)
+    assert np.isnan(wall.sigma).mean() > 0.8
+
+
+def test_dense_samples_of_a_rough_hole_take_the_cheapest_estimator_near_the_best() -> None:
+    rng = np.random.default_rng(5)
+    depth = np.sort(rng.uniform(0.0, 3.0, 9000))
+    toolface = rng.uniform(0.0, 360.0, depth.size)
+    caliper = hb.Caliper(depth, toolface, oval(depth, toolface) + rng.normal(0.0, 2e-4, depth.size))
+    choice = choose(caliper, hb.Settings(bit_diameter=BIT, estimator="automatic"))
+    errors = list(choice.errors.values())
+    cheapest = next(name for name, of in choice.errors.items() if of <= 1.03 * min(errors))
+    assert choice.settings.estimator == cheapest
+    assert errors[1] < errors[0]
+
+
+FEW = {
+    "few": (np.arange(20.0), np.arange(20.0) * 17, np.full(20, 0.1) + np.arange(20) * 1e-4),
+    "constant": (np.arange(200.0), np.arange(200.0) * 17, np.full(200, 0.1)),
+}
+
+
+@pytest.mark.parametrize(("name", "reason"), [("few", "too few"), ("constant", "equal")])
+def test_samples_that_say_nothing_take_inverse_distance_and_say_so(name: str, reason: str) -> None:
+    wall = hb.reconstruct(hb.Caliper(*FEW[name]), bit_diameter=BIT, estimator="automatic")
+    assert wall.settings.estimator == "inverse-distance"
+    assert reason in choose(hb.Caliper(*FEW[name]), hb.Settings(bit_diameter=BIT, estimator="automatic")).sentence
+    np.testing.assert_array_equal(wall.radius, hb.reconstruct(hb.Caliper(*FEW[name]), bit_diameter=BIT).radius)
+
+
+ODD = {
+    "one depth": (np.full(300, 5.0), np.arange(300) * 1.2, 0.1 + 1e-3 * np.sin(np.arange(300.0))),
+    "one position": (np.full(300, 5.0), np.full(300, 10.0), 0.1 + 1e-3 * np.sin(np.arange(300.0))),
+    "one line": (np.arange(300) * 0.05, np.full(300, 10.0), 0.1 + 1e-3 * np.sin(np.arange(300.0))),
+}
+
+
+@pytest.mark.parametrize("name", ODD)
+def test_odd_positions_have_a_value_and_a_sigma(name: str) -> None:
+    wall = hb.reconstruct(hb.Caliper(*ODD[name]), bit_diameter=BIT, estimator="automatic", sectors=8)
+    assert np.isfinite(wall.radius).any()
+    if name != "one position":
+        assert wall.sigma.shape == wall.radius.shape
+
+
+def test_a_live_wall_must_be_given_an_estimator() -> None:
+    text = "estimator = 'automatic': must be another one where samples arrive later"
+    with pytest.raises(hb.InputError, match=exactly(text)):
+        hb.Wall(bit_diameter=BIT, estimator="automatic")
+
+
+def test_a_covariance_is_found_again_in_samples_drawn_from_it() -> None:
+    truth = Covariance((Term(1e-6, 0.05, 0.06), Term(9e-6, 0.1, 1.0)), 1e-7, 0.11)
+    rng = np.random.default_rng(6)
+    depth, toolface = np.sort(rng.uniform(0.0, 6.0, 700)), rng.uniform(0.0, 360.0, 700)
+    matrix = truth.at(toolface[:, None] - toolface, depth[:, None] - depth) + truth.noise * np.eye(700)
+    radius = 0.11 + np.linalg.cholesky(matrix) @ rng.normal(size=700)
+    found = fit_covariance((depth, toolface, radius))
+    assert found is not None
+    for turn, along in ((20.0, 0.0), (0.0, 0.1), (60.0, 0.5)):
+        expected = float(truth.variance - truth.at(np.array(turn), np.array(along)))
+        assert float(found.variance - found.at(np.array(turn), np.array(along))) == pytest.approx(expected, rel=0.5)
+
+
+def test_blocks_hold_samples_of_their_window() -> None:
+    depth = np.sort(np.random.default_rng(1).uniform(0.0, 50.0, 3000))
+    toolface = np.random.default_rng(3).uniform(0.0, 360.0, depth.size)
+    rows = choose_blocks(depth, toolface, 0.11, np.random.default_rng(2))
+    assert rows.shape == (72, 64)
+    assert all(np.unique(block).size == 64 for block in rows)
+    spans = np.ptp(depth[rows], axis=1).reshape(6, 12).mean(axis=1)
+    assert np.all(np.diff(spans[2:]) > 0)
+
+
+def test_the_expected_error_of_kriging_weights_is_the_kriging_variance() -> None:
+    rng = np.random.default_rng(8)
+    depth, toolface = np.sort(rng.uniform(0.0, 3.0, 200)), rng.uniform(0.0, 360.0, 200)
+    covariance = Covariance((Term(1e-6, 0.05, 0.06), Term(9e-6, 0.1, 1.0)), 1e-7, 0.11)
+    places = Places((depth, toolface, np.full(200, 0.1)), covariance, 8, 1.0)
+    place = (1.4, 33.0)
+    rows = places.neighbours(place)
+    one = np.ones(rows.size)
+    inverse = np.linalg.inv(places.between(rows))
+    toward = places.toward(rows, place)
+    weights = inverse @ (toward + one * (1.0 - one @ inverse @ toward) / (one @ inverse @ one))
+    assert places.square_error(rows, weights, place) == pytest.approx(places.estimate(place)[1], rel=1e-9)

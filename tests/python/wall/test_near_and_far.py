@@ -1,0 +1,202 @@
+"""Kriging with near and far neighbours: against a brute-force reference, its laws, and few or equal samples."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from reference import Floats, exactly, random_hole
+
+import helibore as hb
+
+BIT = 0.216
+TWO = (0.11, 1e-7, 4e-7, 0.05, 0.06, 9e-6, 0.1, 1.5)
+THREE = (0.11, 1e-6, 1e-6, 0.2, 0.1, 4e-6, 0.05, 0.3, 1e-6, 0.01, 0.02)
+ONE = (0.1, 1e-8, 4e-6, 0.08, 0.2)
+
+
+def near_and_far(columns: tuple[Floats, ...], **settings: Any) -> hb.Wall:
+    settings = {"covariance": TWO, "sectors": 20, "pitch": 0.25} | settings
+    return hb.reconstruct(hb.Caliper(*columns), bit_diameter=BIT, estimator="near-and-far", **settings)
+
+
+def arcs(toolface: Floats, at: Floats, radius: float) -> Floats:
+    return np.asarray(np.radians(np.abs((toolface - at + 180.0) % 360.0 - 180.0)) * radius)
+
+
+def thinned(depth: Floats, toolface: Floats, radius: float, around: float, along: float) -> list[int]:
+    """The first sample of each cell, sample by sample."""
+    columns = int(np.ceil(2.0 * np.pi * radius / (0.35 * around)))
+    seen: set[tuple[int, int]] = set()
+    first = []
+    for row, (at, angle) in enumerate(zip(depth, toolface, strict=True)):
+        cell = int(np.floor(at / (0.35 * along))), min(int(angle * (columns / 360.0)), columns - 1)
+        if cell not in seen:
+            seen.add(cell)
+            first.append(row)
+    return first
+
+
+def reference(columns: tuple[Floats, ...], wall: hb.Wall) -> tuple[Floats, Floats, Floats]:
+    """Radius, variance and number of neighbours of each vertex, from all samples and by the bordered system."""
+    depth, toolface, radius = (column[np.lexsort(columns[1::-1])] for column in columns)
+    settings = wall.settings
+    assert settings.covariance is not None
+    at, noise, *values = settings.covariance
+    terms = [tuple(values[i : i + 3]) for i in range(0, len(values), 3)]
+    limit = settings.max_distance or np.inf
+
+    def covariance(turn: Floats, along: Floats) -> Floats:
+        chord = 2.0 * at * np.sin(np.radians(turn) / 2.0)
+        a = [np.sqrt(3.0 * ((chord / around) ** 2 + (along / length) ** 2)) for _, around, length in terms]
+        return np.asarray(sum(term[0] * (1.0 + x) * np.exp(-x) for term, x in zip(terms, a, strict=True)))
+
+    long = terms[min(1, len(terms) - 1)]
+    far = np.isin(np.arange(depth.size), thinned(depth, toolface, at, *long[1:]))
+    found = []
+    for place, angle in zip(wall.depth, wall.toolface, strict=True):
+        across, along = arcs(toolface, angle, at), np.abs(depth - place)
+        within = np.hypot(across, along) <= limit
+        rows: set[int] = set()
+        for term, of in ((terms[0], within), (long, within), (long, within & far)):
+            square = np.where(of, (across / term[1]) ** 2 + (along / term[2]) ** 2, np.inf)
+            rows |= set(np.argsort(square, kind="stable")[: min(settings.neighbors, of.sum())].tolist())
+        near = sorted(rows)
+        if not near:
+            found.append((np.nan, np.nan, 0))
+            continue
+        n = len(near)
+        matrix = np.ones((n + 1, n + 1))
+        matrix[n, n] = 0.0
+        turn, apart = toolface[near][:, None] - toolface[near], depth[near][:, None] - depth[near]
+        matrix[:n, :n] = covariance(turn, apart) + noise * np.eye(n)
+        toward = np.append(covariance(toolface[near] - angle, depth[near] - place), 1.0)
+        weights = np.linalg.solve(matrix, toward)
+        variance = sum(term[0] for term in terms) - weights @ toward
+        low, half = radius[near].min(), 0.5 * np.ptp(radius[near])
+        found.append((np.clip(weights[:n] @ radius[near], low - half, low + 3.0 * half), variance, n))
+    return tuple(np.array(found).T)
+
+
+CASES: list[dict[str, Any]] = [
+    {"shape": "round", "n": 900, "length": 3.0},
+    {"shape": "oval", "n": 1500, "length": 6.0, "covariance": THREE},
+    {"shape": "spiral", "n": 700, "length": 9.0, "covariance": ONE, "neighbors": 21},
+    {"shape": "broken", "n": 120, "length": 30.0, "max_distance": 0.3, "neighbors": 12},
+    {"shape": "washed", "n": 60, "length": 12.0, "max_distance": None},
+    {"shape": "washed", "n": 400, "length": 4.0, "neighbors": 1, "max_distance": 5.0},
+]
+
+
+@pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case['shape']}-{CASES.index(case)}")
+def test_agrees_with_the_reference(case: dict[str, Any]) -> None:
+    settings = {name: value for name, value in case.items() if name not in ("shape", "n", "length")}
+    columns = random_hole(40 + CASES.index(case), case["shape"], case["n"], case["length"])
+    wall = near_and_far(columns, sigma=True, **settings)
+    radius, variance, support = reference(columns, wall)
+    np.testing.assert_array_equal(wall.support, support)
+    np.testing.assert_allclose(wall.radius, radius, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(wall._core.sums()[0] ** 0.5, variance**0.5, rtol=0, atol=1e-7)
+
+
+SPLITS = [{}, {"covariance": THREE}, {"max_distance": 4.0, "neighbors": 5}, {"max_distance": None}, {"pitch": -0.25}]
+
+
+@pytest.mark.parametrize("settings", SPLITS, ids=str)
+def test_any_split_threads_and_instructions_give_the_same_bits(settings: dict[str, Any]) -> None:
+    rng = np.random.default_rng(7)
+    depth, toolface, radius = random_hole(8, "spiral", 1200, 8.0)
+    time = rng.random(depth.size)
+    given = {"bit_diameter": BIT, "estimator": "near-and-far", "covariance": TWO, "sectors": 20, "pitch": 0.25}
+    given |= {"start_depth": float(depth.max() if settings.get("pitch") else depth.min())} | settings
+    whole = hb.Wall(**given, threads=1, instruction_set="plain")
+    whole.append(depth, toolface, radius, time)
+    parts = hb.Wall(**given, threads=3)
+    before = np.empty(0)
+    for rows in np.array_split(rng.permutation(depth.size), 6):
+        change = parts.append(depth[rows], toolface[rows], radius[rows], time[rows])
+        changed = np.ones(len(parts), dtype=bool)
+        same = min(before.size, len(parts))
+        now = parts.radius
+        changed[:same] = ~((now[:same] == before[:same]) | (np.isnan(now[:same]) & np.isnan(before[:same])))
+        told = np.zeros(len(parts), dtype=bool)
+        for start, stop in change.ranges:
+            told[start:stop] = True
+        assert not np.any(changed & ~told)
+        before = now
+    for name in ("radius", "nearest", "support"):
+        np.testing.assert_array_equal(getattr(parts, name), getattr(whole, name))
+
+
+def test_nothing_above_settled_changes_while_the_hole_gets_deeper() -> None:
+    depth, toolface, radius = random_hole(9, "oval", 2000, 10.0)
+    order = np.argsort(depth, kind="stable")
+    wall = near_and_far(
+        tuple(column[:0] for column in (depth, toolface, radius)), start_depth=float(depth.min()), max_distance=1.5
+    )
+    kept, settled = np.empty(0), 0
+    for rows in np.array_split(order, 8):
+        change = wall.append(depth[rows], toolface[rows], radius[rows])
+        np.testing.assert_array_equal(wall.radius[:settled], kept[:settled])
+        kept, settled = wall.radius, change.settled
+    assert settled > len(wall) / 2
+
+
+def test_samples_within_reach_decide_a_stretch() -> None:
+    columns = random_hole(10, "round", 1500, 12.0)
+    start = float(columns[0].min())
+    wall = near_and_far(columns, start_depth=start, max_distance=2.0)
+    first, stop = 400, 600
+    shallow, deep = wall.reach(first, stop)
+    some = (columns[0] >= shallow) & (columns[0] <= deep)
+    assert some.mean() < 0.9
+    part = near_and_far(
+        tuple(column[some] for column in columns), start_depth=start, max_distance=2.0, first_vertex=first,
+        stop_vertex=stop,
+    )  # fmt: skip
+    np.testing.assert_array_equal(part.radius, wall.radius[first:stop])
+
+
+DEGENERATE = {
+    "one sample": ([1.0], [0.0], [0.1]),
+    "equal positions": ([1.0] * 40, [10.0] * 40, [0.1, 0.12] * 20),
+    "one line along the hole": (np.linspace(0, 2, 40), [10.0] * 40, np.linspace(0.1, 0.12, 40)),
+    "one depth": ([1.0] * 600, np.arange(600) * 0.6, [0.1, 0.12] * 300),
+}
+
+
+@pytest.mark.parametrize("name", DEGENERATE)
+def test_degenerate_neighbourhoods_have_a_radius_and_a_constant_stays(name: str) -> None:
+    columns = tuple(np.asarray(of, dtype=float) for of in DEGENERATE[name])
+    wall = near_and_far(columns, sectors=8, start_depth=0.5, stop_depth=1.5)
+    assert np.isfinite(wall.radius).any()
+    half = np.ptp(columns[2]) / 2
+    reached = wall.support > 0
+    assert np.all((wall.radius >= columns[2].min() - half)[reached])
+    assert np.all((wall.radius <= columns[2].max() + half)[reached])
+    constant = near_and_far((*columns[:2], np.full(columns[0].size, 0.1234567)), sectors=8)
+    assert np.all(constant.radius == 0.1234567)
+
+
+def test_values_carried_with_the_samples_are_kriged_like_the_radius() -> None:
+    columns = random_hole(11, "oval", 900, 4.0)
+    wall = near_and_far(columns)
+    again = wall.interpolate_samples(wall.samples.radius, on="vertices")
+    np.testing.assert_allclose(again, wall.radius, rtol=0, atol=1e-12)
+
+
+BAD = [
+    ({"covariance": (0.1, 1e-7)}, "covariance = (0.1, 1e-07): must have 5, 8 or 11 values"),
+    ({"covariance": (0.1, 1e-7, 1e-6, 0.0, 0.1)}, "covariance[3] = 0: must lie in 0.0001 to 1000000"),
+    ({"covariance": (0.1, np.nan, 1e-6, 0.1, 0.1)}, "covariance[1] = nan: must lie in 1e-14 to 100"),
+    ({"covariance": ONE, "neighbors": 22}, "neighbors = 22: must lie in 1 to 21"),
+    ({"covariance": ONE, "window": 5}, "window = 5: must not be given with near-and-far"),
+    ({}, "covariance = 0: must have 5, 8 or 11 values"),
+]
+
+
+@pytest.mark.parametrize(("settings", "text"), BAD, ids=[text for _, text in BAD])
+def test_bad_settings(settings: dict[str, Any], text: str) -> None:
+    with pytest.raises(hb.InputError, match=exactly(text)):
+        hb.Wall(bit_diameter=BIT, estimator="near-and-far", **settings)
