@@ -25,7 +25,7 @@ for number in range(3):
     manifest += f'[[well]]\nname = "W{number}"\ncaliper = "{number}.parquet"\n'
 (field / "manifest.toml").write_text(manifest)
 
-with Client(processes=False, dashboard_address=None) as client:  # or Client("tcp://scheduler:8786")
+with Client(processes=False, dashboard_address=None) as client:  # or Client("tls://scheduler:8786")
     for _ in range(2):
         report = hb.reprocess(field / "manifest.toml", client)
         print(report.sentence(), report.failed)

@@ -216,7 +216,8 @@ def apart(folder: Path) -> None:
                     if len(client.scheduler_info()["workers"]) == 2:
                         break
                 time.sleep(0.2)
-            done = subprocess.run([*command, "--scheduler", address], env=environment | given, check=False,
+            done = subprocess.run([*command, "--insecure-scheduler", "--scheduler", address],
+                                  env=environment | given, check=False,
                                   capture_output=True, text=True, cwd=empty)  # fmt: skip
             print(done.stdout.strip(), done.stderr.strip().splitlines()[-1:], done.returncode)
             found = taken()
@@ -248,7 +249,10 @@ def scheduler(folder: Path) -> None:
             command = [sys.executable, "-m", "helibore", "reprocess", str(manifest), "-o", str(out)]
             address = json.loads(file.read_text())["address"]
             with subprocess.Popen(
-                [*command, "--scheduler", address], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+                [*command, "--insecure-scheduler", "--scheduler", address],
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                text=True,
             ) as process:
                 while process.poll() is None and len(list(out.glob("records/*.json"))) < 2:
                     time.sleep(0.01)

@@ -29,7 +29,9 @@ FAILED = 3
 @section(
     "Options",
     opt("-o --output", "Folder of the results, at any fsspec address.  [output in the manifest]"),
-    opt("--scheduler", "Address of a Dask scheduler, tcp://host:8786.  [a cluster on this machine]", metavar="ADDRESS"),
+    opt("--scheduler", "Address of a Dask scheduler, tls://host:8786.  [a cluster on this machine]", metavar="ADDRESS"),
+    opt("--insecure-scheduler", "Allow a scheduler without TLS; whoever reaches it can run code here.", is_flag=True),
+    opt("--dashboard", "Serve Dask's dashboard, to every user of this machine.", is_flag=True),
     opt(
         "--workers",
         "Number of processes on this machine.  [one for each processor]",
@@ -40,13 +42,19 @@ FAILED = 3
 )
 @click.argument("manifest", nargs=-1, required=True, metavar="[status] MANIFEST")
 def reprocess(
-    manifest: tuple[str, ...], output: str | None, scheduler: str | None, workers: int | None, quiet: bool
+    manifest: tuple[str, ...],
+    output: str | None,
+    scheduler: str | None,
+    insecure_scheduler: bool,
+    dashboard: bool,
+    workers: int | None,
+    quiet: bool,
 ) -> None:
     """Rebuild the walls of the wells of MANIFEST: archives, meshes, logs, zones and one catalogue of all wells.
 
     \b
     helibore reprocess manifest.toml
-    helibore reprocess wells.parquet -o s3://field/walls --scheduler tcp://host:8786
+    helibore reprocess wells.parquet -o s3://field/walls --scheduler tls://host:8786
     helibore reprocess status manifest.toml
 
     MANIFEST is TOML, or a Parquet table with one row a well. A well whose outputs exist, from the same files and
@@ -78,7 +86,9 @@ def reprocess(
                 _show(progress)
 
         try:
-            found = run(jobs, scheduler, workers=workers, progress=show)
+            found = run(
+                jobs, scheduler, workers=workers, insecure=insecure_scheduler, dashboard=dashboard, progress=show
+            )
         except KeyboardInterrupt:
             counts = f"; {seen[0].sentence()}" if seen else ""
             click.echo(f"\nstopped{counts}: run the command again to go on, and to write the catalogue", err=True)
@@ -99,10 +109,11 @@ def reprocess(
 def _show(progress: Progress) -> None:
     """Show the progress in a line. On a terminal it replaces the previous line; elsewhere at most ten lines are shown.
 
-    Before the first well is finished, show the address of Dask's dashboard instead.
+    Before the first well is finished, show their number, and the address of Dask's dashboard if it is served.
     """
     if not progress.finished:
-        click.echo(f"Dask shows its work at {progress.dashboard}", err=True)
+        shown = f"; Dask shows its work at {progress.dashboard}" if progress.dashboard else ""
+        click.echo(f"making {progress.wells} wells{shown}", err=True)
         return
     known = progress.finished < progress.wells and math.isfinite(progress.seconds_left)
     left = f", {progress.seconds_left:.0f} s left" if known else ""

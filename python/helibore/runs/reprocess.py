@@ -10,6 +10,7 @@ scheduler the wells run on this machine, with one worker per processor and one c
 from __future__ import annotations
 
 import contextlib
+import tempfile
 import time
 import uuid
 from collections.abc import Callable, Iterator, Sequence
@@ -24,6 +25,7 @@ from helibore.base.errors import InputError, MissingExtraError, needs
 from helibore.base.thread_count import thread_count
 from helibore.files.log_writing import write_parquet
 from helibore.files.reading import check_library, ending_of
+from helibore.runs import fault_notes
 from helibore.runs.main_guard import check_main_guard
 from helibore.runs.manifest import Job, check_files, read_jobs
 from helibore.runs.output_store import Json, Store
@@ -43,13 +45,16 @@ if TYPE_CHECKING:
 
 CATALOGUE, FAILURES = "catalogue.parquet", "failures.json"
 DEATHS = 30
-"""Dask fails a task if more workers than this die during it. Dask's default, 3, can fail a good task."""
+"""Dask fails a task if more workers than this die that had been given it. Most of these had not begun the task; the
+notes of `fault_notes` say which had. Dask's default, 3, can fail a good task."""
 QUIET = {
     "distributed.worker.profile.enabled": False,
     "distributed.admin.tick.interval": "500ms",
     "distributed.admin.system-monitor.interval": "2s",
 }
 """Dask settings for local workers; Dask's default self-monitoring takes a large share of the time of a small well."""
+SILENT: dict[str, list[str]] = {"distributed.scheduler.http.routes": [], "distributed.worker.http.routes": []}
+"""Dask settings without a dashboard: the HTTP servers that Dask starts in any case answer every request with 404."""
 IGNORE_CTRL_C = ["helibore.runs.ignore_ctrl_c"]
 """Modules that each worker of this machine loads."""
 TRIES = 3
@@ -67,7 +72,7 @@ class Progress:
     warnings: dict[str, str] = field(default_factory=dict)  # by well: the warnings on its wall
     unwritten: dict[str, str] = field(default_factory=dict)  # by file (catalogue, failures): why it is not written
     seconds: float = 0.0
-    dashboard: str | None = None  # address of Dask's dashboard
+    dashboard: str | None = None  # address of Dask's dashboard, if it is asked for
     outdated: dict[str, str] = field(default_factory=dict)  # `status`, by well: what changed since it was made
     orphans: list[str] = field(default_factory=list)  # wells of the output that the manifest does not name
 
@@ -99,6 +104,8 @@ def reprocess(
     *,
     output: str | None = None,
     workers: int | None = None,
+    insecure: bool = False,
+    dashboard: bool = False,
     progress: Callable[[Progress], object] | None = None,
 ) -> Progress:
     """Rebuild the walls of many wells, with their archives, meshes, logs, zones and one catalogue.
@@ -108,11 +115,18 @@ def reprocess(
     jobs
         A manifest (TOML) or a catalogue (Parquet), or the jobs that `read_jobs` made of it.
     client
-        A Dask client, or the address of a scheduler; None: a cluster on this machine, one worker for each processor.
+        A Dask client, or the address of a scheduler, ``tls://host:8786``, with the certificates that Dask's
+        configuration names; None: a cluster on this machine, one worker for each processor, behind certificates that
+        are made for it and exist only in its memory.
     output
         Folder of the results at any fsspec address, in place of the folder that the manifest or the jobs state.
     workers
         Without a client: how many processes work on this machine; None: one for each processor.
+    insecure
+        Allow the address of a scheduler without TLS. Whoever reaches its port can run code here and on its workers.
+    dashboard
+        Without a client: serve Dask's dashboard on this machine, without a password: each user of the machine can
+        read it.
     progress
         Called at the start and after each well.
 
@@ -127,7 +141,8 @@ def reprocess(
     InputError
         Raised before any work, on: a manifest that breaks a rule (the error names well, key and rule); a missing file;
         an output that cannot be written; a worker with other versions of helibore, NumPy or pyarrow, or without a
-        library that a file needs; a script without ``if __name__ == "__main__":``, if ``client`` is None.
+        library that a file needs; the address of a scheduler without TLS, unless ``insecure``; a script without
+        ``if __name__ == "__main__":``, if ``client`` is None.
     MissingExtraError
         If the extra ``scale`` is not installed.
 
@@ -144,13 +159,15 @@ def reprocess(
         raise InputError("jobs", "must contain at least one job")
     if client is None:
         check_main_guard("hb.reprocess")
+    elif isinstance(client, str):
+        check_encrypted(client, insecure)
     check_files(jobs)
     store = Store(jobs[0].output)
     store.check_writable()
     records: dict[str, Json] = {}
-    with connected(client, workers) as cluster:
+    with connected(client, workers, dashboard=dashboard) as cluster:
         _check_workers(cluster, jobs)
-        so_far = _run(cluster, jobs, records, progress or (lambda _: None))
+        so_far = _run(cluster, jobs, records, progress or (lambda _: None), dashboard)
     try:
         name = CATALOGUE
         _write_catalogue(store, records)
@@ -165,13 +182,22 @@ def reprocess(
     return so_far
 
 
+def check_encrypted(address: str, insecure: bool) -> None:
+    """Refuse the address of a scheduler that takes tasks from everyone who reaches it, unless ``insecure``."""
+    if not insecure and not address.startswith(("tls://", "wss://", "inproc://")):
+        rule = "must be tls://HOST:PORT: without TLS, whoever reaches the port can run code on this machine and on all "
+        rule += "workers; --insecure-scheduler (insecure=True in Python) allows it"
+        raise InputError("scheduler", rule, address)
+
+
 @contextlib.contextmanager
-def connected(client: Client | str | None, workers: int | None = None) -> Iterator[Any]:
+def connected(client: Client | str | None, workers: int | None = None, *, dashboard: bool = False) -> Iterator[Any]:
     """Yield ``client``, or a new Dask client of the scheduler at an address or of a cluster on this machine."""
     with needs("", "scale"):
+        import cryptography  # noqa: F401
         import dask
         import pyarrow  # noqa: F401
-        from distributed import Client, LocalCluster
+        from distributed import Client, LocalCluster, Security
     if isinstance(client, str):
         try:
             made = Client(client)
@@ -182,17 +208,24 @@ def connected(client: Client | str | None, workers: int | None = None) -> Iterat
     elif client is not None:
         yield client
     else:
-        own = dask.config.set({"distributed.scheduler.allowed-failures": DEATHS, **QUIET})
         count = thread_count(workers, "workers")
         local = {
             "n_workers": count,
             "threads_per_worker": 1,
-            "dashboard_address": "127.0.0.1:0",
+            "dashboard_address": "127.0.0.1:0" if dashboard else None,
+            "scheduler_kwargs": {} if dashboard else {"dashboard_address": "127.0.0.1:0"},
             "preload": IGNORE_CTRL_C,
+            "security": Security.temporary(),
         }
-        with own, _start_cluster(lambda: LocalCluster(**local)) as cluster, Client(cluster) as made:
-            cluster.adapt(minimum=count, maximum=count)  # replaces workers that were lost
-            yield made
+        with tempfile.TemporaryDirectory(prefix="helibore-") as notes:
+            own = {"distributed.scheduler.allowed-failures": DEATHS, fault_notes.FOLDER: notes, **QUIET}
+            with (
+                dask.config.set(own if dashboard else own | SILENT),
+                _start_cluster(lambda: LocalCluster(**local)) as cluster,
+                Client(cluster) as made,
+            ):
+                cluster.adapt(minimum=count, maximum=count)  # replaces workers that were lost
+                yield made
 
 
 def _start_cluster(start: Callable[[], Any]) -> Any:
@@ -257,21 +290,27 @@ def _refusal(expected: dict[str, str], files: dict[str, str]) -> str:
     return ""
 
 
-def _run(client: Any, jobs: Sequence[Job], records: dict[str, Json], tell: Callable[[Progress], object]) -> Progress:
+def _run(
+    client: Any,
+    jobs: Sequence[Job],
+    records: dict[str, Json],
+    tell: Callable[[Progress], object],
+    dashboard: bool = False,
+) -> Progress:
     """Run a task for each well; for a large well, also one for each block and one to merge; fill ``records`` by well.
 
     ``tell`` is called with the progress at the start and after each well.
     """
-    from distributed import CancelledError, as_completed
+    from distributed import CancelledError, KilledWorker, as_completed
 
-    begin, so_far = time.perf_counter(), Progress(len(jobs), dashboard=client.dashboard_link)
+    begin, so_far = time.perf_counter(), Progress(len(jobs), dashboard=client.dashboard_link if dashboard else None)
     tell(so_far)
     waiting: dict[Any, _Task] = {}
     blocks: dict[str, int] = {}  # by large well: the number of its blocks that are not made yet
 
     def submit(task: _Task) -> Any:
         key = f"{task.make.__name__}-{uuid.uuid4().hex}"
-        future = client.submit(_attempt, task.make, task.job, *task.more, versions(), key=key, pure=False)
+        future = client.submit(_attempt, key, task.make, task.job, *task.more, versions(), key=key, pure=False)
         waiting[future] = task
         return future
 
@@ -298,7 +337,7 @@ def _run(client: Any, jobs: Sequence[Job], records: dict[str, Json], tell: Calla
         except (CancelledError, OSError):  # an error of the task itself is in `error`
             finish(job, "the scheduler was lost")
             continue
-        if error is not None and task.tries < TRIES:
+        if error is not None and task.tries < TRIES and not isinstance(error, KilledWorker):
             finished.add(submit(task._replace(tries=task.tries + 1)))
         elif error is not None:
             finish(job, _reason(error))
@@ -325,10 +364,11 @@ class _Task(NamedTuple):
     tries: int = 1
 
 
-def _attempt(make: Callable[..., Json | None], job: Job, *more: Any) -> Json:
+def _attempt(name: str, make: Callable[..., Json | None], job: Job, *more: Any) -> Json:
     """Return the result of a task; errors of the input are returned as "failed", as Dask would print a traceback."""
     try:
-        return make(job, *more) or {}
+        with fault_notes.noted(name, TRIES):
+            return make(job, *more) or {}
     except (InputError, MissingExtraError, FileNotFoundError) as error:
         return {"failed": _reason(error)}
 

@@ -151,7 +151,7 @@ def run_python(block: Block) -> None:
     from distributed import LocalCluster, default_client
 
     with LocalCluster(processes=False, n_workers=1, dashboard_address=":0") as cluster:
-        text = block.text.replace("tcp://host:8786", cluster.scheduler_address)
+        text = block.text.replace("tls://host:8786", cluster.scheduler_address)
         exec(compile(text, str(block), "exec"), given(block))
         default_client().close()
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import resource
 import shutil
 import signal
+import socket
+import ssl
 import subprocess
 import sys
 import zipfile
@@ -32,7 +35,7 @@ from helibore.files.log_writing import save_table
 from helibore.runs.blocks import AS_STREAM, PartColumn, _beyond_gap
 from helibore.runs.manifest import OUTPUTS, Job, check_files, read_jobs
 from helibore.runs.output_store import Store
-from helibore.runs.reprocess import Progress, _start_cluster, status
+from helibore.runs.reprocess import Progress, _start_cluster, connected, status
 from helibore.runs.run import checksum
 from helibore.runs.well import merge_well, reprocess_block, reprocess_well, versions
 from helibore.simulation.tool import Hole, Tool, simulate
@@ -272,7 +275,7 @@ def test_ctrl_c_says_how_to_go_on(field: Path, tmp_path: Path) -> None:
     command = [sys.executable, "-m", "helibore", "reprocess", str(manifest(field)), *where]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
         assert process.stderr is not None
-        assert process.stderr.readline().startswith("Dask shows its work at ")
+        assert process.stderr.readline().startswith("making 2 wells")
         os.killpg(process.pid, signal.SIGINT)  # as a terminal does
         lines = process.stderr.read().splitlines()
     assert process.returncode == 130, lines
@@ -562,6 +565,92 @@ def test_the_command(field: Path, tmp_path: Path, client: Any) -> None:
     assert (result.exit_code, result.stdout.splitlines()[0]) == (
         3, "2 of 3 wells are done, 1 failed, 0 out of date, 0 not made"
     )  # fmt: skip
+
+
+def ports_of(*processes: int) -> set[int]:
+    """The TCP ports on which some processes listen."""
+    listening = {}
+    for line in Path("/proc/net/tcp").read_text().splitlines()[1:]:
+        _, local, _, state, *_, inode = line.split()[:10]
+        if state == "0A":
+            listening[f"socket:[{inode}]"] = int(local.split(":")[1], 16)
+    found = set()
+    for process in processes:
+        for link in Path(f"/proc/{process}/fd").iterdir():
+            with contextlib.suppress(OSError):
+                found |= {listening[name] for name in [str(link.readlink())] if name in listening}
+    return found
+
+
+def test_the_cluster_of_this_machine_answers_nobody_else() -> None:
+    """Every port of the client's process and of the workers gives nothing: in plain, by TLS, by TLS as someone else."""
+    before = ports_of(os.getpid())  # of clusters of other tests
+    with connected(None, 2) as own:
+        check_silent(ports_of(os.getpid(), *own.run(os.getpid).values()) - before)
+
+
+def check_silent(ports: set[int]) -> None:
+    from distributed import Security
+
+    assert len(ports) >= 4
+    nobody = ssl.create_default_context()
+    nobody.check_hostname, nobody.verify_mode = False, ssl.CERT_NONE
+    other = Security.temporary().get_connection_args("client")["ssl_context"]
+    other.check_hostname, other.verify_mode = False, ssl.CERT_NONE
+    paths = ("/", "/status", "/metrics", "/info/main/workers.html", "/json/counts.json", "/api/v1", "/health")
+    for port in ports:
+        for context, path in [(None, path) for path in paths] + [(nobody, "/"), (other, "/")]:
+            given = b""
+            with contextlib.ExitStack() as links, contextlib.suppress(OSError):
+                link = links.enter_context(socket.create_connection(("127.0.0.1", port), 1))
+                if context is not None:
+                    link = links.enter_context(context.wrap_socket(link))
+                link.sendall(f"GET {path} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n".encode())
+                given = link.recv(1000)
+            assert given[:12] in (b"", b"HTTP/1.1 404"), (port, path, given)
+
+
+ENDING = """
+import os, signal, sys
+import dask
+from helibore.runs import fault_notes
+with dask.config.set({fault_notes.FOLDER: sys.argv[1]}):
+    try:
+        with fault_notes.noted("task", 3):
+            print("begun", flush=True)
+            if sys.argv[2] != "end":
+                os.kill(os.getpid(), getattr(signal, sys.argv[2]))
+    except ValueError as refused:
+        print(refused)
+"""
+
+
+def test_a_task_that_ends_its_process_is_not_tried_again(tmp_path: Path) -> None:
+    """A fatal error once, a kill from outside three times; a task that ends leaves no note."""
+
+    def run(how: str) -> str:
+        command = [sys.executable, "-c", ENDING, str(tmp_path), how]
+        return subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=False).stdout
+
+    assert run("end") == "begun\n"
+    assert [run("SIGABRT"), run("SIGABRT")] == [
+        "begun\n", "process: ended with a fatal error (Aborted); not tried again\n"
+    ]  # fmt: skip
+    (tmp_path / "task").unlink()
+    assert [run("SIGKILL") for _ in range(3)] == ["begun\n"] * 3
+    assert run("SIGKILL").startswith("process: was killed 3 times")
+
+
+def test_a_scheduler_without_tls_needs_the_users_word(field: Path, tmp_path: Path) -> None:
+    for address in ("tcp://127.0.0.1:1", "127.0.0.1:1"):
+        with pytest.raises(hb.InputError, match="TLS") as refused:
+            hb.reprocess(read_jobs(manifest(field), str(tmp_path)), address)
+        assert (refused.value.place, refused.value.value) == ("scheduler", address)
+    where = ["-o", str(tmp_path), "--scheduler", "tcp://127.0.0.1:1"]
+    result = CliRunner().invoke(cli, ["reprocess", str(manifest(field)), *where])
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert "--insecure-scheduler" in result.stderr
+    assert content(tmp_path) == {}
 
 
 @pytest.mark.filterwarnings("ignore")
