@@ -26,11 +26,11 @@ if TYPE_CHECKING:  # the same names as below
     from helibore.logs.stress import stress_of_picks as stress_of_picks
     from helibore.mesh.surface import Surface as Surface
     from helibore.mesh.volume import Volume as Volume
-    from helibore.preparation.prepare import Preparation as Preparation
     from helibore.preparation.prepare import prepare as prepare
     from helibore.runs.reconstruct import reconstruct as reconstruct
     from helibore.runs.reprocess import reprocess as reprocess
     from helibore.samples.caliper import Caliper as Caliper
+    from helibore.settings.preparation_settings import Preparation as Preparation
     from helibore.settings.wall_settings import Settings as Settings
     from helibore.trajectory.survey import Path as Path
     from helibore.trajectory.survey import Survey as Survey
@@ -46,6 +46,7 @@ _load, _, __all__ = lazy_loader.attach(
     ["plot"],
     {
         "base.errors": ["InputError", "MissingExtraError"],
+        "settings.preparation_settings": ["Preparation"],
         "settings.wall_settings": ["Settings"],
         "base.tables": ["LogColumn"],
         "channels.opening": ["open"],
@@ -54,7 +55,7 @@ _load, _, __all__ = lazy_loader.attach(
         "logs.stress": ["HorizontalStress", "horizontal_stress", "stress_of_picks"],
         "mesh.surface": ["Surface"],
         "mesh.volume": ["Volume"],
-        "preparation.prepare": ["Preparation", "prepare"],
+        "preparation.prepare": ["prepare"],
         "runs.reconstruct": ["reconstruct"],
         "runs.reprocess": ["reprocess"],
         "samples.caliper": ["Caliper"],

@@ -22,10 +22,10 @@ from helibore.channels import plausibility
 from helibore.channels.columns import about_names, column, needed
 from helibore.channels.roles import ROLES, WALL, Role, RoleMap, guess, toolface_reference, toolface_rule
 from helibore.files.raw_set import RawSet
-from helibore.preparation.conditioning import Echo
 from helibore.preparation.readings import IMAGE_ROW, HoleDirection, Readings
 from helibore.preparation.sensors import Sensor
 from helibore.samples.bit_sizes import FEW
+from helibore.settings.preparation_settings import Echo
 from helibore.trajectory.references import Plane, to_high_side
 
 REFERENCE_WORDS = {"high-side": "the high side", "horizontal-north": "north, in the horizontal plane"}

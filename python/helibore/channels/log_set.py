@@ -15,10 +15,10 @@ from helibore.channels.channel_readings import readings
 from helibore.channels.columns import RawSectorImage
 from helibore.channels.roles import RoleMap
 from helibore.files.raw_set import Channel, RawSet
-from helibore.preparation.conditioning import Echo
 from helibore.preparation.prepare import prepare
 from helibore.preparation.readings import Readings
 from helibore.samples.caliper import Caliper
+from helibore.settings.preparation_settings import Echo
 from helibore.trajectory.survey import Survey
 
 

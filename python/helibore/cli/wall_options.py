@@ -380,10 +380,11 @@ def _opened(options: dict[str, Any]) -> tuple[RunSettings, OpenFiles]:
     """Open every file that the options name; return the settings of the run, and the files."""
     from helibore.base.nulls import NULLS
     from helibore.channels.role_map import parse_options
-    from helibore.preparation.conditioning import Echo
     from helibore.preparation.prepare import Preparation
     from helibore.runs.run import OpenFiles
-    from helibore.runs.run_settings import Input, PathSettings, RunSettings
+    from helibore.runs.run_settings import Input, RunSettings
+    from helibore.settings.path_settings import PathSettings
+    from helibore.settings.preparation_settings import Echo
 
     nulls = tuple(dict.fromkeys((*NULLS, *options["absent"])))
     archive = next((file for file in options["source"] if file.suffix.lower() == ARCHIVE), None)

@@ -18,8 +18,7 @@ search takes for breakouts.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
-from numbers import Integral
+from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
@@ -27,43 +26,9 @@ import numpy as np
 from helibore.base.arrays import Floats, Integers, Mask
 from helibore.base.axial import Axes, axial_mean, lobe_of
 from helibore.base.colors import customary_map
-from helibore.base.errors import InputError, check_not_negative
+from helibore.base.errors import InputError
 from helibore.base.tables import LogTable, columns_of
-
-
-@dataclass(frozen=True, kw_only=True)
-class ImageCriteria:
-    """The criteria that rows of an image must meet to be a breakout."""
-
-    dark: float = 0.6  # a sector is dark below this share of the median of its row, in (0, 1)
-    least_opening: float = 10.0  # degrees: a narrower dark arc is ignored
-    most_opening: float = 100.0  # degrees: a wider dark arc is ignored
-    opposite: float = 30.0  # degrees: the angle between two arcs may differ from 180 degrees by at most this much
-    least_length: float = 0.05  # metres: a shorter stretch of hole is no breakout
-    least_rows: int = 2  # number of rows with two opposite dark arcs that make a breakout
-    join: float = 0.02  # metres: a gap up to this does not split a breakout, if the axes agree within ``opposite``
-
-    def __post_init__(self) -> None:
-        check_not_negative(vars(self))
-        if not 0 < self.dark < 1:
-            raise InputError("dark", "must be in (0, 1)", str(self.dark))
-        if not self.least_opening < self.most_opening <= 180:
-            place = f"least_opening = {self.least_opening}, most_opening"
-            raise InputError(
-                place, "the first must be less than the second, and the second at most 180", str(self.most_opening)
-            )
-        if self.opposite > 90:
-            raise InputError("opposite", "must be at most 90", str(self.opposite))
-        if not (isinstance(self.least_rows, Integral) and self.least_rows >= 1):
-            raise InputError("least_rows", "must be an integer of at least 1", str(self.least_rows))
-
-    def facts(self) -> dict[str, str]:
-        """Return the criteria as texts; every output states them."""
-        units = {"dark": "of the row's median", "least_length": "m", "least_rows": "rows", "join": "m"}
-        return {
-            f"criterion {name.replace('_', ' ')}": f"{value:.6g} {units.get(name, 'deg')}"
-            for name, value in asdict(self).items()
-        }
+from helibore.settings.zone_settings import ImageCriteria
 
 
 class SearchedImage(Protocol):

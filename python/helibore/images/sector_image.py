@@ -26,8 +26,9 @@ from helibore.base.arrays import Floats, Integers, column
 from helibore.base.errors import InputError, check_choice
 from helibore.base.notebook import card, usual_picture
 from helibore.base.thread_count import thread_count
-from helibore.images.image_breakouts import ImageBreakouts, ImageCriteria, find_breakouts
+from helibore.images.image_breakouts import ImageBreakouts, find_breakouts
 from helibore.samples.helix import WallLike, quad_room
+from helibore.settings.zone_settings import ImageCriteria
 from helibore.trajectory.references import REFERENCES, Reference, defined, onto_path
 from helibore.trajectory.survey import Path
 

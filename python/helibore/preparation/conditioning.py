@@ -424,26 +424,6 @@ def _stretches(mask: Mask, rows: int) -> list[tuple[int, int]]:
     return [(first, last) for first, last in runs_of(mask) if last - first >= rows]
 
 
-@dataclass(frozen=True)
-class Echo:
-    """The conversion of a travel time to a radius: tool_radius + velocity * (travel_time - window) / 2."""
-
-    velocity: float  # of sound in the mud, m/s; about 1500 in water
-    tool_radius: float  # from the tool's axis to the face of its transducer, m
-    window: float = 0.0  # two-way time of the echo inside the tool, behind the transducer's window, seconds
-
-    def __post_init__(self) -> None:
-        finite = all(np.isfinite(value) for value in vars(self).values())
-        if not (finite and self.velocity > 0 and self.tool_radius >= 0 and self.window >= 0):
-            place = f"tool_radius = {self.tool_radius:g}, velocity = {self.velocity:g}, window = {self.window:g}"
-            raise InputError(place, "velocity must be above 0, the others not negative, all finite")
-
-    def radius(self, travel_time: Floats) -> Floats:
-        """Return the radii, metres, of travel times of any shape; NaN for a time shorter than the window (no echo)."""
-        late = np.where(travel_time >= self.window, travel_time, np.nan)
-        return self.tool_radius + 0.5 * self.velocity * (late - self.window)
-
-
 def _table(name: str, columns: Sequence[npt.ArrayLike]) -> Floats:
     """Return columns of equal length as the rows of an array."""
     first = column(f"{name}[0]", columns[0])

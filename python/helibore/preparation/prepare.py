@@ -11,7 +11,7 @@ this file, and in ``trajectory.references``; this file calls them in their order
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Integers
-from helibore.base.errors import InputError, check_choice
+from helibore.base.errors import InputError
 from helibore.base.nulls import say_so
 from helibore.base.tables import refuse_table
 from helibore.base.units import INCH
@@ -31,6 +31,7 @@ from helibore.preparation.passes import choose, number_passes
 from helibore.preparation.readings import Readings
 from helibore.preparation.shifts import Shifts, find_shifts
 from helibore.samples.caliper import LARGEST_RADIUS, Caliper
+from helibore.settings.preparation_settings import Preparation
 from helibore.trajectory.references import Norths, from_high_side, horizontal_to_north, onto_path
 
 if TYPE_CHECKING:
@@ -57,130 +58,6 @@ STUCK_ROWS = 100
 """An arm that keeps one value over this many rows is reported as stuck if the other arms move."""
 MOST_PASSES = 50
 """If the depths of a file turn back more often than this, its rows are in no order and have no runs to compare."""
-
-REFERENCES = ("north", "horizontal-north", "high-side", "automatic")
-BIASES = ("none", "arm", "side")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Preparation:
-    """The steps that turn readings into samples. Units are metres, degrees and seconds.
-
-    Attributes
-    ----------
-    shallowest, deepest
-        Samples beyond these depths are dropped.
-    saturated
-        Drop flat tops: runs of 5 readings or more, over 0.5 m or more, in which an arm is as wide open as it can be.
-    drop_closed
-        Drop the rows in which all arms stay closed at a radius 10 mm or more below the bit, and the rows in which they
-        close before and open after. This needs the bit size. If False, or without a bit size, such rows are only
-        reported. Not used if ``closed`` is given.
-    closed
-        Radius that the arms read when the caliper is closed. A row is dropped if no arm reads over 2 mm more than this.
-    stuck
-        Drop the readings of an arm that stays at one value, or has no value, over this many rows while other arms move.
-    least_radius, greatest_radius
-        Samples with radii beyond these limits are dropped. An impossible radius that is left is an error.
-    repeated
-        Drop samples that equal an earlier sample in depth, toolface, radius and, if there are times, time.
-    spikes
-        Drop samples that differ from the neighbouring turns by this many robust deviations; 6 is usual.
-    turn_height
-        Height of a turn, for tools that do not rotate. None: a turn is a rotation, or a row of an image (`is_image`).
-    sensor_offset, latency
-        Offset and latency to add to those of every sensor.
-    toolface_from
-        Reference of the toolfaces: "north", "horizontal-north" (in the horizontal plane, as the azimuth of a pad),
-        "high-side" or "automatic"; None: as the file's map states.
-    declination
-        Azimuth of magnetic north from true north, degrees, positive to the east. Needed if toolfaces count from
-        magnetic north and azimuths from another, or the reverse.
-    convergence
-        Azimuth of grid north from true north, degrees, positive to the east; needed likewise for grid north.
-    steep, level
-        For "automatic": toolfaces count from north until the inclination rises to ``level``, and then from the high
-        side until it falls to ``steep``.
-    recentre
-        Correct each turn for the tool's offset from the hole's axis.
-    reversal
-        Number the passes anew; a new pass begins where the tool moved back by more than this. None: each file has the
-        passes that it numbers, or is one pass if it numbers no pass.
-    passes
-        Numbers of the passes to use, earliest first; None: all, by number. The wall is made from the passes that
-        are not in ``earlier``.
-    latest
-        In each 0.5 m keep only the samples of the last of ``passes`` that measured there.
-    shifts
-        (pass, metres) pairs: the shift to add to the depths of a pass.
-    find_shifts
-        Find the shift of every pass from the depths that passes have in common. Passes in ``shifts`` keep the shift
-        given there; without given shifts, the mean of the shifts that are found is 0.
-    bias
-        Which biases to find and subtract: "none"; "arm", one bias for each arm in each pass; or "side", one bias for
-        each arm in each pass and on each side of the hole. They are found where passes and arms measured the same wall.
-    earlier
-        Passes used only for the earlier wall, with which the wall is compared.
-    """
-
-    shallowest: float | None = None
-    deepest: float | None = None
-    saturated: bool = True
-    drop_closed: bool = True
-    closed: float | None = None
-    stuck: int | None = None
-    least_radius: float | None = None
-    greatest_radius: float | None = None
-    repeated: bool = False
-    spikes: float | None = None
-    turn_height: float | None = None
-    sensor_offset: float = 0.0
-    latency: float = 0.0
-    toolface_from: str | None = None
-    declination: float | None = None
-    convergence: float | None = None
-    steep: float = 4.0
-    level: float = 6.0
-    recentre: bool = False
-    reversal: float | None = None
-    passes: tuple[int, ...] | None = None
-    latest: bool = False
-    shifts: tuple[tuple[int, float], ...] = ()
-    find_shifts: bool = False
-    bias: str = "none"
-    earlier: tuple[int, ...] = ()
-
-    def __post_init__(self) -> None:
-        if self.toolface_from is not None:
-            check_choice("toolface_from", self.toolface_from, REFERENCES)
-        check_choice("bias", self.bias, BIASES)
-        Norths(self.declination, self.convergence)
-        for name in ("turn_height", "closed", "spikes", "reversal"):
-            value = getattr(self, name)
-            if value is not None and not 0 < value < np.inf:
-                raise InputError(name, "must be finite and above 0", f"{value:g}")
-        if self.stuck is not None and self.stuck < 2:
-            raise InputError("stuck", "must be at least 2 rows", str(self.stuck))
-        for least, most in (("least_radius", "greatest_radius"), ("shallowest", "deepest"), ("steep", "level")):
-            low, high = getattr(self, least), getattr(self, most)
-            if low is not None and high is not None and not low <= high:
-                raise InputError(least, f"must not be larger than {most} = {high:g}", f"{low:g}")
-        shifted = [number for number, _ in self.shifts]
-        for name, numbers in (("shifts", shifted), ("passes", self.passes or ()), ("earlier", self.earlier)):
-            twice = [number for number in numbers if list(numbers).count(number) > 1]
-            if twice:
-                raise InputError(name, f"pass {twice[0]} is given twice")
-
-    def changed(self) -> dict[str, object]:
-        """Return the settings that are not their defaults, by name."""
-        return {one.name: getattr(self, one.name) for one in fields(self) if getattr(self, one.name) != one.default}
-
-    @property
-    def by_pass(self) -> bool:
-        """Whether a step needs pass numbers."""
-        return bool(
-            self.passes or self.latest or self.shifts or self.find_shifts or self.bias != "none" or self.earlier
-        )
 
 
 @dataclass(frozen=True)

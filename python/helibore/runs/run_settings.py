@@ -18,24 +18,20 @@ from __future__ import annotations
 
 import dataclasses
 import os
-import types
-import typing
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal, get_type_hints
+from typing import Any, Literal
 
 from helibore._core import __version__
 from helibore.base.atomic_file import write_whole
 from helibore.base.errors import InputError, check_choice
 from helibore.base.nulls import NULLS
-from helibore.base.toml_file import read_toml
 from helibore.channels.roles import ROLES, Role, RoleMap
 from helibore.images.sector_image import Origin
-from helibore.preparation.conditioning import Echo
-from helibore.preparation.prepare import Preparation
+from helibore.settings.path_settings import PathSettings
+from helibore.settings.preparation_settings import Echo, Preparation
+from helibore.settings.toml_reading import TomlSource, read_table
 from helibore.settings.wall_settings import Settings
-from helibore.trajectory.references import Reference
-from helibore.trajectory.survey import Method
 
 SOURCES = ("caliper", "average", "archive", "gauge")
 """Keys of the sources of a wall; each run has exactly one of them."""
@@ -88,20 +84,6 @@ class Output:
 
     file: Path
     blake2b: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class PathSettings:
-    """Settings of a path; see `helibore.Survey.path`.
-
-    Without a survey, ``reference`` states the direction of toolface 0 of the wall. None: the high side if there is a
-    path, else not known.
-    """
-
-    method: Method = "minimum-curvature"
-    reference: Reference | None = None
-    head: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    extend: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -192,79 +174,12 @@ def read_settings(path: str | os.PathLike[str]) -> RunSettings:
 
     Raise InputError if a setting breaks its rule; the error names the file, the table, the key and the rule.
     """
-    path = Path(path)
-    reader = _Reader(path.name, path.parent)
-    return typing.cast(RunSettings, reader.group("", RunSettings, read_toml(path, path.name)))
+    source, tree = TomlSource.load(Path(path))
+    if "helibore" not in tree:
+        raise InputError(f"{source.name}: helibore", "is missing")
+    return read_table(RunSettings, tree, source)
 
 
 def run_settings(tree: dict[str, Any], place: str) -> RunSettings:
     """Return settings from the tables of a settings file; every error begins with ``place``."""
-    return typing.cast(RunSettings, _Reader(place, Path()).group("", RunSettings, {"helibore": __version__} | tree))
-
-
-class _Reader:
-    """Turns a TOML tree into the types that the dataclasses state; every error names the place of the wrong value."""
-
-    def __init__(self, name: str, folder: Path) -> None:
-        self.name, self.folder = name, folder
-
-    def error(self, place: str, rule: str, value: Any = dataclasses.MISSING) -> InputError:
-        shown = None if value is dataclasses.MISSING else repr(value)
-        return InputError(f"{self.name}: {place}" if place else self.name, rule, shown)
-
-    def group(self, place: str, kind: type[Any], tree: Any) -> Any:
-        if not isinstance(tree, dict):
-            raise self.error(place, "must be a table")
-        hints, dot = get_type_hints(kind), f"{place}." if place else ""
-        for key in tree:
-            if key not in hints:
-                raise self.error(f"{dot}{key}", f"must be one of {', '.join(hints)}")
-        for each in dataclasses.fields(kind):
-            needed = each.default is dataclasses.MISSING and each.default_factory is dataclasses.MISSING
-            if (needed and each.name not in tree) or (kind is RunSettings and "helibore" not in tree):
-                raise self.error(f"{dot}{each.name}", "is missing")
-        values = {key: self.value(f"{dot}{key}", hints[key], value) for key, value in tree.items()}
-        try:
-            return kind(**values)
-        except InputError as error:
-            raise error.within(f"{self.name}: {place}" if place else self.name) from error
-        except ValueError as error:
-            raise self.error(place, str(error)) from error
-
-    def value(self, place: str, hint: Any, value: Any) -> Any:
-        """Return a value of TOML as the type ``hint`` states; "none" stands for None where None is allowed."""
-        kinds = typing.get_args(hint) if typing.get_origin(hint) in (types.UnionType, typing.Union) else (hint,)
-        if value == "none" and type(None) in kinds:
-            return None
-        (kind,) = (one for one in kinds if one is not type(None))
-        origin = typing.get_origin(kind) or kind
-        if dataclasses.is_dataclass(kind):
-            return self.group(place, typing.cast(type[Any], kind), value)
-        if origin is tuple:
-            return self.tuple_of(place, typing.get_args(kind), value)
-        if origin is Path and isinstance(value, str):
-            return self.folder / value
-        if origin is float and type(value) is int:
-            return float(value)
-        known = typing.get_args(kind) if origin is Literal else ()
-        if type(value) is origin or value in known:
-            return value
-        rule = f"one of {', '.join(known)}" if known else RULES[origin]
-        raise self.error(place, f"must be {rule}", value)
-
-    def tuple_of(self, place: str, parts: tuple[Any, ...], value: Any) -> tuple[Any, ...]:
-        """Return a list of TOML as a tuple of the types ``parts``; places of tables are counted from 1."""
-        endless, tables = parts[-1] is Ellipsis, dataclasses.is_dataclass(parts[0])
-        if not isinstance(value, list) or not (endless or len(parts) == len(value)):
-            if tables:
-                raise self.error(place, f"must be tables, [[{place}]]")
-            raise self.error(place, "must be a list" if endless else f"must be a list of {len(parts)}", value)
-        kinds = [parts[0]] * len(value) if endless else parts
-        places = [f"{place} {number}" if tables else place for number in range(1, len(value) + 1)]
-        return tuple(map(self.value, places, kinds, value))
-
-
-RULES = {
-    float: "a number", int: "a whole number", str: "text", bool: "true or false", Path: "the name of a file",
-    dict: "a table",
-}  # fmt: skip
+    return read_table(RunSettings, tree, TomlSource(place, recorded=True))

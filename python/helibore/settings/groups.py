@@ -4,7 +4,17 @@ from __future__ import annotations
 
 from typing import Any
 
+from helibore.settings.path_settings import PathSettings
+from helibore.settings.preparation_settings import Echo, Preparation
 from helibore.settings.wall_settings import Settings
+from helibore.settings.zone_settings import Criteria, ImageCriteria
 
-GROUPS: dict[str, type[Any]] = {"wall": Settings}
+GROUPS: dict[str, type[Any]] = {
+    "preparation": Preparation,
+    "echo": Echo,
+    "path": PathSettings,
+    "wall": Settings,
+    "zones": Criteria,
+    "image_zones": ImageCriteria,
+}
 """The declared class of each group."""

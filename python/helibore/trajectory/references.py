@@ -38,6 +38,7 @@ import numpy.typing as npt
 from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Mask, finite_column
 from helibore.base.errors import InputError, check_choice
+from helibore.settings.path_settings import Reference
 
 __all__ = [
     "ASSUMED", "NORTHS", "REFERENCES", "AngleReference", "North", "Norths", "Plane", "Reference", "defined",
@@ -45,7 +46,6 @@ __all__ = [
 ]  # fmt: skip
 
 ASSUMED = "assumed"
-Reference = Literal["high-side", "north", "parallel-transport"]
 """What toolface 0 of a path, a wall or an image points to."""
 
 REFERENCES: tuple[Reference, ...] = get_args(Reference)

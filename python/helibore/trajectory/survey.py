@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import InitVar, dataclass, field
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -23,9 +23,11 @@ from helibore.base.errors import InputError, check_choice
 from helibore.base.frames import frame_rows
 from helibore.base.notebook import card, curve_picture
 from helibore.base.units import ANGLE, LENGTH
+from helibore.settings.path_settings import Method
 from helibore.trajectory.references import NORTHS, Reference
 
-Method = Literal["minimum-curvature", "radius-of-curvature"]
+__all__ = ["CorePath", "Method", "Path", "Survey"]
+
 CorePath = _core.Path
 
 

@@ -24,7 +24,7 @@ from helibore.files import delimited
 from helibore.files.input_file import InputFile
 from helibore.files.number_rows import read_rows
 from helibore.files.raw_set import clean
-from helibore.preparation.conditioning import Echo
+from helibore.settings.preparation_settings import Echo
 
 
 def written(folder: Path, text: str, name: str = "c.csv") -> Path:

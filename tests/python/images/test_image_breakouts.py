@@ -14,8 +14,8 @@ from locations import SHARED
 import helibore as hb
 from bench.accuracy import televiewer
 from helibore.files.log_writing import save_table
-from helibore.images.image_breakouts import ImageCriteria
 from helibore.logs.zone_criteria import Criteria
+from helibore.settings.zone_settings import ImageCriteria
 
 CALIPERS = SHARED / "calipers"
 S, STEP = 72, 0.01
@@ -159,9 +159,9 @@ def test_missing_values_are_not_dark_and_split_no_lobe() -> None:
 
 def test_bad_criteria_and_values_are_named() -> None:
     for bad, text in (
-        ({"dark": 1.0}, r"^dark = 1.0: must be in \(0, 1\)$"),
+        ({"dark": 1.0}, r"^dark = 1: must be in \(0, 1\)$"),
         ({"join": math.nan}, "^join = nan: must be finite and not negative$"),
-        ({"opposite": 91.0}, "^opposite = 91.0: must be at most 90$"),
+        ({"opposite": 91.0}, "^opposite = 91: must be at most 90$"),
         ({"least_opening": 120.0}, "^least_opening = 120.0, most_opening = 100.0: the first must be less than the "),
     ):
         with pytest.raises(ValueError, match=text):

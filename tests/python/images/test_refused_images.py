@@ -11,10 +11,10 @@ import pytest
 
 import helibore as hb
 from helibore.base.colors import percentile_limits
-from helibore.images.image_breakouts import ImageCriteria
 from helibore.images.normalization import sliding_window
 from helibore.images.sector_image import SectorImage
 from helibore.logs.zone_criteria import Criteria
+from helibore.settings.zone_settings import ImageCriteria
 
 HOW: Any = {"origin": "edge", "reference": "north"}
 DEPTH = 1000 + 0.1 * np.arange(6)
@@ -65,10 +65,10 @@ INFINITE[1, 2] = np.inf
         (lambda: ImageCriteria(least_opening=120.0, most_opening=100.0),
          "least_opening = 120.0, most_opening = 100.0: the first must be less than the second, and the second at most "
          "180"),
-        (lambda: ImageCriteria(dark=1.0), "dark = 1.0: must be in (0, 1)"),
-        (lambda: ImageCriteria(opposite=91.0), "opposite = 91.0: must be at most 90"),
-        (lambda: ImageCriteria(least_rows=0), "least_rows = 0: must be an integer of at least 1"),
-        (lambda: ImageCriteria(join=-1.0), "join = -1.0: must be finite and not negative"),
+        (lambda: ImageCriteria(dark=1.0), "dark = 1: must be in (0, 1)"),
+        (lambda: ImageCriteria(opposite=91.0), "opposite = 91: must be at most 90"),
+        (lambda: ImageCriteria(least_rows=0), "least_rows = 0: must be at least 1"),
+        (lambda: ImageCriteria(join=-1.0), "join = -1: must be finite and not negative"),
         (lambda: percentile_limits([1, 2], percentiles=(98, 2)),
          "percentiles = (98, 2): must be two numbers in [0, 100], the first below the second"),
         (lambda: percentile_limits(np.full(9, 60.0)),
@@ -77,7 +77,7 @@ INFINITE[1, 2] = np.inf
          "values: must be of shape (2,) or (2, sectors), one row a depth: (3,)"),
         (lambda: sliding_window([1.0, 0.0], [1.0, 2.0], 1.0), "depth[1] = 0: must rise"),
         (lambda: Criteria(symmetry=1.5), "symmetry = 1.5: must be in [0, 1]"),
-        (lambda: Criteria(opening_level=1.0), "opening_level = 1.0: must be in (0, 1)"),
+        (lambda: Criteria(opening_level=1.0), "opening_level = 1: must be in (0, 1)"),
         (lambda: Criteria(washout=math.nan), "washout = nan: must be finite and not negative"),
         (lambda: wall().logs(rugosity_window=0.0), "rugosity_window = 0.0: must be finite and above 0"),
         (lambda: hb.Wall(bit_diameter=0.2).logs().table(), "logs: the wall has no full turn"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import tomllib
 from pathlib import Path
@@ -127,15 +128,15 @@ def test_no_option_of_the_wall_goes_beside_settings(option: tuple[str, ...]) -> 
 @pytest.mark.parametrize(
     ("old", "new", "rule"),
     [
-        ("sectors = 64", "sektors = 64", "wall.sektors: must be one of bit_diameter, sectors, "),
-        ("sectors = 64", "sectors = 6.5", "wall.sectors = 6.5: must be a whole number"),
-        ("sectors = 64", "sectors = true", "wall.sectors = True: must be a whole number"),
+        ("sectors = 64", "sektors = 64", "wall.sektors: not known; did you mean sectors?"),
+        ("sectors = 64", "sectors = 6.5", "wall.sectors = 6.5: must be an integer"),
+        ("sectors = 64", "sectors = true", "wall.sectors = True: must be an integer"),
         ("gauge = true", "gauge = false", "caliper, average, archive, gauge: give exactly one of them"),
-        ("gauge = true", 'gauge = true\narchive = "w.wall"', "archive: must be a table"),
+        ("gauge = true", 'gauge = true\narchive = "w.wall"', "archive = 'w.wall': must be a table"),
         ("[wall]", "[[image]]\nfile = 'g.csv'\n[wall]", "image 1.name: is missing"),
         ("[wall]", "[survey]\nfile = 3\n[wall]", "survey.file = 3: must be the name of a file"),
         ("[wall]", "[archive]\nfile = 'w.wall'\n[wall]", "caliper, average, archive, gauge: give exactly one of them"),
-        ("[options]", "[optons]", "optons: must be one of helibore, verb, "),
+        ("[options]", "[optons]", "optons: not known; did you mean options?"),
         (
             "[options]",
             "[options]\nsectors = 3",
@@ -154,7 +155,8 @@ def test_bad_settings(folder: Path, old: str, new: str, rule: str) -> None:
     (folder / "m.stl.toml").write_text(text.replace(old, new, 1))
     again = run("mesh", "m.stl.toml", "-o", "again.stl")
     assert (again.exit_code, again.stdout) == (2, "")
-    assert again.stderr.startswith(f"helibore: m.stl.toml: {rule}"), again.stderr
+    said = re.sub(r"m\.stl\.toml, line \d+: ", "m.stl.toml: ", again.stderr)
+    assert said.startswith(f"helibore: m.stl.toml: {rule}"), again.stderr
     assert not (folder / "again.stl").exists()
 
 
