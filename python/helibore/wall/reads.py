@@ -106,8 +106,9 @@ class WallReads:
     def measured(self) -> Mask:
         """(n,) bool: whether the wall is measured at each vertex; otherwise it is interpolated, or has no radius.
 
-        A vertex is measured if it has a radius and its `angular_gap` is at most `Settings.largest_gap`. `Logs.coverage`
-        is the share of such vertices.
+        A vertex is measured if it has a radius, a sample lies within 0.15 m of its depth and 15 degrees of its
+        toolface, and its `angular_gap` is at most `Settings.largest_gap`. `Logs.coverage` is the share of such
+        vertices. Zones, hatching, meshes and reports read this mask.
         """
         return self._state().measured
 

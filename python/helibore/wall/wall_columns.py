@@ -23,6 +23,9 @@ from helibore.trajectory.survey import Path
 MEASURED = "measured"
 """Attribute of the meshes of a tool with few arms: 1 for a measured quad, 0 for one that is interpolated."""
 
+NEAR_DEPTH, NEAR_TOOLFACE = 0.15, 15.0
+"""Metres and degrees from a measured vertex to a sample, at most. Farther away, one error in forty exceeds 2 mm."""
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class WallColumns:
@@ -60,7 +63,11 @@ class WallColumns:
 
     @cached_property
     def measured(self) -> Mask:
-        return np.isfinite(self.radius) & (self.angular_gap <= self.settings.largest_gap)
+        depth, toolface, *_ = self.sample_columns
+        place = (whole_helix(self), self.radius.size, depth, toolface)
+        near = _core.sampled(*place, NEAR_DEPTH, NEAR_TOOLFACE, thread_count(self.threads))
+        measured: Mask = near & np.isfinite(self.radius) & (self.angular_gap <= self.settings.largest_gap)
+        return measured
 
     @property
     def samples(self) -> Caliper:

@@ -276,3 +276,16 @@ def test_files_state_class_zones_and_criteria(tmp_path: Any) -> None:
 def test_bad_input_is_named(call: Any, text: str) -> None:
     with pytest.raises(ValueError, match=f"^{text}$"):
         call()
+
+
+@pytest.mark.parametrize("arms", [(92,), (0, 90, 180, 270)])
+def test_where_turning_stops_in_a_breakout_no_zone_is_invented(arms: tuple[int, ...]) -> None:
+    """The wall between is interpolated; it once was a washout of 47 mm."""
+    hole, random = Hole.example(2000.0, 2150.0, seed=4), np.random.default_rng(1)
+    turning, still = np.sort(random.uniform(2117, 2120, 6000)), np.sort(random.uniform(2120, 2123, 6000))
+    fixed = np.asarray(arms)[random.integers(0, len(arms), still.size)] + random.uniform(-3, 3, still.size)
+    depth, toolface = np.r_[turning, still], np.r_[random.uniform(0, 360, turning.size), fixed] % 360
+    wall = hb.reconstruct(hb.Caliper(depth, toolface, hole.radius(depth, toolface)), bit_diameter=BIT)
+    (zone,) = wall.zones().zones
+    assert (zone.kind, zone.stop) == ("breakout", pytest.approx(2120.1, abs=0.15))
+    assert wall.zones().kind[-20:].tolist() == [-1] * 20
