@@ -33,6 +33,7 @@ __all__ = ["Bias", "arm_sides", "find_bias"]
 _STEEPNESS = 0.001  # m: expected change of a wall from the middle of a cell to its edge
 _SHAPE = 0.01  # m: expected departure of a sector from the mean radius along the whole log
 _KNOWN = 0.000127  # m, 0.01 in of diameter: a bias is subtracted only if its deviation is at most this
+_DOUBT = 0.001  # m: an arm whose unknown bias may be larger than this is left out
 _STRETCH = 10.0  # m: walls are correlated along the hole over this length
 _PAIRS_AT_ONCE = 1 << 16
 _STEADY = 0.33  # an arm is steady if it drifts by less than this share of another arm's drift
@@ -79,6 +80,17 @@ class Bias:
         rows = rows_of("pass_number", number, self.passes), rows_of("arm", arms, self.arms)
         return np.nan_to_num(self.table)[rows]
 
+    def doubtful(self) -> Mask:
+        """Return which arms in which passes may be off by over 1 mm (two deviations) and cannot be corrected, (p, a).
+
+        None is if those with a known bias have less than half of the samples: then there is no measure.
+        """
+        known = np.isfinite(self.table) & (self.samples > 0)
+        wrong = ~known & (self.samples > 0) & (np.fmax(np.abs(self.estimate), 2.0 * self.sigma) > _DOUBT)
+        if 2 * int(self.samples[known].sum()) < int(self.samples.sum()):
+            return np.zeros_like(wrong)
+        return wrong
+
     def lines(self, names: Sequence[str]) -> list[str]:
         """Return a sentence on the biases in each pass, then the `warnings`; ``names`` are the names of the arms."""
         lines = []
@@ -95,16 +107,17 @@ class Bias:
 
     def disagreements(self, names: Sequence[str]) -> list[str]:
         """Return a sentence for each arm that drifts, and for passes or arms that disagree by more than noise."""
-        lines, drift = [], self.drift
+        lines: list[str] = []
+        drift = self.drift
         known = np.isfinite(drift)
         steadiest = drift[known].min(initial=np.inf)  # if all arms drift alike, passes differ, not arms
         drifting = drift > np.maximum(3.0 * np.fmax(self.noise, self.drift_sigma), steadiest / _STEADY)
+        others = [f"{names[i]} by {1e3 * drift[i]:.2f}" for i in np.flatnonzero(known & ~drifting).tolist()]
+        beside = f", {_few(others)}" if others else ""
         for arm in np.flatnonzero(drifting).tolist():
-            others = [f"{names[i]} by {1e3 * drift[i]:.2f}" for i in np.flatnonzero(known & ~drifting).tolist()]
-            beside = f", {' and '.join(others)}" if others else ""
             ends = [f"{1e3 * self.estimate[row, arm]:+.2f} in pass {self.passes[row]}" for row in self.drift_ends[arm]]
             span = f"{names[arm]} drifts by {1e3 * drift[arm]:.2f} mm over the passes"
-            lines.append(f"{span}, from {ends[0]} to {ends[1]}{beside}")
+            lines.append(f"{span}, from {ends[0]} to {ends[1]}{'' if lines else beside}")
         seen = np.isfinite(self.table) & (self.samples > 0)
         if seen.any():
             largest = np.argmax(np.bincount(self.part[seen], self.samples[seen]))

@@ -22,6 +22,14 @@ from helibore.preparation.readings import Readings
 
 _SAMPLES_AT_ONCE = 1 << 17
 _APART = 0.0025  # m: two calipers that look in the same direction disagree if their radii differ by more than this
+_CLOSED_LENGTH = 2.0  # m: arms are closed if they stay at their least radius over this length
+_CLOSED_ROWS, _STANDING = 20, 0.01  # rows, m: or in this many rows while the tool stands
+LONGEST_BURST = 5
+"""Largest number of samples side by side, or of rows of an arm, that are taken for a burst of spikes."""
+_BURST_LENGTH = 1.0  # m: a burst in the rows of an arm is no longer than this along the hole
+_ROW_LENGTH = 0.05  # m: rows in which all arms jump at once are spikes if they reach over no more than this
+_ELSEWHERE = 2.0  # m: readings no farther along the hole than this support a burst
+_BESIDE = 8  # rows on either side of a row of an arm, for its running median
 _ROWS_APART = 10  # a disagreement is reported if it lasts at least this many rows
 
 
@@ -69,8 +77,11 @@ def spikes(
 
         1  it lies beyond the second largest or second smallest of them by more than the tolerance plus a tenth of the
            difference of those two
-        2  no sample next to it in its own turn, or next to its toolface in the turn before or after, is within half
-           the tolerance of it
+        2  no sample next to its toolface in the turn before or after is within half the tolerance of it, and it is one
+           of a burst: at most five samples side by side in its turn, no more than a third of the turn, that lie
+           beyond their neighbours in this way. No sample beside the burst is within half the tolerance of its end,
+           unless the first rule holds for that sample, too. A turn of at most five samples, such as a row of arms, may
+           be a burst as a whole
         3  of the four samples before and the four after it, by depth, in its 10 degrees, none is more than three turns
            away; or the nearest such sample is farther than 5 cm in depth, or differs by more than the tolerance
 
@@ -117,14 +128,127 @@ def spikes(
     for start in range(0, order.size, _SAMPLES_AT_ONCE):
         at = np.arange(start, min(start + _SAMPLES_AT_ONCE, order.size))
         alone[at] = ~rings.supported(at, 0.5 * tolerance[at])
-    beyond = (rings.radius > high + slack) | (rings.radius < low - slack)
-    found = np.flatnonzero((judged >= 4) & beyond & alone)
+    beyond = (judged >= 4) & ((rings.radius > high + slack) | (rings.radius < low - slack))
+    found = np.flatnonzero(rings.bursts(beyond & alone, beyond, tolerance))
     if depth is not None and found.size:
         found = found[~rings.repeated(found, where[order], tolerance)]
     dropped = np.zeros(angle.size, dtype=bool)
     dropped[order[found]] = True
     unjudged = int(np.count_nonzero(judged < 4))
     return Step("spikes", {"threshold": threshold, "floor": floor}, dropped, {"spike": found.size}, unjudged)
+
+
+def arm_spikes(
+    arms: Sequence[npt.ArrayLike],
+    depth: npt.ArrayLike,
+    toolface: Sequence[npt.ArrayLike] | None = None,
+    across: Sequence[bool] | None = None,
+    *,
+    threshold: float = 6.0,
+    floor: float = 0.001,
+) -> Step:
+    """Drop readings of a tool with few arms that its rows before and after contradict, at any distance of rows.
+
+    A reading is odd if it is off the running median of its arm (eight rows on either side) by more than ``threshold``
+    deviations. Odd readings are spikes in two cases::
+
+        burst   at most five rows of one arm in succession, over at most 1 m, in which no other arm is odd the same way,
+                and no reading elsewhere within 2 m and 15 degrees is as far off (but one odd row proves nothing)
+        row     all arms (three of four, at least two) are odd the same way in one row, or in rows over at most 5 cm
+
+    The deviation of an arm is the 85th percentile of its distances from the running median, over 1.44, in each hundred
+    rows; so ledges widen it.
+
+    Parameters
+    ----------
+    arms
+        Columns of readings in the order they were taken, metres of radius, (n,) each; NaN is missing.
+    depth
+        Metres, (n,); NaN where it is not known.
+    toolface, across
+        Toolface of each arm, degrees, (n,) each, and whether an arm is a diameter, which looks both ways; None: no
+        reading elsewhere supports a burst.
+    threshold, floor
+        Deviations, and the least deviation in metres.
+
+    Returns
+    -------
+    Step
+        ``dropped`` is (arms, n). The reasons are ``burst`` and ``row``.
+    """
+    if not (threshold > 0 and floor > 0):
+        raise InputError(f"threshold = {threshold:g}, floor = {floor:g}", "must be above 0")
+    values = _table("arms", arms)
+    where = column("depth", depth, values.shape[1], "arms[0]")
+    known = np.isfinite(values)
+    odd = np.stack([_odd(each, threshold, floor) for each in values])
+    moved = np.nan_to_num(np.abs(np.diff(where, prepend=where[:1])))
+    along = np.cumsum(moved)
+    beside = np.pad(odd, ((0, 0), (1, 1)))
+    lone = (odd != 0) & (beside[:, :-2] != odd) & (beside[:, 2:] != odd)
+    trusted = np.where(lone, np.nan, values)
+    angles = None if toolface is None else _table("toolface", toolface)
+    ways = np.where([False] * len(values) if across is None else list(across), 180.0, 360.0)
+    rows = np.zeros(values.shape[1], dtype=bool)
+    most = np.maximum(2, 0.75 * known.sum(axis=0))
+    for sign in (-1, 1):
+        for first, last in runs_of((odd == sign).sum(axis=0) >= most):
+            rows[first:last] |= last - first == 1 or along[last - 1] - along[first] <= _ROW_LENGTH
+    burst = np.zeros(values.shape, dtype=bool)
+    for arm in range(len(values)):
+        others = np.delete(odd, arm, axis=0)
+        for sign in (-1, 1):
+            with_it = (others == sign).any(axis=0)
+            for first, last in runs_of((odd[arm] == sign) & ~rows):
+                short = last - first <= LONGEST_BURST and along[last - 1] - along[first] <= _BURST_LENGTH
+                if not short or with_it[max(first - 1, 0) : last + 1].any():
+                    continue
+                if angles is None or not _seen_elsewhere(trusted, values, angles, ways, along, arm, (first, last)):
+                    burst[arm, first:last] = True
+    dropped = burst | (rows & known)
+    counts = {"burst": int(np.count_nonzero(burst)), "row": int(np.count_nonzero(rows & known))}
+    return Step("spikes of arms", {"threshold": threshold, "floor": floor}, dropped, counts)
+
+
+def _seen_elsewhere(
+    trusted: Floats, values: Floats, angles: Floats, ways: Floats, along: Floats, arm: int, burst: tuple[int, int]
+) -> bool:
+    """Return whether a reading outside a burst of an arm, near in depth and toolface, is as far off as the burst.
+
+    It is if it differs from the middle of the burst by less than a quarter of the burst's height over the readings
+    before and after.
+    """
+    first, last = burst
+    begin = int(np.searchsorted(along, along[first] - _ELSEWHERE))
+    end = int(np.searchsorted(along, along[last - 1] + _ELSEWHERE, side="right"))
+    middle, angle = float(np.median(values[arm, first:last])), float(angles[arm, (first + last) // 2])
+    base = np.concatenate([values[arm, max(first - 3, 0) : first], values[arm, last : last + 3]])
+    height = abs(middle - float(np.nanmedian(base))) if np.isfinite(base).any() else 0.0
+    half = 0.5 * np.minimum(ways, ways[arm])[:, None]
+    off = np.abs((angles[:, begin:end] - angle + half) % (2.0 * half) - half)
+    near = (off <= 15.0) & (np.abs(trusted[:, begin:end] - middle) < 0.25 * height)
+    near[arm, first - begin : last - begin] = False
+    return bool(near.any())
+
+
+def _odd(values: Floats, threshold: float, floor: float) -> Integers:
+    """Return for each reading of an arm 1 or -1 if it is far above or below its running median, else 0, (n,)."""
+    known = np.flatnonzero(np.isfinite(values))
+    odd = np.zeros(values.size, dtype=np.int64)
+    if known.size <= 2 * _BESIDE:
+        return odd
+    reading = values[known]
+    windows = np.lib.stride_tricks.sliding_window_view(np.pad(reading, _BESIDE, mode="reflect"), 2 * _BESIDE + 1)
+    off = np.empty(reading.size)
+    for start in range(0, reading.size, _SAMPLES_AT_ONCE):
+        part = slice(start, start + _SAMPLES_AT_ONCE)
+        off[part] = reading[part] - np.median(windows[part], axis=1)
+    edges = np.linspace(0, off.size, max(1, off.size // 100) + 1).astype(np.int64)
+    for first, last in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
+        size = np.abs(off[first:last])
+        far = size > threshold * max(float(np.quantile(size, 0.85)) / 1.44, floor)
+        odd[known[first:last]] = np.where(far, np.sign(off[first:last]), 0.0)
+    return odd
 
 
 class _Rings:
@@ -186,18 +310,35 @@ class _Rings:
         return deviation
 
     def supported(self, at: Integers, tolerance: Floats) -> Mask:
-        """Return whether each sample ``at`` agrees with a sample next to it in its own turn, or with one of the samples
-        next to its toolface in the turn before or after.
-        """
-        first, count = self.first[self.ring[at]], self.count[self.ring[at]]
+        """Return whether each sample ``at`` agrees with a sample next to its toolface in the turn before or after."""
         agrees = np.zeros(at.size, dtype=bool)
         for step in (-1, 1):
-            beside = first + (at - first + step) % count
-            agrees |= (beside != at) & (np.abs(self.radius[beside] - self.radius[at]) <= tolerance)
             pair, there = self._next_to(at, step)
             near = np.abs(self.radius[pair] - self.radius[at, None]) <= tolerance[:, None]
             agrees |= near.any(axis=1) & there
         return agrees
+
+    def bursts(self, odd: Mask, beyond: Mask, tolerance: Floats) -> Mask:
+        """Return which of the ``odd`` samples are in a burst: few side by side in a turn, unlike those beside them.
+
+        A sample beside a burst that is ``beyond`` its neighbours too does not support the burst.
+        """
+        found = np.zeros(odd.size, dtype=bool)
+        rings = np.unique(self.ring[odd])
+        for first, count in zip(self.first[rings].tolist(), self.count[rings].tolist(), strict=True):
+            ring = np.arange(first, first + count)
+            if odd[ring].all():
+                found[ring] = count <= LONGEST_BURST
+                continue
+            ring = np.roll(ring, -int(np.argmin(odd[ring])))  # begins with a sample that is not odd
+            for begin, end in runs_of(odd[ring]):
+                if end - begin > max(1, min(LONGEST_BURST, count // 3)):
+                    continue
+                ends = ring[[begin, end - 1]]
+                beside = ring[[begin - 1, end % count]]
+                off = np.abs(self.radius[ends] - self.radius[beside])
+                found[ring[begin:end]] = ((off > 0.5 * tolerance[ends]) | beyond[beside]).all()
+        return found
 
     def repeated(self, at: Integers, depth: Floats, tolerance: Floats) -> Mask:
         """Return whether each sample ``at`` agrees with a sample more than three turns and at most 5 cm of depth away.
@@ -361,8 +502,8 @@ def closed_stretches(readings: Readings) -> tuple[float, list[tuple[int, int, in
     """Find the runs of rows in which all arms stay closed, and the ramps on which they close before and open after.
 
     Each row counts by its largest radius. The closed radius is the least of these. If their median is not 10 mm larger,
-    there is no stretch. A stretch has 20 rows or more within 2 mm of the closed radius. On a ramp the radius grows from
-    row to row, away from the closed stretch.
+    there is no stretch. A stretch has three rows or more within 2 mm of the closed radius, over 2 m or more, or 20 rows
+    or more at one depth. On a ramp the radius grows from row to row, away from the closed stretch.
 
     Returns
     -------
@@ -378,7 +519,11 @@ def closed_stretches(readings: Readings) -> tuple[float, list[tuple[int, int, in
     if np.nanmedian(largest) < level + 0.01:
         return level, []
     found = []
-    for first, last in _stretches(known & (largest <= level + 0.002), 20):
+    for first, last in _stretches(known & (largest <= level + 0.002), 3):
+        depth = readings.depth[first:last][np.isfinite(readings.depth[first:last])]
+        length = float(np.ptp(depth)) if depth.size else 0.0
+        if length < _CLOSED_LENGTH and not (last - first >= _CLOSED_ROWS and length <= _STANDING):
+            continue
         begin, end = first, last
         while end < largest.size and largest[end] > largest[end - 1]:
             end += 1

@@ -54,6 +54,8 @@ LONG_TURN = 1.0
 
 INSIDE_BIT = 0.01
 """Metres; if all arms read less than the bit's radius by this much, they are closed."""
+FAST_ARM = 30.0
+"""Degrees; if a tool turns by more than this from row to row, the rows of an arm are not compared with each other."""
 STUCK_ROWS = 100
 """An arm that keeps one value over this many rows is reported as stuck if the other arms move."""
 MOST_PASSES = 50
@@ -206,6 +208,7 @@ class _Pipeline:
                 one = self._unsaturated(one)
             if self.settings.stuck is None:
                 self._warn_of_stuck(one)
+            one = self._without_spikes(one)
         if self.settings.closed is None and self.settings.stuck is None:
             return one
         radii = np.stack(one.radii)
@@ -279,6 +282,35 @@ class _Pipeline:
                 for sensor in sensors:
                     radii[sensor] = np.where(step.dropped, np.nan, radii[sensor])
         return replace(one, radii=tuple(radii))
+
+    def _without_spikes(self, one: Readings) -> Readings:
+        """Return the readings of few arms without spikes if the settings ask for it; else report them."""
+        shown = [int(np.argmax(one.arm == arm)) for arm in np.unique(one.arm)]  # one end of each diameter
+        turning = np.abs(wrapped(np.diff(one.toolface) + 180.0) - 180.0)
+        turning = turning[np.isfinite(turning)]
+        if len(shown) < 2 or (turning.size and np.median(turning) > FAST_ARM):
+            return one  # the rows of one arm show different places of the wall; `conditioning.spikes` compares turns
+        step = conditioning.arm_spikes(
+            [one.radii[sensor] for sensor in shown],
+            one.depth,
+            [one.toolface + one.sensors[sensor].mounting for sensor in shown],
+            [one.across[sensor] for sensor in shown],
+            threshold=self.settings.spikes or 6.0,
+        )
+        if self.settings.spikes is None:
+            count = int(np.count_nonzero(step.dropped))
+            if count:
+                at = int(np.argmax(step.dropped.any(axis=0)))
+                self.report.append((
+                    "spikes", f"{one.name}: {count:,} readings look like spikes ({step.counts['burst']:,} of one arm, "
+                    f"{step.counts['row']:,} in rows of all arms), the first at {one.depth[at]:.2f} m: kept; "
+                    "spikes = 6 drops them"
+                ))  # fmt: skip
+            return one
+        self._report_step(step, "readings")
+        reading = np.searchsorted(np.unique(one.arm), one.arm)
+        radii = np.stack(one.radii)
+        return replace(one, radii=tuple(np.where(step.dropped[reading], np.nan, radii)))
 
     def _warn_of_stuck(self, one: Readings) -> None:
         """Report arms that stay at one value over many rows while the others move; nothing is dropped."""
@@ -603,6 +635,25 @@ class _Pipeline:
         self.report.append(("bias", f"subtracted; noise of the corrected samples {1e3 * found.noise:.2f} mm"))
         shown = [names[number] for number in found.arms]
         self.report += [("bias", line) for line in (found.warnings(shown) if sides else found.lines(shown))]
+        doubtful = found.doubtful()
+        if doubtful.any():
+            self._leave_out(doubtful, arms, shown)
+
+    def _leave_out(self, doubtful: npt.NDArray[np.bool_], arms: Integers, names: list[str]) -> None:
+        """Leave out the arms, in the passes, whose bias is not known; ``doubtful`` is (passes, arms) of `bias`."""
+        if self.bias is None:
+            raise RuntimeError("no bias is found yet; this is a bug in helibore")
+        samples, found = self.samples, self.bias
+        place = np.searchsorted(found.passes, samples.pass_number), np.searchsorted(found.arms, arms)
+        out = doubtful[place]
+        left = [f"{names[arm]} of pass {found.passes[row]}" for row, arm in np.argwhere(doubtful).tolist()]
+        few = left if len(left) <= 6 else [*left[:5], f"{len(left) - 5} more"]
+        self.counts["bias"] = int(np.count_nonzero(out))
+        self.report.append((
+            "bias", f"left out {self.counts['bias']:,} samples of {', '.join(few)}: the bias may exceed 1 mm and is "
+            "not known"
+        ))  # fmt: skip
+        self.samples = samples.select(~out)
 
     def _stated_passes(self) -> Integers | None:
         """Return the pass number of each sample; if files repeat numbers, each file counts as one pass.

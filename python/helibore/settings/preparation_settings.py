@@ -56,7 +56,8 @@ class Preparation(Declared):
         "time.",
     ] = False  # fmt: skip
     spikes: Annotated[float | None, POSITIVE, Option(metavar="DEVIATIONS"),
-        "Drop samples that differ from the turns around them by this many robust deviations; 6 is usual.",
+        "Drop samples, bursts and rows that differ from the wall around them by this many robust deviations; 6 is "
+        "usual. None: spikes of tools with few arms are only reported.",
     ] = None  # fmt: skip
     turn_height: Annotated[float | None, METRES, POSITIVE, Option("a turn is a rotation, or a row of an image"),
         "Height of a turn, for a tool that does not turn. None: a turn is a rotation, or a row of an image "

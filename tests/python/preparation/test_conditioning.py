@@ -52,7 +52,7 @@ def apart(a, b):
 
 
 def slow_spikes(toolface, radius, turn, threshold, floor):
-    """The three rules sample by sample, without the third."""
+    """The rules sample by sample, without the third."""
     angle = toolface % 360
     rows = [i for i in range(len(radius)) if radius[i] == radius[i]]
     rings = {number: sorted((i for i in rows if turn[i] == number), key=lambda i: angle[i]) for number in set(turn)}
@@ -73,18 +73,31 @@ def slow_spikes(toolface, radius, turn, threshold, floor):
     off = sorted(sorted(abs(radius[i] - middle[i]) for i in ring)[(len(ring) - 1) // 2] for ring in rings.values())
     deviation = 1.4826 * off[(len(off) - 1) // 2] if off else 0.0
     tolerance = threshold * max(deviation if np.isfinite(deviation) else 0.0, floor)
-    dropped = np.zeros(len(radius), dtype=bool)
+    odd, beyond = set(), set()
     for i in rows:
         if len(around[i]) < 4:
             continue
         low, high = around[i][1], around[i][-2]
         slack = tolerance + 0.1 * (high - low)
-        ring = rings[turn[i]]
-        place = ring.index(i)
-        own = {ring[(place - 1) % len(ring)], ring[(place + 1) % len(ring)]} - {i}
-        near = [*own, *beside(i, turn[i] - 1), *beside(i, turn[i] + 1)]
-        alone = all(abs(radius[j] - radius[i]) > 0.5 * tolerance for j in near)
-        dropped[i] = alone and (radius[i] > high + slack or radius[i] < low - slack)
+        if not (radius[i] > high + slack or radius[i] < low - slack):
+            continue
+        beyond.add(i)
+        near = [*beside(i, turn[i] - 1), *beside(i, turn[i] + 1)]
+        if all(abs(radius[j] - radius[i]) > 0.5 * tolerance for j in near):
+            odd.add(i)
+    dropped = np.zeros(len(radius), dtype=bool)
+    for ring in rings.values():
+        for start, i in enumerate(ring):
+            if i not in odd or (ring[start - 1] in odd and not all(j in odd for j in ring)):
+                continue  # begin at the first of a burst
+            burst = [i]
+            while len(burst) < len(ring) and ring[(start + len(burst)) % len(ring)] in odd:
+                burst.append(ring[(start + len(burst)) % len(ring)])
+            if len(burst) == len(ring):
+                dropped[burst] = len(ring) <= 5
+            elif len(burst) <= max(1, min(5, len(ring) // 3)):
+                ends = (burst[0], ring[start - 1]), (burst[-1], ring[(start + len(burst)) % len(ring)])
+                dropped[burst] = all(b in beyond or abs(radius[a] - radius[b]) > 0.5 * tolerance for a, b in ends)
     return dropped, sum(len(around[i]) < 4 for i in rows)
 
 
