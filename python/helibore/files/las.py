@@ -22,6 +22,7 @@ import numpy as np
 
 from helibore.base import units
 from helibore.base.errors import needs
+from helibore.base.limits import check_limit
 from helibore.files.headings import is_number
 from helibore.files.input_file import InputFile
 from helibore.files.number_rows import read_rows
@@ -189,12 +190,19 @@ def _name_curves(curves: list[LasCurve], remarks: list[str]) -> None:
         curve.name = name
 
 
+def _check_items(source: InputFile, section: LasSection) -> None:
+    """Refuse a section of very many items: the time that lasio takes grows with their square."""
+    items = sum(1 for line in section.lines if line.strip() and not line.lstrip().startswith("#"))
+    check_limit(f"{source.path.name}, line {section.line}: ~{section.kind}", "items", items)
+
+
 def _lasio_header(source: InputFile, sections: list[LasSection], data: LasSection) -> Any:
     with needs("lasio", "las"):
         import lasio
     lines = []
     for section in sections:
         if section is not data:
+            _check_items(source, section)
             lines += ["~" + section.title, *section.lines]
     try:
         return lasio.read(io.StringIO("\n".join([*lines, "~ASCII", ""])), ignore_data=True)

@@ -8,14 +8,25 @@ MD (m)   Incl (deg)   Azim (deg)        the header: the first row of two names o
 
 from __future__ import annotations
 
+import re
+import zipfile
+import zlib
+from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
 from helibore.base.errors import InputError, needs
+from helibore.base.limits import check_limit
 from helibore.files.headings import is_number, is_units_row, unit_in_name
-from helibore.files.input_file import InputFile, refuse_zip_bomb
+from helibore.files.input_file import LINE_LIMIT, InputFile, refuse_zip_bomb
 from helibore.files.number_rows import column_of
 from helibore.files.raw_set import Channel, RawFile, RawSet, readable_sets, unique
+
+REFERENCE = re.compile(rb"""\sr\s*=\s*["']\s*([A-Za-z]*)([0-9]*)""")
+"""The position that a row or a cell states, ``r="B7"``; also any text that looks like one, which does no harm."""
+
+LOOSE = re.compile(rb"<(?:\w+:)?row(?![^<]*?\sr\s*=)[\s/>]")
+"""A row that states no position."""
 
 HEADING_ROWS = 500
 """The header must be within this many rows from the top of a sheet."""
@@ -26,14 +37,64 @@ def read(source: InputFile) -> RawFile:
     with needs("python-calamine", "xlsx"):
         import python_calamine
     refuse_zip_bomb(source)
+    _check_extent(source)
     try:
         book = python_calamine.CalamineWorkbook.from_path(source.path)
-        sheets = {name: book.get_sheet_by_name(name).to_python(skip_empty_area=False) for name in book.sheet_names}
+        names = book.sheet_names
+        check_limit(source.path.name, "sheets", len(names))
+        sheets, cells = {}, 0
+        for name in names:
+            sheets[name] = book.get_sheet_by_name(name).to_python(skip_empty_area=False)
+            cells += sum(map(len, sheets[name]))
+            check_limit(source.path.name, "cells", cells)
+    except InputError:
+        raise
     except BaseException as error:  # a panic in calamine's Rust code is not an Exception
         if isinstance(error, KeyboardInterrupt | SystemExit):
             raise
         raise source.damaged("truncated or damaged workbook", error) from error
     return RawFile("xlsx", readable_sets(partial(_sheet, source, name, rows) for name, rows in sheets.items()))
+
+
+def _pieces(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> Iterator[bytes]:
+    """Yield the text of a part in pieces that end before a "<", so that no tag is divided."""
+    with archive.open(entry) as part:
+        rest = b""
+        while more := part.read(LINE_LIMIT):
+            text = rest + more
+            end = max(text.rfind(b"<"), 0)
+            yield text[:end]
+            rest = text[end:]
+        yield rest
+
+
+def _column(letters: bytes) -> int:
+    """Return the number of a column: 1 for A, 27 for AA."""
+    number = 0
+    for letter in letters[:4].upper():
+        number = 26 * number + letter - 64
+    return number
+
+
+def _check_extent(source: InputFile) -> None:
+    """Refuse a sheet that reaches too far, before calamine asks for the memory of all cells up to the last one.
+
+    One cell at XFD1048576 makes it ask for 550 GB, and ends the process. Every part of the archive is searched, because
+    a sheet can be any of them. A cell without a reference follows the one before it.
+    """
+    try:
+        with zipfile.ZipFile(source.path) as archive:
+            for entry in archive.infolist():
+                columns = rows = loose = 0
+                for text in _pieces(archive, entry):
+                    for letters, digits in set(REFERENCE.findall(text)):
+                        columns = max(columns, _column(letters))
+                        rows = max(rows, int(digits[:9] or b"0"))
+                    loose += len(LOOSE.findall(text))
+                # Cells and rows without a reference follow the last one, so they reach at most this much further.
+                check_limit(f"{source.path.name}, {entry.filename}", "cells", columns * (rows + loose))
+    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, OSError, RuntimeError) as error:
+        raise source.damaged("truncated or damaged workbook", error) from error
 
 
 def _sheet(source: InputFile, name: str, sheet: list[list[Any]]) -> RawSet:

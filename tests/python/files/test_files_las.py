@@ -309,3 +309,19 @@ def test_only_data_sections_of_las_3_are_sets(tmp_path: Path) -> None:
     assert [(one.name, one.names, one.remarks) for one in file.sets] == [
         ("Analysis_Data", ("DEPT", "SW"), []), ("Ascii", ("DEPT", "GR"), []),
     ]  # fmt: skip
+
+
+def test_very_many_items_of_a_header_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """lasio takes a time that grows with their square."""
+    monkeypatch.setenv("HELIBORE_LIMIT_ITEMS", "50")
+    for count, good in ((50, True), (51, False)):
+        path = tmp_path / f"{count}.las"
+        names = "".join(f"C{n}.M :\n" for n in range(count))
+        rows = " ".join("1" for _ in range(count))
+        path.write_text(f"~V\nVERS. 2.0:\nWRAP. NO:\n~W\nNULL. -999.25:\n~C\n{names}~A\n{rows}\n")
+        if good:
+            assert hb.open(path).set().names == ("C0", "C")  # C1 to C49 are one image
+        else:
+            with pytest.raises(hb.InputError, match="HELIBORE_LIMIT_ITEMS") as refused:
+                hb.open(path)
+            assert refused.value.place == "51.las, line 6: ~C"

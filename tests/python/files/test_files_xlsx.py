@@ -135,6 +135,42 @@ def test_damaged_packages_are_refused(tmp_path: Path) -> None:
         hb.open(path)
 
 
+def replaced(path: Path, old: bytes, new: bytes) -> Path:
+    """Replace bytes in the parts of a workbook."""
+    with zipfile.ZipFile(path) as book:
+        members = {name: book.read(name).replace(old, new) for name in book.namelist()}
+    with zipfile.ZipFile(path, "w") as book:
+        for name, content in members.items():
+            book.writestr(name, content)
+    return path
+
+
+@pytest.mark.parametrize("cell", [b'r="XFD1048576"', b"r = 'xfd1048576'", b'\n r="XFD1048576"'])
+def test_a_sheet_that_reaches_too_far_is_refused_before_it_is_read(tmp_path: Path, cell: bytes) -> None:
+    """Calamine would ask for 550 GB, and end this process."""
+    path = replaced(workbook(tmp_path / "s.xlsx", S=SURVEY), b'r="C6"', cell)
+    with pytest.raises(hb.InputError, match="cells") as refused:
+        hb.open(path)
+    assert refused.value.place == "s.xlsx, xl/worksheets/sheet1.xml"
+    assert "HELIBORE_LIMIT_CELLS" in refused.value.rule
+
+
+def test_cells_of_all_sheets_count_and_the_limit_can_be_raised(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = workbook(tmp_path / "s.xlsx", A=SURVEY, B=SURVEY)  # 18 cells each
+    for cells, sheets, good in ((36, 2, True), (35, 2, False), (17, 2, False), (36, 1, False)):
+        monkeypatch.setenv("HELIBORE_LIMIT_CELLS", str(cells))
+        monkeypatch.setenv("HELIBORE_LIMIT_SHEETS", str(sheets))
+        if good:
+            assert len(hb.open(path).sets) == 2
+        else:
+            with pytest.raises(hb.InputError, match=r"HELIBORE_LIMIT_(CELLS|SHEETS)"):
+                hb.open(path)
+    monkeypatch.setenv("HELIBORE_LIMIT_CELLS", "many")
+    with pytest.raises(hb.InputError) as refused:
+        hb.open(path)
+    assert (refused.value.place, refused.value.value) == ("HELIBORE_LIMIT_CELLS", "'many'")
+
+
 def test_a_missing_library_is_named_with_its_extra(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import sys
 

@@ -1,0 +1,40 @@
+"""The limits on what one input may ask for. Each is a number that an environment variable may raise.
+
+    HELIBORE_LIMIT_CELLS=50000000 helibore inspect survey.xlsx
+
+The message of a limit says its value and this variable.
+"""
+
+from __future__ import annotations
+
+import os
+
+from helibore.base.errors import InputError
+
+LIMITS = {
+    "cells": 5_000_000,  # of the sheets of a workbook, with the empty ones up to the last row and column
+    "sheets": 100,  # of a workbook
+    "items": 3_000,  # of a section of the header of LAS 2, for example its curves
+}
+"""For each limit its default; the variable is HELIBORE_LIMIT_ and the name in upper case."""
+
+
+def limit(name: str) -> int:
+    """Return the value of a limit; raise InputError if the variable is not a whole number above 0."""
+    variable = f"HELIBORE_LIMIT_{name.upper()}"
+    text = os.environ.get(variable)
+    if text is None:
+        return LIMITS[name]
+    if not (text.isascii() and text.isdigit() and int(text) > 0):
+        raise InputError(variable, "must be a whole number above 0", repr(text))
+    return int(text)
+
+
+def check_limit(place: str, name: str, value: int) -> None:
+    """Raise InputError if a value is above a limit."""
+    most = limit(name)
+    if value > most:
+        rule = (
+            f"{value:,} {name.replace('_', ' ')}: must be at most {most:,}; HELIBORE_LIMIT_{name.upper()} raises this"
+        )
+        raise InputError(place, rule)
