@@ -56,7 +56,7 @@ void a_frame() {
     const wits::Frame& frame = batch.frames[0];
     CHECK(frame.start == 0 && frame.stop == static_cast<Index>(stream.size()) && frame.items == 4 && frame.line == 1);
     const std::uint16_t codes[] = {108, 110, 111, 2210}, flags[] = {0, 1, 1, 2};
-    const std::string texts[] = {"3650.40", "-9999", "  ", "Watch out!! kick"};
+    const std::string texts[] = {"3650.40", "-9999", "", "Watch out!! kick"};  // blanks around a line are left out
     for (std::size_t i = 0; i < 4; ++i) {
         const wits::Item& item = batch.items[i];
         CHECK(item.code == codes[i] && item.flags == flags[i] && item.frame == 0);

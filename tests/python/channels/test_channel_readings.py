@@ -312,7 +312,9 @@ HEADER = "md_m,tf_deg,radius_m\n"
         (HEADER + "1,2,3\n", {"depth": "tf_deg", "toolface": "tf_deg"},
          "c.csv, column tf_deg: is given two roles, depth and toolface"),
         (HEADER + "1,2,0.1\n1,x,0.1\n", {}, "c.csv, line 3, column tf_deg = 'x': is not a number"),
-        (HEADER + "1,2,0.1\n\n1,2\n", {}, "c.csv, line 4: truncated: 2 values where 3 columns are defined"),
+        (HEADER + "1,2,0.1\n\n1,2\n", {},
+         "c.csv, line 4: truncated: 2 values where 3 columns are defined; "
+         "salvage = true reads what is before the damage"),
         (HEADER + "1,2,0.1\nnan,2,0.1\n", {},
          "c.csv, line 3, column md_m: NaN or infinite: a depth must be finite, or empty"),
         (HEADER + "1,2,0.1\n\n-inf,2,0.1\n", {},

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from helibore.preparation.conditioning import (
-    Echo,
     Step,
     closed,
     in_range,
@@ -18,6 +17,7 @@ from helibore.preparation.conditioning import (
     spikes,
     stuck,
 )
+from helibore.settings.preparation_settings import Echo
 
 NAN = float("nan")
 radii = hnp.arrays(np.float64, st.integers(0, 60), elements=st.sampled_from([0.1, 0.1004, 0.101, 0.12, 0.2, NAN]))

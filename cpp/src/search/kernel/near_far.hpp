@@ -15,7 +15,7 @@ namespace {
 // Returns 1 / 1, 1 / 1!, ... up to 1 / last!.
 template <int last>
 struct InverseFactorials {
-    double of[last + 1];
+    double of[static_cast<std::size_t>(last) + 1];
     constexpr InverseFactorials() : of{} {
         double factorial = 1.0;
         for (int i = 0; i <= last; ++i) {
