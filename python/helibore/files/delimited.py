@@ -306,7 +306,7 @@ def _column_type(pa: ModuleType, column: Any) -> Any:
 
         both = pc.min_max(column).as_py()
         low, high = both["min"] or 0, both["max"] or 0
-        return pa.int64() if max(abs(low), abs(high)) > EXACT else pa.float64()
+        return pa.int64() if max(abs(low), abs(high)) >= EXACT else pa.float64()
     if pa.types.is_floating(kind) or pa.types.is_null(kind):
         return pa.float64()
     return pa.string()

@@ -126,7 +126,7 @@ def _fast(kept: list[str], delimiter: str | None, width: int) -> list[Array] | N
         for _ in range(2):
             text = text.replace(delimiter * 2, f"{delimiter}nan{delimiter}")
         block, filled = _block(text[1:-1].split("\n"), delimiter), True
-    if block is None or block.shape[1] != width or (np.abs(block) > EXACT).any():
+    if block is None or block.shape[1] != width or (np.abs(block) >= EXACT).any():
         return None
     columns = block.T.copy()
     empty = np.isnan(columns) & filled
@@ -216,7 +216,7 @@ def column_of(cells: list[str]) -> Array:
             )  # fmt: skip
         except ValueError:
             return np.array(["" if gone else cell for cell, gone in zip(cells, empty, strict=True)], dtype=np.str_)
-    if (np.abs(numbers) > EXACT).any():
+    if (np.abs(numbers) >= EXACT).any():
         bare = ["0" if gone else cell.strip() for cell, gone in zip(cells, empty, strict=True)]
         fits = all(WHOLE.fullmatch(cell) for cell in bare) and all(-(2**63) <= int(cell) < 2**63 for cell in bare)
         if fits and not empty.any():

@@ -37,6 +37,7 @@ from helibore import _core
 from helibore.base.arrays import Array
 from helibore.base.atomic_file import write_whole
 from helibore.base.errors import InputError
+from helibore.settings.wall_settings import Settings
 from helibore.wall.wall_columns import WallColumns
 
 ENDING = ".wall"
@@ -132,7 +133,7 @@ def _contents(wall: WallColumns) -> tuple[Arrays, dict[str, Any]]:
         "version": VERSION,
         "helibore": _core.__version__,
         "units": UNITS,
-        "settings": asdict(wall.settings),
+        "settings": _settings(wall.settings),
         "basis": wall.basis,
         "start_depth": _or_null(wall.start_depth),
         "samples": [name for name in SAMPLES if f"samples/{name}" in arrays],
@@ -142,6 +143,11 @@ def _contents(wall: WallColumns) -> tuple[Arrays, dict[str, Any]]:
         "attributes": attributes,
         "made_from": wall.made_from,
     }
+
+
+def _settings(settings: Settings) -> dict[str, Any]:
+    """Return the settings by name, without a covariance that is not set: an archive older than it keeps its bytes."""
+    return {name: value for name, value in asdict(settings).items() if name != "covariance" or value is not None}
 
 
 def _or_null(number: float) -> float | None:

@@ -316,7 +316,7 @@ def test_the_settings_of_a_run_show_its_wall(caliper: Path, tmp_path: Path) -> N
     settings.write_text('title = "my notes"\n')
     done = run(str(settings))
     assert (done.exit_code, done.stderr.count("\n")) == (2, 1), done.stderr
-    assert "hole.glb.toml: title: must be one of helibore" in done.stderr
+    assert "hole.glb.toml: helibore: is missing" in done.stderr
 
 
 def test_without_the_page_it_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -289,9 +289,7 @@ def test_travel_time():
 @pytest.mark.parametrize(
     ("call", "text"),
     [
-        (lambda: Echo(0, 0.04),
-         "tool_radius = 0.04, velocity = 0, window = 0: velocity must be above 0, the others not negative, "
-         "all finite"),
+        (lambda: Echo(0, 0.04), "velocity = 0: must be finite and above 0"),
         (lambda: spikes([0], [1], [0], floor=0), "threshold = 6, floor = 0: must be above 0"),
         (lambda: spikes([0], [1, 2], [0]), "radius has 2 values, toolface has 1: must be equal"),
         (lambda: stuck([[1.0]]), "arms has 1 columns: must have at least 2, to compare"),
