@@ -54,6 +54,7 @@ nb_ipywidgets_js: dict[str, dict[str, str]] = {}  # they would come from a netwo
 # Pages link to files of the repository, and classes share names of attributes.
 suppress_warnings = ["config.cache", "myst.xref_missing", "ref.python"]
 autodoc_typehints = "description"
+autodoc_typehints_description_target = "documented_params"  # settings.md explains declared settings
 autodoc_member_order = "bysource"
 napoleon_google_docstring = False
 napoleon_use_ivar = True
