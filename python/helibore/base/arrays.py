@@ -68,6 +68,28 @@ def _in_utc(moments: Array) -> Array:
     return np.array(zoned, "M8[us]")
 
 
+def cells(values: npt.ArrayLike) -> Array:
+    """Return the cells of a data frame's column: numbers with NaN for the missing ones, dates or texts."""
+    if isinstance(values, np.ma.MaskedArray):
+        return np.ma.filled(values.astype(np.float64), np.nan)
+    array = np.asarray(values)
+    if array.dtype.kind != "O" or are_dates(array):
+        return array
+    plain = [None if _is_missing(of) else of for of in array.ravel().tolist()]
+    try:
+        return np.array([np.nan if of is None else of for of in plain], np.float64).reshape(array.shape)
+    except (TypeError, ValueError):
+        return np.array(plain, object).reshape(array.shape)
+
+
+def _is_missing(cell: Any) -> bool:
+    """Return whether a cell is None, NaN, NaT, or the NA of pandas, whose comparison is neither true nor false."""
+    try:
+        return cell is None or not cell == cell  # noqa: SIM201  # NaN is neither
+    except TypeError:
+        return True
+
+
 def column(name: str, values: npt.ArrayLike, length: int | None = None, like: str = "") -> Floats:
     """Return ``values`` as a one-dimensional, C-contiguous float64 array; ``name`` is the argument's name, for errors.
 

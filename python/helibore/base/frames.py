@@ -18,7 +18,7 @@ import numpy as np
 from helibore.base.arrays import Floats, Mask, are_dates, numbers_or_dates
 from helibore.base.errors import InputError
 from helibore.base.nulls import NULLS
-from helibore.base.units import TIME, factor
+from helibore.base.units import TIME, factor, split
 
 OPTIONAL = ("time", "arm")
 """Roles that a table need not have."""
@@ -68,7 +68,8 @@ def frame_rows(
         For each role: the name of its column (None: a time or an arm is not wanted), and the quantity that its unit
         measures (None: the role has no unit). A time may hold dates.
     units
-        The unit of each role whose column is not in metres, degrees or seconds; None: all columns have these units.
+        The unit of each role. A role without one has the unit at the end of its column's name, as in a file (``MD_ft``,
+        ``CAL [in]``), or else metres, degrees or seconds.
 
     Raises
     ------
@@ -81,7 +82,7 @@ def frame_rows(
         known = [role for role, (_, kind) in wanted.items() if kind]
         if unknown not in known:
             raise InputError("units", f"{unknown!r} is none of {', '.join(known)}")
-    _refuse_no_frame(table)
+    refuse_no_frame(table)
     columns: dict[str, Floats] = {}
     stated: dict[str, tuple[str, Floats, str]] = {}
     names = list(getattr(table, "column_names", getattr(table, "columns", ())))  # Arrow; pandas and Polars
@@ -97,6 +98,7 @@ def frame_rows(
             column = table[name]
         except Exception as error:  # each library has an error of its own for a column that is not there
             raise InputError(place, f"is not in the table ({role}){_way_from_index(table, name)}") from error
+        unit = units.get(role) or (split(str(name), kind)[1] if kind and not are_dates(column) else None)
         try:
             values = numbers_or_dates(column, dates=kind == TIME)
         except InputError as error:
@@ -112,8 +114,8 @@ def frame_rows(
             raise InputError("units", f"column {name!r} is of dates, which have no unit ({role})")
         null = np.isin(values, NULLS)
         values = np.where(null, np.nan, values) if null.any() else values
-        stated[role] = (str(name), values, f" {units[role]}" if role in units else "")
-        columns[role] = values * factor(units[role], kind) if role in units and kind else values
+        stated[role] = (str(name), values, f" {unit}" if unit else "")
+        columns[role] = values * factor(unit, kind) if unit and kind else values
     complete = np.logical_and.reduce([~np.isnan(of) for of in columns.values()])
     if not complete.any():
         raise InputError("table", f"none of {complete.size} rows has a value for each of {', '.join(columns)}")
@@ -121,7 +123,15 @@ def frame_rows(
     return FrameRows(whole, complete, stated)
 
 
-def _refuse_no_frame(table: Any) -> None:
+def column_of(table: Any, name: Any, position: int) -> Any:
+    """Return a column by its place if the table has places (pandas, Arrow), else by its name: names may be repeated."""
+    if hasattr(table, "iloc"):
+        return table.iloc[:, position]
+    return table.column(position) if hasattr(table, "column_names") else table[name]
+
+
+def refuse_no_frame(table: Any) -> None:
+    """Refuse what is not a data frame, with the way from there to one."""
     kind, rule = type(table).__name__, "must be a data frame or a dict of columns"
     if isinstance(table, list | tuple):
         raise InputError("table", f"{rule}; pandas.DataFrame(records) makes one from a list", kind)

@@ -194,5 +194,5 @@ def columns_of(*rows: Any) -> list[LogColumn]:
 def refuse_table(value: object, place: str) -> None:
     """If ``value`` is a data frame in place of samples, raise an InputError that says how to make samples of it."""
     if isinstance(value, dict) or hasattr(value, "columns"):
-        rule = "is a data frame: hb.Caliper.from_table(frame, depth=..., ...) makes a caliper of it"
+        rule = "is a data frame: hb.open(frame).caliper() makes a caliper of it, hb.Caliper.from_table of named columns"
         raise InputError(place, rule, type(value).__name__)

@@ -1,33 +1,37 @@
-"""``hb.open`` reads a log file of any format; its channels are looked up by their names."""
+"""``hb.open`` reads a log file of any format, or a data frame; its channels are looked up by their names."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 from helibore.base.nulls import NULLS
 from helibore.channels.log_set import LogFile, LogSet
 from helibore.channels.sectors import join_sectors
+from helibore.files.data_frame import read_frame
 from helibore.files.input_file import ReadOptions
 from helibore.files.reading import read_file
 
 
 def open(  # noqa: A001
-    path: str | PathLike[str],
+    path: str | PathLike[str] | Any,
     nulls: Iterable[float] = NULLS,
     header_line: int | None = None,
     encoding: str | None = None,
     decimal: str | None = None,
     salvage: bool = False,
 ) -> LogFile:
-    """Open a log file of any format; its content decides the format, not its name.
+    """Open a log file of any format, or a data frame; the content of a file decides the format, not its name.
 
     Parameters
     ----------
     path
         CSV, TSV, XLSX, Parquet, LAS 2.0 or 3.0, DLIS, LIS, JSON Well Log Format, WITSML 1.4.1.1 log or trajectory, or
-        NPZ. The text formats may be gzipped.
+        NPZ. The text formats may be gzipped. Or a data frame of pandas, Polars, Arrow or xarray, or a dict of columns:
+        its units, missing values and roles follow the rules for files, so that the frame and the file that it was read
+        from give the same samples and the same remarks.
     nulls
         Numbers that mean "no measurement", in addition to a number that the file declares.
     header_line
@@ -63,8 +67,13 @@ def open(  # noqa: A001
     >>> file["GR"].values, file["GR"].unit              # doctest: +SKIP
     >>> file.image("ABDC").values.shape                 # doctest: +SKIP
     """
-    path = Path(path)
-    raw = read_file(path, ReadOptions(tuple(float(null) for null in nulls), header_line, encoding, decimal, salvage))
+    nulls = tuple(float(null) for null in nulls)
+    if isinstance(path, str | PathLike):
+        path = Path(path)
+        raw = read_file(path, ReadOptions(nulls, header_line, encoding, decimal, salvage))
+    else:
+        raw = read_frame(path, nulls)
+        path = raw.sets[0].path
     sets = []
     for one in raw.sets:
         channels, gaps = join_sectors(one.channels, one.index)

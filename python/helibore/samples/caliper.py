@@ -146,6 +146,8 @@ class Caliper(Tabular):
     ) -> Caliper:
         """Return samples from the columns of a data frame: pandas, Polars, Arrow, xarray, or a dict of columns.
 
+        ``hb.open(frame)`` finds the columns and their roles by itself, as in a file.
+
         Parameters
         ----------
         table
@@ -163,8 +165,9 @@ class Caliper(Tabular):
             diameter is missing, the
             other diameters of its row stay, and ``left_out`` counts the row once.
         units
-            Units that are not metres, degrees and seconds: ``{"depth": "ft", "radius": "in"}``, or
-            ``{"diameter": "in"}`` for all diameters.
+            Units: ``{"depth": "ft", "radius": "in"}``, or ``{"diameter": "in"}`` for all diameters. Without, a column
+            has the unit at the end of its name, as in a file (``MD_ft``, ``CAL [in]``), or else metres, degrees or
+            seconds.
 
         Raises
         ------

@@ -115,7 +115,8 @@ class Survey:
         depth, inclination, azimuth
             Names of the columns.
         units
-            Units that are not metres and degrees: ``{"depth": "ft"}``.
+            Units: ``{"depth": "ft"}``. Without, a column has the unit at the end of its name (``MD_ft``), or else
+            metres and degrees.
 
         Raises
         ------

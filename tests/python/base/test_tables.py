@@ -229,9 +229,8 @@ def test_diameters_in_the_place_of_radii_are_refused():
 def test_a_data_frame_for_samples_is_an_error_that_names_from_table(place, call):
     with pytest.raises(hb.InputError) as error:
         call(pd.DataFrame(FRAME))
-    assert str(error.value) == (
-        f"{place} = DataFrame: is a data frame: hb.Caliper.from_table(frame, depth=..., ...) makes a caliper of it"
-    )
+    assert (error.value.place, error.value.value) == (place, "DataFrame")
+    assert "hb.open(frame).caliper()" in error.value.rule
 
 
 def test_diameters_of_few_arms_are_those_of_a_file(tmp_path: Path) -> None:
@@ -245,13 +244,15 @@ def test_diameters_of_few_arms_are_those_of_a_file(tmp_path: Path) -> None:
     diameters, units = {"cal_x_in": 0, "cal_y_in": 90}, {"diameter": "in"}
     caliper = hb.Caliper.from_table(frame, **places, diameters=diameters, units=units)
     assert (len(caliper), caliper.left_out) == (4 * 300 - 2, 1)
+    by_name = hb.Caliper.from_table(frame, **places, diameters=diameters)  # the names of the columns state the unit
+    assert by_name.radius.tobytes() == caliper.radius.tobytes()
     wall = hb.reconstruct(caliper, bit_diameter=0.2)
     of_file = hb.reconstruct(hb.open(tmp_path / "xy.csv").readings(), bit_diameter=0.2)
     np.testing.assert_allclose(wall.radius, of_file.radius, atol=1e-12)
     np.testing.assert_allclose(wall.logs().c1, of_file.logs().c1, atol=1e-12)
     assert len(wall.logs().arm_diameter) == 2
     for more, text in (
-        ({"diameters": diameters}, "column 'cal_x_in': median = 8.5"),
+        ({"diameters": {"cal": 0}}, "column 'cal': median = 8.5"),
         ({"diameters": {}}, "diameters = {}: must be the angle of the arms by column, degrees: {"),
         ({"diameters": ["cal_x_in"]}, "diameters = ['cal_x_in']: must be the angle of the arms by column"),
         ({"diameters": {"cal_x_in": "0"}}, "diameters['cal_x_in'] = '0': must be finite degrees"),
@@ -259,7 +260,7 @@ def test_diameters_of_few_arms_are_those_of_a_file(tmp_path: Path) -> None:
         ({"diameters": {"z": 0}}, "column 'z': is not in the table (diameter)"),
     ):  # fmt: skip
         with pytest.raises(hb.InputError) as caught:
-            hb.Caliper.from_table(frame, **places, **more)
+            hb.Caliper.from_table(frame | {"cal": x}, **places, **more)
         assert str(caught.value).startswith(text)
 
 

@@ -1,0 +1,164 @@
+"""The same table by every door: files of each format and data frames give the same samples and the same messages."""
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import polars as pl
+import pyarrow as pa
+import pytest
+import xarray as xr
+from pyarrow import parquet
+
+import helibore as hb
+
+rng = np.random.default_rng(11)
+ROWS = 240
+
+
+def _table(**columns):
+    """A rotating tool's rows, all well; a column is replaced, added or (None) left out."""
+    at = np.arange(ROWS)
+    whole = {
+        "MD_m": 2000 + at * 0.01,
+        "TOOLFACE_deg": at * 37.0 % 360,
+        "RADIUS_mm": 108 + np.round(rng.normal(0, 1, ROWS), 3),
+    }
+    whole |= columns
+    return {name: list(values) for name, values in whole.items() if values is not None}
+
+
+def _with(values, places, by):
+    """Return a copy of values in which those at the places are replaced."""
+    values = list(values)
+    for place in places:
+        values[place] = by
+    return values
+
+
+GOOD = _table()
+MD, TF, R = GOOD["MD_m"], GOOD["TOOLFACE_deg"], GOOD["RADIUS_mm"]
+FLAWED = {
+    "as it should be": GOOD,
+    "feet": _table(MD_m=None, MD_ft=[of / 0.3048 for of in MD]),
+    "inches": _table(RADIUS_mm=None, RADIUS_in=[of / 25.4 for of in R]),
+    "radians": _table(TOOLFACE_deg=None, TOOLFACE_rad=np.radians(TF)),
+    "units in brackets": {
+        "MD [ft]": [of / 0.3048 for of in MD],
+        "TOOLFACE (deg)": TF,
+        "RADIUS [in]": [of / 25.4 for of in R],
+    },
+    "nulls": _table(RADIUS_mm=_with(R, range(0, ROWS, 7), -999.25)),
+    "other nulls": _table(RADIUS_mm=_with(R, range(0, ROWS, 9), -9999.0), TOOLFACE_deg=_with(TF, [3, 4], -999.25)),
+    "empty cells": _table(RADIUS_mm=_with(R, [1, 5, 200], None)),
+    "no depth in some rows": _table(MD_m=_with(MD, [0, 17], None)),
+    "repeated rows": {name: of + of[:20] for name, of in GOOD.items()},
+    "upwards": {name: of[::-1] for name, of in GOOD.items()},
+    "a radius of zero": _table(RADIUS_mm=_with(R, [40], 0.0)),
+    "a radius that cannot be": _table(RADIUS_mm=_with(R, [40], 5000.0)),
+    "a negative radius": _table(RADIUS_mm=_with(R, [41], -3.0)),
+    "diameters called radius": _table(RADIUS_mm=[2 * of for of in R]),
+    "no toolface": _table(TOOLFACE_deg=None),
+    "no radius": _table(RADIUS_mm=None),
+    "nothing but nulls": _table(RADIUS_mm=[-999.25] * ROWS),
+    "X-Y": {"MD_m": MD, "RB_deg": TF, "CAL1_in": [of / 12.7 for of in R], "CAL2_in": [of / 12.6 for of in R]},
+    "a passenger": _table(GR_gapi=[50.0] * ROWS, RADIUS_mm=_with(R, [8], None)),
+    "a shifted clock": _table(TIME_s=[1.6e9 + of for of in range(ROWS)]),
+    "no unit of radius": _table(RADIUS_mm=None, RADIUS=R),
+}
+
+
+def _parts(name):
+    """Return a column's name and unit, which LAS and JSON keep apart."""
+    found = re.fullmatch(r"(\w+?)(?: \[(\w+)\]| \((\w+)\)|_(\w+))?", name)
+    return found[1], found[2] or found[3] or found[4] or ""
+
+
+def _las(table, path):
+    rows = zip(*table.values(), strict=True)
+    curves = ["{}.{}  :".format(*_parts(name)) for name in table]
+    cells = [" ".join("-999.25" if of is None else repr(float(of)) for of in row) for row in rows]
+    head = ["~V", "VERS. 2.0:", "WRAP. NO:", "~W", "NULL. -999.25:", "~C", *curves, "~A"]
+    path.write_text("\n".join([*head, *cells]) + "\n")
+
+
+def _json(table, path):
+    parts = map(_parts, table)
+    curves = [{"name": name, "unit": unit or None, "valueType": "float", "dimensions": 1} for name, unit in parts]
+    rows = [list(row) for row in zip(*table.values(), strict=True)]
+    path.write_text(json.dumps([{"header": {"name": "log"}, "curves": curves, "data": rows}]))
+
+
+def _doors(table, folder: Path):
+    """Yield the name of each door and what `hb.open` takes."""
+    frame = pd.DataFrame(table).astype("float64")
+    frame.to_csv(folder / "t.csv", index=False)
+    yield "t.csv", folder / "t.csv"
+    parquet.write_table(pa.Table.from_pandas(frame, preserve_index=False), folder / "t.parquet")
+    yield "t.parquet", folder / "t.parquet"
+    _json(table, folder / "t.json")
+    yield "t.json", folder / "t.json"
+    _las(table, folder / "t.las")
+    yield "t.las", folder / "t.las"
+    data = xr.Dataset({name: ("row", column) for name, column in frame.items()})
+    for one in (frame, frame.convert_dtypes(), pl.DataFrame(table, strict=False), pa.table(table), data, table):
+        yield "data frame", one
+
+
+def _answer(door, given, names):
+    def told(text):
+        for name in names:
+            text = text.replace(name, _parts(name)[0])
+        return re.sub(r"(line|row) [0-9]+", "place", text.replace(door, "TABLE"))
+
+    try:
+        readings = hb.open(given).readings(bit_diameter=0.216)
+        made = hb.prepare(readings, bit_diameter=0.216)
+    except hb.InputError as error:
+        return told(str(error))
+    bits = [
+        None if of is None else of.tobytes()
+        for of in (made.caliper.depth, made.caliper.toolface, made.caliper.radius, made.caliper.time)
+    ]
+    return [bits, [(step, told(text)) for step, text in made.report], made.counts]
+
+
+@pytest.mark.parametrize("name", FLAWED)
+def test_every_door_gives_the_same(name, tmp_path):
+    answers = [
+        (door, type(given).__name__, _answer(door, given, FLAWED[name]))
+        for door, given in _doors(FLAWED[name], tmp_path)
+    ]
+    first = answers[0][2]
+    assert {(door, kind): answer for door, kind, answer in answers if answer != first} == {}
+
+
+def test_a_data_frame_is_opened_only_if_it_is_one_with_rows():
+    for given, place, rule in (
+        ({}, "data frame", "has no columns"),
+        ({"MD": []}, "data frame", "has no rows"),
+        ([1, 2], "table", "must be a data frame or a dict of columns; pandas.DataFrame(records) makes one from a list"),
+        ({"MD": [1, 2], "R": [1]}, "column 'R' has 1 values, column 'MD' has 2", "must be equal"),
+    ):
+        with pytest.raises(hb.InputError) as caught:
+            hb.open(given)
+        assert (caught.value.place, caught.value.rule) == (place, rule)
+
+
+def test_metadata_state_a_unit_before_the_name_does():
+    arrow = pa.table({"MD_m": [1.0, 2.0]}, pa.schema([pa.field("MD_m", pa.float64(), metadata={"unit": "ft"})]))
+    data = xr.Dataset({"MD_m": ("row", [1.0, 2.0], {"units": "ft"})})
+    assert [hb.open(frame)["MD_m"].unit for frame in (arrow, data)] == ["ft", "ft"]
+
+
+def test_samples_of_named_columns_have_the_units_of_the_names():
+    frame = {"MD_ft": [8800.0, 8801.0], "TF (rad)": [0.0, np.pi], "CAL [in]": [4.25, 4.5]}
+    names = {"depth": "MD_ft", "toolface": "TF (rad)", "radius": "CAL [in]"}
+    made = hb.Caliper.from_table(frame, **names)
+    assert made.depth.tolist() == [8800 * 0.3048, 8801 * 0.3048]
+    assert made.radius.tolist() == [4.25 * 0.0254, 4.5 * 0.0254]
+    assert made.toolface.tolist() == pytest.approx([0.0, 180.0])
+    stated = hb.Caliper.from_table(frame, **names, units={"depth": "m"})  # stated before the name
+    assert stated.depth.tolist() == [8800.0, 8801.0]
