@@ -26,7 +26,7 @@ from test_live_store import PASSWORD, Polled, grown, with_user  # noqa: E402
 
 from helibore import Live  # noqa: E402
 from helibore.cli.live_log import logged  # noqa: E402
-from helibore.cli.live_status import metrics  # noqa: E402
+from helibore.cli.prometheus_metrics import metrics  # noqa: E402
 from helibore.live import server, snapshot  # noqa: E402
 from helibore.live.kinds.witsml_stores import WitsmlStores  # noqa: E402
 from helibore.live.wire import store  # noqa: E402

@@ -16,7 +16,8 @@ from html import escape
 import numpy as np
 
 from helibore.base.arrays import Floats
-from helibore.base.colors import ColorScale, colors_of, usual_scale
+from helibore.base.color_limits import usual_scale
+from helibore.base.colors import ColorScale, colors_of
 from helibore.base.errors import InputError
 
 _WIDTH, _HEIGHT = 72, 120

@@ -19,12 +19,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 import numpy as np
 
 from helibore.base.arrays import Floats, column
+from helibore.base.decimals import DECIMALS, USUAL_DECIMALS
 from helibore.base.errors import InputError, needs
 
 if TYPE_CHECKING:
     from pandas import DataFrame
-
-_DECIMALS = {"m": 6, "m3": 7, "deg": 2, "s": 2, "": 5}
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +71,7 @@ class LogColumn:
         missing
             The text of a missing value.
         """
-        decimals = _DECIMALS.get(self.unit, 6) if self.decimals is None else self.decimals
+        decimals = DECIMALS.get(self.unit, USUAL_DECIMALS) if self.decimals is None else self.decimals
         return [f"{value:.{decimals}f}" if value == value else missing for value in self.values.tolist()]
 
 

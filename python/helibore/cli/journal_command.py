@@ -43,7 +43,7 @@ def list_(folder: Path) -> None:
     helibore journal list well-7.journal
     """
     from helibore.live.journal import checkpoint
-    from helibore.live.journal.export import sessions
+    from helibore.live.journal.journal_extracts import sessions
     from helibore.live.model.clock import utc
 
     begun = sessions(folder)
@@ -112,7 +112,7 @@ def replay(folder: Path, configuration: Path | None, output: Path | None) -> Non
     \b
     helibore journal replay well-7.journal -c corrected.toml -o corrected
     """
-    from helibore.live.snapshot import snapshot
+    from helibore.live.snapshot_files import snapshot
 
     live = _replayed(folder, configuration)
     for event in live.model.events.latest:
@@ -142,7 +142,7 @@ def quarantine(folder: Path, configuration: Path | None, output: Path | None) ->
     helibore journal quarantine well-7.journal -o set-aside
     """
     from helibore.base.atomic_file import write_whole
-    from helibore.live.journal.export import quarantine as set_aside
+    from helibore.live.journal.journal_extracts import quarantine as set_aside
     from helibore.live.model.clock import utc
 
     found: dict[str, bytes] = {}
@@ -183,7 +183,7 @@ def export(folder: Path, configuration: Path | None, output: Path, source: str |
 
     from helibore.base.atomic_file import write_whole
     from helibore.base.errors import InputError
-    from helibore.live.journal.export import export_bytes, export_csv
+    from helibore.live.journal.journal_extracts import export_bytes, export_csv
     from helibore.live.journal.session_header import sources_of
     from helibore.live.rules.configuration import load
 

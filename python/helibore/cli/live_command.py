@@ -19,8 +19,8 @@ from helibore.cli.sections import opt, section
 
 if TYPE_CHECKING:
     from helibore.cli.live_log import LogWriter
-    from helibore.cli.live_metrics import Access
     from helibore.cli.live_view import Window
+    from helibore.cli.metrics_server import Access
     from helibore.live.live import Live
     from helibore.live.server import Server
 
@@ -68,7 +68,7 @@ def live(
     from helibore.cli.lines import counts_line
     from helibore.cli.live_check import described
     from helibore.cli.live_log import logged
-    from helibore.cli.live_metrics import Access, MetricsServer
+    from helibore.cli.metrics_server import Access, MetricsServer
     from helibore.live.alarms import receiver
     from helibore.live.live import Live
     from helibore.live.rules.configuration import load
@@ -130,7 +130,7 @@ def _screen(server: Server, quiet: bool) -> Iterator[Callable[[], None]]:
     from rich.console import Console
     from rich.live import Live as Screen
 
-    from helibore.cli.live_status import Page
+    from helibore.cli.live_status_page import Page
 
     page, console = Page(server), Console()
     if quiet or not console.is_terminal:
@@ -222,7 +222,7 @@ def _show(window: Window, server: Server) -> bool:
 def _snapshot(running: Live, target: Path) -> None:
     """Write a snapshot; if it cannot be written, report the error and go on."""
     try:
-        from helibore.live.snapshot import snapshot
+        from helibore.live.snapshot_files import snapshot
 
         snapshot(running, target)
     except (OSError, ValueError) as error:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
+from helibore.base.decimals import DECIMALS
 from helibore.base.errors import InputError
 from helibore.cli.lines import annulus_lines, breakout_line, row_line, sigma_lines, summary_lines, zone_lines
 from helibore.cli.outputs import OUTPUT, QUIET, check_folder, own_options, save_lines
@@ -42,8 +43,6 @@ NAMED = (
     ),
 )
 """Options of every table of a wall: the names of the well, and the unit."""
-
-DECIMALS = {"in": 4, "mm": 3, "ft": 5}
 
 
 @click.command(

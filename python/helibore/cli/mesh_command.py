@@ -185,7 +185,8 @@ def _save(wall: Wall, made: Surface | Volume, output: Path, color_by: str | None
 
 def _colors(wall: Wall, made: Surface, output: Path, name: str) -> dict[str, Any]:
     """Return the arguments of `Surface.save` for the customary colours of an image; {} if they do not apply."""
-    from helibore.base.colors import PERCENTILES, customary_map
+    from helibore.base.color_limits import PERCENTILES
+    from helibore.base.colors import customary_map
 
     values = made.attributes[name] if name in wall.images else np.empty(0)
     there = values[np.isfinite(values)]

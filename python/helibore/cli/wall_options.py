@@ -295,7 +295,7 @@ HEADER = opts(
 
 def header_of(run: Run, options: dict[str, Any]) -> dict[str, str]:
     """Return the entries of a log's header by name; entries of the options replace those of the run's files."""
-    from helibore.channels.log_header import NAMES
+    from helibore.channels.header_entries import NAMES
     from helibore.runs.run import stated_header
 
     found = stated_header(run)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from helibore.base import units
 from helibore.channels.channel_readings import bit_of_channel
-from helibore.channels.log_header import log_header
+from helibore.channels.header_entries import log_header
 from helibore.channels.log_set import LogFile
 from helibore.channels.roles import WALL, RoleMap
 

@@ -7,7 +7,7 @@
 
 lasio reads the header of LAS 2, because it knows many dialects. This file reads LAS 3, because lasio 0.32 supports
 neither arrays nor sets, and reads comma-delimited rows as one column. ``number_rows`` reads the rows of both versions.
-``helibore.channels.log_header`` lists the mnemonics of company, well, field and other entries.
+``helibore.channels.header_entries`` lists the mnemonics of company, well, field and other entries.
 """
 
 from __future__ import annotations

@@ -21,7 +21,7 @@ NULL = -999.25
 LAS_WELL = {"company": "COMP", "well": "WELL", "field": "FLD", "location": "LOC", "service": "SRVC", "run": "RUN",
             "date": "DATE", "datum": "DATUM", "kb": "EKB", "gl": "EGL", "bit": "BS", "mud": "MUD",
             "remarks": "REM"}  # fmt: skip
-"""For each entry of `helibore.channels.log_header`, its mnemonic in LAS (~Well) and DLIS (parameters)."""
+"""For each entry of `helibore.channels.header_entries`, its mnemonic in LAS (~Well) and DLIS (parameters)."""
 
 _STEP_DECIMALS = 5
 

@@ -9,7 +9,7 @@
     .dlis   -999.25                  parameters; channels have units and long names
 
 Files are written whole or not at all. ``hb.open`` reads them back. LAS and DLIS are ASCII: any other character of a
-header or fact becomes "?". ``helibore.channels.log_header`` reads the entries of a header from other files.
+header or fact becomes "?". ``helibore.channels.header_entries`` reads the entries of a header from other files.
 """
 
 from __future__ import annotations

@@ -15,7 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base.arrays import Floats, Integers, column, finite_column
-from helibore.base.colors import ColorScale, check_positive, usual_scale
+from helibore.base.color_limits import usual_scale
+from helibore.base.colors import ColorScale, check_positive
 from helibore.base.errors import InputError
 from helibore.images.sector_image import SectorImage
 

@@ -2,7 +2,7 @@
 
 live           ... append  append | append ...      everything is copied in memory, between two appends
                                   |
-frozen copy                       walls, images, stations, passes, events       sorted, exported (``snapshot.py``)
+frozen copy                       walls, images, stations, passes, events       sorted, exported (``snapshot_files.py``)
 """
 
 from __future__ import annotations

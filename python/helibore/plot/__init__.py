@@ -6,7 +6,7 @@
 
     content.py      what is shown           tracks.py          depth, caliper, images  paper.py         sheets, files
     log.py          where it stands         cross_sections.py  cross sections          raster.py        cells to pixels
-    header.py       facts about the hole    solid.py           shaded bodies           diameters.py     caliper curves
+    print_header.py facts about the hole    solid.py           shaded bodies           diameters.py     caliper curves
     html_report.py  the report              shading.py         their light             depth_scales.py  scales, axes
     zone_list.py    zones, worst first      picked.py          picks
 

@@ -19,7 +19,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from helibore.base.arrays import Floats
-from helibore.base.colors import ColorScale, check_map, customary_map, over_bit
+from helibore.base.color_limits import over_bit
+from helibore.base.colors import ColorScale, check_map, customary_map
 from helibore.base.errors import InputError, check_choice
 from helibore.images.normalization import image_scale, sliding_window
 from helibore.images.sector_image import SectorImage

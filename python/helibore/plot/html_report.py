@@ -31,9 +31,9 @@ from helibore.logs.zones import SIZES
 from helibore.plot.content import Drawing, content_of
 from helibore.plot.depth_scales import multiples
 from helibore.plot.diameters import Diameters
-from helibore.plot.header import HEADER, facts, measured_text, sentence, toolface_text
 from helibore.plot.log import pages_of
 from helibore.plot.paper import MM, rendered
+from helibore.plot.print_header import HEADER, facts, measured_text, sentence, toolface_text
 from helibore.plot.tracks import LENGTHS
 from helibore.plot.zone_list import criteria_text
 from helibore.trajectory.references import reference_assumed

@@ -26,7 +26,7 @@ from helibore.base.errors import InputError
 from helibore.channels.channel_readings import note, readings
 from helibore.channels.columns import column, depths, needed, north_of
 from helibore.channels.depth_remarks import depth_remarks
-from helibore.channels.log_header import log_header
+from helibore.channels.header_entries import log_header
 from helibore.channels.log_set import LogFile, LogSet
 from helibore.channels.opening import open as open_file
 from helibore.channels.role_map import read_map

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.colors import symmetric_limit
+from helibore.base.color_limits import symmetric_limit
 from helibore.base.errors import InputError
 from helibore.base.tables import refuse_table
 from helibore.base.units import MILLIMETRE

@@ -23,7 +23,8 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base.arrays import Floats, column, numbers
-from helibore.base.colors import customary_map, percentile_limits, symmetric_limit
+from helibore.base.color_limits import percentile_limits, symmetric_limit
+from helibore.base.colors import customary_map
 from helibore.base.errors import InputError
 from helibore.base.ranges import Range, union
 from helibore.base.units import MILLIMETRE

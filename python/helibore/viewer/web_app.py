@@ -45,7 +45,7 @@ from helibore.viewer.protocol import BadMessageError, handshake, picks_message, 
 from helibore.viewer.scene import Scene
 
 TICK = 0.05  # seconds: a growing wall is sent at most 20 times a second; the first change is sent at once
-MOST_CLIENTS = 64
+MOST_PAGES = 64
 MOST_TEXT = 8192  # characters of a message from a page, bytes of a pick
 MOST_TABLE = 1 << 21  # bytes of a table of picks
 NOT_BEGUN = "no sample has come yet: there is no wall to show"
@@ -152,8 +152,8 @@ class WebApp:
     async def serve(self, socket: Socket) -> None:
         """Serve one page over its WebSocket until it disconnects or breaks the protocol."""
         await socket.accept()
-        if len(self.connections) >= MOST_CLIENTS:
-            await socket.close(4429, f"{MOST_CLIENTS} pages are connected already")
+        if len(self.connections) >= MOST_PAGES:
+            await socket.close(4429, f"{MOST_PAGES} pages are connected already")
             return
         connection = _Connection(self.scene, socket)
         self.connections.add(connection)

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from helibore import _core
 from helibore.base.arrays import Floats, Mask
-from helibore.base.colors import over_bit
+from helibore.base.color_limits import over_bit
 from helibore.base.errors import InputError, needs
 from helibore.base.notebook import card, map_picture
 from helibore.base.thread_count import thread_count

@@ -16,7 +16,7 @@ from patience import PATIENCE
 
 from helibore.cli import cli
 from helibore.cli.live_command import _window
-from helibore.cli.live_metrics import CONNECTIONS, Access, MetricsServer
+from helibore.cli.metrics_server import CONNECTIONS, Access, MetricsServer
 
 TOKEN = "a secret/47"
 
@@ -85,7 +85,7 @@ def test_metrics_need_no_new_thread_and_lose_no_slot(running, monkeypatch):
             patch.setattr(threading.Thread, "start", lambda _: 1 / 0)
             for _ in range(2 * CONNECTIONS):
                 assert asked(f"http://127.0.0.1:{port}/metrics")[0] == 200
-            patch.setattr("helibore.cli.live_metrics.metrics", lambda _: 1 / 0)
+            patch.setattr("helibore.cli.metrics_server.metrics", lambda _: 1 / 0)
             for _ in range(2 * CONNECTIONS):
                 with socket.create_connection(("127.0.0.1", port), timeout=PATIENCE) as link:
                     link.sendall(b"GET /metrics HTTP/1.0\r\n\r\n")

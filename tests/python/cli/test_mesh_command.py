@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 import helibore as hb
-from helibore.base.colors import percentile_limits
+from helibore.base.color_limits import percentile_limits
 from helibore.cli import cli
 
 BIT = 0.216

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import helibore as hb
-from helibore.channels.log_header import log_header
+from helibore.channels.header_entries import log_header
 
 pytest.importorskip("dlisio")
 

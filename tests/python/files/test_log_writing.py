@@ -14,7 +14,7 @@ import pytest
 import helibore as hb
 from helibore.base import atomic_file
 from helibore.base.tables import LogColumn, LogTable
-from helibore.channels.log_header import log_header
+from helibore.channels.header_entries import log_header
 from helibore.files.log_writing import save_table
 from helibore.logs.turn_logs import Logs
 

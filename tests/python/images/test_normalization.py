@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from helibore.base.colors import percentile_limits
+from helibore.base.color_limits import percentile_limits
 from helibore.images.normalization import sliding_window
 
 

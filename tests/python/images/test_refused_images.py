@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import helibore as hb
-from helibore.base.colors import percentile_limits
+from helibore.base.color_limits import percentile_limits
 from helibore.images.normalization import sliding_window
 from helibore.images.sector_image import SectorImage
 from helibore.logs.zone_criteria import Criteria

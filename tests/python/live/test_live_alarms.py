@@ -569,7 +569,8 @@ def test_alarms_do_not_change_the_meaning():
 def test_a_running_server_shows_its_alarms_in_metrics_and_status(tmp_path):
     from rich.console import Console
 
-    from helibore.cli.live_status import Page, metrics
+    from helibore.cli.live_status_page import Page
+    from helibore.cli.prometheus_metrics import metrics
 
     assert TICK <= 0.5
     with Running(configured(f"listen://127.0.0.1:{free_port()}") + "[alarms]\nlost = 0.1\n", tmp_path) as running:

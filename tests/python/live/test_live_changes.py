@@ -10,8 +10,8 @@ from live_servers import configured, frames, free_port, until
 from live_wires import FRAMES, SENT, WALL, Clock, same_bits
 
 from helibore import Live
-from helibore.live.journal.export import sessions
 from helibore.live.journal.journal import BYTES, CLOSED, CONNECTED, JournalFullError, segments
+from helibore.live.journal.journal_extracts import sessions
 from helibore.live.rules.configuration import load, parse
 from helibore.live.server import Server
 

@@ -20,7 +20,7 @@ from helibore.live.model import update as update_module
 from helibore.live.model.image_rows import ImageRows
 from helibore.live.model.update import Update
 from helibore.live.rules.configuration import parse
-from helibore.live.snapshot import snapshot
+from helibore.live.snapshot_files import snapshot
 
 
 def test_a_poll_tells_everything_since_the_last():

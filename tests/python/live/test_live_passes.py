@@ -13,7 +13,7 @@ from helibore.live import live as live_module
 from helibore.live.model.pass_log import KEPT, PassLog
 from helibore.live.rules.configuration import parse
 from helibore.live.rules.pass_rules import PassNumbers
-from helibore.live.snapshot import snapshot
+from helibore.live.snapshot_files import snapshot
 from helibore.live.wire import wits
 
 CALIPER = 'caliper = { toolface = ["5010"], radius = ["5012"]'

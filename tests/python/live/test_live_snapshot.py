@@ -18,7 +18,7 @@ from helibore import Live
 from helibore.live.frozen_copy import frozen_copy
 from helibore.live.rules.configuration import parse
 from helibore.live.rules.layout import Layout
-from helibore.live.snapshot import snapshot
+from helibore.live.snapshot_files import snapshot
 from helibore.live.wire import wits
 from helibore.wall.reads import WallReads
 

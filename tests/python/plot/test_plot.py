@@ -22,10 +22,10 @@ from helibore.plot.content import REFERENCES, content_of
 from helibore.plot.cross_sections import sections_at, telling_depths
 from helibore.plot.depth_scales import FEET, Lines, usual_depth_scale
 from helibore.plot.diameters import Diameters, diameters, thinned
-from helibore.plot.header import SIDES_TEXT, header_height, sentence
 from helibore.plot.html_report import page
 from helibore.plot.log import MARGIN, _divided
 from helibore.plot.paper import MM, Sheet
+from helibore.plot.print_header import SIDES_TEXT, header_height, sentence
 from helibore.plot.solid import Stretched, exaggeration, most_relief, turns_between
 from helibore.plot.tracks import HATCH, HATCH_BYTES, HEAD, CaliperTrack, ImageTrack, Stretch
 from helibore.simulation.tool import Hole, Tool, simulate

@@ -24,8 +24,8 @@ from helibore.logs.turn_logs import NO_UNCERTAINTY
 from helibore.logs.zones import SIZES
 from helibore.plot import log
 from helibore.plot.content import Drawing, content_of
-from helibore.plot.header import sentence
 from helibore.plot.html_report import intervals, largest_gaps, number, page, report
+from helibore.plot.print_header import sentence
 from helibore.simulation.tool import Hole, Tool, simulate
 
 BIT = 0.216

@@ -20,10 +20,11 @@ from patience import PATIENCE
 import helibore as hb
 from helibore import Live
 from helibore.cli import cli
-from helibore.cli.live_status import Page, metrics
+from helibore.cli.live_status_page import Page
+from helibore.cli.prometheus_metrics import metrics
 from helibore.live.rules.configuration import parse
 from helibore.live.server import Server
-from helibore.live.snapshot import snapshot
+from helibore.live.snapshot_files import snapshot
 from helibore.live.wire import wits
 from helibore.simulation.rig import Faults, Rig, configuration, connect, play
 from helibore.simulation.tool import Lift

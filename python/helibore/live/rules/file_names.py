@@ -2,7 +2,7 @@
 
     "GR", "../x", "a/b"      ->      image-GR.csv, image-..%2Fx.csv, image-a%2Fb.csv     always in the folder
 
-``snapshot.py`` lists the files.
+``snapshot_files.py`` lists the files.
 """
 
 from __future__ import annotations

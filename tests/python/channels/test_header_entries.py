@@ -10,7 +10,7 @@ import pytest
 
 import helibore as hb
 from helibore.base.tables import LogColumn, LogTable
-from helibore.channels.log_header import NAMES, log_header
+from helibore.channels.header_entries import NAMES, log_header
 from helibore.files.log_writing import save_table
 
 LAS2 = """~Version

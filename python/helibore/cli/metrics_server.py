@@ -16,7 +16,7 @@ from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 from helibore.base.errors import InputError, port_error
-from helibore.cli.live_status import metrics
+from helibore.cli.prometheus_metrics import metrics
 from helibore.live.server import Server
 
 CONNECTIONS, SECONDS = 8, 5.0

@@ -8,7 +8,7 @@ import io
 from live_wires import SENT, Clock
 
 from helibore import Live
-from helibore.live.journal.export import export_csv
+from helibore.live.journal.journal_extracts import export_csv
 from helibore.live.journal.session_header import sources_of
 from helibore.live.rules.configuration import parse
 from helibore.live.wire import wits
