@@ -105,7 +105,7 @@ const Wall& Live::wall() const {
 }
 
 Update Live::append_samples(const SampleColumns& samples) {
-    const Held held(state_->lock);
+    const std::lock_guard held(state_->lock);
     std::vector<Range> all(1);  // used if memory runs out while the ranges of several appends are listed
     Update update;
     update.change = state_->wall.append(samples);
@@ -124,7 +124,7 @@ Update Live::append_samples(const SampleColumns& samples) {
 
 Update Live::append_stations(std::span<const double> depth, std::span<const double> inclination,
                              std::span<const double> azimuth) {
-    const Held held(state_->lock);
+    const std::lock_guard held(state_->lock);
     Stations::Taken taken = state_->stations.take(depth, inclination, azimuth);
     Update update;
     update.path_from = taken.path_from;
@@ -147,7 +147,7 @@ Update Live::append_image(const std::string& name, std::span<const double> depth
     const std::size_t width = values.size() / depth.size();
     require(width <= 1000000, "sectors", static_cast<Index>(width), "must be at most 1000000");
     const int sectors = static_cast<int>(width);
-    const Held held(state_->lock);
+    const std::lock_guard held(state_->lock);
     const auto [place, is_new] = state_->images.try_emplace(name, ImageArrays{{}, {}, sectors, unit});
     ImageArrays& rows = place->second;
     if (rows.sectors != sectors)
@@ -172,29 +172,29 @@ Update Live::append_image(const std::string& name, std::span<const double> depth
 }
 
 Update Live::poll() {
-    const Held held(state_->lock);
+    const std::lock_guard held(state_->lock);
     return std::exchange(state_->pending, {});
 }
 
 std::optional<Survey> Live::survey() const {
-    const Held held(state_->lock);
+    const std::lock_guard held(state_->lock);
     return state_->stations.survey();
 }
 
 std::optional<Path> Live::path() const {
-    const Held held(state_->lock);
+    const std::lock_guard held(state_->lock);
     return state_->stations.path();
 }
 
 std::vector<std::string> Live::images() const {
-    const Held held(state_->lock);
+    const std::lock_guard held(state_->lock);
     std::vector<std::string> names;
     for (const auto& [name, rows] : state_->images) names.push_back(name);
     return names;
 }
 
 ImageArrays Live::rows(const std::string& name, Range some) const {
-    const Held held(state_->lock);
+    const std::lock_guard held(state_->lock);
     const ImageArrays& rows = state_->arrived(name);
     const auto count = static_cast<Index>(rows.depth.size());
     if (some.start < 0 || some.start > some.stop || some.stop > count)
@@ -209,7 +209,7 @@ ImageArrays Live::rows(const std::string& name, Range some) const {
 
 ImageArrays Live::image(const std::string& name) const {
     const StandardArithmetic standard;
-    const Held held(state_->lock);
+    const std::lock_guard held(state_->lock);
     const ImageArrays& rows = state_->arrived(name);
     std::vector<std::size_t> order(rows.depth.size());
     std::iota(order.begin(), order.end(), std::size_t{0});

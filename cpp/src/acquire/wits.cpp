@@ -139,7 +139,7 @@ struct Position {
 struct Parser::State {
     std::vector<double> nulls;
     Limits limits;
-    Mutex lock;
+    std::mutex lock;
     std::string held;              // the stream from at.held_base on: an open frame, or the line being read
     std::vector<Item> open_items;  // of the open frame, read by earlier calls
     Position at;
@@ -183,12 +183,12 @@ Parser& Parser::operator=(Parser&&) noexcept = default;
 
 Batch Parser::feed(std::string_view bytes) {
     const StandardArithmetic standard;
-    const Held guard(state_->lock);
+    const std::lock_guard guard(state_->lock);
     return state_->whole_or_nothing([&](Batch& batch) { state_->take(bytes, batch); });
 }
 
 Batch Parser::finish() {
-    const Held guard(state_->lock);
+    const std::lock_guard guard(state_->lock);
     Batch batch = state_->whole_or_nothing([&](Batch& made) { state_->end(made); });
     state_->at.skipping_line = state_->at.in_stray_run = false;
     return batch;
@@ -257,7 +257,7 @@ void Parser::State::end(Batch& batch) {
 }
 
 Counts Parser::counts() const {
-    const Held guard(state_->lock);
+    const std::lock_guard guard(state_->lock);
     return state_->at.counts;
 }
 
@@ -275,7 +275,7 @@ struct Saved {
 }  // namespace
 
 std::string Parser::state() const {
-    const Held guard(state_->lock);
+    const std::lock_guard guard(state_->lock);
     const auto& [nulls, limits, lock, held, open_items, at] = *state_;
     const Saved saved{at.counts,
                       at.held_base,
@@ -332,7 +332,7 @@ void Parser::restore(std::string_view bytes) {
         require(item.frame == counts.frames && item.code >= 101 && item.code <= 9999);
         require(item.flags == 0 ? std::isfinite(item.value) : item.flags <= not_a_number && std::isnan(item.value));
     }
-    const Held guard(state_->lock);
+    const std::lock_guard guard(state_->lock);
     state_->held.assign(held);
     state_->open_items = std::move(items);
     state_->at = {.counts = saved.counts,

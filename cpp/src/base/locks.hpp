@@ -1,12 +1,9 @@
-// Locks of objects that several threads of a host may use. A build with HELIBORE_NO_THREADS has no threads and no
-// locks.
+// Locks of objects that several threads of a host may use.
 #pragma once
 
 #include <atomic>
-
-#ifndef HELIBORE_NO_THREADS
 #include <mutex>
-#endif
+
 #ifdef __unix__
 #include <unistd.h>
 #endif
@@ -17,28 +14,6 @@
 namespace helibore {
 
 Runner& runner_of_this_thread();  // each thread has its own
-
-#ifdef HELIBORE_NO_THREADS
-struct Mutex {
-    void lock() {}
-    bool try_lock() { return true; }
-    void unlock() {}
-};
-#else
-using Mutex = std::mutex;
-#endif
-
-template <class Lockable>
-class Held {
-  public:
-    explicit Held(Lockable& lock) : lock_(lock) { lock.lock(); }
-    ~Held() { lock_.unlock(); }
-    Held(const Held&) = delete;
-    Held& operator=(const Held&) = delete;
-
-  private:
-    Lockable& lock_;
-};
 
 // The lock of an object whose calls share out work to a runner of the host. A call waits for the calls of other
 // threads. Where it would wait for ever, it throws: in a call that the runner makes on the thread whose call it serves,
@@ -75,7 +50,7 @@ class CallLock {
 #endif
     }
 
-    Mutex mutex_;
+    std::mutex mutex_;
     std::atomic<const void*> thread_{nullptr};
     std::atomic<int> process_{0};
     const char* object_;

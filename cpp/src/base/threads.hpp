@@ -17,12 +17,9 @@
 #include <cstdint>
 #include <exception>
 #include <string>
-#include <vector>
-
-#ifndef HELIBORE_NO_THREADS
 #include <system_error>
 #include <thread>
-#endif
+#include <vector>
 
 #include "base/arithmetic.hpp"
 #include "base/locks.hpp"
@@ -62,7 +59,7 @@ void for_each_part(int threads, Index parts, const Job& job) {
         stretches[static_cast<std::size_t>(w)].stop = parts * (w + 1) / workers;
     }
     std::atomic<bool> failed{false};
-    Mutex lock;
+    std::mutex lock;
     std::exception_ptr failure;
     const auto work = [&](int worker) {
         try {
@@ -72,7 +69,7 @@ void for_each_part(int threads, Index parts, const Job& job) {
             }
         } catch (...) {
             failed = true;
-            const Held held(lock);
+            const std::lock_guard held(lock);
             if (!failure) failure = std::current_exception();
         }
     };
@@ -91,9 +88,6 @@ void for_each_part(int threads, Index parts, const Job& job) {
         runner.run(runner.host, workers, once, &all);
         for (int worker = 0; worker < workers; ++worker) once(&all, worker);
     } else {
-#ifdef HELIBORE_NO_THREADS
-        work(0);
-#else
         std::vector<std::jthread> started;
         started.reserve(static_cast<std::size_t>(workers));
         try {
@@ -105,7 +99,6 @@ void for_each_part(int threads, Index parts, const Job& job) {
         } catch (const std::system_error&) {  // the system grants no more threads: the threads that run do the work
             if (started.empty()) work(0);
         }
-#endif
     }
     if (failure) std::rethrow_exception(failure);
 }

@@ -48,14 +48,14 @@ Handles& handles() {
 }
 
 std::int64_t Handles::open(Object object) {
-    const Held held(lock_);
+    const std::lock_guard held(lock_);
     objects_.emplace(last_ + 1, std::move(object));
     return ++last_;
 }
 
 void Handles::close(std::int64_t handle) {
     const auto closed = [&] {
-        const Held held(lock_);
+        const std::lock_guard held(lock_);
         return objects_.extract(handle);
     }();
     if (closed.empty()) throw not_open(handle);
@@ -63,12 +63,12 @@ void Handles::close(std::int64_t handle) {
 
 void Handles::close_all() {
     std::unordered_map<std::int64_t, Object> objects;
-    const Held held(lock_);
+    const std::lock_guard held(lock_);
     objects_.swap(objects);
 }
 
 Object Handles::find(std::int64_t handle) const {
-    const Held held(lock_);
+    const std::lock_guard held(lock_);
     const auto found = objects_.find(handle);
     if (found == objects_.end()) throw not_open(handle);
     return found->second;

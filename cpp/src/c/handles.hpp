@@ -26,7 +26,7 @@ struct WallHandle {
     static constexpr const char* kind = "a wall";
     std::shared_ptr<const Wall> read;
     std::shared_ptr<Wall> append;  // null for the wall of a live well
-    Mutex lock;
+    std::mutex lock;
     std::vector<Range> ranges;  // of the last append
 };
 
@@ -39,14 +39,14 @@ struct LiveHandle {
     static constexpr const char* kind = "a live well";
     explicit LiveHandle(const LiveSettings& settings) : live(settings) {}
     Live live;
-    Mutex lock;
+    std::mutex lock;
     Update last;  // of the last poll
 };
 
 struct ParserHandle {
     static constexpr const char* kind = "a WITS parser";
     wits::Parser parser;
-    Mutex lock;
+    std::mutex lock;
     wits::Batch last;  // of the last feed
 };
 
@@ -61,7 +61,7 @@ class Handles {
     Object find(std::int64_t handle) const;  // throws InputError
 
   private:
-    mutable Mutex lock_;
+    mutable std::mutex lock_;
     std::unordered_map<std::int64_t, Object> objects_;
     std::int64_t last_ = 0;
 };

@@ -194,7 +194,7 @@ int32_t hb_wall_append(int64_t wall, int64_t n, const double* depth, const doubl
                              std::to_string(wall));
         Change done = handle->append->append(samples_of(n, depth, toolface, radius, time));
         if (change) give("change", change, to_c(done));
-        const Held held(handle->lock);
+        const std::lock_guard held(handle->lock);
         handle->ranges = std::move(done.ranges);
     });
 }
@@ -208,11 +208,11 @@ int32_t hb_ranges(int64_t wall_or_live, int64_t* count, int64_t* start_stop) {
         };
         const Object object = handles().find(wall_or_live);
         if (const auto* live = std::get_if<std::shared_ptr<LiveHandle>>(&object)) {
-            const Held held((*live)->lock);
+            const std::lock_guard held((*live)->lock);
             copy((*live)->last.change ? (*live)->last.change->ranges : std::vector<Range>());
         } else {
             const auto wall = find<WallHandle>("wall_or_live", wall_or_live);
-            const Held held(wall->lock);
+            const std::lock_guard held(wall->lock);
             copy(wall->ranges);
         }
     });
@@ -445,7 +445,7 @@ int32_t hb_live_poll(int64_t live, hb_update* update) {
     return guarded([&] {
         const auto handle = find<LiveHandle>("live", live);
         require_struct("update", update);
-        const Held held(handle->lock);
+        const std::lock_guard held(handle->lock);
         handle->last = handle->live.poll();
         const Update& last = handle->last;
         give("update", update,
@@ -461,7 +461,7 @@ int32_t hb_live_poll(int64_t live, hb_update* update) {
 int32_t hb_live_event(int64_t live, int64_t index, int64_t* count, char* text) {
     return guarded([&] {
         const auto handle = find<LiveHandle>("live", live);
-        const Held held(handle->lock);
+        const std::lock_guard held(handle->lock);
         const std::vector<std::string>& events = handle->last.events;
         require(index >= 0 && index < static_cast<Index>(events.size()), "index", Index{index},
                 "must lie within the " + std::to_string(events.size()) + " events of the last poll");
@@ -515,7 +515,7 @@ int32_t hb_wits_feed(int64_t parser, int64_t n, const char* bytes, int64_t* item
         const auto handle = find<ParserHandle>("parser", parser);
         require_count(n);
         const std::span<const char> text = array("bytes", bytes, n);
-        const Held held(handle->lock);
+        const std::lock_guard held(handle->lock);
         handle->last = n == 0 ? handle->parser.finish() : handle->parser.feed({text.data(), text.size()});
         if (items) *items = static_cast<Index>(handle->last.items.size());
         if (events) *events = static_cast<Index>(handle->last.events.size());
@@ -526,7 +526,7 @@ int32_t hb_wits_items(int64_t parser, int64_t* count, int64_t* frame, int32_t* c
                       int32_t* length) {
     return guarded([&] {
         const auto handle = find<ParserHandle>("parser", parser);
-        const Held held(handle->lock);
+        const std::lock_guard held(handle->lock);
         const std::vector<wits::Item>& items = handle->last.items;
         require_room({count}, {static_cast<Index>(items.size())});
         for (std::size_t i = 0; i < items.size(); ++i) {

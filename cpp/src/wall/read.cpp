@@ -23,7 +23,7 @@ std::size_t length_of(Range range) {
 template <class State, class Read>
 auto locked(const State& state, const Read& read) {
     const StandardArithmetic standard;
-    const Held held(state.lock);
+    const std::lock_guard held(state.lock);
     return read(state);
 }
 

@@ -45,7 +45,7 @@ Index growing_block(Index vertex_count) {
 }  // namespace
 
 Change Wall::State::append(const SampleColumns& columns) {
-    const Held held(lock);
+    const std::lock_guard held(lock);
     const StandardArithmetic standard;
     SortedBatch batch = sort_batch(columns, samples, settings.threads, search.functions());
     if (batch.count > 0 && samples.size() > 0 && batch.timed != samples.timed())
