@@ -42,9 +42,9 @@ def list_(folder: Path) -> None:
     \b
     helibore journal list well-7.journal
     """
+    from helibore.base.utc_time import utc
     from helibore.live.journal import checkpoint
     from helibore.live.journal.journal_extracts import sessions
-    from helibore.live.model.clock import utc
 
     begun = sessions(folder)
     for segment in _segments(folder):
@@ -142,11 +142,12 @@ def quarantine(folder: Path, configuration: Path | None, output: Path | None) ->
     helibore journal quarantine well-7.journal -o set-aside
     """
     from helibore.base.atomic_file import write_whole
+    from helibore.base.utc_time import utc
     from helibore.live.journal.journal_extracts import quarantine as set_aside
-    from helibore.live.model.clock import utc
 
     found: dict[str, bytes] = {}
-    for one in set_aside(folder, _replayed(folder, configuration).model):
+    model = _replayed(folder, configuration).model
+    for one in set_aside(folder, model.set_aside, model.numbers):
         click.echo(f"record {one.sequence}: {utc(one.wall)} {one.source or 'helibore'} {one.kind}, "
                    f"{len(one.payload):,} bytes: {one.reason}")  # fmt: skip
         found[f"record-{one.sequence}.bin"] = one.payload

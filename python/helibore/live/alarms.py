@@ -32,9 +32,8 @@ from typing import Any
 import numpy as np
 
 from helibore.base.errors import InputError
-from helibore.live.kinds.kind import kind_of
+from helibore.base.utc_time import SECOND, utc
 from helibore.live.live import Live
-from helibore.live.model.clock import SECOND, utc
 from helibore.live.model.model import OUTSIDE, USABLE
 from helibore.live.model.update import Update
 from helibore.live.rules.configuration import AlarmLimits
@@ -379,7 +378,7 @@ class Alarms:
             if reader.seems_radians:
                 found["toolface", name] = reader.seems_radians
             found |= {(rule, name): text for rule, text in list(reader.doubts.items())}
-            if lacking := kind_of(reader.source).lacking(reader):
+            if lacking := reader.lacking():
                 if now - self._lacking.setdefault(name, now) > self._limits.refused * SECOND:
                     found["missing", name] = lacking
             else:

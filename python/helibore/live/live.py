@@ -48,6 +48,7 @@ from helibore.live.journal.session_header import (
 from helibore.live.model.events import LOGGER, Event, gather
 from helibore.live.model.image_rows import ImageRows
 from helibore.live.model.model import Model, Rows
+from helibore.live.model.packed_state import packed, unpack
 from helibore.live.model.pass_log import Pass
 from helibore.live.model.update import Update, merge
 from helibore.live.rules.configuration import Configuration, load
@@ -200,7 +201,7 @@ class Live:
             model = Model(begun)
             for stretch in facts["stretches"]:
                 model.reconfigure(configuration_of(stretch), stretch["utc"], int(stretch["record"]))
-            checkpoints.unpack(model, facts["state"], arrays)
+            unpack(model, facts["state"], arrays)
         except (ValueError, KeyError, TypeError, AttributeError, IndexError) as error:
             return InputError(str(path), f"cannot be restored: {error}")
         self._begun = begun
@@ -233,7 +234,7 @@ class Live:
                 segment, sequence = self.journal.segment, self.model.next_sequence
                 if self._half_read or self.model.out_of_memory:
                     return None
-                state = checkpoints.packed(self.model)
+                state = packed(self.model)
                 facts: dict[str, Any] = {"meaning": self._begun.meaning(), "configuration": self._begun.text,
                                          "stretches": list(self.model.stretches)}  # fmt: skip
             self.journal.sync()  # a checkpoint must not contain records that a power cut can destroy

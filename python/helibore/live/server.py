@@ -20,18 +20,18 @@ from collections import deque
 from collections.abc import Callable
 
 from helibore.base.errors import InputError
+from helibore.base.utc_time import SECOND
 from helibore.live.alarms import TICK, WAITING, Alarms
 from helibore.live.journal import checkpoint
 from helibore.live.journal import journal as journals
 from helibore.live.journal.archived_segments import archive
 from helibore.live.journal.journal import JournalFullError
 from helibore.live.journal.session_header import changed_to
-from helibore.live.kinds.kind import kind_of
 from helibore.live.live import Live, Stored
-from helibore.live.model.clock import SECOND
 from helibore.live.model.events import LOGGER
 from helibore.live.model.update import Update
 from helibore.live.rules.configuration import Configuration
+from helibore.live.rules.kinds import kind_of
 from helibore.live.rules.sources import Source
 from helibore.live.wire.transport import AccessDeniedError, BusyError, Link, Opener
 
@@ -338,7 +338,7 @@ class Server:
 
     def _opener(self, name: str, source: Source) -> Opener:
         readers, number, kind = self.live.model.readers, self.live.model.numbers[name], kind_of(source)
-        return kind.open(source, lambda: kind.position(readers[number]), functools.partial(self._report, name))
+        return kind.open(source, lambda: readers[number].position(), functools.partial(self._report, name))
 
     def _is_used(self, source: Source) -> bool:
         """Return whether the server runs and ``source`` is still connected with these settings."""

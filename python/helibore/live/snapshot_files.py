@@ -25,9 +25,9 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from helibore.base.atomic_file import write_whole
+from helibore.base.utc_time import utc
 from helibore.live.frozen_copy import FrozenCopy, frozen_copy
 from helibore.live.live import Live
-from helibore.live.model.clock import utc
 from helibore.live.model.events import Event
 from helibore.live.rules.file_names import escaped
 from helibore.logs.image_means import image_means

@@ -17,8 +17,8 @@ from helibore import Live
 from helibore.base.errors import InputError
 from helibore.cli.live_check import described
 from helibore.live import kinds
-from helibore.live.kinds.kind import kinds as found_kinds
 from helibore.live.rules.configuration import parse
+from helibore.live.rules.kinds import kinds as found_kinds
 from helibore.live.wire import transport
 
 TOY = (
@@ -75,7 +75,7 @@ def test_what_a_kind_lacks_is_said_with_its_names():
     live = Live(parse(TOY.replace("PORT", "9")))
     live.receive("toy", b"md=101 TF=5 RAD=0.11\n")
     reader = live.model.readers[1]
-    lacking = kinds.kind.kind_of(reader.source).lacking(reader)
+    lacking = reader.lacking()
     assert "toolface (channel tf), radius (channel rad)" in lacking
     assert lacking.endswith("TF, RAD")
 

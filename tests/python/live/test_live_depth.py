@@ -18,10 +18,11 @@ from live_wires import (
 
 from helibore import Live
 from helibore.live import live as live_module
+from helibore.live.model.depth_jumps import HeldSample
 from helibore.live.model.events import Flag
 from helibore.live.model.model import PENDING
 from helibore.live.rules.configuration import parse
-from helibore.live.rules.depth_limits import DepthLimits, HeldSample
+from helibore.live.rules.depth_limits import DepthLimits
 from helibore.live.wire import wits
 
 

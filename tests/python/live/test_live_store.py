@@ -21,7 +21,6 @@ from small_store import LOG, LONG_AGO, Store, enveloped
 
 import helibore as hb
 from helibore.live import server as server_module
-from helibore.live.kinds.kind import kind_of
 from helibore.live.model import store_reader
 from helibore.live.rules.configuration import parse
 from helibore.live.wire import witsml
@@ -708,6 +707,6 @@ def test_a_store_without_the_mapped_mnemonics_lacks_them():
     live = hb.Live(parse(TIMED.replace('"TF"', '"tf"')), clock=Clock())
     live.receive("store", by_time(timed_rows(20)))
     reader = live.model.readers[1]
-    lacking = kind_of(reader.source).lacking(reader)
+    lacking = reader.lacking()
     assert "toolface (curve tf)" in lacking
     assert lacking.endswith("TF")

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from helibore.live.model.clock import SECOND
+from helibore.base.utc_time import SECOND
 from helibore.live.model.watch import Frame, Watch, WatchedCaliper
 from helibore.live.rules.pass_rules import PassRules
 

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, TextIO
 
 import numpy as np
 
+from helibore.base.utc_time import utc
 from helibore.live.journal import journal
 from helibore.live.journal.journal import Segment, segments
 from helibore.live.journal.session_header import headers
-from helibore.live.kinds.kind import kind_of
-from helibore.live.model.clock import utc
-from helibore.live.model.model import Model
+from helibore.live.rules.kinds import kind_of
 from helibore.live.rules.sources import Source
 
 KINDS = {
@@ -100,15 +99,18 @@ def export_csv(folder: Path, sources: dict[int, Source], file: TextIO, report: R
     return rows
 
 
-def quarantine(folder: Path, model: Model) -> list[SetAside]:
-    """Return the records that ``model`` set aside when it read the journal."""
+def quarantine(folder: Path, reasons: Mapping[int, str], numbers: Mapping[str, int]) -> list[SetAside]:
+    """Return the records that a model set aside.
+
+    ``reasons`` are the model's reasons by the number of the record, ``numbers`` the numbers of its sources by name.
+    """
     found = []
-    names = {number: name for name, number in model.numbers.items()}
+    names = {number: name for name, number in numbers.items()}
     for segment in segments(folder):
-        for row in np.flatnonzero(np.isin(segment.records["sequence"], list(model.set_aside))).tolist():
+        for row in np.flatnonzero(np.isin(segment.records["sequence"], list(reasons))).tolist():
             record = segment.records[row]
             sequence, kind = int(record["sequence"]), int(record["kind"])
-            source, reason = names.get(int(record["source"]), ""), model.set_aside[sequence]
+            source, reason = names.get(int(record["source"]), ""), reasons[sequence]
             what = KINDS.get(kind, str(kind))
             found.append(SetAside(sequence, int(record["wall"]), source, what, reason, segment.payload(row)))
     return found

@@ -14,13 +14,13 @@ from pydantic import AfterValidator, Field, PlainValidator
 
 from helibore.base import units
 from helibore.base.errors import InputError
-from helibore.live.kinds.kind import Position, Report, SourceKind
 from helibore.live.model.events import EventBook
 from helibore.live.model.mapping import Chunk, Reading, SourceReader
 from helibore.live.model.named_reader import NamedReader
 from helibore.live.model.sequence import SequenceWatch
 from helibore.live.rules.checks import within
 from helibore.live.rules.depth_limits import DepthLimits
+from helibore.live.rules.kinds import Position, Report, SourceKind
 from helibore.live.rules.sources import LENGTHS, Context, Item, NamedSource, Text
 from helibore.live.wire.address import Address
 from helibore.live.wire.mqtt_link import MqttOpener
@@ -93,6 +93,7 @@ class MqttReader(NamedReader):
     """Reads the framed messages of ``mqtt_link.py``."""
 
     STATE = (*NamedReader.STATE, "_begun")
+    nothing = "messages come, and none of them can be read"
 
     def __init__(self, source: MqttSource, events: EventBook, limits: DepthLimits) -> None:
         super().__init__(source, events, limits)
@@ -211,9 +212,9 @@ class MqttTopics(SourceKind[MqttSource, MqttReader]):
 
     schemes = "mqtt", "mqtts"
     table = MqttSource
+    reader = MqttReader
     longest_wait = 60.0
     resumes = True
-    nothing = "messages come, and none of them can be read"
 
     def open(self, source: MqttSource, position: Position, report: Report) -> Opener:  # noqa: ARG002
         place, auth = f"source.{source.name}", None
@@ -223,9 +224,6 @@ class MqttTopics(SourceKind[MqttSource, MqttReader]):
             auth = source.user, os.environ[source.password_env]
             check_password(f"{place}.password_env", auth[1])
         return MqttOpener(place, source.address, source.client, source.topics, source.message_kb << 10, auth, source.ca)
-
-    def reader(self, source: MqttSource, events: EventBook, limits: DepthLimits) -> MqttReader:
-        return MqttReader(source, events, limits)
 
 
 KIND = MqttTopics()

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from helibore.live.kinds.kind import Cells, Items, Position, Report, SourceKind
-from helibore.live.model.events import EventBook
 from helibore.live.model.mapping import SourceReader
-from helibore.live.rules.depth_limits import DepthLimits
+from helibore.live.rules.kinds import Cells, Items, Position, Report, SourceKind
 from helibore.live.rules.sources import WitsSource
 from helibore.live.wire import wits
 from helibore.live.wire.transport import Opener, opener
@@ -18,15 +16,11 @@ class WitsSenders(SourceKind[WitsSource, SourceReader]):
 
     schemes = "tcp", "listen", "serial", "file", "host"
     table = WitsSource
+    reader = SourceReader
     of_start = "allow", "mode", "every", "replace_after"
-    message, word = "frame", "item"
-    nothing = "bytes come, and no WITS frame (&& ... !!) is among them; each of its lines must end with LF"
 
     def open(self, source: WitsSource, position: Position, report: Report) -> Opener:  # noqa: ARG002
         return opener(source, report)
-
-    def reader(self, source: WitsSource, events: EventBook, limits: DepthLimits) -> SourceReader:
-        return SourceReader(source, events, limits)
 
     def items(self, source: WitsSource) -> Items:
         parsers: dict[int, wits.Parser] = {}

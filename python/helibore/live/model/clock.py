@@ -8,20 +8,13 @@ the model's last time.
 
 from __future__ import annotations
 
-import datetime
-
 import numpy as np
 import numpy.typing as npt
 
-SECOND = 1_000_000_000
+from helibore.base.utc_time import SECOND
+
 JUMP = 2 * SECOND
 """Nanoseconds. If the difference of wall clock and model time changes by this or more, someone set the wall clock."""
-
-
-def utc(nanoseconds: int) -> str:
-    """Return a time since 1970 as text, to the millisecond: ``2023-11-14T22:13:20.000Z``."""
-    seconds, rest = divmod(nanoseconds // 1_000_000, 1000)
-    return f"{datetime.datetime.fromtimestamp(seconds, datetime.UTC):%Y-%m-%dT%H:%M:%S}.{rest:03d}Z"
 
 
 class ModelClock:

@@ -21,10 +21,11 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from helibore.live.model.clock import SECOND
+from helibore.base.utc_time import SECOND
+from helibore.live.model.depth_jumps import unit_differs, unit_rule
 from helibore.live.model.events import Flag
 from helibore.live.model.growing_array import GrowingArray
-from helibore.live.rules.depth_limits import DepthLimits, unit_differs, unit_rule
+from helibore.live.rules.depth_limits import DepthLimits
 from helibore.live.rules.pass_rules import DRILL, REAM, RESCAN, TRIP, UNKNOWN, PassRules
 
 Times = npt.NDArray[np.int64]

@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from helibore.live.model.clock import utc
+from helibore.base.utc_time import utc
 
 LOGGER = logging.getLogger("helibore.live")
 LOGGER.addHandler(logging.NullHandler())

@@ -20,9 +20,10 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base.angles import wrapped
+from helibore.live.model.depth_jumps import Steps
 from helibore.live.model.events import Event, EventBook, Flag
 from helibore.live.model.sequence import SequenceWatch
-from helibore.live.rules.depth_limits import DepthLimits, Steps
+from helibore.live.rules.depth_limits import DepthLimits
 from helibore.live.rules.pass_rules import LARGEST, NO_NUMBER
 from helibore.live.rules.sources import Image, Item, Source, WitsCaliper
 from helibore.live.wire import wits
@@ -35,6 +36,8 @@ ABSENT, VALUE, NULL, INVALID = range(4)
 REMEMBERED, DIGEST_BYTES = 4096, 16
 LARGEST_TOOLFACE = 1e6
 """Degrees: a toolface with a larger absolute value is wrong."""
+MOST_ITEMS = 20
+"""The most items that a text lists."""
 FIRST_TOOLFACES = 100
 """Number of toolfaces from which the reader judges their unit."""
 
@@ -100,6 +103,8 @@ class SourceReader:
 
     Attributes
     ----------
+    message, word, nothing
+        What carries the values, and what one value is called; what to say if bytes come and no message.
     seems_radians
         The reason for which the toolfaces seem to be radians, although their unit is not stated; "" if they do not.
     doubts
@@ -112,6 +117,8 @@ class SourceReader:
         "_steps", "_parser", "_connection", "counts", "watches", "recent", "_pass_number", "_held", "_ends", "_walls",
         "_toolfaces", "seems_radians", "seen", "doubts",
     )  # fmt: skip
+    message, word = "frame", "item"
+    nothing = "bytes come, and no WITS frame (&& ... !!) is among them; each of its lines must end with LF"
 
     def __init__(self, source: Source, events: EventBook, limits: DepthLimits) -> None:
         self.source = source
@@ -259,6 +266,31 @@ class SourceReader:
     def unmapped(self) -> list[str]:
         """Return the names of the items that came and that no setting maps."""
         return [f"{code:04d}" for code in np.flatnonzero(self.seen).tolist() if code not in self.source.mapped]
+
+    def position(self) -> object | None:
+        """Return how far the reader has come, for a source that is asked from there; None: from the beginning."""
+        return None
+
+    def lacking(self) -> str:
+        """Return in words what the samples need and the source has not sent yet; "" if nothing is lacking."""
+        source, caliper = self.source, self.source.caliper
+        if not self.total("bytes"):
+            return ""
+        if not self.total("frames"):
+            return self.nothing
+        if caliper is None or not self.seen.any():
+            return ""
+        bit = [source.rig["bit_depth"]] if "bit_depth" in source.rig and not caliper.depth else []
+        needed = {"toolface": caliper.toolface, "radius": caliper.radius, "depth": caliper.depth, "bit_depth": bit}
+        lacking = [f"{name} ({self.word} {source.name_of(items[0])})" for name, items in needed.items()
+                   if items and not self.seen[[item.code for item in items]].any()]  # fmt: skip
+        if not lacking:
+            return ""
+        others = self.unmapped()
+        listed = ", ".join(others[:MOST_ITEMS]) + (" ..." if len(others) > MOST_ITEMS else "")
+        return (
+            f"no {self.message} had {', '.join(lacking)}; {self.word}s that came and are not mapped: {listed or 'none'}"
+        )
 
     def _completed(self, batch: wits.Batch) -> Integers:
         """Return the stream offset at which each frame was known to be complete: the end of its last line.

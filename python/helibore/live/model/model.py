@@ -24,12 +24,13 @@ import numpy.typing as npt
 from helibore import _core
 from helibore.base.angles import wrapped
 from helibore.base.errors import InputError
+from helibore.base.utc_time import SECOND, utc
 from helibore.live.journal import journal
 from helibore.live.journal.session_header import configuration_of, read_header
-from helibore.live.kinds.kind import kind_of
 from helibore.live.model.cell_counts import CellCounts
-from helibore.live.model.clock import SECOND, ModelClock, utc
+from helibore.live.model.clock import ModelClock
 from helibore.live.model.depth import RigHistory
+from helibore.live.model.depth_jumps import CONFIRMED_WITHIN, HeldSample
 from helibore.live.model.events import NEVER_DRAWN, Event, EventBook, Flag
 from helibore.live.model.image_rows import ImageRows
 from helibore.live.model.mapping import LARGEST_TOOLFACE, Chunk, Reading, SourceReader
@@ -38,7 +39,7 @@ from helibore.live.model.stations import Stations
 from helibore.live.model.update import Update, joined
 from helibore.live.model.watch import Frame, Watch, WatchedCaliper
 from helibore.live.rules.configuration import Configuration
-from helibore.live.rules.depth_limits import CONFIRMED_WITHIN, HeldSample
+from helibore.live.rules.kinds import kind_of
 from helibore.live.rules.layout import Layout
 from helibore.live.rules.pass_rules import NO_NUMBER, PASSES, layer_of
 from helibore.live.rules.sources import Source

@@ -19,6 +19,7 @@ class NamedReader(SourceReader):
     """Reads a source whose values have names: curves, channels, keys."""
 
     STATE = (*SourceReader.STATE, "_unmapped")
+    message, word, nothing = "message", "channel", "bytes come, and nothing among them can be read"
 
     def __init__(self, source: NamedSource, events: EventBook, limits: DepthLimits) -> None:
         super().__init__(source, events, limits)

@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base import units
-from helibore.live.model.clock import SECOND
+from helibore.base.utc_time import SECOND
 from helibore.live.model.events import Event, EventBook
 from helibore.live.model.mapping import (
     ABSENT,
@@ -60,6 +60,7 @@ class StoreReader(NamedReader):
         *NamedReader.STATE, "_frames", "last", "_last_key", "_nulls", "_bad_units", "_reported_jump", "_reported_index",
         "_grew", "_behind",
     )  # fmt: skip
+    message, word, nothing = "row", "curve", "answers come, and none of them can be read"
 
     def __init__(self, source: StoreSource, events: EventBook, limits: DepthLimits) -> None:
         super().__init__(source, events, limits)
@@ -72,6 +73,9 @@ class StoreReader(NamedReader):
         self._reported_jump = self._reported_index = -np.inf
         self._grew = -1  # model time of the latest answer with a new row
         self._behind = 0  # answers in a row whose rows all lie at or before the last index
+
+    def position(self) -> tuple[str, str] | None:
+        return self.last
 
     def go_on_from(self, before: SourceReader) -> None:
         """Take over the state of the reader that this reader replaces, including an answer that is not complete yet.

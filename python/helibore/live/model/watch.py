@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base import units
-from helibore.live.model.clock import SECOND
+from helibore.base.utc_time import SECOND
 from helibore.live.rules.pass_rules import PassRules
 
 Floats = npt.NDArray[np.float64]

@@ -32,9 +32,9 @@ import numpy as np
 from pydantic import AfterValidator, ConfigDict, Field, PlainValidator
 
 from helibore.base.errors import InputError
-from helibore.live.kinds.kind import read_source
 from helibore.live.rules.checks import Derived, Table, check, with_values, within
 from helibore.live.rules.depth_limits import DepthLimits
+from helibore.live.rules.kinds import read_source
 from helibore.live.rules.layout import PathReference
 from helibore.live.rules.pass_rules import PASSES, PassRules, read_layers
 from helibore.live.rules.sources import Source, Text

@@ -22,11 +22,11 @@ import ssl
 import threading
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Protocol
 
 from helibore.base.errors import InputError, needs
-from helibore.live.rules.sources import StoreSource
 from helibore.live.wire import witsml
+from helibore.live.wire.address import Address
 from helibore.live.wire.redaction import Redactor, check_password
 from helibore.live.wire.transport import AccessDeniedError, BusyError, Link, Opener
 
@@ -38,6 +38,38 @@ SOON = 0.25
 
 
 Position = Callable[[], tuple[str, str] | None]
+
+
+class Object(Protocol):
+    """An object of a store: the uids of well, wellbore and object."""
+
+    @property
+    def uids(self) -> tuple[str, str, str]: ...
+
+
+class Polled(Protocol):
+    """What this file needs of the settings of a store; `StoreSource` says what each means."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def address(self) -> Address: ...
+    @property
+    def every(self) -> float: ...
+    @property
+    def user(self) -> str: ...
+    @property
+    def password_env(self) -> str: ...
+    @property
+    def ca(self) -> str: ...
+    @property
+    def timeout(self) -> float: ...
+    @property
+    def answer_mb(self) -> int: ...
+    @property
+    def log(self) -> Object | None: ...
+    @property
+    def trajectory(self) -> Object | None: ...
 
 
 class StoreClient(Opener):
@@ -56,7 +88,7 @@ class StoreClient(Opener):
         certificates.
     """
 
-    def __init__(self, source: StoreSource, position: Position) -> None:
+    def __init__(self, source: Polled, position: Position) -> None:
         super().__init__(lambda _: StoreLink(self))  # the link sends the first query
         with needs("httpx2", "witsml"):
             import httpx2

@@ -13,15 +13,16 @@ import selectors
 import socket
 import time
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from helibore.base.errors import needs, port_error
-from helibore.live.rules.sources import Source, WitsSource
 from helibore.live.wire import wits
+from helibore.live.wire.address import Address
 
+Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 CHUNK = 65536
 PATIENCE = 3
 """A newcomer replaces a sender only after a silence of this many times the longest pause between the sender's bytes."""
@@ -160,6 +161,23 @@ class Newcomer:
     sent: bytes = b""
 
 
+class Sender(Protocol):
+    """What this file needs of the settings of a source that sends WITS."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def address(self) -> Address: ...
+    @property
+    def allow(self) -> Sequence[Network]: ...
+    @property
+    def replace_after(self) -> float: ...
+    @property
+    def nulls(self) -> Sequence[float]: ...
+    @property
+    def limits(self) -> tuple[int, int, int]: ...
+
+
 class TcpListener(Opener):
     """Accepts one sender at a time; ``refuse`` reports each peer that is refused, by rule and text.
 
@@ -168,7 +186,7 @@ class TcpListener(Opener):
     the newcomer sent a whole frame with an item.
     """
 
-    def __init__(self, source: WitsSource, refuse: Callable[[str, str], None]) -> None:
+    def __init__(self, source: Sender, refuse: Callable[[str, str], None]) -> None:
         super().__init__(self._next)
         host, port = source.address.host, source.address.port
         family = socket.AF_INET6 if ":" in host else socket.AF_INET
@@ -295,7 +313,7 @@ class FileLink(Link):
         self._stream.close()
 
 
-def opener(source: Source, refuse: Callable[[str, str], None]) -> Opener:
+def opener(source: Sender, refuse: Callable[[str, str], None]) -> Opener:
     """Return the opener for a source that is not a store; ``refuse`` is as in `TcpListener`.
 
     Raises
@@ -306,7 +324,7 @@ def opener(source: Source, refuse: Callable[[str, str], None]) -> Opener:
         If pyserial (for a serial source) is not installed.
     """
     address = source.address
-    if isinstance(source, WitsSource) and address.kind == "listen":
+    if address.kind == "listen":
         return TcpListener(source, refuse)
     if address.kind == "file":
         return Opener(lambda _: FileLink(Path(address.file), address.speed), ends=True)

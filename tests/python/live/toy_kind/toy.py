@@ -9,11 +9,11 @@ from helibore.live.kinds.toy_link import ToyOpener
 from pydantic import PlainValidator
 
 from helibore.base.errors import InputError
-from helibore.live.kinds.kind import Position, Report, SourceKind
 from helibore.live.model.events import EventBook
 from helibore.live.model.mapping import Chunk, Reading
 from helibore.live.model.named_reader import NamedReader
 from helibore.live.rules.depth_limits import DepthLimits
+from helibore.live.rules.kinds import Position, Report, SourceKind
 from helibore.live.rules.sources import NamedSource
 from helibore.live.wire.address import Address
 
@@ -58,14 +58,12 @@ class ToyReader(NamedReader):
 class Toy(SourceKind[ToySource, ToyReader]):
     schemes = ("toy",)
     table = ToySource
+    reader = ToyReader
     of_start = ("greeting",)
     longest_wait = 0.1
 
     def open(self, source: ToySource, position: Position, report: Report) -> ToyOpener:  # noqa: ARG002
         return ToyOpener(source.address.host, source.address.port, source.greeting)
-
-    def reader(self, source: ToySource, events: EventBook, limits: DepthLimits) -> ToyReader:
-        return ToyReader(source, events, limits)
 
 
 KIND = Toy()

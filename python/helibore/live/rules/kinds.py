@@ -3,8 +3,9 @@
     [source.NAME]  -> kind by the scheme of its address -> table (settings), checked
     bytes          kind.open(...) -> Opener -> Link -> journal -> kind.reader(...) -> Reading -> wall
 
-A new kind is two files: a module in this folder with its settings, its reader and a ``KIND``, and a module with its
-links. Nothing else names a kind. A program may append a folder of its own to ``helibore.live.kinds.__path__``.
+A new kind is two files: a module in ``helibore.live.kinds`` with its settings, its reader and a ``KIND``, and a module
+with its links. Nothing else names a kind. A program may append a folder of its own to ``helibore.live.kinds.__path__``.
+The modules are found by this folder's name, so that this file depends on none of them.
 """
 
 from __future__ import annotations
@@ -15,21 +16,17 @@ import pkgutil
 from collections.abc import Callable, Iterator
 from typing import Any, Generic, Protocol, TypeVar
 
-from helibore.live.model.events import EventBook
-from helibore.live.model.mapping import SourceReader
 from helibore.live.rules.checks import check
-from helibore.live.rules.depth_limits import DepthLimits
 from helibore.live.rules.sources import LENGTHS, Context, Source
 from helibore.live.wire.transport import Opener
 
 Table = TypeVar("Table", bound=Source)
-Reader = TypeVar("Reader", bound=SourceReader)
+Reader = TypeVar("Reader")
 Report = Callable[[str, str], None]
 """Reports an event of a source's link: its rule and its text."""
 Position = Callable[[], Any]
 """Returns how far the reader of a source has come."""
-MOST_ITEMS = 20
-"""The most items that a text lists."""
+FOLDER = "helibore.live.kinds"
 Cells = tuple[int, int, str, str]
 """A row of an export: connection, line, name and text of a value."""
 
@@ -49,6 +46,8 @@ class SourceKind(Generic[Table, Reader]):
         The words before the colon in the addresses of this kind.
     table
         The settings of ``[source.NAME]``.
+    reader
+        What reads the bytes of a source, made with its settings, the book of events and the limits of depths.
     of_start
         Names of settings that a running server does not change.
     longest_wait
@@ -58,50 +57,19 @@ class SourceKind(Generic[Table, Reader]):
     resumes
         Whether a new connection goes on where the last one ended. Then any changed setting connects the source again;
         otherwise only another address does, because bytes could be lost.
-    message, word, nothing
-        What carries the values, and what one value is called; what to say if bytes come and no message.
     """
 
     schemes: tuple[str, ...]
     table: type[Table]
+    reader: type[Reader]
     of_start: tuple[str, ...] = ()
     longest_wait: float = 5.0
     answers: bool = False
     resumes: bool = False
-    message, word, nothing = "message", "channel", "bytes come, and nothing among them can be read"
 
     def open(self, source: Table, position: Position, report: Report) -> Opener:
         """Return what opens links to ``source``; a link goes on from ``position()``."""
         raise NotImplementedError
-
-    def reader(self, source: Table, events: EventBook, limits: DepthLimits) -> Reader:
-        """Return what reads the bytes of ``source``."""
-        raise NotImplementedError
-
-    def position(self, reader: Reader) -> object | None:  # noqa: ARG002
-        """Return how far ``reader`` has come, for a source that is asked from there; None: from the beginning."""
-        return None
-
-    def lacking(self, reader: Reader) -> str:
-        """Return in words what its samples need and a source has not sent yet; "" if nothing is lacking."""
-        source, caliper = reader.source, reader.source.caliper
-        if not reader.total("bytes"):
-            return ""
-        if not reader.total("frames"):
-            return self.nothing
-        if caliper is None or not reader.seen.any():
-            return ""
-        bit = [source.rig["bit_depth"]] if "bit_depth" in source.rig and not caliper.depth else []
-        needed = {"toolface": caliper.toolface, "radius": caliper.radius, "depth": caliper.depth, "bit_depth": bit}
-        lacking = [f"{name} ({self.word} {source.name_of(items[0])})" for name, items in needed.items()
-                   if items and not reader.seen[[item.code for item in items]].any()]  # fmt: skip
-        if not lacking:
-            return ""
-        others = reader.unmapped()
-        listed = ", ".join(others[:MOST_ITEMS]) + (" ..." if len(others) > MOST_ITEMS else "")
-        return (
-            f"no {self.message} had {', '.join(lacking)}; {self.word}s that came and are not mapped: {listed or 'none'}"
-        )
 
     def items(self, source: Table) -> Items | None:  # noqa: ARG002
         """Return what turns the records of ``source`` into rows of an export; None: they hold no items."""
@@ -113,8 +81,8 @@ AnyKind = SourceKind[Any, Any]
 
 @functools.cache
 def kinds() -> tuple[AnyKind, ...]:
-    """Return the kinds of all modules in this folder, and in the folders appended to the package's path."""
-    package = importlib.import_module(__package__ or "")
+    """Return the kinds of all modules in `FOLDER`, and in the folders appended to the package's path."""
+    package = importlib.import_module(FOLDER)
     modules = [
         importlib.import_module(f"{package.__name__}.{one.name}") for one in pkgutil.iter_modules(package.__path__)
     ]
