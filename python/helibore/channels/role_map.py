@@ -2,7 +2,7 @@
 
     set = "MAIN"                       # which set of the file; left out if the file has one set
     [channels."pfc1_x_in"]
-    role = "diameter"                  # one of helibore.channels.roles.ROLES
+    role = "diameter"                  # one of helibore.settings.role_settings.ROLES
     unit = "in"
     angle = 0.0                        # degrees from the toolface (radius, diameter)
     offset = 1.2                       # metres from the point whose depth is recorded up to this sensor
@@ -24,7 +24,6 @@ checks for likely mistakes are skipped.
 
 from __future__ import annotations
 
-import math
 import re
 import textwrap
 from collections.abc import Mapping, Sequence
@@ -33,11 +32,9 @@ from pathlib import Path
 from typing import Any
 
 from helibore.base import units
-from helibore.base.errors import InputError, check_choice, check_names
-from helibore.base.toml_file import read_toml
+from helibore.base.errors import InputError
 from helibore.channels.log_set import LogFile
 from helibore.channels.roles import (
-    REFERENCES,
     ROLES,
     SINGLE,
     WALL,
@@ -49,12 +46,13 @@ from helibore.channels.roles import (
     toolface_reference,
 )
 from helibore.files.raw_set import Channel, RawSet
-from helibore.trajectory.references import NORTHS
+from helibore.settings.role_settings import ChannelRole, MapOfRoles, RoleOfNames
+from helibore.settings.toml_reading import TomlSource, read_table
 
-KEYS = {
-    "role": str, "unit": str, "angle": float, "first": float, "step": float, "offset": float, "latency": float,
-    "reference": str, "north": str,
-}  # fmt: skip
+CHANNELS = ("channels",)
+"""The table of a map that holds the entries of channels."""
+A_MAP = TomlSource("map")
+"""Where entries come from that no file states."""
 ANGLES, PLACE = ("angle", "first", "step"), ("offset", "latency")
 SPELLING = re.compile(r"(?P<name>.+?)(?:@(?P<angle>[-+]?\d+\.?\d*))?(?::(?P<unit>[^:]+))?")
 
@@ -120,95 +118,77 @@ def read_map(path: str | Path, file: LogFile) -> RoleMap:
     set that does not exist, gives a role a value that does not belong to it, or gives one role to two channels.
     """
     path = Path(path)
-    tree = read_toml(path, path.name)
-    check_names(f"{path.name}: ", tree, ("set", "channels", "names"))
-    entries = tree.get("channels", {})
-    if not isinstance(entries, dict) or not isinstance(tree.get("set", ""), str):
-        raise InputError(path.name, "channels must be tables, set must be a name")
-    log_set = file.set(tree.get("set"))
-    names = role_names().with_rules(_name_rules(tree.get("names", []), path.name))
-    return overlay(guess(log_set, names), log_set, entries, path.name)
+    source, tree = TomlSource.load(path)
+    stated = read_table(MapOfRoles, tree, source)
+    log_set = file.set(stated.set)
+    names = role_names().with_rules(_name_rule(each, path.name) for each in stated.names)
+    return overlay(guess(log_set, names), log_set, tree.get("channels", {}), source)
 
 
-def _name_rules(entries: Any, place: str) -> list[NameRule]:
-    """Return the names that a map adds to those of helibore."""
-    if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
-        raise InputError(place, "names must be tables, [[names]]")
-    rules = []
-    for number, entry in enumerate(entries, 1):
-        at = f"{place}: names {number}"
-        check_names(f"{at}: ", entry, ("names", "role", "reference", "north", "angle"))
-        listed, role = entry.get("names"), entry.get("role")
-        if not isinstance(listed, list) or not listed or not all(isinstance(name, str) for name in listed):
-            raise InputError(f"{at}: names", "must be a list of names", repr(listed))
-        check_choice(f"{at}: role", role, ROLES)
-        stated = {key: entry[key] for key in ("reference", "north") if key in entry}
-        for key, value in stated.items():
-            check_choice(f"{at}: {key}", value, REFERENCES if key == "reference" else NORTHS)
-        angle = entry.get("angle")
-        if angle is not None and (type(angle) not in (int, float) or not math.isfinite(angle)):
-            raise InputError(f"{at}: angle", "must be a finite number", repr(angle))
-        lower = tuple(name.lower() for name in listed)
-        angle = None if angle is None else float(angle)
-        rules.append(NameRule(role, lower, angle=angle, reason=f"{place} says so", **stated))
-    return rules
+def _name_rule(stated: RoleOfNames, place: str) -> NameRule:
+    """Return names that a map adds to those of helibore."""
+    return NameRule(
+        stated.role,
+        tuple(name.lower() for name in stated.names),
+        angle=stated.angle,
+        reason=f"{place} says so",
+        reference=stated.reference or "",
+        north=stated.north or "",
+    )
 
 
-def overlay(roles: RoleMap, log_set: RawSet, entries: dict[str, Any], place: str, why: str = "the map") -> RoleMap:
-    """Return the roles, replaced where a channel has an entry; ``place`` names the map in errors.
+def overlay(
+    roles: RoleMap,
+    log_set: RawSet,
+    entries: Mapping[str, Any],
+    source: TomlSource = A_MAP,
+    why: str = "the map",
+    keys: tuple[str, ...] = CHANNELS,
+) -> RoleMap:
+    """Return the roles, replaced where a channel has an entry, which is a table of `ChannelRole`.
 
-    A replaced role has the reason ``why``. If an entry gives a role that only one channel can have, a channel with the
-    same guessed role loses that role.
+    ``source`` is where the entries come from, and ``keys`` lead to them, for errors. A replaced role has the reason
+    ``why``. If an entry gives a role that only one channel can have, a channel with the same guessed role loses it.
     """
     changed = dict(roles.roles)
     for name, entry in entries.items():
         if name not in log_set:
-            raise InputError(place, f"no channel {name!r}; the set holds {', '.join(log_set.names)}")
+            rule = f"no channel of this name; the set holds {', '.join(log_set.names)}"
+            raise source.error((*keys, name), rule)
         base = changed.get(name) or Role(name, "none", "", log_set[name].unit)
-        changed[name] = _entry(base, entry, f"{place}: {name}", why, log_set[name])
+        stated = read_table(ChannelRole, entry, source, (*keys, name)).changed()
+        changed[name] = _entry(base, stated, source, (*keys, name), why, log_set[name])
     for role in SINGLE:
-        stated = [each for each in changed.values() if each.role == role and each.confirmed]
-        if len(stated) > 1:
-            raise InputError(f"{place}: {stated[1].channel}", f"{stated[0].channel} is the {role} already")
+        stated_so = [each for each in changed.values() if each.role == role and each.confirmed]
+        if len(stated_so) > 1:
+            rule = f"{stated_so[0].channel} is the {role} already"
+            raise source.error((*keys, stated_so[1].channel), rule)
         for each in list(changed.values()):
-            if stated and each.role == role and not each.confirmed:
-                reason = f"{stated[0].channel} is mapped as the {role}"
+            if stated_so and each.role == role and not each.confirmed:
+                reason = f"{stated_so[0].channel} is mapped as the {role}"
                 changed[each.channel] = replace(each, role="none", reason=reason)
     return RoleMap(roles.set_name, changed)
 
 
-def _entry(base: Role, entry: Any, place: str, why: str, channel: Channel) -> Role:
-    if not isinstance(entry, dict):
-        raise InputError(place, "must be a table")
-    for key, value in entry.items():
-        if key not in KEYS:
-            raise InputError(f"{place}: {key}", f"must be one of {', '.join(KEYS)}")
-        number = isinstance(value, float) or (type(value) is int and abs(value) < 2**63)  # TOML integers have 64 bits
-        if not (number if KEYS[key] is float else isinstance(value, str)):
-            raise InputError(f"{place}: {key}", f"must be {'a number' if KEYS[key] is float else 'text'}", repr(value))
-    role = entry.get("role", base.role)
-    check_choice(f"{place}: role", role, ROLES)
-    unit = entry.get("unit", base.unit)
+def _entry(
+    base: Role, entry: Mapping[str, Any], source: TomlSource, at: tuple[str, ...], why: str, channel: Channel
+) -> Role:
+    """Return the role of a channel: what its entry states, and what was known before where it states nothing."""
+    role, unit = entry.get("role", base.role), entry.get("unit", base.unit)
     if unit and ROLES[role] and units.measures(unit) != ROLES[role]:
-        raise InputError(f"{place}: unit", f"must be a unit of {ROLES[role]} for a {role}", repr(unit))
+        raise source.error((*at, "unit"), f"must be a unit of {ROLES[role]} for a {role}", unit)
     own_reference, own_north = base.reference, base.north
     if role != base.role:
         own_reference, own_north = toolface_reference(channel) if role == "toolface" else ("", "")
+    for key, of in (("reference", ("toolface",)), ("north", ("toolface", "azimuth"))):
+        if key in entry and role not in of:
+            raise source.error((*at, key), f"belongs to a role of {' or '.join(of)}", entry[key])
+    angle, first, step = (entry.get(key, getattr(base, key) if role == base.role else None) for key in ANGLES)
+    offset, latency = (entry.get(key, getattr(base, key)) for key in PLACE)
+    for key, value in zip(PLACE, (offset, latency), strict=True):
+        if value and role not in WALL:
+            raise source.error((*at, key), f"belongs to a sensor: a role of {', '.join(WALL)}", value)
     reference, north = entry.get("reference", own_reference), entry.get("north", own_north)
-    if "reference" in entry and (role != "toolface" or reference not in REFERENCES):
-        rule = f"must be one of {', '.join(REFERENCES)}, of a toolface"
-        raise InputError(f"{place}: reference", rule, repr(reference))
-    if "north" in entry and (role not in ("toolface", "azimuth") or north not in NORTHS):
-        rule = f"must be one of {', '.join(NORTHS)}, of a toolface or an azimuth"
-        raise InputError(f"{place}: north", rule, repr(north))
-    angle, first, step = (
-        float(entry[key]) if key in entry else getattr(base, key) if role == base.role else None for key in ANGLES
-    )
-    offset, latency = (float(entry.get(key, getattr(base, key))) for key in PLACE)
-    if not (math.isfinite(offset) and math.isfinite(latency)):
-        raise InputError(f"{place}: offset = {offset:g}, latency", "must be finite", f"{latency:g}")
-    if (offset or latency) and role not in WALL:
-        raise InputError(place, f"offset and latency belong to a sensor: a role of {', '.join(WALL)}")
     return Role(base.channel, role, why, unit, angle, first, step, offset, latency, reference, north, True)
 
 
@@ -247,7 +227,7 @@ def parse_options(
             each.channel: replace(each, role="none", reason="other columns are named") for each in roles.all(*WALL)
         }
         roles = RoleMap(roles.set_name, roles.roles | dropped)
-    laid = overlay(roles, log_set, entries, log_set.path.name, "named by an option")
+    laid = overlay(roles, log_set, entries, TomlSource(log_set.path.name), "named by an option", ())
     for name, entry in entries.items():
         if "unit" not in entry:  # a name alone does not confirm a unit: degrees that look like radians are refused
             laid.roles[name] = replace(laid.roles[name], confirmed=False)

@@ -21,28 +21,7 @@ from pathlib import Path
 from helibore.base import units
 from helibore.files.headings import unit_in_name
 from helibore.files.raw_set import Channel, RawSet
-
-ROLES: dict[str, str] = {
-    "depth": units.LENGTH,
-    "time": units.TIME,
-    "toolface": units.ANGLE,
-    "radius": units.LENGTH,
-    "diameter": units.LENGTH,
-    "mean-diameter": units.LENGTH,
-    "radius-image": units.LENGTH,
-    "travel-time": units.TIME,
-    "image": "",
-    "inclination": units.ANGLE,
-    "azimuth": units.ANGLE,
-    "tvd": units.LENGTH,
-    "north": units.LENGTH,
-    "east": units.LENGTH,
-    "bit-diameter": units.LENGTH,
-    "pass": "",
-    "toolface-reference": "",
-    "none": "",
-}
-"""Every role, and what its unit must measure ("" for any unit)."""
+from helibore.settings.role_settings import ROLES as ROLES
 
 SINGLE = (
     "depth", "time", "toolface", "inclination", "azimuth", "tvd", "north", "east", "bit-diameter", "pass",
@@ -52,13 +31,6 @@ SINGLE = (
 
 WALL = ("radius", "diameter", "radius-image", "travel-time")
 """Roles whose values are wall points."""
-
-REFERENCES = ("north", "horizontal-north", "high-side", "automatic")
-"""What a toolface channel may count from.
-
-horizontal-north: the angle lies in the horizontal plane, as the azimuth of a pad does; the others lie across the hole.
-automatic: north where the hole is nearly vertical, else the high side.
-"""
 
 NO_RULE = "no rule fits"
 
@@ -79,7 +51,7 @@ class NameRule:
     pattern: str = "$ never"  # a regular expression for the whole name
     described: str = "$ never"  # a regular expression anywhere in the description
     never: str = "$ never"  # a regular expression that occurs neither in the name nor in the description
-    reference: str = ""  # of a toolface: one of REFERENCES, or "" for the wall's own
+    reference: str = ""  # of a toolface: a `ToolfaceReference`, or "" for the wall's own
     north: str = ""  # of an angle from north: true, magnetic or grid; "": not known by the name
     angle: float | None = None  # of an arm: its direction, degrees from the toolface
     arm: str = ""  # "x" or "y": one pair of an X-Y caliper, which turns with the tool
@@ -148,7 +120,7 @@ class Role:
     step: float | None = None  # of an image: angle from one sector to the next, degrees; None: not stated
     offset: float = 0.0  # of a wall channel: metres from the point whose depth is recorded up to its sensor
     latency: float = 0.0  # seconds from the measurement of this sensor to its time stamp
-    reference: str = ""  # of a toolface: what it counts from, one of REFERENCES; "": as the wall's toolface
+    reference: str = ""  # of a toolface: what it counts from, a `ToolfaceReference`; "": as the wall's toolface
     north: str = ""  # of an angle from north: true, magnetic or grid; "": not stated
     confirmed: bool = False  # whether a map states this role, so that checks for likely mistakes are skipped
 
@@ -313,7 +285,7 @@ def toolface_rule(channel: Channel, names: RoleNames | None = None) -> NameRule 
 
 
 def toolface_reference(channel: Channel) -> tuple[str, str]:
-    """Return what a toolface counts from, one of `REFERENCES`, and which north, by its name or description, or ""."""
+    """Return what a toolface counts from, a `ToolfaceReference`, and which north, by its name or description, or ""."""
     return _reference(toolface_rule(channel) or NameRule("toolface"), channel)
 
 

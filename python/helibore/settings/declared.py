@@ -189,7 +189,7 @@ class Member:
         """The default as help and documentation show it; "" if there is none to show."""
         if self.option is not None and self.option.usual:
             return self.option.usual
-        if self.default is MISSING or self.default is None or self.default == ():
+        if self.default is MISSING or self.default is None or self.default in ((), {}):
             return ""
         if self.kind is bool:
             return "true" if self.default else "false"

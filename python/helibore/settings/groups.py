@@ -6,6 +6,7 @@ from typing import Any
 
 from helibore.settings.path_settings import PathSettings
 from helibore.settings.preparation_settings import Echo, Preparation
+from helibore.settings.role_settings import ChannelRole, MapOfRoles, RoleOfNames
 from helibore.settings.wall_settings import Settings
 from helibore.settings.zone_settings import Criteria, ImageCriteria
 
@@ -16,5 +17,8 @@ GROUPS: dict[str, type[Any]] = {
     "wall": Settings,
     "zones": Criteria,
     "image_zones": ImageCriteria,
+    "map": MapOfRoles,
+    "map.channels.NAME": ChannelRole,
+    "map.names": RoleOfNames,
 }
 """The declared class of each group."""

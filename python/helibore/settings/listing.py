@@ -41,7 +41,7 @@ def page(groups: Mapping[str, type[Any]] = GROUPS) -> str:
         )
         for name, *cells in rows({group: kind}):
             text += (
-                f"| `{name.partition('.')[2]}` | {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |\n"
+                f"| `{name.rpartition('.')[2]}` | {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |\n"
             )
     return text
 

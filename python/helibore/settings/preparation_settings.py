@@ -20,8 +20,8 @@ from helibore.settings.declared import (
     Rule,
     at_least,
 )
+from helibore.settings.role_settings import ToolfaceReference
 
-ToolfaceFrom = Literal["north", "horizontal-north", "high-side", "automatic"]
 NORTH_ANGLE = Rule("must lie within -180 and 180 degrees", lambda value: -180.0 <= value <= 180.0)
 
 
@@ -69,7 +69,7 @@ class Preparation(Declared):
     latency: Annotated[float, SECONDS, Option(),
         "Time from measurement to time stamp, for every sensor; added to the latency in a map.",
     ] = 0.0  # fmt: skip
-    toolface_from: Annotated[ToolfaceFrom | None, Option("as the map states, or else as for the wall"),
+    toolface_from: Annotated[ToolfaceReference | None, Option("as the map states, or else as for the wall"),
         "What the samples' toolface counts from; automatic: by inclination. In \"horizontal-north\" it is an angle in "
         "the horizontal plane, as the azimuth of a pad. None: as the file's map states.",
     ] = None  # fmt: skip

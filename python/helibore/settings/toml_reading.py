@@ -150,7 +150,7 @@ def read_value(
             rule = f"{error.place}: {error.rule}" if error.place.startswith("unit") else error.rule
             raise source.error(keys, rule, value) from error
     if kind is float and type(value) is int:
-        return float(value)
+        return value  # the class converts it, and refuses one that is too large
     choices = typing.get_args(hint) if kind is Literal else ()
     if hint is Any or type(value) is kind or value in choices:
         return value

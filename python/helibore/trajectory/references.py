@@ -39,6 +39,7 @@ from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Mask, finite_column
 from helibore.base.errors import InputError, check_choice
 from helibore.settings.path_settings import Reference
+from helibore.settings.role_settings import North
 
 __all__ = [
     "ASSUMED", "NORTHS", "REFERENCES", "AngleReference", "North", "Norths", "Plane", "Reference", "defined",
@@ -50,8 +51,6 @@ ASSUMED = "assumed"
 
 REFERENCES: tuple[Reference, ...] = get_args(Reference)
 
-North = Literal["true", "magnetic", "grid"]
-"""Which north azimuths count from."""
 NORTHS: tuple[North, ...] = get_args(North)
 
 Plane = Literal["section", "horizontal"]

@@ -173,7 +173,7 @@ def test_travel_time_image(tmp_path: Path) -> None:
     path = written(tmp_path, f"md_m,{sectors}\n1,{','.join(['100'] * 8)}\n2,{','.join(['110'] * 8)}\n")
     one = hb.open(path).set()
     (image,) = (role for role in guess(one) if role.role == "travel-time")
-    roles = overlay(guess(one), one, {image.channel: {"first": 0.0, "step": 45.0}}, "map")
+    roles = overlay(guess(one), one, {image.channel: {"first": 0.0, "step": 45.0}})
     found = one.readings(roles, echo=Echo(1500.0, 0.05))
     assert [sensor.mounting for sensor in found.sensors] == [45.0 * n for n in range(8)]
     np.testing.assert_allclose(found.radii[3], [0.125, 0.1325])
@@ -211,7 +211,7 @@ def test_written_in_any_unit_comes_back(
     one = hb.open(written(tmp_path, "\n".join(lines)), nulls=()).set()
     # a map confirms: hypothesis's holes are no holes, and its angles may look like radians
     entries = {role.channel: {"role": role.role} for role in guess(one)}
-    caliper = wall_samples(one, overlay(guess(one), one, entries, "map"))
+    caliper = wall_samples(one, overlay(guess(one), one, entries))
     np.testing.assert_allclose(caliper.depth, depth, rtol=1e-14, atol=1e-300)
     np.testing.assert_allclose(caliper.radius, radius, rtol=1e-14)
     off = (caliper.toolface - toolface + 180) % 360 - 180
@@ -304,9 +304,9 @@ HEADER = "md_m,tf_deg,radius_m\n"
         ("md,tf_deg,radius_m\n1,2,3\n", {}, "c.csv, column md: unit missing: state it in a map "
          '([channels."md"] unit = ...), or as md:UNIT in its option; depth is length'),
         (HEADER + "1,2,3\n", {"radius": ["radius_m:furlong"]},
-         "c.csv: radius_m: unit = 'furlong': must be a unit of length for a radius"),
+         "c.csv: radius_m.unit = 'furlong': must be a unit of length for a radius"),
         (HEADER + "1,2,3\n", {"toolface": "tf_deg:in"},
-         "c.csv: tf_deg: unit = 'in': must be a unit of angle for a toolface"),
+         "c.csv: tf_deg.unit = 'in': must be a unit of angle for a toolface"),
         (HEADER + "1,2,3\n", {"toolface": "tf_deg@90"},
          "c.csv: tf_deg@90: an angle belongs to a radius, diameter or travel-time"),
         (HEADER + "1,2,3\n", {"depth": "tf_deg", "toolface": "tf_deg"},

@@ -80,24 +80,26 @@ def made(columns: dict[str, Any]) -> LogSet:
         ({"tf_type": np.array(["N"] * 7 + ["up"])}, {},
          "f.las, row 7, column tf_type: 'up': must be one of n, north, m, mtf, magnetic, 0 (north) or h, hs, high "
          "side, high-side, g, gtf, gravity, top, 1 (high side)"),
-        ({}, {"radius": {"angles": 3}},
-         "map: radius: angles: must be one of role, unit, angle, first, step, offset, latency, reference, north"),
-        ({}, {"radius": 3}, "map: radius: must be a table"),
-        ({}, {"radius": {"angle": "x"}}, "map: radius: angle = 'x': must be a number"),
-        ({}, {"radius": {"angle": 2**64}}, "map: radius: angle = 18446744073709551616: must be a number"),
-        ({}, {"radius": {"unit": 3}}, "map: radius: unit = 3: must be text"),
-        ({}, {"radius": {"role": "size"}}, f"map: radius: role = 'size': must be one of {', '.join(ROLES)}"),
-        ({}, {"radius": {"unit": "deg"}}, "map: radius: unit = 'deg': must be a unit of length for a radius"),
-        ({}, {"radius": {"reference": "north"}}, "map: radius: reference = 'north': must be one of north, "
-         "horizontal-north, high-side, automatic, of a toolface"),
+        ({}, {"radius": {"angles": 3}}, "map: channels.radius.angles: not known; did you mean angle?"),
+        ({}, {"radius": 3}, "map: channels.radius = 3: must be a table"),
+        ({}, {"radius": {"angle": "x"}},
+         "map: channels.radius.angle = 'x': must be a number with a unit of angle, such as 90deg or 1.57rad"),
+        ({}, {"radius": {"angle": 10**400}}, f"map: channels.radius.angle = {10**400}: must be a number"),
+        ({}, {"radius": {"unit": 3}}, "map: channels.radius.unit = 3: must be text"),
+        ({}, {"radius": {"role": "size"}}, f"map: channels.radius.role = 'size': must be one of {', '.join(ROLES)}"),
+        ({}, {"radius": {"unit": "deg"}}, "map: channels.radius.unit = 'deg': must be a unit of length for a radius"),
+        ({}, {"radius": {"reference": "north"}},
+         "map: channels.radius.reference = 'north': belongs to a role of toolface"),
         ({}, {"TF": {"reference": "south"}},
-         "map: TF: reference = 'south': must be one of north, horizontal-north, high-side, automatic, of a toolface"),
-        ({}, {"radius": {"offset": float("inf")}}, "map: radius: offset = inf, latency = 0: must be finite"),
+         "map: channels.TF.reference = 'south': must be one of north, horizontal-north, high-side, automatic"),
+        ({}, {"radius": {"north": "true"}},
+         "map: channels.radius.north = 'true': belongs to a role of toolface or azimuth"),
+        ({}, {"radius": {"offset": float("inf")}}, "map: channels.radius.offset = inf: must be finite"),
         ({}, {"TF": {"offset": 1.0}},
-         "map: TF: offset and latency belong to a sensor: a role of radius, diameter, radius-image, travel-time"),
-        ({}, {"nope": {}}, "map: no channel 'nope'; the set holds MD, TF, radius"),
+         "map: channels.TF.offset = 1: belongs to a sensor: a role of radius, diameter, radius-image, travel-time"),
+        ({}, {"nope": {}}, "map: channels.nope: no channel of this name; the set holds MD, TF, radius"),
         ({"TF2__deg": np.zeros(N)}, {"TF": {"role": "toolface"}, "TF2": {"role": "toolface"}},
-         "map: TF2: TF is the toolface already"),
+         "map: channels.TF2: TF is the toolface already"),
     ],
 )  # fmt: skip
 def test_readings(columns: dict[str, Any], entries: dict[str, Any], text: str | None) -> None:
@@ -108,10 +110,10 @@ def test_readings(columns: dict[str, Any], entries: dict[str, Any], text: str | 
             'is 0.216 m; state role = "radius" in a map, or --column radius=DIAM'
         )  # fmt: skip
     if text is None:  # fewer than twenty angles may well lie within two pi
-        assert one.readings(overlay(guess(one), one, entries, "map")).rows == N
+        assert one.readings(overlay(guess(one), one, entries)).rows == N
         return
     with pytest.raises(hb.InputError) as caught:
-        one.readings(overlay(guess(one), one, entries, "map"), bit)
+        one.readings(overlay(guess(one), one, entries), bit)
     assert str(caught.value) == text
 
 
@@ -159,9 +161,9 @@ def test_images(depth: Any, name: str, text: str) -> None:
     ("text", "rule"),
     [
         ("[", "m.toml: not TOML: Invalid initial character for a key part (at end of document)"),
-        ("set = 3", "m.toml: channels must be tables, set must be a name"),
-        ("channels = 3", "m.toml: channels must be tables, set must be a name"),
-        ("roles = 3", "m.toml: roles: must be one of set, channels, names"),
+        ("set = 3", "m.toml, line 1: set = 3: must be text"),
+        ("channels = 3", "m.toml, line 1: channels = 3: must be a table"),
+        ("roles = 3", "m.toml, line 1: roles: must be one of set, channels, names"),
         ('set = "t"', "f.las: no set 't'; it holds 's'"),
     ],
 )

@@ -45,21 +45,24 @@ def test_map_round_trip(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "rule"),
     [
-        ("channels = 3", "m.toml: channels must be tables"),
-        ("x = 1", "m.toml: x: must be one of set, channels, names"),
+        ("channels = 3", "m.toml, line 1: channels = 3: must be a table"),
+        ("x = 1", "m.toml, line 1: x: must be one of set, channels, names"),
         ("[", "m.toml: not TOML"),
         ('set = "other"', "xy.csv: no set 'other'; it holds 'table'"),
-        ("[channels.nope]", "m.toml: no channel 'nope'; the set holds md_m, rb_deg"),
-        ("[channels.bs]\nrole = 'bit'", "m.toml: bs: role = 'bit': must be one of depth"),
-        ("[channels.bs]\nunit = 3", "m.toml: bs: unit = 3: must be text"),
-        ("[channels.bs]\nangle = 'x'", "m.toml: bs: angle = 'x': must be a number"),
-        ("[channels.bs]\nangles = 3", "m.toml: bs: angles: must be one of role, unit, angle"),
+        ("[channels.nope]", "m.toml, line 1: channels.nope: no channel of this name; the set holds md_m, rb_deg"),
+        ("[channels.bs]\nrole = 'bit'", "m.toml, line 2: channels.bs.role = 'bit': must be one of depth"),
+        ("[channels.bs]\n\nunit = 3", "m.toml, line 3: channels.bs.unit = 3: must be text"),
+        ("[channels.bs]\nangle = 'x'", "m.toml, line 2: channels.bs.angle = 'x': must be a number"),
+        ("[channels.bs]\nangles = 3", "m.toml, line 2: channels.bs.angles: not known; did you mean angle?"),
         (
             "[channels.bs]\nrole = 'depth'\nunit = 'deg'",
-            "m.toml: bs: unit = 'deg': must be a unit of length for a depth",
+            "m.toml, line 3: channels.bs.unit = 'deg': must be a unit of length for a depth",
         ),
-        ("[channels.bs]\nrole = 'depth'\n[channels.md_m]\nrole = 'depth'", "m.toml: bs: md_m is the depth already"),
-        ("[channels]\nbs = 3", "m.toml: bs: must be a table"),
+        (
+            "[channels.bs]\nrole = 'depth'\n[channels.md_m]\nrole = 'depth'",
+            "m.toml, line 1: channels.bs: md_m is the depth already",
+        ),
+        ("[channels]\nbs = 3", "m.toml, line 2: channels.bs = 3: must be a table"),
     ],
 )
 def test_bad_maps(tmp_path: Path, text: str, rule: str) -> None:
@@ -108,7 +111,7 @@ def test_inspect_tells_what_would_be_refused(tmp_path: Path) -> None:
 def test_mapping_a_role_takes_it_from_the_guess(tmp_path: Path) -> None:
     pytest.importorskip("pyarrow")
     one = hb.open(xy_file(tmp_path)).set()
-    roles = overlay(guess(one), one, {"bs": {"role": "depth", "unit": "m"}}, "map")
+    roles = overlay(guess(one), one, {"bs": {"role": "depth", "unit": "m"}})
     assert (roles["bs"].role, roles["md_m"].role, roles["md_m"].reason) == (
         "depth",
         "none",

@@ -101,10 +101,10 @@ def test_a_toolface_states_what_it_counts_from(name: str, described: str, refere
     role = guess(one)[name]
     assert (role.role, role.reference, role.north) == ("toolface", reference, north)
     assert (one.readings().reference, one.readings().north) == (reference, north)
-    confirmed = overlay(guess(one), one, {name: {"unit": "deg"}}, "map")
+    confirmed = overlay(guess(one), one, {name: {"unit": "deg"}})
     assert (confirmed[name].reference, confirmed[name].north) == (reference, north)
-    assert overlay(guess(one), one, {name: {"reference": "high-side"}}, "map")[name].reference == "high-side"
-    assert overlay(guess(one), one, {name: {"role": "none"}}, "map")[name].reference == ""
+    assert overlay(guess(one), one, {name: {"reference": "high-side"}})[name].reference == "high-side"
+    assert overlay(guess(one), one, {name: {"role": "none"}})[name].reference == ""
     path = hb.Survey([0.0, 50.0], [30.0, 30.0], [70.0, 70.0]).path()  # counts from the high side
     turned = hb.prepare(one.readings(), path=path).caliper
     off = np.degrees(np.arctan2(-np.sin(np.radians(70.0)), np.cos(np.radians(30.0)) * np.cos(np.radians(70.0))))
@@ -350,18 +350,18 @@ def test_a_survey_of_one_station_names_the_file() -> None:
 
 def test_suspicions_yield_to_a_map_and_to_the_bit() -> None:
     one = log_set(DEPTH, TURN, radius(0.2159))
-    confirmed = overlay(guess(one), one, {"radius": {"role": "radius", "unit": "m"}}, "map")
+    confirmed = overlay(guess(one), one, {"radius": {"role": "radius", "unit": "m"}})
     assert wall_samples(one, confirmed).radius[0] == 0.2159
     assert wall_samples(one, bit_diameter=0.4064).radius[0] == 0.2159  # a 16 in hole
-    as_diameter = overlay(guess(one), one, {"radius": {"role": "diameter", "angle": 0.0}}, "map")
+    as_diameter = overlay(guess(one), one, {"radius": {"role": "diameter", "angle": 0.0}})
     assert wall_samples(one, as_diameter).radius[0] == pytest.approx(0.10795)
     with pytest.raises(ValueError, match="looks like a diameter"):
         wall_samples(one, confirmed, bit_diameter=0.2159)
     above = log_set(channel("MD", "m", np.arange(-40.0, 0.0)), TURN, radius(0.1))
-    assert wall_samples(above, overlay(guess(above), above, {"MD": {"role": "depth"}}, "map")).depth[0] == -40
+    assert wall_samples(above, overlay(guess(above), above, {"MD": {"role": "depth"}})).depth[0] == -40
     assert wall_samples(log_set(channel("MD", "m", np.arange(-39.0, 1.0)), TURN, radius(0.1))).depth[0] == -39
     slow = log_set(DEPTH, channel("TF", "deg", np.linspace(0, 6.28, 40)), channel("radius", "m", np.full(40, 0.1)))
-    mapped = overlay(guess(slow), slow, {"TF": {"unit": "rad"}}, "map")
+    mapped = overlay(guess(slow), slow, {"TF": {"unit": "rad"}})
     assert wall_samples(slow, mapped).toolface.max() == pytest.approx(np.degrees(6.28))
 
 
@@ -412,7 +412,7 @@ def test_radius_image_turns_with_the_tool() -> None:
     grid = np.full((2, 4), 110.0)
     grid[1, 2] = np.nan
     one = log_set(channel("MD", "m", [1.0, 2.0]), channel("RB", "deg", [350.0, 10.0]), channel("FING", "mm", grid))
-    mapped = overlay(guess(one), one, {"FING": {"first": 45, "step": 90.0}}, "map")
+    mapped = overlay(guess(one), one, {"FING": {"first": 45, "step": 90.0}})
     found = wall_samples(one, mapped)
     assert found.toolface.tolist() == [35.0, 125.0, 215.0, 305.0, 55.0, 145.0, 325.0]
     assert found.dropped == {"FING": 1}
@@ -440,13 +440,13 @@ def test_an_image_of_a_file_becomes_one_for_walls_in_one_line() -> None:
     plain = one.image("I").sector_image(origin="edge", reference="north")
     assert (plain.name, plain.unit, plain.direction, plain.offset) == ("I", "gAPI", "clockwise", 0.0)
     assert plain.values.tolist() == grid.tolist()
-    mapped = one.image("I", overlay(guess(one), one, {"I": {"first": 30.0, "step": -90.0}}, "map"))
+    mapped = one.image("I", overlay(guess(one), one, {"I": {"first": 30.0, "step": -90.0}}))
     turned = mapped.sector_image(origin="centre", reference="high-side", name="GR", reach=2.0)
     assert (turned.name, turned.direction, turned.offset, turned.reach) == ("GR", "counterclockwise", 30.0, 2.0)
     assert turned.toolface.tolist() == [30.0, 300.0, 210.0, 120.0]
     stated = mapped.sector_image(origin="centre", reference="north", direction="clockwise", offset=5.0)
     assert (stated.direction, stated.offset) == ("clockwise", 5.0)
-    wrong = one.image("I", overlay(guess(one), one, {"I": {"first": 0.0, "step": 45.0}}, "map"))
+    wrong = one.image("I", overlay(guess(one), one, {"I": {"first": 0.0, "step": 45.0}}))
     with pytest.raises(ValueError, match=r"^I: 4 sectors, 45 deg apart: must be 90 around the hole$"):
         wrong.sector_image(origin="edge", reference="north")
     empty = log_set(channel("MD", "m", [1.0, 2.0, 3.0]), channel("I", "", np.full((3, 4), np.nan))).image("I")

@@ -202,7 +202,7 @@ def test_survey_in_feet_needs_its_unit_stated() -> None:
         file.survey()
     from helibore.channels.role_map import overlay
 
-    roles = overlay(guess(file.set()), file.set(), {"MD": {"role": "depth", "unit": "ft"}}, "map")
+    roles = overlay(guess(file.set()), file.set(), {"MD": {"role": "depth", "unit": "ft"}})
     survey = file.set().survey(roles)
     np.testing.assert_allclose(survey.depth, [float(row["MD"]) * 0.3048 for row in rows], rtol=1e-15)
 

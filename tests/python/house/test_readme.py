@@ -32,7 +32,13 @@ from helibore.runs.manifest import read_jobs
 from helibore.simulation.rig import Rig
 
 README, DOCS = ROOT / "README.md", ROOT / "docs"
-PAGES = (README, *(DOCS / f"{name}.md" for name in ("index", "analyst", "signing", "driller", "live", "wells", "televiewer", "developer")))
+PAGES = (
+    README,
+    *(
+        DOCS / f"{name}.md"
+        for name in ("index", "analyst", "signing", "driller", "live", "wells", "televiewer", "developer")
+    ),
+)
 ALL = sorted({*PAGES, *DOCS.rglob("*.md"), ROOT / "CONTRIBUTING.md"})
 IMAGES = SHARED / "lwd-images"
 REAL = {

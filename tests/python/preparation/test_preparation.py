@@ -135,11 +135,11 @@ def test_spikes_by_rotation_and_by_height() -> None:
     assert by_height.counts["spikes"] == 2
     assert "by depth, 0.05 m each" in by_height.report[0][1]
     far = rotating(r2__m=radius)
-    roles = overlay(guess(far), far, {"r2": {"role": "radius", "angle": 0.0, "offset": 6.0}}, "map")
+    roles = overlay(guess(far), far, {"r2": {"role": "radius", "angle": 0.0, "offset": 6.0}})
     apart = prepare(readings(far, roles), Preparation(spikes=6.0, turn_height=0.05))
     assert apart.report[0] == ("turns", "32, by depth, 0.05 m each; samples in a turn: 25")
     still = log(md__m=np.arange(N), radius__m=radius)
-    roles = overlay(guess(still), still, {"radius": {"angle": 0.0}}, "map")
+    roles = overlay(guess(still), still, {"radius": {"angle": 0.0}})
     with pytest.raises(hb.InputError) as caught:
         prepare(still.readings(roles), Preparation(spikes=6.0))
     assert str(caught.value) == "f.csv: no toolface shows the turns of the tool: give the height of a turn"
@@ -373,7 +373,7 @@ def test_two_calipers_that_disagree_are_not_merged() -> None:
     x, y = (np.array(one[name].values) for name in ("cal_x", "cal_y"))
     twice = log(md__m=one["md"].values, rb__deg=one["rb"].values, cal_x__in=x, cal_z__in=y + 0.35)
     diameters = {name: {"role": "diameter", "angle": 0.0} for name in ("cal_x", "cal_z")}
-    roles = overlay(guess(twice), twice, diameters, "map")
+    roles = overlay(guess(twice), twice, diameters)
     with pytest.raises(hb.InputError) as caught:
         prepare(twice.readings(roles))
     assert str(caught.value) == (
@@ -381,13 +381,13 @@ def test_two_calipers_that_disagree_are_not_merged() -> None:
         "name the caliper to use"
     )
     near = log(md__m=one["md"].values, rb__deg=one["rb"].values, cal_x__in=x, cal_z__in=y + 0.1)
-    roles = overlay(guess(near), near, diameters, "map")
+    roles = overlay(guess(near), near, diameters)
     merged = prepare(near.readings(roles))
     assert len(merged.caliper) == 4 * N
     assert "arms" not in [label for label, _ in merged.report]
     part = log(md__m=one["md"].values, rb__deg=one["rb"].values, cal_x__in=x, cal_z__in=y + 0.35 * (np.arange(N) < 40))
     depth = part["md"].values
-    assert prepare(part.readings(overlay(guess(part), part, diameters, "map"))).report[0] == (
+    assert prepare(part.readings(overlay(guess(part), part, diameters))).report[0] == (
         "arms",
         "f.csv: cal_x and cal_z look in the same direction and differ by more than 2.5 mm of radius in 40 rows, the "
         f"longest stretch from {depth[0]:.2f} to {depth[39]:.2f} m: name the caliper to use",
@@ -402,7 +402,7 @@ def test_two_calipers_of_four_arms_are_no_imaging_tool() -> None:
     roles = overlay(guess(one), one, {
         name: {"role": "diameter", "angle": angle}
         for name, angle in (("DCHO", 90.0), ("DCVE", 0.0), ("UCHO", 90.0), ("UCVE", 0.0))
-    }, "map")  # fmt: skip
+    })  # fmt: skip
     found = one.readings(roles)
     assert (len(found.sensors), found.is_image) == (8, False)
     caliper = prepare(found).caliper
@@ -439,7 +439,7 @@ def test_toolface_references() -> None:
     np.testing.assert_array_equal(tagged.caliper.toolface, onto_path(turn, depth, transported, steep > 5))
     assert "by the file's tags" in tagged.report[0][1]
     one = log(**columns)
-    mapped = overlay(guess(one), one, {"tf": {"reference": "north"}}, "map")
+    mapped = overlay(guess(one), one, {"tf": {"reference": "north"}})
     north = prepare(one.readings(mapped), None, transported)
     np.testing.assert_array_equal(north.caliper.toolface, onto_path(turn, depth, transported, False))
     same = prepare(one.readings(mapped), None, survey.path(reference="north"))
@@ -503,7 +503,7 @@ def test_sensors_at_their_places_and_times() -> None:
     roles = overlay(guess(one), one, {
         "radius": {"offset": 0.5, "angle": 10.0},
         "r2": {"role": "radius", "angle": 100.0, "offset": 1.5, "latency": 2.0},
-    }, "map")  # fmt: skip
+    })  # fmt: skip
     found = prepare(readings(one, roles), Preparation(sensor_offset=0.25, latency=1.0))
     first = found.caliper.radius == 0.1
     np.testing.assert_allclose(found.caliper.depth[first], 100 + 0.01 * (time[1:] - 1.0) - 0.75)
@@ -559,7 +559,7 @@ def test_flat_tops_are_dropped_by_the_depth_of_a_track() -> None:
     radius = np.where((TIMES >= 50) & (TIMES < 70), 0.15, 0.1 + 1e-5 * TIMES)
     roles = {"first": 0.0, "second": 180.0}
     one = log(time__s=TIMES, **{f"{name}__m": radius for name in roles})
-    mapped = overlay(guess(one), one, {n: {"role": "radius", "angle": a} for n, a in roles.items()}, "map")
+    mapped = overlay(guess(one), one, {n: {"role": "radius", "angle": a} for n, a in roles.items()})
     found = prepare(readings(one, mapped, tracked=True), None, None, TURNING)
     assert found.counts["saturated"] == 40
     assert found.caliper.radius.max() < 0.11

@@ -90,7 +90,7 @@ def test_four_angles_in_one_file(tmp_path, names, kind, inclination):
 
 
 def without(log_set, name):
-    return overlay(guess(log_set), log_set, {name: {"role": "none"}}, "map")
+    return overlay(guess(log_set), log_set, {name: {"role": "none"}})
 
 
 def test_angles_of_one_file_are_checked_against_each_other(tmp_path):
@@ -183,10 +183,10 @@ def test_a_map_adds_names(tmp_path):
     role = read_map(names, file)["XTURN"]
     assert (role.role, role.reference, role.confirmed) == ("toolface", "high-side", False)
     for text, place in (
-        ('[[names]]\nnames = []\nrole = "toolface"', "names.toml: names 1: names"),
-        ('[[names]]\nnames = ["A"]\nrole = "tool"', "names.toml: names 1: role"),
-        ('[[names]]\nnames = ["A"]\nrole = "radius"\nangle = true', "names.toml: names 1: angle"),
-        ('[[names]]\nnames = ["A"]\nrole = "toolface"\nnorth = "up"', "names.toml: names 1: north"),
+        ('[[names]]\nnames = []\nrole = "toolface"', "names.toml, line 2: names 1.names"),
+        ('[[names]]\nnames = ["A"]\nrole = "tool"', "names.toml, line 3: names 1.role"),
+        ('[[names]]\nnames = ["A"]\nrole = "radius"\nangle = true', "names.toml, line 4: names 1.angle"),
+        ('[[names]]\nnames = ["A"]\nrole = "toolface"\nnorth = "up"', "names.toml, line 4: names 1.north"),
     ):
         names.write_text(text)
         with pytest.raises(hb.InputError) as caught:
