@@ -101,7 +101,7 @@ def read(url: str, stop: Event, seen: multiprocessing.Queue[dict[str, Any]]) -> 
     taken: list[tuple[float, int]] = []
 
     async def take() -> None:
-        async with connect(url.replace("http", "ws") + "ws") as socket:
+        async with connect(url.replace("http", "ws", 1).replace("/?", "/ws?")) as socket:
             session = ""
             while not stop.is_set():
                 try:

@@ -320,7 +320,7 @@ def fetch(url: str, stop: Any, started: Any, made: Any) -> None:
     import urllib.request
 
     while not stop.is_set():
-        with urllib.request.urlopen(f"{url}api/export.html?start=500&stop=1000") as answer:
+        with urllib.request.urlopen(url.replace("/?", "/api/export.html?start=500&stop=1000&")) as answer:
             assert len(answer.read()) > 3e6, "an export of 300,000 vertices"
         made.value += 1
         started.set()
@@ -360,7 +360,7 @@ async def read_all(url: str, pages: int, stop: Any, started: Any) -> None:
     from websockets.asyncio.client import connect
 
     async def reader(stalls: bool) -> None:
-        async with connect(url.replace("http", "ws") + "ws", max_queue=1) as socket:
+        async with connect(url.replace("http", "ws", 1).replace("/?", "/ws?"), max_queue=1) as socket:
             session = json.loads(await socket.recv())["session"]
             wanted = {"tiles": [[0, 1000]], "focus": 0, "mask": 0}
             await socket.send(json.dumps({"session": session, "subscribe": wanted}))

@@ -65,7 +65,7 @@ class Rig:
 
     def start(self) -> None:
         arguments = ["live", "rig.toml", "--journal", "disk/j", "-q", "--view", "--view-port", str(self.page_port),
-                     "--metrics-port", str(self.metrics_port)]  # fmt: skip
+                     "--metrics-port", str(self.metrics_port), "--token", "s3"]  # fmt: skip
         self.process = subprocess.Popen(
             [sys.executable, "-c", COMMAND, *arguments], cwd=self.folder, stdin=subprocess.PIPE,
             stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True, env={**os.environ, "MALLOC_ARENA_MAX": "1"},
@@ -82,13 +82,13 @@ class Rig:
         while not self.stopping.wait(0.05):
             with (
                 contextlib.suppress(OSError),
-                urllib.request.urlopen(f"http://127.0.0.1:{self.metrics_port}/metrics", timeout=5) as answer,
+                urllib.request.urlopen(f"http://127.0.0.1:{self.metrics_port}/metrics?token=s3", timeout=5) as answer,
             ):
                 self.texts["metrics"].append((time.monotonic(), answer.read().decode()))
 
     def _page(self) -> None:
         while not self.stopping.wait(0.05):
-            with contextlib.suppress(Exception), connect(f"ws://127.0.0.1:{self.page_port}/ws") as page:
+            with contextlib.suppress(Exception), connect(f"ws://127.0.0.1:{self.page_port}/ws?token=s3") as page:
                 for message in page:
                     if isinstance(message, str):
                         self.texts["page"].append((time.monotonic(), message))

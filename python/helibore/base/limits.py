@@ -15,13 +15,22 @@ LIMITS = {
     "cells": 5_000_000,  # of the sheets of a workbook, with the empty ones up to the last row and column
     "sheets": 100,  # of a workbook
     "items": 3_000,  # of a section of the header of LAS 2, for example its curves
+    "connections": 128,  # of a page's server; fewer if the process may have fewer than four times as many descriptors
+    "token_seconds": 5,  # until a connection to page or metrics has shown the token
+    "downloads": 2,  # sections that the page's server writes at a time
+    "prints": 2,  # that the page's server has in work at a time
 }
 """For each limit its default; the variable is HELIBORE_LIMIT_ and the name in upper case."""
 
 
+def limit_variable(name: str) -> str:
+    """Return the name of the environment variable that changes a limit."""
+    return f"HELIBORE_LIMIT_{name.upper()}"
+
+
 def limit(name: str) -> int:
     """Return the value of a limit; raise InputError if the variable is not a whole number above 0."""
-    variable = f"HELIBORE_LIMIT_{name.upper()}"
+    variable = limit_variable(name)
     text = os.environ.get(variable)
     if text is None:
         return LIMITS[name]
@@ -34,7 +43,5 @@ def check_limit(place: str, name: str, value: int) -> None:
     """Raise InputError if a value is above a limit."""
     most = limit(name)
     if value > most:
-        rule = (
-            f"{value:,} {name.replace('_', ' ')}: must be at most {most:,}; HELIBORE_LIMIT_{name.upper()} raises this"
-        )
+        rule = f"{value:,} {name.replace('_', ' ')}: must be at most {most:,}; {limit_variable(name)} raises this"
         raise InputError(place, rule)

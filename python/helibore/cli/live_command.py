@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import importlib
 import signal
 import sys
@@ -16,16 +17,18 @@ import click
 
 from helibore.cli.quantities import FILE, FOLDER
 from helibore.cli.sections import opt, section
+from helibore.cli.token_options import TOKEN
 
 if TYPE_CHECKING:
+    from helibore.base.identity import Access
     from helibore.cli.live_log import LogWriter
     from helibore.cli.live_view import Window
-    from helibore.cli.metrics_server import Access
     from helibore.live.live import Live
     from helibore.live.server import Server
 
 TICK = 0.25
 """Seconds between two checks of the server."""
+WHERE = "the token is that of HELIBORE_TOKEN or --token-file"
 LAST_SECONDS = 1.0
 """Seconds for which page and metrics show the failure of a thread before the command ends.
 
@@ -46,15 +49,16 @@ The command also waits this long, at most, for the thread that draws the status 
     opt("--seconds", "Stop after this time.  [until Ctrl-C, or all files are read]", type=click.FloatRange(0)),
     opt("--check", "Check the configuration, print how helibore reads each item, and stop.", is_flag=True),
     opt("-q --quiet", "Do not show the status page.", is_flag=True),
-    opt("--host", "Address of page and metrics; needs --token if other machines reach it.", default="127.0.0.1"),
-    opt("--token", "Secret that page and metrics require.  [HELIBORE_TOKEN]", envvar="HELIBORE_TOKEN"),
+    opt("--host", "Address of page and metrics.", default="127.0.0.1"),
+    *TOKEN,
     opt("--certificate", "PEM file: serve page and metrics over HTTPS.", metavar="FILE"),
     opt("--key", "PEM file of the private key of --certificate.  [the file of --certificate]", metavar="FILE"),
     opt("--log", "Also write all events to this file, which is rotated at 10 MB.", metavar="FILE"),
 )
 def live(
     configuration: Path, journal: Path | None, folder: Path | None, every: float | None, metrics_port: int | None,
-    page: bool, view_port: int, seconds: float | None, check: bool, quiet: bool, log: str | None, **access: str | None,
+    page: bool, view_port: int, seconds: float | None, check: bool, quiet: bool, log: str | None, host: str,
+    token: str | None, token_file: Path | None, certificate: str | None, key: str | None,
 ) -> None:  # fmt: skip
     """Build a wall from the sources in CONFIGURATION while they send; every byte is stored in a journal first.
 
@@ -65,10 +69,11 @@ def live(
     (kill -HUP), CONFIGURATION is read again, and its changes apply to later bytes.
     """
     importlib.import_module("helibore.live.rules.checks")  # imported first: its error names the extra that is missing
+    from helibore.base.identity import Access, find_token
     from helibore.cli.lines import counts_line
     from helibore.cli.live_check import described
     from helibore.cli.live_log import logged
-    from helibore.cli.metrics_server import Access, MetricsServer
+    from helibore.cli.metrics_server import MetricsServer
     from helibore.live.alarms import receiver
     from helibore.live.live import Live
     from helibore.live.rules.configuration import load
@@ -85,7 +90,7 @@ def live(
     if where is None:
         raise click.UsageError("no journal: give --journal FOLDER, or journal.folder in the configuration")
     target = folder or (Path(settings.snapshot.folder) if settings.snapshot.folder else None)
-    allowed = Access(**access)  # type: ignore[arg-type]
+    allowed = Access(host, find_token(token, token_file), certificate, key)
     with ExitStack() as stack:
         log_writer = stack.enter_context(logged(log, quiet))
         window = stack.enter_context(_window(configuration.stem, view_port, allowed)) if page else None
@@ -100,7 +105,10 @@ def live(
             server.start()
             serving.callback(server.stop)
             if metrics_port is not None:
-                serving.callback(MetricsServer(server, metrics_port, allowed).close)
+                pages = MetricsServer(server, metrics_port, allowed, window.connections if window else None)
+                pages.connections.report = functools.partial(running.report, "connections")
+                serving.callback(pages.close)
+                _announce("the metrics are at", pages.url)
             reload = lambda: server.reconfigure(load(configuration))  # noqa: E731
             _loop(server, window, show, seconds, target, every or settings.snapshot.every, log_writer, reload)
         if target:
@@ -114,10 +122,15 @@ def _window(well: str, port: int, access: Access) -> Window:
     """Serve a new page and return its `Window`. If the port is in use, the command ends before a journal is opened."""
     from helibore.cli.live_view import Window
 
-    window = Window(well, port=port, **vars(access))
-    shown = window.url if sys.stdout.isatty() else window.url.partition("?")[0]  # a log must not show the secret
-    click.echo(f"the wall is shown at {shown}")
+    window = Window(well, access, port=port)
+    _announce("the wall is shown at", window.url)
     return window
+
+
+def _announce(text: str, url: str) -> None:
+    """Print the address of a server, with its token on a terminal only, because a log must not show a secret."""
+    address = url.partition("?")[0]
+    click.echo(f"{text} {url if sys.stdout.isatty() else f'{address}?token=... ({WHERE})'}")
 
 
 @contextmanager

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from helibore.base.errors import InputError
+from helibore.base.identity import Access
 from helibore.live.alarms import Alarm, clock_text, is_connected
 from helibore.live.live import Live
 from helibore.live.model.update import Update
@@ -38,13 +39,11 @@ IMAGES_SECONDS = 1.0
 class Window:
     """A page that shows a live wall; it is served at once, at the address ``url``.
 
-    ``well`` is the name on the page; the other arguments and the errors are those of `PageServer` and `check_page`.
+    ``well`` is the name on the page; without ``access``, the page is for this machine, with a random token. Errors are
+    those of `PageServer` and `check_page`.
     """
 
-    def __init__(
-        self, well: str = "", *, host: str = "127.0.0.1", port: int = 0, token: str | None = None,
-        certificate: str | None = None, key: str | None = None,
-    ) -> None:  # fmt: skip
+    def __init__(self, well: str = "", access: Access | None = None, *, port: int = 0) -> None:
         from helibore.cli.view_command import check_page
         from helibore.viewer.page_server import PageServer
         from helibore.viewer.scene import Scene
@@ -52,8 +51,8 @@ class Window:
         check_page()
         self.scene = Scene()
         self.scene.update_state(sources="Reading the journal.")
-        self._server = PageServer(self.scene, host=host, port=port, token=token, certificate=certificate, key=key)
-        self.url = self._server.url
+        self._server = PageServer(self.scene, access or Access(), port=port)
+        self.url, self.connections = self._server.url, self._server.connections
         self._well = well
         self._live: Live
         self._feed: Feed | None = None
@@ -67,6 +66,7 @@ class Window:
     def follow(self, live: Live) -> None:
         """Make ``live`` the wall that the page shows."""
         self._live = live
+        self.connections.report = lambda text: live.report("connections", text)
 
     def show(self, update: Update) -> None:
         """Pass the changes of ``update`` to the page's thread, and return at once."""

@@ -12,14 +12,15 @@ from helibore.live.rules.pass_rules import PASSES
 from helibore.live.wire.wits import RULE_NAMES
 
 if TYPE_CHECKING:
+    from helibore.base.connections import Connections
     from helibore.live.journal.journal import Journal
     from helibore.live.server import Server
 
 PARSED = ("bytes", "frames", "items", "nulls", "not_numbers", *RULE_NAMES)
 
 
-def metrics(server: Server) -> str:
-    """Return the metrics of a server in the text format of Prometheus."""
+def metrics(server: Server, connections: Iterable[Connections] = ()) -> str:
+    """Return the metrics of a server, and of the connections to page and metrics, in the text format of Prometheus."""
     from prometheus_client import CollectorRegistry
     from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, HistogramMetricFamily, Metric
     from prometheus_client.exposition import generate_latest
@@ -71,6 +72,8 @@ def metrics(server: Server) -> str:
     family("alarm_active", "gauge", "1 while an alarm lasts.", lasts, "alarm", "source")
     text = "Alarms that the command or the webhook did not take."
     family("alarms_undelivered", "counter", text, [((), float(server.alarms.undelivered))])
+    refused = [((one.name,), float(one.refused)) for one in connections]
+    family("connections_refused", "counter", "Connections without the token, or too many.", refused, "server")
     vertices = [((name,), float(len(wall))) for name, wall in live.layers.items()]
     family("wall_vertices", "gauge", "Vertices of each layer.", vertices, "layer")
     if live.journal:

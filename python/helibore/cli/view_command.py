@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Callable
 from contextlib import suppress
@@ -15,6 +16,7 @@ from helibore.cli.lines import trust_lines
 from helibore.cli.outputs import QUIET, SIGMA, add_sigma, own_options
 from helibore.cli.sections import Sectioned, opt, section
 from helibore.cli.terminal import Terminal
+from helibore.cli.token_options import TOKEN
 from helibore.cli.wall_options import (
     BESIDE,
     HEADER,
@@ -41,8 +43,8 @@ if TYPE_CHECKING:
 
 @click.command(
     cls=Sectioned,
-    common=(*SHOWN, "scalars", "template", "besides", "picks", "headers", "well", "host", "port", "token", "browser",
-            "sigma"),
+    common=(*SHOWN, "scalars", "template", "besides", "picks", "headers", "well", "host", "port", "token", "token_file",
+            "browser", "sigma"),
 )  # fmt: skip
 @section("Options", QUIET)
 @section(
@@ -54,9 +56,9 @@ if TYPE_CHECKING:
     HEADER,
     *CRITERIA,
     opt("--well", "Name to show.  [name of the source]", default=""),
-    opt("--host", "Address of the page; needs --token if other machines reach it.", default="127.0.0.1"),
+    opt("--host", "Address of the page.", default="127.0.0.1"),
     opt("--port", "Port; 0: a free port.", type=click.IntRange(0, 65535), default=0),
-    opt("--token", "Secret that the page requires; the address that the command prints contains it."),
+    *TOKEN,
     opt("--browser/--no-browser", "Open the page.", default=True),
     SIGMA,
 )
@@ -80,6 +82,7 @@ def view(**options: Any) -> None:
     run = open_run(options, terminal)
     options = own_options(run, "view", options)
     refuse_interval(run, options)
+    from helibore.base.identity import find_token
     from helibore.logs.template import Template
     from helibore.runs.run import make_wall, placing
     from helibore.viewer import attributes_of
@@ -96,7 +99,8 @@ def view(**options: Any) -> None:
     terminal.summary([*run.messages, *trust_lines(wall.summary(options["start_depth"], options["stop_depth"]))])
     with terminal.stage("images", "Mapping images"):
         attributes = attributes_of(wall)
-    serving = {name: options[name] for name in ("host", "port", "token", "browser")} | {"reference": run.reference}
+    serving = {name: options[name] for name in ("host", "port", "browser")} | {"reference": run.reference}
+    serving["token"] = find_token(options["token"], options["token_file"])
     curves, template = curves_of_files(run, options), options["template"] and Template.load(options["template"])
     beside = walls_beside(options)
     with placing(run, path_options(run)):
@@ -111,6 +115,7 @@ def view(**options: Any) -> None:
     viewer.scene.draw_pages = section_printer(wall, drawing)
     viewer.scene.update_state(ended=True, prints=True)  # no samples will be appended
     terminal.summary([("time", terminal.times())])
+    logging.getLogger("helibore.connections").addHandler(logging.StreamHandler())
     with suppress(KeyboardInterrupt):  # Ctrl-C may come before `wait` expects it
         click.echo(f"{viewer.url}   (Ctrl-C ends the page)")
         viewer.wait()

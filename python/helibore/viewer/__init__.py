@@ -25,6 +25,7 @@ import numpy.typing as npt
 
 from helibore.base.color_limits import symmetric_limit
 from helibore.base.errors import InputError
+from helibore.base.identity import Access, find_token
 from helibore.base.tables import refuse_table
 from helibore.base.units import MILLIMETRE
 from helibore.images.normalization import image_scale
@@ -38,6 +39,8 @@ from helibore.viewer.feed import Feed, ViewedWall, first_vertex
 from helibore.viewer.scene import Attribute
 
 if TYPE_CHECKING:
+    import tempfile
+
     from helibore.logs.zone_criteria import Criteria
     from helibore.viewer.notebook_view import NotebookView
     from helibore.viewer.page_server import PageServer
@@ -52,7 +55,7 @@ class Viewer:
     Attributes
     ----------
     url : str
-        Address of the page, with its token if there is one; empty in a notebook's widget.
+        Address of the page, with its token; empty in a notebook's widget.
     widget : NotebookView or None
         In a notebook: the widget, whose traits ``depths`` and ``cursor`` follow what the user does on the page.
     scene : Scene
@@ -65,6 +68,7 @@ class Viewer:
         self._feed, self._server, self.widget, self._card = feed, server, widget, card
         self.scene = feed.scene
         self.url = server.url if server else ""
+        self._opened: tempfile.TemporaryDirectory[str] | None = None
 
     def update(self, change: Any = None, attributes: Mapping[str, npt.ArrayLike] | None = None) -> None:
         """Show what an append changed. Returns at once; another thread does the work.
@@ -104,6 +108,8 @@ class Viewer:
     def close(self) -> None:
         """Stop serving and free the port. May be called twice."""
         self._feed.close()
+        if self._opened:
+            self._opened.cleanup()
         if self._server:
             self._server.close()
         if self.widget:
@@ -181,7 +187,8 @@ def view(
     host, port
         Address to serve on. Port 0: a free port.
     token
-        Secret that the address must carry. It must be given if other machines can reach `host`.
+        Secret that every request must carry, as the address of the page does. None: the environment variable
+        HELIBORE_TOKEN, or else a random token.
     browser
         Open the page in the default browser.
     inline
@@ -200,8 +207,7 @@ def view(
     InputError
         If the wall has no vertex, has more than 2048 sectors or reaches beyond `path`; if an attribute's length is not
         the number of vertices or quads, if there are more than 16 attributes, or two with the same name; if `port` is
-        not from 0 to 65535, or `host` needs a token and none is given; with `inline`, if the package was built without
-        its page.
+        not from 0 to 65535, or `token` is empty; with `inline`, if the package was built without its page.
     OSError
         If the port is in use; the text names it.
     """
@@ -231,12 +237,12 @@ def view(
     else:
         from helibore.viewer.page_server import PageServer
 
-        viewer = Viewer(feed, PageServer(feed.scene, host=host, port=port, token=token))
+        viewer = Viewer(feed, PageServer(feed.scene, Access(host, find_token(token)), port=port))
     feed.start()
     if browser:
-        import webbrowser
+        from helibore.viewer.browser import open_page
 
-        webbrowser.open(viewer.url)
+        viewer._opened = open_page(viewer.url)
     return viewer
 
 

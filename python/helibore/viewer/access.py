@@ -1,24 +1,19 @@
-"""Which requests the server answers, and what a browser may do with the answers.
+"""Which requests the page's server answers, and what a browser may do with the answers.
 
-If the viewer has a token, a request must have the same token, except for the paths in `NEEDS_NO_TOKEN`. Without a
-token, the Host header must be a name of the viewer, so that a page of another server cannot reach the viewer through
-another name for 127.0.0.1. In either case, if a browser sends an Origin, it must be that of the viewer. A browser
-hides why a websocket failed to open, so a websocket with a wrong token is opened and then closed with the reason.
+`helibore.base.identity` has the rule; this file applies it to Starlette. A browser hides why a websocket failed to
+open, so a websocket without the token is opened and then closed with the reason.
 """
 
 from __future__ import annotations
 
-import contextlib
-import hmac
 from typing import Any
-from urllib.parse import parse_qs, urlsplit
 
 from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-LOOPBACK = ("127.0.0.1", "localhost", "[::1]")
-NEEDS_NO_TOKEN = ("/app.js", "/app.css", "/healthz")
-NO_TOKEN = "token: missing or wrong. Open the address that the viewer printed, with its ?token=..."
+from helibore.base.connections import Connections
+from helibore.base.identity import NO_TOKEN, Access
+
 POLICY = (
     "default-src 'self'; connect-src 'self'; img-src 'self' data: blob:; style-src 'self'; object-src 'none'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'self' http://127.0.0.1:* http://localhost:*"
@@ -32,11 +27,13 @@ HEADERS = [
 
 
 class AccessControl:
-    """Checks Host, Origin and token of each request, and adds `HEADERS` to each answer."""
+    """Refuses each request that `Access.refusal` refuses, and adds `HEADERS` to each answer.
 
-    def __init__(self, app: ASGIApp, token: str | None, hosts: tuple[str, ...]) -> None:
-        self.app, self.hosts = app, hosts
-        self.token = token or None  # an empty token would protect nothing, and would switch off the check of the host
+    Each request that is answered admits its connection to ``connections``.
+    """
+
+    def __init__(self, app: ASGIApp, access: Access, connections: Connections | None = None) -> None:
+        self.app, self.access, self.connections = app, access, connections
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         async def with_headers(message: Any) -> None:
@@ -44,37 +41,24 @@ class AccessControl:
                 message["headers"] = [*message["headers"], *HEADERS]
             await send(message)
 
-        refusal = self.refusal(scope) if scope["type"] in ("http", "websocket") else None
+        refusal = self._refusal(scope) if scope["type"] in ("http", "websocket") else None
         if refusal is None:
             await self.app(scope, receive, with_headers)
         elif scope["type"] == "http":
-            await PlainTextResponse(refusal + "\n", 403)(scope, receive, with_headers)
+            end = {"connection": "close"}
+            await PlainTextResponse(refusal + "\n", 403, headers=end)(scope, receive, with_headers)
         else:
             await receive()
             if refusal == NO_TOKEN:
                 await send({"type": "websocket.accept"})
             await send({"type": "websocket.close", "code": 4403, "reason": refusal[:120]})
 
-    def refusal(self, scope: Scope) -> str | None:
-        """Return why a request is refused, or None if it is not refused."""
+    def _refusal(self, scope: Scope) -> str | None:
         headers = {name.decode("latin-1").lower(): value.decode("latin-1") for name, value in scope["headers"]}
-        host = headers.get("host", "")
-        if self.token is None and _without_port(host) not in self.hosts:
-            return f"host {host[:60]!r}: this viewer answers to {', '.join(self.hosts)} only"
-        origin = headers.get("origin")
-        if origin is not None and _host_of(origin) != host:
-            return f"origin {origin[:60]!r}: only the viewer's own page may connect"
-        if self.token is None or (scope["type"] == "http" and scope["path"] in NEEDS_NO_TOKEN):
-            return None
-        given = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[0]
-        return None if hmac.compare_digest(given.encode(), self.token.encode()) else NO_TOKEN
-
-
-def _host_of(origin: str) -> str | None:
-    with contextlib.suppress(ValueError):  # "http://[::1" has no host
-        return urlsplit(origin).netloc
-    return None
-
-
-def _without_port(host: str) -> str:
-    return host.rsplit(":", 1)[0] if ":" in host and not host.endswith("]") else host
+        refusal = self.access.refusal(scope["path"], scope["query_string"].decode("latin-1"), headers)
+        if self.connections is not None:
+            if refusal is None:
+                self.connections.admit(scope["client"])
+            else:
+                self.connections.count_refused()
+        return refusal

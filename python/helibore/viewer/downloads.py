@@ -1,7 +1,8 @@
-"""Downloads that take long to write: a section as a table or as a page.
+"""Downloads that take long to write: a section as a table, as a page or as a print.
 
-A download holds a frozen copy of its section until it is sent, so at most `MOST` run at a time. A browser that stops
-reading holds its download open for at most `STALLED` seconds; then the download is given up.
+A download holds a frozen copy of its section until it is sent, so the limit ``downloads`` says how many run at a time;
+``prints`` does for prints. A browser that stops reading holds its download open for at most `STALLED` seconds; then the
+download is given up.
 """
 
 from __future__ import annotations
@@ -13,28 +14,36 @@ from collections.abc import Callable, Iterable, Iterator
 from starlette.responses import PlainTextResponse, Response, StreamingResponse
 from starlette.types import Message, Receive, Scope, Send
 
-MOST = 2
+from helibore.base.limits import limit_variable
+
 STALLED = 60.0  # seconds
 
 
 class Downloads:
-    """Limits the downloads that run at a time; only the server's event loop uses this class."""
+    """Lets at most ``most`` downloads run, the limit ``name``; only the server's event loop uses this class."""
 
-    def __init__(self, most: int = MOST, stalled: float = STALLED) -> None:
-        self.most, self.stalled = most, stalled
+    def __init__(self, name: str, most: int, stalled: float = STALLED) -> None:
+        self.name, self.most, self.stalled = name, most, stalled
         self.running = 0
+
+    def busy(self) -> Response | None:
+        """Return the answer 503 if `most` downloads are running, else None."""
+        if self.running < self.most:
+            return None
+        text = f"the server already writes {self.most} {self.name}: try again when one of them is done"
+        raised = f"{limit_variable(self.name)} raises this number"
+        return PlainTextResponse(f"{text}; {raised}\n", 503, headers={"retry-after": "5"})
 
     async def start(
         self, write: Callable[[], Iterator[str]], media_type: str, name: str, *, whole: bool = False
     ) -> Response:
         """Return a response that sends the chunks of ``write`` as a file.
 
-        The response is 503 if `most` downloads are running, and 400 if ``write`` raises a ValueError. If ``whole`` is
-        True, the whole file is written to memory before the first byte is sent.
+        The response is that of `busy`, and 400 if ``write`` raises a ValueError. If ``whole`` is True, the whole file
+        is written to memory before the first byte is sent.
         """
-        if self.running >= self.most:
-            busy = f"the server already writes {self.most} sections: try again when one of them is done\n"
-            return PlainTextResponse(busy, 503, headers={"retry-after": "5"})
+        if (busy := self.busy()) is not None:
+            return busy
         self.running += 1
         try:
             chunks: Iterable[bytes] = encoded(await asyncio.to_thread(write))

@@ -1,62 +1,67 @@
-"""The server in its own thread. It binds the socket for uvicorn itself, so that a port in use raises an OSError."""
+"""The server in its own thread. It binds the socket for uvicorn itself, so that a port in use raises an OSError.
+
+The socket is a `Listener`: connections that do not show the token are few, and are ended soon.
+"""
 
 from __future__ import annotations
 
-import contextlib
-import ipaddress
 import socket
 import threading
 import time
 from typing import Any
-from urllib.parse import quote
 
+from helibore.base.connections import Connections, Listener, most_connections
 from helibore.base.errors import InputError, needs, port_error
+from helibore.base.identity import Access
 from helibore.viewer.scene import Scene
 
 START_SECONDS = 20.0
+BACKLOG = 128
+"""Connections that the system holds until they are accepted."""
 
 
 class PageServer:
-    """Serves a scene until `close`; over HTTPS if ``certificate``, a PEM file, is given.
+    """Serves a scene until `close`, at the address and with the token of ``access``.
 
-    ``key`` is the PEM file of the certificate's key; None: the certificate's file also has the key. Raises InputError
-    if ``host`` is open to other machines and there is no token, or if ``port`` is not in 0 to 65535; OSError if the
-    port is in use.
+    ``connections`` counts the connections that were refused. Raises InputError if ``port`` is not in 0 to 65535;
+    OSError if the port is in use.
     """
 
-    def __init__(
-        self, scene: Scene, *, host: str, port: int, token: str | None,
-        certificate: str | None = None, key: str | None = None,
-    ) -> None:  # fmt: skip
-        loopback = host == "localhost"
-        with contextlib.suppress(ValueError):
-            loopback = loopback or ipaddress.ip_address(host).is_loopback
-        if not loopback and not token:
-            raise InputError(f"host {host}", "is open to other machines, so it needs a token")
+    def __init__(self, scene: Scene, access: Access, *, port: int = 0) -> None:
         uvicorn = import_server()
-        from helibore.viewer.access import LOOPBACK
         from helibore.viewer.html_export import MOST_ADDRESS
         from helibore.viewer.web_app import MOST_TEXT, application
 
-        self._socket = _bind(host, port)
-        name = f"[{host}]" if ":" in host else host
-        bound = self._socket.getsockname()[1]
-        scheme = "https" if certificate else "http"
-        self.url = f"{scheme}://{name}:{bound}/" + (f"?token={quote(token, safe='')}" if token else "")
+        self.connections = Connections("page", most_connections())
+        self._socket = _bind(access.host, port, self.connections)
+        self.url = access.url(self._socket.getsockname()[1])
         config = uvicorn.Config(
-            application(scene, token, tuple(dict.fromkeys((*LOOPBACK, name)))),
+            application(scene, access, self.connections),
+            loop="asyncio",  # others do not accept connections by the method of the socket
+            http="h11",
             ws="websockets-sansio",
-            ssl_certfile=certificate,
-            ssl_keyfile=key,
+            proxy_headers=False,  # a header must not say from where a connection comes
+            ssl_certfile=access.certificate,
+            ssl_keyfile=access.key,
             ws_max_size=2 * MOST_TEXT,
             ws_per_message_deflate=False,
             h11_max_incomplete_event_size=2 * MOST_ADDRESS,  # the query escapes %41 of the address again, as %2541
             log_level="critical",
             access_log=False,
             lifespan="on",
+            backlog=BACKLOG,
+            server_header=False,
             timeout_graceful_shutdown=1,
         )
-        self._server = uvicorn.Server(config)
+        connections = self.connections
+
+        class Server(uvicorn.Server):  # type: ignore[misc, name-defined]  # a class of the extra
+            async def on_tick(self, counter: int) -> bool:
+                """Check the connections ten times a second."""
+                connections.check()
+                return bool(await super().on_tick(counter))
+
+        self._server = Server(config)
         run = {"sockets": [self._socket]}
         self._thread = threading.Thread(target=self._server.run, kwargs=run, name="helibore-view-server", daemon=True)
         self._thread.start()
@@ -101,14 +106,15 @@ def import_server() -> Any:
 PORT_OPTION = "port, or 0 (--port; --view-port of helibore live)"
 
 
-def _bind(host: str, port: int) -> socket.socket:
+def _bind(host: str, port: int, connections: Connections) -> Listener:
     if not 0 <= port <= 65535:
         raise InputError("port", "must be from 0 to 65535", str(port))
-    bound = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET, socket.SOCK_STREAM)
+    bound = Listener(socket.AF_INET6 if ":" in host else socket.AF_INET, socket.SOCK_STREAM)
+    bound.connections = connections
     bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         bound.bind((host, port))
-        bound.listen(128)
+        bound.listen(BACKLOG)
     except OSError as error:
         bound.close()
         raise port_error(error, host, port, PORT_OPTION) from error

@@ -26,6 +26,7 @@ import math
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, MutableMapping
 from importlib import resources
 from typing import Any, Protocol
+from urllib.parse import quote
 
 from starlette.applications import Starlette
 from starlette.requests import Request
@@ -34,10 +35,13 @@ from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.types import ASGIApp
 from starlette.websockets import WebSocketDisconnect
 
+from helibore.base.connections import Connections
 from helibore.base.errors import InputError
+from helibore.base.identity import Access
+from helibore.base.limits import limit
 from helibore.logs.picks import Pick, Picks, pick_of
 from helibore.viewer import exports
-from helibore.viewer.access import LOOPBACK, AccessControl
+from helibore.viewer.access import AccessControl
 from helibore.viewer.client import Client
 from helibore.viewer.downloads import Downloads
 from helibore.viewer.html_export import html_export
@@ -83,10 +87,10 @@ def no_page() -> str:
     )
 
 
-def application(scene: Scene, token: str | None = None, hosts: tuple[str, ...] = LOOPBACK) -> ASGIApp:
-    """Return the ASGI application that shows a scene."""
+def application(scene: Scene, access: Access, connections: Connections | None = None) -> ASGIApp:
+    """Return the ASGI application that shows a scene to who has the token of ``access``."""
     app = WebApp(scene)
-    return AccessControl(Starlette(routes=app.routes(), lifespan=app.lifespan), token, hosts)
+    return AccessControl(Starlette(routes=app.routes(), lifespan=app.lifespan), access, connections)
 
 
 class WebApp:
@@ -94,7 +98,8 @@ class WebApp:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.downloads = Downloads()
+        self.downloads = Downloads("downloads", limit("downloads"))
+        self.prints = Downloads("prints", limit("prints"))
         self.connections: set[_Connection] = set()
         self.loop: asyncio.AbstractEventLoop | None = None
         self.wake_pending = False
@@ -179,6 +184,8 @@ class WebApp:
         body = page(name)
         if body is None:
             return PlainTextResponse(no_page() + "\n", 503)
+        if name == "index.html" and (token := request.query_params.get("token")):
+            body = _with_token(body, token)
         tag = f'"{hashlib.sha256(body).hexdigest()}"'
         headers = {"ETag": tag, "Vary": "Accept-Encoding"}
         if request.headers.get("If-None-Match") == tag:
@@ -287,12 +294,18 @@ class WebApp:
         query, draw = request.query_params, self.scene.draw_pages
         if draw is None:
             return PlainTextResponse("this server cannot print\n", 404)
+
+        if (busy := self.prints.busy()) is not None:
+            return busy
+        self.prints.running += 1
         try:
             start, stop = sorted(exports.section_ends(query))
             scale = exports.print_scale(query)
             body = await asyncio.to_thread(draw, start, stop, query.get("units", "mm"), scale)
         except (ValueError, ImportError) as error:
             return PlainTextResponse(f"{error}\n", 400)
+        finally:
+            self.prints.running -= 1
         name = _file_name("log", query, "pdf")
         return Response(
             body, media_type="application/pdf", headers={"content-disposition": f"attachment; filename={name}"}
@@ -383,6 +396,13 @@ class _Connection:
                 self.client.subscribe(read_subscription(content["subscribe"], len(self.scene.shape.attributes)))
             else:
                 raise BadMessageError("a message must be ack or subscribe")
+
+
+def _with_token(html: bytes, token: str) -> bytes:
+    """Return the page so that it asks for its other files with the token, as for all else."""
+    for name in ("app.js", "app.css"):
+        html = html.replace(f'"{name}"'.encode(), f'"{name}?token={quote(token, safe="")}"'.encode())
+    return html
 
 
 async def _body(request: Request, most: int) -> bytes:

@@ -14,9 +14,11 @@ from click.testing import CliRunner
 from live_servers import Running, configured, frames, free_port, is_closed
 from patience import PATIENCE
 
+from helibore.base.errors import InputError
+from helibore.base.identity import NO_TOKEN, Access, find_token
 from helibore.cli import cli
-from helibore.cli.live_command import _window
-from helibore.cli.metrics_server import CONNECTIONS, Access, MetricsServer
+from helibore.cli.live_command import WHERE, _window
+from helibore.cli.metrics_server import CONNECTIONS, MetricsServer
 
 TOKEN = "a secret/47"
 
@@ -58,7 +60,7 @@ def test_metrics_ask_for_the_token(running):
     try:
         url = f"http://127.0.0.1:{port}/metrics"
         for way in ((url,), (f"{url}?token=wrong",), (url, "Bearer wrong"), (url, "Basic YTpi"), (f"{url}?token=",)):
-            assert asked(*way) == (403, b"token: missing or wrong\n")
+            assert asked(*way) == (403, f"{NO_TOKEN}\n".encode())
         for way in ((f"{url}?token=a%20secret/47",), (url, f"Bearer {TOKEN}")):
             status, body = asked(*way)
             assert (status, b"helibore_queue_records" in body) == (200, True)
@@ -67,11 +69,43 @@ def test_metrics_ask_for_the_token(running):
         pages.close()
 
 
+def test_metrics_answer_no_page_of_another_server(running):
+    port = free_port()
+    pages = MetricsServer(running.server, port, Access(token="s3"))
+    try:
+        for name, value in (("Origin", "http://evil.example"), ("Sec-Fetch-Site", "cross-site")):
+            request = urllib.request.Request(f"http://127.0.0.1:{port}/metrics?token=s3", headers={name: value})
+            with pytest.raises(urllib.error.HTTPError) as refused:
+                urllib.request.urlopen(request, timeout=PATIENCE)
+            assert (refused.value.code, value in refused.value.read().decode()) == (403, True)
+        text = asked(f"http://127.0.0.1:{port}/metrics?token=s3")[1].decode()
+        assert 'helibore_connections_refused_total{server="metrics"} 2.0' in text
+    finally:
+        pages.close()
+
+
+def test_the_token_is_given_in_a_file_in_the_environment_or_random(tmp_path, monkeypatch):
+    monkeypatch.delenv("HELIBORE_TOKEN", raising=False)
+    file = tmp_path / "token"
+    made = find_token(None, file)
+    assert (file.stat().st_mode & 0o777, file.read_text()) == (0o600, f"{made}\n")
+    assert find_token(None, file) == made
+    assert len({find_token(), find_token(), Access().token, made}) == 4
+    monkeypatch.setenv("HELIBORE_TOKEN", "of the environment")
+    assert [find_token(), find_token(None, file), find_token("s3", file)] == ["of the environment", made, "s3"]
+    for wrong in (b"", b"\n", b"a\nb\n", b"\xff", b"x" * 5000):
+        file.write_bytes(wrong)
+        with pytest.raises(InputError) as refused:
+            find_token(None, file)
+        assert (refused.value.place, refused.value.rule) == (f"token file {file}", "must hold one line: the token")
+    assert "s3" not in repr(Access(token="s3"))
+
+
 def test_a_metrics_port_that_is_taken_is_named(running):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         with pytest.raises(OSError) as raised:  # noqa: PT011 (the text is compared below)
-            MetricsServer(running.server, port, Access())
+            MetricsServer(running.server, port, Access(token="s3"))
     rule = "Address already in use; give another port for metrics (--metrics-port)"
     assert str(raised.value) == f"[Errno 98] 127.0.0.1 port {port}: {rule}"
 
@@ -79,18 +113,18 @@ def test_a_metrics_port_that_is_taken_is_named(running):
 def test_metrics_need_no_new_thread_and_lose_no_slot(running, monkeypatch):
     """Where memory lacks, ``Thread.start`` raises, or never returns."""
     port = free_port()
-    pages = MetricsServer(running.server, port, Access())
+    pages = MetricsServer(running.server, port, Access(token="s3"))
     try:
         with monkeypatch.context() as patch:
             patch.setattr(threading.Thread, "start", lambda _: 1 / 0)
             for _ in range(2 * CONNECTIONS):
-                assert asked(f"http://127.0.0.1:{port}/metrics")[0] == 200
+                assert asked(f"http://127.0.0.1:{port}/metrics?token=s3")[0] == 200
             patch.setattr("helibore.cli.metrics_server.metrics", lambda _: 1 / 0)
             for _ in range(2 * CONNECTIONS):
                 with socket.create_connection(("127.0.0.1", port), timeout=PATIENCE) as link:
-                    link.sendall(b"GET /metrics HTTP/1.0\r\n\r\n")
+                    link.sendall(b"GET /metrics?token=s3 HTTP/1.0\r\n\r\n")
                     assert is_closed(link)
-        assert asked(f"http://127.0.0.1:{port}/metrics")[0] == 200
+        assert asked(f"http://127.0.0.1:{port}/metrics?token=s3")[0] == 200
     finally:
         pages.close()
 
@@ -119,7 +153,7 @@ def test_the_page_over_https_asks_for_the_token(certified):
     if page("app.js") is None:
         pytest.skip("the page was not built: Node.js 18 is missing")
     files, context = certified
-    with Window("well-7", token=TOKEN, **files) as window:
+    with Window("well-7", Access(token=TOKEN, **files)) as window:
         assert window.url.startswith("https://127.0.0.1:")
         assert window.url.endswith("/?token=a%20secret%2F47")
         assert asked(window.url, context=context)[0] == 200
@@ -130,13 +164,12 @@ def test_the_page_over_https_asks_for_the_token(certified):
 def test_the_token_is_printed_on_a_terminal_only(monkeypatch, capsys):
     monkeypatch.setattr("helibore.cli.live_view.Window", lambda *_, **__: SimpleNamespace(url="https://x:1/?token=s3"))
     _window("well", 0, Access(token="s3"))
-    assert capsys.readouterr().out == "the wall is shown at https://x:1/\n"
+    assert capsys.readouterr().out == f"the wall is shown at https://x:1/?token=... ({WHERE})\n"
 
 
 @pytest.mark.parametrize(
     ("options", "error"),
     [
-        (["--host", "0.0.0.0"], "host 0.0.0.0: is open to other machines, so it needs a token"),
         (["--key", "x.pem"], "key: needs a certificate"),
         (["--token", ""], "token: must not be empty"),
         (["--metrics-port", "65536"], "Invalid value for '--metrics-port': 65536 is not in the range 0<=x<=65535."),

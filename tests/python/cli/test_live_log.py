@@ -123,14 +123,14 @@ def test_a_stderr_that_nobody_reads_does_not_stop_the_drawing(tmp_path):
             pass
     os.set_blocking(writing, True)
     process = subprocess.Popen(
-        [sys.executable, "-m", "helibore", *arguments, "--metrics-port", str(page)],
+        [sys.executable, "-m", "helibore", *arguments, "--metrics-port", str(page), "--token", "s3"],
         stderr=writing, stdout=subprocess.DEVNULL,
     )  # fmt: skip
     os.close(writing)
 
     def metrics():
         try:
-            with urllib.request.urlopen(f"http://127.0.0.1:{page}/metrics", timeout=5) as answer:
+            with urllib.request.urlopen(f"http://127.0.0.1:{page}/metrics?token=s3", timeout=5) as answer:
                 return answer.read().decode()
         except OSError:
             return ""

@@ -36,7 +36,7 @@ def pushed(live: hb.Live, top: float, count: int = 200):
 
 
 def health(url: str) -> dict[str, Any]:
-    with urllib.request.urlopen(url + "healthz") as answer:
+    with urllib.request.urlopen(url.replace("/?", "/healthz?")) as answer:
         found: dict[str, Any] = json.loads(answer.read())
         return found
 
@@ -220,7 +220,8 @@ def test_a_played_rig_grows_on_the_page(tmp_path, browser):
     command = [sys.executable, "-m", "helibore"]
     rig = [*command, "simulate", "--wits", f"listen://127.0.0.1:{port}", "--to", "2004m", "--speed", "20",
            "--telemetry", "em"]  # fmt: skip
-    wall = [*command, "live", str(tmp_path / "rig.toml"), "--journal", str(tmp_path / "j"), "--view"]
+    wall = [*command, "live", str(tmp_path / "rig.toml"), "--journal", str(tmp_path / "j"), "--view",
+            "--token", "s3"]  # fmt: skip
     with (
         subprocess.Popen(rig, stdout=subprocess.DEVNULL) as played,
         subprocess.Popen(wall, stdout=subprocess.PIPE, text=True) as running,
@@ -228,7 +229,8 @@ def test_a_played_rig_grows_on_the_page(tmp_path, browser):
         assert running.stdout is not None
         reported = re.search(r"http://\S+", running.stdout.readline())
         assert reported
-        screen = Screen(browser, reported[0])
+        assert "s3" not in reported[0], "it is no terminal"
+        screen = Screen(browser, reported[0].replace("...", "s3"))
         first = screen.stats()["size"]
         screen.until(f"window.__wall.stats.size > {first} + 200")
         assert screen.evaluate("window.__wall.app.quantities.find(({ id }) => id === 'GR').map") == "gamma"

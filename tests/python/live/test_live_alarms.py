@@ -622,7 +622,8 @@ class Command:
         self.lines = []
         arguments = ["live", str(folder / "rig.toml"), "--journal", str(folder / "j"), "-q", *options]
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "helibore", *arguments, "--metrics-port", str(self.metrics_port)],
+            [sys.executable, "-m", "helibore", *arguments, "--metrics-port", str(self.metrics_port),
+             "--token", "s3"],
             stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True,
         )  # fmt: skip
         self.reading = threading.Thread(target=lambda: self.lines.extend(self.process.stderr), daemon=True)
@@ -631,7 +632,7 @@ class Command:
 
     def metrics(self):
         try:
-            with urllib.request.urlopen(f"http://127.0.0.1:{self.metrics_port}/metrics", timeout=5) as page:
+            with urllib.request.urlopen(f"http://127.0.0.1:{self.metrics_port}/metrics?token=s3", timeout=5) as page:
                 return page.read().decode()
         except OSError:
             return ""

@@ -18,6 +18,7 @@ from live_servers import Running, configured, frames, free_port, is_closed, payl
 from patience import PATIENCE
 
 from helibore import Live
+from helibore.base.identity import Access
 from helibore.cli import cli, metrics_server
 from helibore.cli.prometheus_metrics import metrics
 from helibore.live import server as server_module
@@ -351,16 +352,19 @@ def test_silence_is_an_event_when_it_begins(tmp_path):
 
 
 def test_idle_connections_to_the_metrics_are_bounded_and_end(tmp_path, monkeypatch):
-    monkeypatch.setattr(metrics_server, "SECONDS", 0.5)
+    monkeypatch.setenv("HELIBORE_LIMIT_TOKEN_SECONDS", "1")
     with Running(configured(f"listen://127.0.0.1:{free_port()}"), tmp_path) as running:
         port = free_port()
-        pages = metrics_server.MetricsServer(running.server, port, metrics_server.Access())
+        pages = metrics_server.MetricsServer(running.server, port, Access(token="s3"))
         held = [socket.create_connection(("127.0.0.1", port)) for _ in range(30)]
         threads = [t for t in threading.enumerate() if t.name.startswith("metrics ")]
         assert len(threads) == metrics_server.CONNECTIONS
 
         def answers():
-            with contextlib.suppress(OSError), urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics") as page:
+            with (
+                contextlib.suppress(OSError),
+                urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics?token=s3") as page,
+            ):
                 return b"helibore_queue_records" in page.read()
             return False
 

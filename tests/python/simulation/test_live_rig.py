@@ -126,7 +126,7 @@ def test_the_command_line_reads_a_played_rig(tmp_path):
     configuration.write_text(rig.configuration(f"listen://127.0.0.1:{port}"))
     with subprocess.Popen(
         [sys.executable, "-c", "from helibore.cli import main; main()", "live", configuration, "--journal",
-         tmp_path / "j", "--snapshot", tmp_path / "now", "--metrics-port", str(metrics_port)],
+         tmp_path / "j", "--snapshot", tmp_path / "now", "--metrics-port", str(metrics_port), "--token", "s3"],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE,
     ) as running:  # fmt: skip
         try:
@@ -138,7 +138,7 @@ def test_the_command_line_reads_a_played_rig(tmp_path):
             for _ in range(200):
                 with (
                     suppress(urllib.error.URLError),  # the metrics are served only after the sources
-                    urllib.request.urlopen(f"http://127.0.0.1:{metrics_port}/metrics") as page,
+                    urllib.request.urlopen(f"http://127.0.0.1:{metrics_port}/metrics?token=s3") as page,
                 ):
                     text = page.read().decode()
                 if text and "helibore_samples_drawn_total 0" not in text:

@@ -159,11 +159,14 @@ SCOPE = {"type": "http", "asgi": {"spec_version": "2.4"}}
 
 def test_a_few_at_a_time_and_the_next_is_told_to_wait() -> None:
     async def run() -> None:
-        downloads = Downloads(most=2, stalled=0.2)
+        downloads = Downloads("downloads", 2, stalled=0.2)
         slow = [await downloads.start(written, "text/csv", "a.csv", whole=way) for way in (False, True)]
         refused = await downloads.start(written, "text/csv", "a.csv")
         assert (refused.status_code, refused.headers["retry-after"]) == (503, "5")
-        assert bytes(refused.body) == b"the server already writes 2 sections: try again when one of them is done\n"
+        assert bytes(refused.body) == (
+            b"the server already writes 2 downloads: try again when one of them is done; "
+            b"HELIBORE_LIMIT_DOWNLOADS raises this number\n"
+        )
         reader, stalled = Reader(True), Reader(False)
         await slow[0](SCOPE, reader.receive, reader.send)
         assert reader.said == b"piece 0\npiece 1\npiece 2\n"
@@ -183,7 +186,7 @@ def test_what_cannot_be_written_takes_no_place() -> None:
         raise RuntimeError("a bug")
 
     async def run() -> None:
-        downloads = Downloads(most=1)
+        downloads = Downloads("downloads", 1)
         refused = await downloads.start(wrong, "text/csv", "a.csv")
         assert (refused.status_code, bytes(refused.body)) == (400, b"start = 1: too shallow\n")
         with pytest.raises(RuntimeError):

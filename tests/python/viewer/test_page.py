@@ -8,6 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from typing import Any
+from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
@@ -123,7 +124,7 @@ def test_looking_differently_sends_nothing(shown: Any) -> None:
 def test_nothing_is_asked_of_another_machine(shown: Any) -> None:
     shown.settle()
     assert shown.requests
-    own = shown.viewer.url.removeprefix("http://")
+    own = urlsplit(shown.viewer.url).netloc
     assert [url for url in shown.requests if own not in url and not url.startswith("data:")] == []
 
 
@@ -156,7 +157,7 @@ def test_a_message_that_cannot_be_read_is_said_and_the_page_comes_right(browser:
         server.on_message(pass_on)
 
     with hb.view(MadeWall(20_000)) as viewer:
-        page.route_web_socket("**/ws", between)
+        page.route_web_socket("**/ws?*", between)
         page.add_init_script(
             "new MutationObserver(() => { const at = document.getElementById('connection');"
             " if (at && !at.hidden) (window.said ??= []).push(at.textContent); })"

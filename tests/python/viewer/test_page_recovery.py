@@ -41,7 +41,7 @@ from made_wall import MadeWall, curved_path
 import helibore as hb
 wall = MadeWall(40_000)
 wall.patch(16_000, 17_000, float(sys.argv[3]))
-hb.view(wall, path=curved_path(), port=int(sys.argv[2])).wait()
+hb.view(wall, path=curved_path(), port=int(sys.argv[2]), token="s3").wait()
 """
 
 SERVED_PICKS = """
@@ -50,7 +50,7 @@ import helibore as hb
 from helibore.logs.picks import Picks
 wall = hb.reconstruct(hb.Caliper.gauge(1015.0, 1035.0, 0.2), bit_diameter=0.2, sectors=16)
 wall.picks = Picks.load(sys.argv[2])
-hb.view(wall, port=int(sys.argv[1]), picks_file=sys.argv[2]).wait()
+hb.view(wall, port=int(sys.argv[1]), token="s3", picks_file=sys.argv[2]).wait()
 """
 
 # How many frames the page has drawn, and the radii it then holds of what came while it was hidden.
@@ -129,7 +129,7 @@ def served(port: int, patch: float) -> AbstractContextManager[str]:
 @contextmanager
 def run(port: int, script: str, *values: str) -> Iterator[str]:
     process = subprocess.Popen([sys.executable, "-c", script, *values])
-    url = f"http://127.0.0.1:{port}/"
+    url = f"http://127.0.0.1:{port}/?token=s3"
     try:
         until(lambda: process.poll() is not None or answers(url))
         assert process.poll() is None, "the server did not start"
@@ -141,7 +141,7 @@ def run(port: int, script: str, *values: str) -> Iterator[str]:
 
 def answers(url: str) -> bool:
     try:
-        with urllib.request.urlopen(url + "healthz", timeout=5):
+        with urllib.request.urlopen(url.replace("/?", "/healthz?"), timeout=5):
             return True
     except (urllib.error.URLError, OSError):
         return False

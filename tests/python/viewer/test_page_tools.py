@@ -251,7 +251,7 @@ def test_an_export_is_bounded_and_says_what_is_wrong(viewer: Any) -> None:
         ("start=5000&stop=6000", "the wall does not reach there"),
     ):
         with pytest.raises(urllib.error.HTTPError) as refused:
-            urllib.request.urlopen(f"{viewer.url}api/export.html?{query}")
+            urllib.request.urlopen(viewer.url.replace("/?", f"/api/export.html?{query}&"))
         assert refused.value.code == 400
         assert text in refused.value.read().decode()
 

@@ -17,6 +17,7 @@ pytestmark = NEEDS_BROWSER
 
 from test_page_recovery import ADDRESS, SIZE, free_port, shows_what_a_new_page_shows  # noqa: E402
 
+from helibore.base.identity import Access  # noqa: E402
 from helibore.viewer.feed import Feed  # noqa: E402
 from helibore.viewer.page_server import PageServer  # noqa: E402
 from helibore.viewer.scene import Scene  # noqa: E402
@@ -35,7 +36,7 @@ class Waiting(Screen):
 @pytest.mark.parametrize("size", [(390, 844), (768, 1024), (1366, 768)])
 def test_rig_mode_says_in_large_type_within_the_window_why_it_waits(browser: Any, size: tuple[int, int]) -> None:
     scene = Scene()
-    server = PageServer(scene, host="127.0.0.1", port=0, token=None)
+    server = PageServer(scene, Access())
     scene.update_state(
         sources="rig: listening, since 20:34:15 UTC.\n0 samples received.\n"
         "Check that the sender of rig runs and sends to port 9973 of this machine."
@@ -62,7 +63,7 @@ def labels(screen: Screen) -> set[str]:
 
 def test_a_page_opened_before_the_first_sample_waits_and_then_shows_the_wall(browser: Any) -> None:
     scene = Scene()
-    server = PageServer(scene, host="127.0.0.1", port=0, token=None)
+    server = PageServer(scene, Access())
     scene.update_state(sources="mwd: listening. 0 samples received.")
     screen = Waiting(browser, server.url, f"{ADDRESS}&theme=dark", SIZE)
     screen.until(f"{WORDS} === 'Waiting for the first samples.\\nmwd: listening. 0 samples received.'")
@@ -128,14 +129,14 @@ def test_a_page_with_the_token_of_before_says_so_and_lives_again_with_the_right_
     with hb.view(MadeWall(20_000), port=port, token="second") as viewer:
         screen.until("document.getElementById('lampText').textContent.startsWith('The server refused')")
         assert screen.inner_text("#connection") == (
-            "The server refused this page: token: missing or wrong. Open the address that the viewer printed, with its "
+            "The server refused this page: token: missing or wrong. Open the address that helibore printed, with its "
             "?token=..."
         )
         assert "lost" in screen.evaluate("document.getElementById('lamp').className")
         other = browser.new_page()
         assert other.goto(viewer.url.replace("second", "wrong")).status == 403
         assert other.inner_text("body").strip() == (
-            "token: missing or wrong. Open the address that the viewer printed, with its ?token=..."
+            "token: missing or wrong. Open the address that helibore printed, with its ?token=..."
         )
         other.close()
     with hb.view(MadeWall(20_064), port=port, token="first"):
