@@ -8,6 +8,7 @@ NPZ:     n is the most common first length of the images or, without images, of 
 
 from __future__ import annotations
 
+import math
 import zipfile
 import zlib
 from collections import Counter
@@ -16,9 +17,10 @@ from typing import Any
 
 import numpy as np
 
-from helibore.base.errors import needs
+from helibore.base.errors import InputError, needs
+from helibore.base.limits import check_limit, check_unpacked
 from helibore.files.headings import unit_in_name
-from helibore.files.input_file import InputFile, refuse_zip_bomb
+from helibore.files.input_file import InputFile
 from helibore.files.raw_set import Array, Channel, RawFile, RawSet, SectorAxis, unique
 
 OWN_UNITS = {
@@ -112,10 +114,17 @@ DAMAGED_NPZ = (ValueError, OSError, EOFError, KeyError, zipfile.BadZipFile, NotI
 
 def read_npz(source: InputFile) -> RawFile:
     """Read all arrays of an NPZ archive. An archive with a pickled array is refused."""
-    refuse_zip_bomb(source)
     try:
         with np.load(source.path, allow_pickle=False) as archive:
+            members = archive.zip.infolist()
+            check_limit(source.path.name, "columns", len(members))
+            # zipfile reads no more of a member than the directory says, so that this sum cannot lie.
+            check_unpacked(source.path.name, sum(member.file_size for member in members), source.path.stat().st_size)
+            for member in members:
+                _check_header(archive.zip, member)
             arrays = {name: _array(name, archive[name]) for name in archive.files}
+    except InputError:
+        raise
     except DAMAGED_NPZ as error:
         raise source.damaged("damaged archive of arrays", error) from error
     shapes = [array.shape for array in arrays.values() if array.ndim in (1, 2) and array.size]
@@ -134,6 +143,18 @@ def read_npz(source: InputFile) -> RawFile:
         unit = unit_in_name(name) or ("" if array.dtype.kind in "USM" else own_unit(name, remarks))
         channels.append(Channel(name, unit, "", array, source.nulls, axis, nan_is_missing=False))
     return RawFile("npz", [RawSet(source.path, "arrays", channels, rows, None, {}, remarks)])
+
+
+def _check_header(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> None:
+    """Refuse an array that is larger than its member: `numpy.load` asks for the memory that the header states."""
+    with archive.open(member) as file:
+        if file.read(6) != np.lib.format.MAGIC_PREFIX:
+            return
+        version = tuple(file.read(2))
+        read_header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
+        shape, _, dtype = read_header(file)
+        if math.prod(shape) * dtype.itemsize > member.file_size:
+            raise ValueError(f"{member.filename} states shape {shape} of {dtype} in {member.file_size:,} bytes")
 
 
 def _array(name: str, member: Array | bytes) -> Array:

@@ -25,6 +25,7 @@ from typing import Any
 import numpy as np
 
 from helibore.base.errors import InputError
+from helibore.base.limits import check_limit
 from helibore.files.headings import is_number, is_units_row, unit_in_name
 from helibore.files.input_file import LINE_LIMIT, InputFile, decode
 from helibore.files.number_rows import NULL_TEXTS, column_of, read_rows, split_cells
@@ -69,6 +70,7 @@ def read(source: InputFile) -> RawFile:
     layout = find_layout(source, head)
     if remark:
         layout.remarks.append(remark)
+    check_limit(source.path.name, "columns", len(layout.names))
     names = unique(layout.names)
     for name, count in Counter(layout.names).items():
         if 1 < count < FEWEST_SECTORS:

@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any, BinaryIO, cast
 
 from helibore.base.errors import InputError
+from helibore.base.limits import check_unpacked
 
 LINE_LIMIT = 1 << 20
 """Longest line (bytes) that `lines` yields, and the number of bytes read at a time.
@@ -40,11 +41,8 @@ This number must not be less than the 2 MiB in which `delimited` looks for the h
 TEXT_LIMIT = 1 << 30
 """Largest text (bytes) of a format that is read whole (LAS)."""
 
-GZIP_FREE = 1 << 26
-"""Bytes to which a gzip stream or a zip archive may always unpack; ``GZIP_RATIO`` limits larger files."""
-
-GZIP_RATIO = 200
-"""Most unpacked bytes per packed byte. Logs of mostly -999.25 reach a ratio of 100; gzip bombs can reach 1,032."""
+LINE_COST = 64
+"""Bytes of memory that a line of a text needs beyond its characters; lines of packed texts count as this many more."""
 
 UTF8_BOM = codecs.BOM_UTF8
 SALVAGE = "; salvage = true reads what is before the damage"
@@ -103,9 +101,7 @@ class Gunzip(io.RawIOBase):
             self._lost.add(f"salvaged: {damage.rule.removesuffix(SALVAGE)}: what follows is lost")
             return 0
         self._unpacked += len(piece)
-        if self._unpacked > GZIP_FREE and self._unpacked > GZIP_RATIO * self._packed.tell():
-            rule = f"unpacks to more than {GZIP_RATIO} times its size: refused as a gzip bomb"
-            raise file_error(self._path, rule)
+        check_unpacked(self._path.name, self._unpacked, self._packed.tell())
         buffer[: len(piece)] = piece
         return len(piece)
 
@@ -276,18 +272,21 @@ class InputFile:
         only some lines are UTF-8 with characters beyond ASCII mixes encodings. It is refused, because neither encoding
         fits all of it.
         """
-        pieces: list[bytes] = []
+        content, lines = bytearray(), 0
         with self.stream() as stream:
             while piece := read_exactly(stream, LINE_LIMIT):
                 if len(piece) == LINE_LIMIT and b"\n" not in piece and b"\r" not in piece:
-                    raise self.line_too_long(sum(earlier.count(b"\n") for earlier in pieces) + 1)
-                pieces.append(piece)
-                if len(pieces) * LINE_LIMIT > TEXT_LIMIT:
+                    raise self.line_too_long(lines + 1)
+                content += piece
+                lines += piece.count(b"\n")
+                if len(content) > TEXT_LIMIT:
                     raise self.error(f"more than {TEXT_LIMIT >> 20} MiB of text, which is read whole; split the file")
-        return decode(self.path, b"".join(pieces))
+                if self.compressed:
+                    check_unpacked(self.path.name, len(content) + LINE_COST * lines, self.path.stat().st_size)
+        return decode(self.path, content)
 
 
-def decode(path: Path, content: bytes) -> tuple[str, str]:
+def decode(path: Path, content: bytes | bytearray) -> tuple[str, str]:
     """Return ``content`` as text, with ``\\n`` for every newline, and a remark on the encoding ('' for UTF-8)."""
     content = content.removeprefix(UTF8_BOM)
     if content[-4:].rstrip(b"\r\n").endswith(END_OF_TEXT):
@@ -314,9 +313,10 @@ def decode(path: Path, content: bytes) -> tuple[str, str]:
     return text, remark
 
 
-def _utf8_line(content: bytes) -> int | None:
+def _utf8_line(content: bytes | bytearray) -> int | None:
     """Return the number of the first line that is not ASCII and is valid UTF-8 as a whole; None if there is none."""
-    for number, line in enumerate(content.split(b"\n"), 1):
+    lines: list[bytes | bytearray] = [*content.split(b"\n")]
+    for number, line in enumerate(lines, 1):
         if not line.isascii():
             with suppress(UnicodeDecodeError):
                 line.decode("utf-8")
@@ -333,13 +333,31 @@ def read_exactly(stream: BinaryIO, size: int) -> bytes:
     return b"".join(pieces)
 
 
-def refuse_zip_bomb(source: InputFile) -> None:
-    """Refuse a zip archive that unpacks to more than ``GZIP_FREE`` bytes and ``GZIP_RATIO`` times its packed size."""
-    with zipfile.ZipFile(source.path) as archive:
-        unpacked = sum(entry.file_size for entry in archive.infolist())
-        packed = max(1, sum(entry.compress_size for entry in archive.infolist()))
-    if unpacked > GZIP_FREE and unpacked > GZIP_RATIO * packed:
-        raise source.error(f"unpacks to more than {GZIP_RATIO} times its size: refused as a zip bomb")
+def zip_pieces(source: InputFile, file: BinaryIO, entry: zipfile.ZipInfo) -> Iterator[bytes]:
+    """Yield the unpacked bytes of a member of a zip archive as any reader finds them, whatever size the directory says.
+
+    `zipfile` stops at the size in the directory; readers in other languages do not. Raise InputError if the member is
+    not where the directory says, is cut, or is packed by another method than deflate.
+    """
+    place = f"{source.path.name}, {entry.filename}"
+    file.seek(entry.header_offset)
+    start = file.read(30)
+    if start[:4] != b"PK\x03\x04" or len(start) < 30:
+        raise InputError(place, "truncated or damaged: the directory of the zip archive names a place without a member")
+    file.seek(int.from_bytes(start[26:28], "little") + int.from_bytes(start[28:30], "little"), io.SEEK_CUR)
+    left = entry.compress_size
+    if entry.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED) or entry.flag_bits & 1:
+        raise InputError(place, "must be stored or packed by deflate, and not encrypted")
+    inflater = zlib.decompressobj(-zlib.MAX_WBITS) if entry.compress_type == zipfile.ZIP_DEFLATED else None
+    while left:
+        piece = file.read(min(left, HEAD))
+        if not piece:
+            raise InputError(place, "truncated: the zip archive ends within this member")
+        left -= len(piece)
+        while piece:
+            plain = inflater.decompress(piece, LINE_LIMIT) if inflater else piece
+            piece = inflater.unconsumed_tail if inflater else b""
+            yield plain
 
 
 def find_format(source: InputFile) -> str:

@@ -12,7 +12,6 @@ neither arrays nor sets, and reads comma-delimited rows as one column. ``number_
 
 from __future__ import annotations
 
-import io
 import re
 from dataclasses import dataclass, field
 from functools import partial
@@ -133,15 +132,21 @@ def _las2(source: InputFile, sections: list[LasSection], version: dict[str, str]
     if data is not sections[-1]:
         last = sections[-1]
         remarks.append(f"line {last.line}: ~{last.kind} follows the data section; its lines are not rows")
-    header = _lasio_header(source, sections, data)
-    curves = [LasCurve(c.original_mnemonic.strip(), _unit_and_value(c)[0], c.descr or "") for c in header.curves]
+    header = [section for section in sections if section is not data]
+    curves, params, items = (_lasio_items(source, header, letter, version) for letter in "CPW")
+    curves = [LasCurve(c.original_mnemonic.strip(), _unit_and_value(c)[0], c.descr or "") for c in curves]
     if not curves:
         curves = _curves_of_title(source, sections, data, remarks)
     _name_curves(curves, remarks)
     _skip_names(data, curves, remarks)
     wrapped = version.get("WRAP", "NO").upper().startswith("Y")
-    units_of, well = ({item.mnemonic: _unit_and_value(item)[part] for item in header.well} for part in (0, 1))
-    stated = {item.mnemonic: _with_unit(*_unit_and_value(item)) for item in (*header.params, *header.well)}
+    named = [
+        (name, *_unit_and_value(item))
+        for of in (params, items)
+        for name, item in zip(_unique_names(of), of, strict=True)
+    ]
+    units_of, well = ({name: each[part] for name, *each in named[len(params) :]} for part in (0, 1))
+    stated = {name: _with_unit(unit, value) for name, unit, value in named}
     log_set = _set(source, "log", data, curves, None, well, remarks, wrapped)
     _check_range(log_set, well, units_of)
     log_set.header = stated | {name: well[name] for name in INDEX if name in well}
@@ -190,24 +195,34 @@ def _name_curves(curves: list[LasCurve], remarks: list[str]) -> None:
         curve.name = name
 
 
-def _check_items(source: InputFile, section: LasSection) -> None:
-    """Refuse a section of very many items: the time that lasio takes grows with their square."""
-    items = sum(1 for line in section.lines if line.strip() and not line.lstrip().startswith("#"))
-    check_limit(f"{source.path.name}, line {section.line}: ~{section.kind}", "items", items)
+def _lasio_items(source: InputFile, sections: list[LasSection], letter: str, version: dict[str, str]) -> list[Any]:
+    """Return the items of the last section of a letter, as lasio reads its lines; none without such a section.
 
-
-def _lasio_header(source: InputFile, sections: list[LasSection], data: LasSection) -> Any:
+    lasio reads line by line here, because the time that its reader of files takes grows with the cube of the number of
+    items that share a name: 40 s for 500.
+    """
     with needs("lasio", "las"):
         import lasio
-    lines = []
-    for section in sections:
-        if section is not data:
-            _check_items(source, section)
-            lines += ["~" + section.title, *section.lines]
-    try:
-        return lasio.read(io.StringIO("\n".join([*lines, "~ASCII", ""])), ignore_data=True)
-    except Exception as error:  # lasio has no error class of its own: KeyError, LASHeaderError, IndexError ...
-        raise source.error(f"the header is damaged ({type(error).__name__}: {error})") from error
+    section = next((one for one in reversed(sections) if one.kind.startswith(letter) and "_" not in one.kind), None)
+    if section is None:
+        return []
+    lines = enumerate(section.lines, section.line + 1)
+    filled = [(number, line) for number, line in lines if line.strip() and not line.lstrip().startswith("#")]
+    check_limit(f"{source.path.name}, line {section.line}: ~{section.kind}", "columns", len(filled))
+    items = []
+    parser = lasio.reader.SectionParser(f"~{section.title}", version=1.2 if float(version["VERS"]) < 2 else 2.0)
+    for number, line in filled:
+        try:
+            parts = lasio.reader.read_header_line(line.strip(), section_name=parser.section_name2)
+            items.append(parser(**parts | {"name": parts["name"].upper()}))
+        except Exception as error:  # lasio has no error class of its own: KeyError, AttributeError, IndexError ...
+            rule = f"the header is damaged: {line.strip()[:40]!r} is no item of ~{section.kind}"
+            raise source.error(rule, number) from error
+    return items
+
+
+def _unique_names(items: list[Any]) -> list[str]:
+    return unique([item.useful_mnemonic for item in items])
 
 
 def _unit_and_value(item: Any) -> tuple[str, str]:

@@ -21,6 +21,7 @@ import numpy.typing as npt
 
 from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
+from helibore.base.limits import check_limit
 from helibore.base.nulls import NULLS
 from helibore.files.headings import to_float
 from helibore.files.input_file import file_error
@@ -230,6 +231,7 @@ class RawSet:
     line_of: Callable[[int], int] | None = None
 
     def __post_init__(self) -> None:
+        check_limit(f"{self.path.name}: {self.name}", "columns", len(self.channels))
         every = [each for channel in self.channels for each in (*channel.members, channel)]
         self._columns = {channel.name: channel for channel in every}
 

@@ -11,14 +11,15 @@ from __future__ import annotations
 import re
 import zipfile
 import zlib
+from collections import Counter
 from collections.abc import Iterator
 from functools import partial
-from typing import Any
+from typing import Any, BinaryIO
 
 from helibore.base.errors import InputError, needs
-from helibore.base.limits import check_limit
+from helibore.base.limits import check_limit, check_unpacked
 from helibore.files.headings import is_number, is_units_row, unit_in_name
-from helibore.files.input_file import LINE_LIMIT, InputFile, refuse_zip_bomb
+from helibore.files.input_file import InputFile, zip_pieces
 from helibore.files.number_rows import column_of
 from helibore.files.raw_set import Channel, RawFile, RawSet, readable_sets, unique
 
@@ -28,6 +29,12 @@ REFERENCE = re.compile(rb"""\sr\s*=\s*["']\s*([A-Za-z]*)([0-9]*)""")
 LOOSE = re.compile(rb"<(?:\w+:)?row(?![^<]*?\sr\s*=)[\s/>]")
 """A row that states no position."""
 
+SHARED = re.compile(rb"""\st\s*=\s*["']s["'][^>]*>\s*<(?:\w+:)?v>\s*(\d{1,9})\s*<""")
+"""The number of a shared text, in a cell that names one."""
+
+SHARED_TEXT = re.compile(rb"<(?:\w+:)?si[\s>/]")
+"""The start of a shared text."""
+
 HEADING_ROWS = 500
 """The header must be within this many rows from the top of a sheet."""
 
@@ -36,7 +43,6 @@ def read(source: InputFile) -> RawFile:
     """Open a workbook; the stated header line is the row of the column names in every sheet, counted from 1."""
     with needs("python-calamine", "xlsx"):
         import python_calamine
-    refuse_zip_bomb(source)
     _check_extent(source)
     try:
         book = python_calamine.CalamineWorkbook.from_path(source.path)
@@ -56,16 +62,15 @@ def read(source: InputFile) -> RawFile:
     return RawFile("xlsx", readable_sets(partial(_sheet, source, name, rows) for name, rows in sheets.items()))
 
 
-def _pieces(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> Iterator[bytes]:
-    """Yield the text of a part in pieces that end before a "<", so that no tag is divided."""
-    with archive.open(entry) as part:
-        rest = b""
-        while more := part.read(LINE_LIMIT):
-            text = rest + more
-            end = max(text.rfind(b"<"), 0)
-            yield text[:end]
-            rest = text[end:]
-        yield rest
+def _before_tags(pieces: Iterator[bytes]) -> Iterator[bytes]:
+    """Yield the text of pieces in pieces that end before a "<", so that no tag is divided."""
+    rest = b""
+    for more in pieces:
+        text = rest + more
+        end = max(text.rfind(b"<"), 0)
+        yield text[:end]
+        rest = text[end:]
+    yield rest
 
 
 def _column(letters: bytes) -> int:
@@ -77,24 +82,45 @@ def _column(letters: bytes) -> int:
 
 
 def _check_extent(source: InputFile) -> None:
-    """Refuse a sheet that reaches too far, before calamine asks for the memory of all cells up to the last one.
+    """Refuse a workbook for whose cells or texts calamine would ask for too much memory, before calamine reads it.
 
     One cell at XFD1048576 makes it ask for 550 GB, and ends the process. Every part of the archive is searched, because
-    a sheet can be any of them. A cell without a reference follows the one before it.
+    a sheet can be any of them. A cell without a reference follows the one before it. A shared text is copied to every
+    cell that names it.
     """
+    place, packed = source.path.name, source.path.stat().st_size
+    unpacked = 0
+    uses: list[bytes] = []
     try:
-        with zipfile.ZipFile(source.path) as archive:
+        with source.path.open("rb") as file, zipfile.ZipFile(file) as archive:
+            check_limit(place, "members", len(archive.infolist()))
             for entry in archive.infolist():
                 columns = rows = loose = 0
-                for text in _pieces(archive, entry):
+                for text in _before_tags(zip_pieces(source, file, entry)):
+                    unpacked += len(text)
+                    check_unpacked(place, unpacked, packed)
                     for letters, digits in set(REFERENCE.findall(text)):
                         columns = max(columns, _column(letters))
                         rows = max(rows, int(digits[:9] or b"0"))
                     loose += len(LOOSE.findall(text))
+                    uses += SHARED.findall(text)
                 # Cells and rows without a reference follow the last one, so they reach at most this much further.
-                check_limit(f"{source.path.name}, {entry.filename}", "cells", columns * (rows + loose))
+                check_limit(f"{place}, {entry.filename}", "cells", columns * (rows + loose))
+            if uses:
+                unpacked += _shared_text(source, file, archive, uses)
+                check_unpacked(place, unpacked, packed)
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, OSError, RuntimeError) as error:
         raise source.damaged("truncated or damaged workbook", error) from error
+
+
+def _shared_text(source: InputFile, file: BinaryIO, archive: zipfile.ZipFile, uses: list[bytes]) -> int:
+    """Return the bytes of all cells together that name a shared text by its number, as in ``uses``."""
+    sizes: list[int] = []
+    for entry in archive.infolist():
+        if entry.filename.lower().endswith("sharedstrings.xml"):
+            text = b"".join(zip_pieces(source, file, entry))
+            sizes += [len(part) for part in SHARED_TEXT.split(text)[1:]]
+    return sum(sizes[number] * count for index, count in Counter(uses).items() if (number := int(index)) < len(sizes))
 
 
 def _sheet(source: InputFile, name: str, sheet: list[list[Any]]) -> RawSet:

@@ -311,9 +311,8 @@ def test_only_data_sections_of_las_3_are_sets(tmp_path: Path) -> None:
     ]  # fmt: skip
 
 
-def test_very_many_items_of_a_header_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """lasio takes a time that grows with their square."""
-    monkeypatch.setenv("HELIBORE_LIMIT_ITEMS", "50")
+def test_very_many_curves_of_a_header_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HELIBORE_LIMIT_COLUMNS", "50")
     for count, good in ((50, True), (51, False)):
         path = tmp_path / f"{count}.las"
         names = "".join(f"C{n}.M :\n" for n in range(count))
@@ -322,6 +321,14 @@ def test_very_many_items_of_a_header_are_refused(tmp_path: Path, monkeypatch: py
         if good:
             assert hb.open(path).set().names == ("C0", "C")  # C1 to C49 are one image
         else:
-            with pytest.raises(hb.InputError, match="HELIBORE_LIMIT_ITEMS") as refused:
+            with pytest.raises(hb.InputError, match="HELIBORE_LIMIT_COLUMNS") as refused:
                 hb.open(path)
             assert refused.value.place == "51.las, line 6: ~C"
+
+
+def test_ten_thousand_curves_of_one_name(tmp_path: Path) -> None:
+    """The time that lasio's reader of files takes grows with the cube of their number: hours for these."""
+    path = tmp_path / "x.las"
+    rows = " ".join(str(number) for number in range(10_000))
+    path.write_text("~V\nVERS. 2.0:\nWRAP. NO:\n~W\nNULL. -999.25:\n~C\n" + "GR.API:\n" * 10_000 + f"~A\n{rows}\n")
+    assert hb.open(path).set()["GR:1235"].values.tolist() == [1234]

@@ -129,9 +129,7 @@ def test_damaged_packages_are_refused(tmp_path: Path) -> None:
         hb.open(path)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as book:
         book.writestr("xl/workbook.xml", b" " * (1 << 27))
-    with pytest.raises(
-        hb.InputError, match=r"^s.xlsx: unpacks to more than 200 times its size: refused as a zip bomb$"
-    ):
+    with pytest.raises(hb.InputError, match=r"^s.xlsx: unpacks to more than 200 times its size"):
         hb.open(path)
 
 
