@@ -26,6 +26,7 @@ import numpy as np
 
 from helibore.base.errors import InputError
 from helibore.base.limits import check_limit
+from helibore.files.facts import read_facts
 from helibore.files.headings import is_number, is_units_row, unit_in_name
 from helibore.files.input_file import LINE_LIMIT, InputFile, decode
 from helibore.files.number_rows import NULL_TEXTS, column_of, read_rows, split_cells
@@ -97,6 +98,9 @@ def read(source: InputFile) -> RawFile:
     rows = len(columns[0])
     comments = [remark.removeprefix(COMMENT).partition(":") for remark in layout.remarks if remark.startswith(COMMENT)]
     header = {name.strip(): text.strip() for name, colon, text in comments if colon}
+    facts, remark = read_facts(source.path)
+    layout.remarks += [remark] if remark else []
+    header |= facts
     return RawFile("csv", [RawSet(source.path, "table", channels, rows, None, header, layout.remarks, line_of)])
 
 

@@ -4,7 +4,7 @@
 
             missing values           facts (bit size, basis, windows ...)
     .las    -999.25                  ~Parameter
-    .csv    empty                    comment lines above the header
+    .csv    empty                    a file beside it (``facts``)
     .parquet  null                   metadata of the schema
     .dlis   -999.25                  parameters; channels have units and long names
 
@@ -29,6 +29,7 @@ import numpy as np
 from helibore.base.atomic_file import write_whole
 from helibore.base.errors import check_ending, require_library
 from helibore.base.tables import LogTable
+from helibore.files.facts import write_facts
 from helibore.files.las_writing import LAS_WELL, NULL, las_text, mnemonic_of, one_line
 
 ENDINGS = (".las", ".csv", ".parquet", ".dlis")
@@ -62,6 +63,8 @@ def save_table(
     writer = {".las": _las, ".csv": _csv, ".parquet": _parquet, ".dlis": _dlis}[check_format(filename)]
     known = {name: one_line(text) for name, text in (header or {}).items()} | ({"well": one_line(well)} if well else {})
     write_whole(Path(filename), writer(table, known))
+    if writer is _csv:
+        write_facts(Path(filename), known | {name: " ".join(text.split()) for name, text in table.facts.items()})
 
 
 def check_format(filename: str | os.PathLike[str]) -> str:
@@ -77,10 +80,8 @@ def _las(table: LogTable, header: Mapping[str, str]) -> Callable[[BinaryIO], obj
     return lambda file: file.write(content)
 
 
-def _csv(table: LogTable, header: Mapping[str, str]) -> Callable[[BinaryIO], object]:
-    facts = {**header, **table.facts}
-    lines = [f"# {name}: {' '.join(text.split())}" for name, text in facts.items()]
-    lines.append(",".join(f"{column.mnemonic} ({column.unit})" if column.unit else column.mnemonic for column in table))
+def _csv(table: LogTable, _header: Mapping[str, str]) -> Callable[[BinaryIO], object]:
+    lines = [",".join(f"{column.mnemonic} ({column.unit})" if column.unit else column.mnemonic for column in table)]
     lines += map(",".join, zip(*(column.texts("") for column in table), strict=True))
     content = ("\n".join(lines) + "\n").encode()
     return lambda file: file.write(content)

@@ -11,6 +11,7 @@ from locations import SHARED
 
 import helibore as hb
 from helibore.cli import cli
+from helibore.files.facts import read_facts
 from helibore.logs.zone_criteria import Criteria
 
 CALIPERS = SHARED / "calipers"
@@ -81,11 +82,10 @@ def test_zones_breakouts_of_images_casings_and_criteria(folder: Path, tmp_path: 
     assert column(zones, "AXIS")[[0, 2]] == pytest.approx([60, 60], abs=1)
     assert column(zones, "TOP") == pytest.approx([zone.start for zone in found.zones], abs=1e-5)
     assert column(dark, "AXIS") == pytest.approx([60], abs=0.01)
-    text = output.read_text()
-    assert "# well: 15/9-X" in text
-    assert "# criterion elongation: 0.0127 m" in text
-    assert "# class: 0 gauge, 1 washout, 2 breakout, 3 key seat, 4 undergauge" in text
-    assert "# rugosity window: 0.5 m" in text
+    assert read_facts(output)[0].items() >= {
+        "well": "15/9-X", "criterion elongation": "0.0127 m", "rugosity window": "0.5 m",
+        "class": "0 gauge, 1 washout, 2 breakout, 3 key seat, 4 undergauge",
+    }.items()  # fmt: skip
     space = wall.logs(0.5).annulus(0.1778)
     assert column(output, "AVOL_178") == pytest.approx(space.volume, abs=2e-7)
     assert set(np.unique(column(output, "CLASS"))) == {0, 1, 2}
@@ -174,10 +174,10 @@ def test_sizes_in_another_unit(folder: Path, tmp_path: Path, unit: str, metres: 
     las = tmp_path / "w.las"
     assert run(folder / "w.wall", "-o", las, "--unit", unit, "-q").exit_code == 0
     assert f"BS       .{unit.upper():<5} {0.216 / metres:>14.6g} : Bit\n" in las.read_text()
-    for text in (output.read_text(), zones.read_text()):
-        assert f"# criterion elongation: {elongation}\n" in text
-        assert "# criterion least length: 0.3 m\n" in text  # along the hole
-        assert "# criterion symmetry: 0.5\n" in text
+    for facts in (read_facts(output)[0], read_facts(zones)[0]):
+        assert facts["criterion elongation"] == elongation
+        assert facts["criterion least length"] == "0.3 m"  # along the hole
+        assert facts["criterion symmetry"] == "0.5"
 
 
 def test_feet_are_of_depths_and_inches_of_sizes(folder: Path, tmp_path: Path) -> None:
@@ -194,8 +194,8 @@ def test_feet_are_of_depths_and_inches_of_sizes(folder: Path, tmp_path: Path) ->
     assert hb.open(output).set()["DEPT"].unit.lower() == "ft"
     assert "TOP (ft)" in zones.read_text()
     assert "ENLARGE (in)" in zones.read_text()
-    assert "# criterion washout: 0.5 in\n" in zones.read_text()
-    assert "# criterion join: 3.28084 ft\n" in zones.read_text()
+    assert read_facts(zones)[0]["criterion washout"] == "0.5 in"
+    assert read_facts(zones)[0]["criterion join"] == "3.28084 ft"
 
 
 def test_zones_without_zones_are_an_empty_table(folder: Path, tmp_path: Path) -> None:
@@ -205,7 +205,7 @@ def test_zones_without_zones_are_an_empty_table(folder: Path, tmp_path: Path) ->
     done = run(folder / "w.wall", "-o", tmp_path / "w.csv", *none)
     assert done.exit_code == 0
     assert "none by the criteria" in done.output
-    lines = [line for line in zones.read_text().splitlines() if not line.startswith("#")]
+    lines = zones.read_text().splitlines()
     assert [line.split(",")[0].split(" ")[0] for line in lines] == ["DEPT"]
 
 

@@ -15,6 +15,7 @@ import helibore as hb
 from helibore.base import atomic_file
 from helibore.base.tables import LogColumn, LogTable
 from helibore.channels.header_entries import log_header
+from helibore.files.facts import read_facts
 from helibore.files.log_writing import save_table
 from helibore.logs.turn_logs import Logs
 
@@ -135,11 +136,30 @@ def test_letters_beyond_ascii_become_question_marks(tmp_path: Path, ending: str)
 def test_csv_states_the_facts_and_leaves_missing_cells_empty(logs: Logs, tmp_path: Path) -> None:
     logs.save(tmp_path / "well.csv")
     lines = (tmp_path / "well.csv").read_text().splitlines()
-    assert lines[0] == "# basis: radius measured by an azimuthal caliper"
-    header = next(number for number, line in enumerate(lines) if not line.startswith("#"))
-    assert lines[header].startswith("DEPT (m),RMEAN (m),RMIN (m)")
+    assert lines[0].startswith("DEPT (m),RMEAN (m),RMIN (m)")
     broken = int(np.flatnonzero(np.isnan(logs.mean))[5])
-    assert lines[header + 1 + broken].split(",")[1] == ""
+    assert lines[1 + broken].split(",")[1] == ""
+    assert read_facts(tmp_path / "well.csv")[0]["basis"] == "radius measured by an azimuthal caliper"
+    with hb.open(tmp_path / "well.csv") as file:
+        assert file.set().header == read_facts(tmp_path / "well.csv")[0]
+
+
+def test_a_csv_table_opens_by_the_plain_call_of_others(logs: Logs, tmp_path: Path) -> None:
+    pd, pl = pytest.importorskip("pandas"), pytest.importorskip("polars")
+    logs.save(tmp_path / "well.csv")
+    for frame in (pd.read_csv(tmp_path / "well.csv"), pl.read_csv(tmp_path / "well.csv", infer_schema_length=None)):
+        assert len(frame) == len(logs.depth)
+        np.testing.assert_allclose(np.array(frame["DEPT (m)"]), logs.depth, atol=1e-5)
+        assert next(iter(frame.columns)) == "DEPT (m)"
+
+
+@pytest.mark.parametrize("content", [b"[1]", b"{", b"\xff", b"[" * 100_000, b" " * (2 << 20)])
+def test_facts_that_cannot_be_read_are_a_remark(tmp_path: Path, content: bytes) -> None:
+    (tmp_path / "a.csv").write_text("md_m,x\n1,2\n2,3\n")
+    (tmp_path / "a.csv.facts.json").write_bytes(content)
+    one = hb.open(tmp_path / "a.csv").set()
+    assert one.header == {}
+    assert [remark for remark in one.remarks if remark.startswith("a.csv.facts.json: ")] != []
 
 
 @pytest.mark.parametrize("ending", ["las", "csv", "parquet", "dlis"])

@@ -32,13 +32,8 @@ from helibore.runs.manifest import read_jobs
 from helibore.simulation.rig import Rig
 
 README, DOCS = ROOT / "README.md", ROOT / "docs"
-PAGES = (
-    README,
-    *(
-        DOCS / f"{name}.md"
-        for name in ("index", "analyst", "signing", "driller", "live", "wells", "televiewer", "developer")
-    ),
-)
+NAMES = ("index", "analyst", "signing", "driller", "live", "wells", "televiewer", "developer")
+PAGES = (README, *(DOCS / f"{name}.md" for name in NAMES))
 ALL = sorted({*PAGES, *DOCS.rglob("*.md"), ROOT / "CONTRIBUTING.md"})
 IMAGES = SHARED / "lwd-images"
 REAL = {

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 import helibore as hb
 from helibore.base.axial import axial_mean
 from helibore.cli.lines import zone_lines
+from helibore.files.facts import read_facts
 from helibore.files.log_writing import save_table
 from helibore.logs.summary import summarize
 from helibore.logs.turn_logs import turn_logs
@@ -246,9 +247,8 @@ def test_files_state_class_zones_and_criteria(tmp_path: Any) -> None:
     found.logs.save(tmp_path / "well.csv", [found.column()], found.facts())
     save_table(found.table(), tmp_path / "zones.csv")
     for name in ("well.csv", "zones.csv"):
-        text = (tmp_path / name).read_text()
-        assert "# criterion elongation: 0.0254 m" in text
-        assert "# criterion symmetry: 0.5" in text
+        facts = read_facts(tmp_path / name)[0]
+        assert (facts["criterion elongation"], facts["criterion symmetry"]) == ("0.0254 m", "0.5")
     with hb.open(tmp_path / "well.csv") as file:
         np.testing.assert_array_equal(file["CLASS"].values, np.where(found.kind < 0, np.nan, found.kind))
     with hb.open(tmp_path / "zones.csv") as file:

@@ -13,6 +13,7 @@ import pytest
 from command import run
 
 import helibore as hb
+from helibore.files.facts import read_facts
 from helibore.files.table_writing import write_table
 from helibore.preparation.passes import difference
 from helibore.runs.run import OpenFiles, Run, add_images, checksum, preparation_lines, repeat
@@ -239,7 +240,7 @@ def test_an_archive_keeps_what_preparation_left_out_and_corrected(folder: Path, 
         assert "\nspikes " in done.output
     for number, (label, text) in enumerate(lines, 1):
         assert f"<tr><th>{label}</th><td>{html.escape(text)}</td></tr>" in page.read_text()
-        assert f"# prepared {number}: {label} {text}" in logs.read_text()
+        assert read_facts(logs)[0][f"prepared {number}"] == f"{label} {text}"
     assert "made from: preparation" not in page.read_text()
     foreign = hb.Wall(bit_diameter=0.216)
     for kept in ({}, {"preparation": "none"}, {"preparation": [1, ["a"]]}):
