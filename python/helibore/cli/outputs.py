@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,11 +13,13 @@ from click.core import ParameterSource
 from helibore.base.errors import InputError, check_ending, check_names
 from helibore.cli.lines import Lines
 from helibore.cli.quantities import FILE
-from helibore.cli.sections import opt
-from helibore.cli.wall_options import SECTIONS
+from helibore.cli.sections import FAMILIES, SectionOption, opt
+from helibore.cli.wall_options import SECTIONS, entries_of
+from helibore.cli.zone_options import criteria_stated
 
 if TYPE_CHECKING:
     from helibore.cli.terminal import Terminal
+    from helibore.runs.project import Project
     from helibore.runs.run import Run
     from helibore.wall.wall import Wall
 
@@ -25,9 +28,11 @@ QUIET = opt("-q --quiet", "Print nothing but errors.", is_flag=True)
 
 NOT_RECORDED = ("source", "output", "centres", "zones", "breakouts", "quiet", "help", "settings", "column",
                 "look")  # fmt: skip
-"""A command's own options that do not change the bytes of its output; the settings do not record them."""
+"""A command's own options that do not change the bytes of its output; a project does not record them."""
+TABLES = ("header", "zones", "print", "look", "logs", "mesh", "view")
+"""Tables of a project that say what an output holds."""
 OF_ANY_COMMAND = ("criteria", "scaled")
-"""Options that a command takes also from the settings of another command, because they define the wall's zones."""
+"""Options that an earlier version recorded for any command, because they define the wall's zones."""
 
 
 def OUTPUT(help: str) -> tuple[str, dict[str, Any]]:  # noqa: A002, N802
@@ -87,70 +92,147 @@ def check_folder(file: Path) -> None:
         raise InputError(str(file), "is a folder")
 
 
-def _recorded_options(context: click.Context) -> dict[str, click.Parameter]:
-    """Return by name the options that the settings record: the command's own options, and the interval of the wall."""
+def _recorded_options(context: click.Context) -> dict[str, SectionOption]:
+    """Return by name the options that a project records: the command's own options, and the interval of the wall."""
     shared = {names for options in SECTIONS.values() for names, _ in options}
     of_wall = {name for names in shared for name in names.split()}
     return {
         name: each
         for each in context.command.params
-        if (name := str(each.name)) in ("start_depth", "stop_depth")
-        or not (of_wall.intersection(each.opts) or name in NOT_RECORDED)
+        if isinstance(each, SectionOption)
+        and (
+            (name := str(each.name)) in ("start_depth", "stop_depth")
+            or not (of_wall.intersection(each.opts) or name in NOT_RECORDED)
+        )
     }
 
 
 def own_options(run: Run, verb: str, options: dict[str, Any]) -> dict[str, Any]:
-    """Return ``options``; where the command line gives no value, a repeated run supplies the value that it recorded.
+    """Return ``options``; where the command line gives no value, the project supplies the value that it states.
 
-    If another command made the run, only the values of `OF_ANY_COMMAND` are taken.
+    The interval of what is shown, and options that an earlier version recorded, count only for the command that wrote
+    the project.
     """
-    if run.settings.output is None:
-        return options
-    context, place = click.get_current_context(), f"{run.settings.output.file.name}.toml: options"
-    own, found, recorded = _recorded_options(context), dict(options), run.settings.options
-    if run.settings.verb != verb:
-        recorded = {name: recorded[name] for name in OF_ANY_COMMAND if name in recorded and name in own}
-    check_names(f"{place}.", recorded, own)
-    for name, value in recorded.items():
-        try:
-            cast = own[name].type_cast_value(context, value)
-            wanted = _plain(cast)
-        except (click.BadParameter, TypeError, ValueError) as error:
-            raise InputError(f"{place}.{name}", getattr(error, "message", str(error)), repr(value)) from error
-        if wanted != value or isinstance(wanted, bool) != isinstance(value, bool):
-            raise InputError(f"{place}.{name}", f"must be {wanted!r}", repr(value))
-        if context.get_parameter_source(name) is not ParameterSource.COMMANDLINE:
-            found[name] = cast
+    context, found = click.get_current_context(), dict(options)
+    same = run.settings.output is not None and run.settings.verb == verb
+    if run.settings.options:
+        run.settings = _earlier(run.settings, context, same)
+    place = f"{run.settings.output.file.name}.toml" if run.settings.output is not None else "project"
+    known = {each.setting: each for each in context.command.params if isinstance(each, SectionOption)}
+    for name, value in _table_settings(run.settings):
+        option = known.get(name)
+        if option is None or option.name in FAMILIES:
+            continue
+        given = context.get_parameter_source(str(option.name)) is ParameterSource.COMMANDLINE
+        cast = _cast(context, option, value, f"{place}: {name}")
+        if not given:
+            found[str(option.name)] = cast
+    for name in ("start_depth", "stop_depth"):
+        if same and found[name] is None:
+            found[name] = getattr(run.settings, name)
+    _interval_of_wall(run.settings, found)
+    if "headers" in options:
+        found["headers"] = _without(run.settings.header, "well") | entries_of(options["headers"])
+    if "criteria" in options:
+        found["criteria"] = _without(run.settings.zones, "scaled") | criteria_stated(options["criteria"])
     return found
 
 
+def _interval_of_wall(settings: Project, found: dict[str, Any]) -> None:
+    """Let what is shown be the interval for which a project makes the wall, as for files of the command line."""
+    wall = settings.wall
+    if wall is not None and settings.output is None:
+        ends = (wall.stop_depth, wall.start_depth) if wall.pitch < 0 else (wall.start_depth, wall.stop_depth)
+        found["start_depth"], found["stop_depth"] = ends
+
+
+def _without(table: dict[str, Any], name: str) -> dict[str, Any]:
+    return {key: value for key, value in table.items() if key != name}
+
+
+def _table_settings(settings: Project) -> Iterator[tuple[str, Any]]:
+    """Yield name and value of every setting of the tables that say what an output holds, such as ``print.scale``."""
+    for group in TABLES:
+        for key, value in getattr(settings, group).items():
+            yield f"{group}.{key}", value
+
+
+def _cast(context: click.Context, option: SectionOption, value: Any, place: str) -> Any:
+    """Return a value of a project in the type of an option; raise InputError, with its place, if it is none."""
+    if isinstance(value, dict):  # a template that an archive carries
+        return value
+    if option.is_flag and not isinstance(value, bool):
+        raise InputError(place, "must be true or false", repr(value))
+    try:
+        cast = option.type_cast_value(context, value)
+    except (click.BadParameter, TypeError, ValueError) as error:
+        raise InputError(place, getattr(error, "message", str(error)), repr(value)) from error
+    if isinstance(value, bool) and not option.is_flag:
+        raise InputError(place, f"must be {cast!r}", repr(value))
+    return cast
+
+
+def _earlier(settings: Project, context: click.Context, same: bool) -> Project:
+    """Return a project with the tables that the options mean which an earlier version recorded."""
+    place = f"{settings.output.file.name}.toml: options" if settings.output is not None else "options"
+    own, recorded = _recorded_options(context), settings.options
+    if not same:
+        recorded = {name: recorded[name] for name in OF_ANY_COMMAND if name in recorded and name in own}
+    check_names(f"{place}.", recorded, own)
+    for name, value in recorded.items():
+        if name not in FAMILIES:
+            _cast(context, own[name], value, f"{place}.{name}")
+    made = recorded_tables(context, recorded)
+    groups = {name: getattr(settings, name) | table for name, table in made.items() if isinstance(table, dict)}
+    ends = {name: end for name, end in made.items() if not isinstance(end, dict)}
+    return replace(settings, options={}, **groups, **ends)
+
+
+def recorded_tables(context: click.Context, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the tables and keys of a project that the command's own options are; those without effect are left out."""
+    made: dict[str, Any] = {}
+    for name, option in _recorded_options(context).items():
+        value = options.get(name)
+        given = context.get_parameter_source(name) is ParameterSource.COMMANDLINE
+        if value in (None, (), [], {}) or (value is False and not given):
+            continue
+        if name in ("start_depth", "stop_depth"):
+            made[name] = value
+        elif name in FAMILIES:
+            read = entries_of if name == "headers" else criteria_stated
+            made.setdefault(FAMILIES[name], {}).update(value if isinstance(value, dict) else read(value))
+        else:
+            group, _, key = option.setting.partition(".")
+            made.setdefault(group, {})[key] = _plain(value)
+    return made
+
+
 def _plain(value: Any) -> Any:
-    """Return a value of an option as TOML can hold it: a path as text, a tuple as a list."""
+    """Return a value of an option as a project holds it: a path as a whole path, a tuple as a list."""
     if isinstance(value, Path):
-        return str(value.resolve())
+        return value.resolve()
     return [_plain(each) for each in value] if isinstance(value, tuple | list) else value
 
 
 def save_lines(run: Run, output: Path, verb: str, options: dict[str, Any], more: Sequence[Path] = ()) -> Lines:
-    """Write the settings beside an output; return lines on the files and on whether a repeated run gave the same bytes.
+    """Write the project beside an output; return lines on the files and on whether a repeated run gave the same bytes.
 
     ``more`` are the other files that the command wrote.
     """
-    from helibore.runs.run import save_settings
-    from helibore.runs.run_settings import settings_file
+    from helibore.runs.project import project_file
+    from helibore.runs.run import save_project
 
-    before, context = run.settings, click.get_current_context()
-    recorded = {
-        name: _plain(options[name]) for name in _recorded_options(context) if options[name] not in (None, (), False)
-    }
-    added = not all(one.blake2b for one in before.inputs)
-    after = save_settings(run, output, verb, recorded)
+    before = run.settings
+    made = dict.fromkeys(("start_depth", "stop_depth")) | recorded_tables(click.get_current_context(), options)
+    tables = {name: getattr(before, name) | of if isinstance(of, dict) else of for name, of in made.items()}
+    after = save_project(run, output, verb, tables)
     files = ", ".join(f"{file} ({file.stat().st_size / 1e6:,.2f} MB)" for file in (output, *more))
-    lines = [("wrote", f"{files}, {settings_file(output).name}")]
+    lines = [("wrote", f"{files}, {project_file(output).name}")]
     if before.output is None or after.output is None:
         return lines
     earlier = before.output
-    if (before.verb, before.options) != (verb, recorded) or added or earlier.file.suffix != output.suffix:
+    same = not run.changed and replace(before, output=None) == replace(after, output=None)
+    if not same or earlier.file.suffix != output.suffix:
         text = f"the wall of {earlier.file.name}; its bytes are not compared with those of another kind of output"
     elif earlier.blake2b == after.output.blake2b:
         text = "to the last bit"

@@ -33,6 +33,7 @@ from helibore.cli.wall_options import (  # fmt: skip
     open_run,
     picks_option,
     takes_a_wall,
+    template_of_option,
     walls_beside,
 )
 from helibore.cli.zone_options import CRITERIA, criteria_of
@@ -162,13 +163,10 @@ def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Ru
     _scale(options["scale"]), _looks(options)  # refuses wrong values before the files are read
     run = open_run(options, terminal, (options["output"],))
     options = own_options(run, verb, options)
-    scale, looks, unit, template = _scale(options["scale"]), _looks(options), options["unit"], None
-    if options["template"] is not None:
+    scale, looks, unit = _scale(options["scale"]), _looks(options), options["unit"]
+    if (template := template_of_option(options["template"])) is not None:
         if click.get_current_context().get_parameter_source("unit") is ParameterSource.COMMANDLINE:
             raise click.UsageError("--unit: does not go with --template, which states the units")
-        from helibore.logs.template import Template
-
-        template = Template.load(options["template"])
         scale, unit = scale or template.scale, template.units
     from helibore.runs.run import make_wall
 

@@ -29,6 +29,8 @@ GROUPS = {
 NAMES = {
     "bit_diameter": "wall.bit_diameter", "start_depth": "wall.start_depth", "stop_depth": "wall.stop_depth",
     "survey_depth": "columns.survey_depth", "inclination": "columns.inclination", "azimuth": "columns.azimuth",
+    "template": "print.template", "besides": "print.besides", "picks": "print.picks", "scalars": "print.scalars",
+    "paper": "print.paper",
     "maps": "source.map", "sets": "source.set", "well": "header.well", "criteria": "zones.criteria",
         "scaled": "zones.scaled", "zones": "logs.zones", "breakouts": "logs.breakouts",
     "absent": "nulls", "threads": "threads", "header_lines": "header_line", "track": "track.file",

@@ -30,6 +30,7 @@ from helibore.cli.wall_options import (
     picks_option,
     refuse_interval,
     takes_a_wall,
+    template_of_option,
     walls_beside,
 )
 from helibore.cli.zone_options import CRITERIA, criteria_of
@@ -83,7 +84,6 @@ def view(**options: Any) -> None:
     options = own_options(run, "view", options)
     refuse_interval(run, options)
     from helibore.base.identity import find_token
-    from helibore.logs.template import Template
     from helibore.runs.run import make_wall, placing
     from helibore.viewer import attributes_of
     from helibore.viewer import view as serve
@@ -101,7 +101,7 @@ def view(**options: Any) -> None:
         attributes = attributes_of(wall)
     serving = {name: options[name] for name in ("host", "port", "browser")} | {"reference": run.reference}
     serving["token"] = find_token(options["token"], options["token_file"])
-    curves, template = curves_of_files(run, options), options["template"] and Template.load(options["template"])
+    curves, template = curves_of_files(run, options), template_of_option(options["template"])
     beside = walls_beside(options)
     with placing(run, path_options(run)):
         viewer = serve(

@@ -4,7 +4,7 @@
     run1.csv run2.csv --bit-diameter 8.5in      caliper files, prepared and rebuilt
     --average log.las:CALI --bit-diameter ...   an average caliper: the size is measured, the shape is assumed round
     --gauge --bit-diameter ... --image ...      a hole at bit size, not measured, on which images are shown
-    wall.glb.toml                               the files and settings of an earlier run
+    well.toml                                   a project, written by hand, or by helibore as wall.glb.toml
 
 What a channel means is guessed from names and units; ``--map`` overrules the guess, and ``--column`` overrules both. A
 column is NAME[@ANGLE][:UNIT]: md_m, rb:deg, x_in@0, CAL1@90:in.
@@ -14,8 +14,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import fields, replace
-from functools import partial
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -36,11 +35,12 @@ if TYPE_CHECKING:
     from helibore.channels.log_set import LogFile
     from helibore.cli.terminal import Terminal
     from helibore.logs.curves import ScalarCurve
+    from helibore.logs.template import Template
+    from helibore.runs.project import ImageInput, Input, Project, ScalarInput
     from helibore.runs.run import OpenFiles, Run
-    from helibore.runs.run_settings import ImageInput, Input, RunSettings, ScalarInput
     from helibore.wall.wall import Wall
 
-SETTINGS = ".toml"
+PROJECT = ".toml"
 INCLINATION = "inclination"
 """The name of the scalar track that needs no file, because it comes from the survey."""
 
@@ -146,6 +146,9 @@ ANYWHERE = ("image", "header_lines", "start_depth", "stop_depth", "threads")
 """Options that also go with an archive or a settings file, although these have their own settings of the wall."""
 
 
+INTERVAL = ("start_depth", "stop_depth")
+"""Options of the interval: of the wall, if it is made from samples; else of what is shown."""
+
 SHOWN = ("bit_diameter", "survey", "column", "maps", "image", "average", "gauge", "start_depth", "stop_depth")
 """Parameters of a wall that have an option of their own in every command that shows a wall."""
 
@@ -171,23 +174,13 @@ def open_run(options: dict[str, Any], terminal: Terminal, outputs: Sequence[Path
     """
     _check_source(options)
     given = next(iter(options["source"]), None)
+    file = given if given is not None and given.suffix.lower() == PROJECT else None
     with terminal.stage("import", "Loading helibore"):
-        from helibore.runs.run import Run, reopen
-        from helibore.runs.run_settings import read_settings, settings_file
-    repeated = given if given is not None and given.suffix.lower() == SETTINGS else None
+        from helibore.runs.project import project_file
     with terminal.stage("read", "Opening files"):
-        if repeated is not None:
-            settings = read_settings(repeated)
-            with_more = replace(
-                settings, image=settings.image + _images(options), scalar=settings.scalar + _scalars(options)
-            )  # fmt: skip
-            _check_outputs(outputs, [repeated, *(each.file for each in with_more.inputs)], settings_file)
-            run = reopen(settings)
-            run.files.header_lines |= _header_lines(options, ())
-            run.settings = with_more
-        else:
-            run = Run(*_opened(options), tune=options["tune"])
-            _check_outputs(outputs, [each.file for each in run.settings.inputs], settings_file)
+        run = _opened(options, file)
+        read = [*([file] if file else []), *(each.file for each in run.settings.inputs)]
+        _check_outputs(outputs, read, project_file)
     return run
 
 
@@ -293,19 +286,36 @@ HEADER = opts(
 )
 
 
+def entries_of(texts: Sequence[str]) -> dict[str, str]:
+    """Return the entries of a header that ``--header`` states, by name."""
+    from helibore.channels.log_header import NAMES
+
+    found = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not equals or name not in NAMES:
+            raise click.UsageError(f"--header {text}: must be NAME=TEXT, NAME one of {', '.join(NAMES)}")
+        found[name] = value
+    return found
+
+
 def header_of(run: Run, options: dict[str, Any]) -> dict[str, str]:
     """Return the entries of a log's header by name; entries of the options replace those of the run's files."""
     from helibore.channels.header_entries import NAMES
     from helibore.runs.run import stated_header
 
-    found = stated_header(run)
-    for text in options["headers"]:
-        name, equals, value = text.partition("=")
-        if not equals or name not in NAMES:
-            raise click.UsageError(f"--header {text}: must be NAME=TEXT, NAME one of {', '.join(NAMES)}")
-        found[name] = value
+    found = stated_header(run) | options["headers"]
     found |= {"well": options["well"]} if options["well"] else {}
     return {name: found[name] for name in NAMES if found.get(name)}
+
+
+def template_of_option(template: Path | dict[str, Any] | None) -> Template | None:
+    """Return the template of a file, or the one that a project or an archive holds itself."""
+    from helibore.logs.template import Template, template_of
+
+    if isinstance(template, dict):
+        return template_of(template)
+    return None if template is None else Template.load(template)
 
 
 def _check_outputs(outputs: Sequence[Path], inputs: Sequence[Path], settings_file: Callable[[Path], Path]) -> None:
@@ -321,27 +331,33 @@ def _check_source(options: dict[str, Any]) -> None:
     endings = {file.suffix.lower() for file in source}
     for file in source:
         if file.suffix.lower() in (*SURFACE_ENDINGS, *VOLUME_ENDINGS):
-            settings_beside = file.with_name(f"{file.name}{SETTINGS}")
+            settings_beside = file.with_name(f"{file.name}{PROJECT}")
             instead = f"its settings, {settings_beside.name}, a saved .wall, or the caliper file"
             instead = f"the settings beside it, {settings_beside.name}" if settings_beside.is_file() else instead
             raise InputError(file.name, f"a mesh has no samples; use {instead}")
     if bool(source) + (options["average"] is not None) + options["gauge"] != 1:
         one = "exactly one of SOURCE, --average and --gauge"
         raise click.UsageError(f"give {one}")
-    if len(source) > 1 and endings & {ARCHIVE, SETTINGS}:
+    if len(source) > 1 and endings & {ARCHIVE, PROJECT}:
         raise click.UsageError("several SOURCE files must all be caliper files, not archives or settings")
-    of_calipers = ("Columns", "Sensors", "Conditioning", "Passes")
-    if options["gauge"]:
-        _refuse(of_calipers, ("absent", "header_lines"), "--gauge, which reads no caliper")
-    elif options["average"] is not None:
-        _refuse(of_calipers, ("absent", "sets", "header_lines", "radius_range"), "--average, which names its channel")
-    elif ARCHIVE in endings:
-        sections = tuple(name for name in SECTIONS if name != "Path and toolface")
-        _refuse(sections, ("source", "absent", *ANYWHERE), f"{source[0].name}, which has its own settings")
-    elif SETTINGS in endings:
-        _refuse(tuple(SECTIONS), ("source", *ANYWHERE), f"{source[0].name}, which repeats a run")
-    if not endings & {ARCHIVE, SETTINGS}:
+    if not endings & {ARCHIVE, PROJECT}:
         _check_numbers(options)
+
+
+def _archive(options: dict[str, Any]) -> Path | None:
+    return next((file for file in options["source"] if file.suffix.lower() == ARCHIVE), None)
+
+
+def _check_effect(gauge: bool, average: object, archive: Path | None) -> None:
+    """Refuse options that have no effect on a gauge hole, an average caliper or an archive."""
+    of_calipers = ("Columns", "Sensors", "Conditioning", "Passes")
+    if gauge:
+        _refuse(of_calipers, ("absent", "header_lines"), "--gauge, which reads no caliper")
+    elif average:
+        _refuse(of_calipers, ("absent", "sets", "header_lines", "radius_range"), "--average, which names its channel")
+    elif archive is not None:
+        sections = tuple(name for name in SECTIONS if name != "Path and toolface")
+        _refuse(sections, ("source", "absent", *ANYWHERE), f"{archive.name}, which has its own settings")
 
 
 def _refuse(sections: Sequence[str], allowed: Sequence[str], source: str) -> None:
@@ -376,64 +392,90 @@ def _check_numbers(options: dict[str, Any]) -> None:
         raise click.UsageError("--track: goes with one caliper file only")
 
 
-def _opened(options: dict[str, Any]) -> tuple[RunSettings, OpenFiles]:
-    """Open every file that the options name; return the settings of the run, and the files."""
+def _opened(options: dict[str, Any], project: Path | None) -> Run:
+    """Open every file that the project and the options name, and return the run."""
     from helibore.base.nulls import NULLS
-    from helibore.channels.role_map import parse_options
-    from helibore.preparation.prepare import Preparation
-    from helibore.runs.run import OpenFiles
-    from helibore.runs.run_settings import Input, RunSettings
+    from helibore.runs.project import read_project
+    from helibore.runs.run import OpenFiles, open_run
+
+    over, files = _over(options), None
+    if project is None:
+        _check_effect(options["gauge"], options["average"], _archive(options))
+        over["nulls"] = tuple(dict.fromkeys((*NULLS, *options["absent"])))
+        files = OpenFiles(over["nulls"], _header_lines(options))
+        over |= _source(options, files)
+        if "archive" not in over and options["bit_diameter"] is None:
+            rule = "Missing option '--bit-diameter': only archives (.wall) and projects (.toml) have it."
+            raise click.UsageError(rule)
+    settings = _with_more(read_project(project, over), options, project is not None)
+    _check_effect(settings.gauge, settings.average, settings.archive.file if settings.archive else None)
+    if files is None:
+        files = OpenFiles(settings.nulls, _header_lines(options, [one.file for one in settings.inputs]))
+    guessed = [one.file for one in settings.caliper if not one.channel]
+    run = open_run(settings, files)
+    run.tune = options["tune"]
+    run.changed = settings.output is not None and settings != read_project(project)
+    for one in run.settings.caliper:
+        if one.file in guessed:
+            _check_caliper(run.files, one, options | {"bit_diameter": settings.wall and settings.wall.bit_diameter})
+    return run
+
+
+def _over(options: dict[str, Any]) -> dict[str, Any]:
+    """Return what the command line states and counts over a project, by key."""
+    from helibore.runs.project import Input
+    from helibore.settings.column_settings import Columns
     from helibore.settings.path_settings import PathSettings
-    from helibore.settings.preparation_settings import Echo
+    from helibore.settings.preparation_settings import Preparation
 
-    nulls = tuple(dict.fromkeys((*NULLS, *options["absent"])))
-    archive = next((file for file in options["source"] if file.suffix.lower() == ARCHIVE), None)
-    sources = [] if archive is not None else list(options["source"])
-    if options["average"] is not None:
-        sources.append(Path(options["average"].rpartition(":")[0]))
-    files = OpenFiles(nulls, _header_lines(options, sources))
-    inputs: dict[str, Any] = {}
-    if archive is not None:
-        inputs["archive"] = Input(archive)
-    else:
-        maps = options["maps"] or (None,)
-        columns = {name: options[name] for name in ("depth", "toolface", "time")}
-        arms = {name: options[name.replace("-", "_")] for name in ("radius", "diameter", "travel-time")}
-        choose = partial(parse_options, columns=columns, arms=arms)
-        inputs["caliper"] = tuple(
-            files.input(file, name, maps[number % len(maps)], choose)
-            for number, file in enumerate(options["source"])
-            for name in set_names(files.log(file), options["sets"])
-        )
-        for one in inputs["caliper"]:
-            _check_caliper(files, one, options)
-    if options["average"] is not None:
-        inputs["average"] = _average(files, options)
+    given = {name: options[name] for name in options if _given(name)}
+    for names, pair in ((("steep", "level"), "switch"), (("least_radius", "greatest_radius"), "radius_range")):
+        given |= dict(zip(names, given.get(pair, ()), strict=False))
+    groups = {"preparation": Preparation, "path": PathSettings, "columns": Columns}
+    over: dict[str, Any] = {
+        group: {name: given[name] for name in members(kind) if name in given} for group, kind in groups.items()
+    }
+    echo = {"velocity": "mud_velocity", "tool_radius": "tool_radius", "window": "echo_window"}
+    over["echo"] = {name: given[param] for name, param in echo.items() if param in given}
+    wall = stated(Settings, options)
+    over["wall"] = {name: of for name, of in wall.items() if name not in INTERVAL and (name != "sigma" or of)}
+    over = {group: table for group, table in over.items() if table}
     if options["survey"] is not None:
-        columns = {"depth": options["survey_depth"]} | {name: options[name] for name in ("inclination", "azimuth")}
-        choose = partial(parse_options, columns=columns, arms={})
-        inputs["survey"] = files.input(options["survey"], options["survey_set"], options["survey_map"], choose)
+        over["survey"] = Input(options["survey"], set=options["survey_set"], map=options["survey_map"])
     if options["track"] is not None:
-        inputs["track"] = files.input(options["track"], None, options["track_map"])
-    if options["mud_velocity"] is not None:
-        inputs["echo"] = Echo(options["mud_velocity"], options["tool_radius"], options["echo_window"])
-    if archive is None and options["bit_diameter"] is None:
-        raise click.UsageError("Missing option '--bit-diameter': only archives (.wall) and settings (.toml) have it.")
-    named = options | {"steep": options["switch"][0], "level": options["switch"][1]}
-    if options["radius_range"]:
-        named |= dict(zip(("least_radius", "greatest_radius"), options["radius_range"], strict=True))
-    if (options["pitch"] or 0) < 0:  # a helix that goes up starts at its deep end
-        named |= {"start_depth": options["stop_depth"], "stop_depth": options["start_depth"]}
+        over["track"] = Input(options["track"], map=options["track_map"])
+    return over
 
-    def made(kind: type[Any]) -> Any:
-        return kind(**{each.name: named[each.name] for each in fields(kind) if each.name in named})
 
-    settings = RunSettings(
-        nulls=nulls, gauge=options["gauge"], image=_images(options), scalar=_scalars(options),
-        preparation=made(Preparation), path=made(PathSettings),
-        wall=None if archive is not None else Settings(**stated(Settings, named)), **inputs,
-    )  # fmt: skip
-    return settings, files
+def _source(options: dict[str, Any], files: OpenFiles) -> dict[str, Any]:
+    """Return the source of the wall that the command line states without a project, by its key."""
+    from helibore.runs.project import Input
+
+    if (archive := _archive(options)) is not None:
+        return {"archive": Input(archive)}
+    if options["gauge"]:
+        return {"gauge": True}
+    if options["average"] is not None:
+        return {"average": _average(files, options)}
+    maps = options["maps"] or (None,)
+    calipers = (
+        Input(file, set=name, map=maps[number % len(maps)])
+        for number, file in enumerate(options["source"])
+        for name in set_names(files.log(file), options["sets"])
+    )
+    return {"caliper": tuple(calipers)}
+
+
+def _with_more(settings: Project, options: dict[str, Any], by_project: bool) -> Project:
+    """Return a project with the images, curves, null values and interval of the command line."""
+    more: dict[str, Any] = {"image": settings.image + _images(options), "scalar": settings.scalar + _scalars(options)}
+    if by_project and options["absent"]:
+        more["nulls"] = tuple(dict.fromkeys((*settings.nulls, *options["absent"])))
+    if settings.wall is not None and settings.output is None:  # what helibore wrote is repeated, and shown in part
+        ends = INTERVAL[::-1] if settings.wall.pitch < 0 else INTERVAL  # a helix that goes up starts at its deep end
+        given = {end: options[name] for end, name in zip(ends, INTERVAL, strict=True) if options[name] is not None}
+        more["wall"] = replace(settings.wall, **given)
+    return replace(settings, **more)
 
 
 def _check_caliper(files: OpenFiles, one: Input, options: dict[str, Any]) -> None:
@@ -481,7 +523,7 @@ def _sets_of(log: LogFile, text: str) -> set[str]:
 def _average(files: OpenFiles, options: dict[str, Any]) -> Input:
     """Return the file and channel of ``--average`` as an `Input`; the channel of the depth is guessed."""
     from helibore.channels.roles import Role, guess
-    from helibore.runs.run_settings import Input
+    from helibore.runs.project import Input
 
     text, _, channel = options["average"].rpartition(":")
     if not text:
@@ -498,9 +540,17 @@ def _average(files: OpenFiles, options: dict[str, Any]) -> Input:
     return Input(Path(text), "", found.name, (depth, mean))
 
 
-def _header_lines(options: dict[str, Any], sources: Sequence[Path]) -> dict[Path, int]:
-    """Return, by file, the line numbers of ``header_line``; a number without a file applies to all sources."""
-    read = [*sources, options["survey"], options["track"], *(one.file for one in _images(options) + _scalars(options))]
+def _header_lines(options: dict[str, Any], others: Sequence[Path] = ()) -> dict[Path, int]:
+    """Return, by file, the line numbers of ``header_line``; a number without a file applies to all sources.
+
+    ``others`` are files that a project names.
+    """
+    sources = [file for file in options["source"] if file.suffix.lower() not in (ARCHIVE, PROJECT)]
+    if options["average"] is not None:
+        sources.append(Path(options["average"].rpartition(":")[0]))
+    images, curves = _images(options), _scalars(options)
+    read = [*sources, options["survey"], options["track"], *others]
+    read += [*(one.file for one in images), *(one.file for one in curves)]
     lines: dict[Path, int] = {}
     for text in options["header_lines"]:
         file, _, number = text.rpartition("=")
@@ -516,7 +566,7 @@ def _header_lines(options: dict[str, Any], sources: Sequence[Path]) -> dict[Path
 
 def _scalars(options: dict[str, Any]) -> tuple[ScalarInput, ...]:
     """Return the curves that ``--scalar`` takes from files, FILE:CHANNEL; no file is opened."""
-    from helibore.runs.run_settings import ScalarInput
+    from helibore.runs.project import ScalarInput
 
     found = []
     for text in options.get("scalars", ()):
@@ -534,7 +584,7 @@ def _images(options: dict[str, Any]) -> tuple[ImageInput, ...]:
 
 def _image(text: str) -> ImageInput:
     """Parse the text of ``--image``, FILE:CHANNEL:ORIGIN[:REFERENCE]."""
-    from helibore.runs.run_settings import ImageInput
+    from helibore.runs.project import ImageInput
 
     reference: Any = next((word for word in ("north", "high-side") if text.endswith(f":{word}")), None)
     parts: Any = (text.removesuffix(f":{reference}") if reference else text).rsplit(":", 2)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -10,6 +10,8 @@ import click
 from helibore.base.errors import InputError
 from helibore.cli.quantities import split_pair
 from helibore.cli.sections import near, opt, opts
+from helibore.settings.declared import members
+from helibore.settings.toml_reading import parse_setting
 
 if TYPE_CHECKING:
     from helibore.logs.zone_criteria import Criteria
@@ -23,29 +25,31 @@ CRITERIA = (
 )  # fmt: skip
 
 
-def criteria_of(wall: Wall, options: dict[str, Any]) -> Criteria:
-    """Return the criteria of zones: the values that ``-s zones.NAME`` states, and default values of the other criteria.
-
-    With ``zones.scaled``, the default values are scaled to the bit size.
-    """
-    from helibore.base import units
+def criteria_stated(texts: Sequence[str]) -> dict[str, float]:
+    """Return the criteria that ``-s zones.NAME=VALUE`` states, by name."""
     from helibore.logs.zone_criteria import Criteria
 
-    if wall.basis != "azimuthal" and (options["criteria"] or options["scaled"]):
-        raise InputError("zones", f"need a shape that was measured; this wall: {wall.basis_text}")
-    shares = ("symmetry", "opening_level")
-    known = [field.name for field in fields(Criteria)]
-    found = {}
-    for text in options["criteria"]:
+    known, found = members(Criteria), {}
+    for text in texts:
         name, value = split_pair("setting", text, "zones.NAME=VALUE")
         name = name.replace("-", "_")
         if name not in known:
-            raise click.UsageError(f"-s zones.{name}: {near(name, known)}must be one of {', '.join(known)}")
+            raise click.UsageError(f"-s zones.{name}: {near(name, list(known))}must be one of {', '.join(known)}")
         try:
-            if name not in (*shares, "least_length", "join") and value[-1:].isdigit():  # no unit is stated
-                raise click.UsageError(f"-s zones.{text}: needs a unit, such as {value}in or {value}mm")
-            found[name] = float(value) if name in shares else units.quantity(value, units.LENGTH)
-        except ValueError as error:
-            rule = "must be a number from 0 to 1" if name in shares else error
-            raise click.UsageError(f"-s zones.{text}: {rule}") from None
+            found[name] = parse_setting(known[name], value)
+        except InputError as error:
+            raise click.UsageError(f"-s zones.{text}: {error.rule}") from None
+    return found
+
+
+def criteria_of(wall: Wall, options: dict[str, Any]) -> Criteria:
+    """Return the criteria of zones: the values that are stated, and default values of the other criteria.
+
+    With ``zones.scaled``, the default values are scaled to the bit size.
+    """
+    from helibore.logs.zone_criteria import Criteria
+
+    found = options["criteria"]
+    if wall.basis != "azimuthal" and (found or options["scaled"]):
+        raise InputError("zones", f"need a shape that was measured; this wall: {wall.basis_text}")
     return Criteria.scaled(wall.settings.bit_diameter, **found) if options["scaled"] else Criteria(**found)

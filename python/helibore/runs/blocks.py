@@ -36,8 +36,8 @@ from helibore.preparation.conditioning import in_range
 from helibore.preparation.prepare import Prepared
 from helibore.preparation.sensors import observe_by_depth
 from helibore.runs.output_store import Json, Store
+from helibore.runs.project import Input
 from helibore.runs.run import Run, interval, no_samples
-from helibore.runs.run_settings import Input
 from helibore.samples.caliper import LARGEST_RADIUS, Basis, Caliper, basis_text
 from helibore.settings.wall_settings import Settings
 from helibore.trajectory.survey import Path as WellPath

@@ -15,7 +15,7 @@
     [well.preparation]
     find_shifts = true
 
-The tables of a well are those of a run's settings (``run_settings``). The key ``map`` beside ``file`` names a role
+The tables of a well are those of a run's settings (``project``). The key ``map`` beside ``file`` names a role
 map; without a map the roles are guessed. Files are named relative to the manifest.
 """
 
@@ -33,7 +33,7 @@ from urllib.parse import quote
 from helibore.base.errors import InputError, check_names, needs
 from helibore.base.toml_file import read_toml
 from helibore.runs.output_store import Json, file_system, local_file
-from helibore.runs.run_settings import ImageInput, Input, RunSettings, run_settings
+from helibore.runs.project import ImageInput, Input, Project, project_of
 from helibore.wall.wall import Wall
 
 OUTPUTS = ("archive", "mesh", "logs", "zones")
@@ -55,10 +55,10 @@ FILES = ("caliper", "average", "archive", "survey", "track", "image")
 OF_A_RUN = ("verb", "output", "scalar", "options")
 """Keys of a run's settings that a well of a manifest does not have."""
 
-OF_A_WELL = ("name", *(each.name for each in fields(RunSettings) if each.name not in OF_A_RUN))
+OF_A_WELL = ("name", *(each.name for each in fields(Project) if each.name not in OF_A_RUN))
 """Keys of a well."""
 
-OF_A_FILE = {key: (*(each.name for each in fields(ImageInput if key == "image" else Input)), "map") for key in FILES}
+OF_A_FILE = {key: tuple(each.name for each in fields(ImageInput if key == "image" else Input)) for key in FILES}
 """Keys of the table of a file, by the key of the well that has this table."""
 
 
@@ -191,9 +191,9 @@ def _job(name: str, folder: str, place: str, tree: Json, *how: Any) -> Job:
     return job
 
 
-def check_settings(job: Job, place: str) -> RunSettings:
+def check_settings(job: Job, place: str) -> Project:
     """Return the settings of a job; raise InputError, with place, key and rule, if a setting breaks its rule."""
-    settings = run_settings(strip_maps(job.tree), place)
+    settings = project_of(job.tree, place)
     if settings.wall is not None:
         try:
             found: Json = {"kriging_range": settings.wall.kriging_range or 1.0}  # `reconstruct` finds both
@@ -203,18 +203,6 @@ def check_settings(job: Job, place: str) -> RunSettings:
         except InputError as error:
             raise error.within(f"{place}: wall") from error
     return settings
-
-
-def strip_maps(tree: Json) -> Json:
-    """Return settings without the role maps, which a settings file does not have."""
-
-    def stripped(of: Any) -> Any:
-        return {key: value for key, value in of.items() if key != "map"} if isinstance(of, dict) else of
-
-    return {
-        key: [stripped(of) for of in value] if isinstance(value, list) else stripped(value)
-        for key, value in tree.items()
-    }
 
 
 def _files(key: str, given: Any, place: str, folder: str) -> Any:

@@ -1,48 +1,63 @@
 """A run: from files to a wall, stage by stage, and the settings that repeat it. Commands and `hb.reprocess` use it.
 
-    run = repeat("wall.glb.toml")               # the same samples, wall and surface, to the last bit
+    run = make_wall(open_run(read_project("well.toml")))     # also "wall.glb.toml": the same to the last bit
     run.wall.surface().save("again.glb")
 
     caliper files --readings--> --prepare--> samples --> wall     (or an average caliper, a gauge hole, an archive)
     survey --> wall.path        images --> wall.images
 
-A `RunSettings` decides every byte of the output. ``helibore.cli`` reads options and prints.
+A `Project` decides every byte of the output. ``helibore.cli`` reads options and prints.
 """
 
 from __future__ import annotations
 
 import hashlib
+import json
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from helibore._core import __version__
 from helibore.base.errors import InputError
+from helibore.base.toml_file import read_toml
 from helibore.channels.channel_readings import note, readings
 from helibore.channels.columns import column, depths, needed, north_of
 from helibore.channels.depth_remarks import depth_remarks
 from helibore.channels.header_entries import log_header
 from helibore.channels.log_set import LogFile, LogSet
 from helibore.channels.opening import open as open_file
-from helibore.channels.role_map import read_map
+from helibore.channels.role_map import parse_options, read_map
 from helibore.channels.roles import RoleMap, guess
 from helibore.images.sector_image import SectorImage
 from helibore.preparation.prepare import Preparation, Prepared, Track, prepare
 from helibore.preparation.readings import Readings
 from helibore.preparation.sensors import TimeSeries
-from helibore.runs import run_settings
+from helibore.runs.project import (
+    FILES,
+    SHOWN,
+    ImageInput,
+    Input,
+    Output,
+    Project,
+    project_file,
+    shown_tables,
+    write_project,
+)
 from helibore.runs.reconstruct import reconstruct
-from helibore.runs.run_settings import ImageInput, Input, Output, RunSettings
 from helibore.samples.caliper import LARGEST_RADIUS, Caliper
+from helibore.settings.column_settings import Columns
 from helibore.settings.wall_settings import Settings
 from helibore.trajectory.references import ASSUMED
 from helibore.trajectory.survey import Path as WellPath
 from helibore.trajectory.survey import Survey
+from helibore.wall.archive import opened
 from helibore.wall.load import load
 from helibore.wall.wall import Wall
 
@@ -112,8 +127,9 @@ class OpenFiles:
 class Run:
     """A run: its settings, its files, and the wall."""
 
-    settings: RunSettings  # ``save_settings`` fills in the checksums
+    settings: Project  # ``save_project`` fills in the checksums
     files: OpenFiles
+    changed: bool = False  # whether the settings are not those of the output that helibore wrote
     tune: bool = False  # whether `make_wall` replaces the settings of the wall by those that `helibore.tune` finds
     # (label, sentence) for what was read, left out and corrected, in order
     messages: list[tuple[str, str]] = field(default_factory=list)
@@ -170,32 +186,94 @@ class Run:
         return Path(name[:-3] if name.lower().endswith(".gz") else name).stem
 
 
-def repeat(settings: RunSettings | str | os.PathLike[str], threads: int | None = None) -> Run:
-    """Repeat a run up to its wall, from its settings or from the file that holds them.
+def open_run(project: Project, files: OpenFiles | None = None, keys: Collection[str] = FILES) -> Run:
+    """Return the run of a project with its files, and with the roles of all channels: stated, mapped or guessed.
 
-    If an input has changed, an InputError names it and both checksums.
+    ``files`` may be open already; only those of ``keys`` are opened. Raise InputError if a file has another checksum
+    than the project states, or lacks a channel. What an archive carries counts where the project states nothing.
     """
-    if not isinstance(settings, RunSettings):
-        settings = run_settings.read_settings(settings)
-    return make_wall(reopen(settings), threads)
+    files = files or OpenFiles(project.nulls)
+    lines = {one.file: one.header_line for one in project.inputs if one.header_line}
+    files.header_lines = lines | files.header_lines
+    _check_sums(project, files, keys)
+    if project.archive is not None and "archive" in keys:
+        tables = carried(project.archive.file)
+        project = replace(project, **{name: tables.get(name, {}) | getattr(project, name) for name in tables})
+    return Run(_with_roles(project, files, keys), files)
 
 
-def reopen(settings: RunSettings) -> Run:
-    """Return the run of ``settings`` with its files; raise InputError if a file or channel has changed."""
-    files = OpenFiles(settings.nulls, {one.file: one.header_line for one in settings.inputs if one.header_line})
-    for each in settings.inputs:
+def _check_sums(project: Project, files: OpenFiles, keys: Collection[str]) -> None:
+    """Raise InputError if a file has another checksum than the project states."""
+    inputs = [each for key in keys for each in project.files(key)]
+    for each in inputs:
         files.checksum(each.file)
-    for each in settings.inputs:
-        now = files.checksum(each.file).result()
-        if now != each.blake2b:
-            stated = each.blake2b or "none"
-            rule = f"its BLAKE2b is {now}, the settings have {stated}; only the same file repeats the run"
+    for each in inputs:
+        if each.blake2b and (now := files.checksum(each.file).result()) != each.blake2b:
+            rule = f"its BLAKE2b is {now}, the settings have {each.blake2b}; only the same file repeats the run"
             raise InputError(str(each.file), f"has changed since the run: {rule}")
-    for one in settings.inputs:
-        if isinstance(one, Input):
-            for role in one.channel:
-                files.log_set(one).channel(role.channel)
-    return Run(settings, files)
+
+
+def _with_roles(project: Project, files: OpenFiles, keys: Collection[str]) -> Project:
+    """Return a project in which every file has the roles of its channels; those that are not stated are guessed."""
+    columns = project.columns
+    single: dict[str, Any] = {"depth": columns.depth, "toolface": columns.toolface, "time": columns.time}
+    arms: dict[str, Any] = {"radius": columns.radius, "diameter": columns.diameter, "travel-time": columns.travel_time}
+    stations: dict[str, Any] = {
+        "depth": columns.survey_depth,
+        "inclination": columns.inclination,
+        "azimuth": columns.azimuth,
+    }
+
+    def known(one: Input, columns: Any, arms: Any) -> Input:
+        stated = [text for text in columns.values() if text is not None] + [text for of in arms.values() for text in of]
+        if not one.channel:
+            found = files.input(one.file, one.set, one.map, partial(parse_options, columns=columns, arms=arms))
+            return replace(one, set=found.set, channel=found.channel, map=None)
+        for role in one.channel:
+            files.log_set(one).channel(role.channel)
+        if not stated:
+            return one
+        return replace(one, channel=tuple(parse_options(files.log_set(one), one.roles, columns, arms)))
+
+    none: dict[str, Any] = {}
+    made: dict[str, Any] = {"columns": Columns()}
+    for key, columns_of, arms_of in (
+        ("caliper", single, arms), ("average", none, none), ("survey", stations, none), ("track", none, none),
+    ):  # fmt: skip
+        if key in keys:
+            found = tuple(known(one, columns_of, arms_of) for one in project.files(key) if isinstance(one, Input))
+            made[key] = found if key == "caliper" else next(iter(found), None)
+    return replace(project, **made)
+
+
+def carried_tables(project: Project) -> dict[str, dict[str, Any]]:
+    """Return the tables of a project that the archive of its wall carries, as JSON can hold them.
+
+    The template is carried itself, not by its name; files of other kinds are not carried.
+    """
+    tables = {}
+    for name in SHOWN:
+        table = dict(getattr(project, name))
+        if isinstance(template := table.get("template"), Path):
+            table["template"] = read_toml(template, template.name)
+        table = {key: value for key, value in table.items() if not (_files_in(value))}
+        if table:
+            tables[name] = json.loads(json.dumps(table))
+    return tables
+
+
+def _files_in(value: Any) -> bool:
+    return isinstance(value, Path) or (isinstance(value, list | tuple) and any(map(_files_in, value)))
+
+
+def carried(filename: Path) -> dict[str, dict[str, Any]]:
+    """Return the tables of the project that an archive carries; {} for an archive that was made without a project."""
+    with opened(filename) as members:
+        made_from = members.contents()["made_from"]
+        tables = made_from.get("project", {}) if isinstance(made_from, dict) else {}
+        if not tables:
+            return {}
+        return {name: table for name, table in shown_tables(tables, "its project").items() if name in SHOWN}
 
 
 def make_wall(run: Run, threads: int | None = None, stage: Stage = lambda *_: nullcontext()) -> Run:
@@ -273,6 +351,8 @@ def build_wall(
             header = log_header(run.files.headers())
             if header:
                 run.built.made_from["header"] = header
+    if tables := carried_tables(run.settings):
+        run.wall.made_from["project"] = tables
     if run.assumed:
         run.wall.made_from["toolface"] = ASSUMED
     if (survey := run.settings.survey) is not None:
@@ -297,10 +377,10 @@ def preparation_lines(wall: Wall) -> list[tuple[str, str]]:
 
 
 def stated_header(run: Run) -> dict[str, str]:
-    """Return header entries (well, field ...) that a run's files state, added to those that a saved wall has kept."""
+    """Return header entries (well, field ...): of the project, else of the run's files, else those of a saved wall."""
     kept = run.wall.made_from.get("header") if run.built is not None else None
     earlier = {str(name): str(text) for name, text in kept.items()} if isinstance(kept, dict) else {}
-    return earlier | log_header(run.files.headers())
+    return earlier | log_header(run.files.headers()) | run.settings.header
 
 
 def read_path(run: Run) -> None:
@@ -460,8 +540,11 @@ def check_path(run: Run, *ends: float) -> None:
         raise (error if survey is None else error.within(survey.file.name)) from None
 
 
-def save_settings(run: Run, output: Path, verb: str, options: dict[str, Any]) -> RunSettings:
-    """Write the settings that repeat ``output`` beside it, with the checksums of the inputs and of the output."""
+def save_project(run: Run, output: Path, verb: str, more: Mapping[str, Any]) -> Project:
+    """Write the project that repeats ``output`` beside it, with the checksums of the inputs and of the output.
+
+    ``more`` are the tables and keys with which the command made the output.
+    """
 
     def known(one: Any) -> Any:
         blake2b, line = run.files.checksum(one.file).result(), run.files.header_lines.get(one.file)
@@ -472,12 +555,12 @@ def save_settings(run: Run, output: Path, verb: str, options: dict[str, Any]) ->
 
     settings = run.settings
     run.settings = replace(
-        settings, verb=verb, options=options, output=Output(output, checksum(output)),
+        settings, helibore=settings.helibore or __version__, verb=verb, output=Output(output, checksum(output)),
         caliper=tuple(map(used, settings.caliper)), image=tuple(map(known, settings.image)),
-        scalar=tuple(map(known, settings.scalar)),
+        scalar=tuple(map(known, settings.scalar)), **more,
         **{name: used(getattr(settings, name)) for name in ("average", "archive", "track", "survey")},
     )  # fmt: skip
-    run_settings.write_settings(run_settings.settings_file(output), run.settings)
+    write_project(project_file(output), run.settings)
     return run.settings
 
 

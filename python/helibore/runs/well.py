@@ -19,7 +19,6 @@ import functools
 import json
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -43,10 +42,10 @@ from helibore.runs.blocks import (
     read_plan,
     stream,
 )
-from helibore.runs.manifest import FILES, Job, path_part, strip_maps
+from helibore.runs.manifest import FILES, Job, path_part
 from helibore.runs.output_store import Json, Store, local_file
-from helibore.runs.run import OpenFiles, Run, build_wall, check_path, read_path, read_run
-from helibore.runs.run_settings import Input, RunSettings, run_settings
+from helibore.runs.project import Project, project_of
+from helibore.runs.run import OpenFiles, Run, build_wall, check_path, open_run, read_path, read_run
 from helibore.samples.helix import helix_of
 from helibore.wall.wall import Wall, wall_of
 
@@ -233,26 +232,9 @@ def _opened(job: Job, keys: tuple[str, ...] = FILES) -> Iterator[tuple[Run, dict
     with contextlib.ExitStack() as copies:
         local = {address: copies.enter_context(local_file(address)) for address in job.addresses(keys)}
         tree = job.mapped(lambda address: str(local.get(address, address)))
-        settings = run_settings(strip_maps(tree), job.well)
-        tables = {of.file: of.header_line for of in settings.inputs if of.header_line}
-        files = OpenFiles(settings.nulls, tables)
+        run = open_run(project_of(tree, job.well), keys=keys)
         for file in local.values():
-            files.checksum(file)
-
-        def known(one: Input, table: Json) -> Input:
-            """Return an input with its roles, which come from a map or are guessed if they are not stated."""
-            if one.channel:
-                return one
-            return files.input(one.file, one.set, Path(table["map"]) if "map" in table else None)
-
-        opened: dict[str, Any] = {
-            key: known(one, tree[key])
-            for key in ("average", "track", "survey")
-            if key in keys and (one := getattr(settings, key)) is not None
-        }
-        if "caliper" in keys:
-            opened["caliper"] = tuple(map(known, settings.caliper, tree.get("caliper", [])))
-        run = Run(replace(settings, **opened), files)
+            run.files.checksum(file)
         if keys != FILES:
             read_path(run)
         yield run, local
@@ -335,7 +317,7 @@ COLUMNS = NUMBERS | {
 """Columns of the catalogue that are numbers: unit and description."""
 
 
-def catalogue_row(well: str, settings: RunSettings, wall: Wall | Merged, logs: Logs, summary: WallSummary) -> Json:
+def catalogue_row(well: str, settings: Project, wall: Wall | Merged, logs: Logs, summary: WallSummary) -> Json:
     """Return the catalogue row of a well: interval, sizes, quality and settings; None for missing values."""
 
     def known(value: Any) -> Any:

@@ -9,9 +9,10 @@
     option_of(members(Criteria)["join"])   --join LENGTH  Greatest distance of two zones that become one.  [default: 1m]
     rows()                                 a row of the table of settings in the documentation
 
-The marks of a field are a `Unit`, any number of `Rule`, its explanation (a text), and `Option` if the command line has
-an option for it. The first sentence of the explanation is the help of the option. ``toml_reading`` reads TOML,
-``listing`` makes tables and keyword types, ``helibore.cli.declared_options`` makes options.
+The marks of a field are a `Unit`, any number of `Rule`, its explanation (a text), `Option` if the command line has an
+option for it, and `Stated` for a table of which only what is stated counts. The first sentence of the explanation is
+the help of the option. ``toml_reading`` reads TOML, ``listing`` makes tables and keyword types,
+``helibore.cli.declared_options`` makes options.
 """
 
 from __future__ import annotations
@@ -81,6 +82,13 @@ class Formerly:
 
     def __init__(self, *names: str) -> None:
         object.__setattr__(self, "names", names)
+
+
+@dataclass(frozen=True)
+class Stated:
+    """The setting is a table of which only the stated keys are kept, by the rules of the declared class ``kind``."""
+
+    kind: type[Any]
 
 
 METRES = Unit("metres", units.LENGTH, "m")
@@ -177,6 +185,11 @@ class Member:
     def formerly(self) -> tuple[str, ...]:
         """The names of the setting in the files of earlier versions."""
         return next((mark.names for mark in self.marks if isinstance(mark, Formerly)), ())
+
+    @cached_property
+    def stated(self) -> type[Any] | None:
+        """The declared class of a table of which only the stated keys are kept; None: the setting is no such table."""
+        return next((mark.kind for mark in self.marks if isinstance(mark, Stated)), None)
 
     @property
     def rule_text(self) -> str:

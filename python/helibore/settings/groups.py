@@ -4,18 +4,22 @@ from __future__ import annotations
 
 from typing import Any
 
+from helibore.settings.column_settings import Columns
+from helibore.settings.header_settings import Header
 from helibore.settings.path_settings import PathSettings
 from helibore.settings.preparation_settings import Echo, Preparation
 from helibore.settings.role_settings import ChannelRole, MapOfRoles, RoleOfNames
 from helibore.settings.wall_settings import Settings
-from helibore.settings.zone_settings import Criteria, ImageCriteria
+from helibore.settings.zone_settings import ImageCriteria, ZoneSettings
 
 GROUPS: dict[str, type[Any]] = {
+    "header": Header,
+    "columns": Columns,
     "preparation": Preparation,
     "echo": Echo,
     "path": PathSettings,
     "wall": Settings,
-    "zones": Criteria,
+    "zones": ZoneSettings,
     "image_zones": ImageCriteria,
     "map": MapOfRoles,
     "map.channels.NAME": ChannelRole,

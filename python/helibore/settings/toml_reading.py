@@ -11,6 +11,7 @@ import dataclasses
 import functools
 import typing
 from bisect import bisect_left
+from collections.abc import Mapping
 from dataclasses import MISSING, dataclass, field
 from pathlib import Path
 from typing import Any, Literal, TypeVar
@@ -50,7 +51,7 @@ class TomlSource:
             name += f" {key + 1}" if isinstance(key, int) else f".{key}" if name else key
         line = self.line(keys)
         where = f"{self.name}, line {line}" if line else self.name
-        return f"{where}: {name}" if name else where
+        return ": ".join(part for part in (where, name) if part)
 
     def error(self, keys: tuple[Key, ...], rule: str, value: Any = MISSING) -> InputError:
         """Return the error for a value that breaks a rule."""
@@ -88,30 +89,64 @@ def _holds(tree: Any, keys: tuple[Key, ...]) -> bool:
     return True
 
 
-def read_table(kind: type[Made], tree: Any, source: TomlSource, keys: tuple[Key, ...] = ()) -> Made:
+def read_table(
+    kind: type[Made], tree: Any, source: TomlSource, keys: tuple[Key, ...] = (), over: Mapping[str, Any] | None = None
+) -> Made:
     """Return a table as an object of a declared class; ``keys`` lead to the table in the file.
+
+    ``over`` holds settings that count over those of the file, by name; those of a table are a mapping.
 
     Raises
     ------
     InputError
         On a key that is not known, a key that is missing, and a value that breaks its rule.
     """
-    if not isinstance(tree, dict):
-        raise source.error(keys, f"must be {NOUNS[dict]}", tree)
     known = members(kind)
-    values = {}
-    for key, value in tree.items():
-        member = known.get(key) or _former(known, key, source, keys)
-        values[member.name] = read_value(member.hint, member.optional, member.unit, value, source, (*keys, key))
+    values = _read_keys(known, tree, source, keys, over or {})
     for name, member in known.items():
         if member.default is MISSING and name not in values:
             raise source.error((*keys, name), "is missing")
+    return _made(kind, values, source, keys)
+
+
+def _read_keys(
+    known: dict[str, Member], tree: Any, source: TomlSource, keys: tuple[Key, ...], over: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return the values of the keys of a table, and those of ``over``, by the names of the settings."""
+    if not isinstance(tree, dict):
+        raise source.error(keys, f"must be {NOUNS[dict]}", tree)
+    values: dict[str, Any] = {}
+    inner = {name: value for name, value in over.items() if isinstance(value, Mapping)}
+    for key, value in tree.items():
+        member = known.get(key) or _former(known, key, source, keys)
+        if member.stated is not None:
+            values[member.name] = read_stated(member.stated, value, source, (*keys, key))
+        elif member.name not in inner:
+            values[member.name] = read_value(member.hint, member.optional, member.unit, value, source, (*keys, key))
+    for name, value in over.items():
+        if name not in inner:
+            values[name] = value
+        elif known[name].stated is not None:
+            values[name] = values.get(name, {}) | value
+        else:
+            values[name] = read_table(known[name].hint, tree.get(name, {}), source, (*keys, name), value)
+    return values
+
+
+def read_stated(kind: type[Any], tree: Any, source: TomlSource, keys: tuple[Key, ...]) -> dict[str, Any]:
+    """Return only what a table states, by the names of the settings, each checked by the rules of the class."""
+    values = _read_keys(members(kind), tree, source, keys, {})
+    made = _made(kind, values, source, keys)
+    return {name: getattr(made, name) for name in values}
+
+
+def _made(kind: type[Made], values: dict[str, Any], source: TomlSource, keys: tuple[Key, ...]) -> Made:
     try:
         return kind(**values)
     except InputError as error:
-        if error.place in known:
+        if error.place in members(kind):
             raise InputError(source.place((*keys, error.place)), error.rule, error.value) from error
-        raise error.within(source.place(keys)) from error
+        raise (error.within(place) if (place := source.place(keys)) else error) from error
 
 
 def _former(known: dict[str, Member], key: str, source: TomlSource, keys: tuple[Key, ...]) -> Member:
@@ -129,12 +164,14 @@ def read_value(
 ) -> Any:
     """Return a value of TOML in a type.
 
-    "none" stands for None where None is allowed; a text such as "8.5in" is a number where the number has a unit.
+    "none" stands for None where None is allowed; a text such as "8.5in" is a number where the number has a unit; the
+    name of a file is a table that has only this file, and one table is a list of tables.
     """
     if value == "none" and optional:
         return None
     kind = typing.get_origin(hint) or hint
     if dataclasses.is_dataclass(kind):
+        value = {"file": value} if isinstance(value, str) and "file" in members(typing.cast(type[Any], kind)) else value
         return read_table(typing.cast(type[Any], kind), value, source, keys)
     if kind is tuple:
         return _read_list(typing.get_args(hint), unit, value, source, keys)
@@ -159,6 +196,8 @@ def read_value(
 
 def _read_list(parts: tuple[Any, ...], unit: Unit | None, value: Any, source: TomlSource, keys: tuple[Key, ...]) -> Any:
     endless = parts[-1] is Ellipsis
+    if dataclasses.is_dataclass(parts[0]) and isinstance(value, dict | str):
+        return (read_value(parts[0], False, unit, value, source, keys),)
     if not isinstance(value, list) or not (endless or len(parts) == len(value)):
         if dataclasses.is_dataclass(parts[0]):
             raise source.error(keys, f"must be tables, [[{'.'.join(map(str, keys))}]]", value)

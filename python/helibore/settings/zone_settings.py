@@ -22,8 +22,8 @@ QUARTER = Rule("must be at most 90", lambda value: value <= 90)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Criteria(Declared):
-    """The criteria that decide the kind of a turn or a zone. Lengths are metres."""
+class Limits(Declared):
+    """The criteria that decide the kind of a turn or a zone, as settings."""
 
     elongation: Annotated[float, INCHES, NOT_NEGATIVE, Option(), "Least C1 - C2 of a breakout."] = 1.0 * INCH
     washout: Annotated[float, INCHES, NOT_NEGATIVE, Option(), "Least C2 - bit of a washout."] = 0.5 * INCH
@@ -45,6 +45,11 @@ class Criteria(Declared):
         "Two zones of a kind become one if they are at most this far apart. The hole between them must be neither of "
         "another kind nor missing.",
     ] = 1.0  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class Criteria(Limits):
+    """The criteria that decide the kind of a turn or a zone. Lengths are metres."""
 
     @classmethod
     def scaled(cls, bit_diameter: float, **others: float) -> Criteria:
@@ -88,6 +93,15 @@ class Criteria(Declared):
             f"criterion {name.replace('_', ' ')}": f"{value:.6g}" if name in shares else f"{value:.6g} m"
             for name, value in asdict(self).items()
         }
+
+
+@dataclass(frozen=True, kw_only=True)
+class ZoneSettings(Limits):
+    """The criteria that decide the kind of a turn or a zone, and whether those that are not stated follow the bit."""
+
+    scaled: Annotated[bool,
+        "Scale the default criteria, which are for a bit of 8.5 in, to the bit size.",
+    ] = False  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -152,7 +152,7 @@ def test_every_command_has_every_option_of_a_wall_or_names_its_successor(verb: s
     [
         ((), "give exactly one of SOURCE, --average and --gauge"),
         (("p.json", "w.wall"), "several SOURCE files must all be caliper files, not archives or settings"),
-        (("p.json", "-s", "source.set=1"), "Missing option '--bit-diameter': only archives (.wall) and settings "
+        (("p.json", "-s", "source.set=1"), "Missing option '--bit-diameter': only archives (.wall) and projects "
                                            "(.toml) have "
          "it."),
         (("--gauge", "--bit-diameter", "8in", "--column", "depth=md"), "--column depth: does not go with --gauge, "
