@@ -27,6 +27,7 @@ from helibore.cli.quantities import ANGLE, FILE, LENGTH, NUMBERS, SHIFT, TIME
 from helibore.cli.sections import COLUMN, SETTING, Command, SectionOption, opt, opts, section, spelled
 from helibore.mesh.mesh_files import SURFACE_ENDINGS, VOLUME_ENDINGS
 from helibore.settings.declared import members
+from helibore.settings.header_settings import Header
 from helibore.settings.wall_settings import Settings
 from helibore.trajectory.references import Reference
 from helibore.wall.archive import ENDING as ARCHIVE
@@ -288,25 +289,22 @@ HEADER = opts(
 
 def entries_of(texts: Sequence[str]) -> dict[str, str]:
     """Return the entries of a header that ``--header`` states, by name."""
-    from helibore.channels.log_header import NAMES
-
-    found = {}
+    known, found = members(Header), {}
     for text in texts:
         name, equals, value = text.partition("=")
-        if not equals or name not in NAMES:
-            raise click.UsageError(f"--header {text}: must be NAME=TEXT, NAME one of {', '.join(NAMES)}")
+        if not equals or name not in known:
+            raise click.UsageError(f"--header {text}: must be NAME=TEXT, NAME one of {', '.join(known)}")
         found[name] = value
     return found
 
 
 def header_of(run: Run, options: dict[str, Any]) -> dict[str, str]:
     """Return the entries of a log's header by name; entries of the options replace those of the run's files."""
-    from helibore.channels.header_entries import NAMES
     from helibore.runs.run import stated_header
 
     found = stated_header(run) | options["headers"]
     found |= {"well": options["well"]} if options["well"] else {}
-    return {name: found[name] for name in NAMES if found.get(name)}
+    return {name: found[name] for name in members(Header) if found.get(name)}
 
 
 def template_of_option(template: Path | dict[str, Any] | None) -> Template | None:

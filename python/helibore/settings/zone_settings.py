@@ -22,7 +22,7 @@ QUARTER = Rule("must be at most 90", lambda value: value <= 90)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Limits(Declared):
+class ZoneLimits(Declared):
     """The criteria that decide the kind of a turn or a zone, as settings."""
 
     elongation: Annotated[float, INCHES, NOT_NEGATIVE, Option(), "Least C1 - C2 of a breakout."] = 1.0 * INCH
@@ -48,7 +48,7 @@ class Limits(Declared):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Criteria(Limits):
+class Criteria(ZoneLimits):
     """The criteria that decide the kind of a turn or a zone. Lengths are metres."""
 
     @classmethod
@@ -96,7 +96,7 @@ class Criteria(Limits):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ZoneSettings(Limits):
+class ZoneSettings(ZoneLimits):
     """The criteria that decide the kind of a turn or a zone, and whether those that are not stated follow the bit."""
 
     scaled: Annotated[bool,
