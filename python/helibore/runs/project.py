@@ -53,7 +53,7 @@ SOURCES = ("caliper", "average", "archive", "gauge")
 FILES = ("caliper", "average", "archive", "image", "scalar", "track", "survey")
 """Keys of a project that name files."""
 
-SHOWN = ("header", "zones", "print", "look", "logs", "view")
+SHOWN = ("header", "zones", "print", "look", "logs")
 """Tables that say how a wall is shown; an archive carries them."""
 
 
