@@ -22,6 +22,7 @@ PYBIND11_MODULE(main_interpreter, m) {
             py::set_error(PyExc_RuntimeError, e.what());
         }
     });
+    helibore::bindings::register_compression(m);
     helibore::bindings::register_image(m);
     helibore::bindings::register_journal(m);
     helibore::bindings::register_logs(m);

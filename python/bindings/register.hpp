@@ -5,6 +5,7 @@
 
 namespace helibore::bindings {
 
+void register_compression(pybind11::module_& m);
 void register_image(pybind11::module_& m);
 void register_journal(pybind11::module_& m);
 void register_logs(pybind11::module_& m);

@@ -1,19 +1,22 @@
 """The archive of a wall: `Wall.save` writes it, and `hb.load` reopens the wall from it.
 
-The archive is a zip file of uncompressed NumPy arrays, which ``np.load`` and any zip program open without helibore:
+The archive is a zip file, in which each array is a member:
 
     helibore.json               format, version, settings, basis, start_depth, path, images, made_from
-    samples/depth.npy ...       toolface, radius, and time if samples have times; in canonical order
-    arms/depth.npy ...          toolface, radius, time, arm        samples of a tool with few arms, as appended
-    vertices/radius.npy ...     nearest, support, iterations
-    survey/depth.npy ...        inclination, azimuth               if the wall has a path
-    images/0/depth.npy          images/0/values.npy ...            if the wall has images
-    attributes/0.npy ...        one value for each quad of the whole wall
+    samples/depth ...           toolface, radius, and time if samples have times; in canonical order
+    arms/depth ...              toolface, radius, time, arm        samples of a tool with few arms, as appended
+    vertices/radius ...         nearest, support, iterations
+    survey/depth ...            inclination, azimuth               if the wall has a path
+    images/0/depth              images/0/values ...                if the wall has images
+    attributes/0 ...            one value for each quad of the whole wall
 
-A zip file needs no extra library, NumPy and the standard library write it at the speed of memory, every member has a
-CRC-32, and a truncated file lacks the directory at its end. ``helibore.wall.load`` appends the samples to an empty wall
-and compares the result with the stored vertices. Reading takes 50 ms and appending takes 44 ms (2.4 M samples, 256 k
-vertices, two cores). This file reads and writes a `WallColumns`, and does not import `Wall`.
+A member is the header of a NumPy array, then its values as 64-bit words, compressed as ``helibore/compression.hpp`` of
+the core describes. If all samples of the wall have arms, they are stored once, as ``arms``. Archives of version 1 hold
+``NAME.npy`` instead, NumPy arrays without compression, and always the samples.
+
+A zip file needs no extra library, every member has a CRC-32, and a truncated file lacks the directory at its end.
+``helibore.wall.load`` appends the samples to an empty wall and compares the result with the stored vertices. This file
+reads and writes a `WallColumns`, and does not import `Wall`.
 """
 
 from __future__ import annotations
@@ -32,16 +35,18 @@ from tokenize import TokenError
 from typing import IO, Any, BinaryIO
 
 import numpy as np
+import numpy.typing as npt
 
 from helibore import _core
-from helibore.base.arrays import Array
+from helibore.base.arrays import Array, Floats
 from helibore.base.atomic_file import write_whole
 from helibore.base.errors import InputError
+from helibore.base.limits import check_unpacked
 from helibore.settings.wall_settings import Settings
 from helibore.wall.wall_columns import WallColumns
 
 ENDING = ".wall"
-FORMAT, VERSION = "helibore wall", 1
+FORMAT, VERSION = "helibore wall", 2
 UNITS = (
     "metres and degrees; depth along the hole, positive down; toolface clockwise looking downhole; radius from the axis"
 )
@@ -49,6 +54,7 @@ UNITS = (
 _CONTENTS = "helibore.json"
 _LARGEST_CONTENTS = 1 << 26  # bytes of JSON
 _CHUNK = 1 << 20  # bytes; stays in the cache between checksum and copy
+_WORD = 8  # bytes of a word
 SAMPLES = ("depth", "toolface", "radius", "time")
 ARMS = {**dict.fromkeys(SAMPLES, "<f8"), "arm": "<i8"}
 VERTICES = {"radius": "<f8", "nearest": "<f8", "support": "<i4", "iterations": "<i4"}
@@ -69,13 +75,11 @@ def save(wall: WallColumns, filename: str | os.PathLike[str]) -> None:
     def write(file: BinaryIO) -> None:
         with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:
             archive.writestr(zipfile.ZipInfo(_CONTENTS), text)  # dated 1980, so that the same wall gives the same bytes
-            for name, values in arrays.items():  # as ``np.save`` writes it, but in chunks that stay in the cache
-                array = np.require(values, values.dtype.newbyteorder("<"), "C")
-                with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as member:
+            for name, values in arrays.items():
+                array = np.require(values, requirements="C")
+                with archive.open(zipfile.ZipInfo(name), "w", force_zip64=True) as member:
                     np.lib.format.write_array_header_1_0(member, np.lib.format.header_data_from_array_1_0(array))
-                    content = _bytes_of(array)
-                    for start in range(0, len(content), _CHUNK):
-                        member.write(content[start : start + _CHUNK])
+                    member.write(_core.compress(_words(array)).data)
 
     write_whole(path, write)
 
@@ -109,11 +113,13 @@ def _contents(wall: WallColumns) -> tuple[Arrays, dict[str, Any]]:
         raise InputError("made_from", f"must be what JSON can hold: {error}") from error
     if not same:
         raise InputError("made_from", "must be what JSON can hold: lists, not tuples, and texts as keys")
-    arrays: Arrays = {f"samples/{name}": of for name, of in zip(SAMPLES, wall.sample_columns, strict=False)}
+    arms = {} if wall.arms is None else {name: getattr(wall.arms, name) for name in ARMS}
+    arms = {name: of for name, of in arms.items() if of is not None}
+    once = bool(arms) and _same_rows(wall.sample_columns, tuple(arms[name] for name in SAMPLES if name in arms))
+    samples = {} if once else dict(zip(SAMPLES, wall.sample_columns, strict=False))
+    arrays: Arrays = {f"samples/{name}": of for name, of in samples.items()}
     arrays |= {f"vertices/{name}": getattr(wall, name) for name in VERTICES}
-    if wall.arms is not None:
-        columns = {name: getattr(wall.arms, name) for name in ARMS}
-        arrays |= {f"arms/{name}": of for name, of in columns.items() if of is not None}
+    arrays |= {f"arms/{name}": of for name, of in arms.items()}
     placing: dict[str, Any] | None = None
     if wall.path is not None:
         path = wall.path
@@ -136,8 +142,8 @@ def _contents(wall: WallColumns) -> tuple[Arrays, dict[str, Any]]:
         "settings": _settings(wall.settings),
         "basis": wall.basis,
         "start_depth": _or_null(wall.start_depth),
-        "samples": [name for name in SAMPLES if f"samples/{name}" in arrays],
-        "arms": [name for name in ARMS if f"arms/{name}" in arrays],
+        "samples": list(samples),
+        "arms": list(arms),
         "path": placing,
         "images": images,
         "attributes": attributes,
@@ -154,8 +160,24 @@ def _or_null(number: float) -> float | None:
     return None if math.isnan(number) else number
 
 
-def _bytes_of(array: Array) -> memoryview:
-    return array.reshape(-1).view(np.uint8).data
+def _words(array: Array) -> npt.NDArray[np.uint64]:
+    """Return numbers as 64-bit words, (n,): a view of floats and of whole numbers of 64 bits, else a copy."""
+    whole = array if array.itemsize == _WORD else array.astype(np.int64)
+    return whole.reshape(-1).view(np.uint64)
+
+
+def _same_rows(one: tuple[Floats, ...], other: tuple[Floats, ...]) -> bool:
+    """Return whether two sets of columns have the same rows, in whatever order, by the sums of hashes of the rows."""
+    return len(one) == len(other) and one[0].size == other[0].size and _sum_of_rows(one) == _sum_of_rows(other)
+
+
+def _sum_of_rows(columns: tuple[Floats, ...]) -> int:
+    odd = np.uint64(0x9E3779B97F4A7C15)
+    row = np.zeros(columns[0].size, dtype=np.uint64)
+    for column in columns:
+        row = (row ^ _words(column)) * odd
+        row ^= row >> np.uint64(29)
+    return int(row.sum())
 
 
 # ------------------------------------------------------------------ reading
@@ -165,7 +187,7 @@ class Members:
     """Read and check the members of an archive, each as a whole."""
 
     def __init__(self, archive: zipfile.ZipFile, size: int) -> None:
-        self._archive, self._size = archive, size
+        self._archive, self._size, self._version = archive, size, VERSION
 
     def _open(self, name: str, at_most: int) -> IO[bytes]:
         try:
@@ -189,10 +211,13 @@ class Members:
             own = f"this is helibore {_core.__version__}, which reads versions up to {VERSION}"
             written = f"an archive of version {contents['version']}, written by helibore {contents['helibore']}"
             raise ValueError(f"{written}; {own}")
+        self._version = contents["version"]
         return contents
 
     def array(self, name: str, dtype: str = "<f8", dimensions: int = 1) -> Array:
-        with self._open(f"{name}.npy", self._size) as member:
+        """Return an array by its name, from an archive of any version; refuse another dtype or number of dimensions."""
+        plain = self._version == 1
+        with self._open(f"{name}.npy" if plain else name, self._size) as member:
             try:
                 np.lib.format.read_magic(member)
                 shape, by_columns, stored = np.lib.format.read_array_header_1_0(member)
@@ -200,19 +225,36 @@ class Members:
                 raise InputError("damaged", f"the header of {name}") from error
             if stored != np.dtype(dtype) or by_columns or len(shape) != dimensions:
                 raise InputError("damaged", f"{name} is {stored} {shape}")
-            if math.prod(shape) * stored.itemsize > self._size:
+            if plain and math.prod(shape) * stored.itemsize > self._size:
                 raise InputError("damaged", f"{name} {shape} is larger than the file")
-            array: Array = np.empty(shape, stored)
-            content = _bytes_of(array)
-            for start in range(0, len(content), _CHUNK):
-                chunk = content[start : start + _CHUNK]
-                read = member.read(len(chunk))
-                if len(read) < len(chunk):
-                    raise InputError("damaged", f"{name} is shorter than {shape}")
-                chunk[:] = read
-            if member.read(1):  # reading to the end checks the CRC-32 of empty members, too
-                raise InputError("damaged", f"{name} is longer than {shape}")
-        return array.astype(stored.newbyteorder("="), copy=False)
+            check_unpacked(name, _WORD * math.prod(shape), self._size)
+            read = _plain if plain else _compressed
+            return read(member, name, shape, stored).astype(stored.newbyteorder("="), copy=False)
+
+
+def _compressed(member: IO[bytes], name: str, shape: tuple[int, ...], stored: np.dtype[Any]) -> Array:
+    words = np.empty(math.prod(shape), np.uint64)
+    try:
+        _core.decompress(np.frombuffer(member.read(), np.uint8), words)
+    except InputError as error:
+        raise InputError("damaged", f"{name} {shape}: {error}") from error
+    same: Array = words.view(stored) if stored.itemsize == _WORD else words.view(np.int64).astype(stored)
+    return same.reshape(shape)
+
+
+def _plain(member: IO[bytes], name: str, shape: tuple[int, ...], stored: np.dtype[Any]) -> Array:
+    """Read an array of version 1."""
+    array: Array = np.empty(shape, stored)
+    content = array.reshape(-1).view(np.uint8).data
+    for start in range(0, len(content), _CHUNK):
+        chunk = content[start : start + _CHUNK]
+        read = member.read(len(chunk))
+        if len(read) < len(chunk):
+            raise InputError("damaged", f"{name} is shorter than {shape}")
+        chunk[:] = read
+    if member.read(1):  # reading to the end checks the CRC-32 of empty members, too
+        raise InputError("damaged", f"{name} is longer than {shape}")
+    return array
 
 
 def _reason(path: Path, error: Exception) -> str:

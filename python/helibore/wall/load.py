@@ -24,7 +24,7 @@ from helibore.logs.picks import Picks
 from helibore.samples.caliper import Caliper
 from helibore.settings.wall_settings import Settings
 from helibore.trajectory.survey import Survey
-from helibore.wall.archive import ARMS, STATIONS, VERTICES, Arrays, Members, opened
+from helibore.wall.archive import ARMS, SAMPLES, STATIONS, VERTICES, Arrays, Members, opened
 from helibore.wall.wall import Wall
 
 
@@ -74,6 +74,8 @@ def _wall(members: Members, threads: int | None, recompute: bool) -> Wall:
     wall = Wall(threads=threads, basis=contents["basis"], **contents["settings"])
     samples = [members.array(f"samples/{name}") for name in contents["samples"]]
     columns: dict[str, Any] = {name: members.array(f"arms/{name}", ARMS[name]) for name in contents.get("arms", ())}
+    if not samples:  # all of them have arms
+        samples = [columns[name] for name in SAMPLES if name in columns]
     saved = {name: members.array(f"vertices/{name}", dtype) for name, dtype in VERTICES.items()}
     path = None
     if contents["path"] is not None:

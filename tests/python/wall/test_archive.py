@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import inspect
 import io
@@ -17,10 +18,12 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from reference import bits, random_hole
 from test_laws import Columns, samples, wall_settings, whole
 
 import helibore as hb
+from helibore import _core
 from helibore.base.atomic_file import write_whole
 from helibore.wall import archive
 
@@ -114,19 +117,100 @@ def test_an_empty_wall_and_one_with_open_limits_come_back(tmp_path: Path) -> Non
     assert bits(reopened(wall, tmp_path)) == bits(wall)
 
 
+def decompressed(content: bytes) -> Any:
+    """Read a member as ``helibore/compression.hpp`` describes it, number by number."""
+    file = io.BytesIO(content)
+    np.lib.format.read_magic(file)
+    shape, _, dtype = np.lib.format.read_array_header_1_0(file)
+
+    def number(size: int) -> int:
+        return int.from_bytes(file.read(size), "little")
+
+    form, shift, mask = number(1), number(1), 2**64 - 1
+    table = [number(8) for _ in range(number(8))] if form & 2 else []
+    words, last = list[int](), 0
+    while len(words) < math.prod(shape):
+        count = min(1024, math.prod(shape) - len(words))
+        least, width = number(8), number(1)
+        bits = number(8 * ((count * width + 63) // 64))
+        for at in range(count):
+            value = (least + (bits >> at * width & ((1 << width) - 1))) & mask
+            value = table[value] if form & 2 else value << shift & mask
+            last = (last + value) & mask if form & 1 else value
+            words.append(last)
+    assert file.read() == b""
+    whole = np.array(words, np.uint64).view(np.float64 if dtype.kind == "f" else np.int64)
+    return whole.astype(dtype).reshape(shape)
+
+
 def test_numpy_and_zip_read_an_archive_without_helibore(tmp_path: Path) -> None:
     wall = dressed(oval())
     wall.save(tmp_path / "a.wall")
-    with np.load(tmp_path / "a.wall") as arrays:
-        assert arrays["vertices/radius"].tobytes() == wall.radius.tobytes()
-        assert arrays["samples/depth"].tobytes() == wall.samples.depth.tobytes()
-        assert arrays["images/0/values"].shape == (30, 8)
     with zipfile.ZipFile(tmp_path / "a.wall") as members:
         assert members.testzip() is None
         contents = json.loads(members.read("helibore.json"))
-    assert (contents["format"], contents["version"]) == ("helibore wall", 1)
+        for name, values in {
+            "vertices/radius": wall.radius, "vertices/support": wall.support, "samples/depth": wall.samples.depth,
+            "samples/toolface": wall.samples.toolface, "images/0/values": wall.images["GR"].values,
+        }.items():  # fmt: skip
+            assert decompressed(members.read(name)).tobytes() == values.tobytes()
+    assert (contents["format"], contents["version"]) == ("helibore wall", 2)
     assert contents["settings"]["bit_diameter"] == BIT
     assert contents["units"].startswith("metres and degrees")
+
+
+def few_decimals(n: int, steps: bool) -> hb.Wall:
+    """A wall of a tool with two arms that writes depth to 0.1 mm, toolface to 0.01 degree, diameters to 0.01 inch."""
+    rng = np.random.default_rng(4)
+    row = np.arange(n // 2)
+    depth = np.round(1000 + (row * 0.0004 if steps else np.sort(rng.uniform(0, 0.0004 * n, row.size))), 4)
+    toolface = np.round(row * 36.7 % 360, 2)
+    radius = np.round(8.5 + rng.normal(0, 0.1, n), 2) * 0.0127
+    wall = hb.Wall(bit_diameter=BIT, sectors=16, pitch=0.1)
+    columns = np.repeat(depth, 2), np.ravel(np.stack([toolface, (toolface + 90) % 360], 1)), radius
+    wall.append(*columns, arm=np.tile([0, 1], n // 2))
+    return wall
+
+
+@pytest.mark.parametrize("steps", [False, True])
+def test_samples_of_few_decimals_take_less_than_a_third_of_their_bytes_and_are_stored_once(
+    tmp_path: Path, steps: bool
+) -> None:
+    wall = few_decimals(40_000, steps)
+    again = reopened(wall, tmp_path)
+    assert bits(again) == bits(wall)
+    assert [column.tobytes() for column in again._core.samples()] == [c.tobytes() for c in wall._core.samples()]
+    for one, other in zip(again._arms, wall._arms, strict=True):
+        for name in ("depth", "toolface", "radius", "arm"):
+            assert getattr(one, name).tobytes() == getattr(other, name).tobytes()
+    assert (tmp_path / "a.wall").stat().st_size < 40_000 * 24 / 3
+    wall.append([1000.5], [3.0], [0.11])  # a sample without an arm
+    assert bits(reopened(wall, tmp_path)) == bits(wall)
+
+
+@given(st.integers(0, 3), st.integers(0, 70), st.integers(0, 2**32), st.sampled_from([1, 30, 1023, 1025, 2600]))
+@settings(deadline=None, max_examples=60)
+def test_any_words_come_back_from_compression_and_damaged_bytes_stay_inside(
+    kind: int, spread: int, seed: int, count: int
+) -> None:
+    rng = np.random.default_rng(seed)
+    words = rng.integers(0, 2 ** min(spread, 63), count, dtype=np.uint64, endpoint=True)
+    if kind & 1:
+        words = np.cumsum(words, dtype=np.uint64)
+    if kind & 2:
+        words = words << np.uint64(spread % 64)
+    content = _core.compress(words)
+    back = np.empty_like(words)
+    _core.decompress(content, back)
+    assert back.tobytes() == words.tobytes()
+    for _ in range(20):
+        flipped = content.copy()
+        flipped[rng.integers(content.size)] ^= 1 << rng.integers(8)
+        with contextlib.suppress(hb.InputError):
+            _core.decompress(flipped, back)
+    for other in (content[:-1], np.append(content, np.uint8(0))):
+        with pytest.raises(hb.InputError, match="compressed column: is damaged"):
+            _core.decompress(other, back)
 
 
 def test_a_wall_saved_while_it_grows_is_one_of_its_moments(tmp_path: Path) -> None:
@@ -214,12 +298,24 @@ def npy(array: Any) -> bytes:
     return out.getvalue()
 
 
+def save_version_1(wall: hb.Wall, path: Path) -> None:
+    """Write an archive as helibore did before it compressed arrays."""
+    wall.save(path)
+    with zipfile.ZipFile(path) as old:
+        members = {name: old.read(name) for name in old.namelist()}
+    contents = json.loads(members.pop("helibore.json"))
+    with zipfile.ZipFile(path, "w") as new:
+        new.writestr("helibore.json", json.dumps(contents | {"version": 1}))
+        for name, content in members.items():
+            new.writestr(f"{name}.npy", npy(decompressed(content)))
+
+
 def test_newer_and_incomplete_archives_are_refused(tmp_path: Path) -> None:
     path = tmp_path / "a.wall"
     wall = oval()
     wall.save(path)
-    altered(path, version=2, helibore="9.1")
-    refused(path, rf"an archive of version 2, written by helibore 9\.1; this is helibore {hb.__version__}, which reads")
+    altered(path, version=3, helibore="9.1")
+    refused(path, rf"an archive of version 3, written by helibore 9\.1; this is helibore {hb.__version__}, which reads")
     wall.save(path)
     altered(path, settings={"bit_diameter": BIT, "magic": 3})
     refused(path, r"settings magic: written by helibore .*; helibore .* lacks these settings$")
@@ -228,9 +324,24 @@ def test_newer_and_incomplete_archives_are_refused(tmp_path: Path) -> None:
     altered(path, settings={})
     refused(path, "not the archive of a wall: TypeError")
     wall.save(path)
+    rewritten(path, "vertices/nearest", None)
+    refused(path, r"damaged: vertices/nearest is missing$")
+    wall.save(path)
+    head = npy(wall.samples.depth)[: -8 * 4000]
+    rewritten(path, "samples/depth", head + _core.compress(wall.samples.depth.view(np.uint64)).tobytes()[:-1])
+    refused(path, r"damaged: samples/depth \(4000,\): compressed column: is damaged$")
+    rewritten(path, "samples/depth", head.replace(b"(4000,), }         ", b"(90000000000000,), "[:-1] + b"}"))
+    refused(path, r"samples/depth: unpacks to more than 200 times its size, and to more than")
+
+
+def test_incomplete_archives_of_version_1_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.wall"
+    wall = oval()
+    save_version_1(wall, path)
+    assert bits(hb.load(path)) == bits(wall)
     rewritten(path, "vertices/nearest.npy", None)
     refused(path, r"damaged: vertices/nearest\.npy is missing$")
-    wall.save(path)
+    save_version_1(wall, path)
     rewritten(path, "samples/depth.npy", npy(wall.samples.depth.astype(np.float32)))
     refused(path, r"damaged: samples/depth is float32 \(4000,\)$")
     rewritten(path, "samples/depth.npy", npy(wall.samples.depth)[:-8])
@@ -262,7 +373,8 @@ def test_values_that_this_version_would_not_make_are_refused_unless_asked_for(tm
     wall.save(path)
     radius = wall.radius
     radius[17] += 1e-9
-    rewritten(path, "vertices/radius.npy", npy(radius))
+    content = npy(radius)[: -radius.nbytes] + _core.compress(radius.view(np.uint64)).tobytes()
+    rewritten(path, "vertices/radius", content)
     advice = r"hb\.load\(\.\.\., recompute=True\) accepts"
     refused(path, rf"radius\[17\] = 0\.\d+: saved by helibore .* computes 0\.\d+; {advice}")
     assert bits(hb.load(path, recompute=True)) == bits(wall)

@@ -1,0 +1,246 @@
+#include "helibore/compression.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+#include "helibore/error.hpp"
+
+namespace helibore {
+
+static_assert(std::endian::native == std::endian::little);
+
+namespace {
+
+using Word = std::uint64_t;
+using Bytes = std::vector<std::uint8_t>;
+
+constexpr std::size_t block = 1024;
+constexpr std::size_t most_entries = 1 << 16;
+constexpr std::size_t word_bytes = sizeof(Word);
+constexpr std::size_t block_head = word_bytes + 1;
+enum Form : std::uint8_t { as_steps = 1, in_table = 2 };
+
+// What stands before the bits of a block.
+struct Head {
+    Word least;
+    int width;
+
+    std::size_t words(std::size_t count) const { return (count * static_cast<std::size_t>(width) + 63) / 64; }
+};
+
+Head head_of(std::span<const Word> numbers) {
+    auto least = static_cast<std::int64_t>(numbers[0]), greatest = least;
+    for (const Word number : numbers) {
+        least = std::min(least, static_cast<std::int64_t>(number));
+        greatest = std::max(greatest, static_cast<std::int64_t>(number));
+    }
+    const auto first = static_cast<Word>(least);
+    return {first, static_cast<int>(std::bit_width(static_cast<Word>(greatest) - first))};
+}
+
+template <class Job>
+void for_each_block(std::size_t count, const Job& job) {
+    for (std::size_t start = 0; start < count; start += block) job(start, std::min(block, count - start));
+}
+
+void write_word(Bytes& bytes, Word word) {
+    const std::size_t end = bytes.size();
+    bytes.resize(end + word_bytes);
+    std::memcpy(bytes.data() + end, &word, word_bytes);
+}
+
+void write_block(Bytes& bytes, std::span<const Word> numbers) {
+    const Head head = head_of(numbers);
+    write_word(bytes, head.least);
+    bytes.push_back(static_cast<std::uint8_t>(head.width));
+    Word bits = 0;
+    int used = 0;
+    for (const Word number : numbers) {
+        const Word value = number - head.least;
+        bits |= value << used;
+        used += head.width;
+        if (used < 64) continue;
+        write_word(bytes, bits);
+        used -= 64;
+        bits = used == 0 ? 0 : value >> (head.width - used);
+    }
+    if (used > 0) write_word(bytes, bits);
+}
+
+// Words in one of the four forms. The numbers of a block are made when they are needed: columns are large.
+struct Formed {
+    std::span<const Word> words;
+    int form = 0, shift = 0;
+    std::vector<Word> table;
+    std::vector<std::uint32_t> places;  // in the table, one for each word
+    std::size_t size = 0;               // of the bytes
+
+    Word stated(std::size_t i) const { return form & as_steps && i > 0 ? words[i] - words[i - 1] : words[i]; }
+
+    std::span<const Word> numbers(std::size_t start, std::span<Word> into) const {
+        for (std::size_t i = 0; i < into.size(); ++i)
+            into[i] = form & in_table ? places[start + i] : stated(start + i) >> shift;
+        return into;
+    }
+
+    template <class Job>
+    void for_each_block_of_numbers(const Job& job) const {
+        Word some[block];
+        for_each_block(words.size(), [&](std::size_t start, std::size_t count) {
+            job(numbers(start, std::span<Word>(some).first(count)));
+        });
+    }
+
+    void measure() {
+        size = 2 + (form & in_table ? word_bytes * (table.size() + 1) : 0);
+        for_each_block_of_numbers(
+            [&](std::span<const Word> some) { size += block_head + word_bytes * head_of(some).words(some.size()); });
+    }
+};
+
+Formed shifted(std::span<const Word> words, int form) {
+    Formed made;
+    made.words = words;
+    made.form = form;
+    Word any = 0;
+    for (std::size_t i = 0; i < words.size(); ++i) any |= made.stated(i);
+    made.shift = any == 0 ? 0 : static_cast<int>(std::countr_zero(any));
+    made.measure();
+    return made;
+}
+
+// Returns nothing if there are too many different words or steps for a table.
+std::optional<Formed> tabled(std::span<const Word> words, int form) {
+    constexpr int slot_bits = 18;
+    std::vector<std::uint32_t> slots(std::size_t{1} << slot_bits);  // 0: empty; else the place in the table, plus 1
+    const std::size_t most = std::min(most_entries, words.size() / 2);
+    Formed made;
+    made.words = words;
+    made.form = form | in_table;
+    made.places.reserve(words.size());
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        const Word word = made.stated(i);
+        auto at = static_cast<std::size_t>((word ^ word >> 29) * 0x9E3779B97F4A7C15u >> (64 - slot_bits));
+        while (slots[at] != 0 && made.table[slots[at] - 1] != word) at = (at + 1) % slots.size();
+        if (slots[at] == 0) {
+            if (made.table.size() >= most) return std::nullopt;
+            made.table.push_back(word);
+            slots[at] = static_cast<std::uint32_t>(made.table.size());
+        }
+        made.places.push_back(slots[at] - 1);
+    }
+    made.measure();
+    return made;
+}
+
+// Takes bytes from the front of what is left.
+class Reader {
+  public:
+    explicit Reader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
+
+    std::span<const std::uint8_t> take(std::size_t count) {
+        require(count <= bytes_.size());
+        const auto taken = bytes_.first(count);
+        bytes_ = bytes_.subspan(count);
+        return taken;
+    }
+    int byte() { return take(1)[0]; }
+    Word word() {
+        Word word = 0;
+        std::memcpy(&word, take(word_bytes).data(), word_bytes);
+        return word;
+    }
+    std::size_t left() const { return bytes_.size(); }
+
+    static void require(bool right) {
+        if (!right) throw InputError("compressed column", "is damaged");
+    }
+
+  private:
+    std::span<const std::uint8_t> bytes_;
+};
+
+// Reads the next numbers and calls set(i, number) for each.
+template <class Set>
+void read_block(Reader& reader, std::size_t count, const Set& set) {
+    const Head head{reader.word(), reader.byte()};
+    Reader::require(head.width <= 64);
+    const auto bytes = reader.take(word_bytes * head.words(count));
+    std::uint8_t bits[word_bytes * (block + 1)];  // one word more, so that the last number may look at the next one
+    std::memcpy(bits, bytes.data(), bytes.size());
+    std::memset(bits + bytes.size(), 0, word_bytes);
+    const auto width = static_cast<std::size_t>(head.width);
+    const Word mask = width == 0 ? 0 : ~Word{0} >> (64 - width);
+    const auto word_at = [&bits](std::size_t byte) {
+        Word word = 0;
+        std::memcpy(&word, bits + byte, word_bytes);
+        return word;
+    };
+    if (width <= 57) {  // within 8 bytes
+        for (std::size_t i = 0, place = 0; i < count; ++i, place += width)
+            set(i, head.least + (word_at(place / 8) >> place % 8 & mask));
+    } else {
+        for (std::size_t i = 0, place = 0; i < count; ++i, place += width) {
+            const std::size_t byte = place / 64 * word_bytes, from = place % 64;
+            set(i, head.least + ((word_at(byte) >> from | word_at(byte + word_bytes) << 1 << (63 - from)) & mask));
+        }
+    }
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> compress(std::span<const std::uint64_t> words) {
+    Formed best = shifted(words, 0);
+    const auto consider = [&best](std::optional<Formed> made) {
+        if (made && made->size < best.size) best = *std::move(made);
+    };
+    consider(shifted(words, as_steps));
+    consider(tabled(words, 0));
+    consider(tabled(words, as_steps));
+    Bytes bytes;
+    bytes.reserve(best.size);
+    bytes.push_back(static_cast<std::uint8_t>(best.form));
+    bytes.push_back(static_cast<std::uint8_t>(best.shift));
+    if (best.form & in_table) {
+        write_word(bytes, best.table.size());
+        for (const Word word : best.table) write_word(bytes, word);
+    }
+    best.for_each_block_of_numbers([&](std::span<const Word> numbers) { write_block(bytes, numbers); });
+    return bytes;
+}
+
+void decompress(std::span<const std::uint8_t> bytes, std::span<std::uint64_t> words) {
+    Reader reader(bytes);
+    const int form = reader.byte(), shift = reader.byte();
+    Reader::require(form <= (as_steps | in_table) && shift < 64);
+    std::vector<Word> table;
+    if (form & in_table) {
+        const Word entries = reader.word();
+        Reader::require(entries <= most_entries);
+        table.resize(entries);
+        for (Word& entry : table) entry = reader.word();
+    }
+    const auto read = [&](const auto& stated) {
+        Word last = 0;
+        for_each_block(words.size(), [&](std::size_t start, std::size_t count) {
+            Word* const into = words.data() + start;
+            if (form & as_steps)
+                read_block(reader, count, [&](std::size_t i, Word number) { into[i] = last += stated(number); });
+            else
+                read_block(reader, count, [&](std::size_t i, Word number) { into[i] = stated(number); });
+        });
+    };
+    if (form & in_table)
+        read([&table](Word number) {
+            Reader::require(number < table.size());
+            return table[number];
+        });
+    else
+        read([shift](Word number) { return number << shift; });
+    Reader::require(reader.left() == 0);
+}
+
+}  // namespace helibore
