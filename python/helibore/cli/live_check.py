@@ -44,11 +44,11 @@ def _rows(settings: Configuration, source: Source) -> Iterator[Row]:
         name: str, items: Sequence[Item], unit: str | None, usual: str = "", known: tuple[str, float] | None = None
     ) -> Row:
         if source.units == "sent":
-            curves = [source.name_of(one) for one in items]
+            curves = [one.name or "the index" for one in items]
             return name, _span(list(dict.fromkeys(curves))), "", "in the unit that the store sends"
         remarks = [f"{known[0]} comes as {known[1] / items[0].scale:.6g}"] if known else []
         remarks += [f"no unit stated: taken as {usual}"] if usual and not unit else []
-        return name, _span([source.name_of(one) for one in items]), unit or usual, "; ".join(remarks)
+        return name, _span([one.name for one in items]), unit or usual, "; ".join(remarks)
 
     for name, item in source.rig.items():
         depths = name in ("bit_depth", "hole_depth")

@@ -32,20 +32,20 @@ def test_a_full_configuration_is_read_in_core_units():
     )
     rig = c.sources["rig"]
     assert rig.address == Address("listen", "::1", 9872)
-    assert rig.rig == {"bit_depth": Item(108, 0.3048), "hole_depth": Item(110, 1.0), "rotation": Item(120)}
+    assert rig.rig == {"bit_depth": Item("0108", 0.3048), "hole_depth": Item("0110", 1.0), "rotation": Item("0120")}
     assert rig.nulls == [-9999.0, 9999.5]
     assert (rig.mode, rig.message, [str(one) for one in rig.allow]) == (
         "poll",
         (wits.POLL, 2.0),
         ["127.0.0.1/32", "::1/128"],
     )
-    assert [item.code for item in rig.caliper.radius] == [5010, 5012]
-    assert [item.code for item in rig.caliper.toolface] == [5011, 5013]
+    assert [item.name for item in rig.caliper.radius] == ["5010", "5012"]
+    assert [item.name for item in rig.caliper.toolface] == ["5011", "5013"]
     assert rig.caliper.radius[0].scale == 0.0254 / 2
     assert rig.caliper.depth == []
-    assert [item.code for item in rig.images[0].sectors] == [5110, 5111, 5112, 5113]
+    assert [item.name for item in rig.images[0].sectors] == ["5110", "5111", "5112", "5113"]
     assert rig.images[0].layout == Layout("edge", "high-side", "counterclockwise", 45.0)
-    assert [(item.code, item.scale) for item in rig.station] == [(708, 0.3048), (713, 1.0), (714, 1.0)]
+    assert [(item.name, item.scale) for item in rig.station] == [("0708", 0.3048), ("0713", 1.0), ("0714", 1.0)]
     assert rig.records == [1, 7, 50, 51]
     assert c.layers == {"main": ["drill", "rescan", "unknown"], "ream": ["ream"]}
     assert (c.journal.folder, c.journal.sync_interval, c.wall["sectors"]) == ("j", 0.05, 32)

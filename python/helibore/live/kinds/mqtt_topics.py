@@ -6,6 +6,7 @@ import json
 import os
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Annotated, Any, Literal
 from urllib.parse import urlsplit
 
@@ -21,7 +22,7 @@ from helibore.live.model.sequence import SequenceWatch
 from helibore.live.rules.checks import within
 from helibore.live.rules.depth_limits import DepthLimits
 from helibore.live.rules.kinds import Position, Report, SourceKind
-from helibore.live.rules.sources import LENGTHS, Context, Item, NamedSource, Text
+from helibore.live.rules.sources import LENGTHS, Context, NamedSource, Text
 from helibore.live.wire.address import Address
 from helibore.live.wire.mqtt_link import MqttOpener
 from helibore.live.wire.redaction import check_password
@@ -73,11 +74,11 @@ class MqttSource(NamedSource):
         if self.caliper:
             half = 0.5 if self.caliper.measures == "diameter" else 1.0
             self.caliper._derive(
-                radius=[Item(item.code, size * half) for item in self.caliper.radius],
-                depth=[Item(item.code, depth) for item in self.caliper.depth],
+                radius=[replace(item, scale=size * half) for item in self.caliper.radius],
+                depth=[replace(item, scale=depth) for item in self.caliper.depth],
             )
         scales = {"bit_depth": depth, "hole_depth": depth}
-        self._derive(rig={name: Item(item.code, scales.get(name, 1.0)) for name, item in self.rig.items()})
+        self._derive(rig={name: replace(item, scale=scales.get(name, 1.0)) for name, item in self.rig.items()})
         if bool(self.user) != bool(self.password_env):
             raise InputError("", "user and password_env must both be set, or neither")
         if self.user and self.address.kind == "mqtt" and not self.address.is_loopback:

@@ -110,7 +110,7 @@ class SourceReader:
     doubts
         What is wrong with the stream now, by rule.
     seen
-        For each code of an `Item`, whether a value with this code has come.
+        The names of the items that came, sorted.
     """
 
     STATE: tuple[str, ...] = (
@@ -129,21 +129,24 @@ class SourceReader:
         self._connection = -1
         self.counts = dict.fromkeys(self._parser.counts, 0)
         self.watches: dict[int, SequenceWatch] = {100 * record + 4: SequenceWatch() for record in source.records}
-        self._column = np.full(10_000, -1, np.int64)
-        self._codes = sorted({*self.watches, *source.mapped})
-        self._column[self._codes] = np.arange(len(self._codes))
+        names = dict.fromkeys([*map(source.name_of, self.watches), *source.mapped])
+        self._column = {name: column for column, name in enumerate(names)}
+        self._column_of = np.full(10_000, -1, np.int64)  # the same by code
+        self._column_of[[source.number_of(name) for name in names]] = np.arange(len(names))
         caliper = source.caliper
         triple = (caliper.depth, caliper.toolface, caliper.radius) if caliper else ()
         self._caliper = [self._places(items) for items in triple]
         self._measured = np.unique(self._places(source.measured)[0])
         depths = [*(caliper.depth if caliper else []), *source.station[:1]]
         depths += [image.depth for image in source.images if image.depth]
-        self._distinguishing = np.append(self._column[[*self.watches]], self._places(depths)[0])
+        numbers = [self._column[source.name_of(code)] for code in self.watches]
+        self._distinguishing = np.append(np.array(numbers, np.int64), self._places(depths)[0])
         self._recent: OrderedDict[bytes, None] = OrderedDict()
         self._pass_number = NO_NUMBER
         self._toolfaces: list[float] = []  # the first FIRST_TOOLFACES
         self.seems_radians = ""
-        self.seen = np.zeros(10_000, bool)
+        self._seen: set[str] = set()
+        self._seen_codes = np.zeros(10_000, bool)
         self.doubts: dict[str, str] = {}
         # The bytes that the parser holds, and for each record that brought them: offset of its end, wall clock time.
         self._held = bytearray()
@@ -155,8 +158,18 @@ class SourceReader:
 
     def _places(self, items: list[Item]) -> tuple[Integers, Values]:
         """Return the table columns and the scales of ``items``."""
-        codes = np.array([item.code for item in items], np.int64)
-        return self._column[codes], np.array([item.scale for item in items])
+        columns = np.array([self._column[item.name] for item in items], np.int64)
+        return columns, np.array([item.scale for item in items])
+
+    @property
+    def seen(self) -> list[str]:
+        return sorted(self._seen)
+
+    @seen.setter
+    def seen(self, names: list[str] | npt.NDArray[np.bool_]) -> None:
+        if isinstance(names, np.ndarray):  # older checkpoints have an entry for each number
+            names = [self.source.name_of(number) for number in np.flatnonzero(names).tolist()]
+        self._seen = set(names)
 
     def read(self, chunk: Chunk) -> list[Reading]:
         """Return the columns of the frames that ``chunk`` completes."""
@@ -202,17 +215,14 @@ class SourceReader:
         else:
             before._add_counts()
         for name, steps in self._steps.items():
-            if name in before._steps and self._is_same(before, self.source.rig[name], before.source.rig[name]):
+            if name in before._steps and self.source.rig[name] == before.source.rig[name]:
                 before._steps[name].limits = steps.limits
                 self._steps[name] = before._steps[name]
-        if self._is_same(before, self.source.items.pass_number, before.source.items.pass_number):
+        if self.source.items.pass_number == before.source.items.pass_number:
             self._pass_number = before._pass_number
         self.counts = {name: before.counts.get(name, 0) for name in self.counts}
         self.watches |= {code: watch for code, watch in before.watches.items() if code in self.watches}
-        self._connection, self._recent, self.seen = before._connection, before._recent, before.seen
-
-    def _is_same(self, before: SourceReader, item: Item | None, earlier: Item | None) -> bool:
-        return self.source.origin(item) == before.source.origin(earlier)
+        self._connection, self._recent, self._seen = before._connection, before._recent, before._seen
 
     @property
     def recent(self) -> bytes:
@@ -265,7 +275,7 @@ class SourceReader:
 
     def unmapped(self) -> list[str]:
         """Return the names of the items that came and that no setting maps."""
-        return [f"{code:04d}" for code in np.flatnonzero(self.seen).tolist() if code not in self.source.mapped]
+        return [name for name in self.seen if name not in self.source.mapped]
 
     def position(self) -> object | None:
         """Return how far the reader has come, for a source that is asked from there; None: from the beginning."""
@@ -278,12 +288,12 @@ class SourceReader:
             return ""
         if not self.total("frames"):
             return self.nothing
-        if caliper is None or not self.seen.any():
+        if caliper is None or not self._seen:
             return ""
         bit = [source.rig["bit_depth"]] if "bit_depth" in source.rig and not caliper.depth else []
         needed = {"toolface": caliper.toolface, "radius": caliper.radius, "depth": caliper.depth, "bit_depth": bit}
-        lacking = [f"{name} ({self.word} {source.name_of(items[0])})" for name, items in needed.items()
-                   if items and not self.seen[[item.code for item in items]].any()]  # fmt: skip
+        lacking = [f"{name} ({self.word} {items[0].name or 'the index'})" for name, items in needed.items()
+                   if items and self._seen.isdisjoint(item.name for item in items)]  # fmt: skip
         if not lacking:
             return ""
         others = self.unmapped()
@@ -306,10 +316,12 @@ class SourceReader:
 
     def _table(self, batch: wits.Batch, reading: Reading) -> tuple[Values, npt.NDArray[np.uint8]]:
         items, frames = batch.items, batch.frames
-        values = np.full((len(frames), len(self._codes)), np.nan)
+        values = np.full((len(frames), len(self._column)), np.nan)
         states = np.zeros(values.shape, np.uint8)
-        self.seen[items["code"]] = True
-        column = self._column[items["code"]]
+        if not self._seen_codes[items["code"]].all():
+            self._seen_codes[items["code"]] = True
+            self._seen.update(map(self.source.name_of, np.flatnonzero(self._seen_codes).tolist()))
+        column = self._column_of[items["code"]]
         mapped = np.flatnonzero(column >= 0)[::-1]  # backwards: of an item that a frame has twice, the first one counts
         of = np.repeat(np.arange(len(frames)), frames["items"])
         row = of[mapped]
@@ -320,7 +332,7 @@ class SourceReader:
         bad = mapped[items["flags"][mapped] == wits.INVALID][::-1]
         self._report_invalid(bad, batch, reading, values)
         if len(mapped) != np.count_nonzero(states):
-            pairs = (row * len(self._codes) + column[mapped])[::-1]
+            pairs = (row * len(self._column) + column[mapped])[::-1]
             twice = np.delete(mapped[::-1], np.unique(pairs, return_index=True)[1])
             words = "occurs twice in a frame; the first one counts"
             self._events.report_rows(twice, lambda item: self._item_event(item, batch, reading, "twice", words))
@@ -350,12 +362,12 @@ class SourceReader:
         """Return the frames whose pass number is not a whole number in the allowed range."""
         if self.source.items.pass_number is None:
             return np.empty(0, np.int64)
-        number = values[:, self._column[self.source.items.pass_number.code]]
+        number = values[:, self._column[self.source.items.pass_number.name]]
         return np.flatnonzero(~np.isnan(number) & ~_counts_passes(number))
 
     def _wrong_number(self, row: int, reading: Reading, values: Values) -> Event:
         assert self.source.items.pass_number is not None
-        number = values[row, self._column[self.source.items.pass_number.code]]
+        number = values[row, self._column[self.source.items.pass_number.name]]
         text = f"pass number {number:g}: must be a whole number from 0 to {LARGEST}"
         return self._event(int(reading.wall[row]), "invalid", text, int(reading.line[row]))
 
@@ -419,7 +431,7 @@ class SourceReader:
         flags = np.zeros(len(values), np.int64)
         events: list[tuple[int, str, str]] = []
         for code, watch in self.watches.items():
-            numbers = values[:, self._column[code]]
+            numbers = values[:, self._column[self.source.name_of(code)]]
             if np.isnan(numbers).all():
                 continue
             found, reported = watch.take(numbers)
@@ -452,7 +464,7 @@ class SourceReader:
         return f"jumps by more than {self._limits.jump:g} m, and nothing confirms it yet"
 
     def _value(self, values: Values, item: Item) -> Values:
-        scaled: Values = values[:, self._column[item.code]] * item.scale
+        scaled: Values = values[:, self._column[item.name]] * item.scale
         return scaled
 
     def _pass_numbers(self, values: Values, states: npt.NDArray[np.uint8], flags: Integers) -> Integers:
@@ -463,7 +475,7 @@ class SourceReader:
         item = self.source.items.pass_number
         if item is None:
             return np.full(len(values), NO_NUMBER)
-        column = self._column[item.code]
+        column = self._column[item.name]
         number, said = values[:, column], states[:, column] != ABSENT
         whole = _counts_passes(number)
         own = np.where(whole, number, NO_NUMBER).astype(np.int64)
@@ -538,7 +550,7 @@ class SourceReader:
 
     def _images(self, reading: Reading, values: Values, states: npt.NDArray[np.uint8], flags: Integers) -> None:
         for image in self.source.images:
-            sectors = [int(self._column[item.code]) for item in image.sectors]
+            sectors = [self._column[item.name] for item in image.sectors]
             frame = np.flatnonzero((states[:, sectors] == VALUE).any(axis=1))
             if not len(frame):
                 continue

@@ -708,7 +708,7 @@ def _frames_of(reading: Reading, source: str) -> list[Frame]:
 
 def _depth_items(source: Source | None) -> object:
     """Return the items that state the depths of a source's samples; none if the depths follow from the bit depth."""
-    return [source.origin(item) for item in source.caliper.depth] if source and source.caliper else []
+    return source.caliper.depth if source and source.caliper else []
 
 
 def _checksum(wall: WallState) -> int:

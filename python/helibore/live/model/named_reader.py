@@ -9,7 +9,7 @@ import numpy as np
 from helibore.live.model.events import Event, EventBook
 from helibore.live.model.mapping import INVALID, NULL, VALUE, Reading, SourceReader
 from helibore.live.rules.depth_limits import DepthLimits
-from helibore.live.rules.sources import INDEX, NamedSource
+from helibore.live.rules.sources import NamedSource
 
 MOST_NAMES = 200
 """The most names that are remembered of values that no setting maps."""
@@ -24,18 +24,13 @@ class NamedReader(SourceReader):
     def __init__(self, source: NamedSource, events: EventBook, limits: DepthLimits) -> None:
         super().__init__(source, events, limits)
         self._named = source
-        self._known = {curve.mnemonic for curve in source.curves}
+        self._known = {curve.name for curve in source.curves}
         self._unmapped: dict[str, None] = {}
 
     def go_on_from(self, before: SourceReader) -> None:
-        """As `SourceReader.go_on_from`; a name that was seen stays seen, although its number may be another one."""
+        """As `SourceReader.go_on_from`; the names that no setting maps are remembered, too."""
         super().go_on_from(before)
         if isinstance(before, NamedReader):
-            came = {curve.mnemonic for code, curve in enumerate(before._named.curves, INDEX + 1) if before.seen[code]}
-            self.seen = np.zeros_like(before.seen)
-            self.seen[INDEX] = before.seen[INDEX]
-            for code, curve in enumerate(self._named.curves, INDEX + 1):
-                self.seen[code] = curve.mnemonic in came
             self._note(before._unmapped)
 
     def unmapped(self) -> list[str]:
@@ -52,15 +47,15 @@ class NamedReader(SourceReader):
 
         ``scales`` has the factor to core units of each name whose unit the source sends.
         """
-        values = np.full((len(rows), len(self._codes)), np.nan)
+        values = np.full((len(rows), len(self._column)), np.nan)
         states = np.zeros(values.shape, np.uint8)
-        for code, curve in enumerate(self._named.curves, INDEX + 1):
-            column, name, bad = self._column[code], curve.mnemonic, dict[int, object]()
+        for curve in self._named.curves:
+            column, name, bad = self._column[curve.name], curve.name, dict[int, object]()
             for place, row in enumerate(rows):
                 if name not in row:
                     continue
                 value = row[name]
-                self.seen[code] = True
+                self._seen.add(name)
                 if value is None or value == "" or value in self.source.nulls:
                     states[place, column] = NULL
                 elif isinstance(value, bool) or not isinstance(value, (int, float)) or not np.isfinite(value):

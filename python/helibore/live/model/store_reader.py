@@ -32,7 +32,7 @@ from helibore.live.model.mapping import (
 )
 from helibore.live.model.named_reader import NamedReader
 from helibore.live.rules.depth_limits import DepthLimits
-from helibore.live.rules.sources import INDEX, Curve, StoreSource
+from helibore.live.rules.sources import INDEX, Item, StoreSource
 from helibore.live.wire import witsml
 
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?")
@@ -143,7 +143,7 @@ class StoreReader(NamedReader):
             return None
         time, order, wall = (np.full(len(numbers), value, np.int64) for value in stamp)
         reading = Reading(time, order + np.arange(len(numbers)), wall, np.array(numbers), self._connection)
-        values = np.full((len(numbers), len(self._codes)), np.nan)
+        values = np.full((len(numbers), len(self._column)), np.nan)
         states = np.zeros(values.shape, np.uint8)
         self._read_cells(log, numbers, values, states, stamp[2])
         self._unmeasured(states)
@@ -187,7 +187,7 @@ class StoreReader(NamedReader):
         """
         store, scale = self._store, 1.0
         if store.index == "depth" and log.rows:
-            found = self._scale(Curve(log.mnemonics[0], units.LENGTH), log.units[0], wall)
+            found = self._scale(Item(log.mnemonics[0], kind=units.LENGTH), log.units[0], wall)
             if found is None:
                 return []
             scale = found
@@ -231,15 +231,16 @@ class StoreReader(NamedReader):
         self, log: witsml.LogRows, numbers: list[int], values: Values, states: npt.NDArray[np.uint8], wall: int
     ) -> None:
         """Write the cells of the mapped curves to ``values`` and ``states``, one block of rows at a time."""
-        curves = {INDEX: Curve(log.mnemonics[0], units.LENGTH)} if self._store.index == "depth" else {}
-        curves |= dict(enumerate(self._store.curves, INDEX + 1))
+        curves = {curve.name: curve for curve in self._store.curves}
+        if self._store.index == "depth" and INDEX in self._column:
+            curves = {INDEX: Item(log.mnemonics[0], kind=units.LENGTH)} | curves
         self._note(log.mnemonics[1:])
         places = []
-        for code, curve in curves.items():
-            if self._column[code] >= 0 and curve.mnemonic in log.mnemonics:
-                self.seen[code] = True
-                at = log.mnemonics.index(curve.mnemonic)
-                places.append((self._column[code], at, curve.mnemonic, self._scale(curve, log.units[at], wall)))
+        for name, curve in curves.items():
+            if curve.name in log.mnemonics:
+                self._seen.add(name)
+                at = log.mnemonics.index(curve.name)
+                places.append((self._column[name], at, curve.name, self._scale(curve, log.units[at], wall)))
         for start in range(0, len(numbers), BLOCK):
             block = slice(start, start + BLOCK)
             rows = [log.rows[number - 1].split(",") for number in numbers[block]]
@@ -247,16 +248,16 @@ class StoreReader(NamedReader):
                 cells = [row[at].strip() for row in rows]
                 values[block, column], states[block, column] = self._cells(mnemonic, scale, cells, numbers[block], wall)
 
-    def _scale(self, curve: Curve, unit: str, wall: int) -> float | None:
+    def _scale(self, curve: Item, unit: str, wall: int) -> float | None:
         """Return the scale of a curve; None if its unit is wrong. An event reports each wrong unit of a curve once."""
         try:
             if curve.unit and unit.strip() and unit.strip().casefold() != curve.unit.casefold():
                 raise ValueError(f"unit '{unit}': the configuration says '{curve.unit}'")
             return units.factor(unit, curve.kind) if curve.kind else 1.0
         except ValueError as error:
-            if (curve.mnemonic, unit) not in self._bad_units and len(self._bad_units) < MOST_UNITS:
-                self._bad_units.add((curve.mnemonic, unit))
-                self._report(wall, "unit", f"curve {curve.mnemonic}: {error}: not read")
+            if (curve.name, unit) not in self._bad_units and len(self._bad_units) < MOST_UNITS:
+                self._bad_units.add((curve.name, unit))
+                self._report(wall, "unit", f"curve {curve.name}: {error}: not read")
             return None
 
     def _cells(
@@ -285,9 +286,9 @@ class StoreReader(NamedReader):
 
     def _unmeasured(self, states: npt.NDArray[np.uint8]) -> None:
         """Mark the index, if it is the depth, as absent in rows without a caliper value: these rows give no triple."""
-        caliper, place = self.source.caliper, self._column[INDEX]
-        if caliper and place >= 0:
-            spoken = self._column[[item.code for item in (*caliper.toolface, *caliper.radius)]]
+        caliper, place = self.source.caliper, self._column.get(INDEX)
+        if caliper and place is not None:
+            spoken = self._places([*caliper.toolface, *caliper.radius])[0]
             states[(states[:, spoken] == ABSENT).all(axis=1), place] = ABSENT
 
     def _trajectory(

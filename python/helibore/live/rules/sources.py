@@ -6,16 +6,15 @@
     items = { bit_depth = "0108" }                items = { bit_depth = "DBTM" }
     caliper = { first = "5010", groups = 30 }     caliper = { toolface = ["TF1"], radius = ["R1"] }
 
-While a table is read, each item becomes an `Item`: a code, and a scale to core units. A curve of a store has no code
-RRII but a mnemonic, so it gets a number in place of the code. Its values are converted when they come, by the unit that
-the store sends.
+While a table is read, each item becomes an `Item`: its name in the messages of the source, and a scale to core units.
+The values of a store's curve are converted when they come, by the unit that the store sends.
 """
 
 from __future__ import annotations
 
 import ipaddress
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, PlainValidator, field_validator
@@ -34,30 +33,34 @@ LENGTHS = {"metric": ("m", "mm"), "fps": ("ft", "in")}
 """The units of depths and of radii in each unit set (in WITS, the units of items 0108 and 0844)."""
 JUMPS = {"depth": 30.0, "time": 3600.0}
 """The default of ``jump``: metres for a log by depth, seconds for a log by time."""
-INDEX = 1
-"""The number of a store's index curve, whose mnemonic does not matter. The other curves have numbers from 2."""
+INDEX = ""
+"""The name of a store's index curve, whose mnemonic does not matter."""
 
 
 @dataclass(frozen=True)
 class Item:
-    """One mapped item: its code, and the factor from its values to core units."""
+    """One mapped item.
 
-    code: int
+    Attributes
+    ----------
+    name
+        Its name in the messages of its source: four digits RRII, a mnemonic, a key; `INDEX`.
+    scale
+        The factor from its values to core units.
+    kind, unit
+        Of an item whose unit the source sends: what the unit measures ("": anything), and the unit that it must be
+        ("": any).
+    """
+
+    name: str
     scale: float = 1.0
-
-
-@dataclass(frozen=True)
-class Curve:
-    """A curve of the log: its mnemonic, what its unit measures ("": anything), and the unit it must have ("": any)."""
-
-    mnemonic: str
-    kind: str
+    kind: str = ""
     unit: str = ""
 
 
 @dataclass
 class Context:
-    """What validators must know of the rest of the configuration, and the curves of the source that were read before.
+    """What validators must know of the rest of the configuration.
 
     ``reference`` is the reference of the path. ``lengths`` are the units of depths and radii. ``index`` is "depth" or
     "time".
@@ -68,7 +71,6 @@ class Context:
     reference: str
     lengths: tuple[str, str]
     index: str
-    curves: list[Curve] = field(default_factory=list)
 
 
 def _code(value: object) -> Item:
@@ -76,7 +78,7 @@ def _code(value: object) -> Item:
     if isinstance(value, int) and not isinstance(value, bool):
         raise ValueError(f'{rule}, in quotes: "{value:04d}"')
     try:
-        return Item(wits.code(str(value)))
+        return Item(f"{wits.code(str(value)):04d}")
     except ValueError:
         raise ValueError(rule) from None
 
@@ -109,23 +111,20 @@ class LengthTable(Table):
 def _length(value: object, info: Any) -> Item:
     usual = info.context.lengths[0]
     if not isinstance(value, dict):
-        return Item(_code(value).code, units.factor(usual, units.LENGTH))
+        return Item(_code(value).name, units.factor(usual, units.LENGTH))
     table = check(LengthTable, value)
-    return Item(table.item.code, units.factor(table.unit or usual, units.LENGTH))
+    return Item(table.item.name, units.factor(table.unit or usual, units.LENGTH))
 
 
 def _curve(kind: str) -> PlainValidator:
-    """Return the validator that turns a mnemonic into an `Item`; curves are numbered in order of their first use."""
+    """Return the validator that turns a mnemonic into an `Item`."""
 
-    def number(mnemonic: object, info: Any) -> Item:
+    def named(mnemonic: object, info: Any) -> Item:
         if not isinstance(mnemonic, str) or not mnemonic:
             raise ValueError("must be a text that is not empty")
-        curve, curves = Curve(mnemonic, kind, info.data.get("unit", "")), info.context.curves
-        if curve not in curves:
-            curves.append(curve)
-        return Item(INDEX + 1 + curves.index(curve))
+        return Item(mnemonic, kind=kind, unit=info.data.get("unit", ""))
 
-    return PlainValidator(number)
+    return PlainValidator(named)
 
 
 def _offsets(value: Any) -> float | list[float]:
@@ -133,15 +132,6 @@ def _offsets(value: Any) -> float | list[float]:
     if not all(type(one) in (int, float) and -360 <= one <= 360 for one in numbers):
         raise ValueError("must be a number from -360 to 360, or a list of such numbers")
     return [float(one) for one in numbers] if isinstance(value, list) else float(value)
-
-
-def _check_quantity(items: list[Item] | Item, info: Any) -> list[Item] | Item:
-    """Refuse a curve that is already mapped to another quantity."""
-    for item in items if isinstance(items, list) else [items]:
-        *before, curve = info.context.curves[: item.code - INDEX]
-        if any(other.mnemonic == curve.mnemonic for other in before):
-            raise InputError("", "is mapped to another quantity already", repr(curve.mnemonic))
-    return items
 
 
 def _network(network: Any) -> ipaddress.IPv4Network | ipaddress.IPv6Network:
@@ -158,7 +148,6 @@ def _refuse_password(_: object) -> None:
 
 Network = Annotated[ipaddress.IPv4Network | ipaddress.IPv6Network, PlainValidator(_network)]
 Length = Annotated[Item, PlainValidator(_length)]
-OneQuantity = AfterValidator(_check_quantity)
 LengthCurve = Annotated[Item, _curve(units.LENGTH)]
 RotationCurve = Annotated[Item, _curve(units.ROTATION)]
 AngleCurve = Annotated[Item, _curve(units.ANGLE)]
@@ -178,11 +167,11 @@ class RigTable(Table):
 class StoreRig(RigTable):
     """The curves of a store that have the rig quantities and the pass number."""
 
-    bit_depth: Annotated[LengthCurve, OneQuantity] | None = None
-    hole_depth: Annotated[LengthCurve, OneQuantity] | None = None
-    rotation: Annotated[RotationCurve, OneQuantity] | None = None
-    activity: Annotated[PlainCurve, OneQuantity] | None = None
-    pass_number: Annotated[PlainCurve, OneQuantity] | None = None
+    bit_depth: LengthCurve | None = None
+    hole_depth: LengthCurve | None = None
+    rotation: RotationCurve | None = None
+    activity: PlainCurve | None = None
+    pass_number: PlainCurve | None = None
 
 
 class CaliperTable(Table):
@@ -215,9 +204,9 @@ class CaliperTable(Table):
         offsets = self.toolface_offset
         if isinstance(offsets, list) and len(offsets) != lengths["toolface"]:
             raise InputError("toolface_offset", f"must be a number, or a list of {lengths['toolface']}", repr(offsets))
-        codes = [[item.code for item in columns[name]] for name in ("toolface", "depth") if name in columns]
+        names = [[item.name for item in columns[name]] for name in ("toolface", "depth") if name in columns]
         turned = offsets if isinstance(offsets, list) else [offsets] * lengths["toolface"]
-        if len(set(zip(*codes, turned, strict=True))) < len(turned):
+        if len(set(zip(*names, turned, strict=True))) < len(turned):
             rule = "several radii have one toolface: must be a list with the angle of each sensor"
             rule += ", such as [0, 90, 180, 270]"
             raise InputError("toolface_offset", rule, repr(offsets))
@@ -225,7 +214,7 @@ class CaliperTable(Table):
         if len(limits) != 2 or not 0 < limits[0] < limits[1]:
             raise InputError("radius_range", "must be [least, most] in metres, 0 < least < most", repr(limits))
         half = 0.5 if self.measures == "diameter" else 1.0
-        columns["radius"] = [Item(item.code, item.scale * half) for item in columns["radius"]]
+        columns["radius"] = [replace(item, scale=item.scale * half) for item in columns["radius"]]
         self._derive(**columns, radius_range=limits)
 
 
@@ -257,7 +246,7 @@ class WitsCaliper(CaliperTable):
             kind = units.ANGLE if name == "toolface" else units.LENGTH
             scale = units.factor(getattr(self, f"{name}_unit") or unit, kind)
             if name in columns:
-                columns[name] = [Item(item.code, scale) for item in columns[name]]
+                columns[name] = [Item(item.name, scale) for item in columns[name]]
         self._set_items(columns, "items", context.bit_diameter)
 
 
@@ -267,9 +256,9 @@ class StoreCaliper(CaliperTable):
     Without ``depth``, the depth of a triple is the index of the log or, in a log by time, follows from the bit depth.
     """
 
-    toolface: Annotated[list[AngleCurve], OneQuantity] = Field(description="mnemonics, one for each sensor")
-    radius: Annotated[list[LengthCurve], OneQuantity] = Field(description="mnemonics, one for each sensor")
-    depth: Annotated[list[LengthCurve], OneQuantity] = []
+    toolface: list[AngleCurve] = Field(description="mnemonics, one for each sensor")
+    radius: list[LengthCurve] = Field(description="mnemonics, one for each sensor")
+    depth: list[LengthCurve] = []
     latency: Derived[float] = 0.0
 
     def model_post_init(self, context: Context) -> None:
@@ -309,7 +298,7 @@ class StoreImage(Image):
     The depth of a row is the index of the log or, in a log by time, follows from the bit depth.
     """
 
-    sectors: Annotated[list[PlainCurve], OneQuantity] = Field(description="mnemonics, one for each sector")
+    sectors: list[PlainCurve] = Field(description="mnemonics, one for each sector")
     depth: Derived[Item | None] = None
     latency: Derived[float] = 0.0
 
@@ -324,8 +313,8 @@ class StationItems(Table):
     """The items of a survey station."""
 
     depth: Length = Field("0708", validate_default=True)
-    inclination: Code = Item(713)
-    azimuth: Code = Item(715)
+    inclination: Code = Item("0713")
+    azimuth: Code = Item("0715")
 
 
 class Source(Table):
@@ -340,7 +329,7 @@ class Source(Table):
     measured
         All items of stations, caliper and images.
     mapped
-        The codes of all items that are read.
+        The names of all items that are read, in the order of the settings.
     records
         The WITS records of these items; the reader checks their sequence numbers. Empty for a store.
     images
@@ -366,7 +355,7 @@ class Source(Table):
     rig: Derived[dict[str, Item]] = {}
     station: Derived[list[Item]] = []
     measured: Derived[list[Item]] = []
-    mapped: Derived[list[int]] = []
+    mapped: Derived[list[str]] = []
     records: Derived[list[int]] = []
     images: Derived[list[Image]] = []
     limits: Derived[tuple[int, int, int]] = (wits.LINE_LIMIT, wits.FRAME_LIMIT, wits.ITEM_LIMIT)
@@ -389,7 +378,7 @@ class Source(Table):
             measured += [*image.sectors, *([image.depth] if image.depth else [])]
         rig = {name: item for name, item in self.items if item is not None and name != "pass_number"}
         number = [self.items.pass_number] if self.items.pass_number else []
-        mapped = [item.code for item in (*rig.values(), *number, *measured)]
+        mapped = list(dict.fromkeys(item.name for item in (*rig.values(), *number, *measured)))
         self._derive(name=context.name, rig=rig, images=images, measured=measured, mapped=mapped)
 
     @classmethod
@@ -397,24 +386,34 @@ class Source(Table):
         """Return what orders the rows of the source with the table ``entries``: "depth" or "time"."""
         return "time"
 
-    def origin(self, item: Item | None) -> object:
-        """Return what the source sends as ``item``, to compare it with an item of an earlier configuration."""
-        return item
+    def number_of(self, name: str) -> int:
+        """Return the number that journals have in place of the name of an item."""
+        return int(name)
 
-    def name_of(self, item: Item) -> str:
-        """Return the name of an item as its source calls it."""
-        return f"{item.code:04d}"
+    def name_of(self, number: int) -> str:
+        """Return the name of the item for which journals have ``number``."""
+        return f"{number:04d}"
+
+    def _recorded(self, value: Any) -> Any:
+        """Return a setting as journals have it: the number of an item and its scale."""
+        if isinstance(value, Item):
+            return {"code": self.number_of(value.name), "scale": value.scale}
+        return [self._recorded(one) for one in value] if isinstance(value, list) else value
 
     def meaning(self) -> dict[str, Any]:
         """Return the settings that affect the wall, without those of the transport."""
         meaning: dict[str, Any] = {"name": self.name, "units": self.units, "nulls": self.nulls, "limits": self.limits,
-                                   "items": self.rig, "survey": self.station or None}  # fmt: skip
+                                   "items": {name: self._recorded(item) for name, item in self.rig.items()},
+                                   "survey": self._recorded(self.station) or None}  # fmt: skip
         caliper = ("toolface", "radius", "depth", "offset", "latency", "toolface_offset", "radius_range")
         image = ("name", "unit", "sectors", "depth", "offset", "latency", "layout")
-        meaning["caliper"] = self.caliper and {name: getattr(self.caliper, name) for name in caliper}
-        meaning["images"] = [{name: getattr(one, name) for name in image} for one in self.images]
+        meaning["caliper"] = self.caliper and {name: self._recorded(getattr(self.caliper, name)) for name in caliper}
+        meaning["images"] = [{name: self._recorded(getattr(one, name)) for name in image} for one in self.images]
         if number := self.items.pass_number:  # older journals have no such settings
-            meaning |= {"pass_number": number, "pass_numbers": {"listed": list(self.pass_numbers.listed.items())}}
+            meaning |= {
+                "pass_number": self._recorded(number),
+                "pass_numbers": {"listed": list(self.pass_numbers.listed.items())},
+            }
         return meaning
 
     def with_meaning(self, recorded: dict[str, Any]) -> Source:
@@ -444,7 +443,7 @@ class WitsSource(Source):
         self._derive(station=[item for _, item in self.survey or ()], message=messages.get(self.mode),
                      limits=(self.line_limit, self.frame_limit, self.item_limit))  # fmt: skip
         super().model_post_init(context)
-        self._derive(records=sorted({code // 100 for code in self.mapped}))
+        self._derive(records=sorted({int(name[:2]) for name in self.mapped}))
         if self.address.kind == "listen" and not self.address.is_loopback and "allow" not in self.model_fields_set:
             raise InputError(
                 "allow", f"must be set: the addresses that may connect to a listener on {self.address.host}"
@@ -452,25 +451,47 @@ class WitsSource(Source):
 
 
 class NamedSource(Source):
-    """A source whose values have names; ``curves[n]`` has the number n + 2 as the code of its `Item`."""
+    """A source whose values have names.
+
+    Attributes
+    ----------
+    curves
+        The items without the index, each once, in the order of the settings. In journals the index has the number 1,
+        and ``curves[n]`` has n + 2.
+    """
 
     items: StoreRig = StoreRig()
     caliper: StoreCaliper | None = None
     image: dict[str, StoreImage] = {}
-    curves: Derived[list[Curve]] = []
+    curves: Derived[list[Item]] = []
 
     def model_post_init(self, context: Context) -> None:
         super().model_post_init(context)
-        self._derive(curves=context.curves)
+        curves: dict[str, Item] = {}
+        for place, items in self._mapped_items():
+            for item in items:
+                if item.name != INDEX and item != curves.setdefault(item.name, item):
+                    raise InputError(place, "is mapped to another quantity already", repr(item.name))
+        self._derive(curves=list(curves.values()))
 
-    def origin(self, item: Item | None) -> object:
-        return self.curves[item.code - INDEX - 1] if item and item.code > INDEX else item
+    def _mapped_items(self) -> Iterator[tuple[str, Sequence[Item]]]:
+        """Yield place and items of each setting, with scales of 1."""
+        for name, item in self.items:
+            yield f"items.{name}", [item] if item else []
+        if self.caliper:
+            for name in ("toolface", "radius", "depth"):
+                yield f"caliper.{name}", [replace(item, scale=1.0) for item in getattr(self.caliper, name)]
+        for name, image in self.image.items():
+            yield f"image.{name}.sectors", image.sectors
 
-    def name_of(self, item: Item) -> str:
-        return "the index" if item.code == INDEX else self.curves[item.code - INDEX - 1].mnemonic
+    def number_of(self, name: str) -> int:
+        return 1 if name == INDEX else 2 + [curve.name for curve in self.curves].index(name)
+
+    def name_of(self, number: int) -> str:
+        return self.curves[number - 2].name if number > 1 else INDEX
 
     def meaning(self) -> dict[str, Any]:
-        curves = [{"mnemonic": curve.mnemonic, "kind": curve.kind} for curve in self.curves]
+        curves = [{"mnemonic": curve.name, "kind": curve.kind} for curve in self.curves]
         return super().meaning() | {"curves": curves}
 
 
@@ -530,7 +551,7 @@ class StoreSource(NamedSource):
         if self.log is None and self.trajectory is None:
             raise InputError("", "log or trajectory must be set: the object that is polled")
         if self.curves and self.log is None:
-            raise InputError("log", f"must be set: the curve {self.curves[0].mnemonic} is read from a log")
+            raise InputError("log", f"must be set: the curve {self.curves[0].name} is read from a log")
 
     @classmethod
     def index_of(cls, entries: dict[str, Any]) -> str:
@@ -550,6 +571,7 @@ def _run(first: Item, name: str, given: int, members: int = 1) -> list[Item]:
     if not given:
         raise InputError(name, "must be set: a whole number")
     count = given * members
-    if first.code % 100 + count - 1 > 99:
-        raise InputError(name, f"items {first.code:04d} and {count - 1} more must not pass item 99", str(given))
-    return [Item(code) for code in range(first.code, first.code + count)]
+    code = int(first.name)
+    if code % 100 + count - 1 > 99:
+        raise InputError(name, f"items {first.name} and {count - 1} more must not pass item 99", str(given))
+    return [Item(f"{one:04d}") for one in range(code, code + count)]
