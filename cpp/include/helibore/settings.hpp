@@ -26,7 +26,7 @@ struct Settings {
     std::optional<double> stop_depth = {};   // the wall ends here; none: at the last sample along the helix
     double start_toolface = 0.0;             // toolface of vertex 0, degrees
     int neighbors = 8;                       // V: how many nearest samples give a radius, 1 to 256; kriging: 1 to 64;
-                                             // near_and_far: as many from each of three sets, 1 to 21
+                                             // near_and_far: search/near_far.hpp, 1 to 21
     std::optional<Index> window = {};        // U: search only this many consecutive samples; none: all samples
     double power = 1.0;                      // weight = distance^-power; above 0, at most 100
     double max_distance = 1.0;               // metres, 1e-9 or more; samples farther away are not used; may be no_limit

@@ -1,14 +1,16 @@
 // Kriging with near and far neighbours, by the covariance of the hole (Settings::covariance).
 //
-// The neighbours of a vertex are V samples of each of three sets; a sample in several of them counts once:
+// The vertices 8 g to 8 g + 7 of the helix share their neighbours, and so one system of equations with a right side for
+// each (kernel/near_far.hpp). These are, each sample once:
 //
-//     near, short metric      the nearest samples by hypot(R turn / around, depth / along) of the first term
-//     near, long metric       the same by the second term: along an arm, into the next turn
-//     far                     the nearest in the long metric of a thinned set, so that they lie on all sides
+//     near, short metric      for each vertex, the V / 2 nearest by hypot(R turn / around, depth / along) of term 1
+//     near, long metric       the same by term 2: along an arm, into the next turn
+//     far                     the V of a thinned set that are nearest to the group in the long metric: on all sides
 //
 // The thinned set holds the first sample, in canonical order, of each cell of the hole: `share` of the long term's
 // lengths along and around. It depends on nothing else, so it belongs to the canonical order. Samples farther than
-// max_distance, on a wall of radius R, are not used. Nothing iterates: R is a setting.
+// max_distance from the vertex (far: from the group), on a wall of radius R, are not used. Nothing iterates: R is a
+// setting.
 #pragma once
 
 #include <memory>
@@ -27,29 +29,34 @@ class NearFar {
     // Memory of one worker.
     struct Scratch;
 
-    // As the functions of Search.
-    void run(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Search::Scratch& scratch,
+    // As the functions of Search; run() also sets vertices from the vertex count on.
+    void run(const Samples& samples, const Helix& helix, Index group, Search::Scratch& scratch,
              GroupResult& result) const;
     void interpolate(const Samples& samples, const Helix& helix, Index group, Index vertex_count,
                      Search::Scratch& scratch, std::span<const std::span<const double>> channels,
                      std::span<double* const> out) const;
 
   private:
-    // Lists the neighbours of the group's vertices in `scratch`. Returns the group; its support is the number of
-    // neighbours. `shallow` and `deep` become the depths between which samples decide them.
-    kernel::Group find(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
-                       double& shallow, double& deep) const;
-    // Returns the greatest distance along the hole at which one more sample of the thinned set would be used.
-    double find_far(const Samples& samples, const kernel::Group& g, Index used, Scratch& scratch) const;
+    // Lists the neighbours of a group in `scratch`, in canonical order. `shallow` and `deep` become the depths between
+    // which samples decide them.
+    kernel::Group find(const Samples& samples, const Helix& helix, Index group, Scratch& scratch, double& shallow,
+                       double& deep) const;
+    // Lists the far neighbours. Returns the greatest distance along the hole, from the middle of the group, at which
+    // one more sample of the thinned set would be used.
+    double find_far(const Samples& samples, const kernel::Group& g, double half_width, Scratch& scratch) const;
     void gather_cells(const Samples& samples, double low, double high, Scratch& scratch) const;
-    int krige(kernel::Group& g, Scratch& scratch) const;
+    void krige(kernel::Group& g, Scratch& scratch) const;
+    // Calls use(helix, group, first, count, to) for the one or two groups of the whole helix that a group of a stretch
+    // consists of: the vertices [first, first + count) of a group are those from `to` on of the stretch's group.
+    template <class Use>
+    void each_part(const Helix& helix, Index group, Use use) const;
     Scratch& scratch_of(Search::Scratch& scratch) const;
 
     kernel::CovarianceRule rule_;
+    int near_, wanted_;  // near neighbours of a vertex in each metric, and far neighbours of a group
     Search short_, long_;
     Cells cells_;
     double max_distance_, max_square_, stretch_;  // stretch_: along / around of the long metric
-    Index wanted_;
 };
 
 }  // namespace helibore

@@ -81,9 +81,8 @@ Search::Search(const Settings& settings)
 kernel::Group Search::start(const Helix& helix, Index group, Index vertex_count) const {
     kernel::Group g;  // results are set by the kernel
     g.middle = 0.5 * (helix.depth(group * lanes) + helix.depth(group * lanes + lanes - 1));
-    g.center =
-        wrap_toolface(toolface_[static_cast<std::size_t>(group * lanes % helix.sectors)] + Span::half_width_of(helix));
-    Index sector = group * lanes % helix.sectors;
+    Index sector = (helix.first + group * lanes) % helix.sectors;
+    g.center = wrap_toolface(toolface_[static_cast<std::size_t>(sector)] + Span::half_width_of(helix));
     for (Index i = 0; i < lanes; ++i) {
         const Index k = group * lanes + i;
         g.depth[i] = helix.depth(k);
@@ -146,7 +145,7 @@ kernel::Group Search::list_at(const Samples& samples, const Helix& helix, Index 
 
 void Search::run(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
                  GroupResult& result) const {
-    if (near_far_) return near_far_->run(samples, helix, group, vertex_count, scratch, result);
+    if (near_far_) return near_far_->run(samples, helix, group, scratch, result);
     const kernel::Group g = solve(samples, helix, group, vertex_count, scratch);
     const Index used = std::min(lanes, vertex_count - group * lanes);
     double reach = 0.0;

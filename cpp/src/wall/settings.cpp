@@ -57,7 +57,7 @@ void Settings::validate() const {
     if (stop_vertex) require_within("stop_vertex", *stop_vertex, first_vertex + 1, Index{1} << 40);
     require(!stop_vertex || !stop_depth, "stop_vertex", stop_vertex.value_or(0), "must not be given with a stop_depth");
     require_within("neighbors", neighbors, 1,
-                   estimator == Estimator::near_and_far ? kernel::max_kriged / 3
+                   estimator == Estimator::near_and_far ? kernel::most_shared
                    : estimator == Estimator::kriging    ? kernel::max_kriged
                                                         : kernel::max_neighbors);
     if (window) require(*window >= 1, "window", *window, "must be at least 1");

@@ -318,13 +318,14 @@ def stretch(store: Store, plan: Json, settings: Settings, first: int, stop: int)
     step = settings.pitch / settings.sectors
     shallow, deep = sorted((plan["start_depth"] + first * step, plan["start_depth"] + stop * step))
     up = down = max(1.001 * (settings.max_distance or 1.0), settings.gap_reach)
+    limited = settings.max_distance is not None and settings.window is None and settings.estimator != "near-and-far"
     low, high = shallow - up, deep + down
     while True:
         wall = Wall(threads=1, **vars(settings) | own)
         columns = _samples_between(store, plan, low, high)
         if columns[0].size:
             wall.append(*columns)
-        if settings.max_distance is not None and settings.window is None:
+        if limited:
             return wall
         least, most = wall.reach(first, stop) if len(wall) else (-math.inf, math.inf)
         is_low, is_high = least >= low or low <= plan["ends"][0], most <= high or high >= plan["ends"][1]

@@ -1,7 +1,8 @@
 """Kriging with near and far neighbours at single places, in NumPy: for expected errors, and with samples left out.
 
-The core does the same for all vertices of a wall (`cpp/src/search/near_far.hpp`), and explains the neighbours. Here,
-samples in a box around a place can be left out, and a place has its expected error under the covariance.
+The core kriges the vertices of a wall in groups of eight that share their neighbours (`cpp/src/search/near_far.hpp`).
+Here, each place has its own; their expected errors agree within some per cent. Samples in a box around a place can be
+left out, and a place has its expected error under the covariance.
 """
 
 from __future__ import annotations

@@ -116,8 +116,8 @@ Found extreme(const double* xs, const double* ys, std::size_t n, double x, doubl
 
 template <class P>
 constexpr Functions functions_of(const char* name) {
-    return {name,         &all_within<P>, &order<P>,         &extreme<P, true>,  &extreme<P, false>, &gather<P>,
-            &estimate<P>, &nominate<P>,   &estimate_from<P>, &krige_near_far<P>, &sigma<P>};
+    return {name,         &all_within<P>, &order<P>,         &extreme<P, true>, &extreme<P, false>, &gather<P>,
+            &estimate<P>, &nominate<P>,   &estimate_from<P>, &krige_shared<P>,  &sigma<P>};
 }
 
 }  // namespace

@@ -69,6 +69,14 @@ struct alignas(64) KrigingRoom {
     double values[lanes * (max_kriged * (max_kriged + 3) + 2)];
 };
 
+// The equations of a group that shares its neighbours, and the factors of the elimination.
+inline constexpr int most_shared = 21;  // of Settings::neighbors
+inline constexpr int max_shared = 200;  // neighbours: 2 * lanes * 11 + 21 = 197 at most; a multiple of `lanes`
+struct alignas(64) SharedRoom {
+    double row[max_shared][max_shared + 2 * lanes];
+    double factor[max_shared][max_shared];
+};
+
 // Settings::covariance, as the kernel reads it: squares of distances times these factors are 3 h^2.
 inline constexpr int max_terms = 3;
 struct CovarianceRule {
@@ -199,9 +207,9 @@ struct Functions {
     void (*nominate)(Group& group, const CandidateList& list, const Rules& rules, const Box& box, unsigned char* keep);
     // Estimates the group once, at its trial radii, from the candidates at[0], at[lanes], ...: radii and sums.
     void (*estimate_from)(Group& group, const CandidateList& list, const Rules& rules, const std::int32_t* at);
-    // Kriges the group by a covariance from rows[i * lanes + lane], i < g.support[lane], and n is the greatest support.
-    // Sets g.radius, and g.sums.square_weights to the kriging variance.
-    void (*krige_near_far)(Group& group, const Candidate* rows, int n, const CovarianceRule& rule, KrigingRoom& room);
+    // Kriges the group by a covariance from n samples that all its vertices share. Sets g.radius, g.nearest (metres on
+    // a wall of radius R), and g.sums.square_weights to the kriging variance.
+    void (*krige_shared)(Group& group, const Candidate* rows, int n, const CovarianceRule& rule, SharedRoom& room);
     // Writes the standard uncertainties of n vertices to `sigma`, computed from their sums. n is a multiple of `lanes`.
     void (*sigma)(const double* const sums[sum_count], std::int64_t n, const SigmaRule& rule, double* sigma);
 };

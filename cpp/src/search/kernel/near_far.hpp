@@ -1,12 +1,15 @@
-// Ordinary kriging of a vertex from near and far neighbours, by Settings::covariance.
+// Ordinary kriging of a group of vertices from neighbours that they share, by Settings::covariance.
 //
 //     covariance = sum over terms of  v (1 + a) exp(-a),   a^2 = 3 ((2 R sin(turn / 2) / around)^2 + (depth / along)^2)
 //
-// A position is the depth, and the sine s and cosine c of half the toolface, both relative to the vertex: the sine of
-// half the difference of two toolfaces is then s1 c2 - c1 s2. The solution is that of kriging.hpp.
+// A position is the depth, and the sine s and cosine c of half the toolface, both relative to the middle of the group:
+// the sine of half the difference of two toolfaces is then s1 c2 - c1 s2. The solution is that of kriging.hpp, with one
+// matrix for all vertices: a pack holds eight columns of it, or the covariances of a neighbour with the eight vertices.
 #pragma once
 
-#include "search/kernel/kriging.hpp"
+#include <algorithm>
+
+#include "search/kernel/kernel.hpp"
 #include "search/kernel/neighbor_weight.hpp"
 
 namespace helibore::kernel {
@@ -25,16 +28,17 @@ struct InverseFactorials {
     }
 };
 
-// Returns exp(-x) for x >= 0, to 1e-11 of its value; 2^-200 for large x.
+// Returns exp(-x) for x >= 0, to 5e-11 of its value; 2^-200 for large x. The polynomial is that of degree 7 whose
+// greatest relative error as 2^f, |f| <= 1/2, is least (by Remez); pairs of its terms shorten the chain of operations.
 template <class P>
 inline P decay(P x) {
-    static constexpr InverseFactorials<9> inverse;
     const P y = P::max(x * P(-1.4426950408889634), P(-200.0));
-    const P round(0x1.8p52), whole = (y + round) - round, f = (y - whole) * P(0.6931471805599453);
-    P result(inverse.of[9]);
-#pragma GCC unroll 9
-    for (int i = 8; i >= 0; --i) result = result * f + P(inverse.of[i]);
-    return result * P::power_of_two(whole);
+    const P round(0x1.8p52), whole = (y + round) - round, f = y - whole, square = f * f;
+    const P low = (P(0.999999999961682) + P(0.6931471807284466) * f) +
+                  (P(0.24022651198157902) + P(0.055504103534480244) * f) * square;
+    const P high = (P(0.009618027253640325) + P(0.0013333922563934296) * f) +
+                   (P(0.00015469291148681688) + P(1.5201921461382409e-05) * f) * square;
+    return (low + high * (square * square)) * P::power_of_two(whole);
 }
 
 // Computes the sine and cosine of x, radians in [-pi / 2, pi / 2], to 1e-13, by their series.
@@ -63,57 +67,134 @@ inline P covariance_of(P sine, P along, const CovarianceRule& rule) {
     return sum;
 }
 
-// Fills the system. A missing neighbour has covariance 0 with all others, 0 instead of 1, and 0 for its radius.
+// Fills the matrix of the n neighbours without what lies left of the diagonal pack; then the covariances with the
+// vertices; then 1 and the radius less R. Rows and columns from n to `size` are those of the unit matrix and 0.
 template <class P, int terms>
-__attribute__((noinline)) void fill_covariances(const Group& g, const Candidate* rows, int n,
-                                                const CovarianceRule& rule, KrigingSystem<P>& system) {
-    const P depth = P::load(g.depth), toolface = P::load(g.toolface), support = P::load(g.support);
-    P sine[max_kriged], cosine[max_kriged], along[max_kriged], live[max_kriged];
-    system.low = P(missing_square);
-    system.high = P(-missing_square);
-    for (int i = 0; i < n; ++i) {
-        P at_depth, at_toolface, radius;
-        P::read([&](int lane) -> const Candidate& { return rows[i * lanes + lane]; }, at_depth, at_toolface, radius);
-        const auto used = P::less(P(static_cast<double>(i)), support);
-        live[i] = P::blend(used, P(1.0), P(0.0));
-        P turn = at_toolface - toolface;
+__attribute__((noinline)) void fill_covariances(const Group& g, const Candidate* rows, int n, int size,
+                                                const CovarianceRule& rule, SharedRoom& room) {
+    double sine[max_shared], cosine[max_shared], along[max_shared];
+    const P center(g.center), middle(g.middle);
+    const auto place = [&](P depth, P toolface, P& s, P& c, P& z) {
+        P turn = toolface - center;
         turn = P::blend(P::less(P(180.0), turn), turn - P(360.0), turn);
         turn = P::blend(P::less(turn, P(-180.0)), turn + P(360.0), turn);
-        sine_cosine(turn * P(0.5 * metres_a_degree), sine[i], cosine[i]);
-        along[i] = P::blend(used, at_depth - depth, P(0.0));
-        system.low = P::blend(used, P::min(system.low, radius), system.low);
-        system.high = P::blend(used, P::max(system.high, radius), system.high);
-        system.row[i][n] = live[i];
-        system.row[i][n + 1] = P::blend(used, radius - P(rule.radius), P(0.0));
-        system.row[i][n + 2] = live[i] * covariance_of<P, terms>(sine[i], along[i], rule);
+        sine_cosine(turn * P(0.5 * metres_a_degree), s, c);
+        z = depth - middle;
+    };
+    for (int i = 0; i < size; i += lanes) {
+        P depth, toolface, radius, s, c, z;
+        P::read([&](int lane) -> const Candidate& { return rows[i + lane < n ? i + lane : n - 1]; }, depth, toolface,
+                radius);
+        place(depth, toolface, s, c, z);
+        s.store(sine + i);
+        c.store(cosine + i);
+        z.store(along + i);
     }
+    P at_sine, at_cosine, at_along;
+    place(P::load(g.depth), P::load(g.toolface), at_sine, at_cosine, at_along);
     double total = rule.noise;
     for (int t = 0; t < terms; ++t) total += rule.variance[t];
-    const bool all = P::bits(P::less(support, P(static_cast<double>(n)))) == 0;
-    for (int i = 0; i < n; ++i) {
-        system.row[i][i] = P(total);
-        for (int j = i + 1; j < n; ++j) {
-            const P between = sine[i] * cosine[j] - cosine[i] * sine[j];
-            const P covariance = covariance_of<P, terms>(between, along[i] - along[j], rule);
-            system.row[i][j] = all ? covariance : covariance * (live[i] * live[j]);
+    for (int i = 0; i < size; ++i) {
+        double* row = room.row[i];
+        std::fill_n(row + n, size + 2 * lanes - n, 0.0);
+        if (i >= n) {
+            row[i] = 1.0;
+            continue;
+        }
+        const P s(sine[i]), c(cosine[i]), z(along[i]);
+        for (int j = i / lanes * lanes; j < n; j += lanes) {
+            const P between = s * P::load(cosine + j) - c * P::load(sine + j);
+            covariance_of<P, terms>(between, z - P::load(along + j), rule).store(row + j);
+        }
+        std::fill_n(row + n, size - n, 0.0);
+        row[i] = total;
+        covariance_of<P, terms>(s * at_cosine - c * at_sine, z - at_along, rule).store(row + size);
+        row[size + lanes] = 1.0;
+        row[size + lanes + 1] = rows[i].radius - rule.radius;
+    }
+}
+
+// Eliminates eight rows at a time: of each pack of columns, first what the rows above take from it, then what the eight
+// rows take from each other. Sums run in the order of the rows.
+template <class P>
+__attribute__((noinline)) void eliminate(int size, double least_pivot, SharedRoom& room, double* inverse) {
+    for (int top = 0; top < size; top += lanes) {
+        P tile[lanes];
+        double inner[lanes][lanes];
+        const auto load = [&](int column) {
+#pragma GCC unroll 8
+            for (int r = 0; r < lanes; ++r) tile[r] = P::load(room.row[top + r] + column);
+            for (int k = 0; k < top; ++k) {
+                const P above = P::load(room.row[k] + column);
+                const double* factor = room.factor[k] + top;
+#pragma GCC unroll 8
+                for (int r = 0; r < lanes; ++r) tile[r] = tile[r] - P(factor[r]) * above;
+            }
+        };
+        load(top);
+#pragma GCC unroll 8
+        for (int k = 0; k < lanes; ++k) {
+            double* row = room.row[top + k] + top;
+            tile[k].store(row);
+            inverse[top + k] = 1.0 / std::max(row[k], least_pivot);
+#pragma GCC unroll 8
+            for (int r = k + 1; r < lanes; ++r) {
+                inner[k][r] = row[r] * inverse[top + k];
+                tile[r] = tile[r] - P(inner[k][r]) * tile[k];
+            }
+        }
+        for (int column = top + lanes; column < size + 2 * lanes; column += lanes) {
+            load(column);
+#pragma GCC unroll 8
+            for (int k = 0; k < lanes; ++k) {
+                tile[k].store(room.row[top + k] + column);
+                if (column < size) (tile[k] * P(inverse[top + k])).store(room.factor[top + k] + column);
+#pragma GCC unroll 8
+                for (int r = k + 1; r < lanes; ++r) tile[r] = tile[r] - P(inner[k][r]) * tile[k];
+            }
         }
     }
 }
 
 template <class P>
-void krige_near_far(Group& g, const Candidate* rows, int n, const CovarianceRule& rule, KrigingRoom& room) {
-    auto& system = *static_cast<KrigingSystem<P>*>(static_cast<void*>(&room));
+void krige_shared(Group& g, const Candidate* rows, int n, const CovarianceRule& rule, SharedRoom& room) {
+    const int size = (n + lanes - 1) / lanes * lanes;
     if (rule.terms == 1)
-        fill_covariances<P, 1>(g, rows, n, rule, system);
+        fill_covariances<P, 1>(g, rows, n, size, rule, room);
     else if (rule.terms == 2)
-        fill_covariances<P, 2>(g, rows, n, rule, system);
+        fill_covariances<P, 2>(g, rows, n, size, rule, room);
     else
-        fill_covariances<P, 3>(g, rows, n, rule, system);
-    const Kriged<P> kriged = solve_system(system, n, rule.noise, P(rule.radius), false);
-    kriged.radius.store(g.radius);
+        fill_covariances<P, 3>(g, rows, n, size, rule, room);
+    double inverse[max_shared];
+    eliminate<P>(size, rule.noise, room, inverse);
+
+    const P depth = P::load(g.depth), toolface = P::load(g.toolface), degree(rule.radius * metres_a_degree);
+    double ones = 0.0, mean = 0.0, low = missing_square, high = -missing_square;
+    P toward(0.0), radius(0.0), explained(0.0), least(missing_square);
+    for (int k = 0; k < n; ++k) {
+        const double* row = room.row[k] + size;
+        const double one = row[lanes] * inverse[k], value = row[lanes + 1];
+        ones += one * row[lanes];
+        mean += one * value;
+        const P covariance = P::load(row), part = covariance * P(inverse[k]);
+        toward = toward + P(one) * covariance;
+        radius = radius + part * P(value);
+        explained = explained + part * covariance;
+        low = std::min(low, rows[k].radius);
+        high = std::max(high, rows[k].radius);
+        const P turn = P::abs(P(rows[k].toolface) - toolface), along = P(rows[k].depth) - depth;
+        const P across = degree * P::min(turn, P(360.0) - turn);
+        least = P::min(least, across * across + along * along);
+    }
+    mean /= ones;
+    radius = P(rule.radius) + (P(mean) + (radius - P(mean) * toward));
+    const double half = 0.5 * (high - low);
+    P::max(P::min(radius, P(high + half)), P(low - half)).store(g.radius);
+    P::sqrt(least).store(g.nearest);
     double shape = 0.0;
     for (int t = 0; t < rule.terms; ++t) shape += rule.variance[t];
-    P::max(P(shape) + kriged.excess, P(0.0)).store(g.sums.square_weights);
+    const P open = P(1.0) - toward;
+    P::max(P(shape) + (open * open * P(1.0 / ones) - explained), P(0.0)).store(g.sums.square_weights);
 }
 
 }  // namespace
