@@ -1,5 +1,6 @@
 // helibore._core: turn_columns, which returns the logs of turns as a dictionary of columns, and angular_gaps.
 #include "helibore/logs.hpp"
+#include "helibore/passage.hpp"
 #include "helibore/unworn.hpp"
 
 #include <pybind11/stl.h>
@@ -76,6 +77,29 @@ py::dict unworn_columns(const Column& radius, int sectors, double start_toolface
     return columns;
 }
 
+py::dict passage_columns(const std::tuple<double, double, double, int, Index>& helix, const Column& radius,
+                         const Path& path, const std::vector<std::tuple<double, double, double>>& bodies,
+                         const Column& counts, const Column& sigma, int threads) {
+    const auto& [start_depth, start_toolface, pitch, sectors, first] = helix;
+    std::vector<RigidBody> string;
+    for (const auto& [start, stop, diameter] : bodies) string.push_back({start, stop, diameter});
+    Passage found;
+    {
+        const py::gil_scoped_release released;
+        found = passage({start_depth, start_toolface, pitch, sectors, first, span_of(radius)}, path, string,
+                        span_of(counts), span_of(sigma), threads);
+    }
+    const std::vector<py::ssize_t> contacts{std::ssize(found.clearance), most_contacts};
+    py::dict columns;
+    columns["clearance"] = array_of(std::move(found.clearance));
+    columns["low"] = array_of(std::move(found.low));
+    columns["high"] = array_of(std::move(found.high));
+    columns["contact_depth"] = array_of(std::move(found.contact_depth), contacts);
+    columns["contact_toolface"] = array_of(std::move(found.contact_toolface), contacts);
+    columns["contact_body"] = array_of(std::move(found.contact_body), contacts);
+    return columns;
+}
+
 py::array_t<double> angular_gaps(const std::tuple<double, double, double, Index, Index>& helix, Index count,
                                  const Column& depth, const Column& toolface, double reach, int threads) {
     const auto& [start_depth, start_toolface, pitch, sectors, first] = helix;
@@ -109,6 +133,8 @@ void register_logs(py::module_& m) {
           py::arg("window"), py::arg("threads"), py::arg("first"), py::arg("reference"));
     m.def("unworn_columns", &unworn_columns, py::arg("radius"), py::arg("sectors"), py::arg("start_toolface"),
           py::arg("bit_diameter"), py::arg("counts"), py::arg("threads"));
+    m.def("passage_columns", &passage_columns, py::arg("helix"), py::arg("radius"), py::arg("path"), py::arg("bodies"),
+          py::arg("counts"), py::arg("sigma"), py::arg("threads"));
     m.def("angular_gaps", &angular_gaps, py::arg("helix"), py::arg("count"), py::arg("depth"), py::arg("toolface"),
           py::arg("reach"), py::arg("threads"));
     m.def("sampled", &sampled, py::arg("helix"), py::arg("count"), py::arg("depth"), py::arg("toolface"),

@@ -21,6 +21,7 @@ if TYPE_CHECKING:  # the same names as below
     from helibore.channels.opening import open as open  # noqa: A004
     from helibore.images.sector_image import SectorImage as SectorImage
     from helibore.live.live import Live as Live
+    from helibore.logs.passage import RigidBody as RigidBody
     from helibore.logs.stress import HorizontalStress as HorizontalStress
     from helibore.logs.stress import horizontal_stress as horizontal_stress
     from helibore.logs.stress import stress_of_picks as stress_of_picks
@@ -52,6 +53,7 @@ _load, _, __all__ = lazy_loader.attach(
         "channels.opening": ["open"],
         "images.sector_image": ["SectorImage"],
         "live.live": ["Live"],
+        "logs.passage": ["RigidBody"],
         "logs.stress": ["HorizontalStress", "horizontal_stress", "stress_of_picks"],
         "mesh.surface": ["Surface"],
         "mesh.volume": ["Volume"],

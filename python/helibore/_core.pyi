@@ -118,6 +118,15 @@ def turn_columns(
 def unworn_columns(
     radius: _Floats, sectors: int, start_toolface: float, bit_diameter: float, counts: _Floats, threads: int
 ) -> dict[str, _Floats]: ...
+def passage_columns(
+    helix: _Helix,
+    radius: _Floats,
+    path: Path,
+    bodies: list[tuple[float, float, float]],
+    counts: _Floats,
+    sigma: _Floats,
+    threads: int,
+) -> dict[str, Any]: ...
 def sampled(
     helix: _Helix, count: int, depth: _Floats, toolface: _Floats, reach: float, angle: float, threads: int
 ) -> npt.NDArray[np.bool_]: ...

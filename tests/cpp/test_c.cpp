@@ -15,6 +15,7 @@
 #include "helibore/helibore.h"
 #include "helibore/live.hpp"
 #include "helibore/logs.hpp"
+#include "helibore/passage.hpp"
 #include "helibore/surface.hpp"
 #include "hole.hpp"
 #include "host.hpp"
@@ -99,6 +100,10 @@ Bits read_c(std::int64_t wall, std::int64_t path) {
     std::vector<double> logs(static_cast<std::size_t>(turns * HB_LOG_COLUMNS));
     CHECK(hb_wall_logs(wall, 5, &turns, logs.data()) == HB_OK);
     add(bits, logs);
+    const double start[] = {-0.2}, stop[] = {0.2}, diameter[] = {0.1};
+    std::vector<double> passage(static_cast<std::size_t>(turns * HB_PASSAGE_COLUMNS));
+    CHECK(hb_wall_passage(wall, path, 1, start, stop, diameter, 0, nullptr, nullptr, &turns, passage.data()) == HB_OK);
+    add(bits, passage);
     std::int64_t rows = 0, quad_count = 0;
     CHECK(hb_wall_surface(wall, path, 10, state.vertices, &rows, nullptr, nullptr, &quad_count, nullptr) ==
           HB_BUFFER_TOO_SMALL);
@@ -138,6 +143,16 @@ Bits read_cpp(const helibore::Wall& wall) {
           &logs.c2, &logs.least_diameter, &logs.diameter_0, &logs.diameter_90, &logs.centre_0, &logs.centre_90,
           &logs.inscribed_diameter, &logs.inscribed_0, &logs.inscribed_90, &logs.enclosing_diameter, &logs.rugosity})
         add(bits, *column);
+    const helibore::RigidBody body[] = {{-0.2, 0.2, 0.1}};
+    const helibore::Passage passage =
+        helibore::passage({.start_depth = start, .pitch = 0.05, .sectors = 48, .radius = v.radius}, cpp_path(), body);
+    for (const auto* column : {&passage.clearance, &passage.low, &passage.high}) add(bits, *column);
+    std::vector<double> depth, toolface, of_body;
+    for (std::size_t i = 0; i < passage.contact_body.size(); i += helibore::most_contacts) {
+        depth.push_back(passage.contact_depth[i]), toolface.push_back(passage.contact_toolface[i]);
+        of_body.push_back(static_cast<double>(passage.contact_body[i]));
+    }
+    for (const auto* column : {&depth, &toolface, &of_body}) add(bits, *column);
     const helibore::Surface surface = helibore::surface_of(
         {.start_depth = start, .pitch = 0.05, .sectors = 48, .first = 10, .radius = std::span(v.radius).subspan(10)},
         cpp_path());
@@ -344,6 +359,8 @@ void bad_input() {
     REFUSED(hb_wall_read(wall, 7, 0, 0, out), "column = 7: must lie in 0 to 6");
     REFUSED(hb_wall_samples(wall, 3, &count, out), "column = 3: must be 0, 1, 2 or 7");
     REFUSED(hb_wall_logs(wall, 4, &count, out), "window = 4: must be odd and 3 or more");
+    REFUSED(hb_wall_passage(wall, 0, 1, good, good, one, 0, nullptr, nullptr, &count, out),
+            "string[0].stop = 101: must be at least 0.001 m below start");
     REFUSED(hb_wall_surface(wall, 99999, 0, 0, &count, out, nullptr, &count, nullptr), "handle = 99999: is not open");
     REFUSED(hb_path_read(path, 2, bad, out, nullptr), "depth[1] = nan: must be finite");
     REFUSED(hb_live_path(live, &none), "path: needs two stations");

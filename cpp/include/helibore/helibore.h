@@ -221,6 +221,16 @@ HB_API int32_t HB_CALL hb_wall_estimate(int64_t wall, int64_t n, const double* d
 #define HB_LOG_COLUMNS 18
 HB_API int32_t HB_CALL hb_wall_logs(int64_t wall, int64_t window, int64_t* turns, double* values);
 
+/* Computes the passage of a rigid string of bodies at each full turn, along a path (0: straight down); passage.hpp says
+   more. start, stop: metres down the axis from the middle of the string; diameter: outer, metres (0: the clearance is
+   the diameter that passes). counts, sigma: one value for each vertex, `vertices` in all; either may be NULL. Fills
+   column after column: clearance, low, high, depth, toolface and number of the body of the first contact:
+   HB_PASSAGE_COLUMNS times *turns values. */
+#define HB_PASSAGE_COLUMNS 6
+HB_API int32_t HB_CALL hb_wall_passage(int64_t wall, int64_t path, int64_t bodies, const double* start,
+                                       const double* stop, const double* diameter, int64_t vertices,
+                                       const double* counts, const double* sigma, int64_t* turns, double* values);
+
 /* Computes the surface between those vertices of [start, stop) that have a radius, along a path (0: straight down).
    vertices: north, east and down of each vertex. vertex_index, which may be NULL: the number of each vertex on the
    helix. quads: for each quad, the rows of its four corners in `vertices`. */

@@ -10,6 +10,7 @@
 #include "c/handles.hpp"
 #include "helibore/estimates.hpp"
 #include "helibore/logs.hpp"
+#include "helibore/passage.hpp"
 #include "helibore/surface.hpp"
 
 namespace {
@@ -289,6 +290,35 @@ int32_t hb_wall_logs(int64_t wall, int64_t window, int64_t* turns, double* value
         require_room({turns}, {static_cast<Index>(logs.mean.size())});
         double* into = array("values", values, *turns).data();
         for (const auto* column : columns) into = std::copy(column->begin(), column->end(), into);
+    });
+}
+
+int32_t hb_wall_passage(int64_t wall, int64_t path, int64_t bodies, const double* start, const double* stop,
+                        const double* diameter, int64_t vertices, const double* counts, const double* sigma,
+                        int64_t* turns, double* values) {
+    return guarded([&] {
+        const auto handle = find<WallHandle>("wall", wall);
+        const Path along = path == 0 ? Path() : find<PathHandle>("path", path)->path;
+        const WallRadii of(*handle->read, all_of(*handle->read));
+        const auto starts = column("start", start, bodies), stops = column("stop", stop, bodies),
+                   diameters = column("diameter", diameter, bodies);
+        std::vector<RigidBody> string;
+        for (std::size_t b = 0; b < starts.size(); ++b) string.push_back({starts[b], stops[b], diameters[b]});
+        const auto optional = [&](const char* name, const double* given) {
+            return given ? column(name, given, vertices) : std::span<const double>();
+        };
+        require_room({turns}, {std::ssize(of.radius) / of.settings.sectors});
+        const Passage found =
+            passage(of.helix, along, string, optional("counts", counts), optional("sigma", sigma), of.settings.threads);
+        double* into = array("values", values, HB_PASSAGE_COLUMNS * *turns).data();
+        for (const auto* of_turn : {&found.clearance, &found.low, &found.high})
+            into = std::copy(of_turn->begin(), of_turn->end(), into);
+        const auto first_contact = [&](const auto& contacts) {
+            for (std::size_t i = 0; i < contacts.size(); i += most_contacts) *into++ = static_cast<double>(contacts[i]);
+        };
+        first_contact(found.contact_depth);
+        first_contact(found.contact_toolface);
+        first_contact(found.contact_body);
     });
 }
 

@@ -127,7 +127,7 @@ def logs(**options: Any) -> None:
     work += [(file, each.table()) for file, each in zip(images.values(), dark, strict=True)]
     with terminal.stage("save", f"Writing {output.name}"):
         for file, table in work:
-            save_table(_in_unit(table, options["unit"]), file, header=header)
+            save_table(in_unit(table, options["unit"]), file, header=header)
         saved = save_lines(run, output, "logs", options, tables[1:])
     terminal.summary([
         *run.messages,
@@ -174,13 +174,13 @@ def zones(**options: Any) -> None:
     found = classify(wall, criteria)
     with terminal.stage("save", f"Writing {output.name}"):
         header = {"well": run.name} | header_of(run, options)
-        save_table(_in_unit(found.table(), options["unit"]), output, header=header)
+        save_table(in_unit(found.table(), options["unit"]), output, header=header)
         saved = save_lines(run, output, "zones", options)
     lines = zone_lines(found, wall.summary(), options["unit"])
     terminal.summary([*run.messages, *lines, *saved, ("time", terminal.times())])
 
 
-def _in_unit(table: LogTable, unit: str) -> LogTable:
+def in_unit(table: LogTable, unit: str) -> LogTable:
     """Return the table with sizes across the hole in ``unit``; ft: in inches, with lengths along the hole in feet."""
     from helibore.base import units
     from helibore.base.tables import LogTable

@@ -22,7 +22,7 @@ Text = tuple[str, str]
 GROUPS = {
     "Source": "source", "Columns": "columns", "Sensors": "preparation", "Conditioning": "preparation",
     "Passes": "preparation", "Path and toolface": "path", "Wall": "wall", "Mesh": "mesh", "Logs": "logs",
-    "Zones": "zones", "Print": "print", "Page": "view",
+    "Zones": "zones", "Passage": "passage", "Print": "print", "Page": "view",
 }  # fmt: skip
 """What stands before the dot in the names of the settings of a section."""
 

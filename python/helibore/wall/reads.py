@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -30,6 +30,7 @@ from helibore.wall.wall_columns import MEASURED, WallColumns
 if TYPE_CHECKING:
     from xarray import Dataset
 
+    from helibore.logs.passage import Drift, Passage, RigidBody
     from helibore.logs.summary import WallSummary
     from helibore.logs.turn_logs import Logs
     from helibore.logs.zone_criteria import Criteria
@@ -238,6 +239,68 @@ class WallReads:
         state = self._state()
         known = self._sigma_of(state) if sigma else None
         return turn_logs(state, None, rugosity_window, threads, known)
+
+    def drift(self, length: float | str, *, sigma: bool = False) -> Drift:
+        """Return the greatest diameter of a rigid cylinder at each turn, in three dimensions along `path`.
+
+        Parameters
+        ----------
+        length
+            Metres, from 0.001 m to the length of the wall; or the name of a drift mandrel of API 5CT: ``"api-casing"``
+            (0.152 m, up to 8 5/8 in), ``"api-large-casing"`` (0.305 m), ``"api-tubing"`` (1.067 m). The cylinder is
+            rigid: in a curved hole a long one is thin. `Drift.curvature` is what the path alone costs.
+        sigma
+            Whether to compute the 95 % interval, from the uncertainty of the wall (`sigma`).
+
+        Returns
+        -------
+        Drift
+            Diameter, interval, places of contact. Unknown (NaN) where a vertex beside the cylinder is not `measured`.
+
+        Raises
+        ------
+        InputError
+            ``length of the string = 900: must be shorter than the wall, 812.3 m of whole turns``; if the wall's shape
+            was not measured; if the path does not reach the wall, or has no frame there; with ``sigma`` as `sigma`.
+
+        Examples
+        --------
+        >>> k = np.arange(64 * 40)
+        >>> wall = reconstruct(Caliper(k * 0.1 / 64, k * 360 / 64, np.full(k.size, 0.1)), bit_diameter=0.2)
+        >>> round(wall.drift(1.0).least, 6)
+        0.2
+        """
+        from helibore.logs.passage import drift_of
+
+        state = self._state()
+        return drift_of(state, length, self._sigma_of(state) if sigma else None)
+
+    def passage(self, string: Iterable[RigidBody], *, sigma: bool = False) -> Passage:
+        """Return the clearance of a rigid string of bodies at each turn, in three dimensions along `path`.
+
+        Parameters
+        ----------
+        string
+            One `RigidBody` or more: outer diameter, length, position above the lower end of the string. The bodies share one
+            straight axis.
+        sigma
+            As in `drift`.
+
+        Returns
+        -------
+        Passage
+            Clearance, as a diameter, below 0 where the string does not pass; places of contact, with the body. Unknown
+            (NaN) where a vertex beside a body is not `measured`.
+
+        Raises
+        ------
+        InputError
+            As `drift`; ``string: must have a body``; ``string[1] = 'str': must be a RigidBody(diameter, length, position)``.
+        """
+        from helibore.logs.passage import passage_of
+
+        state = self._state()
+        return passage_of(state, string, self._sigma_of(state) if sigma else None)
 
     def zones(self, criteria: Criteria | None = None) -> Classification:
         """Find washouts, breakouts, key seats and undergauge hole with `helibore.logs.zones.classify`.

@@ -1,0 +1,127 @@
+"""``helibore passage SOURCE -o passage.csv``: what passes through the hole, at each turn of a wall.
+
+This file turns the options into calls of `Wall.drift` and `Wall.passage`; ``helibore.logs.passage`` explains them.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from helibore.base import units
+from helibore.base.units import size_text
+from helibore.cli.logs_command import NAMED, in_unit
+from helibore.cli.outputs import OUTPUT, QUIET, check_folder, own_options, save_lines
+from helibore.cli.quantities import LENGTH, Parsed
+from helibore.cli.sections import Sectioned, opt, opts, section
+from helibore.cli.terminal import Terminal
+from helibore.cli.wall_options import SHOWN, header_of, open_run, refuse_interval, takes_a_wall
+
+if TYPE_CHECKING:
+    from helibore.cli.lines import Lines
+    from helibore.logs.passage import Passage
+
+WORST = 5
+"""Most tight intervals that the terminal lists."""
+
+
+def _length(text: str) -> float | str:
+    return text if text.startswith("api-") else units.quantity(text, units.LENGTH)
+
+
+def _body(text: str) -> tuple[float, ...]:
+    sizes = tuple(units.quantity(part, units.LENGTH) for part in text.split(","))
+    if not 2 <= len(sizes) <= 3:
+        raise ValueError(text)
+    return sizes
+
+
+@click.command(cls=Sectioned, common=(*SHOWN, "well", "headers", "unit", "length", "bodies", "limit", "sigma"))
+@section("Options", OUTPUT("Table to write: .las, .csv, .parquet or .dlis."), QUIET)
+@section(
+    "Passage",
+    opt(
+        "--length",
+        "Length of one rigid cylinder, whose greatest diameter is sought: 9m, or api-casing, api-large-casing or "
+        "api-tubing.  [api-large-casing, 0.305 m]",
+        type=Parsed("length", "a length, such as 9m, or the name of an API mandrel", _length),
+    ),
+    opts(
+        "--body bodies",
+        "Body of a rigid string, DIAMETER,LENGTH or DIAMETER,LENGTH,POSITION: 8.5in,0.3m and 8in,9m,0.3m. The position "
+        "is that of the body's lower end above the string's.",
+        type=Parsed("body", "DIAMETER,LENGTH or DIAMETER,LENGTH,POSITION, such as 8.5in,0.3m", _body),
+        metavar="BODY",
+    ),
+    opt(
+        "--limit", "List the intervals below this diameter, or this clearance of a string.  [bit size; 0]", type=LENGTH
+    ),
+    opt("--sigma", "Also write the 95 % interval: LOW, HIGH.", is_flag=True),
+)
+@section("Logs", *NAMED)
+@takes_a_wall
+def passage(**options: Any) -> None:
+    """Write what passes through a hole: the greatest rigid cylinder, or the clearance of a string, at each turn.
+
+    \b
+    helibore passage well.wall -o drift.csv --length 9m
+    helibore passage well.wall -o clearance.csv --body 8.5in,0.3m --body 8in,9m,0.3m
+
+    The bodies are rigid and straight; in a curved hole a long one is thin, and CURVE is what the path alone costs.
+    Where the hole beside a body is not measured, the row is empty.
+    """
+    from helibore.files.log_writing import check_format, save_table
+    from helibore.logs.passage import RigidBody
+    from helibore.runs.run import make_wall
+
+    output = options["output"]
+    if options["length"] is not None and options["bodies"]:
+        raise click.UsageError("--length and --body: give one of them")
+    check_format(output)
+    check_folder(output)
+    terminal = Terminal(options["quiet"])
+    run = open_run(options, terminal, (output,))
+    options = own_options(run, "passage", options)
+    refuse_interval(run, options)
+    wall = make_wall(run, options["threads"], terminal.stage).wall
+    with terminal.stage("passage", "Finding what passes"):
+        found: Passage
+        if options["bodies"]:
+            found = wall.passage([RigidBody(*body) for body in options["bodies"]], sigma=options["sigma"])
+        else:
+            found = wall.drift(options["length"] or "api-large-casing", sigma=options["sigma"])
+    limit = options["limit"]
+    if limit is None:
+        limit = 0.0 if options["bodies"] else wall.settings.bit_diameter
+    with terminal.stage("save", f"Writing {output.name}"):
+        header = {"well": run.name} | header_of(run, options)
+        save_table(in_unit(found.table(), options["unit"]), output, header=header)
+        saved = save_lines(run, output, "passage", options)
+    lines = _lines(found, limit, "diameter" if not options["bodies"] else "clearance")
+    terminal.summary([*run.messages, *lines, *saved, ("time", terminal.times())])
+
+
+def _lines(found: Passage, limit: float, what: str) -> Lines:
+    """Return the lines on the least value, on what is unknown, and on the intervals below the limit, tightest first."""
+    lines = [("string", f"{found.length:g} m long, rigid; {len(found.depth):,} turns")]
+    row, unknown = found.at_least, int((~found.known).sum())
+    if row is not None:
+        size, depth = size_text(float(found.clearance[row])), found.depth[row]
+        lines.append(("least", f"{what} {size} with the middle at {depth:.2f} m"))
+        places = zip(found.contact_depth[row], found.contact_toolface[row], found.contact_body[row], strict=True)
+        for place, toolface, body in places:
+            if body >= 0:
+                of = f", body {body + 1}" if len(found.string) > 1 else ""
+                lines.append(("", f"touches at {place:.2f} m, toolface {toolface:.0f} deg{of}"))
+        if found.curvature[row] > 0:
+            lines.append(("", f"the curvature of the path alone costs {size_text(float(found.curvature[row]))}"))
+    if unknown:
+        length = f"{unknown * found.height:,.1f} m"
+        lines.append(("unknown", f"{length}: the hole beside the string is not measured, or the wall ends"))
+    spots = found.tight(limit)
+    lines.append(("tight", f"{len(spots)} interval{'s' * (len(spots) != 1)} with a {what} below {size_text(limit)}"))
+    for spot in spots[:WORST]:
+        where = f"{spot.start:.2f} to {spot.stop:.2f} m"
+        lines.append(("", f"{where}: {size_text(spot.least)}, first at {spot.depth:.2f} m, {spot.toolface:.0f} deg"))
+    return lines

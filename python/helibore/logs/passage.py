@@ -1,0 +1,312 @@
+"""What passes through the hole: the drift of rigid cylinders, and the clearance of a string of bodies.
+
+    drift = wall.drift(9.0)                         the greatest diameter of a rigid cylinder 9 m long, at each depth
+    drift.least, drift.at_least                     where the hole is tightest
+    bit, collar = RigidBody(0.2159, 0.3), RigidBody(0.203, 9.0, 0.3)
+    wall.passage([bit, collar]).tight()             the intervals that the string does not pass
+
+The cylinders are rigid and straight, and share one axis; the hole has its shape in three dimensions along the path. So
+a body of 9 m in a hole of 0.216 m that builds 15 degrees in 30 m has only 0.128 m: in a curved hole ask for short
+bodies, as long as the stiff parts of the string. ``curvature`` is what the curvature of the path alone costs. Where a
+vertex beside a body is not measured, the result is unknown, never a number. The core (``passage.hpp``) solves it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from helibore import _core
+from helibore.base.arrays import Floats, Integers, Mask, column, runs_of
+from helibore.base.errors import InputError
+from helibore.base.tables import LogColumn, LogTable, Tabular, columns_of
+from helibore.base.thread_count import thread_count
+from helibore.logs.turn_logs import Logs
+from helibore.samples.helix import WallLike, basis_of, basis_text_of, whole_helix
+from helibore.trajectory.survey import Path, core_path
+
+MANDRELS = {"api-casing": 0.152, "api-large-casing": 0.305, "api-tubing": 1.067}
+"""Lengths of the drift mandrels of API 5CT, metres: casing up to 8 5/8 in, casing from 9 5/8 in, tubing."""
+SHORTEST = 0.001
+"""Metres: a body is at least this long."""
+RIGID = "rigid, straight bodies on one axis; unknown where a vertex beside a body is not measured"
+
+
+@dataclass(frozen=True)
+class RigidBody:
+    """A cylinder of a string.
+
+    Parameters
+    ----------
+    diameter
+        Outer diameter, metres, 0 or more.
+    length
+        Metres.
+    position
+        Metres from the lower end of the string, the bit, up to the lower end of the body.
+
+    Raises
+    ------
+    InputError
+        ``length = 0: must be at least 0.001 m``.
+    """
+
+    diameter: float
+    length: float
+    position: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not (math.isfinite(value) and value >= 0):
+                raise InputError(name, "must be finite and not negative", f"{value:g}")
+        if self.length < SHORTEST:
+            raise InputError("length", f"must be at least {SHORTEST:g} m", f"{self.length:g}")
+
+
+@dataclass(frozen=True)
+class TightSpot:
+    """An interval of depths of a string's middle at which its clearance is below a limit.
+
+    Attributes
+    ----------
+    start, stop
+        Measured depths, metres.
+    least
+        The least clearance in it, metres; for `Drift` the least diameter.
+    depth, toolface
+        Where the string touches first at that place: metres and degrees.
+    body
+        Number of the body that touches there, from 0, in the order of the string.
+    """
+
+    start: float
+    stop: float
+    least: float
+    depth: float
+    toolface: float
+    body: int
+
+
+@dataclass(frozen=True, eq=False)
+class Passage(Tabular):
+    """The clearance of a rigid string at each turn of a wall; made by `Wall.passage`.
+
+    Arrays have one row per full turn, float64, owned. NaN: unknown, because a vertex beside a body is not measured, or
+    the string reaches beyond the wall.
+
+    Attributes
+    ----------
+    depth
+        (turns,) measured depth of the string's middle, metres.
+    clearance
+        (turns,) the greatest clearance that any position of the axis leaves between a body and the wall, as a diameter,
+        metres; below 0 if the string does not pass.
+    low, high
+        (turns,) the ends of the interval that holds the clearance of the true hole with 95 % probability, metres; NaN
+        without ``sigma=True``. Errors of the wall stand in the way of a body, so ``clearance`` is mostly some tenths of
+        a millimetre too small, and may lie below ``low``.
+    contact_depth, contact_toolface
+        (turns, 5) where the string touches, if it is made thicker by the clearance: metres and degrees; the place that
+        holds the string most is the first. NaN where it touches at fewer places.
+    contact_body
+        (turns, 5) int64 number of the body that touches there, from 0; -1 where it touches at fewer places.
+    curvature
+        (turns,) what the curvature of the path alone costs a cylinder as long as the string, metres: length x angle /
+        8, with the angle between the directions of the path at its ends. NaN without a path, and beyond its ends.
+    string
+        The bodies.
+    height
+        Metres along the hole from one turn to the next.
+    """
+
+    depth: Floats
+    clearance: Floats
+    low: Floats
+    high: Floats
+    contact_depth: Floats
+    contact_toolface: Floats
+    contact_body: Integers
+    curvature: Floats
+    string: tuple[RigidBody, ...]
+    height: float
+
+    @property
+    def length(self) -> float:
+        """Length of the string, metres."""
+        return max(body.position + body.length for body in self.string)
+
+    @property
+    def least(self) -> float:
+        """The least clearance that is known, metres; NaN if none is known."""
+        return float(np.nanmin(self.clearance)) if self.known.any() else math.nan
+
+    @property
+    def at_least(self) -> int | None:
+        """The row of the least clearance; None if no clearance is known."""
+        return int(np.nanargmin(self.clearance)) if self.known.any() else None
+
+    @property
+    def known(self) -> Mask:
+        """(turns,) bool: whether the clearance is known."""
+        return np.isfinite(self.clearance)
+
+    def tight(self, limit: float = 0.0) -> list[TightSpot]:
+        """Return the intervals where the clearance is below a limit, the tightest first.
+
+        Parameters
+        ----------
+        limit
+            Metres.
+        """
+        spots = []
+        for first, stop in runs_of(self.clearance < limit):
+            row = first + int(np.argmin(self.clearance[first:stop]))
+            ends = sorted((float(self.depth[first]), float(self.depth[stop - 1])))
+            top, bottom = ends[0] - self.height / 2, ends[1] + self.height / 2
+            where = float(self.contact_depth[row, 0]), float(self.contact_toolface[row, 0])
+            least, body = float(self.clearance[row]), int(self.contact_body[row, 0])
+            spots.append(TightSpot(top, bottom, least, *where, body))
+        return sorted(spots, key=lambda spot: (spot.least, spot.start))
+
+    def column(self, rows: Logs | None = None) -> LogColumn:
+        """Return the clearance as a log, to be given to `Logs.table` or `Logs.save` in ``more``.
+
+        Parameters
+        ----------
+        rows
+            Logs of the same wall, whose rows the column gets: the least of the turns in a row, NaN if one of them is
+            unknown. None: one row for each turn.
+        """
+        name, meaning = self._name()
+        return LogColumn(name, "m", meaning, self.clearance if rows is None else self._in(rows))
+
+    def table(self) -> LogTable:
+        """Return one row for each turn: clearance, interval, first contact, and what curvature costs."""
+        name, meaning = self._name()
+        columns: list[Any] = [
+            ("DEPT", "m", "Measured depth of the middle of the string", self.depth),
+            (name, "m", meaning, self.clearance),
+            ("LOW", "m", "Lower end of the interval that holds it with 95 % probability", self.low),
+            ("HIGH", "m", "Upper end of that interval", self.high),
+            ("TOUCH", "m", "Measured depth where the string touches first", self.contact_depth[:, 0]),
+            ("TOUCHTF", "deg", "Toolface where the string touches first", self.contact_toolface[:, 0]),
+            ("BODY", "", "Number of the body that touches first, from 1", _numbers(self.contact_body[:, 0]), 0),
+            ("CURVE", "m", "What the curvature of the path alone costs", self.curvature),
+        ]
+        skipped = [] if np.isfinite(self.low).any() else ["LOW", "HIGH"]
+        return LogTable(columns_of(*(of for of in columns if of[0] not in skipped)), self.facts())
+
+    def facts(self) -> dict[str, str]:
+        """Return the bodies and the meaning of the clearance as texts; every output states them."""
+        bodies = {
+            f"body {number}": f"{body.diameter:.6g} m outer diameter, {body.length:.6g} m long, "
+            f"{body.position:.6g} m above the lower end"
+            for number, body in enumerate(self.string, 1)
+        }
+        return {**bodies, "passage": RIGID}
+
+    def _name(self) -> tuple[str, str]:
+        return "CLEARANCE", "Least clearance of the rigid string, as a diameter"
+
+    def _in(self, rows: Logs) -> Floats:
+        half = rows.height / 2 * (1 + 1e-9)
+        order = np.argsort(self.depth, kind="stable")
+        depth, clearance = self.depth[order], self.clearance[order]
+        starts, stops = (np.searchsorted(depth, rows.depth + side) for side in (-half, half))
+        of_row = [
+            clearance[first:stop].min() if stop > first else np.nan for first, stop in zip(starts, stops, strict=True)
+        ]
+        return column(self._name()[0], of_row)
+
+
+class Drift(Passage):
+    """The greatest diameter of a rigid cylinder at each turn of a wall; made by `Wall.drift`. See `Passage`."""
+
+    @property
+    def diameter(self) -> Floats:
+        """(turns,) float64 the greatest diameter, metres: `clearance`, because the cylinder has no diameter of its own.
+
+        It is 0 if the path is so curved that the hole holds no straight line of this length.
+        """
+        return self.clearance
+
+    def _name(self) -> tuple[str, str]:
+        size = f"{self.length:.3f}".rstrip("0").rstrip(".").replace(".", "_")
+        return f"DRIFT_{size}M", f"Greatest diameter of a rigid cylinder {self.length:g} m long"
+
+    def facts(self) -> dict[str, str]:
+        return {"passage": f"one rigid, straight cylinder {self.length:.6g} m long; {RIGID.partition('; ')[2]}"}
+
+
+def passage_of(wall: WallLike, string: Iterable[RigidBody], sigma: Floats | None = None) -> Passage:
+    """Return the clearance of a string, as `Wall.passage` does; ``sigma`` is the uncertainty of each radius, metres."""
+    bodies = tuple(string)
+    if not bodies:
+        raise InputError("string", "must have a body")
+    for number, body in enumerate(bodies):
+        if not isinstance(body, RigidBody):
+            rule = "must be a RigidBody(diameter, length, position)"
+            raise InputError(f"string[{number}]", rule, type(body).__name__)
+    return Passage(**_solved(wall, bodies, sigma))
+
+
+def drift_of(wall: WallLike, length: float | str, sigma: Floats | None = None) -> Drift:
+    """Return the greatest diameter of a rigid cylinder, as `Wall.drift` does."""
+    if isinstance(length, str):
+        if length not in MANDRELS:
+            raise InputError("length", f"must be metres or one of {', '.join(MANDRELS)}", repr(length))
+        length = MANDRELS[length]
+    found = _solved(wall, (RigidBody(0.0, float(length)),), sigma)
+    for name in ("clearance", "low", "high"):
+        found[name] = np.maximum(found[name], 0.0)
+    return Drift(**found)
+
+
+def _solved(wall: WallLike, string: Sequence[RigidBody], sigma: Floats | None) -> dict[str, Any]:
+    if basis_of(wall) != "azimuthal":
+        raise InputError("passage", f"needs a shape that was measured; this wall: {basis_text_of(wall)}")
+    helix, radius = whole_helix(wall), column("radius", wall.radius)
+    K, pitch = helix.sectors, helix.pitch
+    turns = radius.size // K
+    length = max(body.position + body.length for body in string)
+    if length > turns * abs(pitch):
+        rule = f"must be shorter than the wall, {turns * abs(pitch):g} m of whole turns"
+        raise InputError("length of the string", rule, f"{length:g}")
+    path: Path | None = getattr(wall, "path", None)
+    middle = length / 2
+    bodies = [(middle - body.position - body.length, middle - body.position, body.diameter) for body in string]
+    measured: Mask | None = getattr(wall, "measured", None)
+    counts = np.empty(0) if measured is None else measured.astype(np.float64)
+    errors = np.empty(0) if sigma is None else column("sigma", sigma, radius.size, "radius")
+    threads = thread_count(getattr(wall, "threads", None))
+    place = (helix.start_depth, helix.start_toolface, pitch, K, helix.first)
+    found = _core.passage_columns(place, radius, core_path(path), bodies, counts, errors, threads)
+    depth = helix.start_depth + ((helix.first // K + np.arange(turns, dtype=np.float64)) * K + (K - 1) / 2) * (
+        pitch / K
+    )
+    return found | {
+        "depth": depth,
+        "curvature": _curvature(path, depth, length),
+        "string": tuple(string),
+        "height": abs(pitch),
+    }
+
+
+def _curvature(path: Path | None, depth: Floats, length: float) -> Floats:
+    """Return what the curvature of a path costs a cylinder: length x angle / 8, twice the height of the arc, metres."""
+    cost = np.full(depth.size, np.nan)
+    if path is None:
+        return cost
+    inside = (depth - length / 2 >= path.start_depth) & (depth + length / 2 <= path.stop_depth)
+    upper, lower = (path.tangent(depth[inside] + side * length / 2) for side in (-1, 1))
+    chord = np.linalg.norm(lower - upper, axis=1) / 2
+    cost[inside] = length * 2 * np.arcsin(np.minimum(chord, 1)) / 8
+    return cost
+
+
+def _numbers(body: Integers) -> Floats:
+    return np.where(body < 0, np.nan, body + 1.0)

@@ -1,0 +1,68 @@
+"""``helibore passage``: the table and the lines of a drift and of a string."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+import helibore as hb
+from helibore.cli import cli
+
+BIT = 0.2159
+
+
+@pytest.fixture(scope="module")
+def wall(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A round hole that is 6 mm narrower from 1003 to 1004 m."""
+    k = np.arange(64 * 80)
+    depth = 1000 + k * 0.1 / 64
+    radius = BIT / 2 - 0.003 * ((depth > 1003) & (depth < 1004))
+    file = tmp_path_factory.mktemp("passage") / "w.wall"
+    hb.reconstruct(hb.Caliper(depth, k * 360 / 64 % 360, radius), bit_diameter=BIT).save(file)
+    return file
+
+
+def run(*words: Any) -> Result:
+    return CliRunner().invoke(cli, ["passage", *map(str, words)])
+
+
+def test_the_drift_of_a_narrow_hole(wall: Path, tmp_path: Path) -> None:
+    output = tmp_path / "drift.csv"
+    done = run(wall, "-o", output, "--length", "api-large-casing", "--unit", "mm")
+    assert done.exit_code == 0, done.output
+    rows = np.genfromtxt(output, delimiter=",", comments="#", skip_header=0, names=None)
+    found = hb.load(wall).drift(0.305)
+    sizes = rows[np.isfinite(rows[:, 0])]
+    assert sizes[:, 1] == pytest.approx(1e3 * found.diameter, abs=1e-3, nan_ok=True)
+    words = " ".join(done.output.split())
+    assert "least diameter 8.264 in (209.9 mm)" in words
+    assert "tight 1 interval with a diameter below 8.500 in (215.9 mm)" in words
+    assert "unknown" in words
+
+
+def test_a_string_that_does_not_pass(wall: Path, tmp_path: Path) -> None:
+    done = run(wall, "-o", tmp_path / "c.csv", "--body", "213mm,0.3m", "--body", "8in,2m,0.3m", "--sigma")
+    assert done.exit_code == 0, done.output
+    words = " ".join(done.output.split())
+    assert "string 2.3 m long, rigid" in words
+    assert "(-3.1 mm)" in words
+    assert "body 1" in words
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (("--length", "9m"), "length of the string = 9: must be shorter than the wall, 8 m of whole turns"),
+        (("--length", "1m", "--body", "8in,1m"), "--length and --body: give one of them"),
+        (("--body", "8in"), "must be DIAMETER,LENGTH or DIAMETER,LENGTH,POSITION"),
+        (("--length", "api-rod"), "must be metres or one of api-casing"),
+    ],
+)
+def test_refused(wall: Path, tmp_path: Path, words: tuple[str, ...], message: str) -> None:
+    done = run(wall, "-o", tmp_path / "c.csv", *words)
+    assert done.exit_code == 2
+    assert message in " ".join(done.output.split())
