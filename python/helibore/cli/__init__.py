@@ -21,6 +21,7 @@ from typing import IO, Any
 import click
 
 from helibore._core import __version__
+from helibore.base.addresses import without_secrets
 from helibore.base.errors import MissingExtraError
 
 VERBS = {
@@ -51,7 +52,7 @@ class BadInput(click.ClickException):
     exit_code = 2
 
     def show(self, file: IO[Any] | None = None) -> None:
-        click.echo(f"helibore: {' '.join(self.message.split())}", file=file, err=True)
+        click.echo(f"helibore: {without_secrets(' '.join(self.message.split()))}", file=file, err=True)
 
 
 @contextmanager

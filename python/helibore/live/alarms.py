@@ -31,6 +31,7 @@ from typing import Any
 
 import numpy as np
 
+from helibore.base.addresses import split_credentials
 from helibore.base.errors import InputError
 from helibore.base.utc_time import SECOND, utc
 from helibore.live.live import Live
@@ -53,6 +54,14 @@ MOST_LINES = 100
 """The most lines that wait in the queue for the command and the webhook."""
 MOST_RANGES = 256
 """The most changed ranges of vertices that wait for the next check; if there are more, the latest ranges are kept."""
+ENVIRONMENT = (
+    "PATH", "HOME", "USER", "LOGNAME", "SHELL", "LANG", "LANGUAGE", "TZ", "TMPDIR", "DISPLAY", "WAYLAND_DISPLAY",
+    "XDG_RUNTIME_DIR", "DBUS_SESSION_BUS_ADDRESS",
+)  # fmt: skip
+"""The environment variables that the command gets, with those of ``LC_`` and of the setting ``environment``.
+
+The others stay away from it, because passwords and tokens are among them.
+"""
 STEP = 0.01
 """Metres by which the bit must move to count as moving."""
 TICK = 0.25
@@ -164,11 +173,14 @@ def receiver(limits: AlarmLimits) -> str:
     Raises
     ------
     InputError
-        If the command is no program on this machine, or if the environment variable of the webhook is not set or does
-        not hold ``https://...`` or ``http://...``.
+        If the command is no program on this machine, if a variable of ``environment`` is not set, or if the environment
+        variable of the webhook is not set or does not hold ``https://...`` or ``http://...``.
     """
     if limits.command and shutil.which(limits.command[0]) is None:
         raise InputError("alarms.command[0]", "must be a program that can be run", repr(limits.command[0]))
+    for name in limits.environment:
+        if name not in os.environ:
+            raise InputError("alarms.environment", "is not set in the environment", repr(name))
     address = limits.webhook or ""
     if address.startswith("env:"):
         if address[4:] not in os.environ:
@@ -475,16 +487,20 @@ class Alarms:
             way(line)
         except (OSError, ValueError, RuntimeError, subprocess.SubprocessError, http.client.HTTPException) as error:
             reason = getattr(error, "reason", getattr(error, "strerror", None)) or type(error).__name__
+            if isinstance(error, urllib.error.HTTPError):  # the phrase that the server sends may repeat a password
+                reason = http.client.responses.get(error.code, f"answered {error.code}")
             self._live.report("alarm_not_delivered", f"{way.__name__.strip('_')}: {reason}")
             return False
         return True
 
     def _command(self, line: bytes) -> None:
+        named = {*ENVIRONMENT, *self._limits.environment}
+        environment = {name: value for name, value in os.environ.items() if name in named or name.startswith("LC_")}
         reading, writing = os.pipe()
         said = _LastLine(reading)
         try:
             command = subprocess.Popen(self._limits.command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL,
-                                       stderr=writing, start_new_session=True)  # fmt: skip
+                                       stderr=writing, env=environment, start_new_session=True)  # fmt: skip
         finally:
             os.close(writing)
         self._running = command
@@ -498,7 +514,9 @@ class Alarms:
             raise ChildProcessError(command.returncode, f"it ended with {command.returncode}{said.text()}")
 
     def _webhook(self, line: bytes) -> None:
-        request = urllib.request.Request(self._address, line, {"Content-Type": "application/json"}, method="POST")
+        address, credentials = split_credentials(self._address)
+        headers = {"Content-Type": "application/json"} | ({"Authorization": credentials} if credentials else {})
+        request = urllib.request.Request(address, line, headers, method="POST")
         try:
             made: list[http.client.HTTPConnection] = []
             self._posting = time.monotonic(), made

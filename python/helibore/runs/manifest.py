@@ -30,6 +30,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+from helibore.base.addresses import file_name, without_secrets
 from helibore.base.errors import InputError, check_names, needs
 from helibore.base.toml_file import read_toml
 from helibore.runs.output_store import Json, file_system, local_file
@@ -91,7 +92,7 @@ class Job:
 
     def named(self) -> Json:
         """Return the settings with the names of the files, without their folders, in place of the addresses."""
-        return self.mapped(lambda address: address.rstrip("/").rpartition("/")[2])
+        return self.mapped(file_name)
 
     def mapped(self, change: Any, keys: tuple[str, ...] = FILES) -> Json:
         """Return the settings with ``change`` applied to the path of each file or role map under one of these keys."""
@@ -117,7 +118,7 @@ def read_jobs(manifest: str | Path, output: str | None = None) -> list[Job]:
     well, key and rule.
     """
     address = str(manifest)
-    name, folder = address.rpartition("/")[2], address.rpartition("/")[0]
+    name, folder = file_name(address), address.rpartition("/")[0]
     with local_file(address) as path:
         tree: Json = {"well": _rows(path)} if name.endswith(".parquet") else read_toml(path, name)
     check_names(f"{name}: ", tree, KEYS)
@@ -170,7 +171,7 @@ def check_files(jobs: list[Job]) -> None:
     with ThreadPoolExecutor(32) as pool:
         lost = [one for one, is_missing in zip(named, pool.map(missing, named), strict=True) if is_missing]
     if lost:
-        first, *others = [f"well {well}: {address}" for well, address in lost]
+        first, *others = [f"well {well}: {without_secrets(address)}" for well, address in lost]
         more = f", and {len(lost) - MOST_NAMED} more" if len(lost) > MOST_NAMED else ""
         rule = f"no such file; also missing: {', '.join(others[: MOST_NAMED - 1])}{more}" if others else "no such file"
         raise InputError(first, rule)

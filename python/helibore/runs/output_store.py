@@ -23,6 +23,7 @@ from typing import Any
 
 import numpy as np
 
+from helibore.base.addresses import file_name, without_secrets
 from helibore.base.arrays import Array, Floats
 from helibore.base.atomic_file import write_whole
 from helibore.base.errors import InputError, needs
@@ -39,9 +40,9 @@ def file_system(address: str) -> tuple[Any, str, bool]:
     try:
         system, path = url_to_fs(address)
     except ImportError as error:
-        raise InputError(address, f"needs another library: {error}") from error
+        raise InputError(without_secrets(address), f"needs another library: {error}") from error
     except ValueError as error:
-        raise InputError(address, str(error)) from error
+        raise InputError(without_secrets(address), without_secrets(str(error))) from None
     return system, path, isinstance(system, LocalFileSystem)
 
 
@@ -53,7 +54,7 @@ def local_file(address: str) -> Iterator[Path]:
         yield Path(path)
         return
     with tempfile.TemporaryDirectory(prefix="helibore-") as folder:
-        copy = Path(folder) / Path(path).name
+        copy = Path(folder) / file_name(path)
         system.get_file(path, str(copy))
         yield copy
 
@@ -79,7 +80,8 @@ class Store:
             self.write_json(".writable", {})
             self.delete([".writable"])
         except Exception as error:  # each store library has its own errors
-            raise InputError(self.address, f"cannot be written: {error}") from error
+            rule = f"cannot be written: {without_secrets(str(error))}"
+            raise InputError(without_secrets(self.address), rule) from None
 
     @contextlib.contextmanager
     def writing(self, name: str) -> Iterator[Path]:

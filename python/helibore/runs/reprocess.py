@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 from urllib.parse import unquote
 
+from helibore.base.addresses import file_name, without_secrets
 from helibore.base.atomic_file import write_whole
 from helibore.base.errors import InputError, MissingExtraError, needs
 from helibore.base.thread_count import thread_count
@@ -187,7 +188,7 @@ def check_encrypted(address: str, insecure: bool) -> None:
     if not insecure and not address.startswith(("tls://", "wss://", "inproc://")):
         rule = "must be tls://HOST:PORT: without TLS, whoever reaches the port can run code on this machine and on all "
         rule += "workers; --insecure-scheduler (insecure=True in Python) allows it"
-        raise InputError("scheduler", rule, address)
+        raise InputError("scheduler", rule, without_secrets(address))
 
 
 @contextlib.contextmanager
@@ -202,7 +203,7 @@ def connected(client: Client | str | None, workers: int | None = None, *, dashbo
         try:
             made = Client(client)
         except OSError as error:
-            raise InputError(client, f"no scheduler answers: {error}") from error
+            raise InputError(without_secrets(client), f"no scheduler answers: {without_secrets(str(error))}") from None
         with made:
             yield made
     elif client is not None:
@@ -270,7 +271,7 @@ def _check_workers(client: Any, jobs: Sequence[Job]) -> None:
     files: dict[str, str] = {}  # by ending: the first file with this ending
     for job in jobs:
         for address in job.addresses():
-            files.setdefault(ending_of(address), f"well {job.well}: {address}")
+            files.setdefault(ending_of(file_name(address)), f"well {job.well}: {file_name(address)}")
     for worker, reason in client.run(_refusal, versions(), files, on_error="return").items():
         if reason and not isinstance(reason, OSError):  # an OSError: the worker has just died
             raise InputError(f"worker {worker}", str(reason))
@@ -375,7 +376,7 @@ def _attempt(name: str, make: Callable[..., Json | None], job: Job, *more: Any) 
 
 def _reason(error: BaseException) -> str:
     """Return an error in one line; unless the input caused it, the line begins with the type of the error."""
-    text = " ".join(str(error).split())
+    text = without_secrets(" ".join(str(error).split()))
     return text if isinstance(error, InputError | OSError) else f"{type(error).__name__}: {text}"
 
 

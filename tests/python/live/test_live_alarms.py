@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import contextlib
 import http.server
 import io
@@ -26,6 +27,7 @@ from live_wires import SECOND, WALL, Clock
 from patience import PATIENCE
 
 from helibore import Live
+from helibore.base.errors import InputError
 from helibore.live import alarms as module
 from helibore.live.alarms import Alarm, Alarms
 from helibore.live.journal.journal import Journal
@@ -331,11 +333,12 @@ class Hook:
     """A real HTTP server that keeps what is posted to it."""
 
     def __init__(self, answer=200):
-        self.lines, hook = [], self
+        self.lines, self.authorized, hook = [], [], self
         self.let = threading.Event()
 
         class Pages(http.server.BaseHTTPRequestHandler):
             def do_POST(self):
+                hook.authorized.append(self.headers["Authorization"])
                 hook.lines.append(json.loads(self.rfile.read(int(self.headers["Content-Length"]))))
                 if answer is None:
                     hook.let.wait(PATIENCE)
@@ -388,6 +391,35 @@ def test_a_line_of_json_goes_to_the_command_and_to_the_webhook(tmp_path, monkeyp
     assert "alarm_not_delivered" not in texts(live)
 
 
+def test_the_command_gets_no_secret_and_the_resolver_no_password(tmp_path, monkeypatch):
+    for name in ("HELIBORE_TOKEN", "STORE_PASSWORD", "AWS_SECRET_ACCESS_KEY", "HORN_KEY"):
+        monkeypatch.setenv(name, "s3cret")
+    asked, resolve = [], socket.getaddrinfo
+    monkeypatch.setattr(
+        socket, "getaddrinfo", lambda host, *more, **how: asked.append(host) or resolve(host, *more, **how)
+    )
+    with Hook() as hook:
+        monkeypatch.setenv("HOOK", hook.url.replace("://", "://rig:p%40ss@"))
+        listed = json.dumps(["sh", "-c", f"env > {tmp_path}/variables"])
+        settings = f'[alarms]\nwebhook = "env:HOOK"\ncommand = {listed}\nenvironment = ["HORN_KEY"]\n'
+        _, clock, alarms = alarmed(HOST + settings)
+        alarms.start(thread)
+        clock.step(61)
+        alarms.check()
+        until(lambda: hook.lines)
+        alarms.close()
+    assert hook.authorized[0] == "Basic " + base64.b64encode(b"rig:p@ss").decode()
+    assert set(asked) == {"127.0.0.1"}
+    variables = (tmp_path / "variables").read_text()
+    assert "HORN_KEY=s3cret" in variables
+    assert f"PATH={os.environ['PATH']}" in variables
+    assert variables.count("s3cret") == 1
+    monkeypatch.delenv("HORN_KEY")
+    with pytest.raises(InputError) as refused:
+        alarmed(HOST + settings)
+    assert refused.value.place == "alarms.environment"
+
+
 def is_running(pid):
     stat = Path(f"/proc/{pid}/stat")
     return stat.exists() and stat.read_text().rpartition(")")[2].split()[0] != "Z"
@@ -429,10 +461,11 @@ def test_a_command_that_hangs_is_ended_with_what_it_started(tmp_path, monkeypatc
     clock.step(61)
     alarms.check()
     until(lambda: alarms.undelivered == 1)
+    reported = texts(live)["alarm_not_delivered"]  # before `close`, which may kill the command for the next line
     alarms.close()
     for pid in (tmp_path / "pids").read_text().split() if (tmp_path / "pids").exists() else ():
         until(lambda pid=pid: not is_running(pid))
-    assert texts(live)["alarm_not_delivered"] == "command: TimeoutExpired"
+    assert reported == "command: TimeoutExpired"
 
 
 def test_a_late_webhook_without_a_socket_does_not_end_the_watch():

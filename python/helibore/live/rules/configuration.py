@@ -153,7 +153,7 @@ class AlarmLimits(Table):
     seconds without a successful sync. It also begins if the clock of the machine jumps by more than ``clock`` seconds,
     if less than ``disk_gb`` gigabytes are left for the journal, or if the median diameter of a turn is more than
     ``tight`` metres below, or more than ``washout`` metres above, the bit diameter. ``command`` and ``webhook`` get
-    each alarm as a line of JSON.
+    each alarm as a line of JSON; ``environment`` names variables that the command gets besides the usual ones.
     """
 
     lost: Annotated[float, within(0.1)] = 30.0
@@ -165,6 +165,7 @@ class AlarmLimits(Table):
     tight: Annotated[float, within(0)] | None = None
     washout: Annotated[float, within(0)] | None = None
     command: list[Text] = []
+    environment: list[Text] = []
     webhook: Annotated[str, AfterValidator(_webhook)] | None = None
 
 

@@ -56,7 +56,8 @@ def read_address(text: object) -> Address:
     try:
         parts = urlsplit(text, allow_fragments=False)  # a path may contain "#"
         query = {key: values[-1] for key, values in parse_qs(parts.query).items()}
-        if parts.scheme in ("tcp", "listen") and parts.hostname and parts.port and not query:
+        plain = "@" not in parts.netloc and not query
+        if parts.scheme in ("tcp", "listen") and parts.hostname and parts.port and plain:
             return Address(parts.scheme, host=parts.hostname, port=parts.port)
         baud, speed = int(query.get("baud", "9600")), float(query.get("speed", "0"))
         if parts.scheme == "serial" and parts.path and set(query) <= {"baud"} and baud > 0:
