@@ -281,8 +281,8 @@ class WallReads:
         Parameters
         ----------
         string
-            One `RigidBody` or more: outer diameter, length, position above the lower end of the string. The bodies share one
-            straight axis.
+            One `RigidBody` or more: outer diameter, length, position above the lower end of the string. The bodies have
+            one straight axis.
         sigma
             As in `drift`.
 
@@ -295,7 +295,8 @@ class WallReads:
         Raises
         ------
         InputError
-            As `drift`; ``string: must have a body``; ``string[1] = 'str': must be a RigidBody(diameter, length, position)``.
+            As `drift`; ``string: must have a body``; ``string[1] = str: must be a RigidBody(diameter, length,
+            position)``.
         """
         from helibore.logs.passage import passage_of
 
