@@ -47,9 +47,10 @@ from helibore.live.journal.session_header import (
 )
 from helibore.live.model.events import LOGGER, Event, gather
 from helibore.live.model.image_rows import ImageRows
-from helibore.live.model.model import Model, Rows
+from helibore.live.model.model import Model
 from helibore.live.model.packed_state import packed, unpack
 from helibore.live.model.pass_log import Pass
+from helibore.live.model.sample_rows import Rows
 from helibore.live.model.update import Update, merge
 from helibore.live.rules.configuration import Configuration, load
 from helibore.live.rules.file_names import RULE, can_be_file

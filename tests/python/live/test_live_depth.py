@@ -20,7 +20,7 @@ from helibore import Live
 from helibore.live import live as live_module
 from helibore.live.model.depth_jumps import HeldSample
 from helibore.live.model.events import Flag
-from helibore.live.model.model import PENDING
+from helibore.live.model.sample_rows import ROW
 from helibore.live.rules.configuration import parse
 from helibore.live.rules.depth_limits import DepthLimits
 from helibore.live.wire import wits
@@ -269,7 +269,7 @@ def test_a_level_of_bit_depth_outlives_a_change_of_other_items():
 
 def test_only_the_sample_that_jumped_is_refused_when_nothing_can_confirm_its_jump_any_more():
     """The rows that are held with it keep their own reasons."""
-    rows = np.zeros(5, PENDING)
+    rows = np.zeros(5, ROW)
     rows["depth"] = [100.0, 101.0, 500.0, 102.0, 103.0]
     rows["flags"] = [0, 0, 0, Flag.NULL, Flag.DUPLICATE]
     held = HeldSample(DepthLimits())

@@ -19,6 +19,7 @@ from helibore.base.errors import InputError
 from helibore.live.model.events import EventBook
 from helibore.live.model.mapping import Chunk, Reading, SourceReader
 from helibore.live.model.named_reader import NamedReader
+from helibore.live.model.sample_rows import frame_rows
 from helibore.live.model.sequence import SequenceWatch
 from helibore.live.rules.checks import within
 from helibore.live.rules.depth_limits import DepthLimits
@@ -123,7 +124,7 @@ class MqttReader(NamedReader):
                 continue
             number = np.arange(len(rows))
             time, order, walls = (np.full(len(rows), column[row]) for column in (chunk.time, chunk.order, chunk.wall))
-            reading = Reading(time, (order << 20) + number, walls, number + 1, chunk.connection)
+            reading = Reading(frame_rows(time, (order << 20) + number, walls, number + 1, chunk.connection))
             self._check_sequence(rows, wall)
             self._read_named(rows, reading, {})
             readings.append(reading)

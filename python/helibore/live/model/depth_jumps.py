@@ -13,6 +13,7 @@ import numpy.typing as npt
 from helibore.base import units
 from helibore.base.utc_time import SECOND
 from helibore.live.model.events import Flag
+from helibore.live.model.sample_rows import Rows
 from helibore.live.rules.depth_limits import DepthLimits
 
 CONFIRMED_WITHIN = 600 * SECOND
@@ -22,7 +23,6 @@ NEAR = 0.02
 """The relative error within which the ratio of two depths counts as that of feet to metres, or of metres to feet."""
 DRAWABLE = Flag.OFF_BOTTOM | Flag.GAP_BEFORE | Flag.LATE
 Values = npt.NDArray[np.float64]
-Rows = npt.NDArray[np.void]
 
 
 def _steps(last: float, depth: Values) -> Values:

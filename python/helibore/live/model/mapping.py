@@ -22,6 +22,7 @@ import numpy.typing as npt
 from helibore.base.angles import wrapped
 from helibore.live.model.depth_jumps import Steps
 from helibore.live.model.events import Event, EventBook, Flag
+from helibore.live.model.sample_rows import ROW, Rows, frame_rows, measured
 from helibore.live.model.sequence import SequenceWatch
 from helibore.live.rules.depth_limits import DepthLimits
 from helibore.live.rules.pass_rules import LARGEST, NO_NUMBER
@@ -60,41 +61,30 @@ class Chunk:
 
 @dataclass(slots=True)
 class Reading:
-    """Columns of the frames that one chunk completes.
+    """What one chunk completes.
 
     Attributes
     ----------
-    time, order, wall, line
-        (n,) for each frame: receive time and order, as in `Chunk`; wall clock time; line in the stream, from 1.
+    frames
+        (n,) a row for each frame, with the pass number that applies to it.
     rig
         The rig quantities by name, (n,); NaN where a frame has no usable value.
-    triples, triple_frame, triple_flags, triple_group
-        (m, 3) depth, toolface and radius; for each triple the row of its frame in ``time``, its flags, and its place in
-        the lists of the caliper.
+    samples
+        (m,) a row for each triple of the caliper.
     images
-        (image, index of the frame of each row, depths, values, flags) for each image that has rows.
-    stations, station_frame
-        (s, 3) depth, inclination and azimuth; for each station the row of its frame.
-    pass_number
-        (n,) the pass number that applies to each frame; NO_NUMBER if none does.
+        The rows of each image that has some: (image, (k,) rows, (k, sectors) values).
+    stations, station_frames
+        (s, 3) depth, inclination and azimuth; (s,) the frame of each station.
     keep_alives
         Number of frames that hold nothing but an empty item 0111.
     """
 
-    time: Integers
-    order: Integers
-    wall: Integers
-    line: Integers
-    connection: int = 0
+    frames: Rows
     rig: dict[str, Values] = field(default_factory=dict)
-    triple_frame: Integers = field(default_factory=lambda: np.empty(0, np.int64))
-    triples: Values = field(default_factory=lambda: np.empty((0, 3)))
-    triple_flags: Integers = field(default_factory=lambda: np.empty(0, np.int64))
-    triple_group: Integers = field(default_factory=lambda: np.empty(0, np.int64))
-    images: list[tuple[Image, Integers, Values, Values, Integers]] = field(default_factory=list)
+    samples: Rows = field(default_factory=lambda: np.empty(0, ROW))
+    images: list[tuple[Image, Rows, Values]] = field(default_factory=list)
     stations: Values = field(default_factory=lambda: np.empty((0, 3)))
-    station_frame: Integers = field(default_factory=lambda: np.empty(0, np.int64))
-    pass_number: Integers = field(default_factory=lambda: np.empty(0, np.int64))
+    station_frames: Rows = field(default_factory=lambda: np.empty(0, ROW))
     keep_alives: int = 0
 
 
@@ -252,7 +242,8 @@ class SourceReader:
         at = np.minimum(np.searchsorted(ends, self._completed(batch)), len(chunk.time) - 1)
         within = np.arange(len(at)) - np.searchsorted(at, at)
         order = (chunk.order[at] << 20) + within
-        reading = Reading(chunk.time[at], order, chunk.wall[at], batch.frames["line"], self._connection)
+        frames = frame_rows(chunk.time[at], order, chunk.wall[at], batch.frames["line"], self._connection)
+        reading = Reading(frames)
         self._report_bad_text(batch, int(chunk.wall[0]))
         if not len(batch.frames):
             return reading
@@ -262,14 +253,14 @@ class SourceReader:
         self._fill(reading, values, states, flags | repeated)
         if self.source.station:
             stations = np.column_stack([self._value(values, item) for item in self.source.station])
-            reading.station_frame = np.flatnonzero(np.isfinite(stations).all(axis=1) & (repeated == 0))
-            reading.stations = stations[reading.station_frame]
+            whole = np.isfinite(stations).all(axis=1) & (repeated == 0)
+            reading.stations, reading.station_frames = stations[whole], frames[whole]
         return reading
 
     def _fill(self, reading: Reading, values: Values, states: npt.NDArray[np.uint8], flags: Integers) -> None:
         """Set the rig quantities, pass numbers, triples and image rows that a table of values and states gives."""
         reading.rig = self._rig(values, reading)
-        reading.pass_number = self._pass_numbers(values, states, flags)
+        reading.frames["number"] = self._pass_numbers(values, states, flags)
         self._triples(reading, values, states, flags)
         self._images(reading, values, states, flags)
 
@@ -342,7 +333,9 @@ class SourceReader:
         item = batch.items[row]
         frame = int(np.searchsorted(batch.frames["first"], row, side="right")) - 1
         text = f"item {item['code']:04d} = {batch.text_of(row)[:60]!r}: {words}"
-        return self._event(int(reading.wall[frame]), rule, text, batch.line_of(row, frame), int(item["offset"]))
+        return self._event(
+            int(reading.frames["wall"][frame]), rule, text, batch.line_of(row, frame), int(item["offset"])
+        )
 
     def _report_invalid(self, bad: Integers, batch: wits.Batch, reading: Reading, values: Values) -> None:
         """Report the items ``bad``, which are not numbers, and the wrong pass numbers, in order of their frames."""
@@ -369,7 +362,7 @@ class SourceReader:
         assert self.source.items.pass_number is not None
         number = values[row, self._column[self.source.items.pass_number.name]]
         text = f"pass number {number:g}: must be a whole number from 0 to {LARGEST}"
-        return self._event(int(reading.wall[row]), "invalid", text, int(reading.line[row]))
+        return self._of_frame(reading, row, "invalid", text)
 
     def _report_bad_text(self, batch: wits.Batch, wall: int) -> None:
         """Report bad text at the time at which its first byte came; at ``wall`` if this time is not known."""
@@ -393,6 +386,11 @@ class SourceReader:
     def _event(self, wall: int, rule: str, text: str, line: int = 0, offset: int = -1) -> Event:
         return Event(wall, self.source.name, self._connection, line, offset, rule, text)
 
+    def _of_frame(self, reading: Reading, row: int, rule: str, text: str, offset: int = -1) -> Event:
+        """Return an event at the time and line of a frame."""
+        frame = reading.frames[row]
+        return self._event(int(frame["wall"]), rule, text, int(frame["line"]), offset)
+
     def _report(self, wall: int, rule: str, text: str, line: int = 0, offset: int = -1) -> None:
         self._events.report(self._event(wall, rule, text, line, offset))
 
@@ -410,8 +408,9 @@ class SourceReader:
             words = self.digest(text[start:stop])
             if words in recent:
                 flags[row] = Flag.DUPLICATE
-                self._report(int(reading.wall[row]), "duplicate", "a frame was sent twice", int(reading.line[row]),
-                           start + batch.base)  # fmt: skip
+                self._events.report(
+                    self._of_frame(reading, row, "duplicate", "a frame was sent twice", start + batch.base)
+                )
                 continue
             self._remember(words)
         return flags
@@ -438,7 +437,7 @@ class SourceReader:
             flags |= found
             events += [(index, rule, f"record {code // 100:02d}: {text}") for index, rule, text in reported]
         for row, rule, text in sorted(events, key=lambda event: event[0]):  # in order of arrival, not record by record
-            self._report(int(reading.wall[row]), rule, text, int(reading.line[row]))
+            self._events.report(self._of_frame(reading, row, rule, text))
         return flags
 
     def _rig(self, values: Values, reading: Reading) -> dict[str, Values]:
@@ -455,7 +454,8 @@ class SourceReader:
 
     def _report_depths(self, reading: Reading, rule: str, texts: dict[int, str]) -> None:
         self._events.report_rows(
-            list(texts), lambda row: self._event(int(reading.wall[row]), rule, texts[row], int(reading.line[row]))
+            list(texts),
+            lambda row: self._of_frame(reading, row, rule, texts[row]),
         )
 
     def _depth_rule(self, depth: float) -> str:
@@ -511,13 +511,14 @@ class SourceReader:
             text = f"radius {radius[row]:g} m: must be in radius_range [{low:g}, {high:g}]"
             if far[row]:
                 text = f"toolface {toolface[row]:g} deg: must be from {-LARGEST_TOOLFACE:g} to {LARGEST_TOOLFACE:g}"
-            return self._event(int(reading.wall[frame[row]]), "range", text, int(reading.line[frame[row]]))
+            return self._of_frame(reading, int(frame[row]), "range", text)
 
         self._events.report_rows((outside | far).nonzero()[0], describe)
         self._judge_unit(toolface, reading, frame)
         toolface = wrapped(toolface + np.broadcast_to(caliper.toolface_offset, len(caliper.toolface))[group])
-        reading.triple_frame, reading.triple_flags, reading.triple_group = frame, triple_flags, group
-        reading.triples = np.column_stack([depth, toolface, radius])
+        rows = reading.samples = measured(reading.frames[frame], caliper.latency, caliper.offset)
+        rows["depth"], rows["toolface"], rows["radius"] = depth, toolface, radius
+        rows["flags"], rows["row"] = triple_flags, group
 
     def _judge_unit(self, toolface: Values, reading: Reading, frame: Integers) -> None:
         """Report that toolfaces seem to be radians: the first ones span more than pi, in [0, 2 pi] or [-pi, pi].
@@ -536,12 +537,12 @@ class SourceReader:
             rule = "it seems that they are tenths of a degree: map an item in degrees, or correct the sender"
             self.seems_radians = f"the first {FIRST_TOOLFACES} toolfaces lie from {low:g} to {high:g}: {rule}"
             at = int(frame[rows[-1]])
-            self._report(int(reading.wall[at]), "toolface", self.seems_radians, int(reading.line[at]))
+            self._events.report(self._of_frame(reading, at, "toolface", self.seems_radians))
         if len(self._toolfaces) == FIRST_TOOLFACES and one_turn and high - low > np.pi:
             rule = 'it seems that they are radians: state toolface_unit = "rad", or "deg" if they are degrees'
             self.seems_radians = f"the first {FIRST_TOOLFACES} toolfaces lie from {low:g} to {high:g}: {rule}"
             at = int(frame[rows[-1]])
-            self._report(int(reading.wall[at]), "toolface", self.seems_radians, int(reading.line[at]))
+            self._events.report(self._of_frame(reading, at, "toolface", self.seems_radians))
 
     def _seem_tenths(self, low: float, high: float) -> bool:
         """Return whether the first toolfaces lie in one turn of tenths of a degree and do not only count turns."""
@@ -556,8 +557,9 @@ class SourceReader:
                 continue
             depth = np.full(len(values), np.nan) if image.depth is None else self._value(values, image.depth)
             lacking = image.depth is not None and np.isnan(depth[frame])
-            row_flags = flags[frame] | np.where(lacking, Flag.NULL, 0)
-            reading.images.append((image, frame, depth[frame], values[frame][:, sectors], row_flags))
+            rows = measured(reading.frames[frame], image.latency, image.offset)
+            rows["depth"], rows["flags"] = depth[frame], flags[frame] | np.where(lacking, Flag.NULL, 0)
+            reading.images.append((image, rows, values[frame][:, sectors]))
 
 
 def _counts_passes(number: Values) -> npt.NDArray[np.bool_]:

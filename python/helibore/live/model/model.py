@@ -35,25 +35,18 @@ from helibore.live.model.events import NEVER_DRAWN, Event, EventBook, Flag
 from helibore.live.model.image_rows import ImageRows
 from helibore.live.model.mapping import LARGEST_TOOLFACE, Chunk, Reading, SourceReader
 from helibore.live.model.pass_log import PassLog
+from helibore.live.model.sample_rows import ROW, Rows, frame_rows
 from helibore.live.model.stations import Stations
 from helibore.live.model.update import Update, joined
 from helibore.live.model.watch import Frame, Watch, WatchedCaliper
 from helibore.live.rules.configuration import Configuration
 from helibore.live.rules.kinds import kind_of
 from helibore.live.rules.layout import Layout
-from helibore.live.rules.pass_rules import NO_NUMBER, PASSES, layer_of
+from helibore.live.rules.pass_rules import PASSES, layer_of
 from helibore.live.rules.sources import Source
 from helibore.samples.caliper import LARGEST_RADIUS
 from helibore.wall.state import WallState
 from helibore.wall.wall import Wall
-
-Rows = npt.NDArray[np.void]
-PENDING = np.dtype(
-    [("time", "i8"), ("order", "i8"), ("received", "i8"), ("depth", "f8"), ("offset", "f8"), ("toolface", "f8"),
-     ("radius", "f8"), ("flags", "i8"), ("image", "i8"), ("row", "i8"), ("wall", "i8"),
-     ("source", "i4"), ("number", "i4"), ("connection", "i4"), ("line", "i8")]
-)  # fmt: skip
-
 
 LATEST = 4e9
 """Seconds. A sample is wrong if its time differs from the start of 1970 by more than this, as in the year 2097."""
@@ -135,7 +128,7 @@ class Model:
         self._takes = {name: layer_of(names) for name, names in configuration.layers.items()}
         meanings = {self.numbers[name]: (name, one.pass_numbers) for name, one in configuration.sources.items()}
         self.passes = PassLog(meanings, self.events)
-        self._pending = np.empty(0, PENDING)
+        self._pending = np.empty(0, ROW)
         self._held_rows: dict[int, npt.NDArray[np.float64]] = {}
         self._next_row = 0
         self._session = ""
@@ -381,19 +374,15 @@ class Model:
         self.counts["keep_alives"] += reading.keep_alives
         self._frames += _frames_of(reading, reader.source.name)
         for name, values in reading.rig.items():
-            self.rig.tracks[name].append(reading.time, reading.order, values)
+            self.rig.tracks[name].append(reading.frames["time"], reading.frames["received"], values)
         name = reader.source.name
-        for station, frame in zip(reading.stations.tolist(), reading.station_frame.tolist(), strict=True):
-            wall, line = int(reading.wall[frame]), int(reading.line[frame])
-            event = Event(wall, name, reading.connection, line, -1, "station", "")
+        for station, frame in zip(reading.stations.tolist(), reading.station_frames, strict=True):
+            wall, connection, line = (int(frame[of]) for of in ("wall", "connection", "line"))
+            event = Event(wall, name, connection, line, -1, "station", "")
             self._station(station, event, update)
         found = []
-        caliper = reader.source.caliper
-        if caliper and len(reading.triple_frame):
-            rows = self._pending_rows(reading, reading.triple_frame, caliper.latency, caliper.offset)
-            rows["depth"], rows["toolface"], rows["radius"] = reading.triples.T
-            rows["flags"], rows["image"] = reading.triple_flags, -1
-            rows["source"], rows["number"] = self.numbers[name], reading.pass_number[reading.triple_frame]
+        if len(rows := reading.samples):
+            rows["source"] = self.numbers[name]
             rows, wrong, levels = self._held[self.numbers[name]].take(rows)
             jump = f"jumps by more than {self.configuration.depth.jump:g} m, and the next depth does not confirm it"
             text = lambda place: f"depth {rows['depth'][wrong[place]]:g} m: {jump}"  # noqa: E731
@@ -401,24 +390,13 @@ class Model:
             texts = list(levels.values())
             self.passes.report(rows, np.array(list(levels), np.int64), "depth_jump", lambda i: f"depth {texts[i]}")
             found.append(rows)
-        for image, frame, depth, values, flags in reading.images:
-            rows = self._pending_rows(reading, frame, image.latency, image.offset)
-            rows["depth"], rows["flags"], rows["image"] = depth, flags, self._image_list.index(image)
+        for image, rows, values in reading.images:
+            rows["image"] = self._image_list.index(image)
             rows["row"] = np.arange(self._next_row, self._next_row + len(rows))
             self._held_rows.update(zip(rows["row"].tolist(), values, strict=True))
             self._next_row += len(rows)
             found.append(rows)
         return found
-
-    @staticmethod
-    def _pending_rows(reading: Reading, frame: npt.NDArray[np.int64], latency: float, offset: float) -> Rows:
-        rows = np.zeros(len(frame), PENDING)
-        rows["received"] = reading.order[frame]
-        rows["time"] = reading.time[frame] - int(latency * SECOND)
-        rows["order"] = reading.order[frame] if latency == 0 else -1
-        rows["offset"] = offset
-        rows["wall"], rows["line"], rows["connection"] = reading.wall[frame], reading.line[frame], reading.connection
-        return rows
 
     def _station(self, station: list[float], event: Event, update: Update) -> None:
         """Add a station to the survey; if the survey refuses it, report ``event`` with the reason."""
@@ -458,13 +436,11 @@ class Model:
                 self._report_wrong(record, name, unit, column, ~right, rule)
                 wrong |= ~right
             stamp = np.where(wrong, np.nan, stamp)
-            pending = np.zeros(len(depth), PENDING)
+            times = np.where(np.isnan(stamp), time, np.nan_to_num(stamp) * SECOND)
+            order = np.full(len(depth), int(record["sequence"]) << 20)
+            pending = frame_rows(times, order, int(record["wall"]), 0, 0)
             pending["flags"] = np.where(wrong, int(Flag.RANGE), 0)
             pending["depth"], pending["toolface"], pending["radius"] = depth, wrapped(toolface), radius
-            pending["time"] = np.where(np.isnan(stamp), time, np.nan_to_num(stamp) * SECOND)
-            pending["order"], pending["image"] = int(record["sequence"]) << 20, -1
-            pending["received"] = pending["order"]
-            pending["wall"], pending["number"] = int(record["wall"]), NO_NUMBER
             found.append(pending)
         elif kind == journal.STATIONS:
             for station in np.frombuffer(payload).reshape(3, -1).T.tolist():
@@ -683,26 +659,31 @@ def _frames_of(reading: Reading, source: str) -> list[Frame]:
     """Return what the watch sees of a reading: each frame with a rig quantity, a sample or an image row."""
     frames: dict[int, Frame] = {}
 
-    def at(row: int) -> Frame:
-        if row not in frames:
-            order, time, wall = int(reading.order[row]), int(reading.time[row]), int(reading.wall[row])
-            frames[row] = Frame(order, time, wall, source, {})
-        return frames[row]
+    def at(place: int) -> Frame:
+        if place not in frames:
+            order, time, wall = (int(reading.frames[of][place]) for of in ("received", "time", "wall"))
+            frames[place] = Frame(order, time, wall, source, {})
+        return frames[place]
+
+    def places(rows: Rows) -> npt.NDArray[np.int64]:
+        return np.searchsorted(reading.frames["received"], rows["received"])
 
     for name, values in reading.rig.items():
-        for row in np.flatnonzero(np.isfinite(values)).tolist():
-            at(row).rig[name] = float(values[row])
-    if len(reading.triple_frame):
-        usable = np.isfinite(reading.triples[:, 1:]).all(axis=1) & ((reading.triple_flags & int(UNUSABLE)) == 0)
-        of, triples, group = reading.triple_frame[usable], reading.triples[usable], reading.triple_group[usable]
-        starts = np.flatnonzero(np.diff(of, prepend=-1)).tolist()
-        for start, stop in itertools.pairwise([*starts, len(of)]):
-            one = at(int(of[start]))
-            one.sensor = group[start:stop]
-            one.depth, one.toolface, one.radius = triples[start:stop].T
-    for image, rows, *_ in reading.images:
-        for row in rows.tolist():
-            at(row).images += (image.name,)
+        for place in np.flatnonzero(np.isfinite(values)).tolist():
+            at(place).rig[name] = float(values[place])
+    samples = reading.samples
+    usable = np.isfinite(samples["toolface"]) & np.isfinite(samples["radius"])
+    samples = samples[usable & ((samples["flags"] & int(UNUSABLE)) == 0)]
+    of = places(samples)
+    starts = np.flatnonzero(np.diff(of, prepend=-1)).tolist()
+    for start, stop in itertools.pairwise([*starts, len(of)]):
+        one, rows = at(int(of[start])), samples[start:stop]
+        one.sensor, one.depth, one.toolface, one.radius = (
+            rows[name] for name in ("row", "depth", "toolface", "radius")
+        )
+    for image, rows, _ in reading.images:
+        for place in places(rows).tolist():
+            at(place).images += (image.name,)
     return list(frames.values())
 
 

@@ -74,6 +74,6 @@ class NamedReader(SourceReader):
     def _report_bad(self, name: str, bad: dict[int, object], reading: Reading) -> None:
         def describe(row: int) -> Event:
             text = f"{name} = {str(bad[row])[:60]!r}: is not a number"
-            return self._event(int(reading.wall[row]), "invalid", text, int(reading.line[row]))
+            return self._of_frame(reading, row, "invalid", text)
 
         self._events.report_rows(list(bad), describe)

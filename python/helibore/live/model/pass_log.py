@@ -19,10 +19,10 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.live.model.events import Event, EventBook
+from helibore.live.model.sample_rows import Rows
 from helibore.live.rules.pass_rules import NO_NUMBER, PASSES, UNKNOWN, PassNumbers
 
 Integers = npt.NDArray[np.int64]
-Rows = npt.NDArray[np.void]
 KEPT = 10_000
 
 

@@ -31,6 +31,7 @@ from helibore.live.model.mapping import (
     Values,
 )
 from helibore.live.model.named_reader import NamedReader
+from helibore.live.model.sample_rows import frame_rows
 from helibore.live.rules.depth_limits import DepthLimits
 from helibore.live.rules.sources import INDEX, Item, StoreSource
 from helibore.live.wire import witsml
@@ -142,7 +143,8 @@ class StoreReader(NamedReader):
         if not numbers:
             return None
         time, order, wall = (np.full(len(numbers), value, np.int64) for value in stamp)
-        reading = Reading(time, order + np.arange(len(numbers)), wall, np.array(numbers), self._connection)
+        frames = frame_rows(time, order + np.arange(len(numbers)), wall, np.array(numbers), self._connection)
+        reading = Reading(frames)
         values = np.full((len(numbers), len(self._column)), np.nan)
         states = np.zeros(values.shape, np.uint8)
         self._read_cells(log, numbers, values, states, stamp[2])
@@ -304,9 +306,8 @@ class StoreReader(NamedReader):
         if not rows:
             return None
         time, order, wall = (np.full(len(rows), value, np.int64) for value in stamp)
-        reading = Reading(time, order, wall, np.array(numbers), self._connection)
-        reading.stations, reading.station_frame = np.array(rows), np.arange(len(rows))
-        return reading
+        frames = frame_rows(time, order, wall, np.array(numbers), self._connection)
+        return Reading(frames, stations=np.array(rows), station_frames=frames)
 
 
 def _log_of(store: StoreSource) -> tuple[tuple[str, str, str] | None, str]:

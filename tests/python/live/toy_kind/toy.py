@@ -12,6 +12,7 @@ from helibore.base.errors import InputError
 from helibore.live.model.events import EventBook
 from helibore.live.model.mapping import Chunk, Reading
 from helibore.live.model.named_reader import NamedReader
+from helibore.live.model.sample_rows import frame_rows
 from helibore.live.rules.depth_limits import DepthLimits
 from helibore.live.rules.kinds import Position, Report, SourceKind
 from helibore.live.rules.sources import NamedSource
@@ -48,7 +49,7 @@ class ToyReader(NamedReader):
             self.counts["frames"] += len(lines)
             number = np.arange(len(lines))
             time, order, wall = (np.full(len(lines), column[row]) for column in (chunk.time, chunk.order, chunk.wall))
-            reading = Reading(time, (order << 20) + number, wall, number + 1, chunk.connection)
+            reading = Reading(frame_rows(time, (order << 20) + number, wall, number + 1, chunk.connection))
             pairs = [[one.partition("=") for one in line.decode().split()] for line in lines]
             self._read_named([{name: float(value) for name, _, value in one} for one in pairs], reading, {})
             readings.append(reading)
