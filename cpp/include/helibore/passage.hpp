@@ -36,8 +36,7 @@ inline constexpr int most_contacts = 5;
 struct Passage {
     std::vector<double> clearance;  // metres, of the wall as it is
     // With `sigma`: the ends of the interval that holds the clearance of the true hole with 95 % probability; otherwise
-    // NaN. Errors of the wall stand in the way, so `clearance` is mostly some tenths of a millimetre too small, and may
-    // lie below `low`.
+    // NaN. It counts that errors of the wall stand in the way of the string, and that they hide what stands in its way.
     std::vector<double> low, high;
     // For each turn `most_contacts` places where the string touches if it is as thick as the clearance allows, the
     // place that holds it most first; NaN and -1 where there are fewer.

@@ -16,7 +16,7 @@ from helibore.base.decimals import DECIMALS
 from helibore.base.errors import InputError
 from helibore.cli.lines import annulus_lines, breakout_line, row_line, sigma_lines, summary_lines, zone_lines
 from helibore.cli.outputs import OUTPUT, QUIET, check_folder, own_options, save_lines
-from helibore.cli.quantities import FILE, LENGTH, across_and_along, facts_in, split_pair
+from helibore.cli.quantities import BODY_LENGTH, FILE, LENGTH, across_and_along, facts_in, split_pair
 from helibore.cli.sections import Sectioned, opt, opts, section
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_options import HEADER, SHOWN, header_of, open_run, refuse_interval, takes_a_wall
@@ -48,7 +48,7 @@ NAMED = (
 @click.command(
     "logs",
     cls=Sectioned,
-    common=(*SHOWN, "step", "sigma", "casings", "well", "headers", "unit", "zones", "breakouts"),
+    common=(*SHOWN, "step", "sigma", "casings", "drifts", "well", "headers", "unit", "zones", "breakouts"),
 )
 @section("Options", OUTPUT("Logs to write: .las, .csv, .parquet or .dlis."), QUIET)
 @section(
@@ -62,6 +62,12 @@ NAMED = (
     ),
     opt("--sigma", "Also write the uncertainty of diameters and volumes: DEQ_SIGMA, VOL_SIGMA.", is_flag=True),
     opts("--casing casings", "Outer diameter of a casing, for its annulus and clearance.", type=LENGTH),
+    opts(
+        "--drift drifts",
+        "Length of a rigid cylinder, or api-casing, api-large-casing or api-tubing, for its greatest diameter: 9m "
+        "gives DRIFT_9M.",
+        type=BODY_LENGTH,
+    ),
     *NAMED,
 )
 @section(
@@ -113,6 +119,7 @@ def logs(**options: Any) -> None:
         dark = [wall.images[name].breakouts() for name in images]
         summary = summarize(wall._state(), options["start_depth"], options["stop_depth"], zones=measured.zones)
     columns = [*measured.columns, *(column for each in annuli for column in each.columns())]
+    columns += [wall.drift(length).column(measured.rows) for length in options["drifts"]]
     columns += image_means(measured.rows, wall.images)
     facts = measured.zones.criteria.facts() if measured.zones else {}
     prepared = enumerate(preparation_lines(wall), 1)

@@ -29,7 +29,7 @@ QUIET = opt("-q --quiet", "Print nothing but errors.", is_flag=True)
 NOT_RECORDED = ("source", "output", "centres", "zones", "breakouts", "quiet", "help", "settings", "column",
                 "look")  # fmt: skip
 """A command's own options that do not change the bytes of its output; a project does not record them."""
-TABLES = ("header", "zones", "print", "look", "logs", "mesh", "view")
+TABLES = ("header", "zones", "print", "look", "logs", "passage", "mesh", "view")
 """Tables of a project that say what an output holds."""
 OF_ANY_COMMAND = ("criteria", "scaled")
 """Options that an earlier version recorded for any command, because they define the wall's zones."""

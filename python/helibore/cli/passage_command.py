@@ -13,7 +13,7 @@ from helibore.base import units
 from helibore.base.units import size_text
 from helibore.cli.logs_command import NAMED, in_unit
 from helibore.cli.outputs import OUTPUT, QUIET, check_folder, own_options, save_lines
-from helibore.cli.quantities import LENGTH, Parsed
+from helibore.cli.quantities import BODY_LENGTH, LENGTH, Parsed
 from helibore.cli.sections import Sectioned, opt, opts, section
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_options import SHOWN, header_of, open_run, refuse_interval, takes_a_wall
@@ -24,10 +24,6 @@ if TYPE_CHECKING:
 
 WORST = 5
 """Most tight intervals that the terminal lists."""
-
-
-def _length(text: str) -> float | str:
-    return text if text.startswith("api-") else units.quantity(text, units.LENGTH)
 
 
 def _body(text: str) -> tuple[float, ...]:
@@ -45,7 +41,7 @@ def _body(text: str) -> tuple[float, ...]:
         "--length",
         "Length of one rigid cylinder, whose greatest diameter is sought: 9m, or api-casing, api-large-casing or "
         "api-tubing.  [api-large-casing, 0.305 m]",
-        type=Parsed("length", "a length, such as 9m, or the name of an API mandrel", _length),
+        type=BODY_LENGTH,
     ),
     opts(
         "--body bodies",

@@ -90,6 +90,10 @@ def _lift(text: str) -> tuple[float, float]:
     return float(depth), float(length)
 
 
+def _body_length(text: str) -> float | str:
+    return text if text.startswith("api-") else units.quantity(text, units.LENGTH)
+
+
 def split_pair(option: str, text: str, form: str = "NAME=...") -> tuple[str, str]:
     """Split NAME=VALUE at its last equals sign; if a part is missing, a usage error states the form of the option."""
     name, equals, value = text.rpartition("=")
@@ -107,4 +111,5 @@ TIME = Quantity(units.TIME)
 BIT = Quantity(units.LENGTH, largest=4.0)
 NUMBERS = Parsed("numbers", "pass numbers, such as 2,3", lambda text: tuple(int(number) for number in text.split(",")))
 SHIFT = Parsed("pass=length", "PASS=LENGTH, such as 3=-0.2m", _shift)
+BODY_LENGTH = Parsed("length", "a length, such as 9m, or the name of an API mandrel", _body_length)
 LIFT = Parsed("depth:length", "DEPTH:LENGTH in metres, such as 2030:5", _lift)

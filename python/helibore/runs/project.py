@@ -137,6 +137,7 @@ class Project(Declared):
     print: Annotated[dict[str, Any], "Prints and reports."] = field(default_factory=dict)
     look: Annotated[dict[str, Any], "Colours of images and scales of curves."] = field(default_factory=dict)
     logs: Annotated[dict[str, Any], "Tables of logs and zones."] = field(default_factory=dict)
+    passage: Annotated[dict[str, Any], "What passes through the hole."] = field(default_factory=dict)
     mesh: Annotated[dict[str, Any], "Meshes."] = field(default_factory=dict)
     view: Annotated[dict[str, Any], "The page in the browser."] = field(default_factory=dict)
     options: Annotated[dict[str, Any], "Options of the command, in files of earlier versions."] = field(

@@ -66,3 +66,16 @@ def test_refused(wall: Path, tmp_path: Path, words: tuple[str, ...], message: st
     done = run(wall, "-o", tmp_path / "c.csv", *words)
     assert done.exit_code == 2
     assert message in " ".join(done.output.split())
+
+
+def test_the_column_of_a_drift_in_the_logs(wall: Path, tmp_path: Path) -> None:
+    output = tmp_path / "w.csv"
+    done = CliRunner().invoke(cli, ["logs", str(wall), "-o", str(output), "--drift", "1.5m", "--drift", "api-casing"])
+    assert done.exit_code == 0, done.output
+    lines = [line for line in output.read_text().splitlines() if not line.startswith("#")]
+    names = lines[0].split(",")
+    column = [name.partition(" ")[0] for name in names].index("DRIFT_1_5M")
+    values = [row.split(",")[column] for row in lines[1:]]
+    found = np.array([float(value) if value else np.nan for value in values])
+    assert found == pytest.approx(hb.load(wall).drift(1.5).diameter, abs=1e-6, nan_ok=True)
+    assert any(name.startswith("DRIFT_0_152M") for name in names)
