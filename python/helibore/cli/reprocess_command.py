@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import click
@@ -13,10 +13,14 @@ from helibore.cli.outputs import QUIET
 from helibore.cli.sections import Sectioned, opt, section
 
 if TYPE_CHECKING:
+    from helibore.runs.manifest import Job
     from helibore.runs.reprocess import Progress
 
 MOST_WARNINGS = 10
 """Greatest number of wells whose warnings are shown."""
+
+MOST_NAMED = 5
+"""Greatest number of wells with one fault that are named."""
 
 STOPPED = 130
 """Exit code after Ctrl-C, the code that shells use."""
@@ -38,6 +42,7 @@ FAILED = 3
         type=click.IntRange(1),
         metavar="N",
     ),
+    opt("--check", "Read the head of each file, say which wells would fail, and stop.", is_flag=True),
     QUIET,
 )
 @click.argument("manifest", nargs=-1, required=True, metavar="[status] MANIFEST")
@@ -48,6 +53,7 @@ def reprocess(
     insecure_scheduler: bool,
     dashboard: bool,
     workers: int | None,
+    check: bool,
     quiet: bool,
 ) -> None:
     """Rebuild the walls of the wells of MANIFEST: archives, meshes, logs, zones and one catalogue of all wells.
@@ -55,6 +61,7 @@ def reprocess(
     \b
     helibore reprocess manifest.toml
     helibore reprocess wells.parquet -o s3://field/walls --scheduler tls://host:8786
+    helibore reprocess manifest.toml --check
     helibore reprocess status manifest.toml
 
     MANIFEST is TOML, or a Parquet table with one row a well. A well whose outputs exist, from the same files and
@@ -63,7 +70,8 @@ def reprocess(
     error before any work; 3: some wells failed and the others are done, or the catalogue could not be written; 130:
     stopped by Ctrl-C.
     """
-    from helibore.runs.manifest import read_jobs
+    from helibore.runs.manifest import check_files, read_jobs
+    from helibore.runs.preflight import refused_wells
     from helibore.runs.reprocess import reprocess as run
     from helibore.runs.reprocess import status
 
@@ -71,6 +79,12 @@ def reprocess(
     if words not in ([], ["status"]):
         raise click.UsageError(f"{' '.join(manifest)}: must be MANIFEST, or status MANIFEST")
     jobs = read_jobs(file, output)
+    if check:
+        check_files(jobs)
+        refused = refused_wells(jobs)
+        click.echo(f"{len(jobs) - len(refused)} of {len(jobs)} wells have caliper files that can be read")
+        _show_failures(refused, jobs)
+        click.get_current_context().exit(FAILED if refused else 0)
     if words:
         found = status(jobs)
         counts = f"{len(found.skipped)} of {found.wells} wells are done, {len(found.failed)} failed"
@@ -96,8 +110,7 @@ def reprocess(
         if not quiet:
             click.echo(found.sentence())
             _show_warnings(found.warnings)
-    for well, reason in sorted(found.failed.items()):
-        click.echo(f"{well}: {reason}", err=not words)
+    _show_failures(found.failed, jobs, err=not words)
     if found.orphans and not quiet:
         click.echo(f"wells in the output and its catalogue, but not in {file}: {', '.join(found.orphans)}")
     for file, reason in found.unwritten.items():
@@ -111,9 +124,9 @@ def _show(progress: Progress) -> None:
 
     Before the first well is finished, show their number, and the address of Dask's dashboard if it is served.
     """
-    if not progress.finished:
+    if not progress.seconds:
         shown = f"; Dask shows its work at {progress.dashboard}" if progress.dashboard else ""
-        click.echo(f"making {progress.wells} wells{shown}", err=True)
+        click.echo(f"making {progress.wells - progress.finished} wells{shown}", err=True)
         return
     known = progress.finished < progress.wells and math.isfinite(progress.seconds_left)
     left = f", {progress.seconds_left:.0f} s left" if known else ""
@@ -122,6 +135,17 @@ def _show(progress: Progress) -> None:
         click.echo(f"\r\x1b[K{line}", err=True, nl=progress.finished == progress.wells)
     elif progress.finished * 10 // progress.wells > (progress.finished - 1) * 10 // progress.wells:
         click.echo(line, err=True)
+
+
+def _show_failures(failed: Mapping[str, str], jobs: Sequence[Job], err: bool = False) -> None:
+    """Show each reason once, with the wells that it concerns, and the remedy that this command has for headers."""
+    from helibore.runs.preflight import REMEDY, grouped
+
+    for reason, wells in grouped(failed, jobs):
+        more = f" and {len(wells) - MOST_NAMED} more" if len(wells) > MOST_NAMED else ""
+        click.echo(f"{', '.join(sorted(wells)[:MOST_NAMED])}{more}: {reason}", err=err)
+    if any("role" in reason or "unit missing" in reason for reason in failed.values()):
+        click.echo(REMEDY, err=err)
 
 
 def _show_warnings(warnings: Mapping[str, str]) -> None:

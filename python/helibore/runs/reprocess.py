@@ -30,6 +30,7 @@ from helibore.runs import fault_notes
 from helibore.runs.main_guard import check_main_guard
 from helibore.runs.manifest import Job, check_files, read_jobs
 from helibore.runs.output_store import Json, Store
+from helibore.runs.preflight import refused_wells
 from helibore.runs.well import (
     COLUMNS,
     changes,
@@ -166,9 +167,13 @@ def reprocess(
     store = Store(jobs[0].output)
     store.check_writable()
     records: dict[str, Json] = {}
-    with connected(client, workers, dashboard=dashboard) as cluster:
-        _check_workers(cluster, jobs)
-        so_far = _run(cluster, jobs, records, progress or (lambda _: None), dashboard)
+    refused = refused_wells(jobs)
+    if len(refused) == len(jobs):
+        so_far = Progress(len(jobs), failed=refused)
+    else:
+        with connected(client, workers, dashboard=dashboard) as cluster:
+            _check_workers(cluster, jobs)
+            so_far = _run(cluster, jobs, records, progress or (lambda _: None), dashboard, refused)
     try:
         name = CATALOGUE
         _write_catalogue(store, records)
@@ -296,15 +301,17 @@ def _run(
     jobs: Sequence[Job],
     records: dict[str, Json],
     tell: Callable[[Progress], object],
-    dashboard: bool = False,
+    dashboard: bool,
+    refused: dict[str, str],
 ) -> Progress:
     """Run a task for each well; for a large well, also one for each block and one to merge; fill ``records`` by well.
 
-    ``tell`` is called with the progress at the start and after each well.
+    The ``refused`` wells have failed already. ``tell`` is called with the progress at the start and after each well.
     """
     from distributed import CancelledError, KilledWorker, as_completed
 
-    begin, so_far = time.perf_counter(), Progress(len(jobs), dashboard=client.dashboard_link if dashboard else None)
+    begin, so_far = time.perf_counter(), Progress(len(jobs), failed=dict(refused))
+    so_far.dashboard = client.dashboard_link if dashboard else None
     tell(so_far)
     waiting: dict[Any, _Task] = {}
     blocks: dict[str, int] = {}  # by large well: the number of its blocks that are not made yet
@@ -326,7 +333,7 @@ def _run(
         so_far.seconds = time.perf_counter() - begin
         tell(so_far)
 
-    finished = as_completed([submit(_Task(reprocess_well, job)) for job in jobs])
+    finished = as_completed([submit(_Task(reprocess_well, job)) for job in jobs if job.well not in refused])
     for future in finished:
         task = waiting.pop(future)
         job = task.job

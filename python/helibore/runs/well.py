@@ -102,7 +102,7 @@ def _folders(job: Job) -> tuple[str, ...]:
 
 
 def _make(job: Job, store: Store) -> Json:
-    with _opened(job) as (run, local):
+    with opened(job) as (run, local):
         before: Json | None = store.read_checked(record_name(job.well))
         if before is not None:
             if not _changes(before, _made_from(job, run.files, local), store):
@@ -136,7 +136,7 @@ def _check_path(job: Job, run: Run, *ends: float) -> None:
 def reprocess_block(job: Job, number: int, expected: dict[str, str] | None = None) -> None:
     """Make block ``number`` of a large well by `make_block`; refuse versions other than ``expected``."""
     check_versions(expected)
-    with _opened(job, ("survey",)) as (run, _):
+    with opened(job, ("survey",)) as (run, _):
         archive = f"wells/{job.key}/{job.key}-{number:05}.wall" if "archive" in job.outputs else None
         make_block(run, Store(job.output), _work_folder(job), number, archive)
 
@@ -145,7 +145,7 @@ def merge_well(job: Job, expected: dict[str, str] | None = None) -> Json:
     """Make outputs and record of a large well from its blocks; return the record as `reprocess_well` does."""
     check_versions(expected)
     store = Store(job.output)
-    with _opened(job, ("survey",)) as (run, _):
+    with opened(job, ("survey",)) as (run, _):
         wall, logs, over = merged(run, store, _work_folder(job))
         files, save = _saver(store)
         files |= store.sizes(f"wells/{job.key}")
@@ -224,7 +224,7 @@ def _provenance(made_from: Json) -> Json:
 
 
 @contextlib.contextmanager
-def _opened(job: Job, keys: tuple[str, ...] = FILES) -> Iterator[tuple[Run, dict[str, Path]]]:
+def opened(job: Job, keys: tuple[str, ...] = FILES) -> Iterator[tuple[Run, dict[str, Path]]]:
     """Yield the run of a job with the files of ``keys`` opened, and the local file for each of their addresses.
 
     Roles that neither the settings nor a map state are guessed.

@@ -529,7 +529,7 @@ def test_all_wells_on_dask(field: Path, tmp_path: Path, client: Any) -> None:
     assert sorted(found.done) == ["15/9-F 1", "B"]
     assert list(found.failed) == ["C"]
     assert found.failed["C"].startswith("bad.parquet: ")
-    assert seen == [0, 1, 2, 3]
+    assert seen == [1, 2, 3]  # the well whose file cannot be read is known before any work
     catalogue = parquet.read_table(tmp_path / "catalogue.parquet").to_pylist()
     assert [row["well"] for row in catalogue] == ["15/9-F 1", "B"]
     schema = parquet.read_schema(tmp_path / "catalogue.parquet")
@@ -872,7 +872,7 @@ def test_a_scheduler_lost_while_it_sends_a_result_is_told_well_by_well(
     where = ["-o", str(tmp_path), "--scheduler", client.scheduler.address]
     result = CliRunner().invoke(cli, ["reprocess", str(manifest(field)), *where])
     assert result.exit_code == 3, result.stderr
-    assert result.stderr.splitlines()[-2:] == ["15/9-F 1: the scheduler was lost", "B: the scheduler was lost"]
+    assert result.stderr.splitlines()[-1:] == ["15/9-F 1, B: the scheduler was lost"]
     monkeypatch.undo()
     result = CliRunner().invoke(cli, ["reprocess", str(manifest(field)), *where])
     assert "2 there already" in result.stdout

@@ -1,0 +1,70 @@
+"""Headers of many wells are read before any work, and equal faults are shown together."""
+
+import gzip
+from pathlib import Path
+
+import pytest
+from command import run
+from locations import ROOT
+
+from helibore.runs.manifest import read_jobs
+from helibore.runs.preflight import HEAD, grouped, refused_wells
+
+GOOD = (ROOT / "examples/files/caliper.csv").read_text()
+MANIFEST = 'output = "out"\noutputs = ["logs"]\n[defaults.wall]\nbit_diameter = 0.216\n'
+
+
+@pytest.fixture
+def wells(tmp_path: Path) -> Path:
+    """Seven wells: good, of an unknown name (two), without units, gzipped, and two that only a whole file tells."""
+    named = GOOD.replace("radius_m", "blob", 1)
+    late = "\n".join(["depth_m,toolface_deg,radius_m,note", *["2000,1,-999.25,x"] * (HEAD // 16), "2001,2,0.11,x", ""])
+    texts = {
+        "good": GOOD, "a": named, "b": named, "bare": GOOD.replace("_m,", ",", 1), "late": late,
+        "never": late.replace("0.11", "-999.25"),
+    }  # fmt: skip
+    for name, text in texts.items():
+        (tmp_path / f"{name}.csv").write_text(text)
+    (tmp_path / "packed.csv.gz").write_bytes(gzip.compress(GOOD.encode()))
+    files = [*(f"{name}.csv" for name in texts), "packed.csv.gz"]
+    tables = [f'[[well]]\nname = "{name.partition(".")[0]}"\ncaliper = "{name}"\n' for name in files]
+    (tmp_path / "m.toml").write_text(MANIFEST + "".join(tables))
+    return tmp_path / "m.toml"
+
+
+def test_wells_whose_files_cannot_be_read_are_named_with_the_reason(wells: Path) -> None:
+    refused = refused_wells(read_jobs(wells))
+    assert refused.keys() == {"a", "b", "bare", "never"}
+    assert refused["bare"].startswith("bare.csv, column depth: unit missing")
+    assert refused["never"] == "never.csv, column radius_m: every value is missing"
+
+
+def test_equal_reasons_are_shown_once_with_their_wells(wells: Path) -> None:
+    jobs = read_jobs(wells)
+    (first, together), *others = grouped(refused_wells(jobs), jobs)
+    assert together == ["a", "b"]
+    assert first.startswith("FILE: no channel has the role radius")
+    assert sorted(name for _, (name,) in others) == ["bare", "never"]
+    assert all(text.startswith(f"{name}.csv, ") for text, (name,) in others)
+
+
+def test_check_reads_and_makes_nothing(wells: Path) -> None:
+    done = run("reprocess", wells, "--check")
+    assert done.exit_code == 3
+    assert done.output.startswith("3 of 7 wells have caliper files that can be read\na, b: FILE: ")
+    assert "[defaults.columns]" in done.output
+    assert not (wells.parent / "out").exists()
+
+
+def test_columns_for_all_wells_mend_a_header_that_no_role_fits(wells: Path) -> None:
+    text = MANIFEST.replace("[defaults.wall]", '[defaults.columns]\nradius = ["blob:m"]\n[defaults.wall]')
+    wells.write_text(text + "".join(f'[[well]]\nname = "{name}"\ncaliper = "{name}.csv"\n' for name in "ab"))
+    assert refused_wells(read_jobs(wells)) == {}
+
+
+def test_without_a_well_that_can_be_read_no_cluster_starts(wells: Path) -> None:
+    wells.write_text(MANIFEST + '[[well]]\nname = "a"\ncaliper = "a.csv"\n')
+    done = run("reprocess", wells)
+    assert done.exit_code == 3
+    assert "0 made, 0 there already, 1 failed, of 1 wells" in done.output
+    assert "a: a.csv: no channel has the role radius" in done.output
