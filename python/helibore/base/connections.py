@@ -127,12 +127,20 @@ def _key(peer: Any) -> Any:
 
 
 class Listener(socket.socket):
-    """A listening socket that adds each connection that it accepts to ``connections``, and closes those refused."""
+    """A listening socket that adds each connection that it accepts to ``connections``, and closes those refused.
+
+    It accepts one connection at a time: asyncio would accept all that wait, and read none of them meanwhile, so that a
+    request with the token could be ended before it is read.
+    """
 
     connections: Connections
+    _pausing = False
 
     def accept(self) -> tuple[socket.socket, Any]:
-        """Accept a connection; raise BlockingIOError if it was refused, as if none had come."""
+        """Accept a connection; every second time, and if it is refused, raise BlockingIOError as if none had come."""
+        self._pausing = not self._pausing
+        if not self._pausing:
+            raise BlockingIOError
         connection, peer = super().accept()
         if not self.connections.add(connection, peer):
             connection.close()

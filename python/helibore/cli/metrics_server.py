@@ -33,7 +33,7 @@ class MetricsServer(http.server.HTTPServer):
     """
 
     def __init__(self, server: Server, port: int, access: Access, beside: Connections | None = None) -> None:
-        connections = Connections("metrics", 2 * CONNECTIONS, CONNECTIONS)
+        connections = Connections("metrics", 3 * CONNECTIONS, 2 * CONNECTIONS)
         shown = (connections, beside) if beside else (connections,)
 
         class Pages(http.server.BaseHTTPRequestHandler):
