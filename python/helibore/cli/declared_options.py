@@ -6,7 +6,7 @@ settings_of(Settings, options)              the `Settings` that the values of th
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any, Literal, TypeVar
 
 import click
@@ -28,6 +28,11 @@ class SettingType(Parameter[Any]):
 
     def __init__(self, member: Member) -> None:
         self.member, self.name = member, member.name
+
+    def joined(self, values: Iterable[Any], param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the values of an option that was given several times as one list."""
+        texts = [self.convert(value, param, ctx) if isinstance(value, str) else (value,) for value in values]
+        return self.convert(tuple(value for part in texts for value in part), param, ctx)
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         try:
@@ -62,7 +67,8 @@ def option_of(member: Member) -> tuple[str, dict[str, Any]]:
         if member.unit
         else TYPES[member.kind]
     )
-    return f"--{name}", {"help": member.summary + usual, "type": SettingType(member), "metavar": metavar}
+    several = {"multiple": True} if member.kind is tuple and member.parts[-1] is Ellipsis else {}
+    return f"--{name}", {"help": member.summary + usual, "type": SettingType(member), "metavar": metavar, **several}
 
 
 def stated(kind: type[Any], options: Mapping[str, Any]) -> dict[str, Any]:

@@ -78,7 +78,7 @@ def reconstruct(**options: Any) -> None:
     helibore reconstruct caliper.csv --survey survey.csv --bit-diameter 8.5in -o w.wall
     helibore reconstruct xy.csv.gz --column diameter=x_in@0 --column diameter=y_in@90 \\
                          --from 3080 --to 3240m --bit-diameter 6.2in -o w.glb
-    helibore reconstruct run1.las run2.las --drop-spikes 6 --find-shifts --bit-diameter 216mm -o w.wall
+    helibore reconstruct run1.las run2.las --spikes 6 --find-shifts --bit-diameter 216mm -o w.wall
     helibore reconstruct w.wall.toml -o again.wall         a run repeated, to the last bit
 
     Several SOURCE files are passes over one hole, earliest first. Roles of columns are guessed and printed. plot,
@@ -164,7 +164,7 @@ def _check(run: Run, options: dict[str, Any], ends: tuple[float | None, float | 
         kind = "a volume" if options["shells"] else ending
         raise click.UsageError(f"--color-by: does not go with {kind}, which has no colours")
     if options["color_by"] == "difference" and not preparation.earlier and run.settings.archive is None:
-        raise click.UsageError("--color-by difference: needs --compare-with")
+        raise click.UsageError("--color-by difference: needs --earlier")
     if options["centres"] is not None and not preparation.recentre:
         raise click.UsageError("--centres: needs --recentre")
     for name, end in zip(("--from", "--to"), ends, strict=True):

@@ -15,9 +15,10 @@ import click
 from click.core import ParameterSource
 
 from helibore.base import units
+from helibore.cli.declared_options import SettingType, option_of, options_of, stated
 from helibore.cli.lines import Lines, trust_lines
 from helibore.cli.outputs import OUTPUT, QUIET, SIGMA, add_sigma, check_file, own_options, save_lines
-from helibore.cli.quantities import LENGTH, split_pair
+from helibore.cli.quantities import split_pair
 from helibore.cli.sections import LOOK, Sectioned, opt, opts, section
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_options import (  # fmt: skip
@@ -37,6 +38,8 @@ from helibore.cli.wall_options import (  # fmt: skip
     walls_beside,
 )
 from helibore.cli.zone_options import CRITERIA, criteria_of
+from helibore.settings.declared import members
+from helibore.settings.print_settings import PrintSettings
 
 if TYPE_CHECKING:
     from helibore.logs.curves import ScalarCurve
@@ -49,6 +52,23 @@ COMMON = (
     "no_polar", "body", "no_body", "sigma", "dpi",
 )  # fmt: skip
 """Parameters that have an option of their own in ``plot`` and ``report``."""
+RECORDED = ("unit", "left", "dpi")
+"""Settings of a print that the settings of a run state also if they have their defaults."""
+
+
+class DepthScale(SettingType):
+    """The type of the depth scale: 200 or 1:200."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        try:
+            return super().convert(value.removeprefix("1:") if isinstance(value, str) else value, param, ctx)
+        except click.BadParameter as error:
+            text = error.message.replace("must be an integer", "must be a whole number, such as 200 or 1:200")
+            raise click.BadParameter(text, ctx, param) from error
+
+
+SCALE = option_of(members(PrintSettings)["scale"])
+SCALE[1]["type"] = DepthScale(members(PrintSettings)["scale"])
 
 takes_a_drawing = section(
     "Print",
@@ -58,14 +78,8 @@ takes_a_drawing = section(
     TEMPLATE,
     BESIDE,
     picks_option(exists=True),
-    opt("--scale", "Depth scale, 200 or 1:200.  [the finest usual scale that fits]", metavar="N"),
-    opt("--unit", "Unit of diameters; ft: inches, and feet for depths.",
-        type=click.Choice(["in", "mm", "ft"]), default="in"),
-    opts("--curve curves", "Diameter in the caliper track.  [C1, C2]",
-         type=click.Choice(["C1", "C2", "D0", "D90", "none"])),
-    opt("--left", "Toolface at the left edge of images.",
-        type=click.Choice(["0", "90", "180", "270"]), default="0"),
-    opt("--elevation", "Height of depth 0 above sea level; true depths are then TVDSS.  [TVD]", type=LENGTH),
+    SCALE,
+    *options_of(PrintSettings, "unit", "curves", "left", "images", "elevation"),
     LOOK,
     opts("--limits", "Ends of an image's colours or of a curve's scale, in its unit.", metavar="NAME=LOW,HIGH"),
     opts("--color-map color_maps", "Colour map of an image.", metavar="NAME=MAP"),
@@ -73,14 +87,13 @@ takes_a_drawing = section(
     opts("--linear", "Resistivity image whose colours do not follow the logarithm.",
          metavar="NAME"),
     opts("--dynamic", "Normalise an image in a sliding window of this length.", metavar="NAME=LENGTH"),
-    opts("--polar", "Depth of a cross section.  [helibore chooses up to four]", type=LENGTH),
+    *options_of(PrintSettings, "polar"),
     opt("--no-polar", "Draw no cross sections.", is_flag=True),
     *CRITERIA,
-    opt("--body", "Interval of the 3-D view.  [the 12 m with most relief]",
-        type=LENGTH, nargs=2),
+    *options_of(PrintSettings, "body"),
     opt("--no-body", "Draw no 3-D view.", is_flag=True),
     SIGMA,
-    opt("--dpi", "Pixels an inch.", type=click.IntRange(30, 1200), default=150),
+    *options_of(PrintSettings, "dpi"),
 )  # fmt: skip
 
 
@@ -160,14 +173,16 @@ def report(**options: Any) -> None:
 
 def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Run, dict[str, Any], dict[str, Any]]:
     """Make the wall; return the run, all options (also those of a repeated run) and the arguments of a `Drawing`."""
-    _scale(options["scale"]), _looks(options)  # refuses wrong values before the files are read
+    _looks(options)  # refuses wrong values before the files are read
     run = open_run(options, terminal, (options["output"],))
     options = own_options(run, verb, options)
-    scale, looks, unit = _scale(options["scale"]), _looks(options), options["unit"]
+    looks, template, settings = _looks(options), None, stated(PrintSettings, options)
+    options |= {name: getattr(PrintSettings, name) for name in RECORDED if options[name] is None}
     if (template := template_of_option(options["template"])) is not None:
         if click.get_current_context().get_parameter_source("unit") is ParameterSource.COMMANDLINE:
-            raise click.UsageError("--unit: does not go with --template, which states the units")
-        scale, unit = scale or template.scale, template.units
+            raise click.UsageError("--unit: does not go with --template, which states the unit")
+        settings = {"scale": template.scale, **settings, "unit": template.unit}
+    settings |= {name: () for name in ("polar", "body") if options[f"no_{name}"]}
     from helibore.runs.run import make_wall
 
     make_wall(run, options["threads"], terminal.stage)
@@ -184,19 +199,12 @@ def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Ru
         "subtitle": run.messages[0][1],
         "start": options["start_depth"],
         "stop": options["stop_depth"],
-        "scale": scale,
         "looks": looks,
         "reference": run.reference,
-        "left": float(options["left"]),
-        "unit": unit,
         "template": template,
-        "curves": tuple(name for name in options["curves"] or ("C1", "C2") if name != "none"),
-        "polar": () if options["no_polar"] else options["polar"] or None,
-        "body": () if options["no_body"] else options["body"] or None,
-        "dpi": options["dpi"],
-        "elevation": options["elevation"],
         "beside": walls_beside(options),
         "criteria": criteria_of(run.wall, options),
+        **settings,
     }
     return run, options, drawing
 
@@ -215,15 +223,6 @@ def _with_look(curve: ScalarCurve, looks: dict[str, Look]) -> ScalarCurve:
         if value is not None:
             raise click.UsageError(f"--look {curve.name}={word}: goes with an image, not with a curve")
     return replace(curve, limits=look.limits, log=bool(look.log))
-
-
-def _scale(text: str | None) -> int | None:
-    if text is None:
-        return None
-    number = text.removeprefix("1:")
-    if not (number.isascii() and number.isdigit() and int(number)):
-        raise click.UsageError(f"--scale {text}: must be a whole number, such as 200 or 1:200")
-    return int(number)
 
 
 def _looks(options: dict[str, Any]) -> dict[str, Look]:

@@ -53,8 +53,24 @@ FAMILIES = {"criteria": "zones", "headers": "header"}
 ALWAYS = ("output", "settings", "quiet")
 """Options of every command that has settings."""
 
-REMOVED = {"--from-settings": "give the settings file as SOURCE"}
-"""Options of earlier versions that are no setting, and what to do instead."""
+REMOVED = {
+    "--from-settings": "give the settings file as SOURCE",
+    "--samples-from": "it is now -s preparation.shallowest=LENGTH",
+    "--samples-to": "it is now -s preparation.deepest=LENGTH",
+    "--keep-saturated": "it is now -s preparation.saturated=false",
+    "--keep-closed": "it is now -s preparation.drop_closed=false",
+    "--drop-closed": "it is now -s preparation.closed=RADIUS",
+    "--drop-stuck": "it is now -s preparation.stuck=ROWS",
+    "--radius-range": "it is now -s preparation.least_radius=LENGTH and -s preparation.greatest_radius=LENGTH",
+    "--drop-repeated": "it is now -s preparation.repeated=true",
+    "--drop-spikes": "it is now --spikes DEVIATIONS",
+    "--split-passes": "it is now -s preparation.reversal=LENGTH",
+    "--shift": "it is now --shifts PASS=LENGTH",
+    "--compare-with": "it is now --earlier NUMBERS",
+    "--switch": "it is now -s preparation.steep=ANGLE and -s preparation.level=ANGLE",
+    "--curve": "it is now --curves C1,C2",
+}
+"""Options of earlier versions that are gone or have another name now, and what to do instead."""
 
 WORDS = {"log": "look.log", "linear": "look.linear"}
 """Words of ``--look`` that are no value of a setting."""
@@ -100,6 +116,21 @@ class SectionOption(click.Option):
         """Let the parser know the option, unless it is rare."""
         if not self.rare:
             super().add_to_parser(parser, ctx)
+
+    def process_value(self, ctx: click.Context, value: Any) -> Any:
+        """Return the value for the command: None for a list that is not given, so that [] can state an empty one."""
+        made = super().process_value(ctx, value)
+        return None if self.joins and not (isinstance(value, tuple | list) and value) else made
+
+    @property
+    def joins(self) -> bool:
+        """Whether the values of the option, which may be given several times, are parts of one list."""
+        return self.multiple and hasattr(self.type, "joined")
+
+    def type_cast_value(self, ctx: click.Context, value: Any) -> Any:
+        """Convert the value; the values of a list that is given several times become one list."""
+        joined: Any = getattr(self.type, "joined", None)
+        return joined(value, self, ctx) if self.joins and value else super().type_cast_value(ctx, value)
 
     def get_error_hint(self, ctx: click.Context | None) -> str:
         """Return what an error names."""
@@ -188,11 +219,11 @@ class Sectioned(click.Command):
             return super().parse_args(ctx, args)
         except click.NoSuchOption as error:
             name = error.option_name
-            if name in REMOVED:
-                raise click.UsageError(f"{name}: no longer an option; {REMOVED[name]}", ctx) from error
             for each in self.params:
                 if isinstance(each, SectionOption) and each.rare and name in each.opts:
                     raise click.UsageError(f"{name}: no longer an option; it is now {each.form}", ctx) from error
+            if name in REMOVED:
+                raise click.UsageError(f"{name}: no longer an option; {REMOVED[name]}", ctx) from error
             raise
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

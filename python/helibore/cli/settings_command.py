@@ -1,40 +1,73 @@
-"""``helibore settings``: list the settings that ``-s`` states, each with its default, its commands and its text."""
+"""``helibore settings``: list the settings, each with its default, its rule and its text, from their declarations.
+
+Settings that only a command has (files, the page, what is written) are listed after the declared ones, from the options
+of the commands.
+"""
 
 from __future__ import annotations
 
 import importlib
+from dataclasses import MISSING
 
 import click
 
 from helibore.base.errors import InputError
-from helibore.cli import MODULES, VERBS
+from helibore.cli import MODULES
 from helibore.cli.sections import FAMILIES, Sectioned, SectionOption, near
+from helibore.settings.declared import Member, members
+from helibore.settings.groups import GROUPS
 
 SHOWN = ("reconstruct", "mesh", "plot", "report", "view", "logs", "zones")
 """The commands that take settings."""
 
 
-def known_settings() -> dict[str, tuple[SectionOption, list[str]]]:
-    """Return, by name and in the order of the help, each setting and the commands that take it."""
-    found: dict[str, tuple[SectionOption, list[str]]] = {}
-    for verb in (verb for verb in SHOWN if verb in VERBS):
+def known_settings() -> dict[str, str]:
+    """Return the text of each setting by its name, in the order of the declarations."""
+    options = _options()
+    known = {
+        f"{group}.{name}": _text(member, options.get(f"{group}.{name}"))
+        for group, kind in GROUPS.items()
+        for name, member in members(kind).items()
+    }
+    for name, option in sorted(options.items(), key=lambda of: of[0].partition(".")[0]):
+        family = FAMILIES.get(str(option.name))
+        if name not in known and family not in GROUPS:
+            known[f"{family}.NAME" if family else name] = _help(option)
+    return known
+
+
+def _options() -> dict[str, SectionOption]:
+    """Return the options of all commands by the names of their settings."""
+    found: dict[str, SectionOption] = {}
+    for verb in SHOWN:
         module = importlib.import_module(f"helibore.cli.{MODULES.get(verb, verb)}_command")
         command: Sectioned = getattr(module, verb)
-        for each in command.params:
-            if isinstance(each, SectionOption) and each.expose_value and each.section != "Options":
-                found.setdefault(_name(each), (each, []))[1].append(verb)
+        for each in (each for each in command.params if isinstance(each, SectionOption)):
+            if each.expose_value and each.section != "Options" and (each.setting not in found or not each.rare):
+                found[each.setting] = each
     return found
 
 
-def _name(option: SectionOption) -> str:
-    family = FAMILIES.get(str(option.name))
-    return f"{family}.NAME" if family else option.setting
+def _text(member: Member, option: SectionOption | None) -> str:
+    """Return option, text, rule and default of a declared setting."""
+    usual = "must be given" if member.default is MISSING else member.default_text and f"default: {member.default_text}"
+    facts = "; ".join(fact for fact in (member.unit.word if member.unit else "", member.rule_text, usual) if fact)
+    own = "" if option is None or option.rare else f"({option.opts[0]}) "
+    return f"{own}{member.text.replace('``', '')}{f'  [{facts}]' if facts else ''}"
+
+
+def _help(option: SectionOption) -> str:
+    hidden, option.hidden = option.hidden, False
+    record = option.get_help_record(click.Context(click.Command("helibore")))
+    option.hidden = hidden
+    own = "" if option.rare else f"({option.opts[0]}) "
+    return own + (record[1] if record else "")
 
 
 @click.command()
 @click.argument("names", nargs=-1, metavar="[NAME]...")
 def settings(names: tuple[str, ...]) -> None:
-    """List the settings of a wall and of what is made from it: name, default, what it is.
+    """List the settings of a wall and of what is made from it: name, what it is, unit, rule, default.
 
     \b
     helibore settings                     all
@@ -42,33 +75,29 @@ def settings(names: tuple[str, ...]) -> None:
     helibore settings wall.power          one
 
     Every command that makes or shows a wall takes them as -s NAME=VALUE, those with an option of their own, too. Of
-    several numbers, write 1,2,3; of a switch, true or false.
+    several numbers, write 1,2,3; of a switch, true or false. Role maps and templates are files of their own; write
+    their keys without map. or template. there.
     """
     known = known_settings()
-    groups = {name.partition(".")[0] for name in known}
+    groups = dict.fromkeys(_group(name) for name in known)
     for name in names:
         if name.replace("-", "_") not in known and name not in groups:
             every = sorted({*known, *groups})
-            raise InputError(
-                name, f"no setting or group; {near(name, every)}the groups are {', '.join(sorted(groups))}"
-            )
+            raise InputError(name, f"no setting or group; {near(name, every)}the groups are {', '.join(groups)}")
     chosen = [name.replace("-", "_") for name in names]
-    context = click.get_current_context()
-    formatter = context.make_formatter()
-    last = ""
-    for name, (option, verbs) in sorted(known.items(), key=lambda of: of[0].partition(".")[0]):
-        group = name.partition(".")[0]
-        if chosen and name not in chosen and group not in chosen:
-            continue
-        if group != last:
-            formatter.write(f"\n{group}:\n" if last else f"{group}:\n")
-            last = group
-        hidden, option.hidden = option.hidden, False
-        record = option.get_help_record(click.Context(click.Command("helibore")))
-        option.hidden = hidden
-        text = record[1] if record else ""
-        spelled = "" if option.rare else f"  ({option.opts[0]})"
-        taken_by = "" if len(verbs) > 4 else f"  {', '.join(verbs)}."
-        with formatter.indentation():
-            formatter.write_dl([(f"{name}{spelled}", f"{text}{taken_by}")], col_max=40)
-    click.echo(formatter.getvalue().rstrip())
+    formatter = click.get_current_context().make_formatter()
+    for group in groups:
+        rows = [
+            (name, text)
+            for name, text in known.items()
+            if _group(name) == group and (not chosen or name in chosen or group in chosen)
+        ]
+        if rows:
+            with formatter.section(group):
+                formatter.write_dl(rows, col_max=40)
+    click.echo(formatter.getvalue().strip())
+
+
+def _group(name: str) -> str:
+    """Return the group of a setting: what stands before its last dot, or its name."""
+    return name.rpartition(".")[0] or name

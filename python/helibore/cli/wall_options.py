@@ -16,34 +16,58 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any
 
 import click
 from click.core import ParameterSource
 
 from helibore.base.errors import InputError
 from helibore.cli.declared_options import option_of, options_of, stated
-from helibore.cli.quantities import ANGLE, FILE, LENGTH, NUMBERS, SHIFT, TIME
+from helibore.cli.quantities import FILE, LENGTH
 from helibore.cli.sections import COLUMN, SETTING, Command, SectionOption, opt, opts, section, spelled
 from helibore.mesh.mesh_files import SURFACE_ENDINGS, VOLUME_ENDINGS
 from helibore.settings.declared import members
 from helibore.settings.header_settings import Header
+from helibore.settings.path_settings import PathSettings
+from helibore.settings.preparation_settings import Echo, Preparation
 from helibore.settings.wall_settings import Settings
-from helibore.trajectory.references import Reference
 from helibore.wall.archive import ENDING as ARCHIVE
 
 if TYPE_CHECKING:
     from helibore.channels.log_set import LogFile
     from helibore.cli.terminal import Terminal
     from helibore.logs.curves import ScalarCurve
-    from helibore.logs.template import Template
     from helibore.runs.project import ImageInput, Input, Project, ScalarInput
     from helibore.runs.run import OpenFiles, Run
+    from helibore.settings.template import Template
     from helibore.wall.wall import Wall
 
 PROJECT = ".toml"
 INCLINATION = "inclination"
 """The name of the scalar track that needs no file, because it comes from the survey."""
+
+
+SENSORS = (
+    "sensor_offset", "latency", "toolface_from", "declination", "convergence", "steep", "level",
+)  # fmt: skip
+"""Settings of the preparation that concern the sensors."""
+
+BY_PASS = ("reversal", "passes", "latest", "shifts", "find_shifts", "bias", "earlier")
+"""Settings of the preparation that concern the passes."""
+
+APART = (*SENSORS, *BY_PASS)
+"""Settings of the preparation that are not in the section of its steps."""
+
+STATED_APART = ("bit_diameter", "start_depth", "stop_depth", "sigma")
+"""Settings of the wall whose options stand in other sections."""
+
+ECHO = {"velocity": "mud_velocity", "tool_radius": "tool_radius", "window": "echo_window"}
+"""Parameters of the conversion of travel times, by the names of the settings."""
+
+
+def _renamed(option: tuple[str, dict[str, Any]], name: str) -> tuple[str, dict[str, Any]]:
+    """Return an option with another name of its parameter, because settings of two groups have the same name."""
+    return f"--{name.replace('_', '-')} {name}", option[1]
 
 
 SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
@@ -75,51 +99,11 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
     "Sensors": (
         opt("--track", "File with depth (and toolface) by time.", type=FILE),
         opt("--track-map", "Roles of the channels of the --track file, as TOML.", type=FILE),
-        opt("--sensor-offset", "How far every sensor lies above the point whose depth is recorded; added to the offset "
-            "in a map.", type=LENGTH, default="0m"),
-        opt("--latency", "Time from measurement to time stamp, for every sensor; added to the latency in a map.",
-            type=TIME, default="0s"),
-        opt("--mud-velocity", "Speed of sound in the mud, m/s, for travel times.", type=float),
-        opt("--tool-radius", "Distance from the tool's axis to the transducer, for travel times.", type=LENGTH),
-        opt("--echo-window", "Part of the travel time that the echo spends inside the tool.", type=TIME, default="0s"),
-        opt("--toolface-from", "What the samples' toolface counts from; automatic: by inclination.  [as the map "
-            "states, or else as for the wall]", type=click.Choice(["north", "high-side", "automatic"])),
-        opt("--switch", "For --toolface-from automatic: toolfaces count from north until the inclination reaches the "
-            "second angle, and from the high side until it falls to the first.", type=ANGLE,
-            nargs=2, default=("4deg", "6deg")),
+        *options_of(Preparation, *(name for name in members(Preparation) if name in SENSORS)),
+        *(_renamed(option_of(member), ECHO[name]) for name, member in members(Echo).items()),
     ),
-    "Conditioning": (
-        opt("--samples-from shallowest", "Drop shallower samples.", type=LENGTH),
-        opt("--samples-to deepest", "Drop deeper samples.", type=LENGTH),
-        opt("--keep-saturated saturated", "Keep the flat tops of arms that cannot open farther.  [dropped]",
-            is_flag=True, flag_value=False, default=True),
-        opt("--keep-closed drop_closed", "Keep the rows in which all arms stay closed, inside the bit.  [dropped]",
-            is_flag=True, flag_value=False, default=True),
-        opt("--drop-closed closed", "Drop rows in which no arm reads 2 mm more than RADIUS, the reading of a closed "
-            "tool.",
-            type=LENGTH, metavar="RADIUS"),
-        opt("--drop-stuck stuck", "Drop an arm that does not move for this many rows while others move.", type=int,
-            metavar="ROWS"),
-        opt("--radius-range", "Drop radii outside this range.", type=LENGTH, nargs=2, metavar="LEAST GREATEST"),
-        opt("--drop-repeated repeated", "Drop samples equal to an earlier sample.", is_flag=True),
-        opt("--drop-spikes spikes", "Drop samples that differ from the turns around them by this many deviations; 6 is "
-            "usual.",
-            type=float, metavar="DEVIATIONS"),
-        opt("--turn-height", "Height of a turn, for a tool that does not turn.  [a turn is a rotation, or a row of an "
-            "image]", type=LENGTH),
-        opt("--recentre", "Correct the radii of every turn for the tool's offset from the axis.", is_flag=True),
-    ),
-    "Passes": (
-        opt("--split-passes reversal", "Start a new pass where the tool moves back by more than this.", type=LENGTH),
-        opt("--passes", "Passes to use, such as 2,3.  [all]", type=NUMBERS),
-        opt("--latest", "In each 0.5 m, use the last pass that measured there.  [merge the passes]", is_flag=True),
-        opts("--shift shifts", "Add a length to a pass's depths, such as 3=-0.2m.", type=SHIFT),
-        opt("--find-shifts", "Find each pass's depth shift from the overlap.", is_flag=True),
-        opt("--bias", "Subtract the bias of each pass and arm, or of each side of the hole.",
-            type=click.Choice(["none", "arm", "side"]), default="none"),
-        opt("--compare-with earlier", "Earlier passes; the attribute 'difference' is the wall minus their wall.",
-            type=NUMBERS, default=()),
-    ),
+    "Conditioning": tuple(options_of(Preparation, *(name for name in members(Preparation) if name not in APART))),
+    "Passes": tuple(options_of(Preparation, *(name for name in members(Preparation) if name in BY_PASS))),
     "Path and toolface": (
         opt("--survey", "Survey file.  [the hole is straight and vertical]", type=FILE),
         opt("--survey-map", "Roles of the channels of the survey file, as TOML.", type=FILE),
@@ -127,16 +111,10 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--survey-depth", "NAME[:UNIT] of the stations' depth.", metavar="COLUMN"),
         opt("--inclination", "NAME[:UNIT] of the inclination.", metavar="COLUMN"),
         opt("--azimuth", "NAME[:UNIT] of the azimuth.", metavar="COLUMN"),
-        opt("--method", "Curve between stations.", type=click.Choice(["minimum-curvature", "radius-of-curvature"]),
-            default="minimum-curvature"),
-        opt("--reference", "Direction of toolface 0 of the wall.  [high-side with a survey, else not known]",
-            type=click.Choice(get_args(Reference))),
-        opt("--extend", "Length by which the path goes on straight below the last station.", type=LENGTH, default="0m"),
-        opt("--head", "North, east and down of the first station.", type=LENGTH, nargs=3, default=("0m", "0m", "0m")),
+        *options_of(PathSettings),
     ),
     "Wall": (
-        *options_of(Settings, *(name for name in members(Settings) if name != "bit_diameter")),
-        *(option_of(members(Settings)[name]) for name in ("gap_reach", "largest_gap")),
+        *(option_of(member) for name, member in members(Settings).items() if name not in STATED_APART),
         opt("--tune", "Find estimator, angular scale and nugget by leaving samples out.", is_flag=True),
         opt("--threads", "Number of threads.  [all cores]", type=int),
     ),
@@ -309,10 +287,11 @@ def header_of(run: Run, options: dict[str, Any]) -> dict[str, str]:
 
 def template_of_option(template: Path | dict[str, Any] | None) -> Template | None:
     """Return the template of a file, or the one that a project or an archive holds itself."""
-    from helibore.logs.template import Template, template_of
+    from helibore.settings.template import Template
+    from helibore.settings.toml_reading import TomlSource, read_table
 
     if isinstance(template, dict):
-        return template_of(template)
+        return read_table(Template, template, TomlSource("template", recorded=True))
     return None if template is None else Template.load(template)
 
 
@@ -352,7 +331,8 @@ def _check_effect(gauge: bool, average: object, archive: Path | None) -> None:
     if gauge:
         _refuse(of_calipers, ("absent", "header_lines"), "--gauge, which reads no caliper")
     elif average:
-        _refuse(of_calipers, ("absent", "sets", "header_lines", "radius_range"), "--average, which names its channel")
+        of_average = ("absent", "sets", "header_lines", "least_radius", "greatest_radius")
+        _refuse(of_calipers, of_average, "--average, which names its channel")
     elif archive is not None:
         sections = tuple(name for name in SECTIONS if name != "Path and toolface")
         _refuse(sections, ("source", "absent", *ANYWHERE), f"{archive.name}, which has its own settings")
@@ -423,18 +403,13 @@ def _over(options: dict[str, Any]) -> dict[str, Any]:
     """Return what the command line states and counts over a project, by key."""
     from helibore.runs.project import Input
     from helibore.settings.column_settings import Columns
-    from helibore.settings.path_settings import PathSettings
-    from helibore.settings.preparation_settings import Preparation
 
     given = {name: options[name] for name in options if _given(name)}
-    for names, pair in ((("steep", "level"), "switch"), (("least_radius", "greatest_radius"), "radius_range")):
-        given |= dict(zip(names, given.get(pair, ()), strict=False))
     groups = {"preparation": Preparation, "path": PathSettings, "columns": Columns}
     over: dict[str, Any] = {
         group: {name: given[name] for name in members(kind) if name in given} for group, kind in groups.items()
     }
-    echo = {"velocity": "mud_velocity", "tool_radius": "tool_radius", "window": "echo_window"}
-    over["echo"] = {name: given[param] for name, param in echo.items() if param in given}
+    over["echo"] = {name: given[param] for name, param in ECHO.items() if param in given}
     wall = stated(Settings, options)
     over["wall"] = {name: of for name, of in wall.items() if name not in INTERVAL and (name != "sigma" or of)}
     over = {group: table for group, table in over.items() if table}

@@ -15,8 +15,9 @@ matplotlib comes with the extra ``plot`` and is imported when something is drawn
 
 from __future__ import annotations
 
-from helibore.plot.content import Drawing, Look
+from helibore.plot.content import Drawing
 from helibore.plot.log import PAPERS, log, overview, pages
 from helibore.plot.paper import rendered, save
+from helibore.settings.print_settings import Look
 
 __all__ = ["PAPERS", "Drawing", "Look", "log", "overview", "pages", "rendered", "save"]

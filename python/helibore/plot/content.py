@@ -14,20 +14,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from string import ascii_uppercase
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
 from helibore.base.arrays import Floats
 from helibore.base.color_limits import over_bit
-from helibore.base.colors import ColorScale, check_map, customary_map
-from helibore.base.errors import InputError, check_choice
+from helibore.base.colors import ColorScale, customary_map
+from helibore.base.errors import InputError
 from helibore.images.normalization import image_scale, sliding_window
 from helibore.images.sector_image import SectorImage
 from helibore.logs.curves import ScalarCurve, curves_of, nice_limits
 from helibore.logs.picks import PLANES
 from helibore.logs.summary import WallSummary, summarize
-from helibore.logs.template import UNITS, Template
 from helibore.logs.turn_logs import Logs
 from helibore.plot.cross_sections import CrossSection, sections_at, telling_depths
 from helibore.plot.depth_scales import FEET, METRES, DepthUnit, Lines, usual_depth_scale
@@ -36,7 +35,6 @@ from helibore.plot.picked import DipTrack, draw_picks
 from helibore.plot.raster import at_points
 from helibore.plot.solid import Stretched, most_relief, turns_between
 from helibore.plot.tracks import (
-    CURVES,
     LENGTHS,
     SIDES,
     CaliperTrack,
@@ -47,24 +45,24 @@ from helibore.plot.tracks import (
     Shown,
 )
 from helibore.samples.helix import helix_of
-from helibore.trajectory.references import reference_of
+from helibore.settings.declared import METRES as IN_METRES
+from helibore.settings.print_settings import Look, PrintSettings
+from helibore.settings.template import Template
+from helibore.settings.zone_settings import Criteria
+from helibore.trajectory.references import Reference, reference_of
 from helibore.trajectory.true_depth import true_depth
 from helibore.wall.uncertainty import NORMAL_95
+from helibore.wall.wall import Wall
 
 if TYPE_CHECKING:
-    from helibore.logs.zone_criteria import Criteria
     from helibore.logs.zones import Classification
     from helibore.plot.diameters import Diameters
-    from helibore.trajectory.references import Reference
     from helibore.trajectory.survey import Path
     from helibore.wall.state import WallState
-    from helibore.wall.wall import Wall
 
 RADIUS = "Radius"
 RADIUS_TITLE = "Radius − bit/2"
 REFERENCES = tuple(reference for reference in SIDES if reference)
-MOST_SECTIONS = len(ascii_uppercase)
-LARGEST_SCALE = 1_000_000
 ROOM = 192.0
 """Width of A4 that is free for the tracks and the gap of 2 after each of them, millimetres."""
 NARROW_CURVE, NARROW_IMAGE = 15.0, 24.0
@@ -72,127 +70,35 @@ NARROW_CURVE, NARROW_IMAGE = 15.0, 24.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Look:
-    """The colours of an image. An attribute that is None takes the usual value for the image.
+class Drawing(PrintSettings):
+    """The options of a drawing."""
 
-    Attributes
-    ----------
-    limits
-        Values of the first and the last colour.
-    color_map
-        One of `helibore.base.colors.COLOR_MAPS`.
-    log
-        Whether colours follow the logarithm.
-    window
-        Metres of a window that slides along the hole, for dynamic normalisation; a colour then has no fixed value.
-    """
-
-    limits: tuple[float, float] | None = None
-    color_map: str | None = None
-    log: bool | None = None
-    window: float | None = None
-
-    def __post_init__(self) -> None:
-        if self.color_map is not None:
-            check_map(self.color_map)
-        if self.window is not None and self.limits is not None:
-            raise InputError("limits and window", "a window that slides has its own limits; give one of the two")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Drawing:
-    """The options of a drawing.
-
-    Attributes
-    ----------
-    title, subtitle
-        Title of the header (the well), and the line below it.
-    header
-        Further entries of the header, by name: company, field, date, datum, mud, remarks ...
-    scalars
-        Curves along the hole, each a track of its own: gamma ray, resistivity, inclination ...
-    start, stop
-        Measured depths, metres; None: the ends of the wall.
-    scale
-        200 for 1:200; None: the finest usual scale for the length of the interval.
-    images
-        Names of the wall's images to draw, in this order; None: all.
-    looks
-        `Look` by name of an image; ``"Radius"`` is that of the radius.
-    reference
-        What toolface 0 is: ``"high-side"``, ``"north"`` or ``"parallel-transport"``. None: as the wall's path states
-        or, without a path, its images; without both, the picture says that toolface 0 is not known.
-    left
-        Toolface of the left edge of every image: 0, 90, 180 or 270; with 180, toolface 0 is in the middle.
-    unit
-        Unit of diameters, radii and cross sections: ``"in"`` or ``"mm"``; ``"ft"``: inches, and feet for depths.
-    curves
-        Curves of the caliper track, beside the diameter by area: ``"C1"``, ``"C2"`` (the largest diameter, and the
-        diameter at right angles to it), ``"D0"``, ``"D90"`` (from toolface 0 to 180, from 90 to 270).
-    polar
-        Depths of the cross sections, metres; None: the depths of the largest, most oval, most usual and
-        smallest turn; empty: no cross sections.
-    body
-        Ends of the interval drawn as a shaded body, metres; None: the 12 m with most relief, or no body if calipers did
-        not measure all around; empty: no body.
-    dpi
-        Pixels an inch.
-    elevation
-        Metres from mean sea level up to the zero of the depths (rotary table, kelly bushing). True depths, printed
-        under the measured depths if the survey gives them, are then TVDSS. None: true depths are TVD.
-    template
-        Tracks, their order and widths; the units and scale of the template are not used here. None: all tracks.
-    beside
-        Other walls by name (wells, or passes of the same well), drawn at the same depths to the right of the tracks:
-        their calipers have the scale of the first wall, and their radii have its colours. If ``start`` and ``stop`` are
-        None, the interval holds all walls.
-    criteria
-        Criteria of the zones of the wall; None: the defaults. Zones of the walls in ``beside`` are not drawn.
-    """
-
-    title: str = ""
-    subtitle: str = ""
-    header: Mapping[str, str] = field(default_factory=dict)
-    scalars: Sequence[ScalarCurve] = ()
-    start: float | None = None
-    stop: float | None = None
-    scale: int | None = None
-    images: Sequence[str] | None = None
-    looks: Mapping[str, Look] = field(default_factory=dict)
-    reference: Reference | None = None
-    left: float = 0.0
-    unit: Literal["in", "mm", "ft"] = "in"
-    curves: Sequence[str] = ("C1", "C2")
-    polar: Sequence[float] | None = None
-    body: Sequence[float] | None = None
-    dpi: int = 150
-    elevation: float | None = None
-    template: Template | None = None
-    beside: Mapping[str, Wall] = field(default_factory=dict)
-    criteria: Criteria | None = None
-
-    def __post_init__(self) -> None:
-        if self.scale is not None and not (isinstance(self.scale, int) and 1 <= self.scale <= LARGEST_SCALE):
-            rule = f"must be a whole number up to {LARGEST_SCALE:,}, 200 for 1:200"
-            raise InputError("scale", rule, str(self.scale))
-        if self.reference is not None:
-            check_choice("reference", self.reference, REFERENCES)
-        if self.elevation is not None and not math.isfinite(self.elevation):
-            raise InputError("elevation", "must be finite", str(self.elevation))
-        if self.left not in (0, 90, 180, 270):
-            raise InputError("left", "must be 0, 90, 180 or 270", f"{self.left:g}")
-        check_choice("unit", self.unit, UNITS)
-        for name in self.curves:
-            if name not in CURVES:
-                raise InputError(f"curve {name!r}", f"must be one of {', '.join(CURVES)}")
-        if not 30 <= self.dpi <= 1200:
-            raise InputError("dpi", "must be 30 to 1200", str(self.dpi))
-        if self.polar is not None and len(self.polar) > MOST_SECTIONS:
-            raise InputError(f"polar: {len(self.polar)} depths", f"must be at most {MOST_SECTIONS}")
-        if self.body is not None and len(self.body) not in (0, 2):
-            raise InputError(f"body: {len(self.body)} depths", "must be two, or zero to draw no body")
-        if self.body is not None and not all(map(math.isfinite, self.body)):
-            raise InputError("body", "must be finite depths", str(tuple(self.body)))
+    title: Annotated[str, "Title of the header, the well."] = ""
+    subtitle: Annotated[str, "The line below the title."] = ""
+    header: Annotated[Mapping[str, str], "Further entries of the header: company, field, date, mud ..."] = field(
+        default_factory=dict
+    )
+    scalars: Annotated[Sequence[ScalarCurve], "Curves along the hole, each a track of its own."] = ()
+    start: Annotated[float | None, IN_METRES, "Where the drawing starts. None: the top of the wall."] = None
+    stop: Annotated[float | None, IN_METRES, "Where the drawing stops. None: the bottom of the wall."] = None
+    looks: Annotated[Mapping[str, Look],
+        '`Look` by name of an image; "Radius" is that of the radius.',
+    ] = field(default_factory=dict)  # fmt: skip
+    reference: Annotated[Reference | None,
+        "What toolface 0 is. None: as the wall's path states or, without a path, its images; without both, the picture "
+        "says that toolface 0 is not known.",
+    ] = None  # fmt: skip
+    template: Annotated[Template | None,
+        "Tracks, their order and widths; the unit and scale of the template are not used here. None: all tracks.",
+    ] = None  # fmt: skip
+    beside: Annotated[Mapping[str, Wall],
+        "Other walls by name (wells, or passes of the same well), drawn at the same depths to the right of the tracks. "
+        "Their calipers have the scale of the first wall, and their radii have its colours. If ``start`` and ``stop`` "
+        "are None, the interval holds all walls.",
+    ] = field(default_factory=dict)  # fmt: skip
+    criteria: Annotated[Criteria | None,
+        "Criteria of the zones of the wall. None: the defaults. Zones of the walls in ``beside`` are not drawn.",
+    ] = None  # fmt: skip
 
     @property
     def size_unit(self) -> str:
@@ -318,7 +224,7 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
         bodies = _bodies(wall, stretched, radius, pairs)
     polar = drawing.polar
     if polar is None:
-        polar = telling_depths(turns, top, bottom) if wall.basis == "azimuthal" else []
+        polar = tuple(telling_depths(turns, top, bottom)) if wall.basis == "azimuthal" else ()
     sections = sections_at(wall, sorted(polar), interpolated) if polar else []
     lines = Lines.of(scale, drawing.depth_unit)
     return Content(
@@ -338,7 +244,7 @@ def _arranged(
     images = {track.shown.name: track for track in tracks if isinstance(track, ImageTrack)}
     by_name = {curve.name: curve for curve in reversed(curves)}
     arranged = tracks[:1]
-    for wanted in template.tracks:
+    for wanted in template.track:
         found: list[PlacedTrack] = []
         if wanted.kind == "image":
             found = [

@@ -724,8 +724,8 @@ class _Pipeline:
             channel = one.channels[int(one.arm[int(samples.sensor[at])])]
             place = f"{one.name}, {one.place(int(samples.row[at]))}, column {channel}"
             limit = "greatest_radius" if samples.radius[at] > LARGEST_RADIUS else "least_radius"
-            rule = f"must be above 0 and at most {LARGEST_RADIUS:g} m; -s preparation.radius_range=LEAST,GREATEST "
-            rule += f"drops such radii (Python: {limit}); if the number of the file means no value, {say_so()}"
+            rule = f"must be above 0 and at most {LARGEST_RADIUS:g} m; preparation.{limit} drops such radii; "
+            rule += f"if the number of the file means no value, {say_so()}"
             raise InputError(f"{place}: radius {samples.radius[at]:g} m", rule)
 
     def _caliper(self) -> Caliper:

@@ -8,7 +8,9 @@ from helibore.settings.column_settings import Columns
 from helibore.settings.header_settings import Header
 from helibore.settings.path_settings import PathSettings
 from helibore.settings.preparation_settings import Echo, Preparation
+from helibore.settings.print_settings import Look, PrintSettings
 from helibore.settings.role_settings import ChannelRole, MapOfRoles, RoleOfNames
+from helibore.settings.template import Template, TemplateTrack
 from helibore.settings.wall_settings import Settings
 from helibore.settings.zone_settings import ImageCriteria, ZoneSettings
 
@@ -21,6 +23,10 @@ GROUPS: dict[str, type[Any]] = {
     "wall": Settings,
     "zones": ZoneSettings,
     "image_zones": ImageCriteria,
+    "print": PrintSettings,
+    "look.NAME": Look,
+    "template": Template,
+    "template.track": TemplateTrack,
     "map": MapOfRoles,
     "map.channels.NAME": ChannelRole,
     "map.names": RoleOfNames,

@@ -21,7 +21,7 @@ class PathSettings(Declared):
         "Direction of toolface 0 of the wall. Without a survey it states this direction. None: the high side if there "
         "is a path, else not known.",
     ] = None  # fmt: skip
-    head: Annotated[tuple[float, float, float], METRES, ALL_FINITE, Option(metavar="NORTH,EAST,DOWN"),
+    head: Annotated[tuple[float, float, float], METRES, ALL_FINITE, Option("0,0,0", metavar="NORTH,EAST,DOWN"),
         "North, east and down of the first station.",
     ] = (0.0, 0.0, 0.0)  # fmt: skip
     extend: Annotated[float, METRES, NOT_NEGATIVE, Option(),

@@ -100,8 +100,8 @@ class Preparation(Declared):
         "Add a length to a pass's depths, such as 3=-0.2m. In Python (pass, metres) pairs.",
     ] = ()  # fmt: skip
     find_shifts: Annotated[bool, Option(),
-        "Find each pass's depth shift from the overlap, unless ``shifts`` sets it. Without given shifts, the mean of "
-        "the shifts that are found is 0.",
+        "Find each pass's depth shift from the overlap. A shift that ``shifts`` sets is not found. Without given "
+        "shifts, the mean of the shifts that are found is 0.",
     ] = False  # fmt: skip
     bias: Annotated[Literal["none", "arm", "side"], Option(),
         "Subtract the bias of each pass and arm; with side, a separate bias for each side of the hole. Biases are "
@@ -131,9 +131,11 @@ class Preparation(Declared):
 class Echo(Declared):
     """The conversion of a travel time to a radius: tool_radius + velocity * (travel_time - window) / 2."""
 
-    velocity: Annotated[float, POSITIVE, "Speed of sound in the mud, m/s; about 1500 in water."]
-    tool_radius: Annotated[float, METRES, NOT_NEGATIVE, "Distance from the tool's axis to the face of its transducer."]
-    window: Annotated[float, SECONDS, NOT_NEGATIVE,
+    velocity: Annotated[float, POSITIVE, Option(), "Speed of sound in the mud, m/s; about 1500 in water."]
+    tool_radius: Annotated[
+        float, METRES, NOT_NEGATIVE, Option(), "Distance from the tool's axis to the face of its transducer."
+    ]
+    window: Annotated[float, SECONDS, NOT_NEGATIVE, Option(),
         "Two-way time of the echo inside the tool, behind the transducer's window.",
     ] = 0.0  # fmt: skip
 

@@ -242,15 +242,19 @@ def _unit_hint(member: Member, text: str) -> str:
 
 def _as_toml(text: str, member: Member) -> Any:
     """Return the TOML value that a text is; the text itself if it is none. A list needs no brackets."""
-    for form in (text, f"[{text}]") if member.kind is not tuple or text.startswith("[") else (f"[{text}]",):
-        try:
-            return parse_toml(f"value = {form}", member.name)["value"]
-        except InputError:
-            if member.kind is not tuple:
-                break
-    if member.kind is tuple:
-        return [part.strip() for part in text.split(",")]
-    return text
+    if member.kind is not tuple or text.startswith("["):
+        return _scalar(text)
+    parts = [part.strip() for part in text.split(",") if part.strip()]
+    if member.parts[0] is str:
+        return parts
+    return [[_scalar(one) for one in part.split("=", 1)] if "=" in part else _scalar(part) for part in parts]
+
+
+def _scalar(text: str) -> Any:
+    try:
+        return parse_toml(f"value = {text}", "")["value"]
+    except InputError:
+        return text
 
 
 def split_setting(text: str, groups: dict[str, type[Any]]) -> tuple[str, Member, Any]:

@@ -32,7 +32,7 @@ from helibore.images.normalization import image_scale
 from helibore.images.sector_image import SectorImage
 from helibore.logs.curves import ScalarCurve, curves_of
 from helibore.logs.picks import can_save
-from helibore.logs.template import Template, TemplateTrack
+from helibore.settings.template import Template, TemplateTrack
 from helibore.trajectory.references import Reference
 from helibore.trajectory.survey import Path
 from helibore.viewer.feed import Feed, ViewedWall, first_vertex

@@ -22,9 +22,9 @@ from helibore.base.colors import check_map, customary_map
 from helibore.base.errors import InputError
 from helibore.logs.curves import ScalarCurve
 from helibore.logs.picks import Picks
-from helibore.logs.template import Template
 from helibore.logs.turn_logs import Shape
 from helibore.samples.caliper import BASIS_TEXT, Basis
+from helibore.settings.template import Template
 from helibore.trajectory.references import Reference
 from helibore.trajectory.survey import Path
 from helibore.viewer.levels import Level, overview_of, refresh_overview

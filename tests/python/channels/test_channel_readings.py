@@ -321,13 +321,11 @@ HEADER = "md_m,tf_deg,radius_m\n"
          "c.csv, line 4, column md_m: NaN or infinite: a depth must be finite, or empty"),
         (HEADER + "1,2,0\n1,2,0.1\n1,2,0.1\n", {},
          "c.csv, line 2, column radius_m: radius 0 m: must be above 0 and at most 2 m; "
-         "-s preparation.radius_range=LEAST,GREATEST drops such radii (Python: least_radius); if the number of the "
-         "file means no value, -s "
+         "preparation.least_radius drops such radii; if the number of the file means no value, -s "
          "nulls=NUMBER says so (Python: nulls of hb.open)"),
         (HEADER + ",2,99\n1,2,0.1\n1,2,8.5\n1,2,0.1\n1,2,0.1\n", {},
          "c.csv, line 4, column radius_m: radius 8.5 m: must be above 0 and at most 2 m; "
-         "-s preparation.radius_range=LEAST,GREATEST drops such radii (Python: greatest_radius); if the number of "
-         "the file means no value, "
+         "preparation.greatest_radius drops such radii; if the number of the file means no value, "
          "-s nulls=NUMBER says so (Python: nulls of hb.open)"),
         (HEADER + "1,2,8.5\n", {},
          "c.csv, column radius_m: median 8.5 m if the unit is m: no radius of a borehole (would fit cm or in)"),

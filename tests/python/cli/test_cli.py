@@ -150,7 +150,7 @@ def test_upwards(folder: Path, tmp_path: Path) -> None:
         ("md_m,rb_deg,r\n1,2,0.1\n", [], 'c.csv, column r: unit missing: state it in a map '
          '([channels."r"] unit = ...), or as r:UNIT in its option; radius is length'),
         ("md_m,rb_deg,r\n1,2,0.1\n", ["--column", "radius=r:parsec"],
-         "c.csv: r: unit = 'parsec': must be a unit of length for a radius"),
+         "c.csv: r.unit = 'parsec': must be a unit of length for a radius"),
         ("md_m,rb_deg,r\n1,2,0.1\n1,2,big\n", ["--column", "radius=r:m"],
          "c.csv, line 3, column r = 'big': is not a number"),
         ("md_m,rb_deg,r\n1,2,0.1\nnan,2,1\n", ["--column", "radius=r:m"],
@@ -158,10 +158,9 @@ def test_upwards(folder: Path, tmp_path: Path) -> None:
         ("md_m,rb_deg,r\n1,2,0.1\ninf,2,1\n", ["--column", "radius=r:m"],
          "c.csv, line 3, column md_m: NaN or infinite: a depth must be finite, or empty"),
         ("md_m,rb_deg,r\n1,2,0.1\n1,2,0\n1,2,0.1\n", ["--column", "radius=r:m"],
-         "c.csv, line 3, column r: radius 0 m: must be above 0 and at most 2 m; -s "
-         "preparation.radius_range=LEAST,GREATEST drops such "
-         "radii (Python: least_radius); if the number of the file means no value, -s nulls=NUMBER says so (Python: "
-         "nulls of hb.open)"),
+         "c.csv, line 3, column r: radius 0 m: must be above 0 and at most 2 m; "
+         "preparation.least_radius drops such radii; if the number of the file means no value, -s nulls=NUMBER says so "
+         "(Python: nulls of hb.open)"),
         ("md_m,rb_deg,r\n1,2,8.5\n", ["--column", "radius=r:m"],
          "c.csv, column r: median 8.5 m if the unit is m: no radius of a borehole (would fit cm or in)"),
         ("md_m,rb_deg,r\n", ["--column", "radius=r:m"], "c.csv, line 1: no rows below the header"),

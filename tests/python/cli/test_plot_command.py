@@ -200,7 +200,7 @@ def test_the_header_line_of_an_average_caliper(tmp_path: Path) -> None:
     again = run_cli(tmp_path / "log.png.toml", "-o", tmp_path / "again.png")
     assert "to the last bit" in again.output
     ranged = run_cli(
-        *arguments, "-s", "preparation.radius_range=4.255in,1m", "-o", tmp_path / "log.png"
+        *arguments, "-s", "preparation.least_radius=4.255in", "-o", tmp_path / "log.png"
     )  # from 8.51 in on
     assert "dropped 1 rows: outside the range of radii" in " ".join(ranged.output.split())
     assert "to the last bit" in run_cli(tmp_path / "log.png.toml", "-o", tmp_path / "again.png").output
@@ -267,7 +267,10 @@ def test_pages_wider_than_their_paper_are_named(tmp_path: Path, archive: Path) -
     [
         (["-o", "log.jpg"], "log.jpg: the ending must be one of .png, .svg, .pdf"),
         (["-o", "no/log.png"], "no/log.png: the folder no must exist"),
-        (["-o", "log.png", "--scale", "1:x"], "--scale 1:x: must be a whole number, such as 200 or 1:200"),
+        (
+            ["-o", "log.png", "--scale", "1:x"],
+            "'--scale': 'x': must be a whole number, such as 200",
+        ),
         (["-o", "log.png", "--look", "GR=9,1"], "--look GR=9,1: LOW must be below HIGH"),
         (["-o", "log.png", "--look", "9,1"], "--look =9,1: must be NAME=..."),
         (["-o", "log.png", "--look", "GR=map:jet"], "color_map = 'jet': must be one of image, viridis"),

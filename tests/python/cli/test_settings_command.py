@@ -14,8 +14,12 @@ from command import run
 
 import helibore as hb
 from helibore.cli import VERBS, cli
-from helibore.cli.sections import FAMILIES, SectionOption
+from helibore.cli.declared_options import options_of
+from helibore.cli.sections import FAMILIES, SETTING, Sectioned, SectionOption, section
 from helibore.cli.settings_command import SHOWN, known_settings
+from helibore.settings.declared import members
+from helibore.settings.groups import GROUPS
+from helibore.settings.print_settings import PrintSettings
 
 
 @pytest.fixture
@@ -54,8 +58,9 @@ def test_every_parameter_has_an_option_or_names_its_setting(verb: str) -> None:
 
 def test_the_list_has_every_setting_of_every_command() -> None:
     text = CliRunner().invoke(cli, ["settings"], terminal_width=100).output
-    listed = set(re.findall(r"^  ([a-z_]+(?:\.\w+)?)(?=  |$)", text, re.MULTILINE))
+    listed = set(re.findall(r"^  ([a-z_]+(?:\.\w+)*)(?=  |$)", text, re.MULTILINE))
     assert listed == set(known_settings())
+    assert {f"{group}.{name}" for group, kind in GROUPS.items() for name in members(kind)} <= listed
     names = [each.setting for each in command_of("reconstruct").params if isinstance(each, SectionOption)]
     assert len(names) == len(set(names))
 
@@ -131,3 +136,36 @@ def test_families_are_groups_of_commands() -> None:
     for verb in ("plot", "report", "view", "logs", "zones"):
         taken = {FAMILIES[str(each.name)] for each in command_of(verb).params if each.name in FAMILIES}
         assert taken == {"zones", "header"}
+
+
+def test_a_list_may_be_given_several_times_and_empty() -> None:
+    seen: list[object] = []
+
+    @click.command(cls=Sectioned, common=("polar",))
+    @section("Print", *options_of(PrintSettings, "polar", "curves"))
+    @section("Options", SETTING)
+    def draw(**options: object) -> None:
+        seen.append((options["polar"], options["curves"]))
+
+    for words in ((), ("--polar", "2030", "--polar", "2031m,6660ft"), ("-s", "print.curves=[]"), ("--polar", "[]")):
+        assert CliRunner().invoke(draw, words).exit_code == 0
+    assert seen == [(None, None), ((2030.0, 2031.0, pytest.approx(2029.968)), None), (None, ()), ((), None)]
+
+
+@pytest.mark.usefixtures("caliper")
+def test_a_run_of_an_earlier_version_keeps_its_texts_of_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    seen: dict[str, object] = {}
+    assert run("reconstruct", "c.csv", "--bit-diameter", "216mm", "-o", "a.ply", "-q").exit_code == 0
+    text = Path("a.ply.toml").read_text().replace('verb = "reconstruct"', 'verb = "plot"')
+    options = '[options]\nleft = "90"\nscale = "1:50"\ncurves = ["C1"]\ndpi = 30\nunit = "in"\n'
+    Path("b.png.toml").write_text(text + options)
+
+    def log(_: object, **settings: object) -> None:
+        seen.update(settings)
+        raise hb.InputError("log", "not drawn")
+
+    monkeypatch.setattr("helibore.plot.log", log)
+    assert run("plot", "b.png.toml", "-o", "c.png").stderr == "helibore: log: not drawn\n"
+    assert {name: seen[name] for name in ("left", "scale", "curves", "dpi", "unit")} == {
+        "left": 90.0, "scale": 50, "curves": ("C1",), "dpi": 30, "unit": "in"
+    }  # fmt: skip

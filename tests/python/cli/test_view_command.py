@@ -269,7 +269,7 @@ def test_a_saved_wall_is_shown_with_its_values(tmp_path: Path) -> None:
 @pytest.mark.skipif(page("app.js") is None, reason="the page is not built: Node.js 18 was not there")
 def test_the_settings_of_a_run_show_its_wall(caliper: Path, tmp_path: Path) -> None:
     mesh = tmp_path / "hole.glb"
-    made = ["reconstruct", str(caliper), "--bit-diameter", "216mm", "--sectors", "32", "--compare-with", "1", "-q"]
+    made = ["reconstruct", str(caliper), "--bit-diameter", "216mm", "--sectors", "32", "--earlier", "1", "-q"]
     later = tmp_path / "later.csv"
     rows = np.loadtxt(caliper, delimiter=",", skiprows=1)
     rows[:, 2] += 0.004

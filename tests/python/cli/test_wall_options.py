@@ -157,7 +157,7 @@ def test_every_command_has_every_option_of_a_wall_or_names_its_successor(verb: s
          "it."),
         (("--gauge", "--bit-diameter", "8in", "--column", "depth=md"), "--column depth: does not go with --gauge, "
          "which reads no caliper"),
-        (("--average", "p.json:CALX", "--bit-diameter", "8in", "-s", "preparation.stuck=1"), "-s preparation.stuck: "
+        (("--average", "p.json:CALX", "--bit-diameter", "8in", "-s", "preparation.stuck=2"), "-s preparation.stuck: "
          "does not go with --average, which names its channel"),
         (("p.json", "--bit-diameter", "8in", "-s", "echo.tool_radius=4cm"),
          "echo.velocity and echo.tool_radius: travel times need both"),

@@ -10,15 +10,20 @@ from plotted_wall import plotted_wall
 import helibore as hb
 from helibore.base.colors import PICK_COLORS
 from helibore.logs.picks import PLANES, Pick
-from helibore.logs.template import Template, template_of
 from helibore.plot.content import Drawing, content_of
 from helibore.plot.html_report import page
 from helibore.plot.picked import DipTrack
 from helibore.plot.shading import HATCH_BYTES, View, shade
 from helibore.plot.tracks import CaliperTrack, DepthTrack, ImageTrack, ScalarTrack
+from helibore.settings.template import Template
+from helibore.settings.toml_reading import TomlSource, read_table
 
 BED = Pick(kind="bed", depth=2010.0, toolface=90.0, apparent_dip=60.0, radius=0.1)
 BOX = Pick(kind="breakout", depth=2005.0, toolface=350.0, height=2.0, opening=40.0)
+
+
+def as_template(tree: dict[str, object]) -> Template:
+    return read_table(Template, tree, TomlSource("template"))
 
 
 @pytest.fixture(scope="module")
@@ -111,7 +116,7 @@ def test_a_template_says_which_tracks_there_are_and_how_wide(wall: hb.Wall) -> N
         {"kind": "image", "name": "none"},
         {"kind": "caliper"},
     ]
-    found = content_of(wall, Drawing(template=template_of({"track": tracks}), polar=(), body=())).tracks
+    found = content_of(wall, Drawing(template=as_template({"track": tracks}), polar=(), body=())).tracks
     kinds = [DepthTrack, ImageTrack, DipTrack, ScalarTrack, ScalarTrack, ImageTrack, CaliperTrack]
     assert [type(track) for track in found] == kinds
     assert [found[at].width for at in (1, 3, 4)] == pytest.approx([50.8, 25.4, 25.4])
@@ -122,7 +127,7 @@ def test_a_template_says_which_tracks_there_are_and_how_wide(wall: hb.Wall) -> N
 
 def test_a_template_leaves_out_a_curve_without_a_value_in_the_interval(wall: hb.Wall) -> None:
     """RUGO is missing within half a window of the wall's end."""
-    template = template_of({"track": [{"kind": "curves", "names": ["RUGO", "DEQ"]}]})
+    template = as_template({"track": [{"kind": "curves", "names": ["RUGO", "DEQ"]}]})
     top = float(wall.depth[0])
     drawing = Drawing(template=template, start=top, stop=top + 0.4, images=(), polar=(), body=())
     assert [track.curve.name for track in content_of(wall, drawing).tracks[1:]] == ["DEQ"]  # type: ignore[union-attr]

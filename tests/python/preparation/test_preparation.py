@@ -89,8 +89,7 @@ def test_range_interval_repeated_are_counted_in_words() -> None:
     with pytest.raises(hb.InputError) as caught:
         prepare(one.readings(), Preparation(recentre=True))
     rule = (
-        "must be above 0 and at most 2 m; -s preparation.radius_range=LEAST,GREATEST drops such radii (Python: "
-        "least_radius); if the number of the "
+        "must be above 0 and at most 2 m; preparation.least_radius drops such radii; if the number of the "
         "file means no value, -s nulls=NUMBER says so (Python: nulls of hb.open)"
     )
     assert str(caught.value) == f"f.csv, row 3, column radius: radius 0 m: {rule}"

@@ -59,9 +59,10 @@ def test_a_run_is_repeated_to_the_last_bit(folder: Path, tmp_path: Path) -> None
     mesh, again = tmp_path / "w.glb", tmp_path / "again.glb"
     first = run(
         "reconstruct", folder / "c.csv", "--survey", folder / "s.csv", "-o", mesh, "--bit-diameter", "216mm",
-        "--sectors", 32, "--drop-spikes", 6, "-s", "preparation.radius_range=50mm,300mm", "--recentre",
+        "--sectors", 32, "--spikes", 6, "-s", "preparation.least_radius=50mm", "-s",
+        "preparation.greatest_radius=300mm", "--recentre",
         "-s", "preparation.reversal=0.5m",
-        "--find-shifts", "--bias", "arm", "--compare-with", 1, "-s", "mesh.color_by=difference",
+        "--find-shifts", "--bias", "arm", "--earlier", 1, "-s", "mesh.color_by=difference",
         "-s", "path.reference=parallel-transport",
         "-s", "preparation.toolface_from=automatic", "-s", "wall.max_distance=none", "--centres",
             tmp_path / "centres.csv",
@@ -231,7 +232,7 @@ def written(folder: Path, tmp_path: Path, kind: str) -> tuple[Path, list[object]
 
 def test_an_archive_keeps_what_preparation_left_out_and_corrected(folder: Path, tmp_path: Path) -> None:
     archive, page, logs = (tmp_path / name for name in ("w.wall", "w.html", "w.csv"))
-    first = run("reconstruct", folder / "c.csv", "-o", archive, "--bit-diameter", "216mm", "--drop-spikes", 6)
+    first = run("reconstruct", folder / "c.csv", "-o", archive, "--bit-diameter", "216mm", "--spikes", 6)
     assert first.exit_code == 0, first.output
     lines = preparation_lines(hb.load(archive))
     assert "spikes" in dict(lines)
@@ -301,7 +302,7 @@ def test_a_map_overrules_and_several_files_are_passes(folder: Path, tmp_path: Pa
         run("reconstruct", folder / "c.csv", "--bit-diameter", "216mm", "-o", tmp_path / "one.ply", "-q").exit_code == 0
     )
     assert without_origin(tmp_path / "w.ply") == without_origin(tmp_path / "one.ply")
-    result = run("reconstruct", *files, "-o", tmp_path / "l.ply", "--compare-with", 1)
+    result = run("reconstruct", *files, "-o", tmp_path / "l.ply", "--earlier", 1)
     assert result.exit_code == 0, result.output
     assert "difference  this wall minus the wall of the earlier passes: " in result.output
     again = run("reconstruct", tmp_path / "l.ply.toml", "-o", tmp_path / "l2.ply", "-q")

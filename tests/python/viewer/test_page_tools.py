@@ -22,7 +22,7 @@ import helibore as hb
 from helibore.cli.view_command import section_printer
 from helibore.logs.curves import ScalarCurve
 from helibore.logs.picks import Pick, Picks
-from helibore.logs.template import Template, TemplateTrack
+from helibore.settings.template import Template, TemplateTrack
 
 pytestmark = NEEDS_BROWSER
 

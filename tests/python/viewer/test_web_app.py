@@ -573,5 +573,5 @@ def test_other_walls_stand_beside_in_the_colours_of_the_first() -> None:
         assert np.isnan(shown[walls[0].depth[: shown.size] < 2004.8]).all(), "nothing where it does not reach"
         template = viewer.scene.template
         assert template is not None
-        assert [track.name for track in template.tracks] == ["Radius", "Over bit pass 2", ""]
+        assert [track.name for track in template.track] == ["Radius", "Over bit pass 2", ""]
         assert {"C1 pass 2", "C2 pass 2"} <= set(viewer.scene.curves)

@@ -10,7 +10,7 @@ const text = (name) => JSON.stringify(name); // a TOML string has the escapes of
 /** @param {App} app */
 export function toTemplate({ view, rects, quantity, besides, curves, paper }) {
   const images = [quantity, ...besides];
-  const lines = [`units = "${view.units}"`, ...(paper ? [`scale = ${paper}`] : [])];
+  const lines = [`unit = "${view.units}"`, ...(paper ? [`scale = ${paper}`] : [])];
   for (const name of movable(rects)) {
     lines.push('', '[[track]]');
     const image = name === 'image' ? images[0] : images[Number(name.slice('beside'.length)) + 1];
@@ -24,9 +24,9 @@ export function toTemplate({ view, rects, quantity, besides, curves, paper }) {
 
 // Return the changes of the view that show the tracks of a template; images that the wall does not have are left out.
 /** @param {Template} template @param {Quantity[]} quantities */
-export function fromTemplate({ units, tracks }, quantities) {
+export function fromTemplate({ unit, track: tracks }, quantities) {
   /** @type {{ units: Units, beside: string[], curves: string[], order: string[], widths: Record<string, number>, quantity?: string }} */
-  const changes = { units, beside: [], curves: [], order: [], widths: {} };
+  const changes = { units: unit, beside: [], curves: [], order: [], widths: {} };
   let images = 0;
   for (const { kind, name, names, width } of tracks) {
     let track = kind;

@@ -117,7 +117,7 @@ interface Handlers {
   handshake: (handshake: Handshake) => void; state: (state: State) => void; picks: (picks: WallPick[]) => void; write: (message: Write) => void;
   frames: (message: Frames) => void; status: (status: string, words: string) => void;
 }
-interface Template { scale?: number; units: Units; tracks: { kind: string; name: string; names: string[]; width: number | null }[] }
+interface Template { scale?: number; unit: Units; track: { kind: string; name: string; names: string[]; width: number | null }[] }
 interface Summary {
   start: number; stop: number; // the depths that the figures are of
   volume: number; excess: number | null; coverage: number | null; whole_turns: number; incomplete_turns: number; washed_out: number | null; without_radius: number | null;

@@ -31,12 +31,12 @@ test('a template is what the page shows, and gives it back', () => {
     rects: { map: rect(0, 50), axis: rect(50, 70), beside0: rect(130, 100), image: rect(240, 200.4), caliper: rect(0, 0), curves: rect(450, 90), beside1: rect(550, 80), pane: rect(700, 300), wall: rect(700, 200) },
   };
   const text = toTemplate(page);
-  assert.match(text, /^units = "ft"\nscale = 200\n\n\[\[track\]\]\nkind = "image"\nname = "Radius"\nwidth = 100\n/);
+  assert.match(text, /^unit = "ft"\nscale = 200\n\n\[\[track\]\]\nkind = "image"\nname = "Radius"\nwidth = 100\n/);
   assert.match(text, /kind = "curves"\nnames = \["ROP", "DEQ"\]\nwidth = 90\n/);
   assert.match(text, /name = "a \\"b\\""/);
   const track = (kind, name, names, width) => ({ kind, name, names, width });
   const tracks = [track('caliper', '', [], 90), track('image', 'Radius', [], 100), track('image', 'none', [], 7), track('curves', '', ['ROP'], null), track('image', 'GR', [], 200)];
-  assert.deepEqual(fromTemplate({ units: 'mm', tracks }, [{ id: 'GR' }, { id: 'over' }]), {
+  assert.deepEqual(fromTemplate({ unit: 'mm', track: tracks }, [{ id: 'GR' }, { id: 'over' }]), {
     units: 'mm', quantity: 'over', beside: ['GR'], curves: ['ROP'], order: ['caliper', 'image', 'curves', 'beside0'], widths: { caliper: 90, image: 100, beside0: 200 },
   });
 });
