@@ -12,7 +12,7 @@ import numpy as np
 from helibore.base.arrays import Floats, Integers
 from helibore.settings.wall_settings import Settings
 from helibore.wall.covariance import Covariance, Term
-from helibore.wall.estimates import Columns
+from helibore.wall.estimates import Boxes, Columns
 
 SHARE = 0.35
 """Size of a cell of the thinned set, as a share of the lengths of the long term; also in `near_far.cpp`."""
@@ -125,3 +125,20 @@ class Places:
 def _within(max_distance: float, rows: Integers, along: Floats, across: Floats) -> tuple[Integers, Floats, Floats]:
     near = np.hypot(along, across) <= max_distance
     return rows[near], along[near], across[near]
+
+
+def estimate_near_and_far(samples: Columns, rows: Integers, settings: Settings, box: Boxes | None = None) -> Floats:
+    """Estimate the radius at each of the samples ``rows`` from the other samples, outside the box around it.
+
+    Returns the radii (m) and their kriging variances (m^2), (m, 2); NaN where there is no neighbour. Without boxes,
+    only samples at the same position are left out.
+    """
+    limit = np.inf if settings.max_distance is None else settings.max_distance
+    among = Places(samples, covariance_of(settings), settings.neighbors, limit)
+    depth, toolface, _ = samples
+    heights, widths = box or (np.zeros(rows.size), np.zeros(rows.size))
+    found = [
+        among.estimate((depth[row], toolface[row]), (height, width))
+        for row, height, width in zip(rows, heights, widths, strict=True)
+    ]
+    return np.array(found).reshape(-1, 2)

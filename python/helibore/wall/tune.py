@@ -42,6 +42,7 @@ from helibore.wall.estimates import (
     find_kriging_range,
     in_depth_order,
 )
+from helibore.wall.near_and_far import estimate_near_and_far
 from helibore.wall.wall import Wall
 
 TUNED = ("estimator", "neighbors", "angular_scale", "kriging_range", "nugget")
@@ -58,6 +59,7 @@ _MEDIAN_SQUARE = 0.455
 _STANDARD_ERRORS = 2.0
 _MOST_OF_KRIGING = 64  # neighbours; kriging takes no more
 _ROUNDING = 1e-9  # metres
+_FEW_TARGETS = 300
 
 
 @dataclass(frozen=True)
@@ -73,6 +75,8 @@ class Candidate:
     @property
     def name(self) -> str:
         """The values of those settings in which candidates differ, as text."""
+        if self.settings.estimator == "near-and-far":
+            return "kriging with near and far neighbours"
         scale = f"angular_scale {self.settings.angular_scale:g}"
         if self.settings.estimator == "kriging":
             return f"kriging, {scale}, nugget {self.settings.nugget:g}"
@@ -128,6 +132,8 @@ class Tuning:
         text = f"{first.name}: cross-validated error {_millimetres(first)}"
         if self.continuation > LEAST_GAIN:
             return f"{first.name}: {_millimetres(first)}; {best.name}, because the shape goes on along the hole"
+        if len(self.candidates) == 1:
+            return text
         if best is first:
             return f"{text}; none of {len(self.candidates) - 1} other settings is better for certain"
         return f"{text}; {best.name}: {_millimetres(best)}, {100 * self.gain:.0f} % less in gaps"
@@ -188,7 +194,7 @@ def tune(
     bit_diameter, **fixed
         Settings that all candidates share, as in `Settings`. Of ``estimator``, ``neighbors``, ``angular_scale``,
         ``kriging_range`` and ``nugget``, `tune` chooses those that are not given. With more than 64 neighbours it does
-        not try kriging.
+        not try kriging. If ``estimator`` is 'near-and-far' there is nothing to choose: only its error is measured.
     targets
         Number of samples to leave out, 1 or more; all samples if there are fewer.
     threads
@@ -217,7 +223,13 @@ def tune(
 
 
 def cross_validate(wall: Wall, targets: int = 1000, threads: int | None = None) -> Tuning:
-    """Measure how well the settings of a wall predict its own samples, and how much `tune` would gain."""
+    """Measure how well the settings of a wall predict its own samples, and how much `tune` would gain.
+
+    A wall with near and far neighbours is not compared with others: between arms, left-out samples would mislead, and
+    the covariance has decided already (`helibore.wall.automatic`).
+    """
+    if wall.settings.estimator == "near-and-far":
+        targets = min(targets, _FEW_TARGETS)  # each takes a millisecond
     return _tuning(in_depth_order(wall.samples), wall.settings, {}, targets, thread_count(threads), 0, FEW_BOXES)
 
 
@@ -227,6 +239,10 @@ def _tuning(
     depth, _, radius = samples
     rows, around = choose_left_out(samples, settings, targets, seed, "to tune", boxes)
     kinds: tuple[Boxes | None, ...] = (None, around)
+    if settings.estimator == "near-and-far":
+        own = [[estimate_near_and_far(samples, rows, settings, each)[:, 0] - radius[rows]] for each in kinds]
+        candidates = _compared([settings], own, depth[rows])
+        return Tuning(candidates[0], candidates, rows.size)
     ranges: dict[float, float] = {}
 
     def ranged(settings: Settings) -> Settings:

@@ -34,7 +34,7 @@ from helibore.base.errors import InputError
 from helibore.samples.helix import whole_helix
 from helibore.settings.wall_settings import Settings
 from helibore.wall.estimates import FEWEST_SAMPLES, MOST_UNMEASURED, Columns, choose_left_out, estimate_left_out
-from helibore.wall.near_and_far import Places, covariance_of
+from helibore.wall.near_and_far import covariance_of, estimate_near_and_far
 from helibore.wall.wall_columns import WallColumns
 
 TARGETS = 2000
@@ -190,14 +190,8 @@ def near_and_far_factor(samples: Columns, settings: Settings) -> float:
         return 1.0
     covariance = covariance_of(settings)
     rows, boxes = choose_left_out(samples, settings, _FEW_TARGETS, 0, "for an uncertainty")
-    limit = np.inf if settings.max_distance is None else settings.max_distance
-    among = Places(samples, covariance, settings.neighbors, limit)
-    depth, toolface, radius = samples
-    found = np.array([
-        among.estimate((depth[row], toolface[row]), (height, width))
-        for row, height, width in zip(rows, *boxes, strict=True)
-    ])  # fmt: skip
-    share = np.abs(found[:, 0] - radius[rows]) / np.sqrt(found[:, 1] + covariance.noise)
+    found = estimate_near_and_far(samples, rows, settings, boxes)
+    share = np.abs(found[:, 0] - samples[2][rows]) / np.sqrt(found[:, 1] + covariance.noise)
     share = share[np.isfinite(share)]
     if not share.size:
         return 1.0

@@ -12,6 +12,7 @@ import helibore as hb
 from helibore.wall.automatic import choose
 from helibore.wall.covariance import Covariance, Term, choose_blocks, fit_covariance
 from helibore.wall.near_and_far import Places
+from helibore.wall.tune import cross_validate
 
 BIT = 0.216
 
@@ -55,6 +56,15 @@ def test_sigma_holds_the_truth_where_it_is_stated(wall: hb.Wall) -> None:
     assert known.mean() > 0.5
     assert np.mean(off[known] <= 1.96 * sigma[known]) > 0.85
     assert np.median(sigma[known]) < 1e-3
+
+
+def test_left_out_samples_measure_the_error_of_the_settings_found(wall: hb.Wall) -> None:
+    found = cross_validate(wall, 150)
+    assert found.settings == wall.settings
+    assert found.targets == 150
+    assert found.sentence.startswith("kriging with near and far neighbours: cross-validated error")
+    assert 3e-4 < found.best.alone < 4e-4  # the noise of the sample itself is included
+    assert found.best.alone <= found.best.box < 1e-3
 
 
 def test_arms_that_do_not_turn_leave_gaps_without_a_sigma() -> None:
