@@ -13,16 +13,21 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import BinaryIO
 
+PRIVATE = 0o600
+"""Rights of a file that only its owner may read: journals and what is made of them hold what a rig or store sent."""
 
-def write_whole(path: str | os.PathLike[str], writer: Callable[[BinaryIO], object]) -> None:
+
+def write_whole(path: str | os.PathLike[str], writer: Callable[[BinaryIO], object], private: bool = False) -> None:
     """Call ``writer`` with a temporary binary file in the folder of ``path``, then rename that file to ``path``.
 
-    If ``writer`` raises, ``path`` does not change and the temporary file is deleted. An OSError names ``path``.
+    A ``private`` file gets the rights `PRIVATE`. If ``writer`` raises, ``path`` does not change and the temporary file
+    is deleted. An OSError names ``path``.
     """
     target = Path(path)
     beside = target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
     try:
-        with beside.open("xb") as file:
+        rights = PRIVATE if private else 0o666
+        with open(beside, "xb", opener=lambda name, flags: os.open(name, flags, rights)) as file:
             writer(file)
             file.flush()
             os.fsync(file.fileno())

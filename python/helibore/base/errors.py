@@ -14,6 +14,18 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from os import PathLike
 
+from helibore.base.addresses import without_secrets
+from helibore.base.harmless import printable
+
+MOST = 4_000
+"""Characters of an error's text; a file may hold 20,000 names."""
+
+
+def shown(text: str) -> str:
+    """Return the text of an error as it may be shown: without what a terminal obeys and keys, at most `MOST` long."""
+    text = printable(without_secrets(text))
+    return text if len(text) <= MOST else f"{text[: MOST - 200]} ... {text[-150:]}"
+
 
 class InputError(ValueError):
     """An input breaks a rule.
@@ -26,11 +38,16 @@ class InputError(ValueError):
         What the input must be, or what is wrong with it.
     value : str or None
         The value as the error shows it; None if no single value is wrong.
+
+    Notes
+    -----
+    The text of the error shows no escape sequence and no key of an address, and not more than `MOST` characters; the
+    attributes hold the texts as they are.
     """
 
     def __init__(self, place: str, rule: str, value: str | None = None) -> None:
         self.place, self.rule, self.value = place, rule, value
-        super().__init__(f"{place}: {rule}" if value is None else f"{place} = {value}: {rule}")
+        super().__init__(shown(f"{place}: {rule}" if value is None else f"{place} = {value}: {rule}"))
 
     def __reduce__(self) -> tuple[type[InputError], tuple[str, str, str | None]]:
         return type(self), (self.place, self.rule, self.value)

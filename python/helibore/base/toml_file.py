@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from helibore.base.errors import InputError
+from helibore.base.regular_file import check_regular
 
 
 def read_toml(path: Path, place: str) -> dict[str, Any]:
@@ -18,6 +19,7 @@ def read_toml(path: Path, place: str) -> dict[str, Any]:
 
 def read_text(path: Path, place: str) -> str:
     """Return the text of a file in UTF-8 without a byte order mark; raise InputError if it is in another encoding."""
+    check_regular(path)
     try:
         return path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:

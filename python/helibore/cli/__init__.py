@@ -21,8 +21,7 @@ from typing import IO, Any
 import click
 
 from helibore._core import __version__
-from helibore.base.addresses import without_secrets
-from helibore.base.errors import MissingExtraError
+from helibore.base.errors import MissingExtraError, shown
 
 VERBS = {
     "demo": "Simulate a hole and write its wall as a mesh and a picture.",
@@ -52,7 +51,7 @@ class BadInput(click.ClickException):
     exit_code = 2
 
     def show(self, file: IO[Any] | None = None) -> None:
-        click.echo(f"helibore: {without_secrets(' '.join(self.message.split()))}", file=file, err=True)
+        click.echo(f"helibore: {shown(' '.join(self.message.split()))}", file=file, err=True)
 
 
 @contextmanager

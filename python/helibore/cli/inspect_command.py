@@ -7,12 +7,11 @@ map as TOML. The user can edit the map and pass it back with ``--map``. The comm
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import click
 import numpy as np
 from rich.box import SIMPLE_HEAD
-from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
@@ -22,9 +21,14 @@ from helibore.channels.opening import open as open_file
 from helibore.channels.role_map import read_map, write_map
 from helibore.channels.roles import NO_RULE, ROLES, Role, RoleMap, guess
 from helibore.cli.quantities import FILE
+from helibore.cli.terminal import console as terminal_console
+from helibore.cli.terminal import echo
 from helibore.cli.wall_options import set_names
 from helibore.cli.without_caliper import without_caliper
 from helibore.files.raw_set import Channel
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 WIDE = 120
 """A terminal with at least this many columns shows the reasons in the table; a narrower one shows them below it."""
@@ -59,9 +63,9 @@ def inspect(file: Path, map_file: Path | None, sets: tuple[str, ...], header_lin
         if toml:
             log_set = opened.set(names[0]) if len(names) == 1 else opened.set()
             roles = mapped or guess(log_set)
-            click.echo(write_map(roles, len(opened.sets) > 1, refusal(log_set, roles)))
+            echo(write_map(roles, len(opened.sets) > 1, refusal(log_set, roles)))
             return
-        show(Console(), file, opened, names, mapped)
+        show(terminal_console(), file, opened, names, mapped)
 
 
 def show(console: Console, file: Path, opened: LogFile, names: list[str], mapped: RoleMap | None) -> None:
@@ -87,10 +91,10 @@ def show(console: Console, file: Path, opened: LogFile, names: list[str], mapped
         lacks, command = without_caliper(file, opened, roles)
         if command:
             console.print(f"  - {escape(lacks)}:\n", highlight=False)
-            click.echo(command)  # neither wrapped nor coloured, as the map below
+            echo(command)  # neither wrapped nor coloured, as the map below
         console.print("\n[bold]Role map[/] (edit, then pass it with --map):\n")
         # Printed bare: neither wrapped nor coloured, so that it can be copied.
-        click.echo(write_map(roles, len(opened.sets) > 1, warning))
+        echo(write_map(roles, len(opened.sets) > 1, warning))
 
 
 def refusal(log_set: LogSet, roles: RoleMap) -> str:

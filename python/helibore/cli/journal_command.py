@@ -13,6 +13,7 @@ from helibore.cli.lines import counts_line
 from helibore.cli.outputs import OUTPUT, check_file
 from helibore.cli.quantities import FILE, FOLDER
 from helibore.cli.sections import opt, section
+from helibore.cli.terminal import echo
 
 if TYPE_CHECKING:
     from helibore.live.journal.journal import Segment
@@ -51,13 +52,13 @@ def list_(folder: Path) -> None:
         wall, lost = segment.records["wall"], sum(stop - start for start, stop in segment.damage)
         times = f"{utc(int(wall[0]))} to {utc(int(wall[-1]))}" if len(wall) else "no record"
         damage = f", {lost:,} bytes damaged" if lost else ""
-        click.echo(f"{segment.path.name}: {len(segment.text):,} bytes, {len(wall):,} records, {times}{damage}")
+        echo(f"{segment.path.name}: {len(segment.text):,} bytes, {len(wall):,} records, {times}{damage}")
     for number, (time, text) in enumerate(begun, 1):
         same = number == 1 or text == begun[number - 2][1]
-        click.echo(f"session {number}: {utc(time)}{'' if same else ', with another configuration'}")
+        echo(f"session {number}: {utc(time)}{'' if same else ', with another configuration'}")
     for path in checkpoint.paths(folder):
         with suppress(FileNotFoundError):  # a running `helibore live` has replaced the checkpoint
-            click.echo(f"{path.name}: {path.stat().st_size:,} bytes, records up to {checkpoint.position(path) - 1:,}")
+            echo(f"{path.name}: {path.stat().st_size:,} bytes, records up to {checkpoint.position(path) - 1:,}")
 
 
 @journal.command()
@@ -81,7 +82,7 @@ def verify(folder: Path) -> None:
         if len(numbers) and int(numbers[0]) > last + 1 and not damage and last >= 0:
             damage = [f"{segment.path.name}: records {last + 1} to {int(numbers[0]) - 1} are missing before this file"]
         for text in damage:
-            click.echo(text)
+            echo(text)
         lost += len(damage)
         last = int(numbers[-1]) if len(numbers) else last
         header = header_of(segment.path)
@@ -91,12 +92,12 @@ def verify(folder: Path) -> None:
             with suppress(FileNotFoundError):  # a running `helibore live` has replaced the checkpoint
                 checkpoint.read(path, salt)
         except InputError as error:
-            click.echo(str(error))
+            echo(str(error))
             lost += 1
     if lost:
         places = f"{lost} places are damaged" if lost > 1 else "1 place is damaged"
         raise InputError(str(folder), f"{places}, {records:,} records are intact")
-    click.echo(f"{folder}: {records:,} records are intact")
+    echo(f"{folder}: {records:,} records are intact")
 
 
 @journal.command()
@@ -116,10 +117,10 @@ def replay(folder: Path, configuration: Path | None, output: Path | None) -> Non
 
     live = _replayed(folder, configuration)
     for event in live.model.events.latest:
-        click.echo(str(event))
+        echo(str(event))
     if output:
         snapshot(live, output)
-    click.echo(counts_line(live) + (f"; written to {output}" if output else ""))
+    echo(counts_line(live) + (f"; written to {output}" if output else ""))
 
 
 @journal.command()
@@ -148,21 +149,21 @@ def quarantine(folder: Path, configuration: Path | None, output: Path | None) ->
     found: dict[str, bytes] = {}
     model = _replayed(folder, configuration).model
     for one in set_aside(folder, model.set_aside, model.numbers):
-        click.echo(f"record {one.sequence}: {utc(one.wall)} {one.source or 'helibore'} {one.kind}, "
+        echo(f"record {one.sequence}: {utc(one.wall)} {one.source or 'helibore'} {one.kind}, "
                    f"{len(one.payload):,} bytes: {one.reason}")  # fmt: skip
         found[f"record-{one.sequence}.bin"] = one.payload
     for segment in _segments(folder):
         for (start, stop), text in zip(segment.damage, segment.damage_texts(), strict=True):
-            click.echo(text)
+            echo(text)
             found[f"{segment.number:06d}-{start}.bin"] = segment.text[start:stop]
     for path in sorted(folder.glob("*.torn")):
-        click.echo(f"{path.name}: {path.stat().st_size:,} bytes were cut off at a restart")
+        echo(f"{path.name}: {path.stat().st_size:,} bytes were cut off at a restart")
         found[path.name] = path.read_bytes()
     if output:
         output.mkdir(parents=True, exist_ok=True)
         for name, content in found.items():
-            write_whole(output / name, lambda file, content=content: file.write(content))  # type: ignore[misc]
-    click.echo(f"{folder}: {len(found)} items set aside" + (f"; written to {output}" if output and found else ""))
+            write_whole(output / name, lambda file, content=content: file.write(content), private=True)  # type: ignore[misc]
+    echo(f"{folder}: {len(found)} items set aside" + (f"; written to {output}" if output and found else ""))
 
 
 @journal.command()
@@ -205,8 +206,8 @@ def export(folder: Path, configuration: Path | None, output: Path, source: str |
                 counts.append(export_csv(folder, sources, text, step))
                 text.detach()
 
-    write_whole(output, write)
-    click.echo(f"{output}: {counts[0]:,} {'bytes' if wits else 'rows'}")
+    write_whole(output, write, private=True)
+    echo(f"{output}: {counts[0]:,} {'bytes' if wits else 'rows'}")
 
 
 @journal.command()
@@ -226,7 +227,7 @@ def archive(folder: Path, remove: bool) -> None:
     with _progress(folder) as step:
         done = put_away(folder, remove=remove, report=step)
     what = "removed" if remove else f"moved to {folder / 'archive'}"
-    click.echo(f"{len(done)} segments {what}" if done else f"{folder}: no segment is old")
+    echo(f"{len(done)} segments {what}" if done else f"{folder}: no segment is old")
 
 
 def _replayed(folder: Path, file: Path | None) -> Live:
@@ -262,8 +263,8 @@ def _progress(folder: Path) -> Iterator[Callable[[object], None]]:
         nonlocal done
         done += 1
         if shown and time.monotonic() - begun > 1:
-            click.echo(f"\r{done} of {total} segments", nl=False, err=True)
+            echo(f"{done} of {total} segments", nl=False, err=True, over=True)
 
     yield step
     if shown and time.monotonic() - begun > 1:
-        click.echo("\r\x1b[K", nl=False, err=True)
+        echo("", nl=False, err=True, over=True)

@@ -17,6 +17,8 @@ import click
 
 from helibore.cli.quantities import FILE, FOLDER
 from helibore.cli.sections import opt, section
+from helibore.cli.terminal import console as terminal_console
+from helibore.cli.terminal import echo
 from helibore.cli.token_options import TOKEN
 
 if TYPE_CHECKING:
@@ -83,8 +85,8 @@ def live(
     if check:
         settings.following()
         receiver(settings.alarms)
-        click.echo(f"{configuration}: is valid; sources: {', '.join(settings.sources)}")
-        click.echo("\n".join(described(settings)))
+        echo(f"{configuration}: is valid; sources: {', '.join(settings.sources)}")
+        echo("\n".join(described(settings)))
         return
     where = journal or (Path(settings.journal.folder) if settings.journal.folder else None)
     if where is None:
@@ -115,7 +117,7 @@ def live(
             _snapshot(running, target)
         if server.failure is not None:
             raise server.failure
-        click.echo(f"{counts_line(running)}; journal {where}")
+        echo(f"{counts_line(running)}; journal {where}")
 
 
 def _window(well: str, port: int, access: Access) -> Window:
@@ -130,7 +132,7 @@ def _window(well: str, port: int, access: Access) -> Window:
 def _announce(text: str, url: str) -> None:
     """Print the address of a server, with its token on a terminal only, because a log must not show a secret."""
     address = url.partition("?")[0]
-    click.echo(f"{text} {url if sys.stdout.isatty() else f'{address}?token=... ({WHERE})'}")
+    echo(f"{text} {url if sys.stdout.isatty() else f'{address}?token=... ({WHERE})'}")
 
 
 @contextmanager
@@ -140,12 +142,11 @@ def _screen(server: Server, quiet: bool) -> Iterator[Callable[[], None]]:
     If the terminal takes no text (after Ctrl-S, or if its connection is lost), only the drawing thread waits. Without
     a terminal, or if ``quiet``, the function does nothing.
     """
-    from rich.console import Console
     from rich.live import Live as Screen
 
     from helibore.cli.live_status_page import Page
 
-    page, console = Page(server), Console()
+    page, console = Page(server), terminal_console()
     if quiet or not console.is_terminal:
         yield lambda: None
         return

@@ -12,6 +12,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
+from helibore.base.harmless import printable
 from helibore.live.model.events import LOGGER
 
 MOST_WAITING = 1000
@@ -70,6 +71,13 @@ class LogWriter(logging.Handler):
         self._lost, self._reason = self._lost + 1, str(sys.exc_info()[1])
 
 
+class PrintableLines(logging.Formatter):
+    """Writes a message in one line without characters that a terminal obeys; only a traceback has more lines."""
+
+    def formatMessage(self, record: logging.LogRecord) -> str:  # noqa: N802 (a method of `logging.Formatter`)
+        return printable(super().formatMessage(record)).replace("\n", "\\n")
+
+
 @contextmanager
 def logged(file: str | None, quiet: bool) -> Iterator[LogWriter]:
     """Write warnings to stderr, unless the terminal shows the status page, and all events to ``file``, if given."""
@@ -79,7 +87,7 @@ def logged(file: str | None, quiet: bool) -> Iterator[LogWriter]:
     if file:
         handlers.append(logging.handlers.RotatingFileHandler(file, maxBytes=10 << 20, backupCount=5, encoding="utf-8"))
     for handler in handlers:
-        handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s", "%Y-%m-%d %H:%M:%S%z"))
+        handler.setFormatter(PrintableLines("%(asctime)s %(levelname)s %(message)s", "%Y-%m-%d %H:%M:%S%z"))
     before, writer = LOGGER.level, LogWriter(handlers)
     LOGGER.setLevel(logging.INFO)
     LOGGER.addHandler(writer)

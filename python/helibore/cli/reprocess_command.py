@@ -11,6 +11,7 @@ import click
 
 from helibore.cli.outputs import QUIET
 from helibore.cli.sections import Sectioned, opt, section
+from helibore.cli.terminal import echo
 
 if TYPE_CHECKING:
     from helibore.runs.manifest import Job
@@ -82,15 +83,15 @@ def reprocess(
     if check:
         check_files(jobs)
         refused = refused_wells(jobs)
-        click.echo(f"{len(jobs) - len(refused)} of {len(jobs)} wells have caliper files that can be read")
+        echo(f"{len(jobs) - len(refused)} of {len(jobs)} wells have caliper files that can be read")
         _show_failures(refused, jobs)
         click.get_current_context().exit(FAILED if refused else 0)
     if words:
         found = status(jobs)
         counts = f"{len(found.skipped)} of {found.wells} wells are done, {len(found.failed)} failed"
-        click.echo(f"{counts}, {len(found.outdated)} out of date, {found.unmade} not made")
+        echo(f"{counts}, {len(found.outdated)} out of date, {found.unmade} not made")
         for well, changed in sorted(found.outdated.items()):
-            click.echo(f"{well}: out of date: changed since it was made: {changed}")
+            echo(f"{well}: out of date: changed since it was made: {changed}")
     else:
         seen: list[Progress] = []
 
@@ -105,16 +106,16 @@ def reprocess(
             )
         except KeyboardInterrupt:
             counts = f"; {seen[0].sentence()}" if seen else ""
-            click.echo(f"\nstopped{counts}: run the command again to go on, and to write the catalogue", err=True)
+            echo(f"\nstopped{counts}: run the command again to go on, and to write the catalogue", err=True)
             click.get_current_context().exit(STOPPED)
         if not quiet:
-            click.echo(found.sentence())
+            echo(found.sentence())
             _show_warnings(found.warnings)
     _show_failures(found.failed, jobs, err=not words)
     if found.orphans and not quiet:
-        click.echo(f"wells in the output and its catalogue, but not in {file}: {', '.join(found.orphans)}")
+        echo(f"wells in the output and its catalogue, but not in {file}: {', '.join(found.orphans)}")
     for file, reason in found.unwritten.items():
-        click.echo(f"{file}: cannot be written: {reason}", err=True)
+        echo(f"{file}: cannot be written: {reason}", err=True)
     if found.failed or found.unwritten:
         click.get_current_context().exit(FAILED)
 
@@ -126,15 +127,15 @@ def _show(progress: Progress) -> None:
     """
     if not progress.seconds:
         shown = f"; Dask shows its work at {progress.dashboard}" if progress.dashboard else ""
-        click.echo(f"making {progress.wells - progress.finished} wells{shown}", err=True)
+        echo(f"making {progress.wells - progress.finished} wells{shown}", err=True)
         return
     known = progress.finished < progress.wells and math.isfinite(progress.seconds_left)
     left = f", {progress.seconds_left:.0f} s left" if known else ""
     line = f"{progress.finished} of {progress.wells} wells, {len(progress.failed)} failed{left}"
     if sys.stderr.isatty():
-        click.echo(f"\r\x1b[K{line}", err=True, nl=progress.finished == progress.wells)
+        echo(line, err=True, nl=progress.finished == progress.wells, over=True)
     elif progress.finished * 10 // progress.wells > (progress.finished - 1) * 10 // progress.wells:
-        click.echo(line, err=True)
+        echo(line, err=True)
 
 
 def _show_failures(failed: Mapping[str, str], jobs: Sequence[Job], err: bool = False) -> None:
@@ -143,15 +144,15 @@ def _show_failures(failed: Mapping[str, str], jobs: Sequence[Job], err: bool = F
 
     for reason, wells in grouped(failed, jobs):
         more = f" and {len(wells) - MOST_NAMED} more" if len(wells) > MOST_NAMED else ""
-        click.echo(f"{', '.join(sorted(wells)[:MOST_NAMED])}{more}: {reason}", err=err)
+        echo(f"{', '.join(sorted(wells)[:MOST_NAMED])}{more}: {reason}", err=err)
     if any("role" in reason or "unit missing" in reason for reason in failed.values()):
-        click.echo(REMEDY, err=err)
+        echo(REMEDY, err=err)
 
 
 def _show_warnings(warnings: Mapping[str, str]) -> None:
     """Show the warnings of the first `MOST_WARNINGS` wells by name; the catalogue has all warnings."""
     for well in sorted(warnings)[:MOST_WARNINGS]:
-        click.echo(f"{well}: {warnings[well]}", err=True)
+        echo(f"{well}: {warnings[well]}", err=True)
     if (left := len(warnings) - MOST_WARNINGS) > 0:
         more = f"{left} more wells have" if left > 1 else "1 more well has"
-        click.echo(f"{more} warnings; see the column warnings of the catalogue", err=True)
+        echo(f"{more} warnings; see the column warnings of the catalogue", err=True)

@@ -14,6 +14,7 @@ import click
 from helibore.base.errors import InputError
 from helibore.cli import MODULES
 from helibore.cli.sections import FAMILIES, Sectioned, SectionOption, near
+from helibore.cli.terminal import echo
 from helibore.settings.declared import Member, members
 from helibore.settings.groups import GROUPS
 
@@ -95,7 +96,7 @@ def settings(names: tuple[str, ...]) -> None:
         if rows:
             with formatter.section(group):
                 formatter.write_dl(rows, col_max=40)
-    click.echo(formatter.getvalue().strip())
+    echo(formatter.getvalue().strip())
 
 
 def _group(name: str) -> str:

@@ -21,7 +21,7 @@ from click.core import ParameterSource
 from helibore.cli.outputs import QUIET
 from helibore.cli.quantities import BIT, FOLDER, LENGTH, LIFT
 from helibore.cli.sections import Sectioned, opt, opts, section
-from helibore.cli.terminal import Terminal
+from helibore.cli.terminal import Terminal, echo
 
 if TYPE_CHECKING:
     from helibore.base.arrays import Floats
@@ -119,15 +119,15 @@ def _play(options: dict[str, Any], seed: int, quiet: bool) -> None:
     here = "listen" if socket_address(address).kind == "tcp" else "tcp"
     faults, lifts = Faults(*options["faults"]), tuple(Lift(*lift) for lift in options["lifts"])
     if not quiet:
-        click.echo(configuration(here + address[address.index(":") :], options["telemetry"], start))
-        click.echo(f"# simulating {stop - start:g} m of drilling", err=True)
+        echo(configuration(here + address[address.index(":") :], options["telemetry"], start))
+        echo(f"# simulating {stop - start:g} m of drilling", err=True)
     rig = Rig(options["telemetry"], start, stop, lifts, faults, seed)
     with connect(address) as link:
         if not quiet:
-            click.echo(f"# connected; {len(rig.triples):,} triples to send", err=True)
+            echo(f"# connected; {len(rig.triples):,} triples to send", err=True)
         sent = play(rig, link, options["speed"])
     if not quiet:
-        click.echo(f"# {sent:,} bytes, {len(rig.triples):,} triples sent", err=True)
+        echo(f"# {sent:,} bytes, {len(rig.triples):,} triples sent", err=True)
 
 
 def _write(folder: Path, simulation: Simulation, ending: str, seed: int) -> None:

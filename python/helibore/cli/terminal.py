@@ -1,6 +1,8 @@
-"""Show the stages of a verb and their times, a moving bar during each stage, and a summary in two columns.
+"""Print for a terminal; show the stages of a verb and their times, a moving bar during each, and a summary.
 
-The bar appears on stderr if stderr is a terminal and --quiet is not given. rich is imported when something is shown.
+All that commands print passes here, so that no name, unit or value of a file can move the cursor, change the colours or
+the title of a terminal, or hide a part of the text: see `helibore.base.harmless`. The bar appears on stderr if stderr
+is a terminal and --quiet is not given. rich is imported when something is shown.
 """
 
 from __future__ import annotations
@@ -9,6 +11,35 @@ import sys
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from helibore.base.harmless import printable
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+
+def echo(text: str, *, err: bool = False, nl: bool = True, over: bool = False) -> None:
+    """Print a text; ``over`` replaces the line that the cursor is in."""
+    click.echo(("\r\x1b[K" if over else "") + printable(text), err=err, nl=nl)
+
+
+def console(**options: Any) -> Console:
+    """Return a console of rich that shows escapes of all texts, but not of its own colours and bars."""
+    from rich.console import Console
+    from rich.segment import Segment
+
+    class Printable(Console):
+        def render_str(self, text: str, **how: Any) -> Any:  # measures what is shown
+            return super().render_str(printable(text), **how)
+
+        def render(self, renderable: Any, options: Any = None) -> Iterator[Segment]:
+            for part in super().render(renderable, options):
+                yield part if part.control else Segment(printable(part.text), part.style)
+
+    return Printable(**options)
 
 
 class Terminal:
@@ -31,11 +62,10 @@ class Terminal:
         if self.quiet or not sys.stderr.isatty():
             yield
             return
-        from rich.console import Console
         from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
         columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-        with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+        with Progress(*columns, console=console(stderr=True), transient=True) as progress:
             progress.add_task(doing, total=None)
             yield
 
@@ -48,7 +78,6 @@ class Terminal:
         """Print labels and texts in two columns; a line with an empty label belongs to the label above it."""
         if self.quiet:
             return
-        from rich.console import Console
         from rich.table import Table
         from rich.text import Text
 
@@ -56,8 +85,8 @@ class Terminal:
         table.add_column(style="bold cyan", no_wrap=True)
         table.add_column(overflow="fold")
         for label, text in lines:
-            table.add_row(label, Text(text))
-        console = Console(highlight=False)
-        if not console.is_terminal:
-            console = Console(highlight=False, width=110)
-        console.print(table)
+            table.add_row(label, Text(printable(text)))
+        shown = console(highlight=False)
+        if not shown.is_terminal:
+            shown = console(highlight=False, width=110)
+        shown.print(table)

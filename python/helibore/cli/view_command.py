@@ -15,7 +15,7 @@ from helibore.base.errors import InputError
 from helibore.cli.lines import trust_lines
 from helibore.cli.outputs import QUIET, SIGMA, add_sigma, own_options
 from helibore.cli.sections import Sectioned, opt, section
-from helibore.cli.terminal import Terminal
+from helibore.cli.terminal import Terminal, echo
 from helibore.cli.token_options import TOKEN
 from helibore.cli.wall_options import (
     BESIDE,
@@ -117,7 +117,7 @@ def view(**options: Any) -> None:
     terminal.summary([("time", terminal.times())])
     logging.getLogger("helibore.connections").addHandler(logging.StreamHandler())
     with suppress(KeyboardInterrupt):  # Ctrl-C may come before `wait` expects it
-        click.echo(f"{viewer.url}   (Ctrl-C ends the page)")
+        echo(f"{viewer.url}   (Ctrl-C ends the page)")
         viewer.wait()
     viewer.close()
 

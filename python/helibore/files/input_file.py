@@ -22,6 +22,7 @@ from typing import Any, BinaryIO, cast
 
 from helibore.base.errors import InputError
 from helibore.base.limits import check_unpacked
+from helibore.base.regular_file import check_regular
 
 LINE_LIMIT = 1 << 20
 """Longest line (bytes) that `lines` yields, and the number of bytes read at a time.
@@ -192,6 +193,7 @@ class InputFile:
     def __init__(self, path: Path, options: ReadOptions = ReadOptions()) -> None:
         self.path, self.options = path, options
         self.lost: set[str] = set()  # sentences on what a salvaged file has lost
+        check_regular(path)
         with path.open("rb") as file:
             self.compressed = file.read(2) == b"\x1f\x8b"
         self.encoding: str | None = None

@@ -30,6 +30,8 @@ import numpy as np
 
 from helibore.base.atomic_file import write_whole
 from helibore.base.errors import InputError, check_choice
+from helibore.base.harmless import cell, text_of
+from helibore.base.regular_file import check_regular
 from helibore.trajectory.survey import Path
 
 ENDING = ".picks.csv"
@@ -217,7 +219,7 @@ class Picks(list[Pick]):
         writer.writerow([*COLUMNS, *DIP])
         for pick in sorted(self, key=lambda one: one.depth):
             dips = ("" if math.isnan(angle) else _cell(angle) for angle in pick.dip(path))
-            writer.writerow([*_cells(pick), *dips])
+            writer.writerow([*map(cell, _cells(pick)), *dips])
         return text.getvalue()
 
     def save(self, filename: str | os.PathLike[str], path: Path | None = None) -> None:
@@ -234,6 +236,7 @@ class Picks(list[Pick]):
         A row without a key gets a key made from its text, the same at every reading. If two rows have the same key, the
         second row gets another key.
         """
+        check_regular(FilePath(filename))
         try:
             return cls.parse(FilePath(filename).read_text("utf-8-sig"), path)
         except InputError as error:
@@ -270,7 +273,9 @@ def _parsed(row: Mapping[str, Any], path: Path | None, apparent: bool, line: str
         except (TypeError, ValueError):
             raise InputError(f"{line}, {column}", "must be a number", repr(row[column])) from None
 
-    texts: dict[str, Any] = {name: row[column] for column, name in COLUMNS.items() if name in TEXTS and row.get(column)}
+    texts: dict[str, Any] = {
+        name: text_of(row[column]) for column, name in COLUMNS.items() if name in TEXTS and row.get(column)
+    }
     texts.setdefault("key", hashlib.blake2s(repr(sorted(row.items(), key=str)).encode(), digest_size=6).hexdigest())
     numbers: dict[str, Any] = {
         name: number(column) for column, name in COLUMNS.items() if name not in TEXTS and row.get(column)

@@ -31,9 +31,20 @@ from helibore.files.columnar import DAMAGED_NPZ
 
 Json = dict[str, Any]
 
+WITHIN = (
+    "zip", "tar", "libarchive", "reference", "filecache", "blockcache", "simplecache", "cached", "dir", "generic",
+    "async_wrapper", "dask", "git", "jlab", "jupyter",
+)  # fmt: skip
+"""Protocols of fsspec that open other addresses: what lies behind such an address is not checked."""
+
 
 def file_system(address: str) -> tuple[Any, str, bool]:
     """Return the file system of an address, the path in that file system, and whether the path is local."""
+    protocol = address.partition("://")[0].lower() if "://" in address else ""
+    if "::" in address or protocol in WITHIN:
+        name = "a chain" if "::" in address else f"{protocol}://"
+        rule = f"{name} opens other addresses or archives, which is refused: name the files themselves"
+        raise InputError(address, rule)
     with needs("fsspec", "scale"):
         from fsspec.core import url_to_fs
         from fsspec.implementations.local import LocalFileSystem

@@ -26,6 +26,7 @@ import numpy as np
 
 from helibore._core import __version__
 from helibore.base.errors import InputError
+from helibore.base.regular_file import check_regular
 from helibore.base.toml_file import read_toml
 from helibore.channels.channel_readings import note, readings
 from helibore.channels.columns import column, depths, needed, north_of
@@ -67,6 +68,7 @@ Stage = Callable[[str, str], AbstractContextManager[None]]
 
 def checksum(path: str | os.PathLike[str]) -> str:
     """Return the BLAKE2b of a file, 256 bits, as ``b2sum -l 256`` prints it; it takes half the time of SHA-256."""
+    check_regular(Path(path))
     with Path(path).open("rb") as file:
         return hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=32)).hexdigest()
 

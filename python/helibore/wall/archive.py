@@ -42,6 +42,7 @@ from helibore.base.arrays import Array, Floats
 from helibore.base.atomic_file import write_whole
 from helibore.base.errors import InputError
 from helibore.base.limits import check_unpacked
+from helibore.base.regular_file import check_regular
 from helibore.settings.wall_settings import Settings
 from helibore.wall.wall_columns import WallColumns
 
@@ -88,6 +89,7 @@ def save(wall: WallColumns, filename: str | os.PathLike[str]) -> None:
 def opened(filename: str | os.PathLike[str]) -> Iterator[Members]:
     """Open an archive and yield its `Members`; if it is damaged, raise an `InputError` that names the file."""
     path = Path(filename)
+    check_regular(path)
     with path.open("rb") as file:
         try:
             with zipfile.ZipFile(file) as archive:

@@ -69,7 +69,7 @@ def archive(
             make_folder(folder / ARCHIVE)
             target = folder / ARCHIVE / f"{path.name}.gz"
             packed = zlib.compress(text, 6, zlib.MAX_WBITS | 16)
-            write_whole(target, lambda file, packed=packed: file.write(packed))  # type: ignore[misc]
+            write_whole(target, lambda file, packed=packed: file.write(packed), private=True)  # type: ignore[misc]
             if content(target) != (text, ""):
                 raise InputError(str(target), f"does not have the contents of {path.name}")
         path.unlink(missing_ok=True)

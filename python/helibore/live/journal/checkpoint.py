@@ -65,7 +65,7 @@ def write(folder: Path, sequence: int, facts: dict[str, Any], state: Any) -> Pat
                     np.lib.format.write_array(member, array, allow_pickle=False)
 
     path = folder / f"checkpoint-{sequence:012d}.zip"
-    write_whole(path, fill)
+    write_whole(path, fill, private=True)
     for old in paths(folder)[:-KEPT]:
         old.unlink(missing_ok=True)
     return path

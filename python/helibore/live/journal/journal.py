@@ -40,7 +40,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
-from helibore.base.atomic_file import make_folder
+from helibore.base.atomic_file import PRIVATE, make_folder
 from helibore.base.errors import InputError
 
 BYTES, OPENED, CONNECTED, CLOSED, SAMPLES, STATIONS, IMAGE = range(7)
@@ -340,7 +340,7 @@ class Journal:
         self._path = self.folder
         make_folder(self.folder)
         self._directory = os.open(self.folder, os.O_RDONLY)
-        self._guard = os.open(self.folder / "lock", os.O_RDWR | os.O_CREAT, 0o644)
+        self._guard = os.open(self.folder / "lock", os.O_RDWR | os.O_CREAT, PRIVATE)
         try:
             _lock(self._guard, self.folder)
             self._recover()
@@ -401,7 +401,9 @@ class Journal:
         """Cut ``path`` at ``stop``; keep the bytes after it in a separate file."""
         torn = path.read_bytes()[stop:]
         if torn:
-            path.with_name(f"{path.stem}-{stop}.torn").write_bytes(torn)
+            aside = path.with_name(f"{path.stem}-{stop}.torn")
+            aside.touch(PRIVATE)
+            aside.write_bytes(torn)
             self.recovery.cut_bytes += len(torn)
             self.recovery.notes.append(f"{path.name}: torn after byte {stop}; {len(torn)} bytes were set aside")
         if stop == 0:
@@ -412,7 +414,7 @@ class Journal:
     def _begin_segment(self) -> None:
         path = self.folder / f"{self._number + 1:06d}.hbj"
         beside = path.with_suffix(".new")
-        file = os.open(beside, os.O_RDWR | os.O_CREAT | os.O_TRUNC, 0o644)
+        file = os.open(beside, os.O_RDWR | os.O_CREAT | os.O_TRUNC, PRIVATE)
         try:
             _lock(file, self.folder)
             os.pwrite(file, _header(self._number + 1, self._sequence, self._salt), 0)

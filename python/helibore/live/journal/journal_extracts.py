@@ -10,6 +10,7 @@ from typing import BinaryIO, TextIO
 
 import numpy as np
 
+from helibore.base.harmless import cell
 from helibore.base.utc_time import utc
 from helibore.live.journal import journal
 from helibore.live.journal.journal import Segment, segments
@@ -93,7 +94,9 @@ def export_csv(folder: Path, sources: dict[int, Source], file: TextIO, report: R
             elif kind in (journal.BYTES, journal.CLOSED) and (turn := items.get(number)):
                 found = list(turn(link, payload, kind == journal.CLOSED))
             stamp, sender = utc(int(record["wall"])), source.name if source else ""
-            writer.writerows([stamp, sender, *item] for item in found)
+            writer.writerows(
+                [stamp, cell(sender), link, at, cell(name), cell(value)] for link, at, name, value in found
+            )
             rows += len(found)
         report(segment)
     return rows

@@ -32,6 +32,7 @@ import numpy as np
 from pydantic import AfterValidator, ConfigDict, Field, PlainValidator
 
 from helibore.base.errors import InputError
+from helibore.base.regular_file import check_regular
 from helibore.live.rules.checks import Derived, Table, check, with_values, within
 from helibore.live.rules.depth_limits import DepthLimits
 from helibore.live.rules.kinds import read_source
@@ -306,6 +307,7 @@ def load(file: str | os.PathLike[str]) -> Configuration:
     OSError
         If the file cannot be read.
     """
+    check_regular(FilePath(file))
     try:
         text = FilePath(file).read_text(encoding="utf-8-sig")  # some editors write a byte order mark
     except UnicodeDecodeError as error:
