@@ -6,6 +6,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <array>
 #include <string>
 
 #include "arrays.hpp"
@@ -112,14 +113,15 @@ py::array_t<double> angular_gaps(const std::tuple<double, double, double, Index,
     return array_of(std::move(gaps));
 }
 
-py::array_t<bool> sampled(const std::tuple<double, double, double, Index, Index>& helix, Index count,
-                          const Column& depth, const Column& toolface, double reach, double angle, int threads) {
+py::array_t<bool> measured(const std::tuple<double, double, double, Index, Index>& helix, Index count,
+                           const Column& depth, const Column& toolface, const std::array<double, 4>& rule,
+                           int threads) {
     const auto& [start_depth, start_toolface, pitch, sectors, first] = helix;
     std::vector<std::uint8_t> found;
     {
-        const py::gil_scoped_release released;
-        found = helibore::sampled({start_depth, start_toolface, pitch, sectors, count, first},
-                                  {span_of(depth), span_of(toolface)}, reach, angle, threads);
+        const WithoutGil released;
+        found = helibore::measured({start_depth, start_toolface, pitch, sectors, count, first},
+                                   {span_of(depth), span_of(toolface)}, {rule[0], rule[1], rule[2], rule[3]}, threads);
     }
     py::array_t<bool> mask(static_cast<py::ssize_t>(found.size()));
     std::ranges::copy(found, mask.mutable_data());
@@ -137,8 +139,8 @@ void register_logs(py::module_& m) {
           py::arg("counts"), py::arg("sigma"), py::arg("threads"));
     m.def("angular_gaps", &angular_gaps, py::arg("helix"), py::arg("count"), py::arg("depth"), py::arg("toolface"),
           py::arg("reach"), py::arg("threads"));
-    m.def("sampled", &sampled, py::arg("helix"), py::arg("count"), py::arg("depth"), py::arg("toolface"),
-          py::arg("reach"), py::arg("angle"), py::arg("threads"));
+    m.def("measured", &measured, py::arg("helix"), py::arg("count"), py::arg("depth"), py::arg("toolface"),
+          py::arg("rule"), py::arg("threads"));
 }
 
 }  // namespace helibore::bindings

@@ -127,8 +127,8 @@ def passage_columns(
     sigma: _Floats,
     threads: int,
 ) -> dict[str, Any]: ...
-def sampled(
-    helix: _Helix, count: int, depth: _Floats, toolface: _Floats, reach: float, angle: float, threads: int
+def measured(
+    helix: _Helix, count: int, depth: _Floats, toolface: _Floats, rule: tuple[float, float, float, float], threads: int
 ) -> npt.NDArray[np.bool_]: ...
 def angular_gaps(
     helix: _Helix, count: int, depth: _Floats, toolface: _Floats, reach: float, threads: int

@@ -38,8 +38,9 @@ void agree(const HelixVertices& helix, const std::vector<std::vector<double>>& s
 // The same samples, near each vertex in both directions.
 void near_ones(const HelixVertices& helix, const std::vector<std::vector<double>>& samples, double reach) {
     for (const double angle : {0.0, 7.0, 15.0, 120.0, 180.0}) {
-        const std::vector<std::uint8_t> found = sampled(helix, {samples[0], samples[1]}, reach, angle);
-        CHECK(found == sampled(helix, {samples[0], samples[1]}, reach, angle, 3));
+        const MeasuredRule rule{reach, angle, 0.0, 360.0};
+        const std::vector<std::uint8_t> found = measured(helix, {samples[0], samples[1]}, rule);
+        CHECK(found == measured(helix, {samples[0], samples[1]}, rule, 3));
         for (Index k = 0; k < helix.count; ++k) {
             const auto K = static_cast<double>(helix.sectors);
             const double depth = helix.start_depth + static_cast<double>(k) * helix.pitch / K;
@@ -51,6 +52,16 @@ void near_ones(const HelixVertices& helix, const std::vector<std::vector<double>
             }
             CHECK((found[static_cast<std::size_t>(k)] != 0) == near);
         }
+    }
+}
+
+// Those whose gap is small enough.
+void closed_ones(const HelixVertices& helix, const std::vector<std::vector<double>>& samples, double reach) {
+    const std::vector<double> gaps = angular_gaps(helix, {samples[0], samples[1]}, reach);
+    for (const double largest : {0.0, 0.5, 7.5, 15.0, 100.0, 359.0, 360.0}) {
+        const std::vector<std::uint8_t> found = measured(helix, {samples[0], samples[1]}, {1e6, 180.0, reach, largest});
+        for (std::size_t k = 0; k < found.size(); ++k)
+            CHECK((found[k] != 0) == (!samples[0].empty() && gaps[k] <= largest));
     }
 }
 
@@ -66,6 +77,7 @@ void loops() {
                         .start_depth = 10.0, .start_toolface = 350.0, .pitch = pitch, .sectors = sectors, .count = 200};
                     agree(helix, wall.samples(), reach);
                     near_ones(helix, wall.samples(), reach);
+                    closed_ones(helix, wall.samples(), reach);
                 }
             }
 }
@@ -122,7 +134,10 @@ void refusals() {
     CHECK_THROWS(InputError, "threads = 0: must lie in 1 to 1024", angular_gaps({}, good, 1.0, 0));
     CHECK_THROWS(InputError, "toolface has 1 values, depth has 2: must be equal",
                  angular_gaps({}, {two, std::span(two).first(1)}, 1.0));
-    CHECK_THROWS(InputError, "angle = 181: must lie in 0 to 180", sampled({}, good, 1.0, 181.0));
+    CHECK_THROWS(InputError, "near_depth = -1: must be 0 or above", measured({}, good, {-1.0, 15.0, 1.0, 90.0}));
+    CHECK_THROWS(InputError, "near_toolface = 181: must lie in 0 to 180", measured({}, good, {1.0, 181.0, 1.0, 90.0}));
+    CHECK_THROWS(InputError, "gap_reach = -1: must be 0 or above", measured({}, good, {1.0, 15.0, -1.0, 90.0}));
+    CHECK_THROWS(InputError, "largest_gap = 361: must lie in 0 to 360", measured({}, good, {1.0, 15.0, 1.0, 361.0}));
     CHECK_THROWS(InputError, "toolface[1] = inf: must be finite", angular_gaps({}, {two, bad}, 1.0));
 }
 

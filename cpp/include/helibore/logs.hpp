@@ -85,9 +85,14 @@ struct SamplePlaces {
 std::vector<double> angular_gaps(const HelixVertices& vertices, const SamplePlaces& samples, double reach,
                                  int threads = 1);
 
-// Returns 1 for each vertex that has a sample within `reach` metres of its depth and `angle` degrees of its toolface, 0
-// for the others. The result does not depend on `threads`.
-std::vector<std::uint8_t> sampled(const HelixVertices& vertices, const SamplePlaces& samples, double reach,
-                                  double angle, int threads = 1);
+// What makes a vertex measured: a sample near it, and samples on its two sides.
+struct MeasuredRule {
+    double near_depth, near_toolface;  // a sample lies within so many metres and so many degrees, at most 180
+    double gap_reach, largest_gap;     // the angular gap of samples within this reach is at most so many degrees
+};
+
+// Returns 1 for each measured vertex, 0 for the others. The result does not depend on `threads`.
+std::vector<std::uint8_t> measured(const HelixVertices& vertices, const SamplePlaces& samples, const MeasuredRule& rule,
+                                   int threads = 1);
 
 }  // namespace helibore

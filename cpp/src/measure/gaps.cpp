@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "base/arithmetic.hpp"
 #include "base/host_memory.hpp"
@@ -29,45 +30,44 @@ double border(Index sector, Index sectors) {
     return static_cast<double>(sector) * whole_turn / static_cast<double>(sectors);
 }
 
-Index sector_of(double toolface, Index sectors) {
-    Index s = std::min(static_cast<Index>(toolface * static_cast<double>(sectors) / whole_turn), sectors - 1);
-    while (border(s, sectors) > toolface) --s;
-    while (s + 1 < sectors && border(s + 1, sectors) <= toolface) ++s;
-    return s;
-}
-
-// Returns the toolface of a sample, counted from that of vertex 0. A sample that differs from the toolface of a vertex
-// by rounding only is moved to it; otherwise the gap of the vertex would be 360 instead of 0.
-double counted_from(double start_toolface, double toolface, Index sectors) {
-    const double turned = wrap_toolface(toolface - start_toolface);
-    const auto nearest = static_cast<Index>(std::round(turned * static_cast<double>(sectors) / whole_turn));
-    if (std::abs(turned - border(nearest, sectors)) > rounding) return turned;
-    return border(nearest % sectors, sectors);
-}
-
+// Sorts samples into sectors. Toolfaces are counted from that of vertex 0. A sample that differs from the toolface of a
+// vertex by rounding only is moved to it; otherwise the gap of the vertex would be 360 instead of 0.
 Sectors sorted(const SamplePlaces& samples, double start_toolface, Index sectors) {
     const std::size_t count = samples.depth.size();
+    std::vector<double> borders;
+    for (Index s = 0; s <= sectors; ++s) borders.push_back(border(s, sectors));
+    const double in_a_degree = static_cast<double>(sectors) / whole_turn;
     std::vector<double> toolface(count);
-    std::vector<Index> sector(count);
+    std::vector<std::uint32_t> sector(count);
     Sectors out{std::vector<std::size_t>(static_cast<std::size_t>(sectors) + 1), std::vector<double>(count),
                 std::vector<double>(count)};
     for (std::size_t i = 0; i < count; ++i) {
-        toolface[i] = counted_from(start_toolface, samples.toolface[i], sectors);
-        sector[i] = sector_of(toolface[i], sectors);
-        ++out.starts[static_cast<std::size_t>(sector[i]) + 1];
+        const double turned = wrap_toolface(samples.toolface[i] - start_toolface);
+        auto s = static_cast<std::size_t>(turned * in_a_degree);
+        s = std::min(s, static_cast<std::size_t>(sectors) - 1);
+        while (borders[s] > turned) --s;
+        while (s + 1 < borders.size() - 1 && borders[s + 1] <= turned) ++s;
+        toolface[i] = turned;
+        if (borders[s + 1] - turned <= rounding)
+            s = (s + 1) % static_cast<std::size_t>(sectors), toolface[i] = borders[s];
+        if (toolface[i] - borders[s] <= rounding) toolface[i] = borders[s];
+        sector[i] = static_cast<std::uint32_t>(s);
+        ++out.starts[s + 1];
     }
     for (std::size_t s = 1; s < out.starts.size(); ++s) out.starts[s] += out.starts[s - 1];
     std::vector<std::size_t> next = out.starts;
     for (std::size_t i = 0; i < count; ++i) {
-        const std::size_t place = next[static_cast<std::size_t>(sector[i])]++;
+        const std::size_t place = next[sector[i]]++;
         out.depth[place] = samples.depth[i];
         out.toolface[place] = toolface[i];
     }
     return out;
 }
 
-// The vertices of one toolface, from the top of the hole down, and the state of the search on one side of them.
+// The vertices of one toolface, from the top of the hole down, and the state of the search on one side of them. Their
+// toolface is the border before sector `number`.
 struct Line {
+    Index number;
     std::vector<double> depth, side;
     std::vector<std::size_t> open;    // vertices for which no sample is found yet
     std::vector<std::size_t> window;  // samples of the window, in the order of their angle from the line
@@ -100,41 +100,64 @@ void look_into(const Sectors& in, std::size_t s, double reach, const Off& off, L
     line.open.resize(left);
 }
 
-// Sets line.side: for each vertex, degrees from its toolface to the nearest sample clockwise (counter-clockwise if
-// `clockwise` is false), as far as the nearest `most` sectors have it. The toolface of these vertices is the border
-// before sector `number`.
-void look_around(const Sectors& in, Index number, Index sectors, double reach, bool clockwise, Index most, Line& line) {
-    const double own = border(number, sectors);
+// Calls look(s) for the sectors on one side of the line, one after the other, until no vertex of the line is open, or
+// `most` sectors have been searched. Sectors without samples are passed over.
+template <class Look>
+void for_sectors_beside(const Sectors& in, const Line& line, bool clockwise, Index most, const Look& look) {
+    const auto sectors = static_cast<Index>(in.starts.size()) - 1;
+    for (Index step = 0; step < most && !line.open.empty(); ++step) {
+        const auto s = static_cast<std::size_t>((line.number + (clockwise ? step : 2 * sectors - 1 - step)) % sectors);
+        if (in.starts[s] < in.starts[s + 1]) look(s, step);
+    }
+}
+
+// Sets line.side of the vertices `open`: degrees from the vertex to the nearest sample within reach, clockwise or
+// counter-clockwise; 360: none in the nearest `most` sectors.
+void look_around(const Sectors& in, double reach, bool clockwise, Index most, const std::vector<std::size_t>& open,
+                 Line& line) {
+    const auto sectors = static_cast<Index>(in.starts.size()) - 1;
+    const double own = border(line.number, sectors);
     line.side.assign(line.depth.size(), whole_turn);
-    line.open.resize(line.depth.size());
-    std::iota(line.open.begin(), line.open.end(), std::size_t{0});
+    line.open = open;
     const auto off = [&](double toolface) {
         const double degrees = clockwise ? toolface - own : own - toolface;
         return degrees < 0.0 ? degrees + whole_turn : degrees;
     };
-    for (Index step = 0; step < most && !line.open.empty(); ++step) {
-        const Index s = (number + (clockwise ? step : 2 * sectors - 1 - step)) % sectors;
-        if (in.starts[static_cast<std::size_t>(s)] < in.starts[static_cast<std::size_t>(s) + 1]) {
-            look_into(in, static_cast<std::size_t>(s), reach, off, line);
-        }
-    }
+    for_sectors_beside(in, line, clockwise, most, [&](std::size_t s, Index) { look_into(in, s, reach, off, line); });
 }
 
-// Calls take(vertex, ahead, behind) for each vertex, with the degrees to the nearest samples on its two sides among the
-// nearest `most` sectors; 360: none.
-template <class Take>
-void look_from_all(const HelixVertices& vertices, const SamplePlaces& samples, double reach, Index most, int threads,
-                   const Take& take) {
+// Returns for each vertex of the line how many sectors come before the first that has a sample within reach; `most`:
+// none of the first `most` has one.
+std::vector<Index> empty_sectors(const Sectors& in, double reach, bool clockwise, Index most, Line& line) {
+    std::vector<Index> empty(line.depth.size(), most);
+    line.open.resize(line.depth.size());
+    std::iota(line.open.begin(), line.open.end(), std::size_t{0});
+    for_sectors_beside(in, line, clockwise, most, [&](std::size_t s, Index step) {
+        std::size_t next = in.starts[s], left = 0;
+        const std::size_t stop = in.starts[s + 1];
+        for (const std::size_t row : line.open) {
+            while (next < stop && in.depth[next] < line.depth[row] - reach) ++next;
+            if (next < stop && in.depth[next] <= line.depth[row] + reach)
+                empty[row] = step;
+            else
+                line.open[left++] = row;
+        }
+        line.open.resize(left);
+    });
+    return empty;
+}
+
+// Calls job(in, line, vertex) for the vertices of each toolface; vertex(row) is the number of a vertex of the line.
+template <class Job>
+void for_each_line(const HelixVertices& vertices, const SamplePlaces& samples, int threads, const Job& job) {
     require(vertices.sectors >= 1, "sectors", vertices.sectors, "must be 1 or more");
     require(vertices.sectors <= 1000000, "sectors", vertices.sectors, "must be at most 1000000");
     require_first("first", vertices.first, vertices.sectors);
-    require_vertex_count(vertices.count);
     if (vertices.count > 0) {  // an empty wall has no start
         require_depth("start_depth", vertices.start_depth);
         require_pitch(vertices.pitch);
     }
     require(std::isfinite(vertices.start_toolface), "start_toolface", vertices.start_toolface, "must be finite");
-    require(reach >= 0.0, "reach", reach, "must be 0 or above");
     require_threads(threads);
     require_length("toolface", samples.toolface.size(), samples.depth.size());
     const std::vector<double> depth = copied(samples.depth), toolface = copied(samples.toolface);
@@ -146,20 +169,31 @@ void look_from_all(const HelixVertices& vertices, const SamplePlaces& samples, d
     const Sectors in = sorted({depth, toolface}, vertices.start_toolface, sectors);
     for_each_part(threads, std::min(sectors, vertices.count), [&](int, Index number) {
         const Index turns = (vertices.count - number + sectors - 1) / sectors;
-        const auto vertex = [&](Index row) {
-            return number + sectors * (vertices.pitch > 0.0 ? row : turns - 1 - row);
+        const auto vertex = [&](std::size_t row) {
+            const auto at = static_cast<Index>(row);
+            return static_cast<std::size_t>(number + sectors * (vertices.pitch > 0.0 ? at : turns - 1 - at));
         };
         Line line;
+        line.number = number;
         line.depth.resize(static_cast<std::size_t>(turns));
-        for (Index row = 0; row < turns; ++row) line.depth[static_cast<std::size_t>(row)] = helix.depth(vertex(row));
-        look_around(in, number, sectors, reach, true, most, line);
-        const std::vector<double> ahead = line.side;
-        look_around(in, number, sectors, reach, false, most, line);
-        for (Index row = 0; row < turns; ++row) {
-            const auto i = static_cast<std::size_t>(row);
-            take(static_cast<std::size_t>(vertex(row)), ahead[i], line.side[i]);
-        }
+        for (std::size_t row = 0; row < line.depth.size(); ++row)
+            line.depth[row] = helix.depth(static_cast<Index>(vertex(row)));
+        job(in, line, vertex);
     });
+}
+
+// Calls take(row, ahead, behind) for the vertices `rows` of a line, with what `look_around` finds on their two sides.
+template <class Take>
+void for_sides(const Sectors& in, double reach, Index most, const std::vector<std::size_t>& rows, Line& line,
+               const Take& take) {
+    look_around(in, reach, true, most, rows, line);
+    const std::vector<double> ahead = line.side;
+    look_around(in, reach, false, most, rows, line);
+    for (const std::size_t row : rows) take(row, ahead[row], line.side[row]);
+}
+
+double gap_between(double ahead, double behind) {
+    return ahead == 0.0 ? 0.0 : std::min(ahead + behind, whole_turn);
 }
 
 }  // namespace
@@ -168,26 +202,69 @@ std::vector<double> angular_gaps(const HelixVertices& vertices, const SamplePlac
                                  int threads) {
     const StandardArithmetic standard;
     require_vertex_count(vertices.count);
+    require(reach >= 0.0, "reach", reach, "must be 0 or above");
     std::vector<double> gaps(static_cast<std::size_t>(vertices.count));
-    look_from_all(vertices, samples, reach, vertices.sectors, threads,
-                  [&](std::size_t vertex, double ahead, double behind) {
-                      gaps[vertex] = ahead == 0.0 ? 0.0 : std::min(ahead + behind, whole_turn);
-                  });
+    for_each_line(vertices, samples, threads, [&](const Sectors& in, Line& line, const auto& vertex) {
+        std::vector<std::size_t> rows(line.depth.size());
+        std::iota(rows.begin(), rows.end(), std::size_t{0});
+        for_sides(in, reach, vertices.sectors, rows, line, [&](std::size_t row, double ahead, double behind) {
+            gaps[vertex(row)] = gap_between(ahead, behind);
+        });
+    });
     return gaps;
 }
 
-std::vector<std::uint8_t> sampled(const HelixVertices& vertices, const SamplePlaces& samples, double reach,
-                                  double angle, int threads) {
+// Most vertices have a sample in a sector beside them. Then the number of empty sectors between vertex and sample
+// decides. The angles of samples are looked at only where this number leaves the answer open.
+std::vector<std::uint8_t> measured(const HelixVertices& vertices, const SamplePlaces& samples, const MeasuredRule& rule,
+                                   int threads) {
     const StandardArithmetic standard;
-    require(angle >= 0.0 && angle <= 180.0, "angle", angle, "must lie in 0 to 180");
-    // A sample at `angle` may lie in the sector that begins there.
-    const auto far = static_cast<Index>(angle * static_cast<double>(vertices.sectors) / whole_turn) + 1;
     require_vertex_count(vertices.count);
+    require(rule.near_depth >= 0.0, "near_depth", rule.near_depth, "must be 0 or above");
+    require(rule.near_toolface >= 0.0 && rule.near_toolface <= 180.0, "near_toolface", rule.near_toolface,
+            "must lie in 0 to 180");
+    require(rule.gap_reach >= 0.0, "gap_reach", rule.gap_reach, "must be 0 or above");
+    require(rule.largest_gap >= 0.0 && rule.largest_gap <= whole_turn, "largest_gap", rule.largest_gap,
+            "must lie in 0 to 360");
     std::vector<std::uint8_t> found(static_cast<std::size_t>(vertices.count));
-    look_from_all(vertices, samples, reach, std::min(far, vertices.sectors), threads,
-                  [&](std::size_t vertex, double ahead, double behind) {
-                      found[vertex] = std::min(ahead, behind) <= angle + rounding ? 1 : 0;
-                  });
+    for_each_line(vertices, samples, threads, [&](const Sectors& in, Line& line, const auto& vertex) {
+        const double wide = whole_turn / static_cast<double>(vertices.sectors);
+        const auto within = [&](double degrees) {  // the sectors that a sample so far away may lie in
+            return std::min(static_cast<Index>(degrees / wide) + 2, vertices.sectors);
+        };
+        // Whether an angle between these two is at most the limit; nothing if it may be more or less.
+        const auto at_most = [](double limit, double least, double most) -> std::optional<bool> {
+            constexpr double margin = 1e-6;  // degrees, for the rounding of borders
+            if (most <= limit - margin) return true;
+            if (least > limit + margin) return false;
+            return std::nullopt;
+        };
+        const auto least = [wide](Index empty) { return static_cast<double>(empty) * wide; };
+        const Index most_near = within(rule.near_toolface), most_gap = within(rule.largest_gap);
+        const std::vector<Index> near[] = {empty_sectors(in, rule.near_depth, true, most_near, line),
+                                           empty_sectors(in, rule.near_depth, false, most_near, line)};
+        const std::vector<Index> gap[] = {empty_sectors(in, rule.gap_reach, true, most_gap, line),
+                                          empty_sectors(in, rule.gap_reach, false, most_gap, line)};
+        std::vector<std::size_t> near_open, gap_open;
+        for (std::size_t row = 0; row < line.depth.size(); ++row) {
+            const double beside = least(std::min(near[0][row], near[1][row])),
+                         around = least(gap[0][row]) + least(gap[1][row]);
+            const auto is_near = at_most(rule.near_toolface, beside, beside + wide);
+            auto is_closed =
+                rule.largest_gap == whole_turn ? true : at_most(rule.largest_gap, around, around + 2.0 * wide);
+            if (gap[0][row] == 0 && is_closed == false) is_closed.reset();  // the gap at a sample is 0
+            found[vertex(row)] = is_near.value_or(true) && is_closed.value_or(true) ? 1 : 0;
+            if (found[vertex(row)] == 0) continue;
+            if (!is_near) near_open.push_back(row);
+            if (!is_closed) gap_open.push_back(row);
+        }
+        for_sides(in, rule.near_depth, most_near, near_open, line, [&](std::size_t row, double ahead, double behind) {
+            if (std::min(ahead, behind) > rule.near_toolface + rounding) found[vertex(row)] = 0;
+        });
+        for_sides(in, rule.gap_reach, most_gap, gap_open, line, [&](std::size_t row, double ahead, double behind) {
+            if (gap_between(ahead, behind) > rule.largest_gap) found[vertex(row)] = 0;
+        });
+    });
     return found;
 }
 

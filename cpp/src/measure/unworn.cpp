@@ -41,7 +41,7 @@ struct Directions {
 
 // Falls from 1 to 0 as exp(-u^2 / 2) does; a library's exp differs in its last bits between machines.
 double falling(double square) {
-    const double of = 1.0 / (1.0 + square / 6.0);
+    const double of = 1.0 / (1.0 + square * (1.0 / 6.0));
     return of * of * of;
 }
 
@@ -49,6 +49,7 @@ double falling(double square) {
 struct Turn {
     std::vector<double> x, y, height;
     std::vector<bool> counts;
+    std::vector<double> counted_x, counted_y;  // of the vertices that count
     double scale, bit_radius;
     std::size_t size() const { return x.size(); }
 };
@@ -58,35 +59,46 @@ double excess(const Turn& turn, std::size_t i, const Fit& fit) {
     return std::sqrt(dx * dx + dy * dy) - fit.radius;
 }
 
-double weight(double excess, double spread) {
-    const double u = excess / (excess > 0.0 ? spread : inside_spread * spread);
-    return falling(u * u);
-}
+// The fits from all starts, side by side: the compiler makes vector instructions of the loops over them.
+constexpr std::size_t starts = 4;
+using Lanes = std::array<double, starts>;
+struct Fits {
+    Lanes x, y, radius;
+};
 
-// One step of iterated least squares: the circle moves to the weighted mean of the excess, with a pull to the guess.
-Fit improved(const Turn& turn, const Fit& fit, double spread) {
-    std::array<double, 6> a{};  // upper half of the normal matrix: xx, xy, xr, yy, yr, rr
-    std::array<double, 3> b{};
-    for (std::size_t i = 0; i < turn.size(); ++i) {
-        if (!turn.counts[i]) continue;
-        const double dx = turn.x[i] - fit.x, dy = turn.y[i] - fit.y, away = std::sqrt(dx * dx + dy * dy);
-        if (away == 0.0) continue;
-        const double e = away - fit.radius, nx = dx / away, ny = dy / away;
-        const double w = weight(e, spread) / (spread * spread);
-        a[0] += w * nx * nx, a[1] += w * nx * ny, a[2] += w * nx, a[3] += w * ny * ny, a[4] += w * ny, a[5] += w;
-        b[0] += w * nx * e, b[1] += w * ny * e, b[2] += w * e;
+// One step of iterated least squares for each fit: the circle moves to the weighted mean of the excess, with a pull to
+// the guess.
+void improve(const Turn& turn, Fits& fits, double spread) {
+    std::array<Lanes, 6> a{};  // upper half of the normal matrix: xx, xy, xr, yy, yr, rr
+    std::array<Lanes, 3> b{};
+    const double outside = 1.0 / spread, inside = 1.0 / (inside_spread * spread);
+    for (std::size_t i = 0; i < turn.counted_x.size(); ++i) {
+        for (std::size_t s = 0; s < starts; ++s) {
+            const double dx = turn.counted_x[i] - fits.x[s], dy = turn.counted_y[i] - fits.y[s];
+            const double away = std::sqrt(dx * dx + dy * dy), of_away = 1.0 / (away == 0.0 ? 1.0 : away);
+            const double e = away - fits.radius[s], nx = dx * of_away, ny = dy * of_away;
+            const double u = e * (e > 0.0 ? outside : inside), w = away == 0.0 ? 0.0 : falling(u * u);
+            const double wx = w * nx, wy = w * ny;
+            a[0][s] += wx * nx, a[1][s] += wx * ny, a[2][s] += wx, a[3][s] += wy * ny, a[4][s] += wy, a[5][s] += w;
+            b[0][s] += wx * e, b[1][s] += wy * e, b[2][s] += w * e;
+        }
     }
-    const double of_centre = 1.0 / (turn.scale * turn.scale * centre_guess * centre_guess);
-    const double of_radius = 1.0 / (turn.scale * turn.scale * radius_guess * radius_guess);
-    a[0] += of_centre, a[3] += of_centre, a[5] += of_radius;
-    b[0] -= of_centre * fit.x, b[1] -= of_centre * fit.y, b[2] -= of_radius * (fit.radius - turn.bit_radius);
-    // Cholesky; the pull makes the matrix positive definite.
-    const double l0 = std::sqrt(a[0]), l1 = a[1] / l0, l2 = a[2] / l0;
-    const double l3 = std::sqrt(a[3] - l1 * l1), l4 = (a[4] - l1 * l2) / l3;
-    const double l5 = std::sqrt(a[5] - l2 * l2 - l4 * l4);
-    const double u = b[0] / l0, v = (b[1] - l1 * u) / l3, w = (b[2] - l2 * u - l4 * v) / l5;
-    const double dr = w / l5, dy = (v - l4 * dr) / l3, dx = (u - l1 * dy - l2 * dr) / l0;
-    return {fit.x + dx, fit.y + dy, std::max(fit.radius + dr, 0.1 * turn.bit_radius)};
+    // Weights are those of spread^2, so the pull is as well.
+    const double of_centre = spread * spread / (turn.scale * turn.scale * centre_guess * centre_guess);
+    const double of_radius = spread * spread / (turn.scale * turn.scale * radius_guess * radius_guess);
+    for (std::size_t s = 0; s < starts; ++s) {
+        const double xx = a[0][s] + of_centre, yy = a[3][s] + of_centre, rr = a[5][s] + of_radius;
+        const double bx = b[0][s] - of_centre * fits.x[s], by = b[1][s] - of_centre * fits.y[s];
+        const double br = b[2][s] - of_radius * (fits.radius[s] - turn.bit_radius);
+        // Cholesky; the pull makes the matrix positive definite.
+        const double l0 = std::sqrt(xx), l1 = a[1][s] / l0, l2 = a[2][s] / l0;
+        const double l3 = std::sqrt(yy - l1 * l1), l4 = (a[4][s] - l1 * l2) / l3;
+        const double l5 = std::sqrt(rr - l2 * l2 - l4 * l4);
+        const double u = bx / l0, v = (by - l1 * u) / l3, w = (br - l2 * u - l4 * v) / l5;
+        const double dr = w / l5, dy = (v - l4 * dr) / l3, dx = (u - l1 * dy - l2 * dr) / l0;
+        fits.x[s] += dx, fits.y[s] += dy;
+        fits.radius[s] = std::max(fits.radius[s] + dr, 0.1 * turn.bit_radius);
+    }
 }
 
 // How well a circle fits; higher is better. Rock far inside it, and a size far from the bit, speak against it.
@@ -106,23 +118,22 @@ double merit(const Turn& turn, const Fit& fit) {
 Fit fitted(const Turn& turn, std::vector<double>& radii) {
     double x = 0.0, y = 0.0;
     radii.clear();
-    for (std::size_t i = 0; i < turn.size(); ++i) {
-        if (!turn.counts[i]) continue;
-        x += turn.x[i], y += turn.y[i];
-        radii.push_back(std::sqrt(turn.x[i] * turn.x[i] + turn.y[i] * turn.y[i]));
+    for (std::size_t i = 0; i < turn.counted_x.size(); ++i) {
+        const double to_x = turn.counted_x[i], to_y = turn.counted_y[i];
+        x += to_x, y += to_y;
+        radii.push_back(std::sqrt(to_x * to_x + to_y * to_y));
     }
     x /= static_cast<double>(radii.size()), y /= static_cast<double>(radii.size());
     const auto quarter = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 4);
     std::nth_element(radii.begin(), quarter, radii.end());
+    Fits fits{{0.0, 0.0, x, -x}, {0.0, 0.0, y, -y}, {turn.bit_radius, *quarter, *quarter, *quarter}};
+    for (const double spread : spreads)
+        for (int step = 0; step < (spread == spreads.back() ? last_steps : steps); ++step)
+            improve(turn, fits, spread * turn.scale);
     Fit best{};
     double most = -std::numeric_limits<double>::infinity();
-    for (Fit fit :
-         {Fit{0.0, 0.0, turn.bit_radius}, Fit{0.0, 0.0, *quarter}, Fit{x, y, *quarter}, Fit{-x, -y, *quarter}}) {
-        for (const double spread : spreads) {
-            for (int step = 0; step < (spread == spreads.back() ? last_steps : steps); ++step) {
-                fit = improved(turn, fit, spread * turn.scale);
-            }
-        }
+    for (std::size_t s = 0; s < starts; ++s) {
+        const Fit fit{fits.x[s], fits.y[s], fits.radius[s]};
         const double of = merit(turn, fit);
         if (of > most) most = of, best = fit;
     }
@@ -247,19 +258,24 @@ UnwornTurns unworn_turns(const Turns& turns, double bit_diameter, std::span<cons
         directions.x.push_back(cosine), directions.y.push_back(sine);
     }
     for_each_range(threads, count, block, [&](int, const Range& range) {
-        Turn turn{std::vector<double>(K), std::vector<double>(K),    std::vector<double>(K),
-                  std::vector<bool>(K),   bit_diameter / scaled_bit, 0.5 * bit_diameter};
+        Turn turn;
+        for (std::vector<double>* column : {&turn.x, &turn.y, &turn.height}) column->resize(K);
+        turn.counts.resize(K);
+        turn.scale = bit_diameter / scaled_bit;
+        turn.bit_radius = 0.5 * bit_diameter;
         std::vector<double> radii;
         for (Index at = range.start; at < range.stop; ++at) {
             const auto i = static_cast<std::size_t>(at);
-            std::size_t known = 0, there = 0;
+            std::size_t there = 0;
+            turn.counted_x.clear(), turn.counted_y.clear();
             for (std::size_t k = 0; k < K; ++k) {
                 const double r = radius[i * K + k];
                 there += r == r ? 1U : 0U;
                 turn.x[k] = r * directions.x[k], turn.y[k] = r * directions.y[k];
                 turn.counts[k] = counts.empty() || counts[i * K + k] != 0.0 ? 1 : 0;
-                known += turn.counts[k] ? 1U : 0U;
+                if (turn.counts[k]) turn.counted_x.push_back(turn.x[k]), turn.counted_y.push_back(turn.y[k]);
             }
+            const std::size_t known = turn.counted_x.size();
             if (there < K || known < 3 || static_cast<double>(known) < least_share * static_cast<double>(K)) continue;
             const Fit fit = fitted(turn, radii);
             found.diameter[i] = 2.0 * fit.radius;

@@ -64,9 +64,9 @@ class WallColumns:
     @cached_property
     def measured(self) -> Mask:
         depth, toolface, *_ = self.sample_columns
+        rule = (NEAR_DEPTH, NEAR_TOOLFACE, self.settings.gap_reach, self.settings.largest_gap)
         place = (whole_helix(self), self.radius.size, depth, toolface)
-        near = _core.sampled(*place, NEAR_DEPTH, NEAR_TOOLFACE, thread_count(self.threads))
-        measured: Mask = near & np.isfinite(self.radius) & (self.angular_gap <= self.settings.largest_gap)
+        measured: Mask = _core.measured(*place, rule, thread_count(self.threads)) & np.isfinite(self.radius)
         return measured
 
     @property
