@@ -179,10 +179,10 @@ def _earlier(settings: Project, context: click.Context, same: bool) -> Project:
     if not same:
         recorded = {name: recorded[name] for name in OF_ANY_COMMAND if name in recorded and name in own}
     check_names(f"{place}.", recorded, own)
-    for name, value in recorded.items():
-        if name not in FAMILIES:
-            _cast(context, own[name], value, f"{place}.{name}")
-    made = recorded_tables(context, recorded)
+    made = recorded_tables(context, {
+        name: value if name in FAMILIES else _cast(context, own[name], value, f"{place}.{name}")
+        for name, value in recorded.items()
+    })  # fmt: skip
     groups = {name: getattr(settings, name) | table for name, table in made.items() if isinstance(table, dict)}
     ends = {name: end for name, end in made.items() if not isinstance(end, dict)}
     return replace(settings, options={}, **groups, **ends)

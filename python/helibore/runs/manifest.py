@@ -1,4 +1,4 @@
-"""The wells to reprocess, their files and settings: a TOML manifest, or a Parquet catalogue with one row per well.
+"""The wells to reprocess: a TOML manifest of projects, or a Parquet catalogue with one row per well.
 
     output = "s3://field/walls"             # folder of all results, any fsspec address
     outputs = ["archive", "logs"]           # one or more of archive, mesh, logs, zones; all four if left out
@@ -6,17 +6,20 @@
     catalogue = "wells.parquet"             # more wells; columns are keys, such as name, caliper, survey, wall.sectors
 
     [defaults.wall]                         # settings of every well that does not state its own
-    bit_diameter = 0.2159
+    bit_diameter = "8.5in"
 
     [[well]]
-    name = "A-1"
-    caliper = "A-1.parquet"                 # or [[well.caliper]] with file, set, map, header_line
-    survey = "A-1-survey.csv"
+    project = "A-1/well.toml"               # a well that has a project
+
+    [[well]]                                # or the tables of a project, here
+    name = "A-2"
+    caliper = "A-2.parquet"
+    survey = "A-2-survey.csv"
     [well.preparation]
     find_shifts = true
 
-The tables of a well are those of a run's settings (``project``). The key ``map`` beside ``file`` names a role
-map; without a map the roles are guessed. Files are named relative to the manifest.
+A well is a project (``project``); what it states here counts over its project, and that over the defaults. Files are
+named relative to the manifest, those of a project relative to the project.
 """
 
 from __future__ import annotations
@@ -25,42 +28,49 @@ import hashlib
 import json
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 from urllib.parse import quote
 
 from helibore.base.addresses import file_name, without_secrets
-from helibore.base.errors import InputError, check_names, needs
+from helibore.base.errors import InputError, needs
 from helibore.base.toml_file import read_toml
 from helibore.runs.output_store import Json, file_system, local_file
-from helibore.runs.project import ImageInput, Input, Project, project_of
+from helibore.runs.project import Project
+from helibore.settings.declared import Declared, at_least
+from helibore.settings.toml_reading import TomlSource, read_table
 from helibore.wall.wall import Wall
 
-OUTPUTS = ("archive", "mesh", "logs", "zones")
+Wanted = Literal["archive", "mesh", "logs", "zones"]
+OUTPUTS: tuple[Wanted, ...] = ("archive", "mesh", "logs", "zones")
 """Outputs of a well."""
 
 BLOCK_SAMPLES = 2_000_000
 """A well with at most this many samples, and twice as many vertices, is made in one piece, in less than 1 GB."""
 
-KEYS: dict[str, tuple[type, str]] = {
-    "output": (str, "an address"), "outputs": (list, "a list"),
-    "block_samples": (int, "a whole number of at least 1"), "catalogue": (str, "an address"),
-    "defaults": (dict, "a table"), "well": (list, "tables, [[well]]"),
-}  # fmt: skip
-"""Keys of a manifest: the type of the value, and what the value must be."""
+
+@dataclass(frozen=True, kw_only=True)
+class Manifest(Declared):
+    """The wells to reprocess, each a project."""
+
+    output: Annotated[str | None, "Folder of all results, any fsspec address."] = None
+    outputs: Annotated[tuple[Wanted, ...], "What to make of a well."] = OUTPUTS
+    block_samples: Annotated[int, at_least(1),
+        "A well with more samples, or twice as many vertices, is made in blocks.",
+    ] = BLOCK_SAMPLES  # fmt: skip
+    catalogue: Annotated[str | None,
+        "Parquet table of more wells; its columns are keys, such as name, caliper, survey, wall.sectors.",
+    ] = None  # fmt: skip
+    defaults: Annotated[dict[str, Any], "Tables of every well, as in a project."] = field(default_factory=dict)
+    well: Annotated[tuple[dict[str, Any], ...], "The wells: name and project, or the tables of a project."] = ()
+
 
 FILES = ("caliper", "average", "archive", "survey", "track", "image")
 """Keys of a well that name files."""
 
-OF_A_RUN = ("verb", "output", "scalar", "options")
-"""Keys of a run's settings that a well of a manifest does not have."""
-
-OF_A_WELL = ("name", *(each.name for each in fields(Project) if each.name not in OF_A_RUN))
-"""Keys of a well."""
-
-OF_A_FILE = {key: tuple(each.name for each in fields(ImageInput if key == "image" else Input)) for key in FILES}
-"""Keys of the table of a file, by the key of the well that has this table."""
+OF_A_RUN = ("verb", "output", "scalar", "options", "start_depth", "stop_depth")
+"""Keys of a project that say what was written; they have no effect on a well of a manifest."""
 
 
 def path_part(well: str) -> str:
@@ -120,30 +130,23 @@ def read_jobs(manifest: str | Path, output: str | None = None) -> list[Job]:
     address = str(manifest)
     name, folder = file_name(address), address.rpartition("/")[0]
     with local_file(address) as path:
-        tree: Json = {"well": _rows(path)} if name.endswith(".parquet") else read_toml(path, name)
-    check_names(f"{name}: ", tree, KEYS)
-    for key, value in tree.items():
-        if type(value) is not KEYS[key][0]:
-            raise InputError(f"{name}: {key}", f"must be {KEYS[key][1]}", repr(value))
-    wells = tree.get("well", [])
-    if "catalogue" in tree:
-        with local_file(_absolute(tree["catalogue"], folder)) as path:
-            wells = [*wells, *_rows(path)]
-    target = output or (_absolute(tree["output"], folder) if "output" in tree else None)
+        if name.endswith(".parquet"):
+            source, tree = TomlSource(name), {"well": _rows(path)}
+        else:
+            source, tree = TomlSource.load(path)
+    read = read_table(Manifest, tree, source)
+    wells = list(read.well)
+    if read.catalogue is not None:
+        with local_file(_absolute(read.catalogue, folder)) as path:
+            wells += _rows(path)
+    target = output or (None if read.output is None else _absolute(read.output, folder))
     if target is None:
         raise InputError(f"{name}: output", "is missing; it is the folder of all results")
-    outputs = tuple(tree.get("outputs", OUTPUTS))
-    if not all(one in OUTPUTS for one in outputs):
-        raise InputError(f"{name}: outputs", f"must contain only {', '.join(OUTPUTS)}", repr(list(outputs)))
-    most = tree.get("block_samples", BLOCK_SAMPLES)
-    if most < 1:
-        raise InputError(f"{name}: block_samples", f"must be {KEYS['block_samples'][1]}", repr(most))
     jobs, names = [], set()
-    for number, well in enumerate(wells, 1):
-        if not isinstance(well, dict):
-            raise InputError(f"{name}: well {number}", "must be a table", repr(well))
-        merged = _merged(name, tree.get("defaults", {}), well)
-        job = _job(name, folder, f"well {number}", merged, target, outputs, most)
+    for number, well in enumerate(wells):
+        roots = (("well", number), ("defaults",)) if number < len(read.well) else ()
+        own = replace(source, roots=roots, label=f"well {number + 1}", recorded=True)
+        job = _job(own, folder, (read.defaults, well), target, read.outputs, read.block_samples)
         if job.well in names:
             raise InputError(f"{name}: well {job.well}", "two wells have this name; names must differ")
         names.add(job.well)
@@ -177,52 +180,76 @@ def check_files(jobs: list[Job]) -> None:
         raise InputError(first, rule)
 
 
-def _job(name: str, folder: str, place: str, tree: Json, *how: Any) -> Job:
-    well = tree.pop("name", None)
+def _job(source: TomlSource, folder: str, trees: tuple[Json, Json], *how: Any) -> Job:
+    """Return the job of a well, whose ``trees`` are the defaults and its own; ``source`` places its errors.
+
+    Addresses are relative to ``folder``.
+    """
+    base, own = trees[0], dict(trees[1])
+    if (project := own.pop("project", None)) is not None:
+        base = _merged(source, base, _project(project, folder, source))
+    stated = _merged(source, base, own)
+    stated |= _addressed(stated, folder)
+    well = stated.pop("name", None) or stated.get("header", {}).get("well")
     if not isinstance(well, str) or not well.strip():
-        rule = "must be a text: the name of the well"
-        raise InputError(f"{name}: {place}.name", rule, None if well is None else repr(well))
-    place = f"{name}: well {well}"
-    check_names(f"{place}: ", tree, OF_A_WELL)
-    for key in FILES:
-        if key in tree:
-            tree[key] = _files(key, tree[key], f"{place}: {key}", folder)
-    job = Job(well, tree, *how)
-    check_settings(job, place)
+        raise source.error(("name",), "must be a text: the name of the well", *([] if well is None else [well]))
+    job, source = Job(well, stated, *how), replace(source, label=f"well {well}")
+    for key in OF_A_RUN:
+        if key in stated:
+            raise source.error((key,), "has no effect on a well of a manifest")
+    check_settings(job, source)
     return job
 
 
-def check_settings(job: Job, place: str) -> Project:
-    """Return the settings of a job; raise InputError, with place, key and rule, if a setting breaks its rule."""
-    settings = project_of(job.tree, place)
-    if settings.wall is not None:
+def _project(address: Any, folder: str, source: TomlSource) -> Json:
+    """Return the tables of a well's project, with whole addresses, without what helibore wrote about an output."""
+    if not isinstance(address, str):
+        raise source.error(("project",), "must name a file", address)
+    whole = _absolute(address, folder)
+    with local_file(whole) as path:
+        tree = read_toml(path, file_name(whole))
+    of_a_well = {key: value for key, value in tree.items() if key not in ("helibore", *OF_A_RUN)}
+    home = whole.rpartition("/")[0]
+    return of_a_well | _addressed(of_a_well, home if "://" in home else str(Path(home).absolute()))
+
+
+def check_settings(job: Job, source: TomlSource) -> Project:
+    """Return the project of a job; raise InputError, with place, key and rule, if a setting breaks its rule."""
+    project = read_table(Project, job.tree, source)
+    if project.wall is not None:
         try:
-            found: Json = {"kriging_range": settings.wall.kriging_range or 1.0}  # `reconstruct` finds both
-            if settings.wall.estimator == "automatic":
+            found: Json = {"kriging_range": project.wall.kriging_range or 1.0}  # `reconstruct` finds both
+            if project.wall.estimator == "automatic":
                 found["estimator"] = "inverse-distance"
-            Wall(threads=1, **vars(settings.wall) | found)
+            Wall(threads=1, **vars(project.wall) | found)
         except InputError as error:
-            raise error.within(f"{place}: wall") from error
-    return settings
+            raise error.within(source.place(("wall",))) from error
+    return project
 
 
-def _files(key: str, given: Any, place: str, folder: str) -> Any:
-    """Return the value of a key that names files as the table of a file; for caliper and image, a list of tables.
+def _addressed(tree: Json, folder: str) -> Json:
+    """Return the keys of a tree that name files, with each file as a table with a whole address.
 
-    An address alone becomes a table. Relative addresses become absolute.
+    Those of caliper and image become lists of tables. What is no file is left to the reader, which refuses it.
     """
-    many = given if isinstance(given, list) else [given]
-    tables = [{"file": of} if isinstance(of, str) else of for of in many]
-    if key not in ("caliper", "image") and len(tables) != 1:
-        raise InputError(place, "must name one file", repr(given))
-    for of in tables:
-        if not isinstance(of, dict) or not isinstance(of.get("file"), str):
-            raise InputError(place, "must name a file")
-        if not isinstance(of.get("map", ""), str):
-            raise InputError(f"{place}: map", "must name a file", repr(of["map"]))
-        check_names(f"{place}: ", of, OF_A_FILE[key])
-    made = [of | {name: _absolute(of[name], folder) for name in ("file", "map") if name in of} for of in tables]
-    return made if key in ("caliper", "image") else made[0]
+    found: Json = {}
+    for key in FILES:
+        if key not in tree:
+            continue
+        many = tree[key] if isinstance(tree[key], list) else [tree[key]]
+        tables = [{"file": of} if isinstance(of, str) else of for of in many]
+        made = [_whole(of, folder) if isinstance(of, dict) else of for of in tables]
+        if key in ("caliper", "image"):
+            found[key] = made
+        elif len(made) == 1:
+            found[key] = made[0]
+    return found
+
+
+def _whole(table: Json, folder: str) -> Json:
+    """Return the table of a file with whole addresses of the file and of its map."""
+    named = {name: table[name] for name in ("file", "map") if isinstance(table.get(name), str)}
+    return table | {name: _absolute(address, folder) for name, address in named.items()}
 
 
 def _absolute(address: str, folder: str) -> str:
@@ -230,13 +257,13 @@ def _absolute(address: str, folder: str) -> str:
     return address if "://" in address or address.startswith("/") or not folder else f"{folder}/{address}"
 
 
-def _merged(name: str, defaults: Json, own: Json) -> Json:
-    """Return the tables of a well; the defaults of the manifest ``name`` supply the keys that the well lacks."""
+def _merged(source: TomlSource, defaults: Json, own: Json) -> Json:
+    """Return the tables of a well; the defaults supply the keys that the well lacks."""
     both: Json = {}
     for key in defaults:
         if isinstance(own.get(key), dict) and key not in FILES:
             if not isinstance(defaults[key], dict):
-                raise InputError(f"{name}: defaults.{key}", "must be a table", repr(defaults[key]))
+                raise source.error(("defaults", key), "must be a table", defaults[key])
             both[key] = defaults[key] | own[key]
     for key in FILES:
         if isinstance(of_all := defaults.get(key), dict):

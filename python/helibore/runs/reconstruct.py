@@ -2,18 +2,22 @@
 
     caliper                              -->  wall          hb.reconstruct(caliper, bit_diameter=0.216)
     readings --preparation--> caliper    -->  wall          hb.reconstruct(file.readings(), bit_diameter=..., ...)
+    well.toml                            -->  wall          hb.reconstruct("well.toml")
 
 ``helibore.preparation`` describes the preparation; ``helibore.runs.run`` repeats runs from settings files.
 """
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 from helibore.base.errors import InputError
 from helibore.base.tables import refuse_table
 from helibore.samples.caliper import Caliper
+from helibore.settings.declared import members
+from helibore.settings.wall_settings import Settings
 from helibore.wall.interpolation import on_quads
 from helibore.wall.wall import Wall, wall_of
 
@@ -28,9 +32,9 @@ DIFFERENCE = "difference"
 
 
 def reconstruct(
-    samples: Caliper | Prepared | Readings | Sequence[Readings],
+    samples: Caliper | Prepared | Readings | Sequence[Readings] | str | os.PathLike[str],
     *,
-    bit_diameter: float,
+    bit_diameter: float | None = None,
     preparation: Preparation | None = None,
     path: Path | None = None,
     track: Track | None = None,
@@ -44,13 +48,14 @@ def reconstruct(
     samples
         A caliper, whose basis becomes the basis of the wall; the result of `helibore.prepare`; or the readings of one
         file, or of several files of one hole, earliest first (``hb.open("caliper.las").readings()``), which are
-        prepared here.
+        prepared here; or the name of a project (``well.toml``, also ``wall.glb.toml`` that helibore wrote beside an
+        output), which states everything that is not given here.
     preparation, track
         As in `helibore.prepare`, for readings.
     path
         The path of the wall, `Wall.path`; toolfaces of readings are turned into the path's reference.
     bit_diameter, threads, **settings
-        As in `Wall` and `Settings`.
+        As in `Wall` and `Settings`. Only a project and an archive have a bit diameter of their own.
 
     Returns
     -------
@@ -72,6 +77,10 @@ def reconstruct(
     >>> wall.radius
     array([0.1, 0.1, 0.1, 0.1, 0.1])
     """
+    if isinstance(samples, str | os.PathLike):
+        return _of_project(samples, preparation, path, track, threads, {"bit_diameter": bit_diameter, **settings})
+    if bit_diameter is None:
+        raise InputError("bit_diameter", "must be given; only a project states it")
     prepared = None
     if isinstance(samples, Caliper):
         caliper = samples
@@ -94,6 +103,29 @@ def reconstruct(
     if lines := [*map(list, prepared.report), *(["passes", sentence] for sentence in _odd_passes(wall, prepared))]:
         wall.made_from["preparation"] = lines
     return wall
+
+
+def _of_project(
+    project: str | os.PathLike[str], preparation: Preparation | None, path: Path | None, track: Track | None,
+    threads: int | None, settings: dict[str, Any],
+) -> Wall:  # fmt: skip
+    """Return the wall of a project, with what is given here in place of what the project states."""
+    from helibore.runs.project import read_project
+    from helibore.runs.run import make_wall, open_run
+
+    for name, given in (("path", path), ("track", track)):
+        if given is not None:
+            raise InputError(name, "applies only to readings; a project names the file")
+    known = members(Settings)
+    stated = {
+        name: known[name].checked(value) if name in known else value
+        for name, value in settings.items()
+        if name != "bit_diameter" or value is not None
+    }
+    over: dict[str, Any] = {"wall": stated} if stated else {}
+    if preparation is not None:
+        over["preparation"] = preparation
+    return make_wall(open_run(read_project(project, over)), threads).wall
 
 
 def _odd_passes(wall: Wall, prepared: Prepared) -> list[str]:

@@ -55,6 +55,7 @@ from helibore.runs.reconstruct import reconstruct
 from helibore.samples.caliper import LARGEST_RADIUS, Caliper
 from helibore.settings.column_settings import Columns
 from helibore.settings.wall_settings import Settings
+from helibore.settings.zone_settings import Criteria
 from helibore.trajectory.references import ASSUMED
 from helibore.trajectory.survey import Path as WellPath
 from helibore.trajectory.survey import Survey
@@ -246,6 +247,18 @@ def _with_roles(project: Project, files: OpenFiles, keys: Collection[str]) -> Pr
             found = tuple(known(one, columns_of, arms_of) for one in project.files(key) if isinstance(one, Input))
             made[key] = found if key == "caliper" else next(iter(found), None)
     return replace(project, **made)
+
+
+def criteria_of(project: Project) -> Criteria | None:
+    """Return the criteria of zones that a project states; None if it states none."""
+    stated = dict(project.zones)
+    if not stated:
+        return None
+    if stated.pop("scaled", False):
+        if project.wall is None:
+            raise InputError("zones.scaled", "needs the settings of the wall")
+        return Criteria.scaled(project.wall.bit_diameter, **stated)
+    return Criteria(**stated)
 
 
 def carried_tables(project: Project) -> dict[str, dict[str, Any]]:

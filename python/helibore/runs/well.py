@@ -45,7 +45,7 @@ from helibore.runs.blocks import (
 from helibore.runs.manifest import FILES, Job, path_part
 from helibore.runs.output_store import Json, Store, local_file
 from helibore.runs.project import Project, project_of
-from helibore.runs.run import OpenFiles, Run, build_wall, check_path, open_run, read_path, read_run
+from helibore.runs.run import OpenFiles, Run, build_wall, check_path, criteria_of, open_run, read_path, read_run
 from helibore.samples.helix import helix_of
 from helibore.wall.wall import Wall, wall_of
 
@@ -149,7 +149,7 @@ def merge_well(job: Job, expected: dict[str, str] | None = None) -> Json:
         wall, logs, over = merged(run, store, _work_folder(job))
         files, save = _saver(store)
         files |= store.sizes(f"wells/{job.key}")
-        zones = _save_tables(job, save, classify(wall, None, logs))
+        zones = _save_tables(job, save, classify(wall, criteria_of(run.settings), logs), run.settings.header)
         if "mesh" in job.outputs:
             _save_overview(job, save, surface_of(over, run.path, threads=1))
         row = catalogue_row(job.well, run.settings, wall, logs, summarize(wall, zones=zones))
@@ -262,7 +262,7 @@ def write_outputs(run: Run, job: Job, store: Store) -> tuple[dict[str, int], Jso
     if "archive" in job.outputs:
         save(f"wells/{key}/{key}.wall", wall.save)
     logs = wall.logs(sigma=wall.settings.sigma)
-    zones = _save_tables(job, save, classify(wall, None, logs))
+    zones = _save_tables(job, save, classify(wall, criteria_of(run.settings), logs), run.settings.header)
     if "mesh" in job.outputs:
         save(f"wells/{key}/{key}.glb", lambda path: wall.surface().save(path))
         coarse = vars(overview_settings(wall.settings))
@@ -270,9 +270,9 @@ def write_outputs(run: Run, job: Job, store: Store) -> tuple[dict[str, int], Jso
     return files, catalogue_row(job.well, run.settings, wall, logs, summarize(wall, zones=zones))
 
 
-def _save_tables(job: Job, save: Save, zones: Classification) -> Classification:
+def _save_tables(job: Job, save: Save, zones: Classification, stated: dict[str, str]) -> Classification:
     """Write logs and zones of a well, each as a part of the data set of all wells; return the zones."""
-    header, key = {"well": job.well}, job.key
+    header, key = {**stated, "well": job.well}, job.key
     if "logs" in job.outputs:
         table = zones.logs.table([zones.column()])
         save(f"logs/well={key}/logs-0.parquet", lambda path: save_table(table, path, header=header))

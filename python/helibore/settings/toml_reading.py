@@ -29,13 +29,16 @@ Made = TypeVar("Made")
 class TomlSource:
     """Where settings come from: the name that errors show, the folder of file names, and the text for line numbers.
 
-    If ``recorded``, helibore wrote the file, perhaps an earlier version with other names of settings.
+    If ``recorded``, helibore wrote the file, perhaps an earlier version with other names of settings. Keys lead from
+    ``roots``, the tables of the file that are read as one; errors name this one by ``label``.
     """
 
     name: str
     folder: Path = Path()
     text: str = field(default="", repr=False)
     recorded: bool = False
+    roots: tuple[tuple[Key, ...], ...] = ((),)
+    label: str = ""
 
     @classmethod
     def load(cls, path: Path) -> tuple[TomlSource, dict[str, Any]]:
@@ -51,7 +54,7 @@ class TomlSource:
             name += f" {key + 1}" if isinstance(key, int) else f".{key}" if name else key
         line = self.line(keys)
         where = f"{self.name}, line {line}" if line else self.name
-        return ": ".join(part for part in (where, name) if part)
+        return ": ".join(part for part in (where, self.label, name) if part)
 
     def error(self, keys: tuple[Key, ...], rule: str, value: Any = MISSING) -> InputError:
         """Return the error for a value that breaks a rule."""
@@ -59,7 +62,7 @@ class TomlSource:
 
     def line(self, keys: tuple[Key, ...]) -> int | None:
         """Return the line where a key stands, or its table if the key is missing; None if there is neither."""
-        if not self.text or not keys:
+        if not self.text:
             return None
         lines = self.text.splitlines(keepends=True)
 
@@ -71,9 +74,12 @@ class TomlSource:
             except InputError:
                 return begun(count + 1)
 
-        if not _holds(begun(len(lines)), keys):
-            return self.line(keys[:-1])
-        return bisect_left(range(len(lines) + 1), True, key=lambda count: _holds(begun(count), keys))
+        whole = begun(len(lines))
+        places = ((*root, *keys[:length]) for length in range(len(keys), -1, -1) for root in self.roots)
+        found = next((place for place in places if place and _holds(whole, place)), None)
+        if found is None:
+            return None
+        return bisect_left(range(len(lines) + 1), True, key=lambda count: _holds(begun(count), found))
 
 
 def _holds(tree: Any, keys: tuple[Key, ...]) -> bool:
@@ -199,7 +205,7 @@ def _read_list(parts: tuple[Any, ...], unit: Unit | None, value: Any, source: To
     if dataclasses.is_dataclass(parts[0]) and isinstance(value, dict | str):
         return (read_value(parts[0], False, unit, value, source, keys),)
     if not isinstance(value, list) or not (endless or len(parts) == len(value)):
-        if dataclasses.is_dataclass(parts[0]):
+        if dataclasses.is_dataclass(parts[0]) or typing.get_origin(parts[0]) is dict:
             raise source.error(keys, f"must be tables, [[{'.'.join(map(str, keys))}]]", value)
         raise source.error(keys, "must be a list" if endless else f"must be a list of {len(parts)}", value)
     kinds = [parts[0]] * len(value) if endless else parts
