@@ -14,21 +14,17 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Unpack
 
 from helibore.base.errors import InputError
-from helibore.base.tables import refuse_table
+from helibore.runs.wall_of_samples import wall_of_samples
 from helibore.samples.caliper import Caliper
 from helibore.settings.declared import members
 from helibore.settings.wall_settings import Settings
-from helibore.wall.interpolation import on_quads
-from helibore.wall.wall import Wall, wall_of
+from helibore.wall.wall import Wall
 
 if TYPE_CHECKING:
     from helibore.preparation.prepare import Preparation, Prepared, Track
     from helibore.preparation.readings import Readings
     from helibore.settings.keywords import WallSettings
     from helibore.trajectory.survey import Path
-
-DIFFERENCE = "difference"
-"""Name of the attribute with the radius of the wall minus the radius of the wall from the earlier passes, m."""
 
 
 def reconstruct(
@@ -81,28 +77,7 @@ def reconstruct(
         return _of_project(samples, preparation, path, track, threads, {"bit_diameter": bit_diameter, **settings})
     if bit_diameter is None:
         raise InputError("bit_diameter", "must be given; only a project states it")
-    prepared = None
-    if isinstance(samples, Caliper):
-        caliper = samples
-    else:
-        refuse_table(samples, "samples")
-        from helibore.preparation.prepare import Prepared, prepare
-
-        if not isinstance(samples, Prepared):
-            samples = prepare(samples, preparation, path, track, bit_diameter if bit_diameter > 0 else None)
-            preparation = track = None
-        caliper, prepared = samples.caliper, samples
-    for name, given in (("preparation", preparation), ("track", track)):
-        if given is not None:
-            raise InputError(name, f"applies only to readings; a {type(samples).__name__} is already prepared")
-    wall = wall_of(caliper, bit_diameter=bit_diameter, path=path, threads=threads, **settings)
-    if prepared is None:
-        return wall
-    if prepared.earlier is not None:
-        compare(wall, wall_of(prepared.earlier, bit_diameter=bit_diameter, threads=threads, **settings))
-    if lines := [*map(list, prepared.report), *(["passes", sentence] for sentence in _odd_passes(wall, prepared))]:
-        wall.made_from["preparation"] = lines
-    return wall
+    return wall_of_samples(samples, bit_diameter, preparation, path, track, threads, **settings)
 
 
 def _of_project(
@@ -126,18 +101,3 @@ def _of_project(
     if preparation is not None:
         over["preparation"] = preparation
     return make_wall(open_run(read_project(project, over)), threads).wall
-
-
-def _odd_passes(wall: Wall, prepared: Prepared) -> list[str]:
-    from helibore.preparation.passes import odd_passes
-
-    number = prepared.pass_number
-    return [] if number is None else odd_passes(wall, prepared.caliper, number, prepared.arm_names)
-
-
-def compare(wall: Wall, earlier: Wall) -> None:
-    """Set the attribute "difference" of ``wall``: its radius minus the radius of ``earlier``, metres."""
-    from helibore.preparation.passes import difference
-
-    wall.attributes[DIFFERENCE] = on_quads(difference(earlier, wall), wall.settings.sectors)
-    wall.attributes.units[DIFFERENCE] = "m"

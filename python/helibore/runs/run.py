@@ -51,7 +51,7 @@ from helibore.runs.project import (
     shown_tables,
     write_project,
 )
-from helibore.runs.reconstruct import reconstruct
+from helibore.runs.wall_of_samples import wall_of_samples
 from helibore.samples.caliper import LARGEST_RADIUS, Caliper
 from helibore.settings.column_settings import Columns
 from helibore.settings.wall_settings import Settings
@@ -356,7 +356,7 @@ def build_wall(
                 wall = _tune(run, wall, caliper, threads)
             elif wall.estimator == "automatic":
                 wall = _choose(run, wall, caliper)
-            run.built = reconstruct(made, threads=threads, **vars(wall))
+            run.built = wall_of_samples(made, threads=threads, **vars(wall))
             made_from = [one.file for one in (*settings.caliper, settings.average) if one is not None]
             if made_from:
                 sums = [{"name": file.name, "blake2b": run.files.checksum(file).result()} for file in made_from]

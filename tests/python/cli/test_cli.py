@@ -329,9 +329,9 @@ def test_real_process(folder: Path, tmp_path: Path) -> None:
 
 def test_our_own_fault_is_exit_code_1(folder: Path, tmp_path: Path) -> None:
     program = (
-        "import sys, helibore.cli, helibore.runs.reconstruct\n"
+        "import sys, helibore.cli, helibore.runs.wall_of_samples\n"
         "def broken(*_, **__): raise RuntimeError('lost a vertex; this is a bug in helibore')\n"
-        "helibore.runs.reconstruct.reconstruct = broken\n"
+        "helibore.runs.wall_of_samples.wall_of_samples = broken\n"
         f"sys.argv = ['helibore', 'reconstruct', {str(folder / 'caliper.csv')!r}, '-o', {str(tmp_path / 'w.glb')!r}, "
         "'--bit-diameter', '8.5in']\n"
         "helibore.cli.main()\n"
