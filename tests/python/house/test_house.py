@@ -123,3 +123,10 @@ def test_a_file_that_a_text_names_exists() -> None:
         or (found[1].startswith(("cpp/", "python/")) and not (ROOT / found[0]).exists())
     ]
     assert not lost
+
+
+def test_actions_are_pinned_by_digest() -> None:
+    """A tag can be moved to other code; a digest cannot."""
+    for file in (ROOT / ".github" / "workflows").glob("*.yml"):
+        for used in re.findall(r"uses:\s*(\S+)", file.read_text()):
+            assert re.fullmatch(r"[\w./-]+@[0-9a-f]{40}", used), f"{file.name}: {used}"
