@@ -1,0 +1,212 @@
+"""Measure ``estimator="automatic"`` against the default and `hb.tune`; print a table for one seed.
+
+    python -m bench.accuracy.automatic [--class NAME ...] [SEED]
+
+Classes of cases: rotating tools; tools with 2 to 12 arms, one to eight passes, that turn or not; telemetry; heavy
+tails; noise twice the shape; holes that change character; radii in steps of 0.1 inch. A ratio is the rms error of the
+automatic wall over that of the default or of the tuned one, within the hole but for half a metre at its ends; means are
+geometric. Intervals: the share of vertices with a sigma at which 1.96 sigma holds the truth. The last line has costs,
+in processor time on one thread: of the fit and choice, and of a vertex with near and far neighbours over one by inverse
+distance.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import helibore as hb
+from bench.accuracy.known_holes import BIT, HOLES, LENGTH, ROTATING, Hole, positions
+from helibore.base.arrays import Floats
+from helibore.wall.automatic import choose
+
+EDGE = 0.5
+NOISE = 5e-4
+STEP = 0.00254  # 0.1 inch
+
+Radius = Callable[[Floats, Floats], Floats]
+
+
+class Case(NamedTuple):
+    """One hole and the samples of one tool."""
+
+    name: str
+    truth: Radius
+    caliper: hb.Caliper
+
+
+def _sampled(name: str, truth: Radius, at: tuple[Floats, Floats], off: Floats) -> Case:
+    return Case(name, truth, hb.Caliper(*at, truth(*at) + off))
+
+
+def _hole(kind: str, tool: str, seed: int, scale: float = NOISE) -> Case:
+    at = positions(tool, seed)
+    off = np.random.default_rng([seed, 3]).normal(0, scale, at[0].size)
+    return _sampled(f"{kind}, {tool}", Hole(kind, seed).radius, at, off)
+
+
+def rotating(seed: int) -> Iterator[Case]:
+    """Yield five kinds of hole, measured by three rotating tools."""
+    yield from (_hole(kind, tool, seed) for kind in HOLES for tool in ROTATING)
+
+
+def telemetry(seed: int) -> Iterator[Case]:
+    """Yield five kinds of hole, measured by few samples."""
+    yield from (_hole(kind, "telemetry", seed) for kind in HOLES)
+
+
+def tails(seed: int) -> Iterator[Case]:
+    """Yield five kinds of hole; 3 % of the samples are off by some 3 mm more."""
+    for kind in HOLES:
+        at = positions("32 a turn", seed)
+        rng = np.random.default_rng([seed, 3])
+        off = rng.normal(0, NOISE, at[0].size)
+        off += (rng.random(off.size) < 0.03) * rng.standard_t(2, off.size) * 3e-3
+        yield _sampled(kind, Hole(kind, seed).radius, at, off)
+
+
+def noisy(seed: int) -> Iterator[Case]:
+    """Yield a rough hole, whose shape has 1.5 mm rms, with twice as much noise."""
+    yield from (_hole("rough", tool, seed, 3e-3) for tool in (*ROTATING, "stick-slip"))
+
+
+def changing(seed: int) -> Iterator[Case]:
+    """Yield a hole that is quiet, then has ledges, then breakouts, measured by five tools."""
+    ledges, breakouts = (Hole(kind, seed).radius for kind in ("ledges", "breakout"))
+
+    def truth(depth: Floats, toolface: Floats) -> Floats:
+        part = np.digitize(depth, (LENGTH / 3, 2 * LENGTH / 3))
+        return np.choose(part, (np.full(depth.shape, 0.109), ledges(depth, toolface), breakouts(depth, toolface)))
+
+    for tool in (*ROTATING, "four arms", "telemetry"):
+        at = positions(tool, seed)
+        yield _sampled(tool, truth, at, np.random.default_rng([seed, 3]).normal(0, NOISE, at[0].size))
+
+
+def quantised(seed: int) -> Iterator[Case]:
+    """Yield five kinds of hole; radii have steps of 0.1 inch."""
+    for kind in HOLES:
+        case = _hole(kind, "32 a turn", seed)
+        of = case.caliper
+        yield case._replace(caliper=hb.Caliper(of.depth, of.toolface, np.round(of.radius / STEP) * STEP))
+
+
+def arms(seed: int) -> Iterator[Case]:
+    """Yield tools with 2 to 12 arms in three holes, with some number of passes, turning or not; arms are biased."""
+    rng = np.random.default_rng([seed, 4])
+
+    def oval(depth: Floats, toolface: Floats) -> Floats:
+        return np.asarray(0.112 + 0.005 * np.cos(2 * np.radians(toolface - start)) + 0 * depth)
+
+    def breakout(depth: Floats, toolface: Floats) -> Floats:
+        away = (toolface - start - turn * depth + 90.0) % 180.0 - 90.0
+        return np.asarray(0.109 + 0.016 * np.exp(-((away / 22.0) ** 2)) * (0.8 + 0.2 * np.sin(depth / 2)))
+
+    for count in (2, 3, 4, 6, 8, 12):
+        for name, shape in (("oval", oval), ("breakout", breakout), ("turning breakout", breakout)):
+            start, turn = rng.uniform(0, 360), 8.0 if name == "turning breakout" else 0.0
+            passes, rate = int(rng.choice([1, 2, 4, 8])), float(rng.choice([0.0, 3.0, 12.0]))
+            depth = np.arange(0, LENGTH, 0.05)
+            first = rng.uniform(0, 360, passes)
+            at = np.tile(depth, passes * count)
+            toolface = np.concatenate([
+                first[number] + rate * depth + arm * 360 / count for number in range(passes) for arm in range(count)
+            ])  # fmt: skip
+            bias = np.repeat(rng.normal(0, 3e-4, count), depth.size)
+            off = np.tile(bias, passes) + rng.normal(0, NOISE, at.size)
+            yield _sampled(f"{count} arms, {passes} passes, {rate:g} deg/m, {name}", shape, (at, toolface % 360), off)
+
+
+CLASSES: dict[str, tuple[Callable[[int], Iterator[Case]], bool]] = {
+    "rotating": (rotating, True), "arms": (arms, False), "telemetry": (telemetry, True), "tails": (tails, True),
+    "noisy": (noisy, True), "changing": (changing, False), "quantised": (quantised, False),
+}  # fmt: skip
+"""Makers of the cases of each class, and whether the tuned wall is measured too."""
+
+
+class Measured(NamedTuple):
+    """Ratios of the automatic wall's error, and its intervals."""
+
+    name: str
+    over_default: float
+    over_tuned: float
+    holds: float  # share of the vertices with a sigma
+    stated: float  # share of the vertices that have a sigma
+    estimator: str
+
+
+def measure(case: Case, tuned: bool) -> Measured:
+    """Build the walls of a case, and compare them with the truth."""
+    found = hb.reconstruct(case.caliper, bit_diameter=BIT, threads=1, estimator="automatic")
+    inside = (found.depth > EDGE) & (found.depth < LENGTH - EDGE)
+    truth = case.truth(found.depth, found.toolface)
+
+    def rms(wall: hb.Wall) -> float:
+        return float(np.sqrt(np.nanmean((wall.radius - truth)[inside] ** 2)))
+
+    error, over_tuned = rms(found), np.nan
+    over_default = error / rms(hb.reconstruct(case.caliper, bit_diameter=BIT, threads=1))
+    if tuned:
+        best = hb.tune(case.caliper, bit_diameter=BIT, threads=1).settings
+        over_tuned = error / rms(hb.reconstruct(case.caliper, threads=1, **vars(best)))
+    sigma = found.sigma
+    known = inside & np.isfinite(sigma)
+    holds = np.mean((np.abs(found.radius - truth) <= 1.96 * sigma)[known]) if known.any() else np.nan
+    stated = float(known.sum() / inside.sum())
+    return Measured(case.name, over_default, over_tuned, float(holds), stated, found.settings.estimator)
+
+
+def _ratio(of: list[float]) -> str:
+    known = np.array([each for each in of if np.isfinite(each)])
+    return f"{np.exp(np.log(known).mean()):.3f}, {known.max():.3f}" if known.size else "-"
+
+
+def costs(seed: int) -> str:
+    """Return as text the cost of the fit and choice, and of a vertex with near and far neighbours."""
+    case = _hole("breakout", "64 a turn", seed)
+
+    def seconds(work: Callable[[], object]) -> float:
+        start = time.process_time()
+        work()
+        return time.process_time() - start
+
+    def wall(**estimator: Any) -> hb.Wall:
+        return hb.reconstruct(case.caliper, bit_diameter=BIT, threads=1, pitch=0.02, **estimator)
+
+    covariance = (0.11, 2.3e-7, 1.1e-7, 0.059, 0.11, 3.5e-5, 0.074, 19.0)
+    fit = seconds(lambda: choose(case.caliper, hb.Settings(bit_diameter=BIT, estimator="automatic")))
+    pairs = [
+        (seconds(wall), seconds(lambda: wall(estimator="near-and-far", covariance=covariance))) for _ in range(5)
+    ]  # fmt: skip
+    simple, far = np.min(pairs, axis=0)
+    return f"fit and choice {fit:.1f} s; vertex with near and far neighbours {far / simple:.1f} x inverse distance"
+
+
+def main() -> None:
+    """Measure the classes, and print a line for each case and each class."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--class", dest="classes", action="append", choices=CLASSES)
+    parser.add_argument("seed", type=int, nargs="?", default=601)
+    given = parser.parse_args()
+    rows = []
+    for name in given.classes or CLASSES:
+        make, tuned = CLASSES[name]
+        found = []
+        for case in make(given.seed):
+            found.append(measure(case, tuned))
+            print(f"{name}: " + ", ".join(f"{of:.3f}" if isinstance(of, float) else of for of in found[-1]), flush=True)
+        holds = [of.holds for of in found if np.isfinite(of.holds)]
+        interval = f"{100 * np.mean(holds):.1f}, {100 * min(holds):.0f}" if holds else "-"
+        over = [_ratio([of.over_default for of in found]), _ratio([of.over_tuned for of in found])]
+        rows.append(f"| {name} | {len(found)} | {over[0]} | {over[1]} | {interval} |")
+    print("\n| class | cases | over the default: mean, worst | over tuned | intervals hold, %: mean, worst |")
+    print("\n".join(["| --- | --- | --- | --- | --- |", *rows]))
+    print(costs(given.seed))
+
+
+if __name__ == "__main__":
+    main()
