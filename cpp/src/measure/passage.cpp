@@ -24,7 +24,7 @@ constexpr int most_axes = 40, most_rounds = 60;  // a bound on the work for wall
 constexpr int draws = 32;
 constexpr double draws_apart = 1.0 / 8.0;  // of the string's length
 constexpr double normal_95 = 1.959964;
-constexpr double share_of_mean = 0.7;  // bench/accuracy/passage.py tries it on smooth and on rough holes
+constexpr double share_of_mean = 0.85;  // bench/accuracy/passage.py tries it on smooth and on rough holes
 
 double dot(const Vector3& a, const Vector3& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

@@ -110,7 +110,7 @@ def sigma_lines(rows: Logs) -> Lines:
     if not rows.with_sigma:
         return []
     missing = int(np.isnan(rows.diameter_sigma).sum())
-    why = "in each of these rows, a vertex lies in a gap, or farther from samples than the uncertainty was tested"
+    why = "there, a tenth of the vertices lies in a gap, or farther from samples than the uncertainty was tested"
     if rows.basis != "azimuthal":
         why = rows.basis_text
     elif rows.shape == "arms":

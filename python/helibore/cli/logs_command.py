@@ -61,6 +61,12 @@ NAMED = (
         default="1m",
     ),
     opt("--sigma", "Also write the uncertainty of diameters and volumes: DEQ_SIGMA, VOL_SIGMA.", is_flag=True),
+    opt(
+        "--caliper-accuracy",
+        "Standard uncertainty that all radii share: the tool's calibration, the velocity in the mud.",
+        type=LENGTH,
+        default="0m",
+    ),
     opts("--casing casings", "Outer diameter of a casing, for its annulus and clearance.", type=LENGTH),
     opts(
         "--drift drifts",
@@ -225,7 +231,9 @@ def _measured(wall: Wall, options: dict[str, Any], reference: Any) -> _Measured:
     criteria = criteria_of(wall, options)
     if not shaped and options["zones"]:
         raise InputError("zones", f"need a shape that was measured; this wall: {wall.basis_text}")
-    every = wall.logs(rugosity_window=options["rugosity_window"], sigma=options["sigma"])
+    every = wall.logs(
+        rugosity_window=options["rugosity_window"], sigma=options["sigma"], caliper_accuracy=options["caliper_accuracy"]
+    )
     if reference not in (None, every.reference):
         if every.reference:
             raise InputError(

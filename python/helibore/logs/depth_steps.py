@@ -22,6 +22,11 @@ from helibore.logs.log_columns import COLUMNS, LOBES, UNWORN
 
 _EXTREMES = {"least": np.minimum, "greatest": np.maximum, "least there": np.fmin, "greatest there": np.fmax}
 
+ALIKE_ALONG = 0.22
+"""Metres along the hole over which the errors of a wall are alike (``python -m bench.accuracy.amounts``)."""
+MEASURED = 0.9
+"""Least share of each turn that is measured where errors along the hole are independent."""
+
 
 def by_step(columns: Mapping[str, Any], pitch: float, bit_diameter: float, step: float) -> dict[str, Any]:
     """Return, by name, the columns of `Logs.by_step` from the columns of turns."""
@@ -33,6 +38,7 @@ def by_step(columns: Mapping[str, Any], pitch: float, bit_diameter: float, step:
     def gather(values: Floats, rule: str) -> Floats:
         return _gather(values[order][turns], starts, rule)
 
+    inside = columns["depth"][order][turns].size
     highest = _greatest(columns["lobe1_height"][order][turns], starts)
     square = gather((columns["equivalent_diameter"] / 2) ** 2, "mean")
     return {
@@ -42,10 +48,27 @@ def by_step(columns: Mapping[str, Any], pitch: float, bit_diameter: float, step:
         "arm_diameter": tuple(gather(of, "mean") for of in columns["arm_diameter"]),
         "depth": (number.astype(np.float64) + 0.5) * float(step),
         "equivalent_diameter": 2 * np.sqrt(square),
+        "diameter_sigma": _sigma(
+            gather(columns["diameter_sigma"] ** 2, "mean"),
+            gather(columns["coverage"], "least"),
+            np.diff(starts, append=inside) * abs(pitch) / ALIKE_ALONG,
+            2 * columns["caliper_accuracy"],
+        ),
         "c1_toolface": _axis(columns["c1_toolface"][order][turns], starts),
         "volume": np.pi * square * step,
         "excess": square / (bit_diameter / 2) ** 2 - 1,
     }
+
+
+def _sigma(square: Floats, coverage: Floats, independent: Floats, shared: float) -> Floats:
+    """Return the uncertainty of the mean of a step from the mean square of its turns' and the number of their errors.
+
+    Where the hole is interpolated, its errors are those of a shape that goes on along it, and all turns have one error;
+    ``shared`` is the part that the errors of all turns always share.
+    """
+    count = np.where(coverage >= MEASURED, np.maximum(independent, 1.0), 1.0)
+    found: Floats = np.sqrt(np.maximum(square - shared**2, 0.0) / count + shared**2)
+    return found
 
 
 def _steps(depth: Floats, pitch: float, step: float) -> tuple[Integers, slice, Integers]:

@@ -64,7 +64,7 @@ COLUMNS = tuple(
         ("excess", "EXCESS", "", "Volume over that of gauge hole, less 1", "own"),
         ("coverage", "COVER", "", "Share of the turn that is measured, not interpolated", "mean"),
         ("nearest", "NEAREST", "m", "Largest distance to the nearest sample", "greatest there"),
-        ("diameter_sigma", "DEQ_SIGMA", "m", "Standard uncertainty of DEQ, at most", "mean"),
+        ("diameter_sigma", "DEQ_SIGMA", "m", "Standard uncertainty of DEQ", "own"),
         ("age", "AGE", "s", "Time from the newest sample here to the newest of the wall", "least there"),
     )
 )

@@ -63,6 +63,10 @@ SHAPE_KEPT = 0.7
 """If the wall has a smaller share of the arms' out-of-roundness, a warning says that it is rounder than the hole."""
 VERTICAL = 1e-6
 """Sine of the inclination, 0.00006 degrees, up to which a hole has no azimuth."""
+ALIKE_AROUND = 30.0
+"""Degrees around the hole over which the errors of a wall are alike (``python -m bench.accuracy.amounts``)."""
+LEAST_SAMPLED = 0.9
+"""Least share of a turn's vertices with a sigma at which its mean diameter has one."""
 RUGOSITY_WINDOW = 1.0
 """Metres of hole that rugosity is measured over by default."""
 
@@ -135,8 +139,11 @@ class Logs(Tabular):
         Largest distance from a vertex to the nearest sample used; NaN if no vertex has such a sample or the wall does
         not hold the distances.
     diameter_sigma
-        Upper bound of the standard uncertainty of `equivalent_diameter`, which is reached if all errors of a turn are
-        equal. NaN without ``sigma=True``, and where a vertex is not sampled.
+        Standard uncertainty of `equivalent_diameter`, from that of the radii. Errors of a wall are alike over 30
+        degrees and 0.22 m and independent beyond, so they mostly cancel in a mean; between samples that are farther
+        apart they are alike as well, and along the hole they do not cancel where less than 0.9 of a turn is measured.
+        The error of ``caliper_accuracy`` never cancels. NaN without ``sigma=True``, and where more than a tenth of the
+        vertices of a turn is not sampled.
     age
         Seconds (or ticks of the caliper's clock) from the newest sample at this depth to the newest sample of the wall;
         NaN if there is no sample at this depth, or samples have no times.
@@ -158,6 +165,8 @@ class Logs(Tabular):
         ``"parallel-transport"``; "": the wall has neither path nor image.
     reference_assumed
         Whether toolfaces are only assumed to count from ``reference``, because no file states it.
+    caliper_accuracy
+        Standard uncertainty that all radii share, metres.
     with_sigma
         Whether `table` has the columns DEQ_SIGMA and VOL_SIGMA, also where no turn has a value.
     path
@@ -216,6 +225,7 @@ class Logs(Tabular):
     shape: Shape = "wall"
     arm_diameter: tuple[Floats, ...] = ()
     with_sigma: bool = False
+    caliper_accuracy: float = 0.0
     path: Path | None = None
 
     def __len__(self) -> int:
@@ -224,7 +234,7 @@ class Logs(Tabular):
 
     @property
     def volume_sigma(self) -> Floats:
-        """Upper bound of the standard uncertainty of `volume`, (rows,) m3, as `diameter_sigma`."""
+        """Standard uncertainty of `volume`, (rows,) m3, as `diameter_sigma`."""
         uncertain: Floats = 0.5 * np.pi * self.height * self.equivalent_diameter * self.diameter_sigma
         return uncertain
 
@@ -382,7 +392,7 @@ class Logs(Tabular):
             if of.name not in skipped
         ]
         if self.with_sigma:
-            own.append(LogColumn("VOL_SIGMA", "m3", "Standard uncertainty of VOL, at most", self.volume_sigma))
+            own.append(LogColumn("VOL_SIGMA", "m3", "Standard uncertainty of VOL", self.volume_sigma))
         own += [
             LogColumn(f"ARM_DIAMETER_{number}", "m", f"Diameter that arm {number} measured, {ARM_MEAN}", values)
             for number, values in enumerate(self.arm_diameter, 1)
@@ -429,6 +439,7 @@ def turn_logs(
     sigma: npt.ArrayLike | None = None,
     reference: float = math.nan,
     newest: float | None = None,
+    caliper_accuracy: float = 0.0,
 ) -> Logs:
     """Return the logs of every full turn of a wall, as `Wall.logs` does.
 
@@ -451,16 +462,22 @@ def turn_logs(
         the part starts a multiple of 256 turns after the whole wall and has the ``reference`` of the whole wall.
     newest
         Time of the newest sample of the whole wall, if ``wall`` is a part of it; None: the newest time in ``wall``.
+    caliper_accuracy
+        Standard uncertainty that all radii share, metres: that of the tool's calibration, and for an ultrasonic caliper
+        that of the sound velocity in the mud. `Logs.diameter_sigma` counts it in full.
 
     Raises
     ------
     InputError
-        ``bit_diameter = 0: must be finite and above 0``; ``rugosity_window`` has the same rule.
+        ``bit_diameter = 0: must be finite and above 0``; ``rugosity_window`` has the same rule;
+        ``caliper_accuracy = -1: must be finite and not negative``.
     """
     bit = float(getattr(wall.settings, "bit_diameter", math.nan) if bit_diameter is None else bit_diameter)
     for name, value in (("bit_diameter", bit), ("rugosity_window", rugosity_window)):
         if not (math.isfinite(value) and value > 0):
             raise InputError(name, "must be finite and above 0", str(value))
+    if not (math.isfinite(caliper_accuracy) and caliper_accuracy >= 0):
+        raise InputError("caliper_accuracy", "must be finite and not negative", f"{caliper_accuracy:g}")
     K, pitch = wall.settings.sectors, wall.settings.pitch
     window = window_turns(rugosity_window, pitch)
     radius = column("radius", wall.radius)
@@ -488,7 +505,10 @@ def turn_logs(
         volume=np.pi * square * abs(pitch),
         excess=square / (bit / 2) ** 2 - 1,
         nearest=_nearest(wall, turns),
-        diameter_sigma=np.full(turns, np.nan) if sigma is None else 2 * _of_turns(sigma, turns, K).mean(axis=1),
+        diameter_sigma=np.full(turns, np.nan)
+        if sigma is None
+        else _diameter_sigma(wall, sigma, turns, caliper_accuracy),
+        caliper_accuracy=caliper_accuracy,
         age=_ages(getattr(wall, "samples", None), depth, abs(pitch), newest),
         bit_diameter=bit,
         sectors=K,
@@ -567,8 +587,24 @@ def _from_arms(wall: Any, depth: Floats, of_wall: dict[str, Any]) -> dict[str, A
     return {**sizes, **circles, "shape": "arms", "arm_diameter": tuple(arms.diameter)}
 
 
-def _of_turns(values: npt.ArrayLike, turns: int, sectors: int) -> Floats:
-    return column("sigma", values)[: turns * sectors].reshape(turns, sectors)
+def _diameter_sigma(wall: WallLike, sigma: npt.ArrayLike | None, turns: int, accuracy: float) -> Floats:
+    """Return the standard uncertainty of twice the mean radius of each turn, from that of each radius.
+
+    Between the samples of a turn that are farther apart than `ALIKE_AROUND`, the errors are alike as well.
+    """
+    found = np.full(turns, np.nan)
+    if sigma is None:
+        return found
+    K = wall.settings.sectors
+    gap: Floats | None = getattr(wall, "angular_gap", None)
+    alike = np.full(turns, max(ALIKE_AROUND, 360 / K))
+    if gap is not None:
+        alike = np.maximum(alike, gap[: turns * K].reshape(turns, K).mean(axis=1))
+    of_turns = column("sigma", sigma)[: turns * K].reshape(turns, K)
+    sampled = np.isfinite(of_turns).mean(axis=1) >= LEAST_SAMPLED
+    square = np.nanmean(of_turns[sampled] ** 2, axis=1)
+    found[sampled] = 2 * np.sqrt(square * alike[sampled] / 360 + accuracy**2)
+    return found
 
 
 def _nearest(wall: WallLike, turns: int) -> Floats:

@@ -226,19 +226,26 @@ class WallReads:
         if state.picks:
             state.picks.save(f"{os.fspath(filename)}{PICKS}", state.path)
 
-    def logs(self, rugosity_window: float = 1.0, threads: int | None = None, *, sigma: bool = False) -> Logs:
+    def logs(
+        self,
+        rugosity_window: float = 1.0,
+        threads: int | None = None,
+        *,
+        sigma: bool = False,
+        caliper_accuracy: float = 0.0,
+    ) -> Logs:
         """Measure every full turn with `helibore.logs.turn_logs.turn_logs`, for this wall and its bit diameter.
 
         ``rugosity_window`` is the metres of hole over which rugosity is computed; it is rounded to an odd number of
         turns, for example to 9 turns for 1 m at a pitch of 0.1 m. If ``threads`` is None, the wall's threads are
         used. If ``sigma`` is True, the logs have the uncertainty of diameters and volumes, and this raises an
-        InputError as `sigma` does.
+        InputError as `sigma` does. ``caliper_accuracy`` is the standard uncertainty that all radii share, metres.
         """
         from helibore.logs.turn_logs import turn_logs
 
         state = self._state()
         known = self._sigma_of(state) if sigma else None
-        return turn_logs(state, None, rugosity_window, threads, known)
+        return turn_logs(state, None, rugosity_window, threads, known, caliper_accuracy=caliper_accuracy)
 
     def drift(self, length: float | str, *, sigma: bool = False) -> Drift:
         """Return the greatest diameter of a rigid cylinder at each turn, in three dimensions along `path`.

@@ -175,7 +175,10 @@ def test_logs_carry_the_uncertainty_of_diameters_and_volumes(tmp_path: Path) -> 
     wall = hb.reconstruct(caliper(), bit_diameter=BIT, start_depth=0.5, stop_depth=7.5)
     logs, plain = wall.logs(sigma=True), wall.logs()
     turns = wall.sigma[: len(logs) * 64].reshape(-1, 64)
-    np.testing.assert_allclose(logs.diameter_sigma, 2 * turns.mean(axis=1), rtol=1e-12)
+    gap = wall.angular_gap[: len(logs) * 64].reshape(-1, 64).mean(axis=1)
+    expected = 2 * np.sqrt(np.nanmean(turns**2, axis=1) * np.maximum(gap, 30) / 360)
+    expected[np.isnan(turns).mean(axis=1) > 0.1] = np.nan
+    np.testing.assert_allclose(logs.diameter_sigma, expected, rtol=1e-12)
     true = truth(wall.depth, wall.toolface)[: len(logs) * 64].reshape(-1, 64)
     known = np.isfinite(logs.diameter_sigma)
     off = logs.equivalent_diameter - 2 * np.sqrt(np.mean(true**2, axis=1))
@@ -186,6 +189,16 @@ def test_logs_carry_the_uncertainty_of_diameters_and_volumes(tmp_path: Path) -> 
     assert "DEQ_SIGMA" not in {one.mnemonic for one in plain.table()}
     steps = logs.by_step(1.0)
     assert steps.volume_sigma.size == len(steps)
+    row = int(np.flatnonzero(np.isfinite(steps.diameter_sigma))[0])
+    inside = abs(logs.depth - steps.depth[row]) < 0.5
+    of_turns = logs.diameter_sigma[inside]
+    errors = 1 / 0.22 if (logs.coverage[inside] >= 0.9).all() else 1
+    assert steps.diameter_sigma[row] == pytest.approx(np.sqrt(np.mean(of_turns**2) / errors))
+    sure = wall.logs(sigma=True, caliper_accuracy=1e-3)
+    np.testing.assert_allclose(sure.diameter_sigma, np.hypot(logs.diameter_sigma, 2e-3))
+    assert sure.by_step(1.0).diameter_sigma[row] == pytest.approx(np.hypot(steps.diameter_sigma[row], 2e-3))
+    with pytest.raises(hb.InputError, match=exactly("caliper_accuracy = -1: must be finite and not negative")):
+        wall.logs(caliper_accuracy=-1)
     logs.save(tmp_path / "w.csv")
     assert "VOL_SIGMA" in (tmp_path / "w.csv").read_text()
 
