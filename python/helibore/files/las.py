@@ -92,15 +92,20 @@ def find_sections(source: InputFile, text: str) -> list[LasSection]:
 
     Comments are kept, because errors name line numbers.
     """
-    sections: list[LasSection] = []
-    for number, line in enumerate(text.split("\n"), 1):
-        if line.startswith("~") or (line.lstrip().startswith("~") and line.lstrip()[1:2].isalpha()):
-            sections.append(LasSection(line.strip()[1:], number))
-        elif sections:
-            sections[-1].lines.append(line)
+    lines = text.split("\n")
+    heads = [number for number, line in enumerate(lines) if "~" in line and _is_head(line)]
+    ends = [*heads[1:], len(lines)]
+    sections = [
+        LasSection(lines[head].strip()[1:], head + 1, lines[head + 1 : end])
+        for head, end in zip(heads, ends, strict=False)
+    ]
     if len(sections) < 2:
         raise source.error("truncated: one section of the header and no other", sections[0].line if sections else 1)
     return sections
+
+
+def _is_head(line: str) -> bool:
+    return line.startswith("~") or (line.lstrip().startswith("~") and line.lstrip()[1:2].isalpha())
 
 
 def _section(source: InputFile, sections: list[LasSection], letter: str) -> LasSection:

@@ -80,7 +80,9 @@ def read_rows(
         return next(islice(numbers, row, None))
 
     remarks: list[str] = []
-    kept = list(filter(is_row if comments else str.strip, lines))
+    kept = list(filter(str.strip, lines))
+    if comments:
+        kept = [line for line in kept if "#" not in line or is_row(line)]
     if salvage and len(kept) > 1 and not wrapped:
         cells = [len(split_cells(line, delimiter)) for line in (kept[0], kept[-1])]
         if cells[1] < cells[0] or kept[-1].count('"') % 2:

@@ -244,10 +244,11 @@ def _odd(values: Floats, threshold: float, floor: float) -> Integers:
         part = slice(start, start + _SAMPLES_AT_ONCE)
         off[part] = reading[part] - np.median(windows[part], axis=1)
     edges = np.linspace(0, off.size, max(1, off.size // 100) + 1).astype(np.int64)
-    for first, last in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
-        size = np.abs(off[first:last])
-        far = size > threshold * max(float(np.quantile(size, 0.85)) / 1.44, floor)
-        odd[known[first:last]] = np.where(far, np.sign(off[first:last]), 0.0)
+    counts, far = np.diff(edges), np.abs(off)
+    for count in np.unique(counts).tolist():  # blocks of equal length together: there are two lengths
+        rows = edges[:-1][counts == count, None] + np.arange(count)
+        deviation = np.quantile(far[rows], 0.85, axis=1) / 1.44
+        odd[known[rows]] = np.sign(off[rows]) * (far[rows] > threshold * np.maximum(deviation, floor)[:, None])
     return odd
 
 
