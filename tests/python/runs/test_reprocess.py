@@ -377,6 +377,7 @@ def large_well(file: Path, timed: bool, upward: bool) -> None:
 
 
 BY_ROW = {"saturated": False, "drop_closed": False}
+COVARIANCE = [0.11, 1e-6, 1e-5, 0.1, 0.3, 9e-5, 0.1, 8.0]  # its thinned set has cells that are longer than a reach
 
 
 @pytest.mark.parametrize(
@@ -385,6 +386,7 @@ BY_ROW = {"saturated": False, "drop_closed": False}
         (True, {"max_distance": 0.6}),
         (False, {"pitch": -0.01, "max_distance": "none", "neighbors": 30}),
         (False, {"window": 60, "start_depth": 1000.5, "stop_depth": 1011.0}),
+        (False, {"estimator": "near-and-far", "covariance": COVARIANCE, "sectors": 12, "max_distance": 0.6}),
     ],
 )
 def test_a_well_in_blocks_has_the_bits_of_one_piece(tmp_path: Path, timed: bool, wall: dict[str, Any]) -> None:
