@@ -1,20 +1,20 @@
 """helibore: the wall of a borehole, rebuilt from scattered measurements on a uniform helix.
 
-Each public name is imported when it is first used.
+Each public name is imported when it is first used, and NumPy and the core with the first of them: `helibore --help`
+needs neither.
 """
 
-import logging
+from __future__ import annotations
+
 import os
 import threading
 from typing import TYPE_CHECKING, Any
 
 import lazy_loader
 
-from helibore._core import __version__ as __version__
-from helibore.base.tables import LogTable
-
 if TYPE_CHECKING:  # the same names as below
     from helibore import plot as plot
+    from helibore._core import __version__ as __version__
     from helibore.base.errors import InputError as InputError
     from helibore.base.errors import MissingExtraError as MissingExtraError
     from helibore.base.tables import LogColumn as LogColumn
@@ -46,6 +46,7 @@ _load, _, __all__ = lazy_loader.attach(
     __name__,
     ["plot"],
     {
+        "_core": ["__version__"],
         "base.errors": ["InputError", "MissingExtraError"],
         "settings.preparation_settings": ["Preparation"],
         "settings.wall_settings": ["Settings"],
@@ -69,6 +70,7 @@ _load, _, __all__ = lazy_loader.attach(
         "wall.wall": ["Wall"],
     },
 )
+__all__.remove("__version__")
 __all__.remove("open")  # a star import must not replace the built-in function
 _loading = threading.RLock()
 
@@ -88,11 +90,8 @@ def __dir__() -> list[str]:
     return sorted([*__all__, "__version__", "open"])
 
 
-def _save_table(table: LogTable, filename: str | os.PathLike[str]) -> None:
+def _save_table(table: Any, filename: str | os.PathLike[str]) -> None:
+    """Write a table of logs, for `LogTable.save`, which lies below the formats of files."""
     from helibore.files.log_writing import save_table
 
     save_table(table, filename)
-
-
-LogTable.writer = _save_table  # set here, since base.tables must not import helibore.files
-logging.getLogger(__name__).addHandler(logging.NullHandler())

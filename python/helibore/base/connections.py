@@ -22,6 +22,7 @@ from typing import Any
 from helibore.base.limits import limit
 
 LOGGER = logging.getLogger("helibore.connections")
+LOGGER.addHandler(logging.NullHandler())  # a host decides where its events go
 REPORT_EVERY = 60.0
 """Least seconds between two reports of refused connections."""
 SHARE = 4

@@ -11,10 +11,11 @@ from __future__ import annotations
 
 import os
 import re
+import sys
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
@@ -132,12 +133,6 @@ class LogTable(Tabular):
     ``facts`` say how the columns were made: ``{"bit diameter": "0.2159 m"}``. Every file states them.
     """
 
-    writer: ClassVar[Callable[[LogTable, str | os.PathLike[str]], None]]
-    """The function that writes a table to a file in the format of the file's ending.
-
-    The package sets this function, because the formats of files lie in a folder above this one.
-    """
-
     def __init__(self, columns: Sequence[LogColumn], facts: Mapping[str, str]) -> None:
         if not columns:
             raise InputError("columns", "a table of logs must have a depth")
@@ -156,7 +151,8 @@ class LogTable(Tabular):
 
     def save(self, filename: str | os.PathLike[str]) -> None:
         """Write the table to .las, .csv, .parquet or .dlis: `helibore.files.log_writing.save_table`."""
-        type(self).writer(self, filename)
+        package: Any = sys.modules["helibore"]  # the package knows the formats, whose folder lies above this one
+        package._save_table(self, filename)
 
     @property
     def rows(self) -> int:

@@ -11,7 +11,6 @@ Each verb turns its options into calls of the library and prints the result.
 
 from __future__ import annotations
 
-import difflib
 import importlib
 import sys
 from collections.abc import Iterator
@@ -20,7 +19,6 @@ from typing import IO, Any
 
 import click
 
-from helibore._core import __version__
 from helibore.base.errors import MissingExtraError, shown
 
 VERBS = {
@@ -86,6 +84,8 @@ class Verbs(click.Group):
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
         """Find the verb; an unknown one is an error that names the nearest."""
         if args and args[0] not in VERBS and not args[0].startswith("-"):
+            import difflib
+
             near = difflib.get_close_matches(args[0], VERBS, 1)
             raise click.UsageError(f"No such command '{args[0]}'.{f' Did you mean {near[0]}?' if near else ''}", ctx)
         return super().resolve_command(ctx, args)
@@ -108,7 +108,7 @@ class Verbs(click.Group):
 
 
 @click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
-@click.version_option(__version__, message="helibore %(version)s", help="Show the version.")
+@click.version_option(package_name="helibore", message="helibore %(version)s", help="Show the version.")
 def cli() -> None:
     """Turn scattered borehole measurements into a wall.
 

@@ -24,7 +24,7 @@ import numpy.typing as npt
 from helibore.base.utc_time import utc
 
 LOGGER = logging.getLogger("helibore.live")
-LOGGER.addHandler(logging.NullHandler())
+LOGGER.addHandler(logging.NullHandler())  # a host decides where its events go
 LISTED = 8
 """The most events of one rule of one source that an update lists; the last of these events counts all later events."""
 
