@@ -33,7 +33,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 from urllib.parse import quote
 
-from helibore.base.addresses import file_name, without_secrets
+from helibore.base.addresses import file_name
 from helibore.base.errors import InputError, needs
 from helibore.base.toml_file import read_toml
 from helibore.runs.output_store import Json, file_system, local_file
@@ -174,7 +174,7 @@ def check_files(jobs: list[Job]) -> None:
     with ThreadPoolExecutor(32) as pool:
         lost = [one for one, is_missing in zip(named, pool.map(missing, named), strict=True) if is_missing]
     if lost:
-        first, *others = [f"well {well}: {without_secrets(address)}" for well, address in lost]
+        first, *others = [f"well {well}: {address}" for well, address in lost]
         more = f", and {len(lost) - MOST_NAMED} more" if len(lost) > MOST_NAMED else ""
         rule = f"no such file; also missing: {', '.join(others[: MOST_NAMED - 1])}{more}" if others else "no such file"
         raise InputError(first, rule)

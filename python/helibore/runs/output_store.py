@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from helibore.base.addresses import file_name, without_secrets
+from helibore.base.addresses import file_name
 from helibore.base.arrays import Array, Floats
 from helibore.base.atomic_file import write_whole
 from helibore.base.errors import InputError, needs
@@ -51,9 +51,9 @@ def file_system(address: str) -> tuple[Any, str, bool]:
     try:
         system, path = url_to_fs(address)
     except ImportError as error:
-        raise InputError(without_secrets(address), f"needs another library: {error}") from error
+        raise InputError(address, f"needs another library: {error}") from error
     except ValueError as error:
-        raise InputError(without_secrets(address), without_secrets(str(error))) from None
+        raise InputError(address, str(error)) from None
     return system, path, isinstance(system, LocalFileSystem)
 
 
@@ -91,8 +91,7 @@ class Store:
             self.write_json(".writable", {})
             self.delete([".writable"])
         except Exception as error:  # each store library has its own errors
-            rule = f"cannot be written: {without_secrets(str(error))}"
-            raise InputError(without_secrets(self.address), rule) from None
+            raise InputError(self.address, f"cannot be written: {error}") from None
 
     @contextlib.contextmanager
     def writing(self, name: str) -> Iterator[Path]:

@@ -14,7 +14,6 @@ import numpy as np
 from pydantic import AfterValidator, Field, PlainValidator
 
 from helibore.base import units
-from helibore.base.addresses import without_secrets
 from helibore.base.errors import InputError
 from helibore.live.model.events import EventBook
 from helibore.live.model.mapping import Chunk, Reading, SourceReader
@@ -38,7 +37,7 @@ DEEPEST = 8
 
 
 def _address(text: object) -> Address:
-    rule, shown = "must be mqtts://HOST:PORT, or mqtt://HOST:PORT without encryption", without_secrets(str(text))
+    rule = "must be mqtts://HOST:PORT, or mqtt://HOST:PORT without encryption"
     if "@" in str(text):
         scheme = str(text).partition(":")[0]
         raise InputError("", "must not hold a user or password: give user and password_env", f"'{scheme}://...'")
@@ -46,9 +45,9 @@ def _address(text: object) -> Address:
         parts = urlsplit(str(text))
         port = parts.port
     except ValueError:
-        raise InputError("", rule, repr(shown)) from None
+        raise InputError("", rule, repr(text)) from None
     if not parts.hostname or parts.path.strip("/") or parts.query or parts.fragment:
-        raise InputError("", rule, repr(shown.partition("?")[0]))
+        raise InputError("", rule, repr(str(text).partition("?")[0]))
     return Address(parts.scheme, host=parts.hostname, port=port or PORTS.get(parts.scheme, 0))
 
 
