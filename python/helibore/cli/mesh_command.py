@@ -79,6 +79,7 @@ def reconstruct(**options: Any) -> None:
     helibore reconstruct xy.csv.gz --column diameter=x_in@0 --column diameter=y_in@90 \\
                          --from 3080 --to 3240m --bit-diameter 6.2in -o w.glb
     helibore reconstruct run1.las run2.las --spikes 6 --find-shifts --bit-diameter 216mm -o w.wall
+    helibore reconstruct well.toml -o w.wall               a project: files, header, settings
     helibore reconstruct w.wall.toml -o again.wall         a run repeated, to the last bit
 
     Several SOURCE files are passes over one hole, earliest first. Roles of columns are guessed and printed. plot,
@@ -100,8 +101,8 @@ def mesh(**options: Any) -> None:
     helibore mesh well.wall --shell 5cm --shell 20cm -o volume.vtkhdf
     helibore mesh volume.vtkhdf.toml -o again.vtkhdf
 
-    SOURCE is an archive (.wall), caliper files, or the settings file (.toml) beside an output. Every shell has the
-    values of the images. The file well.glb.toml beside well.glb repeats the run.
+    SOURCE is an archive (.wall), caliper files, or a project (.toml), by hand or as it stands beside an output.
+    Every shell has the values of the images. The file well.glb.toml beside well.glb repeats the run.
     """
     _write("mesh", options)
 

@@ -117,7 +117,7 @@ def own_options(run: Run, verb: str, options: dict[str, Any]) -> dict[str, Any]:
     same = run.settings.output is not None and run.settings.verb == verb
     if run.settings.options:
         run.settings = _earlier(run.settings, context, same)
-    place = f"{run.settings.output.file.name}.toml" if run.settings.output is not None else "project"
+    place = f"{run.settings.output.file.name}.toml" if run.settings.output is not None else "the project"
     known = {each.setting: each for each in context.command.params if isinstance(each, SectionOption)}
     for name, value in _table_settings(run.settings):
         option = known.get(name)

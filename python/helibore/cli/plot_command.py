@@ -116,8 +116,8 @@ def plot(**options: Any) -> None:
     helibore plot --gauge --bit-diameter 8.5in --image mem.las:ABDC:centre -o images.pdf
     helibore plot wall.glb.toml -o wall.pdf
 
-    SOURCE is an archive (.wall), caliper files, or the settings file (.toml) beside an output, whose wall is then
-    drawn. The file well.pdf.toml beside well.pdf repeats the run.
+    SOURCE is an archive (.wall), caliper files, or a project (.toml), by hand or as it stands beside an output.
+    The file well.pdf.toml beside well.pdf repeats the run.
     """
     import helibore.plot as drawn
     from helibore.plot.paper import ENDINGS, MM, require_matplotlib

@@ -73,7 +73,7 @@ def view(**options: Any) -> None:
     helibore view caliper.csv --survey survey.csv --bit-diameter 8.5in
     helibore view --gauge --image lwd.las:GRAS:edge --bit-diameter 8.5in
 
-    SOURCE is an archive (.wall), caliper files, or the settings file (.toml) beside an output. The page saves the beds
+    SOURCE is an archive (.wall), caliper files, or a project (.toml). The page saves the beds
     and fractures that you pick to FILE.picks.csv. FILE is the first of these that is given, here or in the settings:
     caliper file, --average, archive, --image, --scalar. --picks names another file for the picks. No other file is
     written.

@@ -43,6 +43,7 @@ from helibore.settings.declared import FINITE, METRES, Declared, Stated
 from helibore.settings.header_settings import Header
 from helibore.settings.path_settings import PathSettings
 from helibore.settings.preparation_settings import Echo, Preparation
+from helibore.settings.print_settings import PrintSettings
 from helibore.settings.toml_reading import TomlSource, read_table
 from helibore.settings.wall_settings import Settings
 from helibore.settings.zone_settings import ZoneSettings
@@ -53,7 +54,7 @@ SOURCES = ("caliper", "average", "archive", "gauge")
 FILES = ("caliper", "average", "archive", "image", "scalar", "track", "survey")
 """Keys of a project that name files."""
 
-SHOWN = ("header", "zones", "print", "look", "logs")
+SHOWN = ("header", "zones", "print", "look", "logs", "passage")
 """Tables that say how a wall is shown; an archive carries them."""
 
 
@@ -110,6 +111,20 @@ class Output(Declared):
 
 
 @dataclass(frozen=True, kw_only=True)
+class ProjectPrint(PrintSettings):
+    """What a print and a report show, and the files that belong to them."""
+
+    paper: Annotated[Literal["a4", "a3", "roll"], "Paper of a PDF; PNG and SVG are rolls."] = "a4"
+    template: Annotated[Any, "File of a template, or the template itself as a table. None: helibore chooses."] = None
+    besides: Annotated[tuple[Path, ...], "Archives of other wells or passes, to show on the same depths."] = ()
+    picks: Annotated[Path | None, "Table of the picks. None: that beside the first file shown."] = None
+    scalars: Annotated[tuple[Literal["inclination"], ...], "Curves in tracks of their own that need no file."] = ()
+    sigma: Annotated[bool, "Add the standard uncertainty of the radius."] = False
+    no_polar: Annotated[bool, "Draw no cross sections."] = False
+    no_body: Annotated[bool, "Draw no 3-D view."] = False
+
+
+@dataclass(frozen=True, kw_only=True)
 class Project(Declared):
     """A well: its files, and everything that decides the bytes of an output."""
 
@@ -134,7 +149,7 @@ class Project(Declared):
     wall: Annotated[Settings | None, "Settings of the wall; an archive has its own."] = None
     header: Annotated[dict[str, Any], Stated(Header), "Header."] = field(default_factory=dict)
     zones: Annotated[dict[str, Any], Stated(ZoneSettings), "Criteria of zones."] = field(default_factory=dict)
-    print: Annotated[dict[str, Any], "Prints and reports."] = field(default_factory=dict)
+    print: Annotated[dict[str, Any], Stated(ProjectPrint), "Prints and reports."] = field(default_factory=dict)
     look: Annotated[dict[str, Any], "Colours of images and scales of curves."] = field(default_factory=dict)
     logs: Annotated[dict[str, Any], "Tables of logs and zones."] = field(default_factory=dict)
     passage: Annotated[dict[str, Any], "What passes through the hole."] = field(default_factory=dict)
@@ -221,19 +236,9 @@ def read_project(path: str | os.PathLike[str] | None, over: Mapping[str, Any] | 
     else:
         over.setdefault("wall", {})  # an error names the setting that is missing
     project = read_table(Project, tree, source, over=over)
-    named = {key: _paths(project.print[key], source.folder) for key in NAMES_FILES if key in project.print}
+    template = project.print.get("template")
+    named = {"template": source.folder / template} if isinstance(template, str) else {}
     return dataclasses.replace(project, print=project.print | named)
-
-
-NAMES_FILES = ("template", "besides", "picks")
-"""Keys of [print] that name files."""
-
-
-def _paths(value: Any, folder: Path) -> Any:
-    """Return names of files as paths from the working folder; other values as they are."""
-    if isinstance(value, list):
-        return [_paths(one, folder) for one in value]
-    return folder / value if isinstance(value, str) else value
 
 
 def project_of(tree: dict[str, Any], place: str) -> Project:

@@ -1,0 +1,188 @@
+"""The project: one file for a well, read by every command, Python and a manifest; archives carry it; old files."""
+
+from __future__ import annotations
+
+import shutil
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from command import run
+
+import helibore as hb
+from helibore.channels.header_entries import NAMES
+from helibore.runs.manifest import read_jobs
+from helibore.runs.project import Project, read_project
+from helibore.runs.run import checksum
+from helibore.settings.declared import members
+from helibore.settings.groups import GROUPS
+from helibore.settings.header_settings import Header
+
+OLD = Path(__file__).parent / "data/settings_56ff07e9"
+"""Files that the code of revision 56ff07e9 wrote beside its outputs, the manifest of that code, and their inputs."""
+
+WELL = """caliper = "c.csv"
+survey = "s.csv"
+[header]
+company = "ACME"
+well = "A-1"
+[columns]
+radius = ["radius_m@0"]
+[wall]
+bit_diameter = "8 1/2in"
+sectors = 16
+[zones]
+washout = "0.05in"
+[print]
+scale = 500
+template = "t.toml"
+[logs]
+step = "0.5m"
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The inputs of the old files, and a project, in the current folder."""
+    folder = shutil.copytree(OLD, tmp_path / "well")
+    (folder / "well.toml").write_text(WELL)
+    monkeypatch.chdir(folder)
+    return folder
+
+
+def shown(source: str, *options: str) -> float:
+    """The criterion of a washout, metres, with which ``helibore zones`` made its output."""
+    done = run("zones", source, "-o", "z.las", "-q", *options)
+    assert done.exit_code == 0, done.output
+    return float(tomllib.loads(Path("z.las.toml").read_text())["zones"]["washout"])
+
+
+@pytest.mark.parametrize(("verb", "name"), [("reconstruct", "old.glb"), ("mesh", "old.vtu"), ("mesh", "old.ply")])
+def test_what_56ff07e9_wrote_beside_an_output_repeats_it_to_the_last_bit(folder: Path, verb: str, name: str) -> None:
+    again = run(verb, f"{name}.toml", "-o", f"again{Path(name).suffix}")
+    assert again.exit_code == 0, again.output
+    assert "to the last bit" in again.output
+    written = tomllib.loads((folder / f"{name}.toml").read_text())
+    assert checksum(f"again{Path(name).suffix}") == written["output"]["blake2b"]
+    assert "options" not in tomllib.loads(Path(f"again{Path(name).suffix}.toml").read_text())
+
+
+@pytest.mark.usefixtures("folder")
+def test_options_that_56ff07e9_recorded_become_tables() -> None:
+    assert run("logs", "old.las.toml", "-o", "again.las", "-q").exit_code == 0
+    again = tomllib.loads(Path("again.las.toml").read_text())
+    assert again["zones"] == {"washout": pytest.approx(0.3 * 0.0254), "scaled": True}
+    assert again["header"] == {"company": "ACME"}
+    assert (again["logs"]["step"], again["logs"]["casings"]) == (0.5, [pytest.approx(0.1778)])
+    assert (again["start_depth"], again["stop_depth"]) == (1000.5, 1002.0)
+
+
+def test_a_manifest_of_56ff07e9_means_the_same_wells() -> None:
+    """The hashes are those of the records that this revision wrote, so its wells are not made again."""
+    jobs = read_jobs(OLD / "m.toml")
+    assert {job.well: job.settings_hash for job in jobs} == {
+        "A 1": "d95224a8ca4b5d827014515364a7ada7", "B": "c28fc26e84c2c620639e8ef98b784d53",
+    }  # fmt: skip
+
+
+def test_one_project_serves_every_command_and_python_and_the_archive_carries_it(folder: Path) -> None:
+    assert run("reconstruct", "well.toml", "-o", "w.wall", "-q").exit_code == 0
+    (folder / "elsewhere").mkdir()
+    shutil.copy("w.wall", "elsewhere/w.wall")
+    made = []
+    for source in ("well.toml", "w.wall", "elsewhere/w.wall", "w.wall.toml"):
+        assert run("logs", source, "-o", "l.las", "-q").exit_code == 0
+        made.append(Path("l.las").read_text())
+    assert len(set(made)) == 1, "the wall and its project give what the project gives"
+    assert "ACME" in made[0]
+    assert "A-1" in made[0]
+    carried = hb.load("elsewhere/w.wall").made_from["project"]
+    assert carried["print"]["template"]["track"], "the template itself, not its name"
+    np.testing.assert_array_equal(hb.reconstruct("well.toml").radius, hb.load("w.wall").radius)
+    assert hb.reconstruct("well.toml", sectors=8).settings.sectors == 8
+    again = run("reconstruct", "w.wall.toml", "-o", "again.wall")
+    assert "to the last bit" in again.output
+
+
+@pytest.mark.usefixtures("folder")
+def test_the_command_line_counts_over_setting_project_archive_and_default() -> None:
+    assert run("reconstruct", "c.csv", "--bit-diameter", "8.5in", "-o", "plain.wall", "-q").exit_code == 0
+    assert "project" not in hb.load("plain.wall").made_from
+    assert run("reconstruct", "well.toml", "-o", "w.wall", "-q").exit_code == 0
+    Path("over.toml").write_text('archive = "w.wall"\n[zones]\nwashout = "0.2in"\n[header]\nfield = "F"\n')
+    assert shown("w.wall") == pytest.approx(0.05 * 0.0254)
+    assert shown("over.toml") == pytest.approx(0.2 * 0.0254)
+    assert shown("over.toml", "-s", "zones.washout=0.3in") == pytest.approx(0.3 * 0.0254)
+    assert tomllib.loads(Path("z.las.toml").read_text())["header"] == {"company": "ACME", "well": "A-1", "field": "F"}
+    for option, sectors in (
+        ((), 16),
+        (("-s", "wall.sectors=24"), 24),
+        (("-s", "wall.sectors=24", "--sectors", "8"), 8),
+    ):
+        assert run("reconstruct", "well.toml", "-o", "w.glb", "-q", *option).exit_code == 0
+        assert tomllib.loads(Path("w.glb.toml").read_text())["wall"]["sectors"] == sectors
+    Path("well.toml").write_text(WELL.replace('bit_diameter = "8 1/2in"\n', ""))
+    missing = run("reconstruct", "well.toml", "-o", "w.glb")
+    assert missing.stderr == "helibore: well.toml, line 8: wall.bit_diameter: is missing\n"
+    assert run("reconstruct", "well.toml", "-o", "w.glb", "-q", "--bit-diameter", "8.5in").exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place", "rule"),
+    [
+        ("sectors = 16", "sektors = 16", "line 10: wall.sektors", "not known; did you mean sectors?"),
+        ("sectors = 16", "sectors = 2", "line 10: wall.sectors = 2", "must lie in 3 to 1000000"),
+        ("[zones]", "[zone]", "line 11: zone", "not known; did you mean zones?"),
+        ('company = "ACME"', "company = 3", "line 4: header.company = 3", "must be text"),
+        ("scale = 500", "skale = 500", "line 14: print.skale", "not known; did you mean scale?"),
+        ("scale = 500", "scale = 0.5", "line 14: print.scale = 0.5", "must be an integer"),
+        ('"0.05in"', '"0.05deg"', "line 12: zones.washout = '0.05deg'", "unit 'deg'"),
+        ('caliper = "c.csv"', "gauge = 3", "line 1: gauge = 3", "must be true or false"),
+    ],
+)
+@pytest.mark.usefixtures("folder")
+def test_an_error_names_the_line_and_the_nearest_key(old: str, new: str, place: str, rule: str) -> None:
+    assert old in WELL
+    Path("well.toml").write_text(WELL.replace(old, new))
+    refused = run("reconstruct", "well.toml", "-o", "w.glb")
+    assert refused.exit_code == 2
+    assert refused.stderr.startswith(f"helibore: well.toml, {place}: {rule}"), refused.stderr
+
+
+def test_a_file_with_a_checksum_is_the_only_one_that_is_taken(folder: Path) -> None:
+    stated = f'[[caliper]]\nfile = "c.csv"\nblake2b = "{checksum("c.csv")}"\n[wall]\nbit_diameter = 0.216\n'
+    (folder / "w.toml").write_text(stated)
+    assert run("reconstruct", "w.toml", "-o", "w.glb", "-q").exit_code == 0
+    with (folder / "c.csv").open("a") as file:
+        file.write("1003,10,0.11\n")
+    refused = run("reconstruct", "w.toml", "-o", "w.glb")
+    assert (refused.exit_code, refused.stderr.startswith("helibore: c.csv: has changed since the run")) == (2, True)
+
+
+def test_every_group_of_settings_is_a_table_of_a_project() -> None:
+    """So a setting that is declared is a key of the project, too."""
+    own: dict[str, Any] = members(Project)
+    for group, kind in GROUPS.items():
+        if "." in group or group in ("template", "map", "image_zones", "look"):
+            continue
+        table = own[group].stated or own[group].hint
+        assert issubclass(table, kind), group
+        assert members(kind).keys() <= members(table).keys()
+    assert tuple(NAMES) == tuple(members(Header))
+
+
+def test_short_forms_mean_the_tables(folder: Path) -> None:
+    base = "[wall]\nbit_diameter = 0.2\n"
+    forms = (
+        'caliper = "c.csv"\n',
+        'caliper = ["c.csv"]\n',
+        '[caliper]\nfile = "c.csv"\n',
+        '[[caliper]]\nfile = "c.csv"\n',
+    )
+    made = []
+    for form in forms:
+        (folder / "f.toml").write_text(form + base)
+        made.append(read_project("f.toml"))
+    assert made[1:] == made[:-1]
