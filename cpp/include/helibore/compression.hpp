@@ -8,7 +8,8 @@
 // `form` 1: the numbers are the steps from each word to the next, the first from 0. `form` 2: the numbers are places in
 // the table, which has a word or a step for each. Without a table, the numbers are shifted right by `shift`, because
 // the last bits of all are 0. All is little-endian: `least`, table and its size have 8 bytes, the others 1. Sums and
-// differences wrap around; `least` is the least number as a signed one. Of the four forms, the shortest is taken.
+// differences wrap around; `least` is the least number as a signed one. The form is taken that is the shortest for some
+// of the blocks.
 #pragma once
 
 #include <cstdint>

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -19,6 +20,7 @@ using Bytes = std::vector<std::uint8_t>;
 
 constexpr std::size_t block = 1024;
 constexpr std::size_t most_entries = 1 << 16;
+constexpr std::size_t run = 8 * block, runs = 8;  // of words that decide the form
 constexpr std::size_t word_bytes = sizeof(Word);
 constexpr std::size_t block_head = word_bytes + 1;
 enum Form : std::uint8_t { as_steps = 1, in_table = 2 };
@@ -56,18 +58,21 @@ void write_block(Bytes& bytes, std::span<const Word> numbers) {
     const Head head = head_of(numbers);
     write_word(bytes, head.least);
     bytes.push_back(static_cast<std::uint8_t>(head.width));
+    bytes.resize(bytes.size() + word_bytes * head.words(numbers.size()));
+    std::uint8_t* into = bytes.data() + bytes.size() - word_bytes * head.words(numbers.size());
     Word bits = 0;
     int used = 0;
+    const auto put = [&] { std::memcpy(std::exchange(into, into + word_bytes), &bits, word_bytes); };
     for (const Word number : numbers) {
         const Word value = number - head.least;
         bits |= value << used;
         used += head.width;
         if (used < 64) continue;
-        write_word(bytes, bits);
+        put();
         used -= 64;
         bits = used == 0 ? 0 : value >> (head.width - used);
     }
-    if (used > 0) write_word(bytes, bits);
+    if (used > 0) put();
 }
 
 // Words in one of the four forms. The numbers of a block are made when they are needed: columns are large.
@@ -76,7 +81,6 @@ struct Formed {
     int form = 0, shift = 0;
     std::vector<Word> table;
     std::vector<std::uint32_t> places;  // in the table, one for each word
-    std::size_t size = 0;               // of the bytes
 
     Word stated(std::size_t i) const { return form & as_steps && i > 0 ? words[i] - words[i - 1] : words[i]; }
 
@@ -94,10 +98,13 @@ struct Formed {
         });
     }
 
-    void measure() {
-        size = 2 + (form & in_table ? word_bytes * (table.size() + 1) : 0);
+    std::size_t size_of_table() const { return form & in_table ? word_bytes * (table.size() + 1) : 0; }
+
+    std::size_t size_of_blocks() const {
+        std::size_t size = 0;
         for_each_block_of_numbers(
             [&](std::span<const Word> some) { size += block_head + word_bytes * head_of(some).words(some.size()); });
+        return size;
     }
 };
 
@@ -108,18 +115,16 @@ Formed shifted(std::span<const Word> words, int form) {
     Word any = 0;
     for (std::size_t i = 0; i < words.size(); ++i) any |= made.stated(i);
     made.shift = any == 0 ? 0 : static_cast<int>(std::countr_zero(any));
-    made.measure();
     return made;
 }
 
-// Returns nothing if there are too many different words or steps for a table.
-std::optional<Formed> tabled(std::span<const Word> words, int form) {
+// Returns nothing if there are more than `most` different words or steps.
+std::optional<Formed> tabled(std::span<const Word> words, int form, std::size_t most) {
     constexpr int slot_bits = 18;
     std::vector<std::uint32_t> slots(std::size_t{1} << slot_bits);  // 0: empty; else the place in the table, plus 1
-    const std::size_t most = std::min(most_entries, words.size() / 2);
     Formed made;
     made.words = words;
-    made.form = form | in_table;
+    made.form = form;
     made.places.reserve(words.size());
     for (std::size_t i = 0; i < words.size(); ++i) {
         const Word word = made.stated(i);
@@ -132,8 +137,34 @@ std::optional<Formed> tabled(std::span<const Word> words, int form) {
         }
         made.places.push_back(slots[at] - 1);
     }
-    made.measure();
     return made;
+}
+
+std::optional<Formed> formed(std::span<const Word> words, int form, std::size_t most) {
+    if (form & in_table) return tabled(words, form, most);
+    return shifted(words, form);
+}
+
+// Returns the form that is the shortest for some runs of the words, which lie at equal distances. The step from one run
+// to the next spoils one block in eight.
+int best_form(std::span<const Word> words) {
+    const std::size_t apart = run * std::max<std::size_t>(1, words.size() / (runs * run));
+    std::vector<Word> some;
+    for (std::size_t start = 0; start < words.size(); start += apart) {
+        const auto taken = words.subspan(start, std::min(run, words.size() - start));
+        some.insert(some.end(), taken.begin(), taken.end());
+    }
+    int best = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (const int form : {0, int{as_steps}, int{in_table}, as_steps | in_table}) {
+        const auto made = formed(some, form, std::min(most_entries, some.size() * 3 / 4));
+        if (!made) continue;
+        const double of_all = static_cast<double>(words.size()) / static_cast<double>(some.size());
+        const double size =
+            static_cast<double>(made->size_of_blocks()) * of_all + static_cast<double>(made->size_of_table());
+        if (size < least) least = size, best = form;
+    }
+    return best;
 }
 
 // Takes bytes from the front of what is left.
@@ -193,15 +224,10 @@ void read_block(Reader& reader, std::size_t count, const Set& set) {
 }  // namespace
 
 std::vector<std::uint8_t> compress(std::span<const std::uint64_t> words) {
-    Formed best = shifted(words, 0);
-    const auto consider = [&best](std::optional<Formed> made) {
-        if (made && made->size < best.size) best = *std::move(made);
-    };
-    consider(shifted(words, as_steps));
-    consider(tabled(words, 0));
-    consider(tabled(words, as_steps));
+    const int form = words.empty() ? 0 : best_form(words);
+    const std::optional<Formed> made = formed(words, form, most_entries);
+    const Formed best = made ? *made : shifted(words, form & as_steps);
     Bytes bytes;
-    bytes.reserve(best.size);
     bytes.push_back(static_cast<std::uint8_t>(best.form));
     bytes.push_back(static_cast<std::uint8_t>(best.shift));
     if (best.form & in_table) {
