@@ -21,6 +21,7 @@ constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t block = 64;                // points of which one, the worst, joins the programme at a time
 constexpr double tolerance = 1e-7;               // metres; a smaller violation or gain does not count
 constexpr int most_axes = 40, most_rounds = 60;  // a bound on the work for walls that no one has seen
+constexpr double near_wall = 2e-3;               // metres
 constexpr int draws = 32;
 constexpr double draws_apart = 1.0 / 8.0;  // of the string's length
 constexpr double normal_95 = 1.959964;
@@ -192,7 +193,7 @@ struct Work {
     SeenTurn before, turn;
     Programme programme;
     std::vector<double> slack, normal_x, normal_y, distance, white, smooth, shift;
-    std::vector<std::size_t> worst;
+    std::vector<std::size_t> worst, near;  // points; `near` those with which the next programme begins
 };
 
 void see(const Hole& hole, const View& view, Index from_top, SeenTurn& turn) {
@@ -293,9 +294,15 @@ Axis best_move(Work& work, double far) {
     const std::size_t n = tau.size();
     work.slack = work.distance;
     work.programme.clear(far);
-    find_worst(work.slack, std::numeric_limits<double>::infinity(), work.worst);
+    if (work.near.empty()) {
+        find_worst(work.slack, std::numeric_limits<double>::infinity(), work.worst);
+    } else {
+        work.worst = work.near;
+    }
+    work.near.clear();
     Axis move;
     for (int round = 0; round < most_rounds; ++round) {
+        work.near.insert(work.near.end(), work.worst.begin(), work.worst.end());
         for (const std::size_t k : work.worst) {
             const double x = work.normal_x[k], y = work.normal_y[k];
             work.programme.add({{x, y, tau[k] * x, tau[k] * y}, work.distance[k], k});
@@ -310,6 +317,7 @@ Axis best_move(Work& work, double far) {
     }
     // The points left out violate the clearance by less than the tolerance: it is that of all points.
     move.clearance = *std::ranges::min_element(work.slack);
+    std::erase_if(work.near, [&](std::size_t k) { return work.slack[k] > move.clearance + near_wall; });
     return move;
 }
 
@@ -330,6 +338,7 @@ Axis widest(Work& work, double far) {
     const Points& points = work.points;
     // The first directions point away from the path, which is outwards also where the path at the middle of the string
     // lies outside the hole beside its ends.
+    work.near.clear();
     work.normal_x = points.out_x, work.normal_y = points.out_y;
     work.distance.resize(points.size());
     for (std::size_t k = 0; k < points.size(); ++k) {
