@@ -238,6 +238,24 @@ bool collect(const Hole& hole, const View& view, std::span<const RigidBody> stri
         points.other_share.push_back(0.0);
         points.body_radius.push_back(0.5 * string[body].diameter), points.body.push_back(static_cast<Index>(body));
     };
+    const auto put_all = [&](const SeenTurn& turn, std::size_t body) {
+        const std::size_t K = turn.x.size(), old = points.size(), size = old + K;
+        const auto append = [](std::vector<double>& to, const std::vector<double>& from) {
+            to.insert(to.end(), from.begin(), from.end());
+        };
+        append(points.x, turn.x), append(points.y, turn.y);
+        append(points.out_x, turn.out_x), append(points.out_y, turn.out_y);
+        points.tau.resize(size), points.vertex.resize(size);
+        for (std::size_t j = 0; j < K; ++j) {
+            points.tau[old + j] = turn.z[j] / half;
+            points.vertex[old + j] = turn.first + static_cast<Index>(j);
+        }
+        points.other.insert(points.other.end(), points.vertex.end() - static_cast<std::ptrdiff_t>(K),
+                            points.vertex.end());
+        points.other_share.resize(size, 0.0);
+        points.body_radius.resize(size, 0.5 * string[body].diameter);
+        points.body.resize(size, static_cast<Index>(body));
+    };
     const auto put_between = [&](const SeenTurn& a, const SeenTurn& b, std::size_t j, double end, std::size_t body) {
         const double w = (end - a.z[j]) / (b.z[j] - a.z[j]), v = 1.0 - w;
         points.x.push_back(v * a.x[j] + w * b.x[j]), points.y.push_back(v * a.y[j] + w * b.y[j]);
@@ -258,8 +276,12 @@ bool collect(const Hole& hole, const View& view, std::span<const RigidBody> stri
             const RigidBody& body = string[b];
             const bool within = turn.least >= body.start && turn.most <= body.stop;
             std::size_t beside = 0, between = 0;
-            for (std::size_t j = 0; j < turn.z.size(); ++j) {
-                if (within || (turn.z[j] >= body.start && turn.z[j] <= body.stop)) put(turn, j, b), ++beside;
+            if (within) {
+                put_all(turn, b), beside = turn.z.size();
+            } else if (turn.most >= body.start && turn.least <= body.stop) {
+                for (std::size_t j = 0; j < turn.z.size(); ++j) {
+                    if (turn.z[j] >= body.start && turn.z[j] <= body.stop) put(turn, j, b), ++beside;
+                }
             }
             for (const double end : {body.start, body.stop}) {
                 if (std::min(before.least, turn.least) >= end || std::max(before.most, turn.most) < end) continue;
