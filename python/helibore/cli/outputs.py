@@ -214,6 +214,14 @@ def _plain(value: Any) -> Any:
     return [_plain(each) for each in value] if isinstance(value, tuple | list) else value
 
 
+def _recipe(project: Project) -> Project:
+    """Return a project without its output, in a form in which equal tables are equal."""
+    tables: dict[str, Any] = {
+        group: {name: _plain(value) for name, value in getattr(project, group).items()} for group in TABLES
+    }
+    return replace(project, output=None, **tables)
+
+
 def save_lines(run: Run, output: Path, verb: str, options: dict[str, Any], more: Sequence[Path] = ()) -> Lines:
     """Write the project beside an output; return lines on the files and on whether a repeated run gave the same bytes.
 
@@ -231,7 +239,7 @@ def save_lines(run: Run, output: Path, verb: str, options: dict[str, Any], more:
     if before.output is None or after.output is None:
         return lines
     earlier = before.output
-    same = not run.changed and replace(before, output=None) == replace(after, output=None)
+    same = not run.changed and _recipe(before) == _recipe(after)
     if not same or earlier.file.suffix != output.suffix:
         text = f"the wall of {earlier.file.name}; its bytes are not compared with those of another kind of output"
     elif earlier.blake2b == after.output.blake2b:

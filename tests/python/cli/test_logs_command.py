@@ -239,7 +239,7 @@ def test_a_wall_without_a_shape_has_logs_and_no_zones(tmp_path: Path) -> None:
         (["-o", "w.csv", "-s", "zones.washout=0.2"],
          "-s zones.washout=0.2: needs a unit, such as 0.2in or 0.2mm"),
         (["-o", "w.csv", "-s", "zones.washout=1kg"], "-s zones.washout=1kg: unit 'kg'"),
-        (["-o", "w.csv", "-s", "zones.symmetry=2"], "symmetry = 2: must be in [0, 1]"),
+        (["-o", "w.csv", "-s", "zones.symmetry=2"], "-s zones.symmetry=2: must be in [0, 1]"),
         (["-o", "w.csv", "--breakouts", "AMP"], "--breakouts AMP: must be IMAGE=FILE"),
         (["-o", "w.csv", "--breakouts", "GR=g.csv"], "image 'GR': the wall has no image of this name; it has AMP"),
     ],

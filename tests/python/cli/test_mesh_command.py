@@ -122,10 +122,7 @@ def test_a_constant_image_and_one_below_zero_keep_their_values(folder: Path) -> 
             ["w.wall", "-o", "m.glb", "-s", "wall.pitch=5cm"],
             "-s wall.pitch: does not go with w.wall, which has its own",
         ),
-        (
-            ["w.toml", "-o", "m.glb", "-s", "wall.max_distance=1m"],
-            "-s wall.max_distance: does not go with w.toml, which ",
-        ),
+        (["w.toml", "-o", "m.glb"], "w.toml: No such file"),
         (["w.wall", "-o", "m.glb", "--bit-diameter", "8.5in"], "--bit-diameter: does not go with w.wall"),
         (
             ["w.wall", "-o", "m.glb", "--column", "diameter=x@0"],

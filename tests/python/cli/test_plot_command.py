@@ -83,7 +83,7 @@ def test_scalar_tracks_and_a_header_from_the_file_and_the_command_line(tmp_path:
     assert "1 of dips.csv" in again.output
     settings = tomllib.loads((tmp_path / "log.svg.toml").read_text())
     assert [(one["file"], one["name"]) for one in settings["scalar"]] == [(las.name, "GR"), (las.name, "RT")]
-    assert settings["options"]["scalars"] == ["inclination"]
+    assert settings["print"]["scalars"] == ["inclination"]
     las.write_text(las.read_text().replace("70", "71"))
     changed = run_cli(tmp_path / "log.svg.toml", "-o", tmp_path / "again.svg")
     assert changed.exit_code == 2
@@ -120,8 +120,8 @@ def test_criteria_are_those_of_the_command_line_and_of_the_settings_of_another_c
     run("logs", archive, "-o", las, "-s", "zones.washout=0.2in", "-s", "zones.scaled=true", "--step", "1m")
     run("report", f"{las}.toml", "-o", page, *look)
     assert "washout C2 − bit at least 0.2 in, breakout C1 − C2 at least 1 in" in page.read_text()
-    options = tomllib.loads((tmp_path / "a.html.toml").read_text())["options"]
-    assert (options["criteria"], options["scaled"], "step" in options) == (["washout=0.2in"], True, False)
+    zones = tomllib.loads((tmp_path / "a.html.toml").read_text())["zones"]
+    assert zones == {"washout": pytest.approx(0.2 * 0.0254), "scaled": True}
     assert "to the last bit" in run("report", f"{page}.toml", "-o", tmp_path / "again.html")
     run("report", f"{las}.toml", "-o", page, *look, "-s", "zones.washout=0.4in")
     assert "washout C2 − bit at least 0.4 in" in page.read_text()
