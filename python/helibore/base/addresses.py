@@ -11,10 +11,10 @@ from urllib.parse import unquote, urlsplit, urlunsplit
 
 USER = re.compile(r"(?<=://)[^\s/?#'\"<>]*@")
 SCHEMES = "https?|s3a?|gs|gcs|abfss?|adl|az|wasbs?|ftps?|sftp"
-QUERY = re.compile(rf"(\b(?:{SCHEMES})://[^\s?'\"<>]*\?)[^\s'\"<>]+", re.IGNORECASE)
+QUERY = re.compile(rf"(\b(?:{SCHEMES})://[^\s?'\"<>]*\?)[^\s'\"<>]*[^\s'\"<>:]", re.IGNORECASE)
 FIELD = re.compile(
     r"\b((?:X-(?:Amz|Goog)-[\w-]+|AWSAccessKeyId|AccountKey|SharedAccessSignature|Signature|sig|token|password|secret)=)"
-    r"[^\s&;'\"<>]+",
+    r"[^\s&;'\"<>]*[^\s&;'\"<>:]",
     re.IGNORECASE,
 )
 

@@ -22,8 +22,8 @@ import numpy as np
 from helibore.files.raw_set import Array
 
 _END = r"(?:[eE][+-]?\d+)?"
-_COMMAS = re.compile(rf"[+-]?(?:[1-9]\d{{0,2}}(?:[.'’\u00a0\u202f ]\d{{3}})+|\d+)?(?:,\d*)?{_END}")
-_POINTS = re.compile(rf"[+-]?(?:[1-9]\d{{0,2}}(?:[,'’\u00a0\u202f ]\d{{3}})+|\d+)?(?:\.\d*)?{_END}")
+_COMMAS = re.compile(rf"[+-]?(?:[1-9]\d{{0,2}}(?:[.'’\u00a0\u202f ]\d{{3}})+|\d+)?(?:,\d*)?{_END}", re.ASCII)
+_POINTS = re.compile(rf"[+-]?(?:[1-9]\d{{0,2}}(?:[,'’\u00a0\u202f ]\d{{3}})+|\d+)?(?:\.\d*)?{_END}", re.ASCII)
 _MARKS = str.maketrans("", "", "'’\u00a0\u202f ")
 
 _ANGLE = r"\d+(?:\.\d+)?"

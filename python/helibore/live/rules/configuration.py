@@ -33,6 +33,7 @@ from pydantic import AfterValidator, ConfigDict, Field, PlainValidator
 
 from helibore.base.errors import InputError
 from helibore.base.regular_file import check_regular
+from helibore.base.toml_file import check_parts
 from helibore.live.rules.checks import Derived, Table, check, with_values, within
 from helibore.live.rules.depth_limits import DepthLimits
 from helibore.live.rules.kinds import read_source
@@ -327,6 +328,7 @@ def parse(text: str) -> Configuration:
 
 
 def _toml(text: str, name: str) -> dict[str, Any]:
+    check_parts(text, name)
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -334,3 +336,5 @@ def _toml(text: str, name: str) -> dict[str, Any]:
             line = text.count("\n", 0, item.start(1)) + 1
             raise InputError(f"{name}, line {line}", f'an item must be in quotes: "{item[1]}"', item[1]) from None
         raise InputError(name, f"is not TOML: {error}") from None
+    except (RecursionError, ValueError) as error:  # nested too deep, or an integer of thousands of digits
+        raise InputError(name, f"is not sensible TOML ({type(error).__name__})") from None
