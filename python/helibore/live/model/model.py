@@ -546,6 +546,7 @@ class Model:
             return
         kind = self.passes.decide(rows, kind)
         self.passes.add(rows["source"], rows["number"], kind, rows["time"], depth)
+        self._compare(rows, depth)
         for name, count in zip(PASSES, np.bincount(kind, minlength=len(PASSES)).tolist(), strict=True):
             self.counts[f"pass {name}"] += count
         time = (rows["time"] - self.clock.began) / SECOND
@@ -573,6 +574,14 @@ class Model:
             self.passes.report(rows, np.array([row for row, _ in gaps]), "depth_gap", lambda place: gaps[place][1])
         self.counts["drawn"] += int(np.count_nonzero(drawn))
         self.counts["kept apart"] += int(np.count_nonzero(~drawn))
+
+    def _compare(self, rows: Rows, depth: npt.NDArray[np.float64]) -> None:
+        """Let the watch compare the samples of each source, in order of arrival, with its wall."""
+        for number in np.unique(rows["source"]).tolist():
+            if number in self.readers:
+                of = rows["source"] == number
+                columns = (rows["wall"][of], rows["time"][of], depth[of], rows["toolface"][of], rows["radius"][of])
+                self.watch.compare(self.readers[number].source.name, columns)
 
     def _count(self, sources: npt.NDArray[np.int32], outcome: str) -> None:
         for number, count in enumerate(np.bincount(sources).tolist()):

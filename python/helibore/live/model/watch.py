@@ -21,9 +21,11 @@ import numpy.typing as npt
 
 from helibore.base import units
 from helibore.base.utc_time import SECOND
+from helibore.live.model.wall_watch import WallMemory
 from helibore.live.rules.pass_rules import PassRules
 
 Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
 Report = Callable[[int, str, str, str], None]
 """Reports an event: wall clock time, rule, source and text."""
 
@@ -186,6 +188,7 @@ class Watch:
 
     STATE = (
         "active", "_bit", "_hole", "_deepest", "_rpm", "_first_hole", "_intervals", "_lower", "_quiet", "_calipers",
+        "_walls", "_fell", "_before_fall",
     )  # fmt: skip
 
     def __init__(self, report: Report) -> None:
@@ -199,6 +202,9 @@ class Watch:
         self._quiet: dict[str, Quiet] = {}
         self._calipers: dict[str, CaliperWatch] = {}
         self._settings: dict[str, WatchedCaliper] = {}
+        self._walls: dict[str, WallMemory] = {}
+        self._fell: list[int] = []  # model times at which the hole depth fell, and was reached again, in turn
+        self._before_fall = math.nan
 
     def use(
         self, calipers: Mapping[str, WatchedCaliper], images: Mapping[str, str], rules: PassRules, jump: float
@@ -212,6 +218,7 @@ class Watch:
             self._calipers.pop(name, None)
             self._first_hole = self._hole if self._hole == self._hole else self._deepest
         self._calipers = {name: self._calipers.get(name, CaliperWatch()) for name in calipers}
+        self._walls = {name: self._walls.get(name, WallMemory()) for name in calipers}
         self.active = {key: of for key, of in self.active.items() if key[1] in self._quiet and key[1] not in changed}
 
     def take(self, frames: list[Frame]) -> None:
@@ -225,6 +232,20 @@ class Watch:
                 self._take_samples(frame)
             for image in frame.images:
                 self._came(f"{frame.source} image {image}", frame.time)
+
+    def compare(self, source: str, columns: tuple[Integers, Integers, Floats, Floats, Floats]) -> None:
+        """Compare samples of a source with its wall: `WallMemory.take` has the columns."""
+
+        def say(wall: int, rule: str, text: str, lasts: bool) -> None:
+            if not text:
+                self.active.pop((rule, source), None)
+                return
+            if lasts:
+                self.active[rule, source] = text
+            self._report(wall, rule, source, text)
+
+        if source in self._walls:
+            self._walls[source].take(columns, self._fell, say)
 
     def _begin(self, frame: Frame, rule: str, source: str, text: str) -> None:
         self.active[rule, source] = text
@@ -255,6 +276,8 @@ class Watch:
 
     def _take_hole(self, frame: Frame, hole: float) -> None:
         """Report a hole depth that falls: HOLE_FRAMES frames in a row are HOLE_FALLS lower than the deepest one."""
+        if hole >= self._before_fall:
+            self._fell, self._before_fall = [*self._fell, frame.time], math.nan
         if self._hole != self._hole or hole > self._hole - HOLE_FALLS:
             self._hole, self._lower = max(hole, self._hole) if self._hole == self._hole else hole, []
             return
@@ -265,6 +288,8 @@ class Watch:
                 "corrected depth; for another hole, begin another journal"
             )
             self._report(frame.wall, "hole_falls", frame.source, text)
+            if len(self._fell) % 2 == 0:
+                self._fell, self._before_fall = [*self._fell[-20:], frame.time], self._hole
             self._hole = self._deepest = hole
             self._lower = []
 
