@@ -528,6 +528,17 @@ def test_an_empty_list_of_units_or_mnemonics_is_read_from_the_description_of_the
         assert (log.mnemonics, log.units) == (["A", "B"], ["m", "ft"])
 
 
+def test_curves_of_witsml_1_3_1_1_are_in_the_columns_that_they_state():
+    curves = "".join(
+        f"<logCurveInfo><mnemonic>{name}</mnemonic><unit>{unit}</unit><columnIndex>{column}</columnIndex></logCurveInfo>"
+        for name, unit, column in (("B", "ft", 10), ("C", "deg", 2), ("A", "m", 1))
+    )
+    log = witsml.read_log(f"<logs><log>{curves}<logData><data>1,2,3</data></logData></log></logs>")
+    assert (log.mnemonics, log.units) == (["A", "C", "B"], ["m", "deg", "ft"])
+    stated = f"<logs><log>{curves}<logData><mnemonicList>B,A</mnemonicList><data>1,2</data></logData></log></logs>"
+    assert witsml.read_log(stated).mnemonics == ["B", "A"]
+
+
 def test_an_answer_is_stored_before_anything_looks_into_it(store, tmp_path, monkeypatch):
     store.rows, seen = grown(5), []
     real = witsml.read_answer

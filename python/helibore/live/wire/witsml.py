@@ -162,6 +162,7 @@ def read_log(document: str) -> LogRows:
     """
     log = LogRows()
     described: list[tuple[str, str]] = []
+    columns: list[str] = []
     if not document.strip():
         return log
     for path, element in _elements(document, "logCurveInfo"):
@@ -177,11 +178,15 @@ def read_log(document: str) -> LogRows:
         elif name == "logCurveInfo":
             children = {child.tag.rpartition("}")[2]: (child.text or "").strip() for child in element}
             described.append((children.get("mnemonic", ""), children.get("unit", "")))
+            columns.append(children.get("columnIndex", ""))
         elif name == "nullValue" and path[-2] == "log":
             log.null = text
         elif name == "direction":
             log.direction = text
     if not log.mnemonics:
+        if columns and all(column.isdecimal() for column in columns):  # WITSML 1.3.1.1: in any order, with columns
+            order = sorted(range(len(columns)), key=lambda place: int(columns[place]))
+            described = [described[place] for place in order]
         log.mnemonics, log.units = [name for name, _ in described], [unit for _, unit in described]
     log.units = log.units or [dict(described).get(name, "") for name in log.mnemonics]
     if len(log.units) != len(log.mnemonics):
