@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from helibore.base.errors import InputError, check_ending, check_names
+from helibore.base.errors import InputError, check_ending, check_names, unknown_name
 from helibore.cli.lines import Lines
 from helibore.cli.quantities import FILE
 from helibore.cli.sections import FAMILIES, SectionOption, opt
@@ -31,6 +31,8 @@ NOT_RECORDED = ("source", "output", "centres", "zones", "breakouts", "quiet", "h
 """A command's own options that do not change the bytes of its output; a project does not record them."""
 TABLES = ("header", "zones", "print", "look", "logs", "passage", "mesh", "view")
 """Tables of a project that say what an output holds."""
+ALL_OF = {"plot": ("look",), "report": ("look",), "reconstruct": ("mesh",)}
+"""Tables of which a command knows every key, besides that of its own name; other keys are refused."""
 OF_ANY_COMMAND = ("criteria", "scaled")
 """Options that an earlier version recorded for any command, because they define the wall's zones."""
 
@@ -121,6 +123,9 @@ def own_options(run: Run, verb: str, options: dict[str, Any]) -> dict[str, Any]:
     known = {each.setting: each for each in context.command.params if isinstance(each, SectionOption)}
     for name, value in _table_settings(run.settings):
         option = known.get(name)
+        group = name.partition(".")[0]
+        if option is None and group not in FAMILIES.values() and group in (verb, *ALL_OF.get(verb, ())):
+            raise unknown_name(f"{place}: {name}", name, list(known))
         if option is None or option.name in FAMILIES:
             continue
         given = context.get_parameter_source(str(option.name)) is ParameterSource.COMMANDLINE

@@ -139,6 +139,7 @@ def test_the_command_line_counts_over_setting_project_archive_and_default() -> N
         ("scale = 500", "skale = 500", "line 14: print.skale", "not known; did you mean scale?"),
         ("scale = 500", "scale = 0.5", "line 14: print.scale = 0.5", "must be an integer"),
         ('"0.05in"', '"0.05deg"', "line 12: zones.washout = '0.05deg'", "unit 'deg'"),
+        ("[logs]", "[mesh]", "the project: mesh.step", "not known; did you mean"),
         ('caliper = "c.csv"', "gauge = 3", "line 1: gauge = 3", "must be true or false"),
     ],
 )
@@ -148,7 +149,8 @@ def test_an_error_names_the_line_and_the_nearest_key(old: str, new: str, place: 
     Path("well.toml").write_text(WELL.replace(old, new))
     refused = run("reconstruct", "well.toml", "-o", "w.glb")
     assert refused.exit_code == 2
-    assert refused.stderr.startswith(f"helibore: well.toml, {place}: {rule}"), refused.stderr
+    where = f"well.toml, {place}" if place.startswith("line") else place
+    assert refused.stderr.startswith(f"helibore: {where}: {rule}"), refused.stderr
 
 
 def test_a_file_with_a_checksum_is_the_only_one_that_is_taken(folder: Path) -> None:
