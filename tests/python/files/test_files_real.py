@@ -148,7 +148,8 @@ def test_xy_caliper_without_a_map() -> None:
 
 def test_amplitude_archive() -> None:
     path = shared("calipers/atv_amplitude.npz")
-    plain = np.load(path)
+    with np.load(path) as archive:
+        plain = dict(archive)
     one = hb.open(path).set()
     assert [(channel.name, channel.unit, channel.shape) for channel in one] == [
         ("depth_m", "m", (451,)), ("azimuth_deg", "deg", (144,)), ("amplitude", "", (451, 144)),

@@ -347,7 +347,8 @@ def test_track_and_travel_times_on_the_command_line(tmp_path: Path) -> None:
 
 
 def test_maps_of_survey_and_track(folder: Path, tmp_path: Path) -> None:
-    samples = np.load(folder / "c.npz")
+    with np.load(folder / "c.npz") as archive:
+        samples = dict(archive)
     np.savetxt(tmp_path / "c.csv", np.column_stack([samples["time"], samples["radius"]]), delimiter=",",
                header="time_s,radius_m", comments="")  # fmt: skip
     np.savetxt(tmp_path / "t.csv", np.column_stack([samples[n] for n in ("time", "depth", "toolface")]), delimiter=",",
