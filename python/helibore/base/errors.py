@@ -38,6 +38,8 @@ class InputError(ValueError):
         What the input must be, or what is wrong with it.
     value : str or None
         The value as the error shows it; None if no single value is wrong.
+    setting : str
+        The setting that decides, such as ``preparation.least_radius``, so that a command can name its option; "": none.
 
     Notes
     -----
@@ -45,16 +47,16 @@ class InputError(ValueError):
     attributes hold the texts as they are.
     """
 
-    def __init__(self, place: str, rule: str, value: str | None = None) -> None:
-        self.place, self.rule, self.value = place, rule, value
+    def __init__(self, place: str, rule: str, value: str | None = None, setting: str = "") -> None:
+        self.place, self.rule, self.value, self.setting = place, rule, value, setting
         super().__init__(shown(f"{place}: {rule}" if value is None else f"{place} = {value}: {rule}"))
 
-    def __reduce__(self) -> tuple[type[InputError], tuple[str, str, str | None]]:
-        return type(self), (self.place, self.rule, self.value)
+    def __reduce__(self) -> tuple[type[InputError], tuple[str, str, str | None, str]]:
+        return type(self), (self.place, self.rule, self.value, self.setting)
 
     def within(self, outer: str) -> InputError:
         """Return the same error with its place inside an outer one: ``well.las: pitch = 0: must not be 0``."""
-        return InputError(f"{outer}: {self.place}", self.rule, self.value)
+        return InputError(f"{outer}: {self.place}", self.rule, self.value, self.setting)
 
 
 def check_not_negative(settings: Mapping[str, float]) -> None:

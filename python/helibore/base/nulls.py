@@ -4,5 +4,5 @@ NULLS = (-999.25, -9999.0, -9999.25)
 
 
 def say_so(number: str = "NUMBER") -> str:
-    """Return advice for users: the option that declares a number to mean "no value"."""
-    return f"-s nulls={number} says so (Python: nulls of hb.open)"
+    """Return advice for users: the setting that declares a number to mean "no value"."""
+    return f"nulls={number} says so"

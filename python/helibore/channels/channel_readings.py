@@ -125,15 +125,15 @@ def _no_arms(log_set: RawSet, roles: RoleMap) -> str:
     if means:
         return (
             f"{', '.join(means)}: a mean diameter has no direction; no channel has the role radius or diameter "
-            "(--average of helibore plot and logs, or hb.Caliper.from_average, takes it for a round hole)"
+            "(as an average caliper, hb.Caliper.from_average, it makes a round hole)"
         )
     rule = "no channel has the role radius, diameter or radius-image: name one by an option or in a map"
     images = [each.channel for each in roles.all("image")]
     if images:
-        return f"{rule} (its images {', '.join(images)} lie on a gauge hole: hb.Caliper.gauge, or --gauge --image)"
+        return f"{rule} (its images {', '.join(images)} lie on a gauge hole, hb.Caliper.gauge)"
     if roles.one("inclination") is not None and roles.one("azimuth") is not None:
-        return f"{rule} (it holds a survey, which --survey takes)"
-    return f"{rule}, such as --column radius=NAME:in; the channels are {', '.join(log_set.names)}{about_names(log_set)}"
+        return f"{rule} (it holds a survey, not a caliper)"
+    return f"{rule}, such as columns.radius=NAME:in; the channels are {', '.join(log_set.names)}{about_names(log_set)}"
 
 
 def _radius(log_set: RawSet, arm: Role, bit: float | None, echo: Echo | None) -> Floats:
@@ -160,7 +160,7 @@ def _angles(log_set: RawSet, arm: Role, width: int, turning: bool) -> list[float
             rule = f"the angles of its sectors are {stated}: set first and step (degrees) in a map"
             names = log_set[arm.channel].member_names if width < IMAGE_ROW else ()
             if names and arm.role == "radius-image":
-                each = " ".join(f"--column radius={name}@{360 * at / width:g}" for at, name in enumerate(names))
+                each = " ".join(f"columns.radius={name}@{360 * at / width:g}" for at, name in enumerate(names))
                 rule += f", or name the arms of a tool with few arms: {each}"
             raise log_set.input_error(rule, column=arm.channel)
         return [arm.first + arm.step * sector for sector in range(width)]
@@ -169,7 +169,7 @@ def _angles(log_set: RawSet, arm: Role, width: int, turning: bool) -> list[float
         raise log_set.input_error(rule, column=arm.channel)
     if arm.angle is not None and not turning and not arm.confirmed and arm.turns:
         rule = "an arm pair that turns with the tool needs a toolface: name its channel in a map"
-        rule += f"; of a tool that does not turn, state the angle of each pair: --column diameter={arm.channel}@0"
+        rule += f"; of a tool that does not turn, state the angle of each pair: columns.diameter={arm.channel}@0"
         raise log_set.input_error(rule, column=arm.channel)
     angle = arm.angle or 0.0
     return [angle, angle + 180.0] if arm.role == "diameter" else [angle]

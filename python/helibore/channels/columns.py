@@ -168,7 +168,7 @@ def survey(log_set: RawSet, roles: RoleMap | None = None) -> Survey:
         depth differ.
     """
     roles = roles or guess(log_set)
-    at_depth, depth = depths(log_set, roles, "--column survey-depth")
+    at_depth, depth = depths(log_set, roles, "columns.survey_depth")
     try:
         inclined, turned = (needed(log_set, roles, role) for role in ("inclination", "azimuth"))
     except InputError as error:
@@ -176,7 +176,7 @@ def survey(log_set: RawSet, roles: RoleMap | None = None) -> Survey:
         if known is not None:
             rule = (
                 f"a survey needs the azimuth beside the inclination {known.channel}: the path and true dips follow "
-                "from both. Name the azimuth by --column azimuth=NAME or in a map; without a survey, dips count "
+                "from both. Name the azimuth by columns.azimuth=NAME or in a map; without a survey, dips count "
                 "from the hole, "
                 "and toolfaces count from the high side"
             )
@@ -184,8 +184,8 @@ def survey(log_set: RawSet, roles: RoleMap | None = None) -> Survey:
         rule = "a survey is depth, inclination and azimuth at each station; positions alone do not state the directions"
         raise InputError(error.place, f"{error.rule}; {rule}") from error
     inclination, azimuth = (
-        column(log_set, inclined, "--column inclination"),
-        column(log_set, turned, "--column azimuth"),
+        column(log_set, inclined, "columns.inclination"),
+        column(log_set, turned, "columns.azimuth"),
     )
     plausibility.survey_angles(log_set, inclined, turned, inclination, azimuth)
     rows = np.flatnonzero(np.isfinite(depth) & np.isfinite(inclination) & np.isfinite(azimuth))

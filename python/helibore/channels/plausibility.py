@@ -59,7 +59,7 @@ def lengths(log_set: RawSet, role: Role, values: Floats, bit_diameter: float | N
     if role.role == "diameter":
         if bit_diameter is not None and not role.confirmed and abs(2.0 * median / bit_diameter - 1.0) < 0.25:
             rule = f"median {median:.3g}: looks like a radius, where a diameter is expected: the bit's diameter is"
-            how = f'{bit_diameter:.3g} m; state role = "radius" in a map, or --column radius={role.channel}'
+            how = f'{bit_diameter:.3g} m; state role = "radius" in a map, or columns.radius={role.channel}'
             raise log_set.input_error(f"{rule} {how}", column=role.channel)
         return
     if bit_diameter is None and (role.confirmed or found.size < FEW):
@@ -72,7 +72,7 @@ def lengths(log_set: RawSet, role: Role, values: Floats, bit_diameter: float | N
     else:
         how = f', or give the bit diameter or confirm role = "{role.role}" there'
         if bit_diameter is not None:
-            how = f", or --column diameter={role.channel}: the bit's diameter is {bit_diameter:.3g} m"
+            how = f", or columns.diameter={role.channel}: the bit's diameter is {bit_diameter:.3g} m"
         rule = (
             f'median {median:.3g}: looks like a diameter, where a radius is expected; state role = "diameter" in a map'
         )

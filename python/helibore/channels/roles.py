@@ -377,7 +377,7 @@ def _sets_of_arms(log_set: RawSet, roles: dict[str, Role], names: RoleNames) -> 
             if any(ONE_OF_SEVERAL.search(each.description) for each in arms):
                 reason = (
                     f"{shown} are three diameters {step:g} deg apart, or three radii {2 * step:g} deg apart: name them "
-                    f"by options or in a map, --column diameter={arm.name}@{angle:g} or --column "
+                    f"in a map, or columns.diameter={arm.name}@{angle:g}, columns."
                     f"radius={arm.name}@{2 * angle:g}"
                 )
                 role = _none(arm, reason)

@@ -67,7 +67,9 @@ def _one_line_errors() -> Iterator[None]:
         reason = error.strerror or str(error)
         raise BadInput(f"{error.filename}: {reason}" if error.filename else reason) from error
     except (ValueError, MissingExtraError) as error:
-        raise BadInput(str(error)) from error
+        setting = getattr(error, "setting", "")
+        option = f"-s {setting}" if "." in setting else f"--{setting.replace('_', '-')}"
+        raise BadInput(f"{error} (option: {option})" if setting else str(error)) from error
 
 
 class Verbs(click.Group):

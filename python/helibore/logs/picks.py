@@ -286,7 +286,7 @@ def _parsed(row: Mapping[str, Any], path: Path | None, apparent: bool, line: str
     try:
         if true_dip is not None:
             if path is None:
-                rule = "a true dip needs the path of the wall: give --survey, or apparent_dip_deg and toolface_deg"
+                rule = "a true dip needs the path of the wall: give a survey, or apparent_dip_deg and toolface_deg"
                 raise InputError("dip_deg", rule)
             found = plane(texts["kind"], numbers["depth"], *true_dip, path)
             numbers |= {"apparent_dip": found.apparent_dip, "toolface": found.toolface}

@@ -271,7 +271,7 @@ class Logs(Tabular):
         return replace(self, arm_diameter=tuple(of[inside] for of in self.arm_diameter), **columns)
 
     def annulus(self, casing: float) -> Annulus:
-        """Return the annulus around a casing: volume, cement, clearance, as `helibore logs --casing` writes them.
+        """Return the annulus around a casing: volume, cement, clearance, as `helibore logs` writes them.
 
         ``logs.annulus(0.2445).cement(top=2000, excess=0.1)`` is the cement below 2,000 m, with an excess of ten
         percent.

@@ -184,7 +184,7 @@ def odd_passes(wall: Wall, caliper: Caliper, pass_number: npt.ArrayLike, arm_nam
                         sentence = (
                             f"pass {one}{name} reads up to {1e3 * most:.1f} mm {word} in radius than the merged wall, "
                             f"from {depth[first]:.2f} to {depth[stop - 1]:.2f} m in {stop - first} rows; "
-                            f"--passes {one} shows it"
+                            f"preparation.passes={one} shows it"
                         )
                         worst[word] = most, sentence
     return [sentence for _, sentence in worst.values() if sentence]

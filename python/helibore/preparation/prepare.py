@@ -324,7 +324,7 @@ class _Pipeline:
                 top, bottom = one.depth[rest].min(), one.depth[rest].max()
                 self.report.append((
                     "stuck", f"{one.name}: {one.channels[int(one.arm[sensor])]} does not move in {rest.size:,} rows "
-                    f"between {top:.1f} and {bottom:.1f} m while the other arms do: kept; -s "
+                    f"between {top:.1f} and {bottom:.1f} m while the other arms do: kept; "
                     f"preparation.stuck=ROWS drops them"
                 ))  # fmt: skip
 
@@ -349,7 +349,7 @@ class _Pipeline:
                     f"{100 * share:.0f} % of the samples have the depth, toolface and radius of an earlier sample, and "
                     "count again"
                 )
-                self.report.append(("repeated", f"{text}; -s preparation.repeated=true drops them"))
+                self.report.append(("repeated", f"{text}; preparation.repeated=true drops them"))
         samples = self.samples
         if settings.spikes is not None:
             turn, _ = self._turns(rows=True)
@@ -685,8 +685,8 @@ class _Pipeline:
         names = self._arm_names()
         lines = found.disagreements([names[number] for number in found.arms])
         if lines:
-            passes = "-s preparation.reversal=5m " if unsplit and np.ptp(number) else ""
-            self.report.append(("bias", f"{lines[0]}; {passes}--bias arm subtracts it"))
+            passes = "preparation.reversal=5m " if unsplit and np.ptp(number) else ""
+            self.report.append(("bias", f"{lines[0]}; {passes}preparation.bias=arm subtracts it"))
 
     def _finished(self) -> Prepared:
         settings, earlier = self.settings, None
@@ -726,7 +726,7 @@ class _Pipeline:
             limit = "greatest_radius" if samples.radius[at] > LARGEST_RADIUS else "least_radius"
             rule = f"must be above 0 and at most {LARGEST_RADIUS:g} m; preparation.{limit} drops such radii; "
             rule += f"if the number of the file means no value, {say_so()}"
-            raise InputError(f"{place}: radius {samples.radius[at]:g} m", rule)
+            raise InputError(f"{place}: radius {samples.radius[at]:g} m", rule, setting=f"preparation.{limit}")
 
     def _caliper(self) -> Caliper:
         self._require_possible_radii()

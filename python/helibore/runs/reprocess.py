@@ -192,8 +192,8 @@ def check_encrypted(address: str, insecure: bool) -> None:
     """Refuse the address of a scheduler that takes tasks from everyone who reaches it, unless ``insecure``."""
     if not insecure and not address.startswith(("tls://", "wss://", "inproc://")):
         rule = "must be tls://HOST:PORT: without TLS, whoever reaches the port can run code on this machine and on all "
-        rule += "workers; --insecure-scheduler (insecure=True in Python) allows it"
-        raise InputError("scheduler", rule, address)
+        rule += "workers; insecure=True allows it"
+        raise InputError("scheduler", rule, address, setting="insecure_scheduler")
 
 
 @contextlib.contextmanager

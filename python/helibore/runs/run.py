@@ -457,13 +457,14 @@ def _read_image(run: Run, one: ImageInput) -> SectorImage:
     stated = one.reference or run.stated
     reference: Any = stated or run.reference or "high-side"
     if reference not in ("north", "high-side"):
-        rule = f"the wall counts toolfaces from {reference}, but no image does; end --image with :north or :high-side"
+        rule = f"the wall counts toolfaces from {reference}, but no image does; state the image's reference, north or "
+        rule += "high-side"
         raise InputError(f"image {one.name}", rule)
     log = run.files.log(one.file).set()
     log.channel(one.name)
     image = log.image(one.name).sector_image(one.origin, reference)
     size = f"{image.depth.size:,} rows x {image.sectors} sectors, {image.missing:,} values missing"
-    assumed = "" if stated else ", since no reference is stated (:north or -s path.reference=north states one)"
+    assumed = "" if stated else ", since no reference is stated (path.reference=north states one)"
     run.messages.append(("image", f"{one.file.name}:{one.name}: {size}, from {reference}{assumed}"))
     return image
 
@@ -475,7 +476,7 @@ def _read_round(run: Run, wall: Settings, images: list[SectorImage]) -> tuple[st
     run.messages.insert(0, ("wall", "gauge hole: not measured"))
     top, bottom = interval(wall)
     if not np.isfinite([top, bottom]).all() and not images:
-        raise InputError("gauge", "needs a top and a bottom (--from and --to), or an image, which has depths")
+        raise InputError("gauge", "needs start_depth and stop_depth, or an image, which has depths")
     top = top if np.isfinite(top) else min(float(image.depth[0]) for image in images)
     bottom = bottom if np.isfinite(bottom) else max(float(image.depth[-1]) for image in images)
     return "gauge hole", Caliper.gauge(top, bottom, wall.bit_diameter)
@@ -617,10 +618,8 @@ def _first_station(log: LogSet, roles: RoleMap, survey: Survey, head: tuple[floa
     known = len(stated) == 3 and bool(np.isfinite(stated).all())
     if any(head) or (np.abs(stated).max() if known else top) <= 0.001:
         return
-    place = "-s path.head says where it lies"
+    place = "path.head says where it lies"
     if known:
         north, east, down = (f"{value:.10g}" for value in stated)
-        place = (
-            f"the file states north {north}, east {east}, down {down} m; -s path.head={north},{east},{down} sets these"
-        )
+        place = f"the file states north {north}, east {east}, down {down} m; path.head={north},{east},{down} sets these"
     yield "", f"positions count from the first station, at {top:g} m, as if it were (0, 0, 0); {place}"

@@ -160,10 +160,9 @@ class Caliper(Tabular):
             Names of the columns; radius, not diameter.
         diameters
             For a tool with few arms (X-Y, four arms), in place of ``radius``: the column of each diameter, and the
-            angle of its arms from the toolface, degrees. ``{"CAL1": 0, "CAL2": 90}`` means the same as ``--column
-            diameter=CAL1@0 --column diameter=CAL2@90``. Half of a diameter is the radius on both sides. If one
-            diameter is missing, the
-            other diameters of its row stay, and ``left_out`` counts the row once.
+            angle of its arms from the toolface, degrees, such as ``{"CAL1": 0, "CAL2": 90}``. Half of a diameter is the
+            radius on both sides. If one diameter is missing, the other diameters of its row stay, and ``left_out``
+            counts the row once.
         units
             Units: ``{"depth": "ft", "radius": "in"}``, or ``{"diameter": "in"}`` for all diameters. Without, a column
             has the unit at the end of its name, as in a file (``MD_ft``, ``CAL [in]``), or else metres, degrees or

@@ -271,7 +271,7 @@ def split_setting(text: str, groups: dict[str, type[Any]]) -> tuple[str, Member,
     name, equals, value = text.partition("=")
     group, dot, key = name.strip().partition(".")
     if not (equals and dot and key):
-        raise InputError("--setting", "must be GROUP.NAME=VALUE, such as wall.power=2", shown(text))
+        raise InputError("setting", "must be GROUP.NAME=VALUE, such as wall.power=2", shown(text))
     if group not in groups:
         raise unknown_name(group, group, groups)
     known = members(groups[group])

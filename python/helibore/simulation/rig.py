@@ -228,7 +228,7 @@ def connect(address: str, seconds: float = 30.0) -> socket.socket:
             return _connected(where, seconds)
         listening = socket.create_server(where, family=socket.AF_INET6 if ":" in found.host else socket.AF_INET)
     except OSError as error:
-        raise port_error(error, *where, "address (--wits)") from error
+        raise port_error(error, *where, "address") from error
     with listening:
         listening.settimeout(seconds)
         try:

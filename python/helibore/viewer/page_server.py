@@ -103,7 +103,7 @@ def import_server() -> Any:
     return uvicorn
 
 
-PORT_OPTION = "port, or 0 (--port; --view-port of helibore live)"
+PORT_OPTION = "port, or 0"
 
 
 def _bind(host: str, port: int, connections: Connections) -> Listener:

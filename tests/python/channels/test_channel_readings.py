@@ -321,12 +321,11 @@ HEADER = "md_m,tf_deg,radius_m\n"
          "c.csv, line 4, column md_m: NaN or infinite: a depth must be finite, or empty"),
         (HEADER + "1,2,0\n1,2,0.1\n1,2,0.1\n", {},
          "c.csv, line 2, column radius_m: radius 0 m: must be above 0 and at most 2 m; "
-         "preparation.least_radius drops such radii; if the number of the file means no value, -s "
-         "nulls=NUMBER says so (Python: nulls of hb.open)"),
+         "preparation.least_radius drops such radii; if the number of the file means no value, nulls=NUMBER says so"),
         (HEADER + ",2,99\n1,2,0.1\n1,2,8.5\n1,2,0.1\n1,2,0.1\n", {},
          "c.csv, line 4, column radius_m: radius 8.5 m: must be above 0 and at most 2 m; "
          "preparation.greatest_radius drops such radii; if the number of the file means no value, "
-         "-s nulls=NUMBER says so (Python: nulls of hb.open)"),
+         "nulls=NUMBER says so"),
         (HEADER + "1,2,8.5\n", {},
          "c.csv, column radius_m: median 8.5 m if the unit is m: no radius of a borehole (would fit cm or in)"),
         (HEADER + "1,2,-999.25\n2,,0.1\n", {}, "c.csv: no row has depth, toolface and a radius (1 values missing in "
@@ -432,7 +431,7 @@ def test_few_sectors_are_the_arms_of_a_tool(tmp_path: Path) -> None:
     guessed = guess(one)
     with pytest.raises(
         ValueError,
-        match=r"arms of a tool with few arms: --column radius=ARM1_m@0 --column radius=ARM2_m@90 --column rad",
+        match=r"arms of a tool with few arms: columns.radius=ARM1_m@0 columns.radius=ARM2_m@90 columns.rad",
     ):
         readings(one, guessed)
     stated = {**guessed.roles, "ARM": replace(guessed["ARM"], first=0.0, step=90.0)}

@@ -42,14 +42,13 @@ def made(columns: dict[str, Any]) -> LogSet:
          'hole; change the signs, or confirm role = "depth" in a map'),
         ({"MD__m": np.where(np.arange(N) % 4, 1000 + np.arange(N), -999.0)}, {},
          "f.las, row 0, column MD: -999 m in 2 rows, other depths lie between 1001 and 1007 m: a number that "
-         "means no value? -s nulls=-999 says so (Python: nulls of hb.open)"),
+         "means no value? nulls=-999 says so"),
         ({"MD__m": None, "MD": 100 + np.arange(N)}, {},
          'f.las, column MD: unit missing: state it in a map ([channels."MD"] unit = ...), or as MD:UNIT in its option; '
          "depth is length"),
         ({"TF__deg": np.full(N, np.nan)}, {}, "f.las, column TF: every value is missing"),
         ({"TF__deg": np.full(N, 1e4)}, {}, "f.las, row 0, column TF: 10000 deg: an angle lies within -720 and 720; if "
-                                           "the number means no value, -s nulls=10000 says so "
-                                           "(Python: nulls of hb.open)"),
+                                           "the number means no value, nulls=10000 says so"),
         ({"TF__deg": np.arange(N) + 1e4}, {}, "f.las, row 0, column TF: 10000 deg: an angle lies within -720 and 720"),
         ({"TF__deg": np.linspace(0, 6.28, N)}, {"radius": {"unit": "m"}}, None),
         ({"radius__m": np.full(N, np.nan)}, {}, "f.las, column radius: every value is missing"),
@@ -58,7 +57,7 @@ def made(columns: dict[str, Any]) -> LogSet:
          '"diameter" in a map, or give the bit diameter or confirm role = "radius" there'),
         ({"radius__m": None, "DIAM__m": np.full(N, 0.108)}, {}, "bit 0.216",),
         ({"radius__m": None}, {}, "f.las: no channel has the role radius, diameter or radius-image: "
-                                  f"{NAME_ONE}, such as --column radius=NAME:in; the channels are MD, TF"),
+                                  f"{NAME_ONE}, such as columns.radius=NAME:in; the channels are MD, TF"),
         ({"radius__m": np.full((N, 4), 0.1)}, {"radius": {"role": "radius"}},
          "f.las, column radius: a radius has one value a row, this has 4: its role is radius-image"),
         ({"radius__m": np.full((N, 4), 0.1)}, {},
@@ -67,7 +66,7 @@ def made(columns: dict[str, Any]) -> LogSet:
          "f.las, column TT: a travel time needs the velocity in the mud and the tool's radius"),
         ({"TF__deg": None, "radius__m": None, "cal_x__in": np.full(N, 8.5), "cal_y__in": np.full(N, 8.6)}, {},
          "f.las, column cal_x: an arm pair that turns with the tool needs a toolface: name its channel in a map; of "
-         "a tool that does not turn, state the angle of each pair: --column diameter=cal_x@0"),
+         "a tool that does not turn, state the angle of each pair: columns.diameter=cal_x@0"),
         ({"TF__deg": None}, {},
          "f.las, column radius: no toolface: name the toolface channel, or the angle of this channel, by an option or "
          "in a map"),
@@ -107,7 +106,7 @@ def test_readings(columns: dict[str, Any], entries: dict[str, Any], text: str | 
     if text == "bit 0.216":
         bit, text = 0.216, (
             "f.las, column DIAM: median 0.108: looks like a radius, where a diameter is expected: the bit's diameter "
-            'is 0.216 m; state role = "radius" in a map, or --column radius=DIAM'
+            'is 0.216 m; state role = "radius" in a map, or columns.radius=DIAM'
         )  # fmt: skip
     if text is None:  # fewer than twenty angles may well lie within two pi
         assert one.readings(overlay(guess(one), one, entries)).rows == N

@@ -287,13 +287,13 @@ def radius(metres: float) -> Channel:
         (
             (DEPTH, TURN),
             "no channel has the role radius, diameter or radius-image: name one by an option or in a map, such "
-            "as --column radius=NAME:in; the channels are MD, TF",
+            "as columns.radius=NAME:in; the channels are MD, TF",
         ),
-        ((DEPTH, channel("CALI", "in", np.full(40, 8.5))), "(--average of helibore plot and logs, or hb.Caliper.from_"),
-        ((DEPTH, channel("GR", "API", np.ones((40, 8)))), "(its images GR lie on a gauge hole: hb.Caliper.gauge, or"),
+        ((DEPTH, channel("CALI", "in", np.full(40, 8.5))), "(as an average caliper, hb.Caliper.from_average, "),
+        ((DEPTH, channel("GR", "API", np.ones((40, 8)))), "(its images GR lie on a gauge hole, hb.Caliper.gauge)"),
         (
             (DEPTH, channel("INC", "deg", np.zeros(40)), channel("AZI", "deg", np.zeros(40))),
-            "(it holds a survey, which --survey takes)",
+            "(it holds a survey, not a caliper)",
         ),
         (
             (DEPTH, channel("cal_x", "in", np.full(40, 8.5)), channel("cal_y", "in", np.full(40, 8.5))),
@@ -305,7 +305,7 @@ def radius(metres: float) -> Channel:
         ),
         (
             (DEPTH, TURN, channel("radius", "mm", np.full(40, 216.0)), channel("BS", "in", np.full(40, 8.5))),
-            'state role = "diameter" in a map, or --column diameter=radius: the bit\'s diameter is 0.216 m',
+            'state role = "diameter" in a map, or columns.diameter=radius: the bit\'s diameter is 0.216 m',
         ),
         (
             (channel("Z", "m", -2000.0 - np.arange(40.0), "measured depth"), TURN, radius(0.1)),
@@ -327,7 +327,7 @@ def test_a_caliper_holds_no_impossible_radius() -> None:
     for metres in (0.0, -0.1, 2.5):
         one = log_set(DEPTH, TURN, channel("radius", "m", np.where(np.arange(40) == 7, metres, 0.1)))
         assert wall_samples(one).radius[7] == metres  # for conditioning to judge
-        rule = rf"^f.las, row 7, column radius: radius {metres:g} m: must be above 0 and at most 2 m; -s prep"
+        rule = rf"^f.las, row 7, column radius: radius {metres:g} m: must be above 0 and at most 2 m; prep"
         with pytest.raises(ValueError, match=rule):
             one.caliper()
 

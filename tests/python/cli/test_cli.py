@@ -159,8 +159,8 @@ def test_upwards(folder: Path, tmp_path: Path) -> None:
          "c.csv, line 3, column md_m: NaN or infinite: a depth must be finite, or empty"),
         ("md_m,rb_deg,r\n1,2,0.1\n1,2,0\n1,2,0.1\n", ["--column", "radius=r:m"],
          "c.csv, line 3, column r: radius 0 m: must be above 0 and at most 2 m; "
-         "preparation.least_radius drops such radii; if the number of the file means no value, -s nulls=NUMBER says so "
-         "(Python: nulls of hb.open)"),
+         "preparation.least_radius drops such radii; if the number of the file means no value, nulls=NUMBER says so "
+         "(option: -s preparation.least_radius)"),
         ("md_m,rb_deg,r\n1,2,8.5\n", ["--column", "radius=r:m"],
          "c.csv, column r: median 8.5 m if the unit is m: no radius of a borehole (would fit cm or in)"),
         ("md_m,rb_deg,r\n", ["--column", "radius=r:m"], "c.csv, line 1: no rows below the header"),
@@ -375,7 +375,8 @@ def test_f12(tmp_path: Path) -> None:
     assert abs(2 * np.hypot(points[:, 0], points[:, 2]).mean() / 0.0254 - of_the_file) < 0.05
     assert np.ptp(points[:, 1]) == pytest.approx(160.0, abs=0.01)
     spot = (
-        "up to 12.2 mm less in radius than the merged wall, from 3165.50 to 3166.26 m in 6 rows; --passes 26 shows it"
+        "up to 12.2 mm less in radius than the merged wall, from 3165.50 to 3166.26 m in 6 rows; "
+        "preparation.passes=26 shows it"
     )
     assert f"passes pass 26 (pfc2_y_in) reads {spot}" in " ".join(result.output.split())
     others = run("reconstruct", F12, "--column", "diameter=pfc1_x_in@0", "--column", "diameter=pfc2_y_in@90",

@@ -66,7 +66,7 @@ def test_an_average_caliper_and_an_archive_again(folder: Path) -> None:
     assert wall.basis == "average"
     assert wall.path is not None
     assert wall.path.reference == wall.images["GR"].reference == "north"
-    assert "at 990 m, as if it were (0, 0, 0); -s path.head says where it lies" in " ".join(result.output.split())
+    assert "at 990 m, as if it were (0, 0, 0); path.head says where it lies" in " ".join(result.output.split())
     assert run(folder / "m.wall", "-o", folder / "m.vtu", "-q").exit_code == 0
     wall.surface().save(folder / "own.vtu", color_by="GR")
     assert (folder / "m.vtu").read_bytes() == (folder / "own.vtu").read_bytes()

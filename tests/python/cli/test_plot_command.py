@@ -326,7 +326,7 @@ def test_a_channel_that_is_not_there_is_named(tmp_path: Path, option: str) -> No
             "8.5\n-999,8.5",
             (),
             "log.csv, line 3, column depth_m: -999 m in 9 rows, other depths lie between 1000 and 1008 m: "
-            "a number that means no value? -s nulls=-999 says so",
+            "a number that means no value? nulls=-999 says so",
         ),
     ],
 )
@@ -353,7 +353,7 @@ def test_a_print_names_its_survey_and_the_north_that_the_file_states(tmp_path: P
     assert f"<!-- survey.csv: {said} -->" in (tmp_path / "log.svg").read_text()
 
 
-ASSUMED = "from high-side, since no reference is stated (:north or -s path.reference=north states one)"
+ASSUMED = "from high-side, since no reference is stated (path.reference=north states one)"
 
 
 @pytest.mark.parametrize(

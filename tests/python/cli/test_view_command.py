@@ -42,7 +42,7 @@ INNM.deg : Inclination
     rows="".join(f"{500 + row} 60 {' '.join(str(20 + row + sector) for sector in range(8))}\n" for row in range(5)),
 ).encode()
 IMAGES_ONLY = (
-    "has images (GRAS) and no known caliper around the hole (--column radius=NAME or diameter=NAME states one). "
+    "has images (GRAS) and no known caliper around the hole (columns.radius=NAME or diameter=NAME states one). "
     "This command puts the "
     "images on a gauge hole. With edge, sector 1 starts at toolface 0; with centre, it is centred there. Only the "
     "tool's manual says which is right; the other word turns GRAS by 22.5 deg"
@@ -112,7 +112,7 @@ def test_what_it_cannot_do_is_one_line_and_exit_code_two(
         (
             ("nocaliper.csv", *BIT),
             "nocaliper.csv: no channel has the role radius, diameter or radius-image: name one by an option or in a "
-            "map, such as --column radius=NAME:in; the channels are depth, gr",
+            "map, such as columns.radius=NAME:in; the channels are depth, gr",
         ),
         ((".", *BIT), ".: is a directory"),
         (("none.csv", *BIT), "none.csv: No such file or directory"),
@@ -149,7 +149,7 @@ def test_what_it_cannot_do_is_one_line_and_exit_code_two(
         (
             ("--gauge", "--image", "memory.las:GRAS:edge", *BIT, "--survey", "memory.las"),
             "memory.las: a survey needs the azimuth beside the inclination INNM: the path and true dips follow from "
-            "both. Name the azimuth by --column azimuth=NAME or in a map; without a survey, dips count from the hole, "
+            "both. Name the azimuth by columns.azimuth=NAME or in a map; without a survey, dips count from the hole, "
             "and toolfaces count from the high side",
         ),
         ((str(caliper), *BIT, "--token", ""), "token: must not be empty"),
@@ -291,7 +291,7 @@ def test_the_settings_of_a_run_show_its_wall(caliper: Path, tmp_path: Path) -> N
             taken = run(str(settings), "--no-browser", "--port", url.strip("/").rsplit(":", 1)[1])
             assert (taken.exit_code, taken.stderr.count("\n")) == (2, 1), taken.stderr
             port = url.strip("/").rsplit(":", 1)[1]
-            rule = "Address already in use; give another port, or 0 (--port; --view-port of helibore live)"
+            rule = "Address already in use; give another port, or 0"
             assert taken.stderr == f"helibore: 127.0.0.1 port {port}: {rule}\n"
         finally:
             shown.send_signal(signal.SIGINT)

@@ -42,7 +42,7 @@ def test_absent_numbers_come_beside_the_usual_ones(tmp_path: Path) -> None:
     rows[40], rows[60] = "1000.8,-999.2,8.5,8.5", "1001.2,20,-999.25,8.5"
     (tmp_path / "a.csv").write_text("\n".join(["MD_m,RB_deg,C1_in,C2_in", *rows]))
     given = ("mesh", tmp_path / "a.csv", "--bit-diameter", "8.5in", "-o", tmp_path / "a.ply")
-    assert "if the number means no value, -s nulls=-999.2 says so" in run(*given).stderr
+    assert "if the number means no value, nulls=-999.2 says so" in run(*given).stderr
     result = run(*given, "-s", "nulls=-999.2")
     assert result.exit_code == 0, result.output
     assert tomllib.loads((tmp_path / "a.ply.toml").read_text())["nulls"] == [-999.25, -9999.0, -9999.25, -999.2]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -66,3 +67,21 @@ def test_the_root_of_the_package_holds_four_files() -> None:
 
 def test_every_source_of_the_core_lies_in_a_folder() -> None:
     assert not [path for path in (ROOT / "cpp" / "src").iterdir() if path.is_file()]
+
+
+def test_the_library_names_no_option_of_the_command_line() -> None:
+    """Its texts name settings. Only ``cli`` knows options; ``settings`` declares them."""
+    option = re.compile(r"""[ (`"'](--(?:[a-z]+-)*[a-z]+(?=[ =`"',.;)])|-s (?:[a-z_]+[.=]|"$))""")
+    library = [path for path in modules().values() if not {"cli", "settings"} & set(path.relative_to(PACKAGE).parts)]
+    found = [
+        f"{path.relative_to(PACKAGE)}: {match[1]}"
+        for path in library
+        for line in path.read_text().splitlines()
+        for match in option.finditer(line)
+        if "->" not in line and match[1] not in NOT_OURS
+    ]
+    assert not found
+
+
+NOT_OURS = ("--help", "--force-reinstall", "--no-deps")
+"""Options that texts of the library may name: of pip, and the one that shows the help."""

@@ -147,7 +147,7 @@ def test_true_dips_of_others_become_picks_on_a_path() -> None:
     bed, fault = Picks.parse(text, hole)
     assert bed.dip(hole) == pytest.approx((20.0, 100.0))
     assert (fault.kind, fault.dip(hole)) == ("fault", pytest.approx((70.0, 280.0)))
-    with pytest.raises(InputError, match=r"^line 2: dip_deg: a true dip needs the path .*: give --survey, or "):
+    with pytest.raises(InputError, match=r"^line 2: dip_deg: a true dip needs the path .*: give a survey, or "):
         Picks.parse(text)
     with pytest.raises(InputError, match=r"^line 1: must have the columns class, depth_m, dip_deg, dip_azimuth_deg$"):
         Picks.parse("DEPTH,DIP,AZI,TYPE\n", hole)

@@ -449,9 +449,9 @@ def test_the_worst_places_that_one_pass_sees_are_named() -> None:
     less, more = sentences(0.012, 5, 0.02)  # what is larger, and by more, hides no tight spot
     assert less.startswith("pass 4 (y) reads up to 9.")
     wall = "in radius than the merged wall"
-    assert less.endswith(f" mm less {wall}, from 120.00 to 120.40 m in 5 rows; --passes 4 shows it")
+    assert less.endswith(f" mm less {wall}, from 120.00 to 120.40 m in 5 rows; preparation.passes=4 shows it")
     assert more.startswith("pass 6 (x) reads up to 1")
-    assert more.endswith(f" mm more {wall}, from 110.00 to 110.20 m in 3 rows; --passes 6 shows it")
+    assert more.endswith(f" mm more {wall}, from 110.00 to 110.20 m in 3 rows; preparation.passes=6 shows it")
     assert sentences(0.012, 5) == [less]
     assert sentences(0.012, 2) == []  # a spike
     assert sentences(0.004, 5) == []
@@ -479,4 +479,4 @@ def test_an_odd_pass_of_several_files_has_the_number_that_its_file_gives_it():
     *_, more = odd_passes(wall, prepared.caliper, prepared.pass_number, prepared.arm_names)
     assert more.startswith("pass 3 reads up to 1")
     assert "more in radius" in more
-    assert more.endswith("--passes 3 shows it")
+    assert more.endswith("preparation.passes=3 shows it")

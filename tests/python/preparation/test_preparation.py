@@ -90,7 +90,7 @@ def test_range_interval_repeated_are_counted_in_words() -> None:
         prepare(one.readings(), Preparation(recentre=True))
     rule = (
         "must be above 0 and at most 2 m; preparation.least_radius drops such radii; if the number of the "
-        "file means no value, -s nulls=NUMBER says so (Python: nulls of hb.open)"
+        "file means no value, nulls=NUMBER says so"
     )
     assert str(caught.value) == f"f.csv, row 3, column radius: radius 0 m: {rule}"
     twice = Readings(**(vars(rotating().readings()) | {
@@ -98,7 +98,7 @@ def test_range_interval_repeated_are_counted_in_words() -> None:
     } | {"radii": (np.tile(rotating().readings().radii[0], 2),)}))  # fmt: skip
     text = (
         "50 % of the samples have the depth, toolface and radius of an earlier sample, and count again; "
-        "-s preparation.repeated=true drops them"
+        "preparation.repeated=true drops them"
     )
     assert prepare(twice).report == (("repeated", text),)
     assert prepare(twice, Preparation(repeated=True)).counts == {"repeated rows": N, "kept": N}
@@ -241,7 +241,7 @@ def test_passes_shift_bias_choice_and_comparison() -> None:
     silent = prepare(one.readings(), Preparation(find_shifts=True)).report[-1]
     assert silent[0] == "bias"
     assert "radius of pass 3 reads +0." in silent[1]
-    assert silent[1].endswith("; --bias arm subtracts it")
+    assert silent[1].endswith("; preparation.bias=arm subtracts it")
     held = prepare(one.readings(), Preparation(shifts=((2, 0.0),), find_shifts=True))
     assert held.shifts is not None
     np.testing.assert_allclose(held.shifts.shift, [-0.4, 0, -0.4], atol=0.02)
@@ -686,7 +686,7 @@ def test_an_arm_that_does_not_move_is_reported_and_kept() -> None:
     columns = {"md__m": depth, "rb__deg": np.arange(600.0) % 360, "calx__m": moving, "caly__m": resting}
     found = prepare(log(**columns).readings())
     line = ("stuck", "f.csv: caly does not move in 250 rows between 104.0 and 109.0 m while the other arms do: "
-                     "kept; -s preparation.stuck=ROWS drops them")  # fmt: skip
+                     "kept; preparation.stuck=ROWS drops them")  # fmt: skip
     assert [each for each in found.report if each[0] == "stuck"] == [line]
     assert found.counts == {"kept": 2400}
     assert not [each for each in prepare(log(**columns).readings(), Preparation(stuck=50)).report if each == line]
@@ -703,7 +703,7 @@ def test_two_runs_in_one_file_that_disagree_are_reported() -> None:
     lines = [text for name, text in found.report if name == "bias"]
     assert lines == [
         "passes or arms disagree by more than their noise (0.20 mm): radius of pass 2 reads +1.01 mm, "
-        "radius of pass 1 reads -1.01 mm; -s preparation.reversal=5m --bias arm subtracts it"
+        "radius of pass 1 reads -1.01 mm; preparation.reversal=5m preparation.bias=arm subtracts it"
     ]
     mixed = rng.permutation(2000)
     none = prepare(log(md__m=depth[mixed], tf__deg=toolface[mixed], radius__m=radius[mixed]).readings())

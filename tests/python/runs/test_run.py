@@ -443,7 +443,7 @@ def test_depths_that_fall_or_repeat_are_reported(tmp_path: Path) -> None:
     [
         (
             "md_m,inc_deg,azi_deg", "990,3,20", (),
-            "at 990 m, as if it were (0, 0, 0); -s path.head says where it lies",
+            "at 990 m, as if it were (0, 0, 0); path.head says where it lies",
         ),
         ("md_m,inc_deg,azi_deg", "990,3,20", ("-s", "path.head=0m,0m,900m"), ""),
         ("md_m,inc_deg,azi_deg", "0,3,20", (), ""),
@@ -451,12 +451,12 @@ def test_depths_that_fall_or_repeat_are_reported(tmp_path: Path) -> None:
         (
             "md_m,inc_deg,azi_deg,n_m,e_m,tvd_m", "0,3,20,29.293,2.087,0", (),
             "at 0 m, as if it were (0, 0, 0); the file states north 29.293, east 2.087, down 0 m; "
-            "-s path.head=29.293,2.087,0 sets these",
+            "path.head=29.293,2.087,0 sets these",
         ),
         (
             "md_ft,inc_deg,azi_deg,n_ft,e_ft,tvd_ft", "100,3,20,10,20,99", (),
             "at 30.48 m, as if it were (0, 0, 0); the file states north 3.048, east 6.096, down 30.1752 m; "
-            "-s path.head=3.048,6.096,30.1752 sets these",
+            "path.head=3.048,6.096,30.1752 sets these",
         ),
     ],
 )  # fmt: skip
