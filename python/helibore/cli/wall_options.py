@@ -122,7 +122,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
 """Every option of a wall, by section of the help."""
 
 ANYWHERE = ("image", "header_lines", "start_depth", "stop_depth", "threads")
-"""Options that also go with an archive or a settings file, although these have their own settings of the wall."""
+"""Options that also go with an archive, although it has its own settings of the wall."""
 
 
 INTERVAL = ("start_depth", "stop_depth")
@@ -295,10 +295,10 @@ def template_of_option(template: Path | dict[str, Any] | None) -> Template | Non
     return None if template is None else Template.load(template)
 
 
-def _check_outputs(outputs: Sequence[Path], inputs: Sequence[Path], settings_file: Callable[[Path], Path]) -> None:
+def _check_outputs(outputs: Sequence[Path], inputs: Sequence[Path], project_file: Callable[[Path], Path]) -> None:
     for output in outputs:
         for file in inputs:
-            if file.resolve() in (output.resolve(), settings_file(output).resolve()):
+            if file.resolve() in (output.resolve(), project_file(output).resolve()):
                 raise InputError(str(output), f"would overwrite {file}, from which it is made")
 
 
