@@ -28,7 +28,7 @@ VERBS = {
     "live": "Build a wall from live sources while a hole is drilled.",
     "logs": "Write the logs of a wall as LAS, CSV, Parquet or DLIS.",
     "mesh": "Build a mesh or a volume of a wall with its images.",
-    "passage": "Find what passes: rigid cylinders and strings in the measured hole.",
+    "passage": "Find which cylinders and strings pass the measured hole.",
     "plot": "Draw the log of a wall as PNG, SVG or PDF at a true scale.",
     "reconstruct": "Build the wall of a borehole from caliper files and a survey.",
     "report": "Write a report of a wall as one HTML page.",
