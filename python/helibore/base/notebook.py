@@ -11,7 +11,6 @@ import contextlib
 import struct
 import zlib
 from collections.abc import Mapping
-from html import escape
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from helibore.base.arrays import Floats
 from helibore.base.color_limits import usual_scale
 from helibore.base.colors import ColorScale, colors_of
 from helibore.base.errors import InputError
+from helibore.base.harmless import in_html
 
 _WIDTH, _HEIGHT = 72, 120
 """The most cells of a map, across and down. Every picture has two pixels for each cell: it is 144 wide, 240 high."""
@@ -29,12 +29,12 @@ def card(title: str, numbers: Mapping[str, str], picture: str) -> str:
     """Return a card as HTML: a picture, and to its right the title above a table of the numbers by name."""
     cell = 'style="text-align:left;padding:0 .8em 0 0;border:0;background:none'
     rows = "".join(
-        f'<tr style="background:none"><td {cell};opacity:.7">{escape(name)}</td><td {cell}">{escape(text)}</td></tr>'
+        f'<tr style="background:none"><td {cell};opacity:.7">{in_html(name)}</td><td {cell}">{in_html(text)}</td></tr>'
         for name, text in numbers.items()
     )
     return (
         f'<div style="display:flex;gap:1em;align-items:flex-start;font-size:13px">{picture}'
-        f'<div><b>{escape(title)}</b><table style="{_TABLE}">{rows}</table></div></div>'
+        f'<div><b>{in_html(title)}</b><table style="{_TABLE}">{rows}</table></div></div>'
     )
 
 
@@ -59,7 +59,7 @@ def map_picture(values: Floats, scale: ColorScale | None, label: str) -> str:
     )
     source = base64.b64encode(png).decode()
     style = f"width:{2 * _WIDTH}px;height:{2 * _HEIGHT}px;image-rendering:pixelated"
-    return f'<img alt="{escape(label)}" title="{escape(label)}" style="{style}" src="data:image/png;base64,{source}">'
+    return f'<img alt="{in_html(label)}" title="{in_html(label)}" style="{style}" src="data:image/png;base64,{source}">'
 
 
 def usual_picture(values: Floats, name: str, unit: str, label: str) -> str:
@@ -88,7 +88,7 @@ def curve_picture(across: Floats, down: Floats, label: str, equal: bool = False)
     moves = ["M" if not before else "L" for before in np.concatenate([[False], there[:-1]])]
     path = "".join(f"{move}{x:.1f} {y:.1f}" for move, (x, y), one in zip(moves, scaled, there, strict=True) if one)
     return (
-        f'<svg width="{2 * _WIDTH}" height="{2 * _HEIGHT}" role="img" aria-label="{escape(label)}">'
-        f'<title>{escape(label)}</title><rect width="100%" height="100%" fill="none" stroke="currentColor" '
+        f'<svg width="{2 * _WIDTH}" height="{2 * _HEIGHT}" role="img" aria-label="{in_html(label)}">'
+        f'<title>{in_html(label)}</title><rect width="100%" height="100%" fill="none" stroke="currentColor" '
         f'stroke-opacity=".3"/><path d="{path}" fill="none" stroke="currentColor"/></svg>'
     )

@@ -10,13 +10,13 @@ The layout follows "VTK File Formats" (Kitware); the tests read every file with 
 
 from __future__ import annotations
 
-import html
 from collections.abc import Iterable
 from typing import BinaryIO
 
 import numpy as np
 
 from helibore.base.arrays import Array
+from helibore.base.harmless import in_html
 from helibore.mesh.vtk_mesh import VtkMesh
 
 _TYPES = {"f8": "Float64", "f4": "Float32", "i8": "Int64", "i4": "Int32", "u1": "UInt8"}
@@ -24,7 +24,7 @@ _CHUNK = 1 << 24  # bytes written at a time
 
 
 def _quoted(text: str) -> str:
-    return f'"{html.escape(text)}"'
+    return f'"{in_html(text)}"'
 
 
 class _Appended:

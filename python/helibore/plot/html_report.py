@@ -10,7 +10,6 @@ It shows the summary, the pictures, diameters by interval, zones, picks, data qu
 from __future__ import annotations
 
 import base64
-import html
 import math
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -22,6 +21,7 @@ from helibore._core import __version__
 from helibore.base.arrays import runs_of
 from helibore.base.atomic_file import write_whole
 from helibore.base.colors import DIP_TITLES
+from helibore.base.harmless import in_html
 from helibore.base.units import size_text
 from helibore.logs.picks import BREAKOUT
 from helibore.logs.summary import WallSummary
@@ -113,8 +113,8 @@ def page(wall: Wall, messages: Sequence[tuple[str, str]] = (), **options: Any) -
     """Return what `report` writes, as text."""
     content = content_of(wall, Drawing(**options))
     zones = content.zones if wall.basis == "azimuthal" else None
-    title = html.escape(content.drawing.title or "Borehole wall")
-    warned = "" if wall.basis == "azimuthal" else f'<p class="warning">{html.escape(wall.basis_text)}.</p>'
+    title = in_html(content.drawing.title or "Borehole wall")
+    warned = "" if wall.basis == "azimuthal" else f'<p class="warning">{in_html(wall.basis_text)}.</p>'
     parts = [
         ("summary", "Summary", warned + _summary(content)),
         ("pictures", "Pictures", _pictures(content)),
@@ -126,12 +126,12 @@ def page(wall: Wall, messages: Sequence[tuple[str, str]] = (), **options: Any) -
     ]
     links = "".join(f'<a href="#{name}">{heading}</a>' for name, heading, _ in parts)
     body = "\n".join(f'<section id="{name}"><h2>{heading}</h2>\n{text}</section>' for name, heading, text in parts)
-    lead = html.escape(content.drawing.subtitle)
+    lead = in_html(content.drawing.subtitle)
     return (
         f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">\n<title>{title}</title>\n'
         f'<meta name="viewport" content="width=device-width, initial-scale=1">\n<style>{STYLE}</style></head>\n'
         f'<body><h1>{title}</h1><p class="lead">{lead}</p><nav>{links}</nav>\n{body}\n'
-        f"<footer>helibore {html.escape(__version__)}. Depths are measured depths; toolfaces count clockwise "
+        f"<footer>helibore {in_html(__version__)}. Depths are measured depths; toolfaces count clockwise "
         f"looking downhole.</footer></body></html>\n"
     )
 
@@ -144,7 +144,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]], numbers: bool = Tr
         for at, text in enumerate(row):
             kinds = ["number"] * (numbers and at > 0) + ["missing"] * (tag == "td" and not text)
             name = f' class="{" ".join(kinds)}"' if kinds else ""
-            found.append(f"<{tag}{name}>{html.escape(text)}</{tag}>")
+            found.append(f"<{tag}{name}>{in_html(text)}</{tag}>")
         return f"<tr>{''.join(found)}</tr>"
 
     return (
@@ -154,7 +154,7 @@ def table(head: Sequence[str], rows: Iterable[Sequence[str]], numbers: bool = Tr
 
 def pairs(rows: Iterable[tuple[str, str]]) -> str:
     """Return a table of labels and texts as HTML."""
-    lines = (f"<tr><th>{html.escape(label)}</th><td>{html.escape(text)}</td></tr>" for label, text in rows)
+    lines = (f"<tr><th>{in_html(label)}</th><td>{in_html(text)}</td></tr>" for label, text in rows)
     return f"<table><tbody>{''.join(lines)}</tbody></table>"
 
 
@@ -218,7 +218,7 @@ def _pictures(content: Content) -> str:
         words = f"Log of {content.drawing.title or 'the wall'}, part {at}: depth, caliper, images at 1:{content.scale}"
         width = figure.get_size_inches()[0] * MM
         picture = base64.b64encode(rendered([figure], ".png")).decode()
-        shown = f'<img style="width:{width:g}mm" alt="{html.escape(words)}" src="data:image/png;base64,{picture}">'
+        shown = f'<img style="width:{width:g}mm" alt="{in_html(words)}" src="data:image/png;base64,{picture}">'
         # On A4 at 100 %, a picture 210 mm wide is printed at its true size; a wider picture is shrunk, so its scale is
         # not true.
         wide = f"<figcaption>{width:g} mm wide: on narrower paper the depth scale is not true.</figcaption>"
@@ -252,7 +252,7 @@ def _zones(zones: Classification | None, content: Content) -> str:
     if zones is None:
         return "<p>The shape was not measured, so there are no zones.</p>"
     found = zones.by_severity(content.top, content.bottom)
-    criteria = f"Criteria: {html.escape(criteria_text(content))}."
+    criteria = f"Criteria: {in_html(criteria_text(content))}."
     if not found:
         return f"<p>None. {criteria} No measured part of the hole meets one of these criteria.</p>"
     unit, depths = content.drawing.size_unit, content.drawing.depth_unit.name
@@ -276,7 +276,7 @@ def _zones(zones: Classification | None, content: Content) -> str:
 
 def _toolface(content: Content) -> str:
     """Return as HTML what the toolfaces of a table count from."""
-    return f"Toolfaces: {html.escape(toolface_text(content))}."
+    return f"Toolfaces: {in_html(toolface_text(content))}."
 
 
 def _picks(content: Content) -> str:

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 from helibore.base.atomic_file import write_whole
 from helibore.base.errors import InputError, check_ending, needs
+from helibore.base.harmless import printable
 from helibore.base.units import INCH, MILLIMETRE
 
 if TYPE_CHECKING:
@@ -85,6 +86,7 @@ class Sheet:
         """Write text centred on y, and return it; if it is wider than ``within`` millimetres, make it smaller, then
         shorten it.
         """
+        text = printable(text)
         look: dict[str, Any] = {"color": INK, "va": "center", "ha": "left", "fontsize": size, "family": FONT} | extra
         shown = self.figure.text(x / self.width, 1.0 - y / self.height, text, parse_math=False, **look)
         if within is None:
@@ -107,6 +109,7 @@ class Sheet:
 
         If these are more than ``most`` lines, the last of the ``most`` lines holds the rest, shortened.
         """
+        text = printable(text)
         trial = self.text(x, y, text, LEAST, **extra)
         room, lines = len(text), [text]
         while self._too_wide(trial, lines, within) and room > 1:

@@ -41,6 +41,7 @@ from typing import Any
 
 import numpy as np
 
+from helibore.base.harmless import printable_texts
 from helibore.viewer.levels import TURNS
 from helibore.viewer.scene import FRAME_STEP, FRAMES_LEVEL, Scene
 from helibore.viewer.texels import FIRST, NEAREST_UNIT, RADIUS
@@ -103,10 +104,10 @@ def number(message: bytearray, sequence: int) -> bytes:
 
 
 def handshake(scene: Scene) -> dict[str, Any]:
-    """Return what a page must know before it receives values."""
+    """Return what a page must know before it receives values; its texts are `printable`, as the page shows them."""
     shape = scene.shape
     wall, over = scene.levels
-    return {
+    said = {
         "type": "handshake",
         "version": 2,
         "session": scene.session,
@@ -132,15 +133,18 @@ def handshake(scene: Scene) -> dict[str, Any]:
         "saves_picks": scene.saves_picks,
         "curves": [row["name"] for row in scene.state.curves if row["version"] == 0],  # the curves that a caller gave
     }
+    found: dict[str, Any] = printable_texts(said)
+    return found
 
 
 def state_message(scene: Scene) -> dict[str, Any]:
-    """Return the `RunState` for a page, with the server's clock."""
+    """Return the `RunState` for a page, with the server's clock; its texts are `printable`."""
     state = {name: None if value != value else value for name, value in vars(scene.state).items()}  # NaN is not JSON
     now = None if state["newest"] is None else round(time.time(), 1)
     rows = [list(row.values()) for row in scene.state.curves]  # name, unit, low, high, log, version
     curves = {"curves": [row[:-1] for row in rows], "curves_version": max((row[-1] for row in rows), default=0)}
-    return {"type": "state", "begun": scene.begun, **state, **curves, "now": now}
+    found: dict[str, Any] = printable_texts({"type": "state", "begun": scene.begun, **state, **curves, "now": now})
+    return found
 
 
 def picks_message(scene: Scene) -> dict[str, Any]:

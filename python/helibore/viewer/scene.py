@@ -20,6 +20,7 @@ import numpy.typing as npt
 from helibore.base.arrays import Floats, numbers
 from helibore.base.colors import check_map, customary_map
 from helibore.base.errors import InputError
+from helibore.base.harmless import printable
 from helibore.logs.curves import ScalarCurve
 from helibore.logs.picks import Picks
 from helibore.logs.turn_logs import Shape
@@ -332,10 +333,11 @@ class Scene:
         with self.lock:
             rows = {row["name"]: row for row in self.state.curves}
             for one in curves:
+                name = printable(one.name)  # the page shows it, and asks for the curve by it
                 low, high = one.ends()
                 values = {"unit": one.unit, "low": low, "high": high, "log": one.log, "version": version}
-                rows[one.name] = {"name": one.name} | values
-                self.curves[one.name] = one
+                rows[name] = {"name": name} | values
+                self.curves[name] = one
             self.state = replace(self.state, curves=tuple(rows.values()))
         self.on_change()
 
