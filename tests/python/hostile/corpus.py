@@ -4,6 +4,8 @@
 
 The name of a file says by its start what opens it (see `open_all`): ``wall-``, ``picks-``, ``manifest-``, ``live-``,
 ``settings-``, ``journal-``, ``checkpoint-``; every other file is opened as a log.
+
+Bombs unpack to a little more than the limit in force, which HELIBORE_LIMIT_UNPACKED changes.
 """
 
 # lines of files
@@ -22,6 +24,8 @@ from pathlib import Path
 
 import numpy as np
 
+from helibore.base.limits import LIMITS, limit
+
 ESC = "\x1b]0;OWNED\x07\x1b[31m"
 LAS = "~V\nVERS. 2.0:\nWRAP. NO:\n~W\nSTRT.M 1:\nSTOP.M 2:\nSTEP.M 1:\nNULL. -999.25:\n~C\n"
 LAS3 = LAS.replace("2.0", "3.0").replace("~W", "DLM. COMMA:\n~W")
@@ -29,6 +33,11 @@ SHEET = (
     '<worksheet xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main"><sheetData>{}</sheetData></worksheet>'
 )
 HUGE = 10**12
+
+
+def share(count: int) -> int:
+    """How often a part of a long file is repeated: a third as often if the limit of bombs is lowered, as in CI."""
+    return count if limit("unpacked") >= LIMITS["unpacked"] else count // 3
 
 
 def zipped(members: dict[str, bytes], method: int = zipfile.ZIP_DEFLATED) -> bytes:
@@ -99,7 +108,7 @@ def texts() -> Iterator[tuple[str, str]]:
     yield "equal5000.las", LAS + "DEPT.M:\n" + "GR.API:\n" * 4999 + "~A\n" + "1 " * 5000 + "\n"
     yield "equal60000.las", LAS + "G.A:\n" * 60000 + "~A\n1\n"
     yield "params.las", LAS + one.replace("~A", "~P\n" + "BS.IN 8:x\n" * 50000 + "~A")
-    yield "sections.las", LAS + "~C\n" * 50000 + one
+    yield "sections.las", LAS + "~C\n" * share(50000) + one
     yield "escape.las", LAS + f"DEPT.M:\n{ESC}GR.{ESC}:{ESC}\n~A\n1 2\n2 3\n"
     yield "version.las", LAS.replace("2.0", "9" * 10000) + one
     yield "null.las", LAS.replace("-999.25", "1e999") + one
@@ -107,14 +116,17 @@ def texts() -> Iterator[tuple[str, str]]:
     yield "dots.las", LAS + "." * 300000 + "\n~A\n1\n"
     yield "blanks.las", LAS + one + " " * 900000
     yield "ones.las", LAS + "DEPT.M:\n~A\n" + "1\n" * 400000
-    yield "wrapped.las", LAS.replace("NO", "YES") + "A.:\n" * 20000 + "~A\n" + "1\n" * 30000
-    yield "ragged.las", LAS + "A.:\n" * 3000 + "~A\n" + "1 2 3\n" * 20000
+    yield "wrapped.las", LAS.replace("NO", "YES") + "A.:\n" * share(20000) + "~A\n" + "1\n" * share(30000)
+    yield "ragged.las", LAS + "A.:\n" * 3000 + "~A\n" + "1 2 3\n" * share(18000)
     yield "array.las", LAS3 + "".join(f"A[{n}].M : {{AF8.3;{n}deg}}\n" for n in range(25000)) + "~A\n1\n"
     yield "format.las", LAS3 + "DEPT.M : {" + "{" * 200000 + "\n~A\n1\n"
     yield "delimiter.las", LAS3.replace("COMMA", "x" * 100000) + one
-    yield "data3.las", LAS3 + one + "~Log_Data[1] | Log_Data[1]\n1,2\n" * 5000
+    yield "data3.las", LAS3 + one + "~Log_Data[1] | Log_Data[1]\n1,2\n" * share(5000)
     yield "columns.csv", ",".join(f"c{n}" for n in range(40000)) + "\n" + ",".join("1" * 40000) + "\n"
-    yield "named.csv", ",".join(f"{n:x}radius{n:o}" for n in range(3000)) + "\n" + ",".join("1" * 3000) + "\n"
+    yield (
+        "named.csv",
+        ",".join(f"{n:x}radius{n:o}" for n in range(share(3000))) + "\n" + ",".join("1" * share(3000)) + "\n",
+    )
     yield "equal.csv", "a," * 200000 + "a\n" + "1," * 200000 + "1\n"
     yield "image.csv", "depth_m," + ",".join(["img"] * 5000) + "\n" + ",".join("1" * 5001) + "\n"
     yield "escape.csv", f"depth_m,{ESC}rb({ESC})\n1,{ESC}\n2,x\n"
@@ -142,7 +154,7 @@ def texts() -> Iterator[tuple[str, str]]:
         '[{"header": {}, "curves": [' + curve % 10**6 + '], "data": [' + "[null]," * 90000 + "[null]]}]",
     )
     yield "curves.json", json.dumps([{"header": {}, "curves": [{"name": "A"}] * 30000, "data": [[1] * 30000]}])
-    yield "logs.json", "[" + ",".join(['{"header":{},"curves":[{"name":"A"}],"data":[[1]]}'] * 3000) + "]"
+    yield "logs.json", "[" + ",".join(['{"header":{},"curves":[{"name":"A"}],"data":[[1]]}'] * share(3000)) + "]"
     yield "escape.json", json.dumps([{"header": {"name": ESC}, "curves": [{"name": ESC, "unit": ESC}], "data": [[1]]}])
     yield "nan.json", '[{"header":{},"curves":[{"name":"A"}],"data":[[NaN],[Infinity],[1e999]]}]'
     yield "wells.json", json.dumps({"wells": {ESC: {"MD": [{}]}, "a": 5, "b": {"header": []}}})
@@ -156,7 +168,7 @@ def texts() -> Iterator[tuple[str, str]]:
     yield "equalattributes.xml", "<logs " + 'a="1" ' * 90000 + "/>"
     yield "names.xml", "<logs><log>" + "".join(f"<n{n}/>" for n in range(15000)) + "</log></logs>"
     yield "children.xml", "<logs><log><logCurveInfo>" + "<a/>" * 150000
-    yield "manylogs.xml", "<logs>" + "<log><name>x</name></log>" * 8000 + "</logs>"
+    yield "manylogs.xml", "<logs>" + "<log><name>x</name></log>" * share(8000) + "</logs>"
     rows = "<data>" + "1," * 20 + "</data>"
     yield (
         "mnemonics.xml",
@@ -178,8 +190,8 @@ def tomls() -> Iterator[tuple[str, str]]:
     well = '[[well]]\nname = "A"\n'
     for kind in ("manifest", "settings", "live"):
         yield f"{kind}-deep.toml", "a = " + "[" * 100000
-        yield f"{kind}-tables.toml", "".join(f"[{'a.' * 20}b{n}]\n" for n in range(1500))
-        yield f"{kind}-keys.toml", "".join(f"k{n} = 1\n" for n in range(10000))
+        yield f"{kind}-tables.toml", "".join(f"[{'a.' * 20}b{n}]\n" for n in range(share(1500)))
+        yield f"{kind}-keys.toml", "".join(f"k{n} = 1\n" for n in range(share(10000)))
         yield f"{kind}-dots.toml", "a." * 20000 + "b = 1\n"
         yield f"{kind}-integer.toml", "a = " + "9" * 500000
         yield f"{kind}-escape.toml", f"{json.dumps(ESC)} = 1\n"
@@ -195,7 +207,7 @@ def tomls() -> Iterator[tuple[str, str]]:
         "manifest-key.toml",
         f'output = "o"\n{well}caliper = "nope://h/a.las?X-Amz-Signature=S3CRETS"\nwall.bit_diameter = 0.2\n',
     )
-    yield "manifest-wells.toml", 'output = "o"\n' + well * 5000
+    yield "manifest-wells.toml", 'output = "o"\n' + well * share(5000)
     yield (
         "manifest-sectors.toml",
         f'output = "o"\n{well}caliper = "a.csv"\nwall.sectors = {HUGE}\nwall.bit_diameter = 1\n',
@@ -206,6 +218,7 @@ def binaries() -> Iterator[tuple[str, bytes]]:
     """Archives, arrays, workbooks and other binary formats."""
     array = npy((2,), content=bytes(16))
     zeros = bytes(1 << 20)
+    over = limit("unpacked") * 17 // 16 & -8
     yield "shape.npz", zipped({"a.npy": npy((HUGE,)), "b.npy": array})
     yield "shapes.npz", zipped({"a.npy": npy((1 << 27, 3)), "b.npy": npy((1 << 26,))})
     yield "negative.npz", zipped({"a.npy": npy((-1, -5)), "b.npy": array})
@@ -215,10 +228,10 @@ def binaries() -> Iterator[tuple[str, bytes]]:
     yield "call.npz", zipped({"a.npy": npy((1,), header="__import__('os').system('id')")})
     yield "field.npz", zipped({"a.npy": npy((1,), "<f8', 'x': '" + "y" * 60000)})
     yield "wide.npz", zipped({"a.npy": npy((1 << 20,), "<U1000000"), "b.npy": array})
-    yield "bomb.npz", zipped({"a.npy": npy((90 << 17,), content=zeros * 90)})
-    yield "lies.npz", lying(zipped({"a.npy": npy((40 << 17,), content=zeros * 40)}), 20, 1 << 30)
+    yield "bomb.npz", zipped({"a.npy": npy((over >> 3,), content=bytes(over))})
+    yield "lies.npz", lying(zipped({"a.npy": npy((over >> 3,), content=bytes(over))}), 20, 1 << 30)
     yield "overlap.npz", overlapping("{:06d}.npy", npy((2 << 17,), content=zeros * 2), 400)
-    yield "members.npz", zipped({f"{n}.npy": b"" for n in range(9000)}, zipfile.ZIP_STORED)
+    yield "members.npz", zipped({f"{n}.npy": b"" for n in range(share(9000))}, zipfile.ZIP_STORED)
     yield "escape.npz", zipped({f"{ESC}.npy": array})
     yield "a.npy", npy((HUGE,))
     row = '<row r="1"><c r="A1"><v>1</v></c></row>'
@@ -227,17 +240,17 @@ def binaries() -> Iterator[tuple[str, bytes]]:
     yield "loose.xlsx", workbook("<row>" + "<c><v>1</v></c>" * 16000 + "</row>" + "<row/>" * 20000)
     uses = "".join(f'<c r="A{n}" t="s"><v>0</v></c>' for n in range(1, 20001))
     yield "shared.xlsx", workbook(f"<row>{uses}</row>", shared="x" * 30000)
-    yield "bomb.xlsx", workbook(row + " " * (34 << 20))
+    yield "bomb.xlsx", workbook(row + " " * over)
     yield "laughs.xlsx", workbook('<!DOCTYPE a [<!ENTITY b "bbbbbbbbbb">]>' + "<row><c><v>&b;</v></c></row>" * 1000)
-    yield "lies.xlsx", lying(workbook(row + " " * (34 << 20)), 24, 200)
+    yield "lies.xlsx", lying(workbook(row + " " * over), 24, 200)
     yield "members.xlsx", zipped({"xl/workbook.xml": b"<a/>"} | {f"x{n}": b"" for n in range(8000)})
     yield "escape.xlsx", workbook(row).replace(b"S0", b"\x1b[")
-    yield "bomb.las.gz", gzip.compress((LAS + "DEPT.M:\n~A\n").encode() + b"1\n" * (17 << 20), 9)
-    yield "lines.las.gz", gzip.compress((LAS + "DEPT.M:\n~A\n").encode() + b"12\n" * (6 << 20), 9)
-    yield "bomb.csv.gz", gzip.compress(b"a,b\n" + b"1,2\n" * (9 << 20), 9)
-    yield "bomb.json.gz", gzip.compress(b'[{"a": "' + b" " * (34 << 20), 9)
-    yield "twice.csv.gz", gzip.compress(gzip.compress(b"a,b\n" + b"1,2\n" * 4_000_000))
-    yield "members.csv.gz", gzip.compress(b"") * 40000
+    yield "bomb.las.gz", gzip.compress((LAS + "DEPT.M:\n~A\n").encode() + b"1\n" * (over >> 1), 9)
+    yield "lines.las.gz", gzip.compress((LAS + "DEPT.M:\n~A\n").encode() + b"12\n" * (over // 3), 9)
+    yield "bomb.csv.gz", gzip.compress(b"a,b\n" + b"1,2\n" * (over >> 2), 9)
+    yield "bomb.json.gz", gzip.compress(b'[{"a": "' + b" " * over, 9)
+    yield "twice.csv.gz", gzip.compress(gzip.compress(b"a,b\n" + b"1,2\n" * (over >> 2)))
+    yield "members.csv.gz", gzip.compress(b"") * share(40000)
     yield "cut.csv.gz", gzip.compress(np.random.default_rng(1).bytes(1000))[:-20]
     yield "bomb.zst", b"\x28\xb5\x2f\xfd" + zeros[:1000]
     yield "zeros.dlis", b"   1V1.00RECORD 8192Default Storage Set".ljust(80) + zeros[:500000]
@@ -259,14 +272,14 @@ def binaries() -> Iterator[tuple[str, bytes]]:
     yield "wall-deep.wall", zipped({"helibore.json": b"[" * 300000}, zipfile.ZIP_STORED)
     yield "wall-version.wall", zipped({"helibore.json": text.replace(b": 1,", b": 1e999,")}, zipfile.ZIP_STORED)
     yield "wall-array.wall", zipped({"helibore.json": text, "samples/depth.npy": npy((HUGE,))}, zipfile.ZIP_STORED)
-    yield "wall-bomb.wall", zipped({"helibore.json": b" " * (34 << 20)})
+    yield "wall-bomb.wall", zipped({"helibore.json": b" " * over})
     yield "wall-pickle.wall", b"\x80\x05cos\nsystem\n(S'echo OWNED'\ntR."
     yield "wall-lies.wall", lying(zipped({"helibore.json": text}, zipfile.ZIP_STORED), 24, 1 << 30)
-    yield "checkpoint-bomb.zip", zipped({"contents.json": b" " * (34 << 20)})
+    yield "checkpoint-bomb.zip", zipped({"contents.json": b" " * over})
     yield "checkpoint-array.zip", zipped({"contents.json": b"{}", "0.npy": npy((HUGE,))}, zipfile.ZIP_STORED)
     yield "journal-zeros.hbj", b"HBJ" + zeros[:500000]
     yield "journal-random.hbj", np.random.default_rng(2).bytes(300000)
-    yield "journal-bomb.hbj.gz", gzip.compress(zeros * 40)
+    yield "journal-bomb.hbj.gz", gzip.compress(bytes(over))
     yield "journal-packed.hbj", zlib.compress(zeros)
 
 
