@@ -383,6 +383,8 @@ def _opened(options: dict[str, Any], project: Path | None) -> Run:
         files = OpenFiles(over["nulls"], _header_lines(options))
         over |= _source(options, files)
         if "archive" not in over and options["bit_diameter"] is None:
+            for one in () if "columns" in over else over.get("caliper", ()):  # images alone get a command with a size
+                _check_caliper(files, files.input(one.file, one.set, one.map), options)
             rule = "Missing option '--bit-diameter': only archives (.wall) and projects (.toml) have it."
             raise click.UsageError(rule)
     settings = _with_more(read_project(project, over), options, project is not None)

@@ -198,7 +198,7 @@ def test_survey_in_feet_needs_its_unit_stated() -> None:
     assert file.set().remarks == ["comment: Minimum Curvature"]
     np.testing.assert_array_equal(file["E/W"].values, [float(row["E/W"]) for row in rows])
     with pytest.raises(
-        ValueError, match=r"Well_1515_directional.csv, column MD: unit missing: .* as MD:UNIT in --column survey-depth;"
+        ValueError, match=r"Well_1515_directional.csv, column MD: unit missing: .* as MD:UNIT in columns.survey_depth;"
     ):
         file.survey()
     from helibore.channels.role_map import overlay

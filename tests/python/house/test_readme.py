@@ -29,6 +29,7 @@ import helibore as hb
 from helibore.cli import cli
 from helibore.live.rules.configuration import parse
 from helibore.runs.manifest import read_jobs
+from helibore.runs.project import read_project
 from helibore.simulation.rig import Rig
 
 README, DOCS = ROOT / "README.md", ROOT / "docs"
@@ -159,8 +160,15 @@ def run_python(block: Block) -> None:
 
 def read_toml(block: Block) -> None:
     tree = tomllib.loads(block.text)
-    if "well" in tree:
+    if {"caliper", "survey"} & set(tree):
+        Path("well.toml").write_text(block.text)
+        Path("field.toml").write_text('unit = "in"\n[[track]]\nkind = "caliper"\n')
+        assert read_project("well.toml").wall
+    elif "well" in tree:
         Path("page.toml").write_text(block.text)
+        for project in (Path(well["project"]) for well in tree["well"] if "project" in well):
+            project.parent.mkdir(exist_ok=True)
+            project.write_text('caliper = "caliper.csv"\n[wall]\nbit_diameter = "8 1/2in"\n')
         assert [job.well for job in read_jobs("page.toml")] == [well["name"] for well in tree["well"]]
     else:
         wall = "" if "wall" in tree else "[wall]\nbit_diameter = 0.2\nstart_depth = 10.0\n"

@@ -182,8 +182,8 @@ def test_two_archivers_at_once_lose_nothing(folder, monkeypatch):
     whole = Live.replay(folder)
     real = archives.write_whole
 
-    def write(target, fill):
-        real(target, fill)
+    def write(target, fill, **how):
+        real(target, fill, **how)
         with monkeypatch.context() as patch:
             patch.setattr(archives, "write_whole", real)
             archive(folder)

@@ -219,7 +219,8 @@ def test_what_is_only_transport_does_not_change_the_meaning():
         ),
         (
             WALL + SOURCE + '[layers]\n"a\\u0000" = ["ream"]\n',
-            "layers.a\0 = ['ream']: its name must be printable and at most 200 bytes, because files are named after it",
+            "layers.a\\x00 = ['ream']: its name must be printable and at most 200 bytes, because files are named after "
+            "it",
         ),
         (
             WALL + SOURCE + IMAGE.replace("GR", '"G\\u0000"'),

@@ -269,7 +269,7 @@ def test_what_the_server_cannot_write_is_said_on_the_page(browser: Any, viewer: 
         # In one go: the page may draw between two, and then sets the address again.
         screen.evaluate(f"""(() => {{
             const link = document.getElementById('export');
-            link.href = 'api/export.html?{query}';
+            link.href = 'api/export.html?{query}&' + location.search.slice(1);
             link.click();
         }})()""")
         screen.until(f"document.getElementById('notice').textContent === {json.dumps(text)}")
@@ -477,8 +477,8 @@ def test_curves_stand_beside_the_image_and_tracks_are_dragged_into_a_template(br
         file = tmp_path / "template.toml"
         saved.value.save_as(file)
         read = Template.load(file)
-        assert read.units == "ft"
-        kinds = [(track.kind, track.width) for track in read.tracks]
+        assert read.unit == "ft"
+        kinds = [(track.kind, track.width) for track in read.track]
         assert ("curves", 140) in kinds
         assert kinds.index(("curves", 140)) > [kind for kind, _ in kinds].index("image")
         screen.close()

@@ -84,7 +84,7 @@ except ImportError:
     import _interpreters as interpreters
 other = interpreters.create()
 try:
-    raised = interpreters.run_string(other, "import helibore")
+    raised = interpreters.run_string(other, "import helibore; helibore.Wall")
 except Exception as error:
     raised = error
 print(raised)
