@@ -168,8 +168,10 @@ def read_toml(block: Block) -> None:
         Path("page.toml").write_text(block.text)
         for project in (Path(well["project"]) for well in tree["well"] if "project" in well):
             project.parent.mkdir(exist_ok=True)
-            project.write_text('caliper = "caliper.csv"\n[wall]\nbit_diameter = "8 1/2in"\n')
-        assert [job.well for job in read_jobs("page.toml")] == [well["name"] for well in tree["well"]]
+            project.write_text(
+                'caliper = "caliper.csv"\n[header]\nwell = "15/9-F-5"\n[wall]\nbit_diameter = "8 1/2in"\n'
+            )
+        assert [job.well for job in read_jobs("page.toml")] == [well.get("name", "15/9-F-5") for well in tree["well"]]
     else:
         wall = "" if "wall" in tree else "[wall]\nbit_diameter = 0.2\nstart_depth = 10.0\n"
         assert set(parse(wall + block.text).sources) == set(tree["source"])
