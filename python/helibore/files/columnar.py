@@ -39,6 +39,9 @@ def read_parquet(source: InputFile) -> RawFile:
         file = parquet.ParquetFile(source.path, page_checksum_verification=True)
         schema, rows = file.schema_arrow, file.metadata.num_rows
         names = unique(list(schema.names))
+        # A page of a few bytes can repeat a value a million times. pyarrow reads as many rows as the footer states.
+        check_limit(source.path.name, "columns", file.metadata.num_columns)
+        check_unpacked(source.path.name, 8 * _value_count(file), source.path.stat().st_size)
     except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
         raise source.damaged("truncated or damaged Parquet", error) from error
     if not rows or not names:
@@ -63,6 +66,15 @@ def read_parquet(source: InputFile) -> RawFile:
         is_text = not (pa.types.is_integer(kind) or pa.types.is_floating(kind) or _becomes_float(kind))
         channels.append(Channel(name, unit, "", load, source.nulls, None, shape, is_text, nan_is_missing=False))
     return RawFile("parquet", [RawSet(source.path, "table", channels, rows, None, header, remarks)], file.close)
+
+
+def _value_count(file: Any) -> int:
+    """Return how many values the footer of a Parquet file states; those of lists stand there for each row group."""
+    leaves = range(file.metadata.num_columns)
+    lists = [leaf for leaf in leaves if file.schema.column(leaf).max_repetition_level]
+    groups = [file.metadata.row_group(number) for number in range(file.metadata.num_row_groups)] if lists else []
+    in_lists: int = sum(group.column(leaf).num_values for group in groups for leaf in lists)
+    return in_lists + (len(leaves) - len(lists)) * int(file.metadata.num_rows)
 
 
 def _parquet_loader(source: InputFile, file: Any, position: int) -> Callable[[], Array]:

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 
 from helibore.base.errors import InputError, needs
+from helibore.base.limits import check_unpacked
 from helibore.files.headings import is_number
 from helibore.files.input_file import SALVAGE, InputFile
 from helibore.files.raw_set import Array, Channel, RawFile, RawSet, SectorAxis, readable_sets, unique
@@ -98,6 +99,7 @@ def _frame(source: InputFile, name: str, frame: Any, parameters: dict[str, str])
         dtype = frame.dtype()
         labels = [label for label in dtype.names if label != "FRAMENO"]
         count = len(frame.logicalfile.fdata_index.get(frame.fingerprint, []))  # the file's index: no value is read
+        check_unpacked(f"{source.path.name}: frame {name}", count * dtype.itemsize, source.path.stat().st_size)
         stated = {"index_type": frame.index_type, "direction": frame.direction, "spacing": frame.spacing}
         for origin in frame.logicalfile.origins[:1]:
             stated |= {"well": origin.well_name, "field": origin.field_name, "company": origin.company}

@@ -65,6 +65,23 @@ def test_images_come_back_identical(tmp_path: Path, sectors: int) -> None:
         np.testing.assert_allclose(view.depth, (400_000 + 60.0 * np.arange(60)) * 0.00254)
 
 
+def test_a_frame_that_states_far_more_values_than_the_file_can_hold_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "bomb.dlis"
+    file = dliswriter.DLISFile()
+    logical = file.add_logical_file()
+    logical.add_origin("ORIGIN", file_set_number=1)
+    depth = logical.add_channel("TDEP", data=np.arange(4.0), units="m")
+    image = logical.add_channel("RADI", data=np.zeros((4, 16_500), np.uint8))
+    logical.add_frame("MAIN", channels=(depth, image), index_type="BOREHOLE-DEPTH")
+    file.write(path, output_chunk_size=2**20)
+    stated, other = ((0xC0000000 | size).to_bytes(4, "big") for size in (16_500, 10**9))
+    content = path.read_bytes()
+    assert stated in content
+    path.write_bytes(content.replace(stated, other))
+    with pytest.raises(hb.InputError, match=r"bomb\.dlis: frame MAIN: unpacks .*HELIBORE_LIMIT_UNPACKED raises"):
+        hb.open(path)
+
+
 def test_values_stay_after_close_and_frames_are_sets(tmp_path: Path) -> None:
     write(tmp_path / "w.dlis", 36, frames=2)
     file = hb.open(tmp_path / "w.dlis")

@@ -102,6 +102,18 @@ def workbook(*sheets: str, names: int = 1, shared: str = "") -> bytes:
     return zipped(members)
 
 
+def dense_parquet(rows: int, length: int) -> bytes:
+    """A table whose rows are lists of one value, which its pages state only once."""
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    values = pa.array(np.zeros(rows * length))
+    lists = pa.FixedSizeListArray.from_arrays(values, length) if length > 1 else values
+    stream = io.BytesIO()
+    parquet.write_table(pa.table({"depth": lists}), stream, compression="zstd", row_group_size=rows)
+    return stream.getvalue()
+
+
 def texts() -> Iterator[tuple[str, str]]:
     """Tables, LAS, JSON and XML, as text."""
     one = "DEPT.M:\nGR.API:\n~A\n1 2\n2 3\n"
@@ -260,6 +272,8 @@ def binaries() -> Iterator[tuple[str, bytes]]:
     yield "zeros.lis", reel.ljust(62, b" ") + zeros[:500000]
     yield "lengths.lis", reel.ljust(62, b" ") + b"\xff\xff\x80\x00\x40\x00" * 80000
     yield "cut.parquet", b"PAR1" + zeros[:100] + b"PAR1"
+    yield "dense.parquet", dense_parquet(over >> 3, 1)
+    yield "lists.parquet", dense_parquet(1000, over // 8000)
     yield "length.parquet", b"PAR1" + struct.pack("<I", 0x7FFFFFFF) + b"PAR1"
     yield "footer.parquet", b"PAR1" + b"\x15\x02\x19\xfc\xff\xff\xff\xff\x0f" * 100 + struct.pack("<I", 900) + b"PAR1"
     yield "a.glb", b"glTF" + struct.pack("<2I", 2, 0xFFFFFFFF) + zeros[:100]
