@@ -30,7 +30,7 @@ import numpy as np
 
 from helibore.base.atomic_file import write_whole
 from helibore.base.errors import InputError, check_choice
-from helibore.base.harmless import cell, text_of
+from helibore.base.harmless import HIDDEN, cell, printable, text_of
 from helibore.base.regular_file import check_regular
 from helibore.trajectory.survey import Path
 
@@ -120,6 +120,10 @@ class Pick:
                 raise InputError(name, f"must be a text of at most {most} characters")
             if any("\ud800" <= character <= "\udfff" for character in text):  # UTF-8 cannot encode such a character
                 raise InputError(name, "must not hold half of a surrogate pair", ascii(text))
+            if HIDDEN.search(text):  # the page shows it and sends it back as it is
+                raise InputError(
+                    name, "must not hold control characters, or marks that turn text around", printable(text)
+                )
 
     @property
     def slopes(self) -> tuple[float, float]:

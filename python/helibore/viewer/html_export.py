@@ -18,6 +18,7 @@ from typing import Any
 from urllib.parse import parse_qs
 
 from helibore.base.errors import InputError
+from helibore.base.harmless import printable, printable_texts
 from helibore.viewer.client import Client
 from helibore.viewer.exports import curve_bytes, vertices_between
 from helibore.viewer.protocol import Subscription, handshake, picks_message, state_message
@@ -52,10 +53,10 @@ def html_export(
         "curves": {name: base64.b64encode(curve_bytes(copy.curves[name])).decode() for name in _curves(copy, address)},
         "picks": picks_message(copy)["picks"],
         "made": round(time.time(), 1),
-        "address": address,
+        "address": printable(address),
         "hosted": hosted,
         "history": copy.history.as_columns(),
-        "summary": copy.summarize(*sorted((start, stop))) if copy.summarize else None,
+        "summary": printable_texts(copy.summarize(*sorted((start, stop)))) if copy.summarize else None,
     }
     before, after = _page(files)
     return itertools.chain([before], _scripts(enclosed, messages_of(copy, tiles), files["app.js"]), [after])

@@ -60,6 +60,10 @@ def test_without_a_path_or_beyond_it_a_dip_is_not_known() -> None:
         ({"depth": None}, "depth = None: must be -1e+06 to 1e+06"),
         ({"apparent_dip": True}, "apparent_dip = True: must be 0 to 89.9"),
         ({"note": "half an emoji \ud83d"}, r"note = 'half an emoji \ud83d': must not hold half of a surrogate pair"),
+        (
+            {"note": "\x1b[31m\u202e"},
+            r"note = \x1b[31m\u202e: must not hold control characters, or marks that turn text around",
+        ),
         ({"note": "x" * 81}, "note: must be a text of at most 80 characters"),
         ({"key": "x" * 33}, "key: must be a text of at most 32 characters"),
         (

@@ -8,6 +8,7 @@ import { showDepth } from './units.js';
 
 const MOST = 50;
 const LONGEST = 80; // characters
+const HIDDEN = /[\p{Cc}\p{Bidi_Control}\u2028\u2029\ufeff]/gu; // an address may come from a stranger
 const NEAR = 8; // pixels: a note within this distance of the cursor is opened
 
 export class Notes {
@@ -61,7 +62,7 @@ function noteFrom(part) {
   const at = part.indexOf('_');
   const depth = at > 0 ? Number(part.slice(0, at)) : NaN;
   try {
-    const text = decodeURIComponent(part.slice(at + 1)).trim().slice(0, LONGEST);
+    const text = decodeURIComponent(part.slice(at + 1)).replace(HIDDEN, '').trim().slice(0, LONGEST);
     return Number.isFinite(depth) && text ? { depth, text } : null;
   } catch {
     return null; // not an address that this page wrote
