@@ -232,6 +232,7 @@ def save_lines(run: Run, output: Path, verb: str, options: dict[str, Any], more:
 
     ``more`` are the other files that the command wrote.
     """
+    from helibore.files.facts import facts_path
     from helibore.runs.project import project_file
     from helibore.runs.run import save_project
 
@@ -239,8 +240,9 @@ def save_lines(run: Run, output: Path, verb: str, options: dict[str, Any], more:
     made = dict.fromkeys(("start_depth", "stop_depth")) | recorded_tables(click.get_current_context(), options)
     tables = {name: getattr(before, name) | of if isinstance(of, dict) else of for name, of in made.items()}
     after = save_project(run, output, verb, tables)
-    files = ", ".join(f"{file} ({file.stat().st_size / 1e6:,.2f} MB)" for file in (output, *more))
-    lines = [("wrote", f"{files}, {project_file(output).name}")]
+    sizes = [f"{file} ({file.stat().st_size / 1e6:,.2f} MB)" for file in (output, *more)]
+    facts = [beside.name for file in (output, *more) if (beside := facts_path(file)).is_file()]
+    lines = [("wrote", ", ".join([*sizes, *facts, project_file(output).name]))]
     if before.output is None or after.output is None:
         return lines
     earlier = before.output

@@ -304,7 +304,7 @@ class _Pipeline:
                 self.report.append((
                     "spikes", f"{one.name}: {count:,} readings look like spikes ({step.counts['burst']:,} of one arm, "
                     f"{step.counts['row']:,} in rows of all arms), the first at {one.depth[at]:.2f} m: kept; "
-                    "spikes = 6 drops them"
+                    "preparation.spikes=6 drops them"
                 ))  # fmt: skip
             return one
         self._report_step(step, "readings")

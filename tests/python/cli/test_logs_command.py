@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -86,6 +87,10 @@ def test_zones_breakouts_of_images_casings_and_criteria(folder: Path, tmp_path: 
         "well": "15/9-X", "criterion elongation": "0.0127 m", "rugosity window": "0.5 m",
         "class": "0 gauge, 1 washout, 2 breakout, 3 key seat, 4 undergauge",
     }.items()  # fmt: skip
+    (written,) = re.findall(r"^wrote (.+?)^\S", done.output, re.DOTALL | re.MULTILINE)
+    assert re.findall(r"\w[\w.]*\.(?:json|toml)", "".join(written.split())) == [
+        "w.csv.facts.json", "zones.csv.facts.json", "dark.csv.facts.json", "w.csv.toml",
+    ]  # fmt: skip
     space = wall.logs(0.5).annulus(0.1778)
     assert column(output, "AVOL_178") == pytest.approx(space.volume, abs=2e-7)
     assert set(np.unique(column(output, "CLASS"))) == {0, 1, 2}
