@@ -1,7 +1,6 @@
 r"""Make texts of files and wires harmless where they are shown or written.
 
 printable(name)         ESC [31mGR    ->  \x1b[31mGR            a terminal or a log obeys no text of a file
-masked(address)         s3://a?sig=1  ->  s3://a?***             an error shows no key of an address
 cell(note)              =1+1          ->  '=1+1                  a spreadsheet computes no text of a table
 in_html(title)          <b>           ->  &lt;b&gt;              a page of HTML or XML obeys no text of a file
 """
