@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 import zipfile
-import zlib
 from collections import Counter
 from collections.abc import Callable
 from typing import Any
@@ -19,6 +18,7 @@ import numpy as np
 
 from helibore.base.errors import InputError, needs
 from helibore.base.limits import check_limit, check_unpacked
+from helibore.base.zip_errors import DAMAGED_ZIP
 from helibore.files.headings import unit_in_name
 from helibore.files.input_file import InputFile
 from helibore.files.raw_set import Array, Channel, RawFile, RawSet, SectorAxis, unique
@@ -120,8 +120,8 @@ def _becomes_float(kind: Any) -> bool:
     return bool(pa.types.is_boolean(kind) or pa.types.is_decimal(kind) or pa.types.is_null(kind))
 
 
-DAMAGED_NPZ = (ValueError, OSError, EOFError, KeyError, zipfile.BadZipFile, NotImplementedError, zlib.error)
-"""The errors of `numpy.load` for an NPZ archive that is cut or damaged."""
+DAMAGED_NPZ = (*DAMAGED_ZIP, ValueError, OSError, KeyError)
+"""The errors of `numpy.load` for an NPZ archive that is cut, damaged or encrypted."""
 
 
 def read_npz(source: InputFile) -> RawFile:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import re
 import zipfile
-import zlib
 from collections import Counter
 from collections.abc import Iterator
 from functools import partial
@@ -18,6 +17,7 @@ from typing import Any, BinaryIO
 
 from helibore.base.errors import InputError, needs
 from helibore.base.limits import check_limit, check_unpacked
+from helibore.base.zip_errors import DAMAGED_ZIP
 from helibore.files.headings import is_number, is_units_row, unit_in_name
 from helibore.files.input_file import InputFile, zip_pieces
 from helibore.files.number_rows import column_of
@@ -109,7 +109,7 @@ def _check_extent(source: InputFile) -> None:
             if uses:
                 unpacked += _shared_text(source, file, archive, uses)
                 check_unpacked(place, unpacked, packed)
-    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, OSError, RuntimeError) as error:
+    except (*DAMAGED_ZIP, OSError) as error:
         raise source.damaged("truncated or damaged workbook", error) from error
 
 

@@ -24,9 +24,7 @@ from __future__ import annotations
 import json
 import math
 import os
-import struct
 import zipfile
-import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
@@ -43,6 +41,7 @@ from helibore.base.atomic_file import write_whole
 from helibore.base.errors import InputError
 from helibore.base.limits import check_unpacked
 from helibore.base.regular_file import check_regular
+from helibore.base.zip_errors import DAMAGED_ZIP
 from helibore.settings.wall_settings import Settings
 from helibore.wall.wall_columns import WallColumns
 
@@ -94,7 +93,7 @@ def opened(filename: str | os.PathLike[str]) -> Iterator[Members]:
         try:
             with zipfile.ZipFile(file) as archive:
                 yield Members(archive, path.stat().st_size)
-        except (zipfile.BadZipFile, EOFError, NotImplementedError, RuntimeError, struct.error, zlib.error) as error:
+        except DAMAGED_ZIP as error:
             raise InputError(str(path), _reason(path, error)) from error
         except (AttributeError, KeyError, OverflowError, TypeError) as error:
             raise InputError(str(path), f"not the archive of a wall: {error!r} in {_CONTENTS}") from error

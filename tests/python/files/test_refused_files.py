@@ -41,6 +41,15 @@ def npz(**arrays: Any) -> bytes:
     return memory.getvalue()
 
 
+def encrypted(archive: bytes) -> bytes:
+    """Return an archive whose members state that they are encrypted, in the directory and before the member."""
+    changed = bytearray(archive)
+    for mark, flags in ((b"PK\1\2", 8), (b"PK\3\4", 6)):
+        for found in re.finditer(mark, archive):
+            changed[found.start() + flags] |= 1
+    return bytes(changed)
+
+
 def parquet(columns: dict[str, Any], damage: slice | None = None, end: int | None = None) -> bytes:
     import pyarrow as pa
     from pyarrow import parquet as files
@@ -98,6 +107,7 @@ CASES: list[tuple[str, str | bytes, str]] = [
     ("t.xml", HIDDEN % "UTF-7", ": not in the encoding it declares (...)"),
     ("t.npz", npz(a=np.zeros(()), b=np.zeros((2, 2, 2))), ": no array of one or two dimensions"),
     ("t.npz", npz(a=np.array([{}], dtype=object)), ": damaged archive of arrays (...)"),
+    ("t.npz", encrypted(npz(a=np.zeros(3))), ": damaged archive of arrays (...)"),
     ("t.parquet", parquet({"a": np.empty(0)}), ": Parquet without rows"),
     ("t.parquet", parquet({}), ": Parquet without columns"),
     ("t.parquet", parquet({"a": NUMBERS}, end=-9), ": truncated or damaged Parquet (...)"),
