@@ -118,12 +118,9 @@ class Pick:
             text = getattr(self, name)
             if not isinstance(text, str) or len(text) > most:
                 raise InputError(name, f"must be a text of at most {most} characters")
-            if any("\ud800" <= character <= "\udfff" for character in text):  # UTF-8 cannot encode such a character
-                raise InputError(name, "must not hold half of a surrogate pair", ascii(text))
             if HIDDEN.search(text):  # the page shows it and sends it back as it is
-                raise InputError(
-                    name, "must not hold control characters, or marks that turn text around", printable(text)
-                )
+                rule = "must not hold control characters, marks that turn text around or halves of surrogate pairs"
+                raise InputError(name, rule, printable(text))
 
     @property
     def slopes(self) -> tuple[float, float]:
