@@ -164,7 +164,7 @@ def _table_settings(settings: Project) -> Iterator[tuple[str, Any]]:
 
 def _cast(context: click.Context, option: SectionOption, value: Any, place: str) -> Any:
     """Return a value of a project in the type of an option; raise InputError, with its place, if it is none."""
-    if isinstance(value, dict):  # a template that an archive carries
+    if isinstance(value, dict):  # a template that an archive keeps
         return value
     if option.is_flag and not isinstance(value, bool):
         raise InputError(place, "must be true or false", repr(value))

@@ -21,7 +21,7 @@ repeats the output to the last bit, also in a later version with other defaults:
     [[scalar]]                  file = "gr.las"       blake2b = "..."    name = "RT"
 
 Files are named relative to the project. What the command line states counts over the project, and the project over what
-an archive carries. ``helibore.runs.run`` has the run itself.
+an archive keeps. ``helibore.runs.run`` has the run itself.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ FILES = ("caliper", "average", "archive", "image", "scalar", "track", "survey")
 """Keys of a project that name files."""
 
 SHOWN = ("header", "zones", "print", "look", "logs", "passage")
-"""Tables that say how a wall is shown; an archive carries them."""
+"""Tables that say how a wall is shown; an archive keeps them."""
 
 
 @dataclass(frozen=True)

@@ -193,14 +193,14 @@ def open_run(project: Project, files: OpenFiles | None = None, keys: Collection[
     """Return the run of a project with its files, and with the roles of all channels: stated, mapped or guessed.
 
     ``files`` may be open already; only those of ``keys`` are opened. Raise InputError if a file has another checksum
-    than the project states, or lacks a channel. What an archive carries counts where the project states nothing.
+    than the project states, or lacks a channel. What an archive keeps counts where the project states nothing.
     """
     files = files or OpenFiles(project.nulls)
     lines = {one.file: one.header_line for one in project.inputs if one.header_line}
     files.header_lines = lines | files.header_lines
     _check_sums(project, files, keys)
     if project.archive is not None and "archive" in keys:
-        tables = carried(project.archive.file)
+        tables = kept_tables(project.archive.file)
         project = replace(project, **{name: tables.get(name, {}) | getattr(project, name) for name in tables})
     return Run(_with_roles(project, files, keys), files)
 
@@ -261,17 +261,17 @@ def criteria_of(project: Project) -> Criteria | None:
     return Criteria(**stated)
 
 
-def carried_tables(project: Project) -> dict[str, dict[str, Any]]:
-    """Return the tables of a project that the archive of its wall carries, as JSON can hold them.
+def tables_to_keep(project: Project) -> dict[str, dict[str, Any]]:
+    """Return the tables of a project that the archive of its wall keeps, as JSON can hold them.
 
-    The template is carried itself, not by its name; files of other kinds are not carried.
+    They hold the template itself, not its name; the names of other files are left out.
     """
     tables = {}
     for name in SHOWN:
         table = dict(getattr(project, name))
         if isinstance(template := table.get("template"), Path):
             table["template"] = read_toml(template, template.name)
-        table = {key: value for key, value in table.items() if not (_files_in(value))}
+        table = {key: value for key, value in table.items() if not _files_in(value)}
         if table:
             tables[name] = json.loads(json.dumps(table))
     return tables
@@ -281,14 +281,12 @@ def _files_in(value: Any) -> bool:
     return isinstance(value, Path) or (isinstance(value, list | tuple) and any(map(_files_in, value)))
 
 
-def carried(filename: Path) -> dict[str, dict[str, Any]]:
-    """Return the tables of the project that an archive carries; {} for an archive that was made without a project."""
+def kept_tables(filename: Path) -> dict[str, dict[str, Any]]:
+    """Return the tables of the project that an archive keeps; {} for an archive that was made without a project."""
     with opened(filename) as members:
         made_from = members.contents()["made_from"]
         tables = made_from.get("project", {}) if isinstance(made_from, dict) else {}
-        if not tables:
-            return {}
-        return {name: table for name, table in shown_tables(tables, "its project").items() if name in SHOWN}
+        return shown_tables(tables, "its project") if tables else {}
 
 
 def make_wall(run: Run, threads: int | None = None, stage: Stage = lambda *_: nullcontext()) -> Run:
@@ -366,7 +364,7 @@ def build_wall(
             header = log_header(run.files.headers())
             if header:
                 run.built.made_from["header"] = header
-    if tables := carried_tables(run.settings):
+    if tables := tables_to_keep(run.settings):
         run.wall.made_from["project"] = tables
     if run.assumed:
         run.wall.made_from["toolface"] = ASSUMED

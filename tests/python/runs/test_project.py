@@ -1,4 +1,4 @@
-"""The project: one file for a well, read by every command, Python and a manifest; archives carry it; old files."""
+"""The project: one file for a well, read by every command, Python and a manifest; archives keep it; old files."""
 
 from __future__ import annotations
 
@@ -113,8 +113,8 @@ def test_one_project_serves_every_command_and_python_and_the_archive_carries_it(
     assert len(set(made)) == 1, "the wall and its project give what the project gives"
     assert "ACME" in made[0]
     assert "A-1" in made[0]
-    carried = hb.load("elsewhere/w.wall").made_from["project"]
-    assert carried["print"]["template"]["track"], "the template itself, not its name"
+    kept = hb.load("elsewhere/w.wall").made_from["project"]
+    assert kept["print"]["template"]["track"], "the template itself, not its name"
     np.testing.assert_array_equal(hb.reconstruct("well.toml").radius, hb.load("w.wall").radius)
     assert hb.reconstruct("well.toml", sectors=8).settings.sectors == 8
     again = run("reconstruct", "w.wall.toml", "-o", "again.wall")
