@@ -579,8 +579,8 @@ Passage passage(const HelixRadii& radii, const Path& path, std::span<const Rigid
     for (std::size_t at = 0; at < turns; ++at) {
         const Change& change = drawn(static_cast<Index>(at)) ? changes[at] : between[at];
         // Errors of a wall stand in the way of the string where the hole is smooth, and hide what stands in its way
-        // where the hole is rougher than the wall. Nothing tells how much of the mean change is which, so it adds to
-        // both ends.
+        // where the hole is rougher than the wall. The change does not show which share is which, so its mean
+        // counts at both ends.
         const double spread =
             std::sqrt(change.deviation * change.deviation + share_of_mean * share_of_mean * change.mean * change.mean);
         const double middle = found.clearance[at], reach = 2.0 * normal_95 * spread;

@@ -1,4 +1,4 @@
-"""Alarms: tell the driller at once when something goes wrong, and again when the cause is gone.
+"""Alarms: send a line at once when something goes wrong, and another when the cause is gone.
 
     watch thread: check() every TICK -> begins, ends -> event, metrics, log, page
                                              '-> queue -> one thread -> command, webhook       a line of JSON each

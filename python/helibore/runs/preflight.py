@@ -49,8 +49,8 @@ def grouped(reasons: Mapping[str, str], jobs: Sequence[Job]) -> list[tuple[str, 
         for name in names.get(well, ()):
             text = text.replace(name, "FILE")
         groups.setdefault(text, []).append(well)
-    told = [(reasons[wells[0]] if len(wells) == 1 else text, wells) for text, wells in groups.items()]
-    return sorted(told, key=lambda group: -len(group[1]))
+    found = [(reasons[wells[0]] if len(wells) == 1 else text, wells) for text, wells in groups.items()]
+    return sorted(found, key=lambda group: -len(group[1]))
 
 
 def _refusal(job: Job) -> str:

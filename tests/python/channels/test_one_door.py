@@ -108,7 +108,7 @@ def _doors(table, folder: Path):
 
 
 def _answer(door, given, names):
-    def told(text):
+    def neutral(text):
         for name in names:
             text = text.replace(name, _parts(name)[0])
         return re.sub(r"(line|row) [0-9]+", "place", text.replace(door, "TABLE"))
@@ -117,12 +117,12 @@ def _answer(door, given, names):
         readings = hb.open(given).readings(bit_diameter=0.216)
         made = hb.prepare(readings, bit_diameter=0.216)
     except hb.InputError as error:
-        return told(str(error))
+        return neutral(str(error))
     bits = [
         None if of is None else of.tobytes()
         for of in (made.caliper.depth, made.caliper.toolface, made.caliper.radius, made.caliper.time)
     ]
-    return [bits, [(step, told(text)) for step, text in made.report], made.counts]
+    return [bits, [(step, neutral(text)) for step, text in made.report], made.counts]
 
 
 @pytest.mark.parametrize("name", FLAWED)

@@ -136,10 +136,10 @@ def test_spikes_are_reported_and_dropped_when_asked():
     radii = 0.11 + np.random.default_rng(4).normal(0, 0.0004, (4, 300))
     radii[2, 100:103] += 0.03
     radii[:, 200] += 0.05
-    told = hb.prepare(readings(depth, radii))
-    (line,) = (text for label, text in told.report if label == "spikes")
+    prepared = hb.prepare(readings(depth, radii))
+    (line,) = (text for label, text in prepared.report if label == "spikes")
     assert line.startswith("f.las: 7 readings look like spikes (3 of one arm, 4 in rows of all arms)")
-    assert len(told.caliper) == 1200
+    assert len(prepared.caliper) == 1200
     made = hb.prepare(readings(depth, radii), Preparation(spikes=6.0))
     assert made.counts["spikes of arms"] == 7
     assert made.caliper.radius.max() < 0.115

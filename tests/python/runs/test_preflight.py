@@ -16,7 +16,7 @@ MANIFEST = 'output = "out"\noutputs = ["logs"]\n[defaults.wall]\nbit_diameter = 
 
 @pytest.fixture
 def wells(tmp_path: Path) -> Path:
-    """Seven wells: good, of an unknown name (two), without units, gzipped, and two that only a whole file tells."""
+    """Seven wells: good, of an unknown name (two), without units, gzipped, and two without a value in the head."""
     named = GOOD.replace("radius_m", "blob", 1)
     late = "\n".join(["depth_m,toolface_deg,radius_m,note", *["2000,1,-999.25,x"] * (HEAD // 16), "2001,2,0.11,x", ""])
     texts = {

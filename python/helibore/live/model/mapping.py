@@ -94,7 +94,7 @@ class SourceReader:
     Attributes
     ----------
     message, word, nothing
-        What carries the values, and what one value is called; what to say if bytes come and no message.
+        What a unit of the stream is called, and what a value in it; the text for bytes without such a unit.
     seems_radians
         The reason for which the toolfaces seem to be radians, although their unit is not stated; "" if they do not.
     doubts
