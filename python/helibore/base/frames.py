@@ -85,7 +85,7 @@ def frame_rows(
     refuse_no_frame(table)
     columns: dict[str, Floats] = {}
     stated: dict[str, tuple[str, Floats, str]] = {}
-    names = list(getattr(table, "column_names", getattr(table, "columns", ())))  # Arrow; pandas and Polars
+    names = column_names(table)
     for role, (name, kind) in wanted.items():
         if name is None and role in OPTIONAL:
             continue
@@ -123,7 +123,15 @@ def frame_rows(
     return FrameRows(whole, complete, stated)
 
 
-def column_of(table: Any, name: Any, position: int) -> Any:
+def column_names(table: Any) -> list[Any]:
+    """Return the names of the columns; none if the table, such as a structured array, does not list them."""
+    for way in ("column_names", "columns", "variables"):  # Arrow; pandas and Polars; xarray, with its coordinates
+        if hasattr(table, way):
+            return list(getattr(table, way))
+    return list(table) if isinstance(table, Mapping) else []
+
+
+def frame_column(table: Any, name: Any, position: int) -> Any:
     """Return a column by its place if the table has places (pandas, Arrow), else by its name: names may be repeated."""
     if hasattr(table, "iloc"):
         return table.iloc[:, position]

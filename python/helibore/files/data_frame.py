@@ -8,13 +8,12 @@ else that of helibore's own arrays.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from helibore.base.arrays import cells
 from helibore.base.errors import InputError
-from helibore.base.frames import column_of, refuse_no_frame
+from helibore.base.frames import column_names, frame_column, refuse_no_frame
 from helibore.files.columnar import own_unit
 from helibore.files.headings import unit_in_name
 from helibore.files.raw_set import Channel, RawFile, RawSet, unique
@@ -39,11 +38,11 @@ def read_frame(table: Any, nulls: tuple[float, ...]) -> RawFile:
         If it is no data frame, has no rows, or has columns of different lengths.
     """
     refuse_no_frame(table)
-    names = _names(table)
+    names = column_names(table)
     channels: list[Channel] = []
     remarks: list[str] = []
     for position, (name, shown) in enumerate(zip(names, unique([str(name) for name in names]), strict=True)):
-        values = cells(column_of(table, name, position))
+        values = cells(frame_column(table, name, position))
         if values.ndim not in (1, 2):
             remarks.append(f"{shown}: has {values.ndim} dimensions, must have one or two; left out")
             continue
@@ -57,16 +56,8 @@ def read_frame(table: Any, nulls: tuple[float, ...]) -> RawFile:
             place = f"column {name!r} has {length} values, column {channels[0].name!r} has {rows}"
             raise InputError(place, "must be equal")
     if not rows:
-        raise InputError(PLACE.name, "has no rows" if channels else "has no columns")
+        raise InputError(PLACE.name, "has no rows" if channels else "has no columns with names")
     return RawFile("frame", [RawSet(PLACE, "frame", channels, rows, None, {}, remarks)])
-
-
-def _names(table: Any) -> Sequence[Any]:
-    """Return the names of the columns; those of an xarray data set are its variables and its coordinates."""
-    for way in ("column_names", "columns"):
-        if hasattr(table, way):
-            return list(getattr(table, way))
-    return list(getattr(table, "variables", table))
 
 
 def _stated_unit(table: Any, name: Any, position: int) -> str:

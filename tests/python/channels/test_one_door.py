@@ -137,7 +137,8 @@ def test_every_door_gives_the_same(name, tmp_path):
 
 def test_a_data_frame_is_opened_only_if_it_is_one_with_rows():
     for given, place, rule in (
-        ({}, "data frame", "has no columns"),
+        ({}, "data frame", "has no columns with names"),
+        (np.zeros((3, 2)), "data frame", "has no columns with names"),
         ({"MD": []}, "data frame", "has no rows"),
         ([1, 2], "table", "must be a data frame or a dict of columns; pandas.DataFrame(records) makes one from a list"),
         ({"MD": [1, 2], "R": [1]}, "column 'R' has 1 values, column 'MD' has 2", "must be equal"),
