@@ -285,9 +285,7 @@ def _solved(wall: WallLike, string: Sequence[RigidBody], sigma: Floats | None) -
     threads = thread_count(getattr(wall, "threads", None))
     place = (helix.start_depth, helix.start_toolface, pitch, K, helix.first)
     found = _core.passage_columns(place, radius, core_path(path), bodies, counts, errors, threads)
-    depth = helix.start_depth + ((helix.first // K + np.arange(turns, dtype=np.float64)) * K + (K - 1) / 2) * (
-        pitch / K
-    )
+    depth = helix.turn_depths(turns)
     return found | {
         "depth": depth,
         "curvature": _curvature(path, depth, length),

@@ -487,7 +487,7 @@ def turn_logs(
     found: dict[str, Any] = _core.turn_columns(radius, *around, window, thread_count(threads), first, reference)
     found |= _core.unworn_columns(radius, *around, bit, _counts(wall), thread_count(threads))
     square, turns = found.pop("mean_square"), radius.size // K
-    depth = helix.start_depth + (np.arange(first, first + turns, dtype=np.float64) * K + (K - 1) / 2) * (pitch / K)
+    depth = helix.turn_depths(turns)
     path: Path | None = getattr(wall, "path", None)
     found["coverage"] = _coverage(wall, found["coverage"])
     found["wall_out_of_roundness"] = found["c1"] - found["least_diameter"]

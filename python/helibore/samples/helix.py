@@ -44,6 +44,11 @@ class Helix(NamedTuple):
         depth: Floats = self.start_depth + (self.first + k) * self.pitch / self.sectors
         return depth
 
+    def turn_depths(self, turns: int) -> Floats:
+        """Return the depths of the middles of the first turns, metres."""
+        number = self.first // self.sectors + np.arange(turns, dtype=np.float64)
+        return self.start_depth + (number * self.sectors + (self.sectors - 1) / 2) * (self.pitch / self.sectors)
+
     def toolface(self, k: Integers) -> Floats:
         """Return the toolface of vertices, degrees in [0, 360); every turn has the toolfaces of the first turn."""
         first = np.mod(self.start_toolface + np.arange(self.sectors) * 360.0 / self.sectors, 360.0)
