@@ -83,7 +83,7 @@ class Bias:
     def doubtful(self) -> Mask:
         """Return which arms in which passes may be off by over 1 mm (two deviations) and cannot be corrected, (p, a).
 
-        None is if those with a known bias have less than half of the samples: then there is no measure.
+        No arm counts as doubtful if arms with a known bias have less than half of the samples: too few to compare with.
         """
         known = np.isfinite(self.table) & (self.samples > 0)
         wrong = ~known & (self.samples > 0) & (np.fmax(np.abs(self.estimate), 2.0 * self.sigma) > _DOUBT)
