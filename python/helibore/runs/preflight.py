@@ -14,6 +14,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
+from helibore.base.addresses import file_name
 from helibore.base.errors import InputError, MissingExtraError
 from helibore.channels.channel_readings import readings
 from helibore.files.reading import ending_of
@@ -42,7 +43,7 @@ def refused_wells(jobs: Sequence[Job]) -> dict[str, str]:
 
 def grouped(reasons: Mapping[str, str], jobs: Sequence[Job]) -> list[tuple[str, list[str]]]:
     """Return each reason once, FILE in place of names of files, with the wells that it concerns; most wells first."""
-    names = {job.well: [address.rpartition("/")[2] for address in job.addresses()] for job in jobs}
+    names = {job.well: [file_name(address) for address in job.addresses()] for job in jobs}
     groups: dict[str, list[str]] = {}
     for well, reason in reasons.items():
         text = reason
@@ -79,19 +80,20 @@ def _head(address: str, folder: Path) -> str | None:
     A file on this machine that is read by column, and a role map, are their own head.
     """
     system, path, is_local = file_system(address)
-    ending = ending_of(address)
+    name = file_name(address)
+    ending = ending_of(name)
     if ending == ".toml" or (ending in (".parquet", ".npz") and is_local):
         return address
     if ending not in TEXTS:
         return None
     try:
         with system.open(path, "rb") as file:
-            head = (gzip.GzipFile(fileobj=file) if address.lower().endswith(".gz") else file).read(HEAD)
+            head = (gzip.GzipFile(fileobj=file) if name.lower().endswith(".gz") else file).read(HEAD)
     except (OSError, EOFError):
         return None
     if len(head) == HEAD:
         head = head[: head.rfind(b"\n") + 1]
-    target = folder / address.rpartition("/")[2]
+    target = folder / name
     target.write_bytes(head)
     return str(target)
 
