@@ -261,23 +261,3 @@ def _scalar(text: str) -> Any:
         return parse_toml(f"value = {text}", "")["value"]
     except InputError:
         return text
-
-
-def split_setting(text: str, groups: dict[str, type[Any]]) -> tuple[str, Member, Any]:
-    """Return group, setting and value of a text such as ``wall.power=2``; ``groups`` are the declared classes by name.
-
-    Raise InputError if the group or the setting is not known, or the value breaks its rule.
-    """
-    name, equals, value = text.partition("=")
-    group, dot, key = name.strip().partition(".")
-    if not (equals and dot and key):
-        raise InputError("setting", "must be GROUP.NAME=VALUE, such as wall.power=2", shown(text))
-    if group not in groups:
-        raise unknown_name(group, group, groups)
-    known = members(groups[group])
-    if key not in known:
-        former = next((member.name for member in known.values() if key in member.formerly), None)
-        if former:
-            raise InputError(name, f"is now called {group}.{former}")
-        raise unknown_name(name, key, known)
-    return group, known[key], parse_setting(known[key], value, name)

@@ -31,7 +31,7 @@ from helibore.settings.declared import (
     members,
 )
 from helibore.settings.groups import GROUPS
-from helibore.settings.toml_reading import TomlSource, parse_setting, read_table, split_setting
+from helibore.settings.toml_reading import TomlSource, parse_setting, read_table
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,7 +87,7 @@ def test_a_broken_rule_has_the_same_words_from_python_a_file_and_the_command_lin
         read(f"\n[toy]\n{name} = {written}\n")
     assert (from_file.value.place.split(" ")[:3], from_file.value.rule) == (["a.toml,", "line", "3:"], rule)
     with pytest.raises(hb.InputError) as from_setting:
-        split_setting(f"toy.{name}={text}", {"toy": Toy})
+        parse_setting(members(Toy)[name], text, f"toy.{name}")
     assert (from_setting.value.place, from_setting.value.rule.split("; a")[0]) == (f"toy.{name}", rule)
     said = CliRunner().invoke(command([]), [f"--{name}", text])
     assert said.exit_code == 2
@@ -103,9 +103,9 @@ def test_units_stand_in_files_as_on_the_command_line() -> None:
     done = CliRunner().invoke(command(seen), ["--reach", "8 1/2in", "--no-round", "--passes", "2,3"])
     assert done.exit_code == 0, done.output
     assert seen == [{"reach": 8.5 * 0.0254, "round": False, "passes": (2, 3)}]
-    assert split_setting("toy.limit=1/2in", {"toy": Toy})[2] == 0.0127
-    assert split_setting("toy.limit=none", {"toy": Toy})[2] is None
-    assert split_setting("toy.name=12", {"toy": Toy})[2] == "12"
+    assert parse_setting(members(Toy)["limit"], "1/2in") == 0.0127
+    assert parse_setting(members(Toy)["limit"], "none") is None
+    assert parse_setting(members(Toy)["name"], "12") == "12"
 
 
 @given(st.floats(1e-6, 1e6), st.integers(2, 1000), st.sampled_from(["red", "blue"]), st.booleans())
@@ -188,7 +188,7 @@ def test_a_new_setting_appears_everywhere() -> None:
     assert ("wall.warp", "metres", "0.25m", "finite and above 0", "How warped it is.") in list(listing.rows(groups))
     assert "| `warp` | metres | 0.25m | finite and above 0 | How warped it is. |" in listing.page(groups)
     assert "    warp: float\n" in listing.keywords(groups)
-    assert split_setting("wall.warp=3in", groups)[2] == pytest.approx(0.0762)
+    assert parse_setting(members(Longer)["warp"], "3in") == pytest.approx(0.0762)
     assert read("[toy]\nbit_diameter='8.5in'\nwarp = '3in'", Longer).warp == pytest.approx(0.0762)
     assert ("--warp", "How warped it is.  [default: 0.25m]") in [(n, s["help"]) for n, s in options_of(Longer)]
     assert "warp\n    How warped it is." in str(Longer.__doc__)
