@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
@@ -27,6 +27,7 @@ from helibore.base.tables import LogColumn, LogTable, Tabular, columns_of
 from helibore.base.thread_count import thread_count
 from helibore.logs.turn_logs import Logs
 from helibore.samples.helix import WallLike, basis_of, basis_text_of, whole_helix
+from helibore.settings.declared import METRES, NOT_NEGATIVE, Declared, at_least
 from helibore.trajectory.survey import Path, core_path
 
 MANDRELS = {"api-casing": 0.152, "api-large-casing": 0.305, "api-tubing": 1.067}
@@ -37,34 +38,17 @@ RIGID = "rigid, straight bodies on one axis; unknown where a vertex beside a bod
 
 
 @dataclass(frozen=True)
-class RigidBody:
+class RigidBody(Declared):
     """A cylinder of a string.
 
-    Parameters
-    ----------
-    diameter
-        Outer diameter, metres, 0 or more.
-    length
-        Metres.
-    position
-        Metres from the lower end of the string, the bit, up to the lower end of the body.
-
-    Raises
-    ------
-    InputError
-        ``length = 0: must be at least 0.001 m``.
+    A value that breaks its rule is refused: ``length = 0: must be at least 0.001 m``.
     """
 
-    diameter: float
-    length: float
-    position: float = 0.0
-
-    def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            if not (math.isfinite(value) and value >= 0):
-                raise InputError(name, "must be finite and not negative", f"{value:g}")
-        if self.length < SHORTEST:
-            raise InputError("length", f"must be at least {SHORTEST:g} m", f"{self.length:g}")
+    diameter: Annotated[float, METRES, NOT_NEGATIVE, "Outer diameter."]
+    length: Annotated[float, METRES, NOT_NEGATIVE, at_least(SHORTEST, "m"), "Length."]
+    position: Annotated[float, METRES, NOT_NEGATIVE,
+        "From the lower end of the string, the bit, up to the lower end of the body.",
+    ] = 0.0  # fmt: skip
 
 
 @dataclass(frozen=True)
