@@ -48,7 +48,7 @@ from helibore.live.journal.session_header import (
 from helibore.live.model.events import LOGGER, Event, gather
 from helibore.live.model.image_rows import ImageRows
 from helibore.live.model.model import Model
-from helibore.live.model.packed_state import packed, unpack
+from helibore.live.model.packed_state import pack, unpack
 from helibore.live.model.pass_log import Pass
 from helibore.live.model.sample_rows import Rows
 from helibore.live.model.update import Update, merge
@@ -235,7 +235,7 @@ class Live:
                 segment, sequence = self.journal.segment, self.model.next_sequence
                 if self._half_read or self.model.out_of_memory:
                     return None
-                state = packed(self.model)
+                state = pack(self.model)
                 facts: dict[str, Any] = {"meaning": self._begun.meaning(), "configuration": self._begun.text,
                                          "stretches": list(self.model.stretches)}  # fmt: skip
             self.journal.sync()  # a checkpoint must not contain records that a power cut can destroy

@@ -20,7 +20,7 @@ RECORDS: dict[str, type] = {"Event": Event, "Pass": Pass, "Layout": Layout, "Wat
 Arrays = list[Any]
 
 
-def packed(value: Any) -> tuple[Any, Arrays]:
+def pack(value: Any) -> tuple[Any, Arrays]:
     """Return ``value`` as a JSON value and a list of arrays; the JSON value refers to each array by its index.
 
     An object with a ``STATE`` becomes the attributes that its ``STATE`` names.
@@ -50,7 +50,7 @@ def _packed(value: Any, arrays: Arrays) -> Any:
 
 
 def unpack(value: Any, packed: Any, arrays: Arrays) -> Any:
-    """Return the value from which `packed` made the arguments ``packed`` and ``arrays``.
+    """Return the value from which `pack` made ``packed`` and ``arrays``.
 
     If ``value`` is an object with a ``STATE``, or a dictionary of such objects, these objects are restored in place.
     """
