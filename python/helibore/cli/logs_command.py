@@ -6,6 +6,7 @@ This file turns the options into calls of `Wall.logs`, `Logs.annulus`, `classify
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -24,6 +25,7 @@ from helibore.cli.zone_options import CRITERIA, criteria_of
 
 if TYPE_CHECKING:
     from helibore.base.tables import LogColumn, LogTable
+    from helibore.cli.lines import Lines
     from helibore.logs.turn_logs import Logs
     from helibore.logs.zones import Classification
     from helibore.wall.wall import Wall
@@ -169,8 +171,24 @@ def zones(**options: Any) -> None:
 
     The table states the criteria. The file zones.csv.toml beside zones.csv repeats the run.
     """
-    from helibore.files.log_writing import check_format, save_table
+    write_table("zones", options, _found_zones)
+
+
+def _found_zones(wall: Wall, options: dict[str, Any], _terminal: Terminal) -> tuple[LogTable, Lines]:
     from helibore.logs.zones import classify
+
+    criteria = criteria_of(wall, options)
+    if wall.basis != "azimuthal":
+        raise InputError("zones", f"need a shape that was measured; this wall: {wall.basis_text}")
+    found = classify(wall, criteria)
+    return found.table(), zone_lines(found, wall.summary(), options["unit"])
+
+
+def write_table(
+    verb: str, options: dict[str, Any], measure: Callable[[Wall, dict[str, Any], Terminal], tuple[LogTable, Lines]]
+) -> None:
+    """Make a wall, and write the one table of ``verb``; ``measure`` returns it, with its lines for the terminal."""
+    from helibore.files.log_writing import check_format, save_table
     from helibore.runs.run import make_wall
 
     output = options["output"]
@@ -178,18 +196,13 @@ def zones(**options: Any) -> None:
     check_folder(output)
     terminal = Terminal(options["quiet"])
     run = open_run(options, terminal, (output,))
-    options = own_options(run, "zones", options)
+    options = own_options(run, verb, options)
     refuse_interval(run, options)
-    wall = make_wall(run, options["threads"], terminal.stage).wall
-    criteria = criteria_of(wall, options)
-    if wall.basis != "azimuthal":
-        raise InputError("zones", f"need a shape that was measured; this wall: {wall.basis_text}")
-    found = classify(wall, criteria)
+    table, lines = measure(make_wall(run, options["threads"], terminal.stage).wall, options, terminal)
     with terminal.stage("save", f"Writing {output.name}"):
         header = {"well": run.name} | header_of(run, options)
-        save_table(in_unit(found.table(), options["unit"]), output, header=header)
-        saved = save_lines(run, output, "zones", options)
-    lines = zone_lines(found, wall.summary(), options["unit"])
+        save_table(in_unit(table, options["unit"]), output, header=header)
+        saved = save_lines(run, output, verb, options)
     terminal.summary([*run.messages, *lines, *saved, ("time", terminal.times())])
 
 

@@ -11,16 +11,18 @@ import click
 
 from helibore.base import units
 from helibore.base.units import size_text
-from helibore.cli.logs_command import NAMED, in_unit
-from helibore.cli.outputs import OUTPUT, QUIET, check_folder, own_options, save_lines
+from helibore.cli.logs_command import NAMED, write_table
+from helibore.cli.outputs import OUTPUT, QUIET
 from helibore.cli.quantities import BODY_LENGTH, LENGTH, Parsed
 from helibore.cli.sections import Sectioned, opt, opts, section
-from helibore.cli.terminal import Terminal
-from helibore.cli.wall_options import SHOWN, header_of, open_run, refuse_interval, takes_a_wall
+from helibore.cli.wall_options import SHOWN, takes_a_wall
 
 if TYPE_CHECKING:
+    from helibore.base.tables import LogTable
     from helibore.cli.lines import Lines
+    from helibore.cli.terminal import Terminal
     from helibore.logs.passage import Passage
+    from helibore.wall.wall import Wall
 
 WORST = 5
 """Most tight intervals that the terminal lists."""
@@ -67,20 +69,14 @@ def passage(**options: Any) -> None:
     The bodies are rigid and straight; in a curved hole a long one is thin, and CURVE is what the path alone costs.
     Where the hole beside a body is not measured, the row is empty.
     """
-    from helibore.files.log_writing import check_format, save_table
-    from helibore.logs.passage import RigidBody
-    from helibore.runs.run import make_wall
-
-    output = options["output"]
     if options["length"] is not None and options["bodies"]:
         raise click.UsageError("--length and --body: give one of them")
-    check_format(output)
-    check_folder(output)
-    terminal = Terminal(options["quiet"])
-    run = open_run(options, terminal, (output,))
-    options = own_options(run, "passage", options)
-    refuse_interval(run, options)
-    wall = make_wall(run, options["threads"], terminal.stage).wall
+    write_table("passage", options, _passage)
+
+
+def _passage(wall: Wall, options: dict[str, Any], terminal: Terminal) -> tuple[LogTable, Lines]:
+    from helibore.logs.passage import RigidBody
+
     with terminal.stage("passage", "Finding what passes"):
         found: Passage
         if options["bodies"]:
@@ -90,12 +86,7 @@ def passage(**options: Any) -> None:
     limit = options["limit"]
     if limit is None:
         limit = 0.0 if options["bodies"] else wall.settings.bit_diameter
-    with terminal.stage("save", f"Writing {output.name}"):
-        header = {"well": run.name} | header_of(run, options)
-        save_table(in_unit(found.table(), options["unit"]), output, header=header)
-        saved = save_lines(run, output, "passage", options)
-    lines = _lines(found, limit, "diameter" if not options["bodies"] else "clearance")
-    terminal.summary([*run.messages, *lines, *saved, ("time", terminal.times())])
+    return found.table(), _lines(found, limit, "clearance" if options["bodies"] else "diameter")
 
 
 def _lines(found: Passage, limit: float, what: str) -> Lines:
