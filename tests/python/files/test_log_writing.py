@@ -153,6 +153,20 @@ def test_a_csv_table_opens_by_the_plain_call_of_others(logs: Logs, tmp_path: Pat
         assert next(iter(frame.columns)) == "DEPT (m)"
 
 
+def test_facts_do_not_count_for_another_table_of_the_name(logs: Logs, tmp_path: Path) -> None:
+    path = tmp_path / "well.csv"
+    save_table(logs.table(), path, well="A-1")
+    written = path.read_bytes()
+    path.write_text("md_m,x\n1,2\n2,3\n")
+    one = hb.open(path).set()
+    assert one.header == {}
+    assert [remark for remark in one.remarks if remark.startswith("well.csv.facts.json: ")] != []
+    path.write_bytes(written)
+    assert hb.open(path).set().header["well"] == "A-1"
+    (tmp_path / "well.csv.facts.json").write_text('{"well": "B-2"}')  # by hand
+    assert hb.open(path).set().header == {"well": "B-2"}
+
+
 @pytest.mark.parametrize("content", [b"[1]", b"{", b"\xff", b"[" * 100_000, b" " * (2 << 20)])
 def test_facts_that_cannot_be_read_are_a_remark(tmp_path: Path, content: bytes) -> None:
     (tmp_path / "a.csv").write_text("md_m,x\n1,2\n2,3\n")
