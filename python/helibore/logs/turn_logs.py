@@ -26,7 +26,7 @@ import numpy.typing as npt
 
 from helibore import _core
 from helibore.base.arrays import Floats, Mask, column
-from helibore.base.errors import InputError
+from helibore.base.errors import InputError, check_not_negative
 from helibore.base.notebook import card, curve_picture
 from helibore.base.tables import LogColumn, LogTable, Tabular
 from helibore.base.thread_count import thread_count
@@ -476,8 +476,7 @@ def turn_logs(
     for name, value in (("bit_diameter", bit), ("rugosity_window", rugosity_window)):
         if not (math.isfinite(value) and value > 0):
             raise InputError(name, "must be finite and above 0", str(value))
-    if not (math.isfinite(caliper_accuracy) and caliper_accuracy >= 0):
-        raise InputError("caliper_accuracy", "must be finite and not negative", f"{caliper_accuracy:g}")
+    check_not_negative({"caliper_accuracy": caliper_accuracy})
     K, pitch = wall.settings.sectors, wall.settings.pitch
     window = window_turns(rugosity_window, pitch)
     radius = column("radius", wall.radius)
@@ -505,9 +504,7 @@ def turn_logs(
         volume=np.pi * square * abs(pitch),
         excess=square / (bit / 2) ** 2 - 1,
         nearest=_nearest(wall, turns),
-        diameter_sigma=np.full(turns, np.nan)
-        if sigma is None
-        else _diameter_sigma(wall, sigma, turns, caliper_accuracy),
+        diameter_sigma=_diameter_sigma(wall, sigma, turns, caliper_accuracy),
         caliper_accuracy=caliper_accuracy,
         age=_ages(getattr(wall, "samples", None), depth, abs(pitch), newest),
         bit_diameter=bit,

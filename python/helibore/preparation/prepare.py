@@ -637,13 +637,11 @@ class _Pipeline:
         self.report += [("bias", line) for line in (found.warnings(shown) if sides else found.lines(shown))]
         doubtful = found.doubtful()
         if doubtful.any():
-            self._leave_out(doubtful, arms, shown)
+            self._leave_out(found, doubtful, arms, shown)
 
-    def _leave_out(self, doubtful: npt.NDArray[np.bool_], arms: Integers, names: list[str]) -> None:
-        """Leave out the arms, in the passes, whose bias is not known; ``doubtful`` is (passes, arms) of `bias`."""
-        if self.bias is None:
-            raise RuntimeError("no bias is found yet; this is a bug in helibore")
-        samples, found = self.samples, self.bias
+    def _leave_out(self, found: Bias, doubtful: npt.NDArray[np.bool_], arms: Integers, names: list[str]) -> None:
+        """Leave out the arms, in the passes, whose bias is not known; ``doubtful`` is (passes, arms) of ``found``."""
+        samples = self.samples
         place = np.searchsorted(found.passes, samples.pass_number), np.searchsorted(found.arms, arms)
         out = doubtful[place]
         left = [f"{names[arm]} of pass {found.passes[row]}" for row, arm in np.argwhere(doubtful).tolist()]

@@ -190,7 +190,8 @@ def _job(source: TomlSource, folder: str, trees: tuple[Json, Json], *how: Any) -
         base = _merged(source, base, _project(project, folder, source))
     stated = _merged(source, base, own)
     stated |= _addressed(stated, folder)
-    well = stated.pop("name", None) or stated.get("header", {}).get("well")
+    header = stated.get("header")
+    well = stated.pop("name", None) or (header.get("well") if isinstance(header, dict) else None)
     if not isinstance(well, str) or not well.strip():
         raise source.error(("name",), "must be a text: the name of the well", *([] if well is None else [well]))
     job, source = Job(well, stated, *how), replace(source, label=f"well {well}")

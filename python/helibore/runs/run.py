@@ -53,6 +53,7 @@ from helibore.runs.project import (
 )
 from helibore.runs.wall_of_samples import wall_of_samples
 from helibore.samples.caliper import LARGEST_RADIUS, Caliper
+from helibore.samples.helix import WallLike
 from helibore.settings.column_settings import Columns
 from helibore.settings.wall_settings import Settings
 from helibore.settings.zone_settings import Criteria
@@ -249,16 +250,11 @@ def _with_roles(project: Project, files: OpenFiles, keys: Collection[str]) -> Pr
     return replace(project, **made)
 
 
-def criteria_of(project: Project) -> Criteria | None:
-    """Return the criteria of zones that a project states; None if it states none."""
+def stated_criteria(project: Project, wall: WallLike) -> Criteria:
+    """Return the criteria of zones that a project states for a wall, and default values of the other criteria."""
     stated = dict(project.zones)
-    if not stated:
-        return None
-    if stated.pop("scaled", False):
-        if project.wall is None:
-            raise InputError("zones.scaled", "needs the settings of the wall")
-        return Criteria.scaled(project.wall.bit_diameter, **stated)
-    return Criteria(**stated)
+    scaled = stated.pop("scaled", False)
+    return Criteria.scaled(wall.settings.bit_diameter, **stated) if scaled else Criteria(**stated)
 
 
 def tables_to_keep(project: Project) -> dict[str, dict[str, Any]]:

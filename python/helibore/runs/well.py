@@ -45,7 +45,7 @@ from helibore.runs.blocks import (
 from helibore.runs.manifest import FILES, Job, path_part
 from helibore.runs.output_store import Json, Store, local_file
 from helibore.runs.project import Project, project_of
-from helibore.runs.run import OpenFiles, Run, build_wall, check_path, criteria_of, open_run, read_path, read_run
+from helibore.runs.run import OpenFiles, Run, build_wall, check_path, open_run, read_path, read_run, stated_criteria
 from helibore.samples.helix import helix_of
 from helibore.wall.wall import Wall, wall_of
 
@@ -149,7 +149,7 @@ def merge_well(job: Job, expected: dict[str, str] | None = None) -> Json:
         wall, logs, over = merged(run, store, _work_folder(job))
         files, save = _saver(store)
         files |= store.sizes(f"wells/{job.key}")
-        zones = _save_tables(job, save, classify(wall, criteria_of(run.settings), logs), run.settings.header)
+        zones = _save_tables(job, save, classify(wall, stated_criteria(run.settings, wall), logs), run.settings.header)
         if "mesh" in job.outputs:
             _save_overview(job, save, surface_of(over, run.path, threads=1))
         row = catalogue_row(job.well, run.settings, wall, logs, summarize(wall, zones=zones))
@@ -262,7 +262,7 @@ def write_outputs(run: Run, job: Job, store: Store) -> tuple[dict[str, int], Jso
     if "archive" in job.outputs:
         save(f"wells/{key}/{key}.wall", wall.save)
     logs = wall.logs(sigma=wall.settings.sigma)
-    zones = _save_tables(job, save, classify(wall, criteria_of(run.settings), logs), run.settings.header)
+    zones = _save_tables(job, save, classify(wall, stated_criteria(run.settings, wall), logs), run.settings.header)
     if "mesh" in job.outputs:
         save(f"wells/{key}/{key}.glb", lambda path: wall.surface().save(path))
         coarse = vars(overview_settings(wall.settings))

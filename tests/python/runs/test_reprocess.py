@@ -176,6 +176,7 @@ def test_an_error_of_the_manifest_names_well_key_and_rule(field: Path, before: s
         ('well = "A"', "m.toml: well = 'A': must be tables, [[well]]"),
         ('well = ["A"]', "m.toml: well 1 = 'A': must be a table"),
         ('defaults = 3\n[[well]]\nname = "A"', "m.toml: defaults = 3: must be a table"),
+        ("[[well]]\nheader = 3", "m.toml: well 1: name: must be a text: the name of the well"),
         ('[defaults]\nwall = 3\n[[well]]\nname = "A"\nwall = {}', "m.toml: well 1: defaults.wall = 3: must be a table"),
     ],
 )
