@@ -33,7 +33,7 @@ def numbers(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDA
 
 def are_dates(values: npt.ArrayLike) -> bool:
     """Return whether ``values`` are dates: datetime64, or objects of which one or more are datetime objects."""
-    array = np.asarray(values)
+    array = np.asarray(_decoded(values))
     kind = array.dtype.kind
     return kind == "M" or (kind == "O" and any(isinstance(of, datetime.datetime) for of in array.flat))
 
@@ -46,7 +46,7 @@ def numbers_or_dates(values: npt.ArrayLike, *, dates: bool) -> Floats:
     if isinstance(values, np.ma.MaskedArray):
         absent = np.ma.getmaskarray(values)
         return np.where(absent, np.nan, numbers_or_dates(values.data, dates=dates))
-    array = np.asarray(values)
+    array = np.asarray(_decoded(values))
     if dates and are_dates(array):
         array = array if array.dtype.kind == "M" else _in_utc(array)
         return numbers((array - np.datetime64(0, "s")) / np.timedelta64(1, "s"))
@@ -69,24 +69,40 @@ def _in_utc(moments: Array) -> Array:
 
 
 def cells(values: npt.ArrayLike) -> Array:
-    """Return the cells of a data frame's column: numbers with NaN for the missing ones, dates or texts."""
+    """Return the cells of a data frame's column: numbers with NaN for the missing ones, dates or texts.
+
+    Cells that are lists of one length become the rows of an array of two dimensions. Raises InputError if their lengths
+    differ, or if a row has no list.
+    """
     if isinstance(values, np.ma.MaskedArray):
         return np.ma.filled(values.astype(np.float64), np.nan)
-    array = np.asarray(values)
+    array = np.asarray(_decoded(values))
     if array.dtype.kind != "O" or are_dates(array):
         return array
-    plain = [None if _is_missing(of) else of for of in array.ravel().tolist()]
+    plain = array.ravel().tolist()
+    lists = [isinstance(of, list | tuple | np.ndarray) for of in plain]
+    if any(lists):
+        if not all(lists) or len({np.shape(of) for of in plain}) > 1:
+            raise InputError("lists", "every row must have one, all of one length")
+        return cells(np.array([cells(of) for of in plain]))
+    plain = [None if _is_missing(of) else of for of in plain]
     try:
         return np.array([np.nan if of is None else of for of in plain], np.float64).reshape(array.shape)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         return np.array(plain, object).reshape(array.shape)
+
+
+def _decoded(values: Any) -> Any:
+    """Return an Arrow column of codes as its values: ``asarray`` gives the last value of the dictionary for a null."""
+    kind: Any = getattr(values, "type", None)
+    return values.cast(kind.value_type) if hasattr(kind, "index_type") else values
 
 
 def _is_missing(cell: Any) -> bool:
     """Return whether a cell is None, NaN, NaT, or the NA of pandas, whose comparison is neither true nor false."""
     try:
         return cell is None or not cell == cell  # noqa: SIM201  # NaN is neither
-    except TypeError:
+    except (TypeError, ArithmeticError):  # the signalling NaN of Decimal
         return True
 
 

@@ -42,7 +42,17 @@ def read_frame(table: Any, nulls: tuple[float, ...]) -> RawFile:
     channels: list[Channel] = []
     remarks: list[str] = []
     for position, (name, shown) in enumerate(zip(names, unique([str(name) for name in names]), strict=True)):
-        values = cells(frame_column(table, name, position))
+        try:
+            values = cells(frame_column(table, name, position))
+        except InputError as error:
+            remarks.append(f"{shown}: {error}; left out")
+            continue
+        except Exception as error:  # each library has an error of its own for a column that NumPy cannot hold
+            remarks.append(f"{shown}: cannot be read ({type(error).__name__}); left out")
+            continue
+        if values.dtype.kind in "cV":
+            remarks.append(f"{shown}: holds {values.dtype}, must hold numbers, texts or dates; left out")
+            continue
         if values.ndim not in (1, 2):
             remarks.append(f"{shown}: has {values.ndim} dimensions, must have one or two; left out")
             continue

@@ -2,6 +2,7 @@
 
 import json
 import re
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -146,6 +147,43 @@ def test_a_data_frame_is_opened_only_if_it_is_one_with_rows():
         with pytest.raises(hb.InputError) as caught:
             hb.open(given)
         assert (caught.value.place, caught.value.rule) == (place, rule)
+
+
+def test_a_null_of_an_arrow_dictionary_is_missing():
+    coded = pa.chunked_array([pa.array(of).dictionary_encode() for of in ([0.11, None], [0.12, 0.13, None])])
+    table = pa.table({"MD_m": [1.0, 2.0, 3.0, 4.0, 5.0], "TF_deg": [0.0] * 5, "R_m": coded})
+    expected = [0.11, np.nan, 0.12, 0.13, np.nan]
+    np.testing.assert_array_equal(hb.open(table).set().numbers("R_m"), expected)
+    samples = hb.Caliper.from_table(table, depth="MD_m", toolface="TF_deg", radius="R_m")
+    assert samples.radius.tolist() == [0.11, 0.12, 0.13]
+
+
+def test_lists_of_one_length_are_sectors_and_other_lists_are_left_out():
+    image = [[1.0, 2.0, None], [4.0, 5.0, 6.0]]
+    texts = [[str(of) for of in row] for row in ([1.0, 2.0, 3.0], [4.0, 5.0, 6.0])]
+    of_arrays = pd.DataFrame({"MD_m": [1.0, 2.0], "IMG": list(map(np.array, [[1, 2, np.nan], [4, 5, 6]]))})
+    fixed = pa.table({"MD_m": [1.0, 2.0], "IMG": pa.array(image, pa.list_(pa.float64(), 3))})
+    for frame in (of_arrays, fixed, {"MD_m": [1.0, 2.0], "IMG": image}, pl.DataFrame({"MD_m": [1, 2], "IMG": image})):
+        np.testing.assert_array_equal(hb.open(frame).set().numbers("IMG"), np.array(image, float))
+    assert hb.open(pl.DataFrame({"MD_m": [1, 2], "IMG": texts}))["IMG"].shape == (2, 3)
+    for uneven in ([[1.0], [1.0, 2.0]], [None, [1.0]], [[], [1.0]]):
+        one = hb.open(pl.DataFrame({"MD_m": [1, 2], "IMG": uneven})).set()
+        assert [channel.name for channel in one.channels] == ["MD_m"]
+        assert [of for of in one.remarks if of.startswith("IMG: ") and of.endswith("left out")] != []
+
+
+def test_cells_that_float64_cannot_hold_are_refused_by_name_or_left_out():
+    depth = [1.0, 2.0]
+    assert hb.open({"MD_m": depth, "R_m": pd.Series([Decimal("sNaN"), Decimal("0.1")])}).set().numbers("R_m")[1] == 0.1
+    huge = pd.DataFrame({"MD_m": depth * 2, "TF_deg": [0.0] * 4, "R_m": [10**400, 0.1, 0.11, 0.12]})
+    with pytest.raises(hb.InputError) as caught:
+        hb.prepare(hb.open(huge).readings())
+    assert caught.value.rule == "must be finite, or NaN where missing"
+    wide = pl.DataFrame({"MD_m": depth, "R_m": pl.Series([10**30, 1], dtype=pl.Int128)})
+    for frame in (wide, pd.DataFrame({"MD_m": depth, "R_m": [1j, 2j]})):
+        one = hb.open(frame).set()
+        assert [channel.name for channel in one.channels] == ["MD_m"]
+        assert [of for of in one.remarks if of.startswith("R_m: ") and of.endswith("left out")] != []
 
 
 def test_metadata_state_a_unit_before_the_name_does():
