@@ -1,4 +1,6 @@
-"""The same table by every door: files of each format and data frames give the same samples and the same messages."""
+"""The same table by every door: files of each format, data frames, wells of a manifest and a WITS replay give the same
+samples, and the same messages where the door can say them.
+"""
 
 import json
 import re
@@ -14,6 +16,10 @@ import xarray as xr
 from pyarrow import parquet
 
 import helibore as hb
+from helibore.live.rules.configuration import parse
+from helibore.runs.manifest import read_jobs
+from helibore.runs.run import preparation_lines
+from helibore.runs.well import reprocess_well
 
 rng = np.random.default_rng(11)
 ROWS = 240
@@ -108,22 +114,23 @@ def _doors(table, folder: Path):
         yield "data frame", one
 
 
-def _answer(door, given, names):
-    def neutral(text):
-        for name in names:
-            text = text.replace(name, _parts(name)[0])
-        return re.sub(r"(line|row) [0-9]+", "place", text.replace(door, "TABLE"))
+def _neutral(text, door, names):
+    for name in names:
+        text = text.replace(name, _parts(name)[0])
+    return re.sub(r"(line|row) [0-9]+", "place", text.replace(door, "TABLE"))
 
+
+def _answer(door, given, names):
     try:
         readings = hb.open(given).readings(bit_diameter=0.216)
         made = hb.prepare(readings, bit_diameter=0.216)
     except hb.InputError as error:
-        return neutral(str(error))
+        return _neutral(str(error), door, names)
     bits = [
         None if of is None else of.tobytes()
         for of in (made.caliper.depth, made.caliper.toolface, made.caliper.radius, made.caliper.time)
     ]
-    return [bits, [(step, neutral(text)) for step, text in made.report], made.counts]
+    return [bits, [(step, _neutral(text, door, names)) for step, text in made.report], made.counts]
 
 
 @pytest.mark.parametrize("name", FLAWED)
@@ -134,6 +141,130 @@ def test_every_door_gives_the_same(name, tmp_path):
     ]
     first = answers[0][2]
     assert {(door, kind): answer for door, kind, answer in answers if answer != first} == {}
+
+
+def _bits(wall):
+    """Return depth, toolface and radius of a wall's samples, in the order in which every wall keeps them."""
+    samples = wall.samples
+    return [of.tobytes() for of in (samples.depth, samples.toolface, samples.radius)]
+
+
+@pytest.mark.parametrize("name", FLAWED)
+def test_a_well_of_a_manifest_has_the_samples_and_messages_of_its_file(name, tmp_path):
+    table = FLAWED[name]
+    pd.DataFrame(table).astype("float64").to_csv(tmp_path / "t.csv", index=False)
+    (tmp_path / "m.toml").write_text(
+        f'output = "{tmp_path}/out"\noutputs = ["archive"]\n[defaults.wall]\nbit_diameter = 0.216\n'
+        'sectors = 16\n[[well]]\nname = "w"\ncaliper = "t.csv"\n'
+    )
+    try:
+        made = hb.prepare(hb.open(tmp_path / "t.csv").readings(bit_diameter=0.216), bit_diameter=0.216)
+        file = [_bits(hb.reconstruct(made.caliper, bit_diameter=0.216, sectors=16)), list(made.report)]
+    except hb.InputError as error:
+        file = str(error)
+    try:
+        reprocess_well(read_jobs(tmp_path / "m.toml")[0])
+        wall = hb.load(tmp_path / "out/wells/w/w.wall")
+        well = [_bits(wall), preparation_lines(wall)]
+    except hb.InputError as error:
+        well = str(error)
+    assert well == file
+
+
+ITEMS = {"depth": "5010", "toolface": "5011", "radius": "5012"}
+NAMED = {"MD": "depth", "TOOLFACE": "toolface", "RADIUS": "radius"}
+
+
+def _columns(table):
+    """Return name and unit of the columns of a table that a caliper by WITS has, by what they measure."""
+    parts = {name: _parts(name) for name in table}
+    return {NAMED[stem]: (name, unit) for name, (stem, unit) in parts.items() if stem in NAMED}
+
+
+def _replay(table, folder):
+    """Send each row of a table as a frame of WITS; return what the replay of the journal gives, and all events.
+
+    Units are no part of the protocol, and the settings state them. A frame without an item has no value for it.
+    """
+    columns = _columns(table)
+    rows = zip(*(table[columns[name][0]] for name in ITEMS), strict=True)
+    frames = [
+        [f"{item}{float(of)!r}" for item, of in zip(ITEMS.values(), row, strict=True) if of is not None] for row in rows
+    ]
+    units = "".join(f'{name}_unit = "{columns[name][1] or "mm"}"\n' for name in ITEMS)
+    items = "".join(f'{name} = ["{item}"]\n' for name, item in ITEMS.items())
+    settings = f"""
+    [wall]\nbit_diameter = 0.216\nsectors = 16\nstart_depth = 2000.0
+    [source.mwd]\naddress = "host"\nunits = "metric"
+    [source.mwd.caliper]\n{items}{units}"""
+    with hb.Live(parse(settings), folder) as live:
+        events = live.receive("mwd", "".join("\r\n".join(["&&", *of, "!!", ""]) for of in frames).encode()).events
+    return hb.Live.replay(folder), {event.rule: event.text for event in events}
+
+
+# What a wire cannot do: refuse. A file with a radius of 5 m is wrong as a whole, and somebody can mend it before the
+# wall is made. A rig goes on: the live wall leaves the sample out and reports its value. It has the samples of the file
+# with the settings of preparation that leave out the same. A frame that comes twice is the sender's fault, a row that
+# comes twice is perhaps the tool's: only the wire leaves it out unasked.
+LEFT_OUT = {
+    "repeated rows": ({"repeated": True}, "duplicate", ""),
+    "a radius of zero": ({"least_radius": 0.027}, "range", "radius 0 m"),
+    "a negative radius": ({"least_radius": 0.027}, "range", "radius -0.003 m"),
+    "a radius that cannot be": ({"greatest_radius": 0.432}, "range", "radius 5 m"),
+}
+# No sample is left, or the table has no such column: a file is refused. "no unit of radius" and "diameters called
+# radius" depend on what the settings of the source state in place of the header.
+ONLY_FILES = ("X-Y", "no toolface", "no radius", "nothing but nulls", "no unit of radius", "diameters called radius")
+
+
+@pytest.mark.parametrize("name", [name for name in FLAWED if name not in ONLY_FILES])
+def test_the_replay_of_a_table_by_wits_has_the_samples_of_its_file(name, tmp_path):
+    table = FLAWED[name]
+    pd.DataFrame(table).astype("float64").to_csv(tmp_path / "t.csv", index=False)
+    left_out, rule, value = LEFT_OUT.get(name, ({}, "", ""))
+    preparation = hb.Preparation(**left_out) if left_out else None
+    made = hb.prepare(hb.open(tmp_path / "t.csv").readings(bit_diameter=0.216), preparation, bit_diameter=0.216)
+    live, events = _replay(table, tmp_path / "journal")
+    assert _bits(live.wall) == _bits(hb.reconstruct(made.caliper, bit_diameter=0.216, sectors=16))
+    missing = sum(count for why, count in made.counts.items() if why in ("no depth", "no toolface", "no radius"))
+    assert live.model.counts.get("flag NULL", 0) == missing
+    assert set(events) == ({rule} if rule else set())
+    assert value in events.get(rule, "")
+
+
+def test_wits_says_what_a_file_is_refused_for(tmp_path):
+    live, _ = _replay(FLAWED["nothing but nulls"], tmp_path / "nulls")
+    assert (live.wall.sample_count, live.model.counts["flag NULL"]) == (0, ROWS)
+    _, events = _replay(FLAWED["diameters called radius"], tmp_path / "diameters")
+    assert 'measures = "diameter"' in events["radius_scale"]
+    for name in ("no toolface", "no radius"):
+        items = "".join(f'{of} = ["{ITEMS[of]}"]\n' for of in _columns(FLAWED[name]))
+        source = f'[source.mwd]\naddress = "host"\nunits = "metric"\n[source.mwd.caliper]\n{items}'
+        with pytest.raises(hb.InputError) as caught:
+            parse(f"[wall]\nbit_diameter = 0.216\nstart_depth = 2000.0\n{source}")
+        assert caught.value.place == f"source.mwd.caliper.{name.removeprefix('no ')}"
+
+
+def test_two_pairs_of_arms_by_wits_have_the_samples_of_the_file(tmp_path):
+    table = FLAWED["X-Y"]
+    pd.DataFrame(table).to_csv(tmp_path / "t.csv", index=False)
+    made = hb.prepare(hb.open(tmp_path / "t.csv").readings(bit_diameter=0.216), bit_diameter=0.216)
+    items = dict(zip(table, ("5010", "5011", "5012", "5013"), strict=True))
+    frames = zip(*([f"{items[name]}{float(of)!r}" for of in column] for name, column in table.items()), strict=True)
+    live = hb.Live(
+        parse("""
+    [wall]\nbit_diameter = 0.216\nsectors = 16\nstart_depth = 2000.0
+    [source.mwd]\naddress = "host"\nunits = "metric"
+    [source.mwd.caliper]\nmeasures = "diameter"\nradius_unit = "in"\ndepth = ["5010"]\ntoolface = ["5011"]
+    radius = ["5012", "5012", "5013", "5013"]\ntoolface_offset = [0, 180, 90, 270]
+    """)
+    )
+    live.receive("mwd", "".join("\r\n".join(["&&", *of, "!!", ""]) for of in frames).encode())
+    # A file is read arm by arm, a frame holds all arms: the samples of one depth came in another order.
+    wire, file = (
+        sorted(zip(of.depth, of.toolface, of.radius, strict=True)) for of in (live.wall.samples, made.caliper)
+    )
+    assert wire == file
 
 
 def test_a_data_frame_is_opened_only_if_it_is_one_with_rows():
