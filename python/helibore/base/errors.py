@@ -2,7 +2,7 @@
 
     InputError("toolface[17]", "must be finite", "nan")     ->  toolface[17] = nan: must be finite
     InputError("well.las, line 12", "truncated")            ->  well.las, line 12: truncated
-    MissingExtraError("h5py", "vtkhdf")                     ->  needs h5py: pip install "helibore[vtkhdf]"
+    MissingExtraError("h5py", "vtkhdf")                     ->  needs h5py: pip install "helibore[vtkhdf]"; in a ...
 
 A caller recognises these errors by their class and their attributes, never by their text.
 """
@@ -116,7 +116,9 @@ class MissingExtraError(ImportError):
 
     def __init__(self, library: str, extra: str) -> None:
         self.library, self.extra = library, extra
-        super().__init__(f'needs {library}: pip install "helibore[{extra}]"')
+        # No index has helibore yet: the second command works today.
+        command = f'pip install "helibore[{extra}]"; in a clone of helibore: pip install ".[{extra}]"'
+        super().__init__(f"needs {library}: {command}")
 
     def __reduce__(self) -> tuple[type[MissingExtraError], tuple[str, str]]:
         return type(self), (self.library, self.extra)

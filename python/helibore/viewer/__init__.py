@@ -203,7 +203,7 @@ def view(
     Raises
     ------
     MissingExtraError
-        If a library of the extra is missing: ``needs starlette: pip install "helibore[view]"``.
+        If a library of the extra is missing.
     InputError
         If the wall has no vertex, has more than 2048 sectors or reaches beyond `path`; if an attribute's length is not
         the number of vertices or quads, if there are more than 16 attributes, or two with the same name; if `port` is
