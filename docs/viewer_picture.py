@@ -19,16 +19,14 @@ from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
 import helibore as hb
-from helibore.logs.picks import Pick, Picks
-from helibore.simulation.tool import Bed, Hole, Simulation, Tool, simulate
-from helibore.viewer import Attribute, Viewer
+from helibore.simulation import Bed, Hole, Simulation, Tool, simulate
 
 FLAGS = ["--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 GAP = (2046.0, 2049.5)  # metres without a sample
 AGAIN = (2057.0, 2060.0)  # metres scanned again
 
 
-def show() -> tuple[Viewer, Simulation]:
+def show() -> tuple[hb.Viewer, Simulation]:
     """Serve the wall as it grows, with its gap and its second pass."""
     run = simulate(Hole.example(2000.0, 2080.0, seed=4), Tool(), seed=4)
     there = (run.depth < GAP[0]) | (run.depth > GAP[1])
@@ -39,7 +37,9 @@ def show() -> tuple[Viewer, Simulation]:
     )
     path = hb.Survey(run.station_depth, run.inclination, run.azimuth).path(head=(312.0, 145.0, 1862.0), extend=50.0)
     gamma = hb.SectorImage(run.gamma_depth, run.gamma, name="GR", unit="gAPI", origin="edge", reference="high-side")
-    viewer = hb.view(wall, path=path, attributes={Attribute("GR", "gAPI", 20, 140): gamma.on(wall)}, well="Simulated")
+    viewer = hb.view(
+        wall, path=path, attributes={hb.Attribute("GR", "gAPI", 20, 140): gamma.on(wall)}, well="Simulated"
+    )
     second = (run.depth > AGAIN[0]) & (run.depth < AGAIN[1])
     time_later = run.time[second] + 1e5
     viewer.update(wall.append(run.depth[second], run.toolface[second], run.radius[second] + 0.003, time_later))
@@ -47,9 +47,9 @@ def show() -> tuple[Viewer, Simulation]:
     return viewer, run
 
 
-def pick(bed: Bed) -> Pick:
+def pick(bed: Bed) -> hb.Pick:
     """A bed's top as a pick."""
-    return Pick(kind="bed", depth=bed.depth, apparent_dip=bed.dip, toolface=bed.direction % 360)
+    return hb.Pick(kind="bed", depth=bed.depth, apparent_dip=bed.dip, toolface=bed.direction % 360)
 
 
 def settle(page: Page) -> None:
@@ -64,7 +64,7 @@ def settle(page: Page) -> None:
 def main(output: Path) -> None:
     viewer, run = show()
     for bed in [bed for bed in run.hole.beds if AGAIN[0] - 5 < bed.depth < AGAIN[1] + 2][:3]:
-        viewer.scene.change_picks(partial(Picks.put, pick=pick(bed)))
+        viewer.scene.change_picks(partial(hb.Picks.put, pick=pick(bed)))
     address = "#md=2054&sec=24&quantity=GR"
     with viewer, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)

@@ -6,7 +6,7 @@ A tool turns while it advances. helibore rebuilds the wall from its samples.
 """
 
 import helibore as hb
-from helibore.simulation.tool import Hole, Tool, simulate
+from helibore.simulation import Hole, Tool, simulate
 
 measured = simulate(Hole.example(stop=2010.0), Tool())
 caliper = hb.Caliper(measured.depth, measured.toolface, measured.radius, measured.time)

@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import helibore as hb
-from helibore.simulation.tool import Hole, Tool, simulate
+from helibore.simulation import Hole, Tool, simulate
 
 hole = Hole.example(stop=2010.0)
 measured = simulate(hole, Tool())

@@ -6,7 +6,7 @@ Zones by the criteria of the trade, the worst first.
 """
 
 import helibore as hb
-from helibore.simulation.tool import Breakout, Hole, Tool, Washout, simulate
+from helibore.simulation import Breakout, Hole, Tool, Washout, simulate
 
 hole = Hole(
     stop=2012.0,

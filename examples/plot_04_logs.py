@@ -8,7 +8,7 @@ Diameters, ovality and volume, as a data frame or as LAS.
 import matplotlib.pyplot as plt
 
 import helibore as hb
-from helibore.simulation.tool import Hole, Tool, simulate
+from helibore.simulation import Hole, Tool, simulate
 
 measured = simulate(Hole.example(stop=2020.0), Tool())
 wall = hb.reconstruct(hb.Caliper(measured.depth, measured.toolface, measured.radius), bit_diameter=0.216)

@@ -8,7 +8,7 @@ The annulus between the measured wall and a casing of 5 1/2 in.
 import matplotlib.pyplot as plt
 
 import helibore as hb
-from helibore.simulation.tool import Hole, Tool, simulate
+from helibore.simulation import Hole, Tool, simulate
 
 measured = simulate(Hole.example(stop=2020.0), Tool())
 wall = hb.reconstruct(hb.Caliper(measured.depth, measured.toolface, measured.radius), bit_diameter=0.216)

@@ -8,7 +8,7 @@ Where no sample is in reach, the wall has no radius, and the picture is grey.
 import numpy as np
 
 import helibore as hb
-from helibore.simulation.tool import Hole, Tool, simulate
+from helibore.simulation import Hole, Tool, simulate
 
 measured = simulate(Hole.example(stop=2008.0), Tool())
 there = np.abs(measured.depth - 2004.0) > 0.6

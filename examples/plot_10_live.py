@@ -8,7 +8,7 @@ Every append says which vertices changed. The end has the same bits as one batch
 import matplotlib.pyplot as plt
 
 import helibore as hb
-from helibore.simulation.tool import Hole, Tool, simulate
+from helibore.simulation import Hole, Tool, simulate
 
 measured = simulate(Hole.example(stop=2005.0), Tool())
 columns = measured.depth, measured.toolface, measured.radius, measured.time

@@ -8,7 +8,7 @@ Shells of hexahedra around the hole, ready for VTK: ``volume.save("well.vtu")``.
 import matplotlib.pyplot as plt
 
 import helibore as hb
-from helibore.simulation.tool import Hole, Tool, simulate
+from helibore.simulation import Hole, Tool, simulate
 
 measured = simulate(Hole.example(stop=2003.0), Tool())
 wall = hb.reconstruct(hb.Caliper(measured.depth, measured.toolface, measured.radius), bit_diameter=0.216, sectors=24)

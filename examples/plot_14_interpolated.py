@@ -8,7 +8,7 @@ Values that were measured with the samples go to the quads by the neighbours and
 import numpy as np
 
 import helibore as hb
-from helibore.simulation.tool import Hole, Tool, simulate
+from helibore.simulation import Hole, Tool, simulate
 
 measured = simulate(Hole.example(stop=2005.0), Tool())
 caliper = hb.Caliper(measured.depth, measured.toolface, measured.radius)

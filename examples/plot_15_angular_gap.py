@@ -9,7 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import helibore as hb
-from helibore.simulation.tool import Hole, Tool, simulate
+from helibore.simulation import Hole, Tool, simulate
 
 measured = simulate(Hole.example(stop=2006.0), Tool(stick_slip=1.0, sample_rate=4.0))
 wall = hb.reconstruct(hb.Caliper(measured.depth, measured.toolface, measured.radius), bit_diameter=0.216)

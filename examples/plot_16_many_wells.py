@@ -14,7 +14,7 @@ from distributed import Client
 from pyarrow import parquet
 
 import helibore as hb
-from helibore.simulation.tool import Hole, Tool, simulate
+from helibore.simulation import Hole, Tool, simulate
 
 field = Path(tempfile.mkdtemp())
 manifest = 'output = "walls"\noutputs = ["archive", "logs"]\n[defaults.wall]\nbit_diameter = 0.216\n'

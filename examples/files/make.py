@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from helibore.simulation.tool import Hole
+from helibore.simulation import Hole
 
 HERE = Path(__file__).parent
 FOOT, INCH = 0.3048, 0.0254

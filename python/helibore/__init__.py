@@ -14,58 +14,92 @@ import lazy_loader
 
 if TYPE_CHECKING:  # the same names as below
     from helibore import plot as plot
+    from helibore import simulation as simulation
     from helibore._core import __version__ as __version__
     from helibore.base.errors import InputError as InputError
     from helibore.base.errors import MissingExtraError as MissingExtraError
     from helibore.base.tables import LogColumn as LogColumn
+    from helibore.base.tables import LogTable as LogTable
+    from helibore.channels.log_set import LogFile as LogFile
+    from helibore.channels.log_set import LogSet as LogSet
     from helibore.channels.opening import open as open  # noqa: A004
+    from helibore.images.image_breakouts import ImageBreakouts as ImageBreakouts
     from helibore.images.sector_image import SectorImage as SectorImage
     from helibore.live.live import Live as Live
+    from helibore.live.model.events import Event as Event
+    from helibore.live.model.update import Update as Update
+    from helibore.logs.annulus import Annulus as Annulus
+    from helibore.logs.passage import Drift as Drift
+    from helibore.logs.passage import Passage as Passage
     from helibore.logs.passage import RigidBody as RigidBody
+    from helibore.logs.passage import TightSpot as TightSpot
+    from helibore.logs.picks import Pick as Pick
+    from helibore.logs.picks import Picks as Picks
     from helibore.logs.stress import HorizontalStress as HorizontalStress
     from helibore.logs.stress import horizontal_stress as horizontal_stress
     from helibore.logs.stress import stress_of_picks as stress_of_picks
+    from helibore.logs.summary import WallSummary as WallSummary
+    from helibore.logs.turn_logs import Logs as Logs
+    from helibore.logs.zones import Classification as Classification
+    from helibore.logs.zones import Zone as Zone
     from helibore.mesh.surface import Surface as Surface
     from helibore.mesh.volume import Volume as Volume
+    from helibore.preparation.prepare import Prepared as Prepared
     from helibore.preparation.prepare import prepare as prepare
     from helibore.runs.reconstruct import reconstruct as reconstruct
     from helibore.runs.reprocess import reprocess as reprocess
     from helibore.samples.caliper import Caliper as Caliper
     from helibore.settings.preparation_settings import Preparation as Preparation
     from helibore.settings.wall_settings import Settings as Settings
+    from helibore.settings.zone_settings import Criteria as Criteria
+    from helibore.settings.zone_settings import ImageCriteria as ImageCriteria
     from helibore.trajectory.survey import Path as Path
     from helibore.trajectory.survey import Survey as Survey
+    from helibore.viewer import Attribute as Attribute
+    from helibore.viewer import Viewer as Viewer
     from helibore.viewer import view as view
     from helibore.wall.append_result import Change as Change
     from helibore.wall.load import load as load
+    from helibore.wall.points import PointValues as PointValues
     from helibore.wall.tune import Tuning as Tuning
     from helibore.wall.tune import tune as tune
     from helibore.wall.wall import Wall as Wall
 
 _load, _, __all__ = lazy_loader.attach(
     __name__,
-    ["plot"],
+    ["plot", "simulation"],
     {
         "_core": ["__version__"],
         "base.errors": ["InputError", "MissingExtraError"],
-        "settings.preparation_settings": ["Preparation"],
-        "settings.wall_settings": ["Settings"],
-        "base.tables": ["LogColumn"],
+        "base.tables": ["LogColumn", "LogTable"],
+        "channels.log_set": ["LogFile", "LogSet"],
         "channels.opening": ["open"],
+        "images.image_breakouts": ["ImageBreakouts"],
         "images.sector_image": ["SectorImage"],
         "live.live": ["Live"],
-        "logs.passage": ["RigidBody"],
+        "live.model.events": ["Event"],
+        "live.model.update": ["Update"],
+        "logs.annulus": ["Annulus"],
+        "logs.passage": ["Drift", "Passage", "RigidBody", "TightSpot"],
+        "logs.picks": ["Pick", "Picks"],
         "logs.stress": ["HorizontalStress", "horizontal_stress", "stress_of_picks"],
+        "logs.summary": ["WallSummary"],
+        "logs.turn_logs": ["Logs"],
+        "logs.zones": ["Classification", "Zone"],
         "mesh.surface": ["Surface"],
         "mesh.volume": ["Volume"],
-        "preparation.prepare": ["prepare"],
+        "preparation.prepare": ["Prepared", "prepare"],
         "runs.reconstruct": ["reconstruct"],
         "runs.reprocess": ["reprocess"],
         "samples.caliper": ["Caliper"],
+        "settings.preparation_settings": ["Preparation"],
+        "settings.wall_settings": ["Settings"],
+        "settings.zone_settings": ["Criteria", "ImageCriteria"],
         "trajectory.survey": ["Path", "Survey"],
-        "viewer": ["view"],
+        "viewer": ["Attribute", "Viewer", "view"],
         "wall.append_result": ["Change"],
         "wall.load": ["load"],
+        "wall.points": ["PointValues"],
         "wall.tune": ["Tuning", "tune"],
         "wall.wall": ["Wall"],
     },

@@ -150,16 +150,18 @@ class LogTable(Tabular):
         return self
 
     def save(self, filename: str | os.PathLike[str]) -> None:
-        """Write the table to .las, .csv, .parquet or .dlis: `helibore.files.log_writing.save_table`."""
+        """Write the table to ``filename``: .las, .csv, .parquet or .dlis."""
         package: Any = sys.modules["helibore"]  # the package knows the formats, whose folder lies above this one
         package._save_table(self, filename)
 
     @property
     def rows(self) -> int:
+        """Number of rows."""
         return int(self.depth.values.size)
 
     @property
     def depth(self) -> LogColumn:
+        """The first column."""
         return next(iter(self._columns.values()))
 
     def __getitem__(self, mnemonic: str) -> LogColumn:

@@ -156,7 +156,7 @@ def north_of(log_set: RawSet, roles: RoleMap) -> str:
 
 
 def survey(log_set: RawSet, roles: RoleMap | None = None) -> Survey:
-    """Return the directional survey of a set as a `helibore.Survey`.
+    """Return the directional survey of a set as a `helibore.Survey`; ``roles`` say which channels it has.
 
     Stations are sorted by depth. Those without depth, inclination or azimuth are left out, and so are repeats of a
     station; the set's remarks say how many.
@@ -215,7 +215,9 @@ def _remark(log_set: RawSet, remark: str) -> None:
 
 
 def image(log_set: RawSet, name: str, roles: RoleMap | None = None) -> RawSectorImage:
-    """Return a sector image with its depth; rows without a depth are left out and counted.
+    """Return the sector image ``name`` with its depth, which ``roles`` names.
+
+    Rows without a depth are left out and counted.
 
     Raises
     ------

@@ -31,6 +31,7 @@ class LogSet(RawSet):
     def caliper(self, roles: RoleMap | None = None, bit_diameter: float | None = None) -> Caliper:
         """Return the wall samples as a `helibore.Caliper`. An error about an impossible radius names its line or row.
 
+        ``roles`` and ``bit_diameter`` (m) as in `readings`.
         ``helibore.prepare(file.readings(), ...)`` conditions, corrects and merges the readings first.
         """
         return prepare(self.readings(roles, bit_diameter)).caliper
@@ -85,21 +86,24 @@ class LogFile:
         return self.set().channels
 
     def caliper(self, roles: RoleMap | None = None, bit_diameter: float | None = None) -> Caliper:
-        """Return `LogSet.caliper` of the only set, or of the set that the map names."""
+        """Return `LogSet.caliper` of the only set, or of the set that ``roles`` names; ``bit_diameter`` in metres."""
         return self._set_of(roles).caliper(roles, bit_diameter)
 
     def readings(
         self, roles: RoleMap | None = None, bit_diameter: float | None = None, echo: Echo | None = None
     ) -> Readings:
-        """Return `LogSet.readings` of the only set, or of the set that the map names."""
+        """Return `LogSet.readings` of the only set, or of the set that ``roles`` names.
+
+        ``bit_diameter`` (m) and ``echo`` as there.
+        """
         return self._set_of(roles).readings(roles, bit_diameter, echo)
 
     def survey(self, roles: RoleMap | None = None) -> Survey:
-        """Return `LogSet.survey` of the only set, or of the set that the map names."""
+        """Return `LogSet.survey` of the only set, or of the set that ``roles`` names."""
         return self._set_of(roles).survey(roles)
 
     def image(self, name: str, roles: RoleMap | None = None) -> RawSectorImage:
-        """Return `LogSet.image` of the only set, or of the set that the map names."""
+        """Return `LogSet.image`, called ``name``, of the only set, or of the set that ``roles`` names."""
         return self._set_of(roles).image(name, roles)
 
     def close(self) -> None:

@@ -75,9 +75,12 @@ class ImageBreakout:
 
 @dataclass(frozen=True)
 class ImageBreakouts:
-    """All breakouts of an image, in order of depth; `SectorImage.breakouts` makes it."""
+    """All breakouts of an ``image``, its ``zones`` in order of depth, and their ``criteria``.
 
-    image: SearchedImage  # the image that was searched
+    `SectorImage.breakouts` makes it.
+    """
+
+    image: SearchedImage
     zones: tuple[ImageBreakout, ...]
     criteria: ImageCriteria
 

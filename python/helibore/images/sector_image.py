@@ -142,7 +142,7 @@ class SectorImage:
         return wrapped(self.offset + way * number * (360 / self.sectors))
 
     def breakouts(self, criteria: ImageCriteria | None = None) -> ImageBreakouts:
-        """Find where the image is dark on opposite sides of the hole, as `helibore.images.image_breakouts` describes.
+        """Find where the image is dark on opposite sides of the hole, relative to the median of each row.
 
         ``criteria`` say how dark, how long and how opposite; None: the defaults of `ImageCriteria`.
 

@@ -129,9 +129,9 @@ class Pick:
         return slope * math.cos(toolface), slope * math.sin(toolface)
 
     def reaches(self, top: float, bottom: float, bit_diameter: float) -> bool:
-        """Return whether a part of the pick's sinusoid or box lies between two depths, metres.
+        """Return whether a part of the pick's sinusoid or box lies between ``top`` and ``bottom``, metres.
 
-        If a plane has no radius, its sinusoid is computed with the radius of the bit.
+        If a plane has no radius, its sinusoid is computed with the radius of the bit, from ``bit_diameter``, metres.
         """
         radius = 0.5 * bit_diameter if self.radius is None else self.radius
         tall = 0.5 * self.height if self.kind == BREAKOUT else radius * math.tan(math.radians(self.apparent_dip))
@@ -177,7 +177,7 @@ def can_save(filename: str | os.PathLike[str]) -> bool:
 
 
 class Picks(list[Pick]):
-    """The picks of a wall: a list that is saved as a table."""
+    """The picks of a wall: a list that is saved as a table; ``iterable`` gives the first ones."""
 
     def put(self, pick: Pick) -> None:
         """Add a pick, or replace the pick that has the same key."""
@@ -190,7 +190,7 @@ class Picks(list[Pick]):
         self.append(pick)
 
     def merge(self, others: Iterable[Pick]) -> tuple[list[Pick], list[Pick]]:
-        """Add the picks of another table; return the picks added, and the picks that replaced a pick with the same key.
+        """Add the picks of ``others``; return the picks added, and the picks that replaced a pick with the same key.
 
         A pick is left out if this list has a pick with the same key and the same values. It is also left out if this
         list does not have its key, but has a pick with the same values of the fields in `PLACE`.
@@ -224,16 +224,16 @@ class Picks(list[Pick]):
         return text.getvalue()
 
     def save(self, filename: str | os.PathLike[str], path: Path | None = None) -> None:
-        """Write `table` to a file, whole or not at all; `can_save` tells whether the file's folder can be written."""
+        """Write `table`, with the true dips of a ``path``, to the file ``filename``, whole or not at all."""
         content = self.table(path).encode()
         write_whole(filename, lambda file: file.write(content))
 
     @classmethod
     def load(cls, filename: str | os.PathLike[str], path: Path | None = None) -> Picks:
-        """Read a table as `save` writes it; unknown columns are ignored.
+        """Read the table ``filename`` as `save` writes it; unknown columns are ignored.
 
-        If a table has no column ``apparent_dip_deg``, apparent dips are computed from its true dips and the path of the
-        wall.
+        If a table has no column ``apparent_dip_deg``, apparent dips are computed from its true dips and ``path``, the
+        wall's.
         A row without a key gets a key made from its text, the same at every reading. If two rows have the same key, the
         second row gets another key.
         """
@@ -247,7 +247,7 @@ class Picks(list[Pick]):
 
     @classmethod
     def parse(cls, text: str, path: Path | None = None) -> Picks:
-        """Return the picks of a table given as text, as `load` does."""
+        """Return the picks of a table given as ``text``, as `load` does; ``path`` as there."""
         reader = csv.DictReader(io.StringIO(text, newline=""))
         names = reader.fieldnames or []
         apparent = "apparent_dip_deg" in names or (path is None and not set(DIP) <= set(names))

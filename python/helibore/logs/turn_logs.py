@@ -234,7 +234,7 @@ class Logs(Tabular):
 
     @property
     def volume_sigma(self) -> Floats:
-        """Standard uncertainty of `volume`, (rows,) m3, as `diameter_sigma`."""
+        """Standard uncertainty of `volume`, (rows,) float64, m3, as `diameter_sigma`."""
         uncertain: Floats = 0.5 * np.pi * self.height * self.equivalent_diameter * self.diameter_sigma
         return uncertain
 
@@ -346,7 +346,7 @@ class Logs(Tabular):
         return found
 
     def rows_between(self, top: float | None, bottom: float | None) -> Mask:
-        """Return which rows `between` keeps, (rows,) bool."""
+        """Return which rows lie from ``top`` to ``bottom``, metres, as `between` keeps them, (rows,) bool."""
         least, most = (-math.inf if top is None else top), (math.inf if bottom is None else bottom)
         inside: Mask = (self.depth >= least) & (self.depth <= most)
         return inside
@@ -406,7 +406,7 @@ class Logs(Tabular):
         more: Iterable[LogColumn] = (),
         facts: Mapping[str, str] | None = None,
     ) -> None:
-        """Write `table` to .las, .csv, .parquet or .dlis. Each `LogColumn` of ``more`` has a value for each row."""
+        """Write `table` with ``more`` and ``facts`` to ``filename``: .las, .csv, .parquet or .dlis."""
         self.table(more, facts).save(filename)
 
     def _repr_html_(self) -> str:

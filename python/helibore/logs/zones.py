@@ -148,7 +148,7 @@ class Classification(Tabular):
         return tuple(zone for zone in self.zones if zone.kind == kind)
 
     def by_severity(self, start: float = -math.inf, stop: float = math.inf) -> list[Zone]:
-        """Return the zones that overlap an interval, metres, the most severe first, equal severities by depth."""
+        """Return the zones between ``start`` and ``stop``, metres, the most severe first, equal severities by depth."""
         inside = (zone for zone in self.zones if zone.stop > start and zone.start < stop)
         return sorted(inside, key=lambda zone: (-zone.severity, zone.start))
 

@@ -145,8 +145,7 @@ class Surface(Mesh):
         origin
             North, east and down of the point that becomes (0, 0, 0) in the file, metres.
         color_map, log
-            The colours of .glb and .ply, and whether they follow the logarithm, as in
-            `helibore.base.colors.ColorScale`.
+            The colours of .glb and .ply, one of `helibore.plot.COLOR_MAPS`, and whether they follow the logarithm.
 
         Raises
         ------

@@ -15,9 +15,10 @@ matplotlib comes with the extra ``plot`` and is imported when something is drawn
 
 from __future__ import annotations
 
+from helibore.base.colors import COLOR_MAPS
 from helibore.plot.content import Drawing
 from helibore.plot.log import PAPERS, log, overview, pages
 from helibore.plot.paper import rendered, save
 from helibore.settings.print_settings import Look
 
-__all__ = ["PAPERS", "Drawing", "Look", "log", "overview", "pages", "rendered", "save"]
+__all__ = ["COLOR_MAPS", "PAPERS", "Drawing", "Look", "log", "overview", "pages", "rendered", "save"]

@@ -64,18 +64,40 @@ MOST_PASSES = 50
 
 @dataclass(frozen=True)
 class Prepared:
-    """Samples ready for a wall, and a record of the preparation; fields of steps that were not chosen are None."""
+    """Samples ready for a wall, and a record of the preparation; fields of steps that were not chosen are None.
+
+    Attributes
+    ----------
+    caliper
+        The samples.
+    report
+        (step, sentence) for what was dropped, corrected or assumed, in order.
+    counts
+        Number of rows, readings or samples dropped, by step or reason; "kept": samples left.
+    pass_number
+        The pass of each sample, -1: not numbered; None: one file without passes.
+    centres, centre_depth
+        The tool's centre in each of t turns, and the mean depth of these turns, (t,) m.
+    shifts
+        The shift of each pass.
+    bias
+        The bias of each arm or pass.
+    earlier
+        The samples of the earlier passes.
+    arm_names
+        The channel of each number in ``caliper.arm``.
+    """
 
     caliper: Caliper
-    report: tuple[tuple[str, str], ...]  # (step, sentence) for what was dropped, corrected or assumed, in order
-    counts: dict[str, int]  # number of rows, readings or samples dropped, by step or reason; "kept": samples left
-    pass_number: Integers | None = None  # the pass of each sample, -1: not numbered; None: one file without passes
-    centres: Centres | None = None  # the tool's centre in each of t turns
-    centre_depth: Floats | None = None  # mean depth of these turns, (t,) m
+    report: tuple[tuple[str, str], ...]
+    counts: dict[str, int]
+    pass_number: Integers | None = None
+    centres: Centres | None = None
+    centre_depth: Floats | None = None
     shifts: Shifts | None = None
     bias: Bias | None = None
-    earlier: Caliper | None = None  # the samples of the earlier passes
-    arm_names: tuple[str, ...] = ()  # the channel of each number in ``caliper.arm``
+    earlier: Caliper | None = None
+    arm_names: tuple[str, ...] = ()
 
 
 def prepare(

@@ -83,7 +83,7 @@ class Caliper(Tabular):
     arm
         (n,) number of the arm that measured each sample, integers; None: not known, or a tool that measures all around.
         The two ends of a measured diameter may have one number or two. For a tool with few arms, logs take their
-        diameters from the arms (`helibore.logs.arms`).
+        diameters from the arms.
     basis
         What the radii are: ``"azimuthal"``, measured around the hole; ``"average"`` or ``"gauge"``, as
         `from_average` and `gauge` make them.

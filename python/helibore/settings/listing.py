@@ -51,7 +51,7 @@ PAGE = """# Settings
 Each setting has one name: in Python, as a key in a settings file, and after `--setting`. If the command line has an
 option for it, the option has this name, too, with hyphens. `helibore settings` prints this list.
 
-`./develop settings` writes this page from the declarations in `helibore.settings`.
+`./develop settings` writes this page from the declarations in `python/helibore/settings`.
 """
 
 

@@ -61,7 +61,7 @@ class Look(Declared):
     """The colours of an image, or the scale of a curve. What is None is as usual for the quantity."""
 
     limits: Annotated[tuple[float, float] | None, ALL_FINITE, "Values of the first and the last colour."] = None
-    color_map: Annotated[str | None, "Colour map, one of `helibore.base.colors.COLOR_MAPS`."] = None
+    color_map: Annotated[str | None, "Colour map, one of `helibore.plot.COLOR_MAPS`."] = None
     log: Annotated[bool | None, "Whether colours follow the logarithm."] = None
     window: Annotated[float | None, METRES, POSITIVE,
         "Length of a window that slides along the hole, for dynamic normalisation. A colour then has no fixed value.",

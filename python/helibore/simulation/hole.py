@@ -89,27 +89,51 @@ class Hole:
     """The truth: the wall, the gamma and the path of a hole between two measured depths.
 
     Lengths are metres, angles degrees; toolfaces count clockwise from the high side, looking downhole.
+
+    Attributes
+    ----------
+    start, stop
+        Measured depths of both ends.
+    bit_diameter
+        Diameter of the bit.
+    overgauge
+        Radius of the hole minus radius of the bit, without all other shapes.
+    ovality, ovality_toolface
+        Amplitude of the ellipse in radius, and the toolface of its long axis.
+    spiral, spiral_length
+        Radius of the helix on which the centre of a spiral hole runs, and the depth of one turn of that helix.
+    rugosity, rugosity_length
+        Root mean square roughness, and its shortest wavelength along the hole; the longest is 8 times that.
+    washouts, breakouts
+        Where the hole is larger.
+    beds, top_gamma
+        The beds in order of depth, and the gamma above the first bed, gAPI.
+    inclination, azimuth
+        Direction of the path at ``start``.
+    sections
+        The path below ``start``; the last section continues beyond its length.
+    seed
+        Chooses the roughness.
     """
 
     start: float = 2000.0
     stop: float = 2050.0
     bit_diameter: float = 0.216
-    overgauge: float = 0.001  # radius of the hole minus radius of the bit, without all other shapes
-    ovality: float = 0.0  # amplitude of the ellipse in radius
-    ovality_toolface: float = 0.0  # toolface of the long axis of the ellipse
-    spiral: float = 0.0  # radius of the helix on which the centre of a spiral hole runs
-    spiral_length: float = 1.0  # depth of one turn of that helix
-    rugosity: float = 0.0  # root mean square roughness
-    rugosity_length: float = 0.4  # shortest wavelength of the roughness along the hole; the longest is 8 times that
+    overgauge: float = 0.001
+    ovality: float = 0.0
+    ovality_toolface: float = 0.0
+    spiral: float = 0.0
+    spiral_length: float = 1.0
+    rugosity: float = 0.0
+    rugosity_length: float = 0.4
     washouts: tuple[Washout, ...] = ()
     breakouts: tuple[Breakout, ...] = ()
-    beds: tuple[Bed, ...] = ()  # in order of depth
-    top_gamma: float = 60.0  # above the first bed, gAPI
-    inclination: float = 25.0  # of the path at ``start``
+    beds: tuple[Bed, ...] = ()
+    top_gamma: float = 60.0
+    inclination: float = 25.0
     azimuth: float = 60.0
-    # The path below ``start``; the last section continues beyond its length.
     sections: tuple[Section, ...] = (Section(30.0, build=3.0), Section(15.0), Section(30.0, turn=3.0))
-    seed: int = 0  # chooses the roughness
+    seed: int = 0
     _modes: Floats = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:

@@ -64,7 +64,7 @@ def _usual(telemetry: str) -> tuple[float, int, float]:
 
 @dataclass(frozen=True)
 class Faults:
-    """Faults of the telemetry: the shares of caliper frames that it drops, sends twice, or sends 5 s later."""
+    """Shares of caliper frames that are ``dropped``, sent twice (``doubled``), or sent 5 s ``late``."""
 
     dropped: float = 0.0
     doubled: float = 0.0

@@ -33,21 +33,41 @@ class Lift:
 
 @dataclass(frozen=True)
 class Tool:
-    """How the tool turns, advances and measures."""
+    """How the tool turns, advances and measures.
 
-    rotation: float = 117.0  # mean speed, turns a minute
-    stick_slip: float = 0.7  # amplitude of the swing of the speed as a share of the mean; 1: turning stops each period
-    stick_slip_period: float = 3.7  # seconds
-    advance: float = 20.0  # mean rate of penetration, metres an hour
-    advance_variation: float = 0.6  # sum of the amplitudes of all swings as a share of the mean, less than 1
-    sample_rate: float = 20.0  # samples a second
-    noise: float = 0.0005  # standard deviation of the radius, metres
-    toolface_noise: float = 0.0  # standard deviation of the toolface, degrees
-    missing: float = 0.0  # share of the samples that never arrive, [0, 1)
-    lifts: tuple[Lift, ...] = ()  # sorted by depth
-    sectors: int = 16  # sectors of the gamma image
-    image_step: float = 0.1  # metres between two rows of the gamma image
-    gamma_noise: float = 2.0  # standard deviation, gAPI
+    Attributes
+    ----------
+    rotation
+        Mean speed, turns a minute.
+    stick_slip, stick_slip_period
+        Amplitude of the swing of the speed as a share of the mean (1: turning stops in each period), and its period, s.
+    advance, advance_variation
+        Mean rate of penetration, metres an hour, and the sum of the amplitudes of all swings as a share of it, below 1.
+    sample_rate
+        Samples a second.
+    noise, toolface_noise
+        Standard deviations of the radius, metres, and of the toolface, degrees.
+    missing
+        Share of the samples that never arrive, [0, 1).
+    lifts
+        When the tool is lifted, sorted by depth.
+    sectors, image_step, gamma_noise
+        Sectors of the gamma image, metres between two of its rows, and the standard deviation of its noise, gAPI.
+    """
+
+    rotation: float = 117.0
+    stick_slip: float = 0.7
+    stick_slip_period: float = 3.7
+    advance: float = 20.0
+    advance_variation: float = 0.6
+    sample_rate: float = 20.0
+    noise: float = 0.0005
+    toolface_noise: float = 0.0
+    missing: float = 0.0
+    lifts: tuple[Lift, ...] = ()
+    sectors: int = 16
+    image_step: float = 0.1
+    gamma_noise: float = 2.0
 
     def __post_init__(self) -> None:
         for name in ("rotation", "stick_slip_period", "advance", "sample_rate", "image_step"):

@@ -164,7 +164,7 @@ class Survey:
             where the hole is horizontal and points north or south) or ``"parallel-transport"``. A parallel-transport
             reference starts as north at the first station (as the high side, if the hole there points within 45 degrees
             of horizontal north or south), and down the hole it turns with the tangent but never about it. It is defined
-            everywhere. `helibore.trajectory.references` turns toolfaces into it.
+            everywhere.
         head
             North, east and down of the first station, metres. A map position (UTM) goes here.
         extend

@@ -53,7 +53,7 @@ class Attribute:
     log
         Whether the colours follow the logarithm; the ends must then be above 0.
     color_map
-        One of `helibore.base.colors.COLOR_MAPS`; "": the default map for name and unit.
+        One of `helibore.plot.COLOR_MAPS`; "": the default map for name and unit.
     rows
         For an image that was measured in even rows: the upper edge of one row and the height of every row, metres. The
         page then draws the image in these rows. None: it draws the quads.

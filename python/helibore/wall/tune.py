@@ -99,7 +99,7 @@ class Tuning:
         Number of samples that were left out.
     continuation
         For a tool that leaves most of each turn unmeasured: the log-likelihood of a shape that continues along the hole
-        less that of a shape that does not, nats a block (`helibore.wall.continuation`). NaN if they were not compared,
+        less that of a shape that does not, nats a block. NaN if they were not compared,
         also because the caller fixed one of `TUNED_ALONG`.
     """
 

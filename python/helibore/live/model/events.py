@@ -91,7 +91,7 @@ class Event:
         return self.last or self
 
     def and_then(self, more: Event) -> Event:
-        """Return this event joined with a later event of its rule and source; the counts are added."""
+        """Return this event joined with ``more``, a later event of its rule and source; the counts are added."""
         return replace(self, count=self.count + more.count, last=more.newest)
 
     def __str__(self) -> str:
