@@ -21,7 +21,7 @@ from helibore.base.arrays import Floats, Integers, Mask
 from helibore.channels import plausibility
 from helibore.channels.columns import about_names, column, needed
 from helibore.channels.roles import ROLES, WALL, Role, RoleMap, guess, toolface_reference, toolface_rule
-from helibore.files.raw_set import RawSet
+from helibore.files.raw_set import Channel, RawSet
 from helibore.preparation.readings import IMAGE_ROW, HoleDirection, Readings
 from helibore.preparation.sensors import Sensor
 from helibore.samples.bit_sizes import FEW
@@ -40,6 +40,7 @@ UNSTATED = {
 }
 """Texts of `note` on the unit of a channel without a stated unit; the key is what the channel measures."""
 
+TIME_OF_DAY = re.compile(r"\d{1,2}:\d\d(:\d\d(\.\d*)?)?")
 WITH_TIME = re.compile(r"(\S+[T ]\d[\d:.]*) ?(Z|UTC|[+-]\d\d(?::?\d\d)?)?")
 """A date with a time of day, and perhaps its zone."""
 
@@ -105,7 +106,7 @@ def readings(
         arm += _arm_names(log_set, role, radius.shape[1]) * (len(angles) // radius.shape[1])
         across += [role.role == "diameter"] * len(angles)
     names = list(dict.fromkeys(arm))
-    time = _time(log_set, roles)
+    time = _time(log_set, roles, tracked)
     if tracked and time is None:
         needed(log_set, roles, "time")
     return Readings(
@@ -194,10 +195,12 @@ def bit_of_channel(log_set: RawSet, roles: RoleMap) -> float | None:
     return float(np.median(known)) if known.size else None
 
 
-def _time(log_set: RawSet, roles: RoleMap) -> Floats | None:
+def _time(log_set: RawSet, roles: RoleMap, needed_here: bool) -> Floats | None:
     """Return the times of all rows in seconds, NaN where missing; None without a time channel.
 
-    Dates become seconds since 1970; dates without a time zone are UTC.
+    Dates become seconds since 1970; dates without a time zone are UTC. A time of day is joined with the date in the
+    column DATE of its row. A channel whose role is a guess and whose first text is no date is not used, unless the
+    time is needed.
     """
     role = roles.one("time")
     if role is None:
@@ -205,9 +208,16 @@ def _time(log_set: RawSet, roles: RoleMap) -> Floats | None:
     channel = log_set[role.channel]
     if not channel.is_text:
         return column(log_set, role)
+    cells = _dated(log_set, channel)
+    first = next((cell.strip() for cell in cells if cell.strip()), "")
+    if not needed_here and not role.confirmed and first and not _is_date(first):
+        remark = f"{channel.name} is not used: {first[:40]!r} is no ISO 8601 date and time"
+        if remark not in log_set.remarks:
+            log_set.remarks.append(remark)
+        return None
     seconds = np.full(log_set.rows, np.nan)
     zoned: bool | None = None
-    for row, text in enumerate(channel.values):
+    for row, text in enumerate(cells):
         cell = text.strip()
         if not cell or cell.lower() == "nat":
             continue
@@ -224,6 +234,24 @@ def _time(log_set: RawSet, roles: RoleMap) -> Floats | None:
             raise log_set.input_error(rule, row, role.channel)
         zoned = has_zone
     return seconds
+
+
+def _dated(log_set: RawSet, channel: Channel) -> list[str]:
+    """Return the texts of a time channel; a time of day follows the text of the column DATE, if there is one."""
+    cells: list[str] = channel.values.tolist()
+    dates = next((each for each in log_set if each.is_text and each.name.upper() == "DATE"), None)
+    if dates is None or not all(TIME_OF_DAY.fullmatch(cell.strip()) for cell in cells if cell.strip()):
+        return cells
+    pairs = zip(dates.values.tolist(), cells, strict=True)
+    return [f"{date.strip()}T{cell.strip()}" if date.strip() and cell.strip() else "" for date, cell in pairs]
+
+
+def _is_date(cell: str) -> bool:
+    try:
+        _since_1970(cell)
+    except ValueError:
+        return False
+    return True
 
 
 def _since_1970(cell: str) -> tuple[float, bool]:

@@ -187,6 +187,21 @@ class ReadOptions:
                 raise InputError("encoding", "is not one that Python knows", repr(self.encoding)) from None
 
 
+def _utf16(head: bytes) -> str | None:
+    """Return the name of the kind of UTF-16 that a file is in, None if it is in none.
+
+    Without the mark of its order, it is UTF-16 if every second byte of the first 200 is zero and no other: a header.
+    """
+    if head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return "utf-16"
+    even, odd = head[:200:2], head[1:200:2]
+    if len(odd) < 8:
+        return None
+    if not any(odd) and 0 not in even:
+        return "utf-16-le"
+    return "utf-16-be" if not any(even) and 0 not in odd else None
+
+
 class InputFile:
     """One file on disk: its path, its first bytes, its bytes as a stream, and what the caller states about it."""
 
@@ -199,10 +214,10 @@ class InputFile:
         self.encoding: str | None = None
         with self.stream() as stream:
             self.head = read_exactly(stream, HEAD)
-        if options.encoding is not None and b"\0" not in self.head:
+        if options.encoding is not None and (b"\0" not in self.head or "16" in options.encoding):
             self.encoding = options.encoding
-        elif self.head.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-            self.encoding = "utf-16"
+        else:
+            self.encoding = _utf16(self.head)
         if self.encoding is not None:
             with self.stream() as stream:
                 self.head = read_exactly(stream, HEAD)
@@ -309,7 +324,7 @@ def decode(path: Path, content: bytes | bytearray) -> tuple[str, str]:
         except UnicodeDecodeError as other:
             rule = f"byte 0x{content[other.start]:02x} is neither UTF-8 nor Windows-1252"
             raise file_error(path, rule, content.count(b"\n", 0, other.start) + 1) from error
-        remark = f"not UTF-8 (line {line}): read as Windows-1252"
+        remark = f"not UTF-8 (line {line}): read as Windows-1252; the option encoding names another"
     if "\r" in text:
         text = text.replace("\r\n", "\n").replace("\r", "\n")
     return text, remark

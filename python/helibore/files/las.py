@@ -99,7 +99,9 @@ def find_sections(source: InputFile, text: str) -> list[LasSection]:
         LasSection(lines[head].strip()[1:], head + 1, lines[head + 1 : end])
         for head, end in zip(heads, ends, strict=False)
     ]
-    if len(sections) < 2:
+    if sections and sections[-1].title[:1].isspace() and not any(DATA.match(section.kind) for section in sections):
+        sections[-1].title = f"A{sections[-1].title}"  # "~  DEPT  GR" above the rows
+    if len(sections) < 2 and not (sections and sections[0].kind == "A"):
         raise source.error("truncated: one section of the header and no other", sections[0].line if sections else 1)
     return sections
 
@@ -138,10 +140,11 @@ def _las2(source: InputFile, sections: list[LasSection], version: dict[str, str]
         last = sections[-1]
         remarks.append(f"line {last.line}: ~{last.kind} follows the data section; its lines are not rows")
     header = [section for section in sections if section is not data]
-    curves, params, items = (_lasio_items(source, header, letter, version) for letter in "CPW")
+    curves, params, items = (_lasio_items(source, header, letter, version, remarks) for letter in "CPW")
     curves = [LasCurve(c.original_mnemonic.strip(), _unit_and_value(c)[0], c.descr or "") for c in curves]
     if not curves:
         curves = _curves_of_title(source, sections, data, remarks)
+    curves = _curves_with_cells(data, curves, remarks)
     _name_curves(curves, remarks)
     _skip_names(data, curves, remarks)
     wrapped = version.get("WRAP", "NO").upper().startswith("Y")
@@ -179,6 +182,18 @@ def _curves_of_title(
     return [LasCurve(name, "" if at else "".join(units_of_index[:1]), "") for at, name in enumerate(names)]
 
 
+def _curves_with_cells(data: LasSection, curves: list[LasCurve], remarks: list[str]) -> list[LasCurve]:
+    """Return the curves that ~A names, if ~Curve defines more of them than the first row has cells."""
+    row = next((line for line in data.lines if line.strip() and not line.lstrip().startswith("#")), "")
+    named = [name.upper() for name in data.title.split()[1:]]
+    by_name = {curve.name.upper(): curve for curve in reversed(curves)}
+    if len(row.split()) != len(named) or len(named) >= len(curves) or not set(named) <= set(by_name):
+        return curves
+    without = ", ".join(curve.name for curve in curves if curve.name.upper() not in named)
+    remarks.append(f"the rows have the {len(named)} columns named after ~A; ~Curve also defines {without}")
+    return [by_name[name] for name in named]
+
+
 def _skip_names(data: LasSection, curves: list[LasCurve], remarks: list[str]) -> None:
     """Make a comment of the first row, and of the second, if they repeat the names and the units of the curves."""
     rows = (at for at, line in enumerate(data.lines) if line.strip() and not line.lstrip().startswith("#"))
@@ -200,8 +215,12 @@ def _name_curves(curves: list[LasCurve], remarks: list[str]) -> None:
         curve.name = name
 
 
-def _lasio_items(source: InputFile, sections: list[LasSection], letter: str, version: dict[str, str]) -> list[Any]:
+def _lasio_items(
+    source: InputFile, sections: list[LasSection], letter: str, version: dict[str, str], remarks: list[str]
+) -> list[Any]:
     """Return the items of the last section of a letter, as lasio reads its lines; none without such a section.
+
+    A line of ~Parameter that is no item is left out, with a remark; in other sections it is an error.
 
     lasio reads line by line here, because the time that its reader of files takes grows with the cube of the number of
     items that share a name: 40 s for 500.
@@ -222,7 +241,9 @@ def _lasio_items(source: InputFile, sections: list[LasSection], letter: str, ver
             items.append(parser(**parts | {"name": parts["name"].upper()}))
         except Exception as error:  # lasio has no error class of its own: KeyError, AttributeError, IndexError ...
             rule = f"the header is damaged: {line.strip()[:40]!r} is no item of ~{section.kind}"
-            raise source.error(rule, number) from error
+            if letter != "P":
+                raise source.error(rule, number) from error
+            remarks.append(f"line {number}: {rule}; it is left out")
     return items
 
 

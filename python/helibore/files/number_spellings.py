@@ -50,13 +50,14 @@ def read_spellings(
 ) -> tuple[list[Array], dict[int, str], list[str]]:
     """Return the columns with the text columns read that hold numbers, the units by position, and remarks.
 
-    A column of text stays as it is if one of its cells fits no spelling, or its cells fit different decimal marks.
+    A column of text stays as it is if one of its cells fits no spelling, or its cells fit different decimal marks. It
+    also stays if 123,420 stands among 123.450, unless ``decimal`` is stated: one format writes all cells of a column.
     """
     found = list(columns)
     texts = {at: column for at, column in enumerate(columns) if column.dtype.kind == "U"}
     if not texts:
         return found, {}, []
-    fits = {at: _marks(column) for at, column in texts.items()}
+    fits = {at: _marks(column) if decimal or _is_even(column) else frozenset() for at, column in texts.items()}
     plain = frozenset("." for column in columns if column.dtype.kind == "f" and _has_fractions(column))
     mark = decimal or _mark_of([marks for marks in (*fits.values(), plain) if marks], cut_by_commas)
     units: dict[int, str] = {}
@@ -97,6 +98,15 @@ def _marks(column: Array) -> frozenset[str]:
         return frozenset()
     patterns = {".": _POINTS, ",": _COMMAS}
     return frozenset(mark for mark, pattern in patterns.items() if all(pattern.fullmatch(cell) for cell in cells))
+
+
+def _is_even(column: Array) -> bool:
+    """Return whether not some cells have only commas and others only points."""
+    cells = _cells(column)
+    return not (
+        any("," in cell and "." not in cell for cell in cells)
+        and any("." in cell and "," not in cell for cell in cells)
+    )
 
 
 def _mark_of(fits: list[frozenset[str]], cut_by_commas: bool) -> str:

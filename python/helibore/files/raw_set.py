@@ -290,7 +290,7 @@ class RawSet:
                 except ValueError:
                     text, rule = cell.strip(), "is not a number"
                     if text.replace(",", "").lstrip("-").isdigit():
-                        rule += ": a decimal comma? Decimals must have a point"
+                        rule += ": a decimal comma? The option decimal states the mark"
                     row //= max(1, values[:1].size)
                     raise self.input_error(rule, row, name, repr(text[:40])) from None
         return values.astype(np.float64, copy=False)
