@@ -8,6 +8,16 @@ from typing import Any
 import pytest
 from hypothesis import settings
 
+# The files that take longest, browsers aside: --dist loadfile gives whole files to the workers, in the order collected.
+LONG = {
+    "test_cpp.py",
+    "test_eccentering.py",
+    "test_files_tables.py",
+    "test_plot.py",
+    "test_readme.py",
+    "test_reprocess.py",
+}
+
 settings.register_profile("without deadlines", deadline=None)  # an example may take long on a loaded machine
 settings.load_profile("without deadlines")
 
@@ -31,3 +41,10 @@ def browser(chromium: Any) -> Iterator[Any]:
         connected = playwright.chromium.connect_over_cdp(chromium.address)
         yield connected
         connected.close()
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with what takes longest, so that no worker has a long file left when the others are done."""
+    first = {item.path for item in items if item.path.name in LONG or item.get_closest_marker("browser")}
+    items.sort(key=lambda item: item.path not in first)
