@@ -7,8 +7,6 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from helibore.base.units import INCH, size_text
 from helibore.cli.quantities import facts_in
 
@@ -109,6 +107,8 @@ def sigma_lines(rows: Logs) -> Lines:
     """Return a line on how many rows have no uncertainty; no line if the logs were made without uncertainty."""
     if not rows.with_sigma:
         return []
+    import numpy as np
+
     missing = int(np.isnan(rows.diameter_sigma).sum())
     why = "there, a tenth of the vertices lies in a gap, or farther from samples than the uncertainty was tested"
     if rows.basis != "azimuthal":
@@ -120,6 +120,8 @@ def sigma_lines(rows: Logs) -> Lines:
 
 def annulus_lines(annuli: Iterable[Annulus]) -> Lines:
     """Return lines on the volume of the annulus around each casing, and on the least clearance of the casing."""
+    import numpy as np
+
     lines: Lines = []
     for each in annuli:
         text = f"{size_text(each.casing)}: annulus {_volume(each.total)}"

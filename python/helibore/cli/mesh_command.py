@@ -6,14 +6,12 @@ for an archive, an average caliper or a gauge hole. `reconstruct` also prints th
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-import numpy as np
 
 from helibore.base.errors import InputError, require_library
-from helibore.cli.lines import Lines, summary_lines
+from helibore.base.file_endings import ARCHIVE_ENDING, SURFACE_ENDINGS, VOLUME_ENDINGS
 from helibore.cli.outputs import (
     MEASURED,
     NEAREST,
@@ -31,21 +29,13 @@ from helibore.cli.quantities import FILE, LENGTH
 from helibore.cli.sections import Sectioned, opt, opts, section
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_options import MADE, SHOWN, open_run, takes_a_wall
-from helibore.mesh.mesh_files import SURFACE_ENDINGS, VOLUME_ENDINGS
-from helibore.mesh.surface import Surface
-from helibore.mesh.volume import Volume
-from helibore.wall.archive import ENDING as ARCHIVE
 
 if TYPE_CHECKING:
-    from helibore.base.arrays import Floats
-    from helibore.preparation.eccentering import Centres
     from helibore.runs.run import Run
-    from helibore.wall.wall import Wall
 
-ENDINGS = (*SURFACE_ENDINGS, ARCHIVE)
+ENDINGS = (*SURFACE_ENDINGS, ARCHIVE_ENDING)
 TABLES = (".csv", ".csv.gz", ".npz")
-COLORED = (".glb", ".ply")
-COLORLESS = (ARCHIVE, ".obj", ".stl")
+COLORLESS = (ARCHIVE_ENDING, ".obj", ".stl")
 
 WRITTEN = section(
     "Options",
@@ -119,6 +109,11 @@ def _write(verb: str, options: dict[str, Any]) -> None:
     if built is not None and set(ends) == {built.start_depth, built.stop_depth}:
         ends = (None, None)  # the whole wall, which is built for this interval
     _check(run, options, ends)
+    import numpy as np
+
+    from helibore.cli.mesh_output import error_lines, made_lines, save_mesh, write_centres
+    from helibore.mesh.surface import Surface
+    from helibore.mesh.volume import Volume
     from helibore.runs.run import make_wall, placing
 
     make_wall(run, options["threads"], terminal.stage)
@@ -143,13 +138,13 @@ def _write(verb: str, options: dict[str, Any]) -> None:
         name = run.readings[0].name if run.readings else run.name
         raise InputError(name, f"no quads: no two turns of the wall lie side by side {where}")
     with terminal.stage("save", f"Writing {output.name}"):
-        _save(wall, made, output, options["color_by"])
+        save_mesh(wall, made, output, options["color_by"])
         if centres is not None and run.prepared is not None and run.prepared.centres is not None:
-            _write_centres(run.prepared.centres, run.prepared.centre_depth, centres)
+            write_centres(run.prepared.centres, run.prepared.centre_depth, centres)
         saved = save_lines(run, output, verb, options, [centres] if centres else [])
     if not options["quiet"]:
-        sure = _error_lines(run, options["threads"]) if verb == "reconstruct" else []
-        terminal.summary([*run.messages, *_lines(run, made, ends), *sure, *saved, ("time", terminal.times())])
+        sure = error_lines(run, options["threads"]) if verb == "reconstruct" else []
+        terminal.summary([*run.messages, *made_lines(run, made, ends), *sure, *saved, ("time", terminal.times())])
 
 
 def _check(run: Run, options: dict[str, Any], ends: tuple[float | None, float | None]) -> None:
@@ -169,80 +164,5 @@ def _check(run: Run, options: dict[str, Any], ends: tuple[float | None, float | 
     if options["centres"] is not None and not preparation.recentre:
         raise click.UsageError("--centres: needs --recentre")
     for name, end in zip(("--from", "--to"), ends, strict=True):
-        if end is not None and ending == ARCHIVE:
+        if end is not None and ending == ARCHIVE_ENDING:
             raise click.UsageError(f"{name}: does not go with {ending}, which holds the whole wall")
-
-
-def _save(wall: Wall, made: Surface | Volume, output: Path, color_by: str | None) -> None:
-    """Write the wall as an archive, or ``made`` as a mesh; ``color_by`` names the attribute that colours a surface."""
-    if output.suffix.lower() == ARCHIVE:
-        wall.save(output)
-    elif isinstance(made, Volume):
-        made.save(output)
-    else:
-        name = color_by or next(iter(wall.images), "radius")
-        made.save(output, color_by=None if name == "radius" else name, **_colors(wall, made, output, name))
-
-
-def _colors(wall: Wall, made: Surface, output: Path, name: str) -> dict[str, Any]:
-    """Return the arguments of `Surface.save` for the customary colours of an image; {} if they do not apply."""
-    from helibore.base.color_limits import PERCENTILES
-    from helibore.base.colors import customary_map
-
-    values = made.attributes[name] if name in wall.images else np.empty(0)
-    there = values[np.isfinite(values)]
-    if output.suffix.lower() not in COLORED or not there.size:
-        return {}
-    color_map = customary_map(wall.images[name].name, wall.images[name].unit)
-    low, high = np.percentile(there, PERCENTILES).tolist()
-    return {"limits": (low, high) if low < high else None, "color_map": color_map, "log": color_map == "resistivity"}
-
-
-CENTRE_COLUMNS = (
-    ("turn", "", 0), ("x", "_m", 7), ("y", "_m", 7), ("sigma_x", "_m", 7), ("sigma_y", "_m", 7),
-    ("eccentering", "_m", 7), ("direction", "_deg", 2), ("mean_radius", "_m", 7), ("noise", "_m", 7),
-    ("inliers", "", 4), ("one_sided", "", 4), ("samples", "", 0),
-)  # fmt: skip
-"""Columns of the table of centres after the depth: name in `Centres`, unit, and number of decimals."""
-
-
-def _write_centres(found: Centres, depth: Floats | None, file: Path) -> None:
-    """Write the tool's centre in each turn to ``file``, as a table."""
-    from helibore.files.table_writing import write_table
-
-    columns = {"depth_m": (np.empty(0) if depth is None else depth, 4)}
-    for name, unit, decimals in CENTRE_COLUMNS:
-        columns[name + unit] = (getattr(found, name).astype(np.float64), decimals)
-    write_table(file, columns)
-
-
-def _error_lines(run: Run, threads: int | None) -> Lines:
-    """Return a line on the cross-validated error of the wall; no line if there is none, or if tuning has printed it."""
-    from helibore.wall.estimates import FEWEST_SAMPLES
-    from helibore.wall.tune import cross_validate
-
-    count = run.wall.sample_count
-    if run.wall.basis != "azimuthal" or count < FEWEST_SAMPLES or run.tune:
-        return []
-    try:
-        return [("error", cross_validate(run.wall, min(1000, FEWEST_SAMPLES + count // 50), threads).sentence)]
-    except InputError:  # the settings have a window, or no sample has a neighbour within reach
-        return []
-
-
-def _lines(run: Run, made: Surface | Volume, ends: tuple[float | None, float | None]) -> Lines:
-    cells = f", {len(made.hexes):,} hexahedra" if isinstance(made, Volume) else f", {len(made.quads):,} quads"
-    lines = summary_lines(run.wall.summary(*ends), cells)
-    for name, values in made.attributes.items():
-        known = values[np.isfinite(values)]
-        label, text = "missing", f"{values.size - known.size:,} of {values.size:,} cells have no {name}"
-        if name == "measured":
-            text = f"{int(values.sum()):,} of {values.size:,} cells are measured at each corner"
-            label, text = name, text if values.all() else f"{text}; the others are interpolated"
-        elif name == "difference" and known.size:
-            median, low, high = 1e3 * np.median(known), 1e3 * known.min(), 1e3 * known.max()
-            spread = f"{median:+.2f} mm in the median, {low:+.2f} to {high:+.2f}"
-            count = f"{known.size:,} of {values.size:,} quads"
-            label, text = name, f"this wall minus the wall of the earlier passes: {spread}; {count}"
-        lines.append((label, text))
-    return lines

@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-import numpy as np
 from click.core import ParameterSource
 
 from helibore.cli.outputs import QUIET
@@ -131,6 +130,8 @@ def _play(options: dict[str, Any], seed: int, quiet: bool) -> None:
 
 
 def _write(folder: Path, simulation: Simulation, ending: str, seed: int) -> None:
+    import numpy as np
+
     from helibore.base.atomic_file import write_whole
     from helibore.files.table_writing import write_table
 

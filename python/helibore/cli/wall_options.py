@@ -22,16 +22,15 @@ import click
 from click.core import ParameterSource
 
 from helibore.base.errors import InputError
+from helibore.base.file_endings import ARCHIVE_ENDING, SURFACE_ENDINGS, VOLUME_ENDINGS
 from helibore.cli.declared_options import option_of, options_of, stated
 from helibore.cli.quantities import FILE, LENGTH
 from helibore.cli.sections import COLUMN, SETTING, Command, SectionOption, opt, opts, section, spelled
-from helibore.mesh.mesh_files import SURFACE_ENDINGS, VOLUME_ENDINGS
 from helibore.settings.declared import members
 from helibore.settings.header_settings import Header
 from helibore.settings.path_settings import PathSettings
 from helibore.settings.preparation_settings import Echo, Preparation
 from helibore.settings.wall_settings import Settings
-from helibore.wall.archive import ENDING as ARCHIVE
 
 if TYPE_CHECKING:
     from helibore.channels.log_set import LogFile
@@ -315,14 +314,14 @@ def _check_source(options: dict[str, Any]) -> None:
     if bool(source) + (options["average"] is not None) + options["gauge"] != 1:
         one = "exactly one of SOURCE, --average and --gauge"
         raise click.UsageError(f"give {one}")
-    if len(source) > 1 and endings & {ARCHIVE, PROJECT}:
+    if len(source) > 1 and endings & {ARCHIVE_ENDING, PROJECT}:
         raise click.UsageError("several SOURCE files must all be caliper files, not archives or settings")
-    if not endings & {ARCHIVE, PROJECT}:
+    if not endings & {ARCHIVE_ENDING, PROJECT}:
         _check_numbers(options)
 
 
 def _archive(options: dict[str, Any]) -> Path | None:
-    return next((file for file in options["source"] if file.suffix.lower() == ARCHIVE), None)
+    return next((file for file in options["source"] if file.suffix.lower() == ARCHIVE_ENDING), None)
 
 
 def _check_effect(gauge: bool, average: object, archive: Path | None) -> None:
@@ -520,7 +519,7 @@ def _header_lines(options: dict[str, Any], others: Sequence[Path] = ()) -> dict[
 
     ``others`` are files that a project names.
     """
-    sources = [file for file in options["source"] if file.suffix.lower() not in (ARCHIVE, PROJECT)]
+    sources = [file for file in options["source"] if file.suffix.lower() not in (ARCHIVE_ENDING, PROJECT)]
     if options["average"] is not None:
         sources.append(Path(options["average"].rpartition(":")[0]))
     images, curves = _images(options), _scalars(options)

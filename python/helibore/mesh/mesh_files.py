@@ -25,6 +25,7 @@ from helibore.base.arrays import Floats, Rows
 from helibore.base.atomic_file import write_whole
 from helibore.base.colors import Colors, ColorScale, check_map, check_positive, colors_of
 from helibore.base.errors import InputError, check_choice, check_ending
+from helibore.base.file_endings import SURFACE_ENDINGS, VOLUME_ENDINGS
 from helibore.mesh.glb_file import check_size, write_glb
 from helibore.mesh.mesh import Mesh, quad_radius, triangles
 from helibore.mesh.vtk_mesh import AXES, check_origin, vtk_mesh, z_up
@@ -34,10 +35,6 @@ from helibore.mesh.vtkhdf import save_vtkhdf
 Paint = Callable[[Floats], Colors]
 Writer = Callable[[BinaryIO], object]
 
-SURFACE_ENDINGS = (".glb", ".ply", ".obj", ".stl", ".vtu", ".vtp", ".vtkhdf")
-"""Endings of the files that `Surface.save` writes."""
-VOLUME_ENDINGS = (".vtu", ".vtkhdf")
-"""Endings of the files that `Volume.save` writes."""
 _PLY_CORNERS = ("corner_count", "vertex_indices")
 _STL_TOLERANCE = 1e-3  # metres that float32 may move a vertex
 

@@ -21,6 +21,7 @@ import dataclasses
 import inspect
 import math
 import operator
+import sys
 import types
 import typing
 from collections.abc import Callable
@@ -28,8 +29,6 @@ from dataclasses import MISSING, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal
-
-import numpy as np
 
 from helibore.base import units
 from helibore.base.errors import InputError
@@ -103,23 +102,23 @@ NOT_ZERO = Rule("must be finite and not 0", lambda value: math.isfinite(value) a
 DEPTH = Rule("must lie in -10000000 to 10000000 m", lambda value: abs(value) <= 1e7)
 
 
-def _plain(number: float) -> str:
+def _digits(number: float) -> str:
     return f"{number:.15g}".replace("e-0", "e-")
 
 
 def at_least(least: float, unit: str = "") -> Rule:
     """Return the rule that a value is not below ``least``."""
-    return Rule(f"must be at least {_plain(least)}{unit and ' ' + unit}", lambda value: value >= least)
+    return Rule(f"must be at least {_digits(least)}{unit and ' ' + unit}", lambda value: value >= least)
 
 
 def at_most(most: float, unit: str = "") -> Rule:
     """Return the rule that a value is not above ``most``."""
-    return Rule(f"must be at most {_plain(most)}{unit and ' ' + unit}", lambda value: value <= most)
+    return Rule(f"must be at most {_digits(most)}{unit and ' ' + unit}", lambda value: value <= most)
 
 
 def within(least: float, most: float, unit: str = "") -> Rule:
     """Return the rule that a value lies in an interval with its ends."""
-    text = f"must lie in {_plain(least)} to {_plain(most)}{unit and ' ' + unit}"
+    text = f"must lie in {_digits(least)} to {_digits(most)}{unit and ' ' + unit}"
     return Rule(text, lambda value: least <= value <= most)
 
 
@@ -130,9 +129,15 @@ NOUNS: dict[Any, str] = {
 """What a value of each type must be."""
 
 
+def _plain(value: Any) -> Any:
+    """Return a scalar of NumPy as one of Python. Where NumPy is not loaded, no value is NumPy's."""
+    numpy = sys.modules.get("numpy")
+    return value.item() if numpy is not None and isinstance(value, numpy.generic) else value
+
+
 def shown(value: Any) -> str:
     """Return a value as an error shows it: numbers as they were given, texts in quotes."""
-    value = value.item() if isinstance(value, np.generic) else value
+    value = _plain(value)
     return repr(value).removesuffix(".0") if isinstance(value, float) else repr(value)
 
 
@@ -230,8 +235,7 @@ class Member:
         except OverflowError:
             raise InputError(self.name, "absolute value must be below 2147483648", shown(value)) from None
         except TypeError as error:
-            given = value.item() if isinstance(value, np.generic) else value
-            raise InputError(self.name, f"must be {error}", repr(given)) from None
+            raise InputError(self.name, f"must be {error}", repr(_plain(value))) from None
         for rule in self.rules:
             if not rule.test(made):
                 raise InputError(self.name, rule.text, shown(value))
@@ -246,7 +250,7 @@ def _converted(hint: Any, value: Any) -> Any:
     if kind is int:
         return _integer(value)
     if kind is bool:
-        if not isinstance(value, bool | np.bool_):
+        if not isinstance(_plain(value), bool):
             raise TypeError(NOUNS[bool])
         return bool(value)
     if kind is Literal:

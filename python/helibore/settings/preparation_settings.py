@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
-import numpy as np
-
-from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.settings.declared import (
     DEGREES,
@@ -21,6 +18,9 @@ from helibore.settings.declared import (
     at_least,
 )
 from helibore.settings.role_settings import ToolfaceReference
+
+if TYPE_CHECKING:
+    from helibore.base.arrays import Floats
 
 NORTH_ANGLE = Rule("must lie within -180 and 180 degrees", lambda value: -180.0 <= value <= 180.0)
 
@@ -141,5 +141,7 @@ class Echo(Declared):
 
     def radius(self, travel_time: Floats) -> Floats:
         """Return the radii, metres, of travel times of any shape; NaN for a time shorter than the window (no echo)."""
+        import numpy as np
+
         late = np.where(travel_time >= self.window, travel_time, np.nan)
         return self.tool_radius + 0.5 * self.velocity * (late - self.window)

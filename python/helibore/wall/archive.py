@@ -39,13 +39,13 @@ from helibore import _core
 from helibore.base.arrays import Array, Floats
 from helibore.base.atomic_file import write_whole
 from helibore.base.errors import InputError
+from helibore.base.file_endings import ARCHIVE_ENDING
 from helibore.base.limits import check_unpacked
 from helibore.base.regular_file import check_regular
 from helibore.base.zip_errors import DAMAGED_ZIP
 from helibore.settings.wall_settings import Settings
 from helibore.wall.wall_columns import WallColumns
 
-ENDING = ".wall"
 FORMAT, VERSION = "helibore wall", 2
 UNITS = (
     "metres and degrees; depth along the hole, positive down; toolface clockwise looking downhole; radius from the axis"
@@ -67,8 +67,9 @@ Arrays = dict[str, Array]
 def save(wall: WallColumns, filename: str | os.PathLike[str]) -> None:
     """Write ``wall`` to ``filename``, as `Wall.save` describes."""
     path = Path(filename)
-    if path.suffix.lower() != ENDING:
-        raise InputError(str(path), f"the archive of a wall ends in {ENDING}; wall.surface().save() writes meshes")
+    if path.suffix.lower() != ARCHIVE_ENDING:
+        rule = f"the archive of a wall ends in {ARCHIVE_ENDING}; wall.surface().save() writes meshes"
+        raise InputError(str(path), rule)
     arrays, contents = _contents(wall)
     text = json.dumps(contents, indent=1).encode()
 

@@ -481,6 +481,6 @@ def test_depths_in_other_units_are_told_in_metres_too() -> None:
     ("value", "text"), [(1023720.0, "1023720"), (60467.76, "60468"), (2.55541, "2.5554"), (0.0, "0"), (1e30, "1e+30")]
 )
 def test_ranges_are_short(value: float, text: str) -> None:
-    from helibore.cli.inspect_command import short
+    from helibore.cli.inspect_page import short
 
     assert short(value) == text

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from command import run
 
-from helibore.cli.inspect_command import share
+from helibore.cli.inspect_page import share
 from helibore.files.raw_set import Channel
 
 
