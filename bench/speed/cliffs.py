@@ -12,12 +12,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 import helibore as hb
 from bench.measure import in_turn, milliseconds, ratio
+from helibore.base.arrays import Floats
 
-Floats = npt.NDArray[np.float64]
 Samples = tuple[Floats, Floats, Floats]
 BIT_DIAMETER, SECTORS, PITCH, VERTICES = 0.216, 64, 0.1, 131_072
 LENGTH = (VERTICES - 1) * PITCH / SECTORS

@@ -11,12 +11,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 import helibore as hb
 from bench.measure import in_turn, milliseconds, ratio
+from helibore.base.arrays import Floats
 
-Floats = npt.NDArray[np.float64]
 BIT_DIAMETER, SECTORS, PITCH, NEIGHBORS = 0.216, 64, 0.1, 8
 CASES = {"2.4 M samples, 256 k vertices": (2_400_000, 262_144), "240 k samples, 64 k vertices": (240_000, 65_536)}
 

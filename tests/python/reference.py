@@ -10,11 +10,10 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 import helibore as hb
+from helibore.base.arrays import Floats, Rows
 
-Floats = npt.NDArray[np.float64]
 FIELDS = ("radius", "nearest", "support", "iterations")
 
 
@@ -151,7 +150,7 @@ def bits(wall: hb.Wall) -> bytes:
     return b"".join([*fields, str((len(wall), wall.settled, wall.sample_count)).encode()])
 
 
-def bits_by_vertex(wall: Any) -> npt.NDArray[np.void]:
+def bits_by_vertex(wall: Any) -> Rows:
     """(n,) one opaque value a vertex that is equal where depth and all fields are equal to the last bit."""
     columns = [wall.depth.view(np.int64), wall.radius.view(np.int64), wall.nearest.view(np.int64)]
     counts = [wall.support.astype(np.int64), wall.iterations.astype(np.int64), wall.provisional.astype(np.int64)]

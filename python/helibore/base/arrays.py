@@ -7,7 +7,7 @@ is not already a one-dimensional, C-contiguous float64 array is copied here, and
 from __future__ import annotations
 
 import datetime
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -16,17 +16,25 @@ from helibore import _core
 from helibore.base.errors import InputError
 
 Floats = npt.NDArray[np.float64]
+Floats32 = npt.NDArray[np.float32]
+Reals = npt.NDArray[np.floating]
 Integers = npt.NDArray[np.int64]
 Integers32 = npt.NDArray[np.int32]
+Integers8 = npt.NDArray[np.int8]
+Unsigned64 = npt.NDArray[np.uint64]
+Unsigned16 = npt.NDArray[np.uint16]
+Bytes = npt.NDArray[np.uint8]
 Complexes = npt.NDArray[np.complex128]
 Mask = npt.NDArray[np.bool_]
-Bytes = npt.NDArray[np.uint8]
 Rows = npt.NDArray[np.void]
 """Structured rows, as the core's readers fill them."""
 Array = npt.NDArray[Any]
+Number = TypeVar("Number", bound=np.generic)
+Typed = npt.NDArray[Number]
+"""An array of one type, where a function returns the type that it takes."""
 
 
-def numbers(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
+def numbers(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> Array:
     """Return ``values`` as an array of ``dtype``, of the same shape; not copied if it already is such an array."""
     return np.asarray(values, dtype)
 
@@ -165,7 +173,7 @@ def sample_columns(
     return columns
 
 
-def runs_of(mask: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
+def runs_of(mask: Mask) -> list[tuple[int, int]]:
     """Return (first, stop) of every run of values that are true; ``stop`` is the index after the run."""
     edges = np.flatnonzero(np.diff(mask, prepend=False, append=False)).reshape(-1, 2)
     return [(first, last) for first, last in edges.tolist()]

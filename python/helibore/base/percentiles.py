@@ -11,16 +11,14 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
-from helibore.base.arrays import Floats, Integers
+from helibore.base.arrays import Floats, Integers, Unsigned64
 
 FEW = 1 << 20
 """Largest number of numbers that are sorted at once."""
 DIGITS = 16
 """Bits counted at a time."""
 
-Keys = npt.NDArray[np.uint64]
 Parts = Callable[[], Iterable[Floats]]
 """A function that yields all numbers, part by part, each time it is called."""
 
@@ -47,7 +45,7 @@ def _of_ranks(parts: Parts, ranks: Integers, count: int, bits: int, begin: int) 
     The least number has rank 0. ``bits`` is how many bits follow the first bits.
     """
 
-    def those() -> Iterator[Keys]:
+    def those() -> Iterator[Unsigned64]:
         for part in parts():
             keys = part.view(np.uint64)
             yield keys if bits == 64 else keys[keys >> np.uint64(bits) == begin]

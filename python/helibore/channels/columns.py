@@ -9,10 +9,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from helibore.base import units
-from helibore.base.arrays import Floats
+from helibore.base.arrays import Floats, Reals
 from helibore.base.errors import InputError
 from helibore.channels import plausibility
 from helibore.channels.roles import ROLES, Role, RoleMap, guess, north_stated
@@ -45,7 +44,7 @@ class RawSectorImage:
     name: str
     unit: str
     depth: Floats
-    values: npt.NDArray[np.floating]
+    values: Reals
     first: float | None
     step: float | None
     members: tuple[str, ...]

@@ -18,8 +18,9 @@ from itertools import chain, count
 import numpy as np
 
 from helibore.base import units
+from helibore.base.arrays import Array
 from helibore.files.delimited import FEWEST_SECTORS
-from helibore.files.raw_set import Array, Channel, SectorAxis
+from helibore.files.raw_set import Channel, SectorAxis
 
 NAMELESS = "column"
 """Start of the names given to nameless columns: ``column 1``, ``column 2`` ... These numbers do not count sectors."""

@@ -16,12 +16,13 @@ from typing import Any
 
 import numpy as np
 
+from helibore.base.arrays import Array
 from helibore.base.errors import InputError, needs
 from helibore.base.limits import check_limit, check_unpacked
 from helibore.base.zip_errors import DAMAGED_ZIP
 from helibore.files.headings import unit_in_name
 from helibore.files.input_file import InputFile
-from helibore.files.raw_set import Array, Channel, RawFile, RawSet, SectorAxis, unique
+from helibore.files.raw_set import Channel, RawFile, RawSet, SectorAxis, unique
 
 OWN_UNITS = {
     "depth": "m", "toolface": "deg", "radius": "m", "diameter": "m", "time": "s", "inclination": "deg",

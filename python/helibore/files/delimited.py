@@ -24,6 +24,7 @@ from typing import Any
 
 import numpy as np
 
+from helibore.base.arrays import Array
 from helibore.base.errors import InputError
 from helibore.base.limits import check_limit
 from helibore.files.facts import read_facts
@@ -31,7 +32,7 @@ from helibore.files.headings import is_number, is_units_row, unit_in_name
 from helibore.files.input_file import LINE_LIMIT, InputFile, decode
 from helibore.files.number_rows import NULL_TEXTS, column_of, read_rows, split_cells
 from helibore.files.number_spellings import read_spellings
-from helibore.files.raw_set import EXACT, Array, Channel, RawFile, RawSet, unique
+from helibore.files.raw_set import EXACT, Channel, RawFile, RawSet, unique
 
 STATED_DELIMITER = re.compile(r"\s*sep=(?P<mark>[,;|\t])\s*", re.IGNORECASE)
 """First line of a table in which Excel states the delimiter."""

@@ -17,11 +17,12 @@ from typing import Any
 
 import numpy as np
 
+from helibore.base.arrays import Array
 from helibore.base.errors import InputError, needs
 from helibore.base.limits import check_unpacked
 from helibore.files.headings import is_number
 from helibore.files.input_file import SALVAGE, InputFile
-from helibore.files.raw_set import Array, Channel, RawFile, RawSet, SectorAxis, readable_sets, unique
+from helibore.files.raw_set import Channel, RawFile, RawSet, SectorAxis, readable_sets, unique
 
 
 def read(source: InputFile) -> RawFile:

@@ -18,9 +18,10 @@ from typing import Any
 
 import numpy as np
 
+from helibore.base.arrays import Array
 from helibore.files.headings import unit_in_name
 from helibore.files.input_file import InputFile, decode, read_exactly
-from helibore.files.raw_set import Array, Channel, RawFile, RawSet, readable_sets, unique
+from helibore.files.raw_set import Channel, RawFile, RawSet, readable_sets, unique
 
 SIZE_LIMIT = 1 << 28
 """Largest JSON text (bytes) that is read; the parser needs about ten times its size in memory."""

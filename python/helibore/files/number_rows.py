@@ -18,9 +18,10 @@ from pathlib import Path
 
 import numpy as np
 
+from helibore.base.arrays import Array
 from helibore.files.headings import to_float
 from helibore.files.input_file import SALVAGE, file_error
-from helibore.files.raw_set import EXACT, Array
+from helibore.files.raw_set import EXACT
 
 NULL_TEXTS = (
     "", "-", "--", "null", "NULL", "Null", "(null)", "(NULL)", "n/a", "N/A", "#N/A", "na", "NA", "None", "none",

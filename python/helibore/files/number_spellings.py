@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from helibore.files.raw_set import Array
+from helibore.base.arrays import Array
 
 _END = r"(?:[eE][+-]?\d+)?"
 _COMMAS = re.compile(rf"[+-]?(?:[1-9]\d{{0,2}}(?:[.'’\u00a0\u202f ]\d{{3}})+|\d+)?(?:,\d*)?{_END}", re.ASCII)

@@ -17,16 +17,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from helibore.base.arrays import Floats
+from helibore.base.arrays import Array, Floats
 from helibore.base.errors import InputError
 from helibore.base.limits import check_limit
 from helibore.base.nulls import NULLS
 from helibore.files.headings import to_float
 from helibore.files.input_file import file_error
-
-Array = npt.NDArray[Any]
 
 TEXT_KINDS = "OSUMm"
 """Kinds of NumPy arrays whose values become text: texts, dates, durations and objects."""

@@ -32,7 +32,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
-from helibore.base.arrays import column, numbers
+from helibore.base.arrays import Floats, Rows, column, numbers
 from helibore.base.errors import InputError
 from helibore.images.sector_image import SectorImage
 from helibore.live.journal import checkpoint as checkpoints
@@ -50,7 +50,6 @@ from helibore.live.model.image_rows import ImageRows
 from helibore.live.model.model import Model
 from helibore.live.model.packed_state import pack, unpack
 from helibore.live.model.pass_log import Pass
-from helibore.live.model.sample_rows import Rows
 from helibore.live.model.update import Update, merge
 from helibore.live.rules.configuration import Configuration, load
 from helibore.live.rules.file_names import RULE, can_be_file
@@ -448,7 +447,7 @@ class Live:
             merge(update, self._store(0, 0, head + table[start : start + step].tobytes(), journals.IMAGE))
         return update
 
-    def _image_rows(self, name: str, rows: int, values: npt.ArrayLike, unit: str) -> npt.NDArray[np.float64]:
+    def _image_rows(self, name: str, rows: int, values: npt.ArrayLike, unit: str) -> Floats:
         """Return ``values`` as an array; refuse values that are not rows of this image, with its sectors and unit."""
         if any(image.name == name for source in self.configuration.sources.values() for image in source.images):
             raise ValueError(f"image '{name}': a source sends it already")
@@ -594,7 +593,7 @@ class Live:
         self.close()
 
 
-def _require_finite(name: str, values: npt.NDArray[np.float64]) -> None:
+def _require_finite(name: str, values: Floats) -> None:
     for index in np.flatnonzero(~np.isfinite(values))[:1].tolist():
         raise ValueError(f"{name}[{index}] = {values[index]}: must be finite")
 

@@ -18,9 +18,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from helibore.base.arrays import Floats, Integers, Mask, runs_of
+from helibore.base.arrays import Floats, Integers, Integers8, Mask, runs_of
 from helibore.base.axial import Axes, BreakoutLobe, axial_mean
 from helibore.base.errors import InputError, check_choice
 from helibore.base.notebook import card, curve_picture
@@ -48,7 +47,6 @@ COLUMNS_OF_SIZES = {"enlargement": "enlarge", "elongation": "elong"}
 WORST = 5
 """Most zones that a notebook card lists."""
 
-Kinds = npt.NDArray[np.int8]
 GAUGE, WASHOUT, BREAKOUT, KEY_SEAT, UNDERGAUGE = range(5)
 NO_KIND = -1
 LEAST_MEASURED = 0.5
@@ -133,7 +131,7 @@ class Classification(Tabular):
         The criteria used.
     """
 
-    def __init__(self, logs: Logs, kind: Kinds, zones: tuple[Zone, ...], criteria: Criteria) -> None:
+    def __init__(self, logs: Logs, kind: Integers8, zones: tuple[Zone, ...], criteria: Criteria) -> None:
         self.logs, self.kind, self.zones, self.criteria = logs, kind, zones, criteria
 
     def of(self, kind: str) -> tuple[Zone, ...]:
@@ -263,7 +261,7 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
     return Classification(logs, kind, tuple(sorted(zones, key=lambda zone: zone.start)), criteria)
 
 
-def _kinds(logs: Logs, criteria: Criteria, lower: Floats, higher: Floats) -> Kinds:
+def _kinds(logs: Logs, criteria: Criteria, lower: Floats, higher: Floats) -> Integers8:
     """Return the kind of each turn without regard to its neighbours; `_lobe_heights` gives ``lower`` and ``higher``."""
     bit = logs.bit_diameter
     elongation = logs.c1 - logs.c2

@@ -13,14 +13,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from helibore.base.arrays import Floats
+from helibore.base.arrays import Floats, Floats32
 
 HATCH_BYTES = (33, 48, 61)
 """Red, green and blue of the lines that hatch what is interpolated, not measured."""
 HATCH_COLOR = tuple(part / 255.0 for part in HATCH_BYTES)
-Single = npt.NDArray[np.float32]
 
 _LIGHTS = (  # direction towards the light (right, to the viewer, down), strength
     ((-0.62, 0.58, -0.53), 0.72),
@@ -52,7 +50,7 @@ class Shaded:
     ``left``, ``right`` count from the axis, exaggerated; ``top``, ``bottom`` are depths on the axis.
     """
 
-    pixels: Single
+    pixels: Floats32
     left: float
     right: float
     top: float
@@ -118,7 +116,7 @@ def _rows(radius: Floats, sectors: int, turns: int, pitch: float, view: View, pe
     return rows
 
 
-def _resample(values: Floats, sectors: int, turn: Floats, around: Floats) -> Single:
+def _resample(values: Floats, sectors: int, turn: Floats, around: Floats) -> Floats32:
     """Smooth values (n, channels) of a helix to a grid: (channels, depths in turns, toolfaces in turns from the first).
 
     A column of vertices lies a sector's share of a turn deeper than the column before. So each column is smoothed along
@@ -133,7 +131,7 @@ def _resample(values: Floats, sectors: int, turn: Floats, around: Floats) -> Sin
     return by_column @ _spline(around * sectors, sectors, wrap=True).T
 
 
-def _spline(at: Floats, count: int, wrap: bool) -> Single:
+def _spline(at: Floats, count: int, wrap: bool) -> Floats32:
     """Return weights (len(at), count) of a cubic B-spline at fractional indices, which wrap or stop at the ends."""
     low = np.floor(at).astype(np.int64)
     t = at - low
@@ -145,7 +143,7 @@ def _spline(at: Floats, count: int, wrap: bool) -> Single:
     return matrix
 
 
-def _normals(x: Single, y: Single, z: Single) -> Single:
+def _normals(x: Floats32, y: Floats32, z: Floats32) -> Floats32:
     """Return unit normals (3, rows, columns) of the grid, away from the axis."""
     around = [np.gradient(p, axis=1) for p in (x, y)]
     along = [np.gradient(p, axis=0) for p in (x, y, z)]  # per row: only the direction matters
@@ -156,7 +154,7 @@ def _normals(x: Single, y: Single, z: Single) -> Single:
     return normal
 
 
-def _light(normal: Single, facing: Single, colors: Single, rise: float, fall: float) -> Single:
+def _light(normal: Floats32, facing: Floats32, colors: Floats32, rise: float, fall: float) -> Floats32:
     """Return colours (points, 3) under the lamps, with a soft shine; the inside, seen at the open end, is darker."""
     normal = normal * np.sign(facing)
     to_viewer = np.array([0.0, fall, -rise])
@@ -168,7 +166,7 @@ def _light(normal: Single, facing: Single, colors: Single, rise: float, fall: fl
         bright += strength * np.maximum(lamp.astype(np.float32) @ normal, 0)
         shine += 0.16 * strength * np.maximum(between.astype(np.float32) @ normal, 0) ** 24
     inside = np.where(facing < 0, np.float32(0.5), np.float32(1.0))
-    lit: Single = np.clip((colors * bright + shine) * inside, 0, 1).T
+    lit: Floats32 = np.clip((colors * bright + shine) * inside, 0, 1).T
     return lit
 
 
@@ -180,7 +178,7 @@ class _Canvas:
         self._colors = np.zeros((height * width, 4), dtype=np.float32)
         self._near = np.full(height * width, -np.inf, dtype=np.float32)
 
-    def put(self, right: Single, down: Single, near: Single, colors: Single) -> None:
+    def put(self, right: Floats32, down: Floats32, near: Floats32, colors: Floats32) -> None:
         """Draw points at pixels (right, down), (n,), with colours (n, 3); in a pixel the greatest ``near`` wins."""
         inside = (right >= 0) & (right < self.width) & (down >= 0) & (down < self.height)
         target = down.astype(np.int64) * self.width + right.astype(np.int64)
@@ -191,10 +189,10 @@ class _Canvas:
         self._colors[target[order], :3] = colors[order]
         self._colors[target[order], 3] = 1.0
 
-    def mean(self) -> Single:
+    def mean(self) -> Floats32:
         """Return the picture at the size shown, with the share of each pixel that is covered as its opacity."""
         blocks = self._colors.reshape(self.height // _FINER, _FINER, self.width // _FINER, _FINER, 4)
-        mean: Single = blocks.mean(axis=(1, 3))
+        mean: Floats32 = blocks.mean(axis=(1, 3))
         covered = np.maximum(mean[..., 3:], np.float32(1e-6))
         mean[..., :3] = np.where(mean[..., 3:] > 0, mean[..., :3] / covered, 1.0)
         return mean

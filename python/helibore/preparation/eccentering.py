@@ -50,7 +50,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base.angles import wrapped
-from helibore.base.arrays import Complexes, Floats, Integers, Mask, column, finite_column, require, whole_column
+from helibore.base.arrays import Complexes, Floats, Integers, Mask, Reals, column, finite_column, require, whole_column
 from helibore.base.errors import InputError
 from helibore.preparation.turn_fits import Shape, TurnFits, estimate, powers
 
@@ -347,7 +347,7 @@ def _contradicted(centres: Centres, reach: Complexes, place: Floats, row: Intege
     return lost
 
 
-def _line_and_bend(turns: Integers, centre: Complexes, place: npt.NDArray[np.floating]) -> tuple[Complexes, Complexes]:
+def _line_and_bend(turns: Integers, centre: Complexes, place: Reals) -> tuple[Complexes, Complexes]:
     """Return the centre at each place on the line through the turns before and after, and what the cubic adds.
 
     Both are NaN where a turn that they need is missing.

@@ -12,17 +12,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from typing import TypeVar
 
 import numpy as np
-import numpy.typing as npt
 
-from helibore.base.arrays import Floats, Integers
+from helibore.base.arrays import Floats, Integers, Number, Typed
 from helibore.base.errors import InputError
 from helibore.preparation.readings import Readings
 from helibore.preparation.sensors import Samples, TimeSeries, observe_by_depth, observe_by_time
 
-Number = TypeVar("Number", bound=np.generic)
 Report = list[tuple[str, str]]
 
 FAST_TURN = 90.0
@@ -171,6 +168,6 @@ def _runs(rows: Integers, time: Floats, depth: Floats) -> list[Integers]:
     return np.split(rows, starts[1:])
 
 
-def _in_order(time: Floats, values: npt.NDArray[Number]) -> tuple[Floats, npt.NDArray[Number]]:
+def _in_order(time: Floats, values: Typed[Number]) -> tuple[Floats, Typed[Number]]:
     order = np.argsort(time, kind="stable")
     return time[order], values[order]

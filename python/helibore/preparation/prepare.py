@@ -12,13 +12,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 
 from helibore.base.angles import wrapped
-from helibore.base.arrays import Floats, Integers
+from helibore.base.arrays import Floats, Integers, Mask, Number, Typed
 from helibore.base.errors import InputError
 from helibore.base.nulls import say_so
 from helibore.base.tables import refuse_table
@@ -41,7 +40,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Preparation", "Prepared", "Track", "prepare"]
 
-Number = TypeVar("Number", bound=np.generic)
 
 SIDES = 8
 """Number of sides of the hole; with ``bias = "side"``, an arm has a bias of its own on each side."""
@@ -431,11 +429,11 @@ class _Pipeline:
         turned[rows] = turn_positions(one.toolface[rows])
         return turned[samples.row[mine]], "rotation"
 
-    def _of_row(self, columns: Sequence[npt.NDArray[Number]]) -> npt.NDArray[Number]:
+    def _of_row(self, columns: Sequence[Typed[Number]]) -> Typed[Number]:
         """Return for each sample the value of its file's column at its row."""
         return self._at(columns, self.samples.row)
 
-    def _at(self, columns: Sequence[npt.NDArray[Number]], place: Integers) -> npt.NDArray[Number]:
+    def _at(self, columns: Sequence[Typed[Number]], place: Integers) -> Typed[Number]:
         """Return for each sample the value of its file's column at the index ``place``."""
         starts = np.cumsum([0, *(column.size for column in columns[:-1])])
         return np.concatenate(columns)[starts[self.samples.file] + place]
@@ -661,7 +659,7 @@ class _Pipeline:
         if doubtful.any():
             self._leave_out(found, doubtful, arms, shown)
 
-    def _leave_out(self, found: Bias, doubtful: npt.NDArray[np.bool_], arms: Integers, names: list[str]) -> None:
+    def _leave_out(self, found: Bias, doubtful: Mask, arms: Integers, names: list[str]) -> None:
         """Leave out the arms, in the passes, whose bias is not known; ``doubtful`` is (passes, arms) of ``found``."""
         samples = self.samples
         place = np.searchsorted(found.passes, samples.pass_number), np.searchsorted(found.arms, arms)

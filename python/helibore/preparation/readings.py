@@ -12,10 +12,7 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-import numpy as np
-import numpy.typing as npt
-
-from helibore.base.arrays import Floats, Integers
+from helibore.base.arrays import Floats, Integers, Mask
 from helibore.preparation.sensors import Sensor
 
 IMAGE_ROW = 8
@@ -50,7 +47,7 @@ class Readings:
     time: Floats | None = None  # seconds
     pass_number: Integers | None = None  # -1 where a row has no number; None where the log numbers no passes
     reference: str = ""  # what toolfaces count from: north, horizontal-north, high-side, automatic; "": as the wall's
-    high_side: npt.NDArray[np.bool_] | None = None  # whether a row's toolface counts from the high side; None: no tags
+    high_side: Mask | None = None  # whether a row's toolface counts from the high side; None: no tags
     turning: bool = True  # whether the log has a toolface
     missing: dict[str, int] = field(default_factory=dict)  # channel name to the number of its missing values
     notes: tuple[str, ...] = ()  # a sentence for each channel used: its role, unit and reason

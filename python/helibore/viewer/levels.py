@@ -14,13 +14,10 @@ counts as interpolated between arms if most of its vertices are.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-import numpy.typing as npt
 
-from helibore.base.arrays import Floats
-from helibore.viewer.texels import FIRST, INTERPOLATED, NEAREST, RADIUS, STATE, SUPPORT_MASK, TEXEL, Texels
+from helibore.base.arrays import Array, Floats, Mask, Unsigned16
+from helibore.viewer.texels import FIRST, INTERPOLATED, NEAREST, RADIUS, STATE, SUPPORT_MASK, TEXEL
 
 TURNS = 16  # turns of the wall in one ring of the overview
 OVERVIEW_ROWS = 1024  # rings in a tile of the overview
@@ -31,7 +28,7 @@ class Level:
 
     def __init__(self, sectors: int, rows: int, columns: int) -> None:
         self.sectors, self.rows, self.size = sectors, rows, 0
-        self.texels: Texels = np.zeros((0, TEXEL), np.uint16)
+        self.texels: Unsigned16 = np.zeros((0, TEXEL), np.uint16)
         self.columns = [np.full(0, np.nan, np.float32) for _ in range(columns)]
 
     @property
@@ -83,14 +80,14 @@ def refresh_overview(over: Level, wall: Level, start: int, stop: int) -> tuple[i
     part = slice(low * block, min(high * block, wall.size))
     first_sectors = -(-np.arange(over.sectors) * wall.sectors // over.sectors)
 
-    def cells(reduce: np.ufunc, values: npt.NDArray[Any], missing: float) -> npt.NDArray[Any]:
+    def cells(reduce: np.ufunc, values: Array, missing: float) -> Array:
         """Reduce the values of every cell; ``missing`` stands for the vertices beyond the wall's end."""
         beyond = np.full((high - low) * block - values.size, missing, values.dtype)
         by_turn = np.concatenate([values, beyond]).reshape(-1, TURNS, wall.sectors)
-        reduced: npt.NDArray[Any] = reduce.reduceat(reduce.reduce(by_turn, axis=1), first_sectors, axis=1)
+        reduced: Array = reduce.reduceat(reduce.reduce(by_turn, axis=1), first_sectors, axis=1)
         return reduced.ravel()
 
-    def mean(values: npt.NDArray[Any], known: npt.NDArray[np.bool_], missing: float) -> Floats:
+    def mean(values: Array, known: Mask, missing: float) -> Floats:
         total = cells(np.add, np.where(known, values, 0).astype(np.float64), 0.0)
         count = cells(np.add, known.astype(np.float64), 0.0)
         return np.where(count > 0, total / np.maximum(count, 1), missing)

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import Floats, numbers
+from helibore.base.arrays import Array, Floats, Mask, Unsigned16, numbers
 from helibore.base.colors import check_map, customary_map
 from helibore.base.errors import InputError
 from helibore.base.harmless import printable
@@ -29,7 +29,7 @@ from helibore.settings.template import Template
 from helibore.trajectory.references import Reference
 from helibore.trajectory.survey import Path
 from helibore.viewer.levels import Level, overview_of, refresh_overview
-from helibore.viewer.texels import FIRST, INTERPOLATED, RADIUS, RESCANNED, STATE, Texels, Vertices, pack_vertices
+from helibore.viewer.texels import FIRST, INTERPOLATED, RADIUS, RESCANNED, STATE, Vertices, pack_vertices
 
 MOST_POINTS = 4096  # most points of a history
 MAX_SECTORS = 2048  # the texture width that every WebGL 2 device offers
@@ -291,7 +291,7 @@ class Scene:
             self._notify(1, *refresh_overview(self.levels[1], level, start, stop))
         self.on_change()
 
-    def set_interpolated(self, interpolated: npt.NDArray[np.bool_]) -> None:
+    def set_interpolated(self, interpolated: Mask) -> None:
         """Set for the first n vertices of the wall, (n,), whether they are interpolated between arms.
 
         Pages receive the range from the first vertex that differs to the last one.
@@ -371,7 +371,7 @@ class Scene:
         copy.begun = True
         return copy
 
-    def _keep_first_pass(self, old: Texels, new: Texels, first: int) -> None:
+    def _keep_first_pass(self, old: Unsigned16, new: Unsigned16, first: int) -> None:
         """Keep the first pass of settled vertices, and mark the vertices that changed later as re-scanned."""
         known = max(0, min(self.settled - first, len(new)))
         was, now = old[:known], new[:known]
@@ -386,9 +386,9 @@ class Scene:
             listener(level, start, stop)
 
 
-def _replace(target: npt.NDArray[Any], values: npt.NDArray[Any], word: npt.DTypeLike) -> npt.NDArray[np.bool_]:
+def _replace(target: Array, values: Array, word: npt.DTypeLike) -> Mask:
     """Set ``target`` to ``values``, whose rows are one ``word`` each; return which rows have changed."""
     new = np.require(values, requirements="C")
-    differs: npt.NDArray[np.bool_] = target.view(word).ravel() != new.view(word).ravel()
+    differs: Mask = target.view(word).ravel() != new.view(word).ravel()
     target[...] = new
     return differs

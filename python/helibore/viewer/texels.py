@@ -10,9 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import Floats, numbers
-
-Texels = npt.NDArray[np.uint16]
+from helibore.base.arrays import Floats, Unsigned16, numbers
 
 TEXEL = 4
 RADIUS, FIRST, NEAREST, STATE = range(TEXEL)
@@ -32,7 +30,7 @@ class Vertices:
     provisional: npt.ArrayLike | None = None
 
 
-def pack_vertices(vertices: Vertices, radius_unit: float) -> Texels:
+def pack_vertices(vertices: Vertices, radius_unit: float) -> Unsigned16:
     """Return the texels (n, 4) of vertices: radius (0 if missing), first-pass radius, nearest distance, state.
 
     Radii are rounded to ``radius_unit`` metres; a radius above 65535 units becomes 65535 with the mark CLIPPED.
@@ -57,7 +55,7 @@ def pack_vertices(vertices: Vertices, radius_unit: float) -> Texels:
     return texels
 
 
-def radius_of(texels: Texels, radius_unit: float, column: int = RADIUS) -> Floats:
+def radius_of(texels: Unsigned16, radius_unit: float, column: int = RADIUS) -> Floats:
     """Return the packed radii of a column in metres, NaN where there is no radius."""
     steps = texels[..., column].astype(np.float64)
     return np.where(steps == 0, np.nan, steps * radius_unit)

@@ -12,10 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-import numpy.typing as npt
-
-from helibore.base.arrays import Floats, Integers
+from helibore.base.arrays import Floats, Integers, Integers32, Mask
 
 
 @dataclass(eq=False, repr=False, slots=True)
@@ -53,6 +50,6 @@ class VertexColumns(NamedTuple):
     toolface: Floats
     radius: Floats
     nearest: Floats
-    support: npt.NDArray[np.int32]
-    iterations: npt.NDArray[np.int32]
-    provisional: npt.NDArray[np.bool_]
+    support: Integers32
+    iterations: Integers32
+    provisional: Mask

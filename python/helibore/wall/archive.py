@@ -33,10 +33,9 @@ from tokenize import TokenError
 from typing import IO, Any, BinaryIO
 
 import numpy as np
-import numpy.typing as npt
 
 from helibore import _core
-from helibore.base.arrays import Array, Floats
+from helibore.base.arrays import Array, Floats, Unsigned64
 from helibore.base.atomic_file import write_whole
 from helibore.base.errors import InputError
 from helibore.base.file_endings import ARCHIVE_ENDING
@@ -162,7 +161,7 @@ def _or_null(number: float) -> float | None:
     return None if math.isnan(number) else number
 
 
-def _words(array: Array) -> npt.NDArray[np.uint64]:
+def _words(array: Array) -> Unsigned64:
     """Return numbers as 64-bit words, (n,): a view of floats and of whole numbers of 64 bits, else a copy."""
     whole = array if array.itemsize == _WORD else array.astype(np.int64)
     return whole.reshape(-1).view(np.uint64)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
-from helibore.base.arrays import Floats, Mask
+from helibore.base.arrays import Array, Floats, Mask
 from helibore.base.color_limits import over_bit
 from helibore.base.errors import InputError, needs
 from helibore.base.notebook import card, map_picture
@@ -353,7 +353,7 @@ class WallReads:
         turns = -(-radius.size // sectors)
         k = np.arange(turns * sectors)
 
-        def by_turn(values: npt.NDArray[Any], missing: float = np.nan) -> tuple[tuple[str, str], npt.NDArray[Any]]:
+        def by_turn(values: Array, missing: float = np.nan) -> tuple[tuple[str, str], Array]:
             filled = np.full(k.size, missing, values.dtype)
             filled[: values.size] = values
             return ("turn", "sector"), filled.reshape(turns, sectors)

@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
-from helibore.base.arrays import Floats, sample_columns
+from helibore.base.arrays import Array, Floats, Integers32, Mask, sample_columns
 from helibore.base.errors import InputError
 from helibore.base.thread_count import thread_count
 from helibore.images.sector_image import SectorImage, SectorImages
@@ -187,17 +187,17 @@ class Wall(WallReads):
         return self._core.nearest()
 
     @property
-    def support(self) -> npt.NDArray[np.int32]:
+    def support(self) -> Integers32:
         """(n,) int32 number of samples each vertex is estimated from; a copy."""
         return self._core.support()
 
     @property
-    def iterations(self) -> npt.NDArray[np.int32]:
+    def iterations(self) -> Integers32:
         """(n,) int32 number of estimates made for each vertex; a copy."""
         return self._core.iterations()
 
     @property
-    def provisional(self) -> npt.NDArray[np.bool_]:
+    def provisional(self) -> Mask:
         """(n,) bool: whether the radius is that of one sample until the vertex is settled (``direct`` only); a copy."""
         return self._core.provisional()
 
@@ -406,7 +406,7 @@ class Wall(WallReads):
                 self.arms if with_samples else None, core.sums() if with_samples and self._settings.sigma else (),
                 self._threads, Picks(self._picks),
             )  # fmt: skip
-        arrays: tuple[npt.NDArray[Any], ...] = (state.radius, state.nearest, state.support, state.iterations)
+        arrays: tuple[Array, ...] = (state.radius, state.nearest, state.support, state.iterations)
         for array in (*arrays, *columns, *state.sums):
             array.flags.writeable = False
         return state

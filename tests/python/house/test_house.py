@@ -78,6 +78,14 @@ def test_one_file_takes_arrays(call: str) -> None:
     assert not list(lines_with(rf"\bnp\.{call}\(", own))
 
 
+def test_one_file_names_the_types_of_arrays() -> None:
+    """The one set of names is that of base/arrays.py: ``Floats``, ``Integers``, ``Mask`` and so on."""
+    stub = ROOT / "python/helibore/_core.pyi"
+    others = [path for path in [*PYTHON, stub, *ROOT.glob("bench/**/*.py"), *ROOT.glob("tests/**/*.py")]
+              if path.name != "arrays.py"]  # fmt: skip
+    assert not list(lines_with(r"\bNDArray\[", others))
+
+
 def test_develop_speaks_to_the_pip_of_debian_12() -> None:
     """Which is 23.0: it knows --config-settings, and -C only from 23.1 on."""
     calls = re.findall(r"^.*pip (?:install|wheel).*$", (ROOT / "develop").read_text(), re.MULTILINE)

@@ -6,7 +6,6 @@ import re
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 from reference import Floats, bits, canonical, exactly, random_hole
 
@@ -53,7 +52,7 @@ def test_settled_vertices_are_interpolated_and_the_change_says_so() -> None:
     depth, toolface, radius = depth[order], toolface[order], radius[order]
     settings: dict[str, Any] = {"bit_diameter": BIT, "sectors": SECTORS, "start_depth": float(depth[0])}
     wall, plain = hb.Wall(direct=True, **settings), hb.Wall(**settings)
-    shown: npt.NDArray[np.float64] = np.empty(0)
+    shown: Floats = np.empty(0)
     ever = 0
     for first in range(0, 1200, 50):
         part = slice(first, first + 50)

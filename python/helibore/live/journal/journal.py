@@ -37,9 +37,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from helibore import _core
+from helibore.base.arrays import Rows
 from helibore.base.atomic_file import PRIVATE, make_folder
 from helibore.base.errors import InputError
 
@@ -80,7 +80,7 @@ class Segment:
     """
 
     path: Path
-    records: npt.NDArray[np.void]
+    records: Rows
     damage: list[tuple[int, int]]
     text: bytes
     error: str = ""

@@ -9,7 +9,8 @@ a cell of the wall          | 4 3 |     A cell has two parts around the hole and
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
+
+from helibore.base.arrays import Floats, Integers, Mask, Unsigned16
 
 PARTS_AROUND, PARTS_ALONG = 2, 4
 CHUNK = 4096
@@ -31,23 +32,23 @@ class CellCounts:
     def __init__(self, sectors: int, pitch: float, most: int = 0) -> None:
         self._around, self._along = PARTS_AROUND * sectors, abs(pitch) / PARTS_ALONG
         self.set_most(most)
-        self._counts: dict[int, npt.NDArray[np.uint16]] = {}
+        self._counts: dict[int, Unsigned16] = {}
 
     def set_most(self, most: int) -> None:
         """Set how many samples of a cell are kept from now on: ``most``, rounded up to a multiple of 8; 0: all."""
         self._most = -(-most // (PARTS_AROUND * PARTS_ALONG))
 
     @property
-    def counted(self) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.uint16]]:
+    def counted(self) -> tuple[Integers, Unsigned16]:
         """For each chunk of CHUNK parts that has samples: its number (n,), and the counts of its parts (n, CHUNK)."""
         chunks = np.array(list(self._counts), np.int64)
         return chunks, np.array(list(self._counts.values()), np.uint16).reshape(-1, CHUNK)
 
     @counted.setter
-    def counted(self, counted: tuple[npt.NDArray[np.int64], npt.NDArray[np.uint16]]) -> None:
+    def counted(self, counted: tuple[Integers, Unsigned16]) -> None:
         self._counts = dict(zip(counted[0].tolist(), counted[1], strict=True))
 
-    def take(self, depth: npt.NDArray[np.float64], toolface: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
+    def take(self, depth: Floats, toolface: Floats) -> Mask:
         """Count these samples, given in order of arrival, and return for each whether the wall keeps it."""
         if not self._most:
             return np.ones(len(depth), bool)

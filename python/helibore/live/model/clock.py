@@ -9,8 +9,8 @@ the model's last time.
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from helibore.base.arrays import Integers
 from helibore.base.utc_time import SECOND
 
 JUMP = 2 * SECOND
@@ -39,13 +39,13 @@ class ModelClock:
         self.now = self._anchor
         return behind
 
-    def times(self, monotonic: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    def times(self, monotonic: Integers) -> Integers:
         """Return the model time of each record; the times never decrease."""
         times = np.maximum.accumulate(np.maximum(monotonic + (self._anchor - self._start), self.now))
         self.now = int(times[-1])
         return times
 
-    def jumps(self, wall: npt.NDArray[np.int64], times: npt.NDArray[np.int64]) -> list[tuple[int, int]]:
+    def jumps(self, wall: Integers, times: Integers) -> list[tuple[int, int]]:
         """Return (index of the record after the jump, change in ns) for each jump of the wall clock (see `JUMP`)."""
         drift, found, start = wall - times, [], 0
         while len(late := (np.abs(drift[start:] - self._drift) >= JUMP).nonzero()[0]):

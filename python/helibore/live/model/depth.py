@@ -19,8 +19,8 @@ If the sender counts its passes, its pass number decides instead (``pass_rules.p
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
+from helibore.base.arrays import Floats, Integers, Mask
 from helibore.base.utc_time import SECOND
 from helibore.live.model.depth_jumps import unit_differs, unit_rule
 from helibore.live.model.events import Flag
@@ -28,8 +28,6 @@ from helibore.live.model.growing_array import GrowingArray
 from helibore.live.rules.depth_limits import DepthLimits
 from helibore.live.rules.pass_rules import DRILL, REAM, RESCAN, TRIP, UNKNOWN, PassRules
 
-Times = npt.NDArray[np.int64]
-Values = npt.NDArray[np.float64]
 DEEP_ENOUGH = 100.0
 """Metres. The unit of smaller depths is not checked: a sensor high above the bit may be at bit depth / 3.28."""
 
@@ -43,24 +41,24 @@ class QuantityHistory:
         self._time, self._order, self._value = GrowingArray(np.int64), GrowingArray(np.int64), GrowingArray(np.float64)
 
     @property
-    def time(self) -> Times:
+    def time(self) -> Integers:
         return self._time.values
 
     @property
-    def order(self) -> Times:
+    def order(self) -> Integers:
         return self._order.values
 
     @property
-    def value(self) -> Values:
+    def value(self) -> Floats:
         return self._value.values
 
-    def append(self, time: Times, order: Times, value: Values) -> None:
+    def append(self, time: Integers, order: Integers, value: Floats) -> None:
         """Append the entries whose ``value`` is finite."""
         known = np.isfinite(value)
         for column, of in ((self._time, time), (self._order, order), (self._value, value)):
             column.append(of[known])
 
-    def before(self, order: Times) -> Times:
+    def before(self, order: Integers) -> Integers:
         """Return the index of the latest entry in or before each frame ``order``; -1 if there is no such entry."""
         return self.order.searchsorted(order, side="right") - 1
 
@@ -109,7 +107,7 @@ class RigHistory:
         self._kind.append(kind)
         self._off_bottom.append(off)
 
-    def _latest(self, name: str, order: Times, time: Times | None = None) -> Values:
+    def _latest(self, name: str, order: Integers, time: Integers | None = None) -> Floats:
         """Return the latest value of a quantity in or before each frame ``order``; NaN if there is no such value.
 
         If ``time`` is given, a value that is older than ``stale`` seconds at that time is NaN, too.
@@ -123,14 +121,14 @@ class RigHistory:
             values = np.where(time - track.time[at] > self._rules.stale * SECOND, np.nan, values)
         return values
 
-    def _turning(self, order: Times, time: Times) -> Times:
+    def _turning(self, order: Integers, time: Integers) -> Integers:
         """Return for each frame 1 if the string turns, 0 if it does not, -1 if the rotation is unknown or stale."""
         rotation = self._latest("rotation", order, time)
         return np.where(np.isnan(rotation), -1, (rotation >= self._rules.rotating).astype(np.int64))
 
     def place(
-        self, time: Times, order: Times, depth: Values, offset: Values, now: int
-    ) -> tuple[Values, Times, Times, npt.NDArray[np.bool_]]:
+        self, time: Integers, order: Integers, depth: Floats, offset: Floats, now: int
+    ) -> tuple[Floats, Integers, Integers, Mask]:
         """Return (depth, pass, flags, ready) of measurements, each (n,). Ready: no later record can change the depth.
 
         Parameters
@@ -168,24 +166,24 @@ class RigHistory:
         flags[~sent & np.isnan(found) & ~across] |= Flag.NO_DEPTH
         return np.where(sent, depth, found - offset), kind, flags, sent | ready
 
-    def _bit_before(self, time: Times, order: Times) -> Times:
+    def _bit_before(self, time: Integers, order: Integers) -> Integers:
         """Return the index of the latest bit depth entry when each measurement was made; -1 if there is no such entry.
 
         That is the latest entry in or before frame ``order`` or, if ``order`` is -1, at or before ``time``.
         """
         bit = self.tracks["bit_depth"]
-        at: Times = np.where(order >= 0, bit.before(order), np.searchsorted(bit.time, time, side="right") - 1)
+        at: Integers = np.where(order >= 0, bit.before(order), np.searchsorted(bit.time, time, side="right") - 1)
         return at
 
-    def _across_jump(self, time: Times, at: Times) -> npt.NDArray[np.bool_]:
+    def _across_jump(self, time: Integers, at: Integers) -> Mask:
         """Return which measurements lie between bit depth entries ``at`` and ``at + 1`` that differ by a jump."""
         bit = self.tracks["bit_depth"]
         low, high = np.maximum(at, 0), np.minimum(at + 1, len(bit.value) - 1)
         jumps = np.abs(bit.value[high] - bit.value[low]) > self._limits.jump
-        across: npt.NDArray[np.bool_] = jumps & (time != bit.time[low])
+        across: Mask = jumps & (time != bit.time[low])
         return across
 
-    def _wrong_depth(self, depth: Values, known: npt.NDArray[np.bool_], at: Times) -> npt.NDArray[np.bool_]:
+    def _wrong_depth(self, depth: Floats, known: Mask, at: Integers) -> Mask:
         """Return which of the sent depths are wrong; before the first hole depth, no depth is wrong.
 
         A depth is wrong if it is more than ``beyond_hole`` below the hole, or if it is greater than DEEP_ENOUGH and
@@ -195,7 +193,7 @@ class RigHistory:
         has_hole = known & np.isfinite(self._reached.values[at])
         in_feet = unit_differs(depth, self.tracks["bit_depth"].value[at])
         too_deep = depth > self._reached.values[at] + self._limits.beyond_hole
-        wrong: npt.NDArray[np.bool_] = has_hole & (too_deep | (in_feet & (depth > DEEP_ENOUGH)))
+        wrong: Mask = has_hole & (too_deep | (in_feet & (depth > DEEP_ENOUGH)))
         return wrong
 
     def depth_rule(self, row: np.void) -> str:
@@ -213,7 +211,7 @@ class RigHistory:
         rule = f"lies more than {self._limits.beyond_hole:g} m below the hole"
         return f"depth {depth:g} m: {rule}, which is {hole:g} m deep"
 
-    def _from_bit(self, time: Times, at: Times, now: int) -> tuple[Values, npt.NDArray[np.bool_]]:
+    def _from_bit(self, time: Integers, at: Integers, now: int) -> tuple[Floats, Mask]:
         """Return the bit depth at ``time``, interpolated from entries ``at`` and ``at + 1``, and whether it is final.
 
         A depth that cannot be interpolated is NaN. A depth is final if later entries cannot change it.
@@ -231,7 +229,7 @@ class RigHistory:
         final = exact | (at < 0) | (at < last) | (after > gap) | (now - time > gap)
         return depth, final
 
-    def _not_rotating(self, time: Times, order: Times) -> npt.NDArray[np.bool_]:
+    def _not_rotating(self, time: Integers, order: Integers) -> Mask:
         track = self.tracks["rotation"]
         if not len(track.value):
             return np.zeros(len(time), bool)

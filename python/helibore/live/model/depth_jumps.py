@@ -8,12 +8,11 @@
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from helibore.base import units
+from helibore.base.arrays import Floats, Integers, Mask, Rows
 from helibore.base.utc_time import SECOND
 from helibore.live.model.events import Flag
-from helibore.live.model.sample_rows import Rows
 from helibore.live.rules.depth_limits import DepthLimits
 
 CONFIRMED_WITHIN = 600 * SECOND
@@ -22,20 +21,19 @@ FOOT = units.factor("ft", units.LENGTH)
 NEAR = 0.02
 """The relative error within which the ratio of two depths counts as that of feet to metres, or of metres to feet."""
 DRAWABLE = Flag.OFF_BOTTOM | Flag.GAP_BEFORE | Flag.LATE
-Values = npt.NDArray[np.float64]
 
 
-def _steps(last: float, depth: Values) -> Values:
+def _steps(last: float, depth: Floats) -> Floats:
     """Return the length of the step to each depth from the depth before it; ``last`` is the depth before the first."""
     joined = np.concatenate([[last], depth])
-    steps: Values = np.abs(joined[1:] - joined[:-1])
+    steps: Floats = np.abs(joined[1:] - joined[:-1])
     return steps
 
 
-def unit_differs(depth: Values | float, known: Values | float) -> npt.NDArray[np.bool_]:
+def unit_differs(depth: Floats | float, known: Floats | float) -> Mask:
     """Return whether the ratio of a depth to a known depth is near that of feet to metres or of metres to feet."""
     ratio = depth / np.maximum(known, 1e-9)
-    differs: npt.NDArray[np.bool_] = (np.abs(ratio / FOOT - 1) < NEAR) | (np.abs(ratio * FOOT - 1) < NEAR)
+    differs: Mask = (np.abs(ratio / FOOT - 1) < NEAR) | (np.abs(ratio * FOOT - 1) < NEAR)
     return differs
 
 
@@ -64,7 +62,7 @@ class LastDepth:
     def _use(self, depth: float) -> None:
         self._last, self._other_unit = depth, np.nan
 
-    def _use_last_of(self, depths: Values) -> None:
+    def _use_last_of(self, depths: Floats) -> None:
         if len(depths):
             self._use(float(depths[-1]))
 
@@ -100,7 +98,7 @@ class Steps(LastDepth):
         super().__init__(limits)
         self._rejected = np.nan
 
-    def take(self, values: Values) -> tuple[npt.NDArray[np.int64], dict[int, str]]:
+    def take(self, values: Floats) -> tuple[Integers, dict[int, str]]:
         """Return the indices of the values that must not be used, and texts to report, by index.
 
         There is a text for each value that confirms a jump, and for each value that seems to have another unit.

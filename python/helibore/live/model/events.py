@@ -18,9 +18,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-import numpy.typing as npt
-
+from helibore.base.arrays import Integers
 from helibore.base.utc_time import utc
 
 LOGGER = logging.getLogger("helibore.live")
@@ -176,7 +174,7 @@ class EventBook:
                 joined[key] = event if before is None else before.and_then(event)
             _add(self._new, self._places, event)
 
-    def report_rows(self, rows: Sequence[int] | npt.NDArray[np.int64], describe: Callable[[int], Event]) -> None:
+    def report_rows(self, rows: Sequence[int] | Integers, describe: Callable[[int], Event]) -> None:
         """Report an event for each row; ``describe`` is called only for the first LISTED rows and for the last row."""
         for row in rows[: LISTED - 1]:
             self.report(describe(int(row)))

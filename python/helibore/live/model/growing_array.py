@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import numpy.typing as npt
+
+from helibore.base.arrays import Array
 
 
 class GrowingArray:
@@ -20,16 +20,16 @@ class GrowingArray:
         self.values = np.empty(0, dtype)
 
     @property
-    def values(self) -> npt.NDArray[Any]:
+    def values(self) -> Array:
         """A view of the entries; an append does not change a view that was read before."""
         room, start, stop = self._held
         return room[start:stop]
 
     @values.setter
-    def values(self, values: npt.NDArray[Any]) -> None:
+    def values(self, values: Array) -> None:
         self._held = values, 0, len(values)  # one assignment: another thread sees all of a change or nothing of it
 
-    def append(self, values: npt.NDArray[Any]) -> None:
+    def append(self, values: Array) -> None:
         """Append entries."""
         room, start, stop = self._held
         if stop + len(values) > len(room):

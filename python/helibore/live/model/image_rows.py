@@ -12,11 +12,10 @@ from __future__ import annotations
 import threading
 
 import numpy as np
-import numpy.typing as npt
 
-from helibore.base.arrays import Floats
+from helibore.base.arrays import Floats, Integers
 
-Columns = tuple[npt.NDArray[np.int64], Floats, Floats]
+Columns = tuple[Integers, Floats, Floats]
 """Number, depth and values of each row."""
 
 
@@ -69,7 +68,7 @@ class ImageRows:
             column[: self._kept] = kept
         self._columns = longer
 
-    def restore(self, number: npt.NDArray[np.int64], depth: Floats, values: Floats) -> None:
+    def restore(self, number: Integers, depth: Floats, values: Floats) -> None:
         """Set the rows to the columns that `so_far` returned."""
         self._columns, self._kept = (number, depth, values), len(number)
         self._count = int(number[-1]) + 1 if len(number) else 0
@@ -108,9 +107,9 @@ def sorted_rows(depth: Floats, values: Floats, step: float = 0.0) -> tuple[Float
     return depth[latest], values[latest]
 
 
-def _latest(depth: Floats, step: float) -> npt.NDArray[np.int64]:
+def _latest(depth: Floats, step: float) -> Integers:
     """Return the index of the latest row at each depth or, if ``step`` is not 0, in each step; sorted by depth."""
     place = np.floor(depth / step) if step else depth
     order = np.argsort(place, kind="stable")
-    latest: npt.NDArray[np.int64] = order[np.append(np.diff(place[order]) > 0, True)[: len(order)]]
+    latest: Integers = order[np.append(np.diff(place[order]) > 0, True)[: len(order)]]
     return latest

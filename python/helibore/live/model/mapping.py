@@ -17,21 +17,18 @@ from collections import OrderedDict
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
 from helibore.base.angles import wrapped
+from helibore.base.arrays import Bytes, Floats, Integers, Mask, Rows
 from helibore.live.model.depth_jumps import Steps
 from helibore.live.model.events import Event, EventBook, Flag
-from helibore.live.model.sample_rows import ROW, Rows, frame_rows, measured
+from helibore.live.model.sample_rows import ROW, frame_rows, measured
 from helibore.live.model.sequence import SequenceWatch
 from helibore.live.rules.depth_limits import DepthLimits
 from helibore.live.rules.pass_rules import LARGEST, NO_NUMBER
 from helibore.live.rules.sources import Image, Item, Source, WitsCaliper
 from helibore.live.wire import wits
 from helibore.samples.caliper import LARGEST_RADIUS
-
-Integers = npt.NDArray[np.int64]
-Values = npt.NDArray[np.float64]
 
 ABSENT, VALUE, NULL, INVALID = range(4)
 REMEMBERED, DIGEST_BYTES = 4096, 16
@@ -80,10 +77,10 @@ class Reading:
     """
 
     frames: Rows
-    rig: dict[str, Values] = field(default_factory=dict)
+    rig: dict[str, Floats] = field(default_factory=dict)
     samples: Rows = field(default_factory=lambda: np.empty(0, ROW))
-    images: list[tuple[Image, Rows, Values]] = field(default_factory=list)
-    stations: Values = field(default_factory=lambda: np.empty((0, 3)))
+    images: list[tuple[Image, Rows, Floats]] = field(default_factory=list)
+    stations: Floats = field(default_factory=lambda: np.empty((0, 3)))
     station_frames: Rows = field(default_factory=lambda: np.empty(0, ROW))
     keep_alives: int = 0
 
@@ -146,7 +143,7 @@ class SourceReader:
     def _new_parser(self) -> wits.Parser:
         return wits.Parser(self.source.nulls, *self.source.limits)
 
-    def _places(self, items: list[Item]) -> tuple[Integers, Values]:
+    def _places(self, items: list[Item]) -> tuple[Integers, Floats]:
         """Return the table columns and the scales of ``items``."""
         columns = np.array([self._column[item.name] for item in items], np.int64)
         return columns, np.array([item.scale for item in items])
@@ -156,7 +153,7 @@ class SourceReader:
         return sorted(self._seen)
 
     @seen.setter
-    def seen(self, names: list[str] | npt.NDArray[np.bool_]) -> None:
+    def seen(self, names: list[str] | Mask) -> None:
         if isinstance(names, np.ndarray):  # older checkpoints have an entry for each number
             names = [self.source.name_of(number) for number in np.flatnonzero(names).tolist()]
         self._seen = set(names)
@@ -257,7 +254,7 @@ class SourceReader:
             reading.stations, reading.station_frames = stations[whole], frames[whole]
         return reading
 
-    def _fill(self, reading: Reading, values: Values, states: npt.NDArray[np.uint8], flags: Integers) -> None:
+    def _fill(self, reading: Reading, values: Floats, states: Bytes, flags: Integers) -> None:
         """Set the rig quantities, pass numbers, triples and image rows that a table of values and states gives."""
         reading.rig = self._rig(values, reading)
         reading.frames["number"] = self._pass_numbers(values, states, flags)
@@ -305,7 +302,7 @@ class SourceReader:
             stops[row] = batch.base + end + 1 if end >= 0 else stops[row]
         return stops
 
-    def _table(self, batch: wits.Batch, reading: Reading) -> tuple[Values, npt.NDArray[np.uint8]]:
+    def _table(self, batch: wits.Batch, reading: Reading) -> tuple[Floats, Bytes]:
         items, frames = batch.items, batch.frames
         values = np.full((len(frames), len(self._column)), np.nan)
         states = np.zeros(values.shape, np.uint8)
@@ -337,7 +334,7 @@ class SourceReader:
             int(reading.frames["wall"][frame]), rule, text, batch.line_of(row, frame), int(item["offset"])
         )
 
-    def _report_invalid(self, bad: Integers, batch: wits.Batch, reading: Reading, values: Values) -> None:
+    def _report_invalid(self, bad: Integers, batch: wits.Batch, reading: Reading, values: Floats) -> None:
         """Report the items ``bad``, which are not numbers, and the wrong pass numbers, in order of their frames."""
         wrong = self._wrong_numbers(values)
         if not len(bad) and not len(wrong):
@@ -351,14 +348,14 @@ class SourceReader:
 
         self._events.report_rows(np.argsort(frames, kind="stable"), describe)
 
-    def _wrong_numbers(self, values: Values) -> Integers:
+    def _wrong_numbers(self, values: Floats) -> Integers:
         """Return the frames whose pass number is not a whole number in the allowed range."""
         if self.source.items.pass_number is None:
             return np.empty(0, np.int64)
         number = values[:, self._column[self.source.items.pass_number.name]]
         return np.flatnonzero(~np.isnan(number) & ~_counts_passes(number))
 
-    def _wrong_number(self, row: int, reading: Reading, values: Values) -> Event:
+    def _wrong_number(self, row: int, reading: Reading, values: Floats) -> Event:
         assert self.source.items.pass_number is not None
         number = values[row, self._column[self.source.items.pass_number.name]]
         text = f"pass number {number:g}: must be a whole number from 0 to {LARGEST}"
@@ -394,7 +391,7 @@ class SourceReader:
     def _report(self, wall: int, rule: str, text: str, line: int = 0, offset: int = -1) -> None:
         self._events.report(self._event(wall, rule, text, line, offset))
 
-    def _repeats(self, batch: wits.Batch, states: npt.NDArray[np.uint8], reading: Reading) -> Integers:
+    def _repeats(self, batch: wits.Batch, states: Bytes, reading: Reading) -> Integers:
         """Return DUPLICATE for each frame that is a duplicate (see the top of this file), 0 for all other frames."""
         flags = np.zeros(len(batch.frames), np.int64)
         measured = (states[:, self._measured] != ABSENT).any(axis=1) & (states[:, self._distinguishing] == VALUE).any(
@@ -426,7 +423,7 @@ class SourceReader:
         if len(self._recent) > REMEMBERED:
             self._recent.popitem(last=False)
 
-    def _sequence(self, values: Values, reading: Reading) -> Integers:
+    def _sequence(self, values: Floats, reading: Reading) -> Integers:
         flags = np.zeros(len(values), np.int64)
         events: list[tuple[int, str, str]] = []
         for code, watch in self.watches.items():
@@ -440,7 +437,7 @@ class SourceReader:
             self._events.report(self._of_frame(reading, row, rule, text))
         return flags
 
-    def _rig(self, values: Values, reading: Reading) -> dict[str, Values]:
+    def _rig(self, values: Floats, reading: Reading) -> dict[str, Floats]:
         """Return the rig quantities; a bit or hole depth that is out of range or jumps becomes NaN, with an event."""
         rig = {name: self._value(values, item) for name, item in self.source.rig.items()}
         for name, steps in self._steps.items():
@@ -463,11 +460,11 @@ class SourceReader:
             return self._limits.rule()
         return f"jumps by more than {self._limits.jump:g} m, and nothing confirms it yet"
 
-    def _value(self, values: Values, item: Item) -> Values:
-        scaled: Values = values[:, self._column[item.name]] * item.scale
+    def _value(self, values: Floats, item: Item) -> Floats:
+        scaled: Floats = values[:, self._column[item.name]] * item.scale
         return scaled
 
-    def _pass_numbers(self, values: Values, states: npt.NDArray[np.uint8], flags: Integers) -> Integers:
+    def _pass_numbers(self, values: Floats, states: Bytes, flags: Integers) -> Integers:
         """Return the pass number of each frame: its own or, if it states none, the latest number before it.
 
         A null or wrong number gives NO_NUMBER. The number of a late or repeated frame applies to that frame only.
@@ -485,7 +482,7 @@ class SourceReader:
         self._pass_number = int(carried[-1])
         return np.where(said, own, carried)
 
-    def _triples(self, reading: Reading, values: Values, states: npt.NDArray[np.uint8], flags: Integers) -> None:
+    def _triples(self, reading: Reading, values: Floats, states: Bytes, flags: Integers) -> None:
         caliper = self.source.caliper
         if caliper is None:
             return
@@ -520,7 +517,7 @@ class SourceReader:
         rows["depth"], rows["toolface"], rows["radius"] = depth, toolface, radius
         rows["flags"], rows["row"] = triple_flags, group
 
-    def _judge_unit(self, toolface: Values, reading: Reading, frame: Integers) -> None:
+    def _judge_unit(self, toolface: Floats, reading: Reading, frame: Integers) -> None:
         """Report that toolfaces seem to be radians: the first ones span more than pi, in [0, 2 pi] or [-pi, pi].
 
         The unit is judged once, for a WITS source whose configuration does not state it.
@@ -549,7 +546,7 @@ class SourceReader:
         falls = sum(after < before for before, after in itertools.pairwise(self._toolfaces))
         return low >= -1800 and 720 < high <= 3600 and FIRST_TOOLFACES / 5 < falls < FIRST_TOOLFACES * 4 / 5
 
-    def _images(self, reading: Reading, values: Values, states: npt.NDArray[np.uint8], flags: Integers) -> None:
+    def _images(self, reading: Reading, values: Floats, states: Bytes, flags: Integers) -> None:
         for image in self.source.images:
             sectors = [self._column[item.name] for item in image.sectors]
             frame = np.flatnonzero((states[:, sectors] == VALUE).any(axis=1))
@@ -562,6 +559,6 @@ class SourceReader:
             reading.images.append((image, rows, values[frame][:, sectors]))
 
 
-def _counts_passes(number: Values) -> npt.NDArray[np.bool_]:
-    whole: npt.NDArray[np.bool_] = (number >= 0) & (number <= LARGEST) & (np.floor(number) == number)
+def _counts_passes(number: Floats) -> Mask:
+    whole: Mask = (number >= 0) & (number <= LARGEST) & (np.floor(number) == number)
     return whole

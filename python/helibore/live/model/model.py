@@ -19,10 +19,10 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from helibore import _core
 from helibore.base.angles import wrapped
+from helibore.base.arrays import Floats, Integers, Integers32, Mask, Rows
 from helibore.base.errors import InputError
 from helibore.base.utc_time import SECOND, utc
 from helibore.live.journal import journal
@@ -35,7 +35,7 @@ from helibore.live.model.events import NEVER_DRAWN, Event, EventBook, Flag
 from helibore.live.model.image_rows import ImageRows
 from helibore.live.model.mapping import LARGEST_TOOLFACE, Chunk, Reading, SourceReader
 from helibore.live.model.pass_log import PassLog
-from helibore.live.model.sample_rows import ROW, Rows, frame_rows
+from helibore.live.model.sample_rows import ROW, frame_rows
 from helibore.live.model.stations import Stations
 from helibore.live.model.update import Update, joined
 from helibore.live.model.watch import Frame, Watch, WatchedCaliper
@@ -129,7 +129,7 @@ class Model:
         meanings = {self.numbers[name]: (name, one.pass_numbers) for name, one in configuration.sources.items()}
         self.passes = PassLog(meanings, self.events)
         self._pending = np.empty(0, ROW)
-        self._held_rows: dict[int, npt.NDArray[np.float64]] = {}
+        self._held_rows: dict[int, Floats] = {}
         self._next_row = 0
         self._session = ""
         self.out_of_memory = False
@@ -144,13 +144,13 @@ class Model:
         self._set_limits()
 
     @property
-    def samples(self) -> dict[str, tuple[tuple[npt.NDArray[np.float64], ...], int]]:
+    def samples(self) -> dict[str, tuple[tuple[Floats, ...], int]]:
         """For each layer that has samples: the columns of its samples, and a checksum of its vertices."""
         states = {name: wall._state() for name, wall in self.layers.items() if wall.sample_count}
         return {name: (state.sample_columns, _checksum(state)) for name, state in states.items()}
 
     @samples.setter
-    def samples(self, samples: dict[str, tuple[tuple[npt.NDArray[np.float64], ...], int]]) -> None:
+    def samples(self, samples: dict[str, tuple[tuple[Floats, ...], int]]) -> None:
         for name, (columns, checksum) in samples.items():
             self.layers[name].append(*columns)
             if _checksum(self.layers[name]._state()) != checksum:
@@ -325,8 +325,8 @@ class Model:
         self.rig.forget(min(oldest, int(times[-1]) - max(self._longest_latency, CONFIRMED_WITHIN)))
 
     def _read(
-        self, source: int, rows: npt.NDArray[np.int64], records: Rows, payloads: list[bytes],
-        times: npt.NDArray[np.int64], update: Update,
+        self, source: int, rows: Integers, records: Rows, payloads: list[bytes],
+        times: Integers, update: Update,
     ) -> list[Rows]:  # fmt: skip
         """Pass the records of a source to its reader, one connection after the other; return pending rows."""
         reader = self.readers[source]
@@ -354,9 +354,7 @@ class Model:
                         found += self._use(reading, reader, update)
         return found
 
-    def _watch_silence(
-        self, name: str, rows: npt.NDArray[np.int64], records: Rows, times: npt.NDArray[np.int64]
-    ) -> None:
+    def _watch_silence(self, name: str, rows: Integers, records: Rows, times: Integers) -> None:
         last_received = rows[records["kind"][rows] == journal.BYTES]
         if not len(last_received):
             return
@@ -407,7 +405,7 @@ class Model:
             update.path_from = moved if update.path_from is None else min(moved, update.path_from)
 
     def _pushed(
-        self, rows: npt.NDArray[np.int64], records: Rows, payloads: list[bytes], times: npt.NDArray[np.int64],
+        self, rows: Integers, records: Rows, payloads: list[bytes], times: Integers,
         update: Update,
     ) -> list[Rows]:  # fmt: skip
         """Read records of the host: add its stations and image rows, and return its samples as pending rows."""
@@ -461,7 +459,7 @@ class Model:
         return found
 
     def _report_wrong(
-        self, record: np.void, name: str, unit: str, values: npt.NDArray[np.float64], wrong: npt.NDArray[np.bool_],
+        self, record: np.void, name: str, unit: str, values: Floats, wrong: Mask,
         rule: str,
     ) -> None:  # fmt: skip
         """Report an event for each of the host's ``values`` that is ``wrong``; the event states the ``rule``."""
@@ -497,9 +495,7 @@ class Model:
         for index in np.unique(rows["image"][ready & (rows["image"] >= 0)]).tolist():
             self._draw_image(index, rows, depth, flags, ready & (rows["image"] == index), update)
 
-    def _append(
-        self, name: str, rows: Rows, columns: tuple[npt.NDArray[np.float64], ...], update: Update
-    ) -> npt.NDArray[np.bool_]:
+    def _append(self, name: str, rows: Rows, columns: tuple[Floats, ...], update: Update) -> Mask:
         """Append samples to a layer; return for each sample whether it was appended.
 
         If the layer refuses the samples, they are appended record by record, without the wrong records.
@@ -528,7 +524,7 @@ class Model:
         return appended
 
     def _draw(
-        self, rows: Rows, depth: npt.NDArray[np.float64], kind: npt.NDArray[np.int64], flags: npt.NDArray[np.int64],
+        self, rows: Rows, depth: Floats, kind: Integers, flags: Integers,
         update: Update,
     ) -> None:  # fmt: skip
         if not len(rows):
@@ -575,7 +571,7 @@ class Model:
         self.counts["drawn"] += int(np.count_nonzero(drawn))
         self.counts["kept apart"] += int(np.count_nonzero(~drawn))
 
-    def _compare(self, rows: Rows, depth: npt.NDArray[np.float64]) -> None:
+    def _compare(self, rows: Rows, depth: Floats) -> None:
         """Let the watch compare the samples of each source, in order of arrival, with its wall."""
         for number in np.unique(rows["source"]).tolist():
             if number in self.readers:
@@ -583,28 +579,26 @@ class Model:
                 columns = (rows["wall"][of], rows["time"][of], depth[of], rows["toolface"][of], rows["radius"][of])
                 self.watch.compare(self.readers[number].source.name, columns)
 
-    def _count(self, sources: npt.NDArray[np.int32], outcome: str) -> None:
+    def _count(self, sources: Integers32, outcome: str) -> None:
         for number, count in enumerate(np.bincount(sources).tolist()):
             if count and number in self.readers:
                 self.outcomes[self.readers[number].source.name, outcome] += count
 
-    def _count_refused(self, sources: npt.NDArray[np.int32], flags: npt.NDArray[np.int64]) -> None:
+    def _count_refused(self, sources: Integers32, flags: Integers) -> None:
         """Count refused samples by source and flag, without NOT_ROTATING, because a string often stands still."""
         for flag in NEVER_DRAWN & ~Flag.NOT_ROTATING:
             self._count(sources[(flags & int(flag)) != 0], str(flag.name))
 
-    def _before_start(self, name: str, depth: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
+    def _before_start(self, name: str, depth: Floats) -> Mask:
         """Return which samples lie before the first vertex of a layer by more than ``max_distance``."""
         settings = self.layers[name].settings
         start, reach = settings.start_depth, settings.max_distance
         if start is None or reach is None:
             return np.zeros(len(depth), bool)
-        before: npt.NDArray[np.bool_] = np.copysign(1.0, settings.pitch) * (start - depth) > reach
+        before: Mask = np.copysign(1.0, settings.pitch) * (start - depth) > reach
         return before
 
-    def _report_outside(
-        self, rows: Rows, depth: npt.NDArray[np.float64], outside: list[tuple[str, npt.NDArray[np.int64]]]
-    ) -> None:
+    def _report_outside(self, rows: Rows, depth: Floats, outside: list[tuple[str, Integers]]) -> None:
         """Report the samples before the start of a layer: by layer and then in order of arrival, the order of a replay.
 
         ``outside`` has the name of each such layer and the rows of its samples.
@@ -617,9 +611,7 @@ class Model:
         text = "layer {}: a sample at {:.1f} m {}: not drawn"
         self.passes.report(rows, places, "outside", lambda at: text.format(names[at], depth[places[at]], rule))
 
-    def _leave_out_crowded(
-        self, name: str, rows: Rows, depth: npt.NDArray[np.float64], chosen: npt.NDArray[np.bool_]
-    ) -> None:
+    def _leave_out_crowded(self, name: str, rows: Rows, depth: Floats, chosen: Mask) -> None:
         """Remove from ``chosen`` the samples that exceed the limit of a source, or of the host, near a vertex."""
         if not (most := self.configuration.samples.most):
             return
@@ -636,9 +628,7 @@ class Model:
             text = f"layer {name}: {rule}: not drawn"
             self.passes.report(rows, left_out, "crowded", lambda _: text)
 
-    def _depth_gaps(
-        self, of: tuple[str, int], depth: npt.NDArray[np.float64], rows: npt.NDArray[np.int64]
-    ) -> list[tuple[int, str]]:
+    def _depth_gaps(self, of: tuple[str, int], depth: Floats, rows: Integers) -> list[tuple[int, str]]:
         """Return (row, text) of each sample more than `gap_reach` beyond all earlier ones; ``of``: (layer, source)."""
         limit = self.layers[of[0]].settings.gap_reach
         ahead = np.copysign(1.0, self.layers[of[0]].settings.pitch)  # -1 for a wall that grows upwards
@@ -651,8 +641,8 @@ class Model:
         ]
 
     def _draw_image(
-        self, index: int, rows: Rows, depth: npt.NDArray[np.float64], flags: npt.NDArray[np.int64],
-        chosen: npt.NDArray[np.bool_], update: Update,
+        self, index: int, rows: Rows, depth: Floats, flags: Integers,
+        chosen: Mask, update: Update,
     ) -> None:  # fmt: skip
         name = self._image_list[index].name
         good = chosen & ((flags & NEVER_DRAWN) == 0)
@@ -674,7 +664,7 @@ def _frames_of(reading: Reading, source: str) -> list[Frame]:
             frames[place] = Frame(order, time, wall, source, {})
         return frames[place]
 
-    def places(rows: Rows) -> npt.NDArray[np.int64]:
+    def places(rows: Rows) -> Integers:
         return np.searchsorted(reading.frames["received"], rows["received"])
 
     for name, values in reading.rig.items():

@@ -16,13 +16,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
+from helibore.base.arrays import Floats, Integers, Rows
 from helibore.live.model.events import Event, EventBook
-from helibore.live.model.sample_rows import Rows
 from helibore.live.rules.pass_rules import NO_NUMBER, PASSES, UNKNOWN, PassNumbers
 
-Integers = npt.NDArray[np.int64]
 KEPT = 10_000
 
 
@@ -133,9 +131,7 @@ class PassLog:
     def _name(self, source: int) -> str:
         return self.meanings[source][0] if source in self.meanings else ""
 
-    def add(
-        self, source: Integers, number: Integers, kind: Integers, time: Integers, depth: npt.NDArray[np.float64]
-    ) -> None:
+    def add(self, source: Integers, number: Integers, kind: Integers, time: Integers, depth: Floats) -> None:
         """Add samples to the runs of their sources; ``kind`` is the pass that `decide` returned."""
         for who in np.unique(source).tolist():
             of = np.flatnonzero(source == who)
@@ -143,7 +139,7 @@ class PassLog:
             for rows in np.split(of, changes):
                 self._extend(who, int(number[rows[0]]), int(kind[rows[0]]), time[rows], depth[rows])
 
-    def _extend(self, who: int, number: int, kind: int, time: Integers, depth: npt.NDArray[np.float64]) -> None:
+    def _extend(self, who: int, number: int, kind: int, time: Integers, depth: Floats) -> None:
         said = None if number == NO_NUMBER else number
         more = Pass(self._name(who), PASSES[kind], said, int(time.min()), int(time.max()), float(depth.min()),
                     float(depth.max()), len(time))  # fmt: skip

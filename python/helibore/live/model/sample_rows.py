@@ -10,10 +10,10 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from helibore.base.arrays import Integers, Rows
 from helibore.base.utc_time import SECOND
 from helibore.live.rules.pass_rules import NO_NUMBER
 
-Rows = npt.NDArray[np.void]
 ROW = np.dtype(
     [("time", "i8"), ("order", "i8"), ("received", "i8"), ("depth", "f8"), ("offset", "f8"), ("toolface", "f8"),
      ("radius", "f8"), ("flags", "i8"), ("image", "i8"), ("row", "i8"), ("wall", "i8"),
@@ -33,9 +33,7 @@ connection, line    where it stands in the stream of its source; the line counts
 """
 
 
-def frame_rows(
-    time: npt.ArrayLike, order: npt.NDArray[np.int64], wall: npt.ArrayLike, line: npt.ArrayLike, connection: int
-) -> Rows:
+def frame_rows(time: npt.ArrayLike, order: Integers, wall: npt.ArrayLike, line: npt.ArrayLike, connection: int) -> Rows:
     """Return a row for each frame; arguments are the columns of this name."""
     rows = np.zeros(len(order), ROW)
     rows["time"], rows["order"], rows["received"], rows["wall"], rows["line"] = time, order, order, wall, line

@@ -17,8 +17,8 @@ from __future__ import annotations
 import bisect
 
 import numpy as np
-import numpy.typing as npt
 
+from helibore.base.arrays import Floats, Integers
 from helibore.live.model.events import Flag
 
 WRAP = 1 << 31
@@ -45,7 +45,7 @@ class SequenceWatch:
         self.lost = 0
         self._repeated: int | None = None
 
-    def take(self, numbers: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.int64], list[tuple[int, str, str]]]:
+    def take(self, numbers: Floats) -> tuple[Integers, list[tuple[int, str, str]]]:
         """Return for each number its flags (GAP_BEFORE, LATE or 0), and the (index, rule, text) of each event.
 
         NaN and numbers outside [0, 2^31) are not checked.

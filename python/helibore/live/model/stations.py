@@ -6,9 +6,9 @@ import math
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from helibore import _core
+from helibore.base.arrays import Floats
 from helibore.live.rules.configuration import PathTable
 from helibore.live.rules.depth_limits import DepthLimits
 from helibore.trajectory.survey import Path, Survey
@@ -54,12 +54,12 @@ class Stations:
         return moved, "".join(refused)
 
     @property
-    def columns(self) -> tuple[npt.NDArray[np.float64], ...]:
+    def columns(self) -> tuple[Floats, ...]:
         """Depth m, inclination and azimuth deg, shallowest first."""
         return self._core.columns()
 
     @columns.setter
-    def columns(self, columns: tuple[npt.NDArray[np.float64], ...]) -> None:
+    def columns(self, columns: tuple[Floats, ...]) -> None:
         self._core = _core.Stations(**self._settings)
         self._core.take(*columns)
         self._survey = self._path = None
@@ -85,6 +85,6 @@ class Stations:
             return path
         return path.survey.path(**{**self._settings, "extend": depth - path.survey_depth})
 
-    def rows(self) -> npt.NDArray[np.float64]:
+    def rows(self) -> Floats:
         """Return (n, 3): depth m, inclination and azimuth deg, shallowest first."""
         return np.column_stack(self.columns)

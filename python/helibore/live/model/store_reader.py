@@ -14,22 +14,12 @@ import math
 import re
 
 import numpy as np
-import numpy.typing as npt
 
 from helibore.base import units
+from helibore.base.arrays import Bytes, Floats, Integers
 from helibore.base.utc_time import SECOND
 from helibore.live.model.events import Event, EventBook
-from helibore.live.model.mapping import (
-    ABSENT,
-    INVALID,
-    NULL,
-    VALUE,
-    Chunk,
-    Integers,
-    Reading,
-    SourceReader,
-    Values,
-)
+from helibore.live.model.mapping import ABSENT, INVALID, NULL, VALUE, Chunk, Reading, SourceReader
 from helibore.live.model.named_reader import NamedReader
 from helibore.live.model.sample_rows import frame_rows
 from helibore.live.rules.depth_limits import DepthLimits
@@ -229,9 +219,7 @@ class StoreReader(NamedReader):
         rule = f"no row continues from it within {self._store.jump:g} {unit}: not read"
         self._report(wall, "jump", f"index {text[:60]}: {far}, and {rule}", line)
 
-    def _read_cells(
-        self, log: witsml.LogRows, numbers: list[int], values: Values, states: npt.NDArray[np.uint8], wall: int
-    ) -> None:
+    def _read_cells(self, log: witsml.LogRows, numbers: list[int], values: Floats, states: Bytes, wall: int) -> None:
         """Write the cells of the mapped curves to ``values`` and ``states``, one block of rows at a time."""
         curves = {curve.name: curve for curve in self._store.curves}
         if self._store.index == "depth" and INDEX in self._column:
@@ -264,7 +252,7 @@ class StoreReader(NamedReader):
 
     def _cells(
         self, mnemonic: str, scale: float | None, cells: list[str], numbers: list[int], wall: int
-    ) -> tuple[Values, Integers]:
+    ) -> tuple[Floats, Integers]:
         values, states = np.full(len(cells), np.nan), np.full(len(cells), INVALID, np.int64)
         if scale is None:
             return values, states
@@ -286,7 +274,7 @@ class StoreReader(NamedReader):
         self._events.report_rows(bad, describe)
         return values, states
 
-    def _unmeasured(self, states: npt.NDArray[np.uint8]) -> None:
+    def _unmeasured(self, states: Bytes) -> None:
         """Mark the index, if it is the depth, as absent in rows without a caliper value: these rows give no triple."""
         caliper, place = self.source.caliper, self._column.get(INDEX)
         if caliper and place is not None:

@@ -11,8 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
+from helibore.base.arrays import Integers
 from helibore.base.ranges import union
 from helibore.live.model.events import Event, gather
 from helibore.wall.append_result import Change
@@ -41,7 +41,7 @@ class Update:
     path_from: float | None = None
     events: list[Event] = field(default_factory=list)
 
-    def quads(self, layer: str, sectors: int) -> npt.NDArray[np.int64]:
+    def quads(self, layer: str, sectors: int) -> Integers:
         """Return (m, 2) ranges [start, stop) that cover all quads of ``layer`` with a new or changed vertex.
 
         With K = ``sectors``, quad k has the vertices k, k + 1, k + 1 + K and k + K. The ranges may contain quads past
@@ -54,7 +54,7 @@ class Update:
         return joined_ranges(ranges)
 
 
-def joined_ranges(ranges: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+def joined_ranges(ranges: Integers) -> Integers:
     """Return the (n, 2) ranges sorted, and joined where they touch or overlap.
 
     If more than MOST_RANGES remain, the narrowest gaps between them are covered, too.

@@ -17,12 +17,10 @@ from collections import deque
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 
+from helibore.base.arrays import Floats, Integers, Rows
 from helibore.base.utc_time import SECOND
 
-Floats = npt.NDArray[np.float64]
-Integers = npt.NDArray[np.int64]
 Passed = tuple[int, list[tuple[int, float]]]
 Say = Callable[[int, str, str, bool], None]
 """Takes wall clock time, rule, text, and whether the rule's cause lasts; an empty text ends it."""
@@ -80,7 +78,7 @@ class WallMemory:
     )
 
     def __init__(self) -> None:
-        self._blocks: dict[int, npt.NDArray[np.void]] = {}
+        self._blocks: dict[int, Rows] = {}
         self.passed: deque[Passed] = deque(maxlen=ROWS)
         self._profile: deque[tuple[int, float]] = deque(maxlen=PROFILE)
         self._row, self._sum, self._count = 0, 0.0, 0
@@ -118,11 +116,11 @@ class WallMemory:
             pairs = zip(sectors[rest].tolist(), (radius[rest] - before[sectors[rest]]).tolist(), strict=True)
             self._found += [(sector, moved) for sector, moved in pairs if moved == moved]
 
-    def _cells(self, row: int) -> npt.NDArray[np.void]:
+    def _cells(self, row: int) -> Rows:
         block = self._blocks.get(row // BLOCK)
         if block is None:
             block = self._blocks[row // BLOCK] = np.zeros((BLOCK, SECTORS), CELL)
-        cells: npt.NDArray[np.void] = block[row % BLOCK]
+        cells: Rows = block[row % BLOCK]
         return cells
 
     def _before(self, first: int, stop: int) -> Floats:

@@ -17,15 +17,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from helibore.base import units
+from helibore.base.arrays import Floats, Integers
 from helibore.base.utc_time import SECOND
 from helibore.live.model.wall_watch import WallMemory
 from helibore.live.rules.pass_rules import PassRules
 
-Floats = npt.NDArray[np.float64]
-Integers = npt.NDArray[np.int64]
 Report = Callable[[int, str, str, str], None]
 """Reports an event: wall clock time, rule, source and text."""
 
@@ -79,7 +77,7 @@ class Frame:
     wall: int
     source: str
     rig: dict[str, float]
-    sensor: npt.NDArray[np.int64] | None = None
+    sensor: Integers | None = None
     depth: Floats | None = None
     toolface: Floats | None = None
     radius: Floats | None = None

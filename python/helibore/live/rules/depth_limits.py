@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated
 
-import numpy as np
-import numpy.typing as npt
 from pydantic import AfterValidator
 
+from helibore.base.arrays import Floats, Mask
 from helibore.live.rules.checks import Table, within
-
-Values = npt.NDArray[np.float64]
 
 
 def _ordered(limits: list[float]) -> list[float]:
@@ -26,9 +23,9 @@ class DepthLimits(Table):
     jump: Annotated[float, within(0.1)] = 100.0
     beyond_hole: Annotated[float, within(0)] = 10.0
 
-    def outside(self, depth: Values) -> npt.NDArray[np.bool_]:
+    def outside(self, depth: Floats) -> Mask:
         """Return which depths are outside the range; NaN counts as inside."""
-        wrong: npt.NDArray[np.bool_] = (depth < self.depth_range[0]) | (depth > self.depth_range[1])
+        wrong: Mask = (depth < self.depth_range[0]) | (depth > self.depth_range[1])
         return wrong
 
     def rule(self) -> str:

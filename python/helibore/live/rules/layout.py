@@ -12,10 +12,9 @@ from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Annotated, Any, Literal
 
-import numpy as np
-import numpy.typing as npt
 from pydantic import Field
 
+from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.images.sector_image import Direction, Origin, SectorImage
 from helibore.live.rules.checks import Derived, Table, check, within, without_none
@@ -34,9 +33,7 @@ class Layout:
     direction: Direction
     offset: float
 
-    def image(
-        self, name: str, unit: str, rows: tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]], reach: float | None
-    ) -> SectorImage:
+    def image(self, name: str, unit: str, rows: tuple[Floats, Floats], reach: float | None) -> SectorImage:
         """Return ``rows`` (depths and values) as an image; ``reach`` is as in `SectorImage`."""
         return SectorImage(
             *rows, name, unit, origin=self.origin, reference=self.reference, direction=self.direction,

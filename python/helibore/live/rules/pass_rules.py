@@ -21,13 +21,11 @@ from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
-import numpy.typing as npt
 
+from helibore.base.arrays import Integers, Mask
 from helibore.base.errors import InputError
 from helibore.live.rules.checks import Derived, Table, within
 from helibore.live.rules.file_names import RULE, can_be_file
-
-Integers = npt.NDArray[np.int64]
 
 PASSES = ("drill", "ream", "rescan", "trip", "unknown")
 DRILL, REAM, RESCAN, TRIP, UNKNOWN = range(len(PASSES))
@@ -104,7 +102,7 @@ class Layer:
     kinds: tuple[int, ...]
     numbers: tuple[int, ...]
 
-    def chosen(self, kind: Integers, number: Integers) -> npt.NDArray[np.bool_]:
+    def chosen(self, kind: Integers, number: Integers) -> Mask:
         """Return for each sample whether the layer takes it, given the samples' passes and pass numbers."""
         of_kind = np.zeros(len(PASSES), bool)
         of_kind[list(self.kinds)] = True

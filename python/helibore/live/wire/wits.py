@@ -10,13 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-import numpy.typing as npt
-
 from helibore import _core
 from helibore.base import nulls
-
-Rows = npt.NDArray[np.void]
+from helibore.base.arrays import Rows
 
 LINE_LIMIT, FRAME_LIMIT, ITEM_LIMIT = _core.WITS_LIMITS
 """The default limits: bytes of a line, bytes and lines of a frame (`Limits` in cpp/include/helibore/wits.hpp)."""
