@@ -20,9 +20,13 @@ import numpy as np
 from helibore.base.arrays import Array
 from helibore.base.errors import InputError, needs
 from helibore.base.limits import check_unpacked
+from helibore.files.dlis_records import has_texts, rows_of
 from helibore.files.headings import is_number
 from helibore.files.input_file import SALVAGE, InputFile
 from helibore.files.raw_set import Channel, RawFile, RawSet, SectorAxis, readable_sets, unique
+
+WALKED = 1 << 20
+"""A frame whose rows would have less than half this many bytes, and less than half of the file's, is walked."""
 
 
 def read(source: InputFile) -> RawFile:
@@ -97,9 +101,11 @@ def _parameters(logical: Any) -> dict[str, str]:
 def _frame(source: InputFile, name: str, frame: Any, parameters: dict[str, str]) -> RawSet:
     """Return the set of one frame. The definitions of its channels are read now, its rows at their first use."""
     with damage_named(source, f"frame {name}"):
-        dtype = frame.dtype()
-        labels = [label for label in dtype.names if label != "FRAMENO"]
-        count = len(frame.logicalfile.fdata_index.get(frame.fingerprint, []))  # the file's index: no value is read
+        dtype = frame.dtype(strict=False)
+        labels = list(dtype.names[1:])  # the first is FRAMENO
+        if not labels:
+            raise source.error(f"frame {name}: holds no channel")
+        count = _count(source, frame, dtype.itemsize)
         check_unpacked(f"{source.path.name}: frame {name}", count * dtype.itemsize, source.path.stat().st_size)
         stated = {"index_type": frame.index_type, "direction": frame.direction, "spacing": frame.spacing}
         for origin in frame.logicalfile.origins[:1]:
@@ -109,7 +115,7 @@ def _frame(source: InputFile, name: str, frame: Any, parameters: dict[str, str])
     @cache
     def rows() -> Array:
         with damage_named(source, f"frame {name}"), dlisio_warnings():
-            table: Array = frame.curves()
+            table: Array = frame.curves(strict=False)
         if len(table) != count and not source.options.salvage:
             raise source.error(f"frame {name}: {len(table)} of {count} rows are there: truncated or damaged")
         return table
@@ -123,16 +129,37 @@ def _frame(source: InputFile, name: str, frame: Any, parameters: dict[str, str])
         raise source.error(f"frame {name}: {len(labels)} columns for {len(frame.channels)} channels")
     channels = []
     remarks = [] if frame.index_type else ["the frame states no index type: the rows have no index"]
-    for label, channel in zip(labels, frame.channels, strict=True):
+    names = unique([text_of(channel.name) for channel in frame.channels])
+    for label, own, channel in zip(labels, names, frame.channels, strict=True):
         dimension = tuple(int(size) for size in channel.dimension or [1])
         if len(dimension) > 1:
             remarks.append(f"{label}: {' x '.join(map(str, dimension))} elements a row, laid out as one axis")
         size = int(np.prod(dimension))
         shape = (count,) if size == 1 else (count, size)
-        is_text = dtype.fields[label][0].base.kind in "OSU"
+        kind = dtype.fields[label][0].base.kind
+        if kind == "c":
+            remarks.append(f"{own}: not read, because its values are complex")
+            continue
         unit, described, load = text_of(channel.units), text_of(channel.long_name), partial(column, label, shape)
-        channels.append(Channel(label, unit, described, load, source.nulls, _axis(channel), shape, is_text))
-    return RawSet(source.path, name, channels, count, labels[0] if frame.index_type else None, header, remarks)
+        channels.append(Channel(own, unit, described, load, source.nulls, _axis(channel), shape, kind in "OSU"))
+    return RawSet(source.path, name, channels, count, names[0] if frame.index_type else None, header, remarks)
+
+
+def _count(source: InputFile, frame: Any, row_size: int) -> int:
+    """Return the number of rows of a frame. The file's index has it, unless a record holds several rows.
+
+    The records are walked if rows hold texts, or if one row a record fills less than half of the file.
+    """
+    from dlisio.common import Actions, ErrorHandler
+    from dlisio.core import extract
+
+    places = frame.logicalfile.fdata_index.get(frame.fingerprint, [])
+    layout = frame.fmtstr()
+    if not has_texts(layout) and 2 * len(places) * row_size >= min(source.path.stat().st_size, WALKED):
+        return len(places)
+    damage = Actions.SWALLOW if source.options.salvage else Actions.RAISE
+    records = extract(frame.logicalfile.file, places, ErrorHandler(critical=damage))
+    return rows_of((bytes(record) for record in records), layout)
 
 
 def _axis(channel: Any) -> SectorAxis | None:

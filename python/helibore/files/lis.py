@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from functools import partial
+from types import SimpleNamespace
 from typing import Any
 
 from helibore.base.errors import needs
@@ -15,6 +16,10 @@ from helibore.files.dlis import damage_named, dlisio_warnings, text_of
 from helibore.files.headings import is_number
 from helibore.files.input_file import InputFile
 from helibore.files.raw_set import Channel, RawFile, RawSet, readable_sets
+
+BYTE = 66
+CODES = frozenset((49, 50, 56, 65, BYTE, 68, 70, 73, 79))
+"""The representation codes of LIS79 that dlisio reads: floats, integers, texts and bytes; a mask (77) is none."""
 
 
 def read(source: InputFile) -> RawFile:
@@ -57,9 +62,32 @@ def _header(logical: Any) -> dict[str, str]:
     return found
 
 
+def _known_blocks(spec: Any) -> tuple[Any, dict[str, int]]:
+    """Return a format specification in which channels of unknown representation codes are skipped, and these codes.
+
+    The specification states the size of each channel, so that the others can be read.
+    """
+    unknown = {
+        text_of(block.mnemonic).strip(): int(block.reprc) for block in spec.specs if int(block.reprc) not in CODES
+    }
+    if not unknown:
+        return spec, {}
+    fields = ("mnemonic", "units", "samples", "reprc", "reserved_size")
+    blocks = [SimpleNamespace(**{name: getattr(block, name) for name in fields}) for block in spec.specs]
+    for block in blocks:
+        if int(block.reprc) not in CODES and block.reserved_size > 0:
+            block.reprc, block.reserved_size = BYTE, -block.reserved_size  # dlisio skips a channel of negative size
+    outer = ("info", "depth_mode", "depth_reprc", "index_mnem", "index_units", "absent_value", "directional_spacing")
+    copied = SimpleNamespace(**{name: getattr(spec, name) for name in outer if hasattr(spec, name)}, specs=blocks)
+    copied.default_index_mnem = spec.default_index_mnem
+    copied.sample_rates = lambda: {block.samples for block in blocks if block.reserved_size > 0}
+    return copied, unknown
+
+
 def _pass(source: InputFile, name: str, logical: Any, spec: Any, header: dict[str, str]) -> RawSet:
     from dlisio import lis
 
+    spec, unknown = _known_blocks(spec)
     with damage_named(source, f"log {name}"):
         rate = min(spec.sample_rates()) if spec.sample_rates() else 1
         rows = lis.curves(logical, spec, sample_rate=rate, strict=False)
@@ -79,6 +107,7 @@ def _pass(source: InputFile, name: str, logical: Any, spec: Any, header: dict[st
     remarks = [
         f"{label}: not read, because it has {each.samples} samples in each frame instead of {rate}"
         for label, each in unread.items()
-        if each.samples > rate
+        if each.samples > rate and label not in unknown
     ]
+    remarks += [f"{label}: not read, because no reader knows its code {code}" for label, code in unknown.items()]
     return RawSet(source.path, name, channels, len(rows), index, header, remarks)

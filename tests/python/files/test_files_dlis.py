@@ -10,6 +10,7 @@ import pytest
 from wall_samples import wall_samples
 
 import helibore as hb
+from helibore.files.dlis_records import rows_of
 from helibore.files.raw_set import SectorAxis
 
 pytest.importorskip("dlisio")
@@ -186,3 +187,18 @@ def test_a_damaged_or_empty_frame_does_not_block_the_others(tmp_path: Path) -> N
     with pytest.raises(hb.InputError) as caught:
         hb.open(tmp_path / "w.dlis")
     assert str(caught.value) == "w.dlis: DLIS without a frame that has rows"
+
+
+UVARI = {1: bytes([1]), 2: bytes([0x80, 1]), 4: bytes([0xC0, 0, 0, 1])}
+NAME = bytes([1, 0, 1]) + b"F"
+
+
+@pytest.mark.parametrize("size", UVARI)
+def test_rows_of_records_are_counted_by_their_values(size: int) -> None:
+    """The layout: frame number, a float, a short text, a long text, a name, a status."""
+    row = UVARI[size] + bytes(4) + b"\x02ab" + UVARI[size] + b"c" + NAME + b"\x01"
+    assert rows_of([NAME + row], "ifsSoq") == 1
+    assert rows_of([NAME + 3 * row, NAME + row], "ifsSoq") == 4
+    for cut in range(1, len(row)):
+        with pytest.raises(ValueError, match="runs past the end"):
+            rows_of([NAME + row, NAME + row + row[:cut]], "ifsSoq")

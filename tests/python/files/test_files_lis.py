@@ -34,10 +34,10 @@ def file_name(kind: int) -> bytes:
     return record(kind, "".join(fields).encode())
 
 
-def channel(name: str, unit: str, samples: int = 1) -> bytes:
+def channel(name: str, unit: str, samples: int = 1, code: int = FLOAT) -> bytes:
     """A datum specification block."""
     head = f"{name:<4}{'':<6}{'':<8}{unit:<4}".encode()
-    return head + bytes(4) + struct.pack(">hh", 1, 4 * samples) + bytes(3) + bytes([samples, FLOAT]) + bytes(5)
+    return head + bytes(4) + struct.pack(">hh", 1, 4 * samples) + bytes(3) + bytes([samples, code]) + bytes(5)
 
 
 def specification(*channels: bytes) -> bytes:
@@ -114,6 +114,16 @@ def test_faster_channels_are_left_out_and_named(tmp_path: Path) -> None:
     one = hb.open(written(tmp_path / "x", log(rows, *channels))).set()
     assert (one.names, one.rows) == (("DEPT", "GR"), ROWS)
     assert one.remarks == ["DIP1: not read, because it has 3 samples in each frame instead of 1"]
+
+
+@pytest.mark.parametrize("code", [77, 128, 234])
+def test_a_channel_of_an_unknown_code_is_left_out_and_named(tmp_path: Path, code: int) -> None:
+    blocks = (channel("DEPT", "FT"), channel("C1", "IN"), channel("WHAT", "", code=code), channel("RB", "DEG"))
+    one = hb.open(written(tmp_path / "w.lis", log(TABLE, *blocks))).set()
+    assert one.names == ("DEPT", "C1", "RB")
+    np.testing.assert_array_equal(one.numbers("C1"), [row[1] for row in TABLE])
+    np.testing.assert_array_equal(one.numbers("RB"), [row[3] for row in TABLE])
+    assert any(f"WHAT: not read, because no reader knows its code {code}" in remark for remark in one.remarks)
 
 
 def test_damage_is_read_or_refused(tmp_path: Path) -> None:
