@@ -61,7 +61,7 @@ if TYPE_CHECKING:
     from helibore.wall.state import WallState
 
 RADIUS = "Radius"
-RADIUS_TITLE = "Radius − bit/2"
+RADIUS_TITLE = "Over bit radius"
 REFERENCES = tuple(reference for reference in SIDES if reference)
 ROOM = 192.0
 """Width of A4 that is free for the tracks and the gap of 2 after each of them, millimetres."""

@@ -1,6 +1,6 @@
 """Draw the tracks of a log: depth, caliper, curves and images, each with its head, all at the same depths.
 
-    |  Depth |     Diameter [in]    |   Radius - bit/2   |      GR [gAPI]     |     heads
+    |  Depth |     Caliper [in]     |   Over bit radius  |      GR [gAPI]     |     heads
     |        | 6 ................ 9 |   0 [======] 40 mm |    0 [=====] 150   |
     |        |                      |  U   R   D   L   U |  U   R   D   L   U |
     |  2010 -|------(--)------------|--------------------|--------------------|     depth lines across all
@@ -214,7 +214,7 @@ class CaliperTrack:
 
     def head(self, sheet: Sheet, x: float, y: float) -> None:
         """Write the title and the scale, and draw a key of lines and colours."""
-        title = f"{self.name}Diameter [{self.unit}]"
+        title = f"{self.name}Caliper [{self.unit}]"
         head_title(sheet, x, y + 2.5, self.width, title)
         sheet.line((x, x + self.width), (y + HEAD - 0.2, y + HEAD - 0.2), color=INK)
         row = y + 6.3

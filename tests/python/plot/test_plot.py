@@ -74,8 +74,8 @@ def test_a_log_says_all_that_a_reader_must_know(wall: hb.Wall) -> None:
     for needed in (
         "A well", "A run", "2,000.00 to 2,022.00 m MD (22.0 m)", "8.504 in (216.0 mm)", "1:40, 25 mm on paper a metre",
         "from the high side, clockwise looking downhole", "radius measured by an azimuthal caliper",
-        "Diameter [in]", "bit size 8.504 in", "by area", "under bit", "bit to C2", "C2 to C1", "C1", "C2",
-        "Radius − bit/2 [in]", "GR [gAPI]", "RES [ohm.m]", "logarithmic", "16 sectors, static", "Depth", "MD [m]",
+        "Caliper [in]", "bit size 8.504 in", "by area", "under bit", "bit to C2", "C2 to C1", "C1", "C2",
+        "Over bit radius [in]", "GR [gAPI]", "RES [ohm.m]", "logarithmic", "16 sectors, static", "Depth", "MD [m]",
         "missing: no value, or not sampled there", "Cross sections, looking downhole", "tube × ", "shape × ",
         "coloured by radius", "rings each",
     ):  # fmt: skip
@@ -147,7 +147,7 @@ def test_a_wall_that_was_not_measured_around_says_so(basis: str) -> None:
     (said,) = [text for text in texts(figure) if text.get_text() == wall.basis_text]
     assert said.get_color() == "#b3261e"
     assert not [word for word in words if word.startswith(("Radius", "Cross", "least"))]
-    assert ("Diameter [in]" in words) == (basis == "average")
+    assert ("Caliper [in]" in words) == (basis == "average")
     assert ("Samples" in words) == (basis == "average"), "those of a gauge hole are no measurements"
     assert_readable(figure)
 
@@ -198,7 +198,7 @@ def test_an_overview_has_the_tracks_of_a_log_and_a_body_beside_them(wall: hb.Wal
     words = " | ".join(text.get_text() for text in texts(figure))
     for needed in (
         "A well",
-        "Diameter [in]",
+        "Caliper [in]",
         "GR [gAPI]",
         "RES [ohm.m]",
         "tube × ",
@@ -581,7 +581,7 @@ def test_depths_are_in_feet_and_sizes_in_inches(wall: hb.Wall) -> None:
     )
     assert_readable(figure)
     words = " | ".join(text.get_text() for text in texts(figure))
-    for needed in ("MD [ft]", "6,561.68 to 6,581.36 ft MD (19.7 ft)", "7.62 mm on paper a foot", "Diameter [in]",
+    for needed in ("MD [ft]", "6,561.68 to 6,581.36 ft MD (19.7 ft)", "7.62 mm on paper a foot", "Caliper [in]",
                    "A   6,571.52 ft", "Mud | oil", "Company | not given"):  # fmt: skip
         assert needed in words, needed
     assert "m MD" not in words
@@ -604,7 +604,7 @@ def test_zones_are_listed_worst_first_and_every_page_says_whose_it_is(wall: hb.W
             *foot
         }
         of_tracks = [text for text in foot if text.startswith("A well, ") and text.endswith("1:40")]
-        assert len(of_tracks) == ("Diameter [mm]" in foot), "a page without tracks has no depth scale"
+        assert len(of_tracks) == ("Caliper [mm]" in foot), "a page without tracks has no depth scale"
         assert ("A well" in foot) == (not of_tracks or number == 1)
     strips = [text.get_text() for figure in figures for axes in figure.axes for text in axes.texts]
     assert "breakout" in strips, "a word where it fits"
@@ -631,7 +631,7 @@ def test_another_wall_stands_beside_on_the_same_depths(wall: hb.Wall) -> None:
     content = content_of(wall, drawing)
     assert content.bottom == pytest.approx(2030, abs=0.3), "the ends of both"
     own, images, beside, image = content.tracks[1], content.tracks[2:5], content.tracks[5], content.tracks[6]
-    assert [track.shown.name for track in images] == ["Radius − bit/2", "GR", "RES"]  # type: ignore[union-attr]
+    assert [track.shown.name for track in images] == ["Over bit radius", "GR", "RES"]  # type: ignore[union-attr]
     assert (beside.name, image.shown.name) == ("F-15: ", "F-15: over bit")  # type: ignore[union-attr]
     assert image.shown.scale == images[0].shown.scale, "one colour is one size"  # type: ignore[union-attr]
     assert beside.limits == own.limits  # type: ignore[union-attr]
