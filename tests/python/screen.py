@@ -26,7 +26,7 @@ MISSING = [
     *(f"{name} (pip)" for name in ("playwright", "starlette", "uvicorn") if importlib.util.find_spec(name) is None),
 ]
 if not MISSING:
-    from helibore.viewer.web_app import page as page_file
+    from helibore.viewer.page_files import page as page_file
 
     if page_file("app.js") is None:
         MISSING.append("the page, which is built if Node.js 18 or later is installed")

@@ -14,6 +14,7 @@ import click
 from helibore.base.errors import InputError
 from helibore.cli.lines import trust_lines
 from helibore.cli.outputs import QUIET, SIGMA, add_sigma, own_options
+from helibore.cli.quantities import FILE
 from helibore.cli.sections import Sectioned, opt, section
 from helibore.cli.terminal import Terminal, echo
 from helibore.cli.token_options import TOKEN
@@ -45,7 +46,7 @@ if TYPE_CHECKING:
 @click.command(
     cls=Sectioned,
     common=(*SHOWN, "scalars", "template", "besides", "picks", "headers", "well", "host", "port", "token", "token_file",
-            "browser", "sigma"),
+            "browser", "html", "sigma"),
 )  # fmt: skip
 @section("Options", QUIET)
 @section(
@@ -61,6 +62,7 @@ if TYPE_CHECKING:
     opt("--port", "Port; 0: a free port.", type=click.IntRange(0, 65535), default=0),
     *TOKEN,
     opt("--browser/--no-browser", "Open the page.", default=True),
+    opt("--html", "Write the page with the whole wall as this file, which needs no server, and end.", type=FILE),
     SIGMA,
 )
 @takes_a_wall
@@ -72,11 +74,12 @@ def view(**options: Any) -> None:
     helibore view wall.glb.toml
     helibore view caliper.csv --survey survey.csv --bit-diameter 8.5in
     helibore view --gauge --image lwd.las:GRAS:edge --bit-diameter 8.5in
+    helibore view well.wall --html well.html
 
     SOURCE is an archive (.wall), caliper files, or a project (.toml). The page saves the beds
     and fractures that you pick to FILE.picks.csv. FILE is the first of these that is given, here or in the settings:
     caliper file, --average, archive, --image, --scalar. --picks names another file for the picks. No other file is
-    written.
+    written, unless --html names one.
     """
     terminal = Terminal(options["quiet"])
     check_page()
@@ -101,6 +104,7 @@ def view(**options: Any) -> None:
         attributes = attributes_of(wall)
     serving = {name: options[name] for name in ("host", "port", "browser")} | {"reference": run.reference}
     serving["token"] = find_token(options["token"], options["token_file"])
+    serving["browser"] &= options["html"] is None
     curves, template = curves_of_files(run, options), template_of_option(options["template"])
     beside = walls_beside(options)
     with placing(run, path_options(run)):
@@ -114,6 +118,12 @@ def view(**options: Any) -> None:
     }  # fmt: skip
     viewer.scene.draw_pages = section_printer(wall, drawing)
     viewer.scene.update_state(ended=True, prints=True)  # no samples will be appended
+    if options["html"]:
+        with viewer, terminal.stage("page", "Writing the page"):
+            viewer.save(options["html"])
+        size = f"{options['html'].stat().st_size / 1e6:.1f} MB"
+        terminal.summary([("wrote", f"{options['html']}, {size}"), ("time", terminal.times())])
+        return
     terminal.summary([("time", terminal.times())])
     logging.getLogger("helibore.connections").addHandler(logging.StreamHandler())
     with suppress(KeyboardInterrupt):  # Ctrl-C may come before `wait` expects it
@@ -171,7 +181,7 @@ def check_page() -> None:
     from helibore.viewer.page_server import import_server
 
     import_server()
-    from helibore.viewer.web_app import no_page, page
+    from helibore.viewer.page_files import no_page, page
 
     if page("app.js") is None:
         raise InputError("viewer", no_page())

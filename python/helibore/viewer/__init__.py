@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import contextlib
 import importlib.util
+import math
 import os
 import sys
 from collections.abc import Iterable, Mapping
@@ -23,6 +24,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from helibore.base.atomic_file import write_whole
 from helibore.base.color_limits import symmetric_limit
 from helibore.base.errors import InputError
 from helibore.base.identity import Access, find_token
@@ -99,6 +101,33 @@ class Viewer:
         values, or if no attribute of this name was named.
         """
         self._feed.set_attribute(name, values)
+
+    def save(self, filename: str | os.PathLike[str], start: float | None = None, stop: float | None = None) -> None:
+        """Write the page with what it shows now as one HTML file, whole or not at all; it needs no server.
+
+        Parameters
+        ----------
+        filename
+            The file; an existing one is replaced.
+        start, stop
+            Measured depths of the section in the file, metres. None: the ends of the wall. The picks in it and the
+            overview are those of the whole wall.
+
+        Raises
+        ------
+        InputError
+            If the section has more than a million vertices or does not reach the wall, or if the package was built
+            without its page.
+        OSError
+            If the file cannot be written; an existing file then does not change.
+        """
+        from helibore.viewer.html_export import html_export
+        from helibore.viewer.page_files import files_of_page
+
+        self._feed.find_zones()
+        section = -math.inf if start is None else start, math.inf if stop is None else stop
+        chunks = html_export(self.scene, files_of_page(), *section)
+        write_whole(filename, lambda file: file.writelines(chunk.encode() for chunk in chunks))
 
     def wait(self) -> None:
         """Serve until Ctrl-C; in a notebook's widget, return at once."""

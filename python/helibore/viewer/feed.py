@@ -196,7 +196,7 @@ class Feed:
             if self._closed.is_set():
                 return
             began = time.monotonic()
-            self._find_zones()
+            self.find_zones()
             self._closed.wait(max(ZONES_SECONDS, 50 * (time.monotonic() - began)))
 
     def _read(self, ranges: list[Range], settled: int) -> None:
@@ -235,7 +235,7 @@ class Feed:
         if ranges != self.scene.state.ranges:
             self.scene.update_state(ranges=ranges)
 
-    def _find_zones(self) -> None:
+    def find_zones(self) -> None:
         """Find zones, interpolated vertices and logs of the present wall, and set them in the scene."""
         if self._shape.basis == "gauge" or len(self._wall) < self._shape.sectors:
             return
@@ -279,7 +279,8 @@ class Feed:
         names = ("start", "stop", "volume", "excess", "whole_turns", "incomplete_turns", "washed_out", "without_radius")
         values = {name: float(getattr(summary, name)) for name in (*names, "coverage", "mean_diameter")}
         values |= {name: getattr(summary, name).value for name in ("least_diameter", "greatest_diameter")}
-        return {name: value if math.isfinite(value) else None for name, value in values.items()}
+        found: dict[str, Any] = {name: value if math.isfinite(value) else None for name, value in values.items()}
+        return found | {"unmeasured_shape": zones.logs.unmeasured_shape}
 
     def _extend_path(self, *, again: bool = False) -> None:
         level = self.scene.levels[0]

@@ -16,7 +16,7 @@ import uuid
 from collections.abc import MutableMapping
 from typing import Any
 
-from helibore.base.errors import InputError, needs
+from helibore.base.errors import needs
 
 with needs("", "notebook"):
     import anywidget
@@ -24,8 +24,9 @@ with needs("", "notebook"):
     from starlette.applications import Starlette
 
 from helibore.viewer.html_export import html_export
+from helibore.viewer.page_files import files_of_page, page
 from helibore.viewer.scene import Scene
-from helibore.viewer.web_app import TYPES, WebApp, no_page, page
+from helibore.viewer.web_app import WebApp
 
 MOST_ENCLOSED = 100_000  # vertices of the enclosed section, about 800 kB
 
@@ -54,13 +55,10 @@ class NotebookView(anywidget.AnyWidget):
     _thread: threading.Thread | None = None
 
     def __init__(self, scene: Scene) -> None:
-        if page("app.js") is None:
-            raise InputError("inline", no_page())
         level, shape = scene.levels[0], scene.shape
         start, height = shape.start_depth, shape.pitch / level.sectors
         stop = start + min(level.size, MOST_ENCLOSED) * height
-        files = {name: (page(name) or b"").decode() for name in TYPES}
-        enclosed = "".join(html_export(scene, files, start, stop, hosted=True))
+        enclosed = "".join(html_export(scene, files_of_page(), start, stop, hosted=True))
         depths = tuple(sorted((start, start + (level.size - 1) * height)))
         super().__init__(_page=enclosed, _still=f"helibore-{uuid.uuid4().hex}", depths=depths)
         self._app = WebApp(scene)

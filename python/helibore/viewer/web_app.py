@@ -24,7 +24,6 @@ import hashlib
 import json
 import math
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, MutableMapping
-from importlib import resources
 from typing import Any, Protocol
 from urllib.parse import quote
 
@@ -45,6 +44,7 @@ from helibore.viewer.access import AccessControl
 from helibore.viewer.client import Client
 from helibore.viewer.downloads import Downloads
 from helibore.viewer.html_export import html_export
+from helibore.viewer.page_files import TYPES, files_of_page, no_page, page
 from helibore.viewer.protocol import BadMessageError, handshake, picks_message, read_subscription, state_message
 from helibore.viewer.scene import Scene
 
@@ -53,11 +53,6 @@ MOST_PAGES = 64
 MOST_TEXT = 8192  # characters of a message from a page, bytes of a pick
 MOST_TABLE = 1 << 21  # bytes of a table of picks
 NOT_BEGUN = "no sample has come yet: there is no wall to show"
-TYPES = {
-    "index.html": "text/html; charset=utf-8",
-    "app.js": "text/javascript; charset=utf-8",
-    "app.css": "text/css; charset=utf-8",
-}
 Endpoint = Callable[[Request], Awaitable[Response]]
 
 
@@ -69,22 +64,6 @@ class Socket(Protocol):
     async def receive(self) -> MutableMapping[str, Any]: ...
     async def send_text(self, text: str) -> None: ...
     async def send_bytes(self, message: bytes) -> None: ...
-
-
-def page(name: str) -> bytes | None:
-    """Return a file of the built page, or None if the package was built without it."""
-    file = resources.files("helibore.viewer").joinpath("page", name)
-    return file.read_bytes() if file.is_file() else None
-
-
-def no_page() -> str:
-    """Return why there is no page, as the build noted it, and how to get one."""
-    file = resources.files("helibore.viewer").joinpath("no-page.txt")
-    reason = file.read_text("utf-8").strip().rstrip(".") if file.is_file() else "its files are missing"
-    return (
-        f"This helibore was built without its page: {reason}. Everything else works. For the page: install Node.js 18 "
-        "or newer with npm, then helibore again from its sources, pip install --force-reinstall --no-deps ."
-    )
 
 
 def application(scene: Scene, access: Access, connections: Connections | None = None) -> ASGIApp:
@@ -285,8 +264,7 @@ class WebApp:
             return PlainTextResponse(no_page() + "\n", 503)
 
         def write() -> Iterator[str]:
-            files = {name: (page(name) or b"").decode() for name in TYPES}
-            return html_export(self.scene, files, *exports.section_ends(query), query.get("address", ""))
+            return html_export(self.scene, files_of_page(), *exports.section_ends(query), query.get("address", ""))
 
         return await self.downloads.start(write, TYPES["index.html"], _file_name("wall", query, "html"), whole=True)
 

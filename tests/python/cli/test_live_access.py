@@ -148,7 +148,7 @@ def test_metrics_over_https(running, certified):
 def test_the_page_over_https_asks_for_the_token(certified):
     pytest.importorskip("uvicorn", reason="the page is served by the extra 'view'")
     from helibore.cli.live_view import Window
-    from helibore.viewer.web_app import page
+    from helibore.viewer.page_files import page
 
     if page("app.js") is None:
         pytest.skip("the page was not built: Node.js 18 is missing")

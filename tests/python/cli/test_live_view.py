@@ -43,7 +43,7 @@ def health(url: str) -> dict[str, Any]:
 
 @pytest.fixture
 def needs_page() -> None:
-    from helibore.viewer.web_app import page
+    from helibore.viewer.page_files import page
 
     if page("app.js") is None:
         pytest.skip("the page was not built: Node.js 18 is missing")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import signal
 import subprocess
 import sys
@@ -20,7 +21,7 @@ from patience import PATIENCE
 pytest.importorskip("uvicorn", reason='the viewer needs the extra: pip install "helibore[view]"')
 
 from helibore.cli import cli
-from helibore.viewer.web_app import page
+from helibore.viewer.page_files import page
 
 BIT = ("--bit-diameter", "8.5in")
 MEMORY = """~Version
@@ -65,6 +66,20 @@ def caliper(tmp_path: Path) -> Path:
 def run(*arguments: str) -> Result:
     """Run the command in this process: it must fail before it serves."""
     return CliRunner().invoke(cli, ["view", *arguments])
+
+
+@pytest.mark.skipif(page("app.js") is None, reason="the page is not built: Node.js 18 was not there")
+def test_the_page_of_the_whole_wall_as_one_file(caliper: Path, tmp_path: Path) -> None:
+    written = tmp_path / "well.html"
+    said = run(str(caliper), *BIT, "--html", str(written))
+    assert said.exit_code == 0, said.output
+    assert re.search(r"wrote +\S*well.html, \d", said.output)
+    found = re.search(r'id="enclosed">(.*?)</script>', written.read_text())
+    assert found is not None
+    enclosed = json.loads(found[1])
+    assert enclosed["state"]["ended"]
+    assert (enclosed["summary"]["start"], enclosed["summary"]["stop"]) == pytest.approx((500, 505), abs=0.2)
+    assert len(enclosed["messages"]) > 1
 
 
 @pytest.mark.skipif(page("app.js") is None, reason="the page is not built: Node.js 18 was not there")

@@ -191,7 +191,7 @@ def test_the_page_has_the_criteria_of_the_command_line_or_of_the_output_it_is_gi
     def shown(wall: hb.Wall, *, criteria: Criteria, **_: object) -> None:
         given.append(criteria)
         feed = Feed(wall, path=None, attributes={}, well="", criteria=criteria)
-        feed._find_zones()
+        feed.find_zones()
         raise hb.InputError("zones", str(len(feed.scene.state.zones)))
 
     monkeypatch.setattr(viewer, "view", shown)

@@ -717,7 +717,7 @@ def test_a_process_without_descriptors_folder_or_lock_alarms_and_recovers(tmp_pa
 def test_alarms_are_on_the_page():
     pytest.importorskip("uvicorn", reason="the page is served by the extra 'view'")
     from helibore.cli.live_view import Window
-    from helibore.viewer.web_app import page
+    from helibore.viewer.page_files import page
 
     if page("app.js") is None:
         pytest.skip("the page was not built: Node.js 18 is missing")

@@ -16,7 +16,7 @@ import pytest
 from patience import PATIENCE
 
 import helibore as hb
-from helibore.viewer.web_app import page
+from helibore.viewer.page_files import page
 
 pytest.importorskip("anywidget")
 NEEDS_PAGE = pytest.mark.skipif(page("notebook.js") is None, reason="needs the page, which Node.js 18 or later builds")

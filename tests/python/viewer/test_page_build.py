@@ -11,7 +11,7 @@ import pytest
 from locations import WEB
 from patience import PATIENCE
 
-from helibore.viewer.web_app import page
+from helibore.viewer.page_files import page
 
 PROJECT = (
     f'cmake_minimum_required(VERSION 3.25)\nproject(page LANGUAGES NONE)\nadd_subdirectory("{WEB.as_posix()}" web)\n'

@@ -28,10 +28,11 @@ from helibore.base.identity import NO_TOKEN, Access  # noqa: E402
 from helibore.logs.picks import Pick, Picks  # noqa: E402
 from helibore.viewer import Attribute, protocol  # noqa: E402
 from helibore.viewer.feed import Feed  # noqa: E402
+from helibore.viewer.page_files import page  # noqa: E402
 from helibore.viewer.protocol import handshake  # noqa: E402
 from helibore.viewer.scene import Scene  # noqa: E402
 from helibore.viewer.texels import PROVISIONAL, RESCANNED, STATE, radius_of  # noqa: E402
-from helibore.viewer.web_app import application, page  # noqa: E402
+from helibore.viewer.web_app import application  # noqa: E402
 
 HOST = "127.0.0.1"
 ACCESS = Access(token="s3cret")
@@ -505,7 +506,8 @@ def test_a_print_has_the_scale_that_the_page_asks_for(client: TestClient, feed: 
 def test_an_end_of_a_section_that_is_no_depth_is_refused(
     monkeypatch: pytest.MonkeyPatch, client: TestClient, feed: Any, path: str
 ) -> None:
-    monkeypatch.setattr("helibore.viewer.web_app.page", lambda _: b"")  # the build may be without the page
+    for module in ("web_app", "page_files"):
+        monkeypatch.setattr(f"helibore.viewer.{module}.page", lambda _: b"")  # the build may be without the page
     feed.scene.draw_pages = lambda *_: b"%PDF"
     for end in ("nan", "-inf", "x"):
         refused = client.get(f"/api/{path}?start=1001&stop={end}")
@@ -524,7 +526,8 @@ def test_a_snapshot_holds_every_note_that_a_page_keeps(monkeypatch: pytest.Monke
         "index.html": '<meta charset="utf-8"><link rel="stylesheet" href="app.css">'
         '<script type="module" src="app.js"></script>',
     }
-    monkeypatch.setattr("helibore.viewer.web_app.page", lambda name: page.get(name, "").encode())
+    for module in ("web_app", "page_files"):
+        monkeypatch.setattr(f"helibore.viewer.{module}.page", lambda name: page.get(name, "").encode())
     notes = "~".join(f"12345.678_{quote('字' * 80)}" for _ in range(50))
     address = f"#{urlencode({'md': '12345.678', 'notes': notes})}"
     with hb.view(MadeWall(4000)) as viewer:
