@@ -5,7 +5,7 @@
 import { recall, remember } from './memory.js';
 import { byId } from './panel.js';
 import { showSigned, showSpan } from './units.js';
-import { MEASURES } from './zones.js';
+import { IN_WORDS } from './zones.js';
 
 const KEPT = 'helibore.alarms';
 const LINES = 2; // in rig mode
@@ -88,7 +88,7 @@ export class Alarms {
     const [worst, ...others] = [...this.zones].sort((a, b) => b.severity - a.severity);
     const more = others.length ? ` and ${others.length} more` : '';
     const place = worst && showSpan(worst.start, worst.stop, units);
-    const zone = !worst ? [] : short ? [`new ${worst.kind}${more}, ${place}`] : [`New ${worst.kind}${more}: ${MEASURES[worst.kind]} ${showSigned(worst.measure, units, units === 'mm' ? 0 : 1)} at ${place}`];
+    const zone = !worst ? [] : short ? [`new ${worst.kind}${more}, ${place}`] : [`New ${worst.kind}${more}: ${showSigned(worst.measure, units, units === 'mm' ? 0 : 1)} ${IN_WORDS[worst.kind]} at ${place}`];
     return [...this.feed.filter((one) => !this.silenced.includes(one)).map((one) => (short ? shortOf(one) : one)), ...zone];
   }
 

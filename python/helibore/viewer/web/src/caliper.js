@@ -4,7 +4,7 @@
 // hatched; turns interpolated between arms are hatched sparsely.
 
 import { rowAt } from './curves.js';
-import { BOLD, HEAD, label, PALETTES, SMALL } from './layout.js';
+import { BOLD, fitting, HEAD, label, PALETTES, SMALL } from './layout.js';
 import { niceStep } from './lod.js';
 import { edges, hatched, line, sharp, SPARSE } from './strokes.js';
 import { tileTurns } from './turns.js';
@@ -51,11 +51,12 @@ function widen({ min, max, c2 }, y, turns, row) {
 }
 
 // Return the lines of the scale, from its low to its high end: round numbers of a unit of which `per` make a metre. The scale
-// holds the tightest and the widest turn in view. It covers at least a tenth of bit size, and a fifth of it lies below bit size.
-/** @param {number} bit @param {{ min: Float32Array, max: Float32Array }} of @param {number} [per] */
-export function scaleFor(bit, { min, max }, per = 1000) {
-  const widest = max.reduce((most, value) => (value > most ? value : most), bit * 1.06);
-  const tightest = min.reduce((least, value) => (value < least ? value : least), bit - Math.max(0.04 * bit, (widest - bit) / 4));
+// covers the diameters that the colours of the radius cover (`low` to `high` over bit radius), so that a hole of bit size looks
+// as smooth as its image, and the tightest and the widest turn in view.
+/** @param {number} bit @param {{ min: Float32Array, max: Float32Array }} of @param {{ low: number, high: number }} colours @param {number} [per] */
+export function scaleFor(bit, { min, max }, { low, high }, per = 1000) {
+  const widest = max.reduce((most, value) => (value > most ? value : most), bit + 2 * Math.max(high, 0.02 * bit));
+  const tightest = min.reduce((least, value) => (value < least ? value : least), bit + 2 * Math.min(low, -0.02 * bit));
   const step = niceStep(((widest - tightest) / 6) * per);
   const first = Math.floor((tightest * per) / step + 1e-9);
   const last = Math.ceil((widest * per) / step - 1e-9);
@@ -71,7 +72,7 @@ export function drawCaliper(ink, look) {
   const found = profile(look);
   if (!rect.width) return found; // the track is not shown
   const { min, max, c2, seen, between } = found;
-  const grid = scaleFor(bit, found, LENGTHS[view.units].scale);
+  const grid = scaleFor(bit, found, look.over, LENGTHS[view.units].scale);
   const [low, high] = [grid[0], grid[grid.length - 1]];
   /** @param {number} diameter */
   const x = (diameter) => rect.left + ((diameter - low) / (high - low)) * rect.width;
@@ -142,7 +143,8 @@ function head(ink, { view, store }, { left, width }, [low, bit, high], x, palett
   const show = (v) => String(Number((v * scale).toFixed(view.units === 'mm' ? 1 : 3))); // 216, 157.5; 8.5, 12.25
   const slim = width < 110;
   label(ink, slim ? `Cal. ${unit}` : `Caliper [${unit}]`, left + 2, 11, { colour: palette.ink, font: BOLD });
-  if (store.basis === 'average') label(ink, 'mean, shape not measured', left + 2, 29, { colour: palette.max, font: SMALL });
+  ink.font = SMALL;
+  if (store.basis === 'average') label(ink, fitting(ink, ['mean, shape not measured', 'no shape measured', 'mean only'], width - 4), left + 2, 29, { colour: palette.max, font: SMALL });
   else {
     const from = ['C1', 'C2'].map((name, i) => {
       const at = left + 2 + (i * width) / 2;

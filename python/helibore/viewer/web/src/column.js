@@ -56,6 +56,12 @@ export function drawColumn(ink, look) {
   const written = ways.find((lines) => lines.every(Boolean)) ?? ways[2];
   written.forEach((one, i) => one && label(ink, one.text, rect.left + 2, one.y, i ? { colour: palette.soft, font: SMALL } : { colour: palette.ink, font: BOLD }));
   ink.font = SMALL;
+  if (!written.some((one) => one?.text.includes('cut away'))) { // beside the key of the bit, where the controls leave no row
+    const from = rect.left + (clear ? 52 : 2);
+    const room = right - from - (zones.length ? 66 : 8);
+    const text = [`${seen}, right half cut away`, 'right half cut away', 'half cut away'].find((one) => ink.measureText(one).width <= room);
+    if (text) label(ink, text, from, y, { colour: palette.soft, font: SMALL, yields: true });
+  }
   if (!rects.image.width) drawColourBar(ink, look, bottom + BAR / 2);
   else if (!written[written.length - 1]) label(ink, fitting(ink, scales, right - rect.left - 4), rect.left + 2, bottom + 11, { colour: palette.soft });
 }

@@ -277,8 +277,8 @@ export function bindKeys(app) {
       if (event.shiftKey || /y/i.test(event.key)) app.picking.redo();
       else app.picking.undo();
     }
-    if (typing || event.ctrlKey || event.metaKey || event.altKey || !app.store) return;
     const name = event.key.length === 1 ? event.key.toLowerCase() : event.key; // caps lock or not
+    if (typing || event.ctrlKey || event.metaKey || event.altKey || !(app.store || BEFORE.includes(name))) return;
     const act = KEYS[name] ?? (/^[1-9]$/.test(event.key) ? () => (app.picking.on ? app.picking.setClass(CLASSES[Number(event.key) - 1]) : app.setQuantity(app.quantities[Number(event.key) - 1]?.id)) : null);
     if (!act || (/^(Enter| )$/.test(event.key) && /^(BUTTON|SUMMARY|A)$/.test(tagName))) return;
     event.preventDefault();
@@ -288,6 +288,7 @@ export function bindKeys(app) {
 
 /** @type {(share: number) => (app: App) => void} */
 const along = (share) => ({ view, store }) => view.show(view.top + share * view.length, view.length, store);
+const BEFORE = ['k', 't', '?']; // keys that act before there is a wall
 /** @type {Record<string, (app: App) => unknown>} */
 const KEYS = {
   f: (app) => app.follow(true),

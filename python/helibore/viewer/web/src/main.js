@@ -438,6 +438,7 @@ export class App {
       zones: this.zones,
       growing: this.growing,
       arms: this.curves.arms,
+      over: quantityOf(this.quantities, 'over'),
       glow: (tile) => (this.replay.past ? [] : this.glow.on(tile, now)),
     };
     /** @type {Look[]} */
@@ -596,7 +597,7 @@ export class App {
 
   // Look at the whole section from the side, a little from above, in whatever direction the hole runs.
   fit() {
-    if (!this.path.count || !this.gpu || !this.controls) return;
+    if (!this.path?.count || !this.gpu || !this.controls) return;
     this.gpu.lookAtSection(this.view.length, this.path.at(this.view.middle), this.view.tubeFactor(this.store) * this.store.bitRadius, this.rects.wall);
     Object.assign(this.gpu.head, { left: 0, raised: 0 });
     this.controls.target = [0, 0, 0];
@@ -616,7 +617,7 @@ export class App {
   /** @param {boolean} [on] */
   rig(on) {
     this.view.toggleRig(RECENT * 1.15, on);
-    this.follow(this.view.follow);
+    if (this.store) this.follow(this.view.follow);
     writeRig(this);
     this.resize();
     this.fit();
@@ -664,7 +665,7 @@ export class App {
     const { store, view, summary } = this;
     const [start, stop] = summary ? [summary.start, summary.stop] : [Math.max(view.top, store.span[0]), Math.min(view.bottom, store.span[1])];
     byId('sectionTitle').textContent = stop > start ? showSpan(start, stop, view.units) : '';
-    write('section', stop > start ? sectionText(store, summary, view.units) : [['Section', 'no data']]);
+    write('section', stop > start ? sectionText(store, summary, view.units, this.zones, view.bottom) : [['Section', 'no data']]);
     writeRig(this);
   }
 

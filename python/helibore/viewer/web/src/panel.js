@@ -129,7 +129,6 @@ export function reflect(view, quantity, image) {
   for (const tab of tabs()) tab.setAttribute('aria-selected', String(tab.value === view.tab));
   byId('follow').classList.toggle('on', view.follow);
   byId('follow').textContent = view.follow ? 'Following' : 'Follow bit';
-  byId('rigOpen').textContent = view.rig ? 'Desk' : 'Rig';
   byId('quantity').value = quantity.id;
   byId('map').value = quantity.map;
   byId('log').checked = quantity.log;
@@ -200,27 +199,33 @@ export function writeBrief({ view, zones, path, store }, read, figures) {
 const LEAST_SHARE = 0.0005; // of a section: less is not written
 // What the figures of a section count, for their tooltips.
 const MEANINGS = {
-  measured: 'Share of the wall between two samples that are at most largest_gap (at first 60°) apart around the hole, among the samples within gap_reach (at first 0.5 m) of its depth; empty: without a radius',
+  measured: 'Share of the wall with a sample within 0.15 m and 15°, and between two samples that are at most largest_gap (at first 60°) apart around the hole, among the samples within gap_reach (at first 0.5 m) of its depth; empty: without a radius',
   volume: 'Of the turns that have a radius all around; the others count nothing',
   washed: 'Metres of the turns that are washed out, without the gaps that a zone joins, of all metres of the section that lie in the wall, in whole turns and others',
 };
 
-// Return the figures of a section as text, as `Wall.summary` has them.
-/** @param {Store} store @param {Summary | null} summary @param {Units} units */
-export function sectionText(store, summary, units) {
+// Two significant digits: what is mostly interpolated is worth no more.
+/** @param {number} value */
+const roughly = (value) => String(Number(value.toPrecision(2)));
+
+// Return the figures of a section as text, as `Wall.summary` has them. `zones` are those of the wall; the section ends at `shown`.
+/** @param {Store} store @param {Summary | null} summary @param {Units} units @param {Zone[]} zones @param {number} shown */
+export function sectionText(store, summary, units, zones, shown) {
   if (store.basis === 'gauge') return [['Hole size, volume, washout', 'not measured']];
   if (!summary) return [['Section', '…']];
-  const { volume, excess, coverage, whole_turns: counted, incomplete_turns: others, washed_out: washed, without_radius: without } = summary;
+  const { start, stop, volume, excess, coverage, whole_turns: counted, incomplete_turns: others, washed_out: washed, without_radius: without, unmeasured_shape: unsure } = summary;
   /** @param {number | null} value */
   const number = (value) => value ?? NaN;
   const whole = counted + others;
+  // A washout that the figures do not reach yet, because the wall has grown since they were made.
+  const newer = zones.some((zone) => zone.kind === 'washout' && zone.stop > stop && zone.start < shown && zone.stop > start);
   /** @type {[number, string][]} */
   const parts = [[number(coverage), ''], [1 - number(coverage) - number(without), ' interpolated'], [number(without), ' empty']];
   return [
     ['Measured', parts.filter(([share], i) => !i || share >= LEAST_SHARE).map(([share, of]) => showPercent(share) + of).join(', '), MEANINGS.measured],
-    ['Volume', counted ? `${volume.toFixed(3)} m³ in ${showDepth(counted, units, 1)} of whole turns` : '–', MEANINGS.volume],
-    ['Over bit volume', showPercent(number(excess)), MEANINGS.volume],
-    ['Washed out', washed === null ? '–' : `${showDepth(washed, units, 1)} of ${showDepth(whole, units, 1)}, ${showPercent(washed / whole)}`, MEANINGS.washed],
+    ['Volume', !counted ? '–' : unsure ? `about ${roughly(volume)} m³ in ${showDepth(counted, units, 1)}, no known uncertainty` : `${volume.toFixed(3)} m³ in ${showDepth(counted, units, 1)} of whole turns`, MEANINGS.volume],
+    ['Over bit volume', unsure && excess !== null ? `about ${Math.round(100 * excess)} %` : showPercent(number(excess)), MEANINGS.volume],
+    ['Washed out', washed === null ? '–' : newer ? '…' : `${showDepth(washed, units, 1)} of ${showDepth(whole, units, 1)}, ${showPercent(washed / whole)}`, MEANINGS.washed],
   ];
 }
 

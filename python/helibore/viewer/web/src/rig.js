@@ -4,7 +4,7 @@
 import { ageOf, lampWords, SIGNS } from './lamp.js';
 import { byId } from './panel.js';
 import { depthNumber, depthUnit, LENGTHS, showAge, showDepth, showSigned, showSpan } from './units.js';
-import { bySeverity, MEASURES } from './zones.js';
+import { bySeverity, IN_WORDS } from './zones.js';
 
 export const RECENT = 30; // metres of hole that "last" means, if the wall is that long
 
@@ -39,6 +39,7 @@ export function writeRig(app) {
   const { view, store, path, bit, zones, summary, alarms } = app;
   byId('rig').hidden = !view.rig || !store;
   document.body.classList.toggle('rig', view.rig);
+  byId('rigOpen').textContent = view.rig ? 'Desk' : 'Rig';
   if (!view.rig || !store) return;
   const [top, bottom] = recent(store);
   for (const at of document.getElementsByClassName('recent')) at.textContent = `last ${showDepth(bottom - top, view.units, 0)}`;
@@ -57,7 +58,7 @@ export function writeRig(app) {
   /** @type {string[]} */
   const [number, inUnit = ''] = worst ? showSigned(worst.measure, view.units, unit === 'mm' ? 0 : 1).split(' ') : [store.basis === 'gauge' ? '–' : 'none', ''];
   cell('rigWorst', number, inUnit, worst ? `${worst.kind} ${showSpan(worst.start, worst.stop, view.units)}` : store.basis === 'gauge' ? 'not measured' : 'no zone');
-  byId('rigMeasure').textContent = worst ? ` ${MEASURES[worst.kind]}` : '';
+  byId('rigMeasure').textContent = worst ? `, ${IN_WORDS[worst.kind]}` : '';
   byId('rigWorstCell').className = worst ? (alarms.isNew(worst) ? 'new' : 'zone') : '';
   const lag = bit === null ? NaN : (bit - store.end) * Math.sign(store.levels[0].pitch);
   cell('rigLag', Number.isFinite(lag) ? depthNumber(Math.max(0, lag), view.units, 1) : '–', Number.isFinite(lag) ? depthUnit(view.units) : '', `data end at ${showDepth(store.end, view.units, 1)}`);

@@ -12,6 +12,7 @@ import { drawZones, letterZones, STRIP } from './zones.js';
 
 const APART = 58; // pixels between two depths that are labelled
 const APART_ACROSS = 12; // pixels between two values below the colours
+const LEGEND = 170; // pixels of the words for missing and interpolated below the colours
 
 /** @param {Ink} ink @param {Look} look */
 export function drawAxis(ink, { view, rects, zones }) {
@@ -68,7 +69,6 @@ export function drawImageHead(ink, look) {
   const { view, quantity, path, rects } = look;
   const palette = PALETTES[view.theme];
   const { left, width } = rects.image;
-  const cut = CUTS[view.cut];
   const known = leftEdge(path, view.cut, view.middle).known;
   const units = unitOf(quantity, view.units);
   if (!view.rig) {
@@ -81,7 +81,7 @@ export function drawImageHead(ink, look) {
   }
   bar(ink, look, left + POINT, width - 2 * POINT, palette);
   legend(ink, look, left, palette);
-  letters(ink, view, known, left, width, palette, path.surveyed ? cut.reference : 'none');
+  letters(ink, look, known, palette);
 }
 
 // Draw the colours with their values: at the ends, in the middle and halfway between, as far as there is room.
@@ -116,19 +116,25 @@ function legend(ink, { view, quantity, store: { basis } }, left, palette) {
   }, left);
 }
 
-/** @param {Ink} ink @param {View} view @param {boolean} known @param {number} left @param {number} width @param {Palette} palette @param {'up' | 'north' | 'none'} reference */
-function letters(ink, view, known, left, width, palette, reference) {
-  if (!known) {
-    const all = `${{ up: 'vertical here', north: 'runs north', none: 'no survey' }[reference]}: angles from the tool’s zero`;
-    const why = view.beside.length || width < 225 ? 'angles from the tool’s zero' : all;
-    label(ink, why, left + width / 2, HEAD - 8, { colour: palette.soft, align: 'center', font: SMALL });
-    return;
-  }
-  CUTS[view.cut].letters.forEach((name, i) => {
+// Name the sides of the hole above the image; where they are not known, the tool's own angles, and why.
+/** @param {Ink} ink @param {Look} look @param {boolean} known @param {Palette} palette */
+function letters(ink, { view, path, rects }, known, palette) {
+  const { left, width } = rects.image;
+  const { letters: sides, reference } = CUTS[view.cut];
+  const edge = leftEdge(path, view.cut, view.middle).toolface;
+  const names = known ? sides : sides.map((_, i) => `${Math.round(edge + 90 * i) % 360}°`);
+  names.forEach((name, i) => {
     const x = left + (i / 4) * width;
     line(ink, x, HEAD - 3, x, HEAD, palette.ink);
-    label(ink, name, x + (i === 0 ? 1 : i === 4 ? -1 : 0), HEAD - 11, { colour: palette.ink, align: i === 0 ? 'left' : i === 4 ? 'right' : 'center', font: BOLD });
+    label(ink, name, x + (i === 0 ? 1 : i === 4 ? -1 : 0), HEAD - 11, { colour: palette.ink, align: i === 0 ? 'left' : i === 4 ? 'right' : 'center', font: known ? BOLD : SMALL });
   });
+  if (known || view.rig) return;
+  const why = { up: 'vertical here', north: 'runs north', none: 'no survey' }[path.surveyed ? reference : 'none'];
+  const place = { colour: palette.soft, align: /** @type {const} */ ('right'), font: SMALL, yields: true };
+  ink.font = SMALL;
+  const room = width - LEGEND;
+  const text = [`${why}: the tool’s angles`, 'tool’s angles'].find((one) => ink.measureText(one).width <= room);
+  if (text) label(ink, text, left + width - 2, 52, place);
 }
 
 // Return the stretches of the section above and below the wall, in pixels, each with its words: the start or the end of the data.

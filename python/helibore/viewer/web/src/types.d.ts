@@ -73,7 +73,7 @@ interface Turn { k: number; radii: Float64Array; sigma: Float64Array; between: U
 // What one frame shows; `quantity` is the one that was asked for, with the ends of its colours in this frame.
 interface Look {
   store: Store; view: View; path: Path; rects: Rects; bitDepth: number | null; asked: Quantity; quantity: Quantity; imagePieces: Piece[]; wallPieces: Piece[];
-  imageRect: Rect; wallRect: Rect; background: number; dark: boolean; notes: Note[]; zones: Zone[]; growing: boolean; arms: Arms | null; glow: (tile: Tile) => number[][];
+  imageRect: Rect; wallRect: Rect; background: number; dark: boolean; notes: Note[]; zones: Zone[]; growing: boolean; arms: Arms | null; over: Quantity; glow: (tile: Tile) => number[][];
 }
 interface Looks extends Look { images: Look[] } // the first image, and those beside it
 
@@ -122,6 +122,7 @@ interface Summary {
   start: number; stop: number; // the depths that the figures are of
   volume: number; excess: number | null; coverage: number | null; whole_turns: number; incomplete_turns: number; washed_out: number | null; without_radius: number | null;
   mean_diameter: number; least_diameter: number; greatest_diameter: number;
+  unmeasured_shape: boolean; // mostly interpolated, by a tool with few arms or a sparse one
 }
 interface WellHistory { time: number[]; vertices: number[]; bit_depth: (number | null)[] }
 interface Past { moment: number; vertices: number; bitDepth: number | null }

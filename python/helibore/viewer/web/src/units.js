@@ -70,15 +70,15 @@ export const showAge = (seconds) => {
   return `${Math.round(seconds / 86400)} d`;
 };
 
-// Return seconds since 1970 as the local time of this machine, with the date if it is not today.
-/** @param {number} seconds @param {Date} [now] */
-export const showClock = (seconds, now = new Date()) => {
+// Return seconds since 1970 as date, local time of this machine and its distance from UTC: 2026-11-21 02:14:05 +01:00.
+/** @param {number} seconds */
+export const showClock = (seconds) => {
   const at = new Date(1000 * seconds);
+  const east = -at.getTimezoneOffset();
   /** @param {number} n */
   const two = (n) => String(n).padStart(2, '0');
-  const clock = [at.getHours(), at.getMinutes(), at.getSeconds()].map(two).join(':');
-  const today = at.toDateString() === now.toDateString();
-  return today ? clock : `${at.getFullYear()}-${two(at.getMonth() + 1)}-${two(at.getDate())} ${clock}`;
+  const [day, clock] = new Date(at.getTime() + 60000 * east).toISOString().split(/[T.]/);
+  return `${day} ${clock} ${east ? `${east < 0 ? '−' : '+'}${two(Math.floor(Math.abs(east) / 60))}:${two(Math.abs(east) % 60)}` : 'UTC'}`;
 };
 
 /** @param {number} count */

@@ -37,8 +37,11 @@ test('a limited wall ends where it did, and its later vertices are not there', (
   }
 });
 
-test('a clock says the day only when it is another', () => {
-  const now = new Date(2026, 10, 21, 12, 0, 0);
-  assert.equal(showClock(new Date(2026, 10, 21, 2, 14, 5).getTime() / 1000, now), '02:14:05');
-  assert.equal(showClock(new Date(2026, 10, 20, 23, 59, 59).getTime() / 1000, now), '2026-11-20 23:59:59');
+test('a clock says the day and its distance from UTC', () => {
+  const at = new Date(2026, 10, 21, 2, 14, 5);
+  const east = -at.getTimezoneOffset();
+  const [day, clock, zone] = showClock(at.getTime() / 1000).split(' ');
+  assert.deepEqual([day, clock], ['2026-11-21', '02:14:05']);
+  if (east) assert.equal(new Date(`${day}T${clock}${zone.replace('−', '-')}`).getTime(), at.getTime());
+  else assert.equal(zone, 'UTC');
 });
