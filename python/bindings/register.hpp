@@ -9,6 +9,7 @@ void register_compression(pybind11::module_& m);
 void register_image(pybind11::module_& m);
 void register_journal(pybind11::module_& m);
 void register_logs(pybind11::module_& m);
+void register_number_rows(pybind11::module_& m);
 void register_path(pybind11::module_& m);
 void register_surface(pybind11::module_& m);
 void register_wall(pybind11::module_& m);

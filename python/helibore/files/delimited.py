@@ -85,8 +85,8 @@ def read(source: InputFile) -> RawFile:
         text, found_later = (head, "") if whole else source.text()
         if found_later and not remark:  # the text is not UTF-8 below the first 2 MiB
             layout.remarks.append(found_later)
-        lines, salvage = text.split("\n")[layout.skip :], source.options.salvage
-        found = read_rows(source.path, lines, layout.skip + 1, names, layout.delimiter, salvage=salvage)
+        below, salvage = "".join(text.split("\n", layout.skip)[layout.skip :]), source.options.salvage
+        found = read_rows(source.path, below, layout.skip + 1, names, layout.delimiter, salvage=salvage)
         columns, line_of = found.columns, found.line_of
         layout.remarks += found.remarks
     columns, spelled, remarks = read_spellings(columns, names, layout.delimiter == ",", source.options.decimal)

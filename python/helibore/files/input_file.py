@@ -293,19 +293,20 @@ class InputFile:
         with self.stream() as stream:
             while piece := read_exactly(stream, LINE_LIMIT):
                 if len(piece) == LINE_LIMIT and b"\n" not in piece and b"\r" not in piece:
-                    raise self.line_too_long(lines + 1)
+                    raise self.line_too_long(content.count(b"\n") + 1)
                 content += piece
-                lines += piece.count(b"\n")
                 if len(content) > TEXT_LIMIT:
                     raise self.error(f"more than {TEXT_LIMIT >> 20} MiB of text, which is read whole; split the file")
                 if self.compressed:
+                    lines += piece.count(b"\n")
                     check_unpacked(self.path.name, len(content) + LINE_COST * lines, self.path.stat().st_size)
         return decode(self.path, content)
 
 
 def decode(path: Path, content: bytes | bytearray) -> tuple[str, str]:
     """Return ``content`` as text, with ``\\n`` for every newline, and a remark on the encoding ('' for UTF-8)."""
-    content = content.removeprefix(UTF8_BOM)
+    if content.startswith(UTF8_BOM):  # removeprefix copies all of it, with or without the mark
+        content = content[len(UTF8_BOM) :]
     if content[-4:].rstrip(b"\r\n").endswith(END_OF_TEXT):
         content = content.rstrip(b"\r\n").rstrip(END_OF_TEXT)
     at = content.find(b"\0")

@@ -13,7 +13,8 @@ neither arrays nor sets, and reads comma-delimited rows as one column. ``number_
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -42,14 +43,21 @@ INDEX = ("STRT", "STOP", "STEP", "NULL")
 # One angle of an array member: {AF10.4;0deg} or {AF10.4; 2.5 deg}.
 SPACING = re.compile(r"^\s*(?P<value>[+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(?P<unit>\S*)\s*$")
 
+EACH_LINE = re.compile("^.*", re.MULTILINE)
+
 
 @dataclass
 class LasSection:
-    """One section: its title without the tilde, the number of the title's line, and the lines below it."""
+    """One section: its title without the tilde, the number of the title's line, and the text below it."""
 
     title: str
     line: int
-    lines: list[str] = field(default_factory=list)
+    text: str = ""
+
+    @property
+    def lines(self) -> Iterator[str]:
+        """The lines below the title, cut from the text one by one."""
+        return (line[0] for line in EACH_LINE.finditer(self.text))
 
     @property
     def kind(self) -> str:
@@ -92,13 +100,17 @@ def find_sections(source: InputFile, text: str) -> list[LasSection]:
 
     Comments are kept, because errors name line numbers.
     """
-    lines = text.split("\n")
-    heads = [number for number, line in enumerate(lines) if "~" in line and _is_head(line)]
-    ends = [*heads[1:], len(lines)]
-    sections = [
-        LasSection(lines[head].strip()[1:], head + 1, lines[head + 1 : end])
-        for head, end in zip(heads, ends, strict=False)
-    ]
+    heads: list[tuple[int, int]] = []  # where the line of each title begins and ends
+    end = 0
+    while (at := text.find("~", end)) >= 0:
+        start, end = text.rfind("\n", 0, at) + 1, (text.find("\n", at) + 1 or len(text) + 1) - 1
+        if _is_head(text[start:end]):
+            heads.append((start, end))
+    sections: list[LasSection] = []
+    line, counted = 1, 0
+    for (start, end), after in zip(heads, [*(start for start, _ in heads[1:]), len(text) + 1], strict=True):
+        line, counted = line + text.count("\n", counted, start), start
+        sections.append(LasSection(text[start:end].strip()[1:], line, text[end + 1 : after - 1]))
     if sections and sections[-1].title[:1].isspace() and not any(DATA.match(section.kind) for section in sections):
         sections[-1].title = f"A{sections[-1].title}"  # "~  DEPT  GR" above the rows
     if len(sections) < 2 and not (sections and sections[0].kind == "A"):
@@ -196,13 +208,16 @@ def _curves_with_cells(data: LasSection, curves: list[LasCurve], remarks: list[s
 
 def _skip_names(data: LasSection, curves: list[LasCurve], remarks: list[str]) -> None:
     """Make a comment of the first row, and of the second, if they repeat the names and the units of the curves."""
-    rows = (at for at, line in enumerate(data.lines) if line.strip() and not line.lstrip().startswith("#"))
-    for at, stated in zip(rows, ([c.name for c in curves], [c.unit for c in curves if c.unit]), strict=False):
-        cells = [cell.strip('"[]()').upper() for cell in re.split(r"[\s,;]+", data.lines[at].strip())]
+    lines = enumerate(EACH_LINE.finditer(data.text), data.line + 1)
+    rows = ((number, line) for number, line in lines if line[0].strip() and not line[0].lstrip().startswith("#"))
+    header = [c.name for c in curves], [c.unit for c in curves if c.unit]
+    for (number, line), stated in zip(rows, header, strict=False):
+        cells = [cell.strip('"[]()').upper() for cell in re.split(r"[\s,;]+", line[0].strip())]
         if cells != [each.upper() for each in stated]:
             return
-        data.lines[at] = f"# {data.lines[at]}"
-        remarks.append(f"line {data.line + 1 + at} repeats the header: it is no row")
+        start = line.start() + len(data.text) - len(line.string)
+        data.text = f"{data.text[:start]}# {data.text[start:]}"
+        remarks.append(f"line {number} repeats the header: it is no row")
 
 
 def _name_curves(curves: list[LasCurve], remarks: list[str]) -> None:
@@ -363,7 +378,7 @@ def _set(
     names = [curve.name for curve in curves]
     rows = read_rows(
         source.path,
-        data.lines,
+        data.text,
         data.line + 1,
         names,
         delimiter,

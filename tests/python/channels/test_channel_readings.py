@@ -239,7 +239,7 @@ def by(parser: str, path: Path) -> list[tuple[Any, int]] | str | None:
     try:
         if parser == "rows":
             lines = head.split("\n")[layout.skip :]
-            arrays = read_rows(path, lines, layout.skip + 1, layout.names, layout.delimiter).columns
+            arrays = read_rows(path, "\n".join(lines), layout.skip + 1, layout.names, layout.delimiter).columns
         else:
             arrays = delimited._by_pyarrow(source, layout, head, "utf8")
     except ValueError as error:
