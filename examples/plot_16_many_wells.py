@@ -31,5 +31,5 @@ with Client(processes=False, dashboard_address=None) as client:  # or Client("tl
         print(report.sentence(), report.failed)
 
 for row in parquet.read_table(field / "walls/catalogue.parquet").to_pylist():
-    print(row["well"], row["start"], row["stop"], row["mean_diameter"])
+    print(row["well"], row["TOP"], row["BOTTOM"], row["DEQ"])
 figure = hb.plot.overview(hb.load(field / "walls/wells/W2/W2.wall"), title="W2 of three wells")

@@ -20,6 +20,7 @@ import hashlib
 import io
 import math
 import os
+import re
 import secrets
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
@@ -46,12 +47,13 @@ LIMITS: dict[str, tuple[float, float]] = {
     "misfit": (0.0, 10.0), "height": (0.0, 1000.0), "opening": (0.0, 180.0), "tilt": (-90.0, 90.0),
 }  # fmt: skip
 COLUMNS = {
-    "class": "kind", "depth_m": "depth", "toolface_deg": "toolface", "apparent_dip_deg": "apparent_dip",
-    "radius_m": "radius", "misfit_m": "misfit", "points": "points", "height_m": "height", "opening_deg": "opening",
-    "tilt_deg": "tilt", "note": "note", "image": "image", "key": "key",
+    "class": "kind", "DEPT (m)": "depth", "TOOLFACE (deg)": "toolface", "APPARENT_DIP (deg)": "apparent_dip",
+    "RADIUS (m)": "radius", "MISFIT (m)": "misfit", "POINTS": "points", "HEIGHT (m)": "height",
+    "OPENING (deg)": "opening", "TILT (deg)": "tilt", "note": "note", "image": "image", "key": "key",
 }  # fmt: skip
-"""Columns of the table, and the field of `Pick` in each; two more columns hold the true dip and its azimuth."""
-DIP = ("dip_deg", "dip_azimuth_deg")
+"""Columns of the table, as in logs and zones, and the field of `Pick` in each; `DIP` has two more."""
+DIP = ("DIP (deg)", "DIP_AZIMUTH (deg)")
+APPARENT = ("TOOLFACE (deg)", "APPARENT_DIP (deg)")
 TEXTS = ("kind", "note", "image", "key")
 PLACE = ("kind", "depth", "toolface", "apparent_dip", "height", "opening", "tilt")
 """Fields by which two picks with different keys are recognised as one feature."""
@@ -232,8 +234,8 @@ class Picks(list[Pick]):
     def load(cls, filename: str | os.PathLike[str], path: Path | None = None) -> Picks:
         """Read the table ``filename`` as `save` writes it; unknown columns are ignored.
 
-        If a table has no column ``apparent_dip_deg``, apparent dips are computed from its true dips and ``path``, the
-        wall's.
+        If a table has no column ``APPARENT_DIP (deg)``, apparent dips are computed from its true dips and ``path``, the
+        wall's. Names may also be written in small letters, with the unit after an underscore: ``depth_m``.
         A row without a key gets a key made from its text, the same at every reading. If two rows have the same key, the
         second row gets another key.
         """
@@ -249,9 +251,10 @@ class Picks(list[Pick]):
     def parse(cls, text: str, path: Path | None = None) -> Picks:
         """Return the picks of a table given as ``text``, as `load` does; ``path`` as there."""
         reader = csv.DictReader(io.StringIO(text, newline=""))
-        names = reader.fieldnames or []
-        apparent = "apparent_dip_deg" in names or (path is None and not set(DIP) <= set(names))
-        needed = ("class", "depth_m", *(("toolface_deg", "apparent_dip_deg") if apparent else DIP))
+        names = [_column_of(name) for name in reader.fieldnames or []]
+        reader.fieldnames = names
+        apparent = APPARENT[1] in names or (path is None and not set(DIP) <= set(names))
+        needed = ("class", "DEPT (m)", *(APPARENT if apparent else DIP))
         if missing := [name for name in needed if name not in names]:
             raise InputError("line 1", f"must have the columns {', '.join(missing)}")
         picks, keys = cls(), set[str]()
@@ -263,6 +266,20 @@ class Picks(list[Pick]):
         except csv.Error as error:
             raise InputError(f"line {reader.line_num}", str(error)) from error
         return picks
+
+
+def _plain(name: str) -> str:
+    """Return how a column is compared: ``DEPT (m)`` and ``depth_m`` are one."""
+    words = re.sub(r"[^a-z]+", "_", name.lower()).strip("_")
+    return re.sub(r"^depth?(?=_)", "depth", words)
+
+
+COLUMN_OF = {_plain(name): name for name in (*COLUMNS, *DIP)}
+
+
+def _column_of(name: str) -> str:
+    """Return the name in `COLUMNS` or `DIP` of a column of a table; an unknown name as it is."""
+    return COLUMN_OF.get(_plain(name), name)
 
 
 def _parsed(row: Mapping[str, Any], path: Path | None, apparent: bool, line: str) -> Pick:
@@ -287,8 +304,8 @@ def _parsed(row: Mapping[str, Any], path: Path | None, apparent: bool, line: str
     try:
         if true_dip is not None:
             if path is None:
-                rule = "a true dip needs the path of the wall: give a survey, or apparent_dip_deg and toolface_deg"
-                raise InputError("dip_deg", rule)
+                rule = f"a true dip needs the path of the wall: give a survey, or {' and '.join(APPARENT)}"
+                raise InputError(DIP[0], rule)
             found = plane(texts["kind"], numbers["depth"], *true_dip, path)
             numbers |= {"apparent_dip": found.apparent_dip, "toolface": found.toolface}
         return Pick(**texts, **numbers)

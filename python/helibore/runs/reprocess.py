@@ -402,8 +402,11 @@ def _write_catalogue(store: Store, records: dict[str, Json]) -> None:
         import pyarrow
 
         table = pyarrow.Table.from_pylist(rows)
-        types = [pyarrow.float64() if pyarrow.types.is_null(of.type) else of.type for of in table.schema]  # no value
-        said = [dict(zip(("unit", "description"), COLUMNS.get(of.name, ("", "")), strict=True)) for of in table.schema]
-        table = table.cast(pyarrow.schema(map(pyarrow.field, table.schema.names, types, [True] * len(types), said)))
+        fields = []
+        for of in table.schema:
+            name, unit, description = COLUMNS.get(of.name, (of.name, "", ""))
+            kind = pyarrow.float64() if pyarrow.types.is_null(of.type) else of.type  # no row has a value
+            fields.append(pyarrow.field(name, kind, metadata={"unit": unit, "description": description}))
+        table = table.rename_columns([of.name for of in fields]).cast(pyarrow.schema(fields))
         with store.writing(CATALOGUE) as path:
             write_whole(path, lambda file: write_parquet(table, file))

@@ -288,37 +288,37 @@ def _save_overview(job: Job, save: Save, surface: Surface) -> None:
 
 
 NUMBERS = {
-    "start": ("m", "Start of the wall, measured depth"),
-    "stop": ("m", "End of the wall, measured depth"),
-    "bit_diameter": ("m", "Bit diameter"),
-    "sectors": ("", "Vertices a turn"),
-    "pitch": ("m", "Depth a turn"),
-    "vertices": ("", "Vertices"),
-    "samples": ("", "Samples"),
-    "mean_diameter": ("m", "Diameter of the cylinder with the volume of the whole turns"),
-    "volume": ("m3", "Volume of the whole turns"),
-    "excess": ("", "Volume divided by the volume at bit size, minus 1"),
-    "whole_turns": ("m", "Length of turns that have every radius, measured or interpolated"),
-    "incomplete_turns": ("m", "Length of turns that miss at least one radius"),
-    "washed_out": ("m", "Length of the turns that are washed out"),
-    "coverage": ("", "Mean share of the turns that is measured, not interpolated"),
-    "without_radius": ("", "Share of the vertices that no sample reaches"),
-    "nearest_half": ("m", "50 % quantile of the distance from a vertex to the nearest sample"),
-    "nearest_most": ("m", "99 % quantile of the distance from a vertex to the nearest sample"),
+    "start": ("TOP", "m", "Start of the wall, measured depth"),
+    "stop": ("BOTTOM", "m", "End of the wall, measured depth"),
+    "bit_diameter": ("BIT", "m", "Bit diameter"),
+    "sectors": ("SECTORS", "", "Vertices a turn"),
+    "pitch": ("PITCH", "m", "Depth a turn"),
+    "vertices": ("VERTICES", "", "Vertices"),
+    "samples": ("SAMPLES", "", "Samples"),
+    "mean_diameter": ("DEQ", "m", "Diameter of the cylinder with the volume of the whole turns"),
+    "volume": ("VOL", "m3", "Volume of the whole turns"),
+    "excess": ("EXCESS", "", "Volume divided by the volume at bit size, minus 1"),
+    "whole_turns": ("WHOLE_TURNS", "m", "Length of turns that have every radius, measured or interpolated"),
+    "incomplete_turns": ("INCOMPLETE_TURNS", "m", "Length of turns that miss at least one radius"),
+    "washed_out": ("WASHED_OUT", "m", "Length of the turns that are washed out"),
+    "coverage": ("COVER", "", "Mean share of the turns that is measured, not interpolated"),
+    "without_radius": ("WITHOUT_RADIUS", "", "Share of the vertices that no sample reaches"),
+    "nearest_half": ("NEAREST_HALF", "m", "50 % quantile of the distance from a vertex to the nearest sample"),
+    "nearest_most": ("NEAREST_MOST", "m", "99 % quantile of the distance from a vertex to the nearest sample"),
 }
-"""Numbers of `WallSummary` in the catalogue: unit and description."""
+"""Numbers of `WallSummary` in the catalogue: column, unit and description; logs and zones have the same columns."""
 
 COLUMNS = NUMBERS | {
-    "diameter_sigma": ("m", "Mean standard uncertainty of DEQ, if sigma was requested"),
-    "breakout_length": ("m", "Length of breakouts"),
-    "breakout_axis": ("deg", "Mean axis of breakouts"),
-    "breakout_deviation": ("deg", "Standard deviation of the axes of breakouts"),
+    "diameter_sigma": ("DEQ_SIGMA", "m", "Mean standard uncertainty of DEQ, if sigma was requested"),
+    "breakout_length": ("BREAKOUT_LENGTH", "m", "Length of breakouts"),
+    "breakout_axis": ("AXIS", "deg", "Mean axis of breakouts"),
+    "breakout_deviation": ("AXISDEV", "deg", "Standard deviation of the axes of breakouts"),
 }
-"""Columns of the catalogue that are numbers: unit and description."""
+"""Numbers of a row of the catalogue: column, unit and description."""
 
 
 def catalogue_row(well: str, settings: Project, wall: Wall | Merged, logs: Logs, summary: WallSummary) -> Json:
-    """Return the catalogue row of a well: interval, sizes, quality and settings; None for missing values."""
+    """Return the row of a well as its record keeps it, with the names of `COLUMNS`; None for missing values."""
 
     def known(value: Any) -> Any:
         return None if isinstance(value, float) and not math.isfinite(value) else value

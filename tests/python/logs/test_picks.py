@@ -120,7 +120,7 @@ def test_a_table_is_read_as_it_was_written(tmp_path: Path) -> None:
     for one, before in zip(again, sorted(picks, key=lambda pick: pick.depth), strict=True):
         assert vars(one) == pytest.approx(vars(before))
     rows = file.read_text().splitlines()
-    assert rows[0].startswith("class,depth_m,toolface_deg,apparent_dip_deg,radius_m,")
+    assert rows[0].startswith("class,DEPT (m),TOOLFACE (deg),APPARENT_DIP (deg),RADIUS (m),")
     assert rows[-2].endswith(",20,100"), "the true dip stands in the table"
 
 
@@ -151,10 +151,11 @@ def test_true_dips_of_others_become_picks_on_a_path() -> None:
     bed, fault = Picks.parse(text, hole)
     assert bed.dip(hole) == pytest.approx((20.0, 100.0))
     assert (fault.kind, fault.dip(hole)) == ("fault", pytest.approx((70.0, 280.0)))
-    with pytest.raises(InputError, match=r"^line 2: dip_deg: a true dip needs the path .*: give a survey, or "):
+    with pytest.raises(InputError, match=r"^line 2: DIP \(deg\): a true dip needs the path .*: give a survey, or "):
         Picks.parse(text)
-    with pytest.raises(InputError, match=r"^line 1: must have the columns class, depth_m, dip_deg, dip_azimuth_deg$"):
+    with pytest.raises(InputError) as raised:
         Picks.parse("DEPTH,DIP,AZI,TYPE\n", hole)
+    assert raised.value.rule == "must have the columns class, DEPT (m), DIP (deg), DIP_AZIMUTH (deg)"
 
 
 def test_a_table_of_true_dips_keeps_its_other_columns_and_its_breakouts() -> None:
@@ -169,7 +170,7 @@ def test_a_table_of_true_dips_keeps_its_other_columns_and_its_breakouts() -> Non
     [
         ("inf", "10", "line 2: plane at 15 m: dip inf and azimuth 10 must be finite"),
         ("10", "nan", "line 2: plane at 15 m: dip 10 and azimuth nan must be finite"),
-        ("", "10", "line 2, dip_deg = '': must be a number"),
+        ("", "10", "line 2, DIP (deg) = '': must be a number"),
     ],
 )
 def test_a_true_dip_is_a_finite_number(dip: str, azimuth: str, error: str) -> None:
@@ -181,9 +182,9 @@ def test_a_true_dip_is_a_finite_number(dip: str, azimuth: str, error: str) -> No
 @pytest.mark.parametrize(
     ("text", "error"),
     [
-        ("DEPTH,DIP,AZI,TYPE\n", "line 1: must have the columns class, depth_m, toolface_deg, apparent_dip_deg"),
-        ("class,depth_m,apparent_dip_deg\n", "line 1: must have the columns toolface_deg"),
-        ("class,depth_m,toolface_deg,apparent_dip_deg\nbed,x,1,2\n", "line 2, depth_m = 'x': must be a number"),
+        ("DEPTH,DIP,AZI,TYPE\n", "line 1: must have the columns class, DEPT (m), TOOLFACE (deg), APPARENT_DIP (deg)"),
+        ("class,depth_m,apparent_dip_deg\n", "line 1: must have the columns TOOLFACE (deg)"),
+        ("class,depth_m,toolface_deg,apparent_dip_deg\nbed,x,1,2\n", "line 2, DEPT (m) = 'x': must be a number"),
         (
             "class,depth_m,toolface_deg,apparent_dip_deg\nbed,1,,2\n",
             "line 2: class, depth and toolface must not be empty",

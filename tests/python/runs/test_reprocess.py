@@ -566,7 +566,7 @@ def test_all_wells_on_dask(field: Path, tmp_path: Path, client: Any) -> None:
     catalogue = parquet.read_table(tmp_path / "catalogue.parquet").to_pylist()
     assert [row["well"] for row in catalogue] == ["15/9-F 1", "B"]
     schema = parquet.read_schema(tmp_path / "catalogue.parquet")
-    assert [schema.field(name).metadata[b"unit"] for name in ("volume", "excess", "coverage")] == [b"m3", b"", b""]
+    assert [schema.field(name).metadata[b"unit"] for name in ("VOL", "EXCESS", "COVER")] == [b"m3", b"", b""]
     assert found.warnings == {row["well"]: row["warnings"] for row in catalogue if row["warnings"]}
     assert json.loads((tmp_path / "failures.json").read_text()) == found.failed
     assert (len(status(jobs).skipped), list(status(jobs).failed)) == (2, ["C"])
