@@ -8,6 +8,11 @@ from typing import Any
 import pytest
 from hypothesis import settings
 
+pytest.register_assert_rewrite("golden_texts")
+from golden_texts import golden, pytest_addoption, pytest_configure, pytest_sessionfinish  # noqa: E402
+
+__all__ = ["golden", "pytest_addoption", "pytest_configure", "pytest_sessionfinish"]
+
 # The files that take longest, browsers aside: --dist loadfile gives whole files to the workers, in the order collected.
 LONG = {
     "test_cpp.py",

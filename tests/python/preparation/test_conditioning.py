@@ -39,11 +39,11 @@ def test_range_counts_each_reason(values):
     assert_counted(step)
 
 
-def test_range_reasons_and_limits():
+def test_range_reasons_and_limits(golden):
     step = in_range([0.1, 0.2, 0.05, NAN, 0.3], 0.1, 0.2)
     assert step.counts == {"missing": 1, "below": 1, "above": 1}
     assert step.settings == {"low": 0.1, "high": 0.2}
-    with pytest.raises(ValueError, match=r"^low = 2, high = 1: low must not be larger than high$"):
+    with golden.raises():
         in_range([1.0], 2.0, 1.0)
 
 
@@ -287,21 +287,20 @@ def test_travel_time():
 
 
 @pytest.mark.parametrize(
-    ("call", "text"),
+    ("call", "place"),
     [
-        (lambda: Echo(0, 0.04), "velocity = 0: must be finite and above 0"),
-        (lambda: spikes([0], [1], [0], floor=0), "threshold = 6, floor = 0: must be above 0"),
-        (lambda: spikes([0], [1, 2], [0]), "radius has 2 values, toolface has 1: must be equal"),
-        (lambda: stuck([[1.0]]), "arms has 1 columns: must have at least 2, to compare"),
-        (lambda: stuck([[1.0], [1.0, 2.0]]), "arms[1] has 2 values, arms[0] has 1: must be equal"),
-        (lambda: stuck([[1.0], [1.0]], rows=1), "rows = 1, moving = 0.5: rows must be at least 2, moving in (0, 1]"),
-        (lambda: repeated_rows(), "columns: must have at least one column"),
-        (lambda: closed([], 0.1), "arms: must have at least one column"),
+        (lambda: Echo(0, 0.04), "velocity"),
+        (lambda: spikes([0], [1], [0], floor=0), "threshold = 6, floor = 0"),
+        (lambda: spikes([0], [1, 2], [0]), "radius has 2 values, toolface has 1"),
+        (lambda: stuck([[1.0]]), "arms has 1 columns"),
+        (lambda: stuck([[1.0], [1.0, 2.0]]), "arms[1] has 2 values, arms[0] has 1"),
+        (lambda: stuck([[1.0], [1.0]], rows=1), "rows = 1, moving = 0.5"),
+        (lambda: repeated_rows(), "columns"),
+        (lambda: closed([], 0.1), "arms"),
         (lambda: closed([[1.0]], -1.0),
-         "radius = -1, tolerance = 0.002: radius must be above 0, tolerance not negative"),
+         "radius = -1, tolerance = 0.002"),
     ],
 )  # fmt: skip
-def test_errors(call, text):
-    with pytest.raises(ValueError) as caught:  # noqa: PT011 - the whole text is compared
+def test_errors(call, place, golden):
+    with golden.raises(place):
         call()
-    assert str(caught.value) == text

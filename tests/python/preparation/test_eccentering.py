@@ -393,33 +393,32 @@ def test_turns_follow_the_short_way():
 
 
 @pytest.mark.parametrize(
-    ("change", "text"),
+    ("change", "place"),
     [
-        ({"toolface": [0, np.nan]}, "toolface[1] = nan: must be finite"),
-        ({"radius": [0.1, -0.1]}, "radius[1] = -0.1: must be finite and above 0, or NaN where missing"),
-        ({"radius": [0.1, np.inf]}, "radius[1] = inf: must be finite and above 0, or NaN where missing"),
-        ({"radius": [0.1]}, "radius has 1 values, toolface has 2: must be equal"),
-        ({"turn": [0.0, 0.5]}, "turn[1] = 0.5: must be a whole number"),
-        ({"turn": [0]}, "turn has 1 values, toolface has 2: must be equal"),
-        ({"bit_diameter": 0.0}, "bit_diameter = 0: must be finite and above 0"),
-        ({"position": [0.5]}, "position has 1 values, toolface has 2: must be equal"),
-        ({"position": [0.5, np.nan]}, "position[1] = nan: must be finite"),
+        ({"toolface": [0, np.nan]}, "toolface[1]"),
+        ({"radius": [0.1, -0.1]}, "radius[1]"),
+        ({"radius": [0.1, np.inf]}, "radius[1]"),
+        ({"radius": [0.1]}, "radius has 1 values, toolface has 2"),
+        ({"turn": [0.0, 0.5]}, "turn[1]"),
+        ({"turn": [0]}, "turn has 1 values, toolface has 2"),
+        ({"bit_diameter": 0.0}, "bit_diameter"),
+        ({"position": [0.5]}, "position has 1 values, toolface has 2"),
+        ({"position": [0.5, np.nan]}, "position[1]"),
     ],
 )
-def test_errors(change, text):
+def test_errors(change, place, golden):
     good = {"toolface": [0, 90], "radius": [0.1, 0.1], "turn": [0, 0]}
-    with pytest.raises(hb.InputError) as caught:
+    with golden.raises(place):
         find_centres(**(good | change))
-    assert str(caught.value) == text
 
 
-def test_errors_of_settings_and_foreign_turns():
-    with pytest.raises(ValueError, match=r"^even = 0: must be finite and above 0$"):
+def test_errors_of_settings_and_foreign_turns(golden):
+    with golden.raises():
         Shape(even=0.0)
     with pytest.raises(ValueError, match=r"^harmonics = 1: must be at least 2$"):
         Shape(harmonics=1)
     centres = find_centres([0, 90, 180], [0.1] * 3, [0, 0, 0])
-    with pytest.raises(ValueError, match=r"^turn\[1\] = 7: not among the turns of centres$"):
+    with golden.raises():
         recentre([0, 90], [0.1, 0.1], [0, 7], centres)
 
 

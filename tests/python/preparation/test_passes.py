@@ -237,24 +237,18 @@ def test_what_is_subtracted_is_true_and_the_rest_is_nan_and_a_sentence(seed, mot
     np.testing.assert_array_equal(bias.at(passes, arms), np.nan_to_num(bias.table)[passes - 11, arms])
 
 
-def test_an_arm_that_drifts_at_one_bearing_is_named_and_not_corrected():
+def test_an_arm_that_drifts_at_one_bearing_is_named_and_not_corrected(golden):
     depth, toolface, radius, passes, arms = drifting(4, motion="one bearing")
     bias = find_bias(depth, toolface, radius, passes, arms)
     assert np.isnan(bias.table[:, 0]).all()
     np.testing.assert_allclose(bias.table[:, 1], 0.0, atol=5e-5)
     drifts, shape, left = bias.warnings(["X", "Y"])
     assert drifts.startswith("X drifts by 3.8")
-    assert shape == (
-        "the bias of X and Y cannot be separated from the hole's shape: the arms never see the same part of the wall, "
-        "or the shape turns with the tool"
-    )
-    assert left == (
-        "the bias of X of pass 11, X of pass 12, X of pass 13, X of pass 14, X of pass 15 and 3 more is not known: "
-        "its deviation exceeds 0.127 mm, or too few samples can be compared with a steady arm; not corrected"
-    )
+    golden(shape)
+    golden(left)
 
 
-def test_an_arm_that_cannot_be_told_from_the_shape_is_nan_and_a_sentence():
+def test_an_arm_that_cannot_be_told_from_the_shape_is_nan_and_a_sentence(golden):
     depth, toolface, radius, passes, arms = drifting(4, drift=0.0, motion="one bearing")
     bias = find_bias(depth, toolface, radius, passes, arms)
     assert np.isnan(bias.by_arm).all()
@@ -262,7 +256,7 @@ def test_an_arm_that_cannot_be_told_from_the_shape_is_nan_and_a_sentence():
     assert bias.warnings(["X", "Y"])[-1].startswith("the bias of X and Y cannot be separated from the hole's shape: ")
     alone = find_bias([1.0, 2.0], [0.0, 90.0], [0.1, 0.1], [1, 1], [0, 1])
     assert np.isnan(alone.by_arm).all()
-    assert alone.lines(["X", "Y"])[0] == "pass 1, mm: X not known, Y not known"
+    golden(alone.lines(["X", "Y"])[0])
 
 
 def test_passes_that_agree_are_not_reported():
@@ -392,29 +386,28 @@ def test_difference_of_two_walls_with_other_helices():
 
 
 @pytest.mark.parametrize(
-    ("call", "text"),
+    ("call", "place"),
     [
-        (lambda: number_passes([0, np.nan]), "depth[1] = nan: must be finite"),
-        (lambda: number_passes([0], 0), "reversal = 0: must be above 0"),
-        (lambda: choose([1, 2], [0, 0], [3]), "passes: 3 is not among the passes of the samples"),
-        (lambda: choose([1, 2], [0, 0], [1, 1]), "passes: must not hold the same pass twice"),
-        (lambda: choose([1, 2], [0, 0], cell=0), "cell = 0: must be above 0"),
-        (lambda: choose([1, 1.5], [0, 0]), "pass_number[1] = 1.5: must be a whole number"),
-        (lambda: find_bias([1], [0], [0.1], [1], [1, 2]), "arm has 2 values, depth has 1: must be equal"),
-        (lambda: find_bias([1], [np.inf], [0.1], [1]), "toolface[0] = inf: must be finite"),
+        (lambda: number_passes([0, np.nan]), "depth[1]"),
+        (lambda: number_passes([0], 0), "reversal"),
+        (lambda: choose([1, 2], [0, 0], [3]), "passes"),
+        (lambda: choose([1, 2], [0, 0], [1, 1]), "passes"),
+        (lambda: choose([1, 2], [0, 0], cell=0), "cell"),
+        (lambda: choose([1, 1.5], [0, 0]), "pass_number[1]"),
+        (lambda: find_bias([1], [0], [0.1], [1], [1, 2]), "arm has 2 values, depth has 1"),
+        (lambda: find_bias([1], [np.inf], [0.1], [1]), "toolface[0]"),
         (lambda: find_bias([1], [0], [0.1], [1], sectors=0),
-         "cell = 0.5, sectors = 0, floor = 0.0002, expected = 0.002, sides = 1, rounds = 10: all must be above 0"),
-        (lambda: find_bias([1], [0], [0.1], [1]).at([2]), "pass_number[0] = 2: is not among [1]"),
-        (lambda: find_bias([1], [0], [0.1], [1]).at([1, 1], [0]), "arm has 1 values, pass_number has 2: must be equal"),
-        (lambda: find_shifts([1], [0.1], [1], held=[4]), "held = 4: is not among the passes [1]"),
-        (lambda: arm_sides([0], [0], 0), "sides = 0: must be at least 1"),
-        (lambda: arm_sides([0], [0, 1]), "arm has 1 values, toolface has 2: must be equal"),
+         "cell = 0.5, sectors = 0, floor = 0.0002, expected = 0.002, sides = 1, rounds = 10"),
+        (lambda: find_bias([1], [0], [0.1], [1]).at([2]), "pass_number[0]"),
+        (lambda: find_bias([1], [0], [0.1], [1]).at([1, 1], [0]), "arm has 1 values, pass_number has 2"),
+        (lambda: find_shifts([1], [0.1], [1], held=[4]), "held"),
+        (lambda: arm_sides([0], [0], 0), "sides"),
+        (lambda: arm_sides([0], [0, 1]), "arm has 1 values, toolface has 2"),
     ],
 )  # fmt: skip
-def test_errors(call, text):
-    with pytest.raises(ValueError) as caught:  # noqa: PT011 - the whole text is compared
+def test_errors(call, place, golden):
+    with golden.raises(place):
         call()
-    assert str(caught.value) == text
 
 
 @pytest.mark.skipif(not F12.exists(), reason="the public F-12 caliper is not beside the repository")

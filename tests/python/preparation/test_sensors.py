@@ -141,24 +141,23 @@ def test_xy_caliper_by_depth():
 
 
 @pytest.mark.parametrize(
-    ("call", "text"),
+    ("call", "place"),
     [
-        (lambda: TimeSeries([0, 2, 1], [1, 2, 3]), "time[2] = 1: must not be less than time[1] = 2"),
-        (lambda: TimeSeries([0, NAN], [1, 2]), "time[1] = nan: must be finite"),
-        (lambda: TimeSeries([0, 1], [1, np.inf]), "values[1] = inf: must be finite"),
-        (lambda: TimeSeries([0, 1], [1]), "values has 1 values, time has 2: must be equal"),
-        (lambda: TimeSeries([0], [1], gap=0), "gap = 0, beyond = 0: gap must be above 0, beyond not negative"),
-        (lambda: Sensor("gamma", NAN), "sensor gamma: offset = nan: must be finite"),
-        (lambda: observe_by_depth([], [1], [1], []), "sensors: must have at least one sensor"),
-        (lambda: observe_by_depth([Sensor("a")], [1], [1], []), "radii has 0 columns, sensors has 1: must be equal"),
+        (lambda: TimeSeries([0, 2, 1], [1, 2, 3]), "time[2]"),
+        (lambda: TimeSeries([0, NAN], [1, 2]), "time[1]"),
+        (lambda: TimeSeries([0, 1], [1, np.inf]), "values[1]"),
+        (lambda: TimeSeries([0, 1], [1]), "values has 1 values, time has 2"),
+        (lambda: TimeSeries([0], [1], gap=0), "gap = 0, beyond = 0"),
+        (lambda: Sensor("gamma", NAN), "sensor gamma: offset"),
+        (lambda: observe_by_depth([], [1], [1], []), "sensors"),
+        (lambda: observe_by_depth([Sensor("a")], [1], [1], []), "radii has 0 columns, sensors has 1"),
         (lambda: observe_by_depth([Sensor("a")], [1], [1], [[1, 2]]),
-         "radii[0] has 2 values, depth has 1: must be equal"),
+         "radii[0] has 2 values, depth has 1"),
         (lambda: observe_by_depth([Sensor("a")], [1], [1], [[np.inf]]),
-         "radii[0][0] = inf: must be finite, or NaN where missing"),
-        (lambda: observe_by_depth([Sensor("a")], [np.inf], [1], [[1]]), "depth is infinite in 1 rows: must be finite"),
+         "radii[0][0]"),
+        (lambda: observe_by_depth([Sensor("a")], [np.inf], [1], [[1]]), "depth is infinite in 1 rows"),
     ],
 )  # fmt: skip
-def test_errors(call, text):
-    with pytest.raises(ValueError) as caught:  # noqa: PT011 - the whole text is compared
+def test_errors(call, place, golden):
+    with golden.raises(place):
         call()
-    assert str(caught.value) == text
