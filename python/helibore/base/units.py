@@ -23,14 +23,14 @@ MILLIMETRE = 0.001
 """In metres."""
 
 _TABLE: dict[str, tuple[str, float, str]] = {
-    "m": (LENGTH, 1.0, "metre metres meter meters"),
-    "cm": (LENGTH, 0.01, "centimetre centimetres centimeter centimeters"),
-    "mm": (LENGTH, MILLIMETRE, "millimetre millimetres millimeter millimeters"),
+    "m": (LENGTH, 1.0, "metre metres meter meters м"),
+    "cm": (LENGTH, 0.01, "centimetre centimetres centimeter centimeters см"),
+    "mm": (LENGTH, MILLIMETRE, "millimetre millimetres millimeter millimeters мм"),
     "ft": (LENGTH, FOOT, "f foot feet '"),
     "ftUS": (LENGTH, 1200.0 / 3937.0, "ftus ft[us] usft us-ft usfoot"),
     "in": (LENGTH, INCH, 'inch inches ins "'),
     "0.1in": (LENGTH, 0.00254, ".1in 0.1inch 0.1inches 1/10in"),
-    "deg": (ANGLE, 1.0, "dega degree degrees ° dgr"),
+    "deg": (ANGLE, 1.0, "dega degree degrees ° º dgr град"),
     "rad": (ANGLE, 180.0 / math.pi, "rada radian radians"),
     "s": (TIME, 1.0, "sec secs second seconds"),
     "ms": (TIME, 0.001, "msec millisecond milliseconds"),

@@ -12,6 +12,7 @@ from helibore.channels.log_set import LogFile, LogSet
 from helibore.channels.sectors import join_sectors
 from helibore.files.data_frame import read_frame
 from helibore.files.input_file import ReadOptions
+from helibore.files.raw_set import RawFile
 from helibore.files.reading import read_file
 
 
@@ -69,11 +70,18 @@ def open(  # noqa: A001
     """
     nulls = tuple(float(null) for null in nulls)
     if isinstance(path, str | PathLike):
-        path = Path(path)
-        raw = read_file(path, ReadOptions(nulls, header_line, encoding, decimal, salvage))
-    else:
-        raw = read_frame(path, nulls)
-        path = raw.sets[0].path
+        return open_file(Path(path), ReadOptions(nulls, header_line, encoding, decimal, salvage))
+    return _with_images(read_frame(path, nulls))
+
+
+def open_file(path: Path, options: ReadOptions, of_many: bool = False) -> LogFile:
+    """Open a file as `open` does; with ``of_many``, an option counts where the format can have it."""
+    return _with_images(read_file(path, options, of_many))
+
+
+def _with_images(raw: RawFile) -> LogFile:
+    """Return an opened file in which sector columns are images."""
+    path = raw.sets[0].path
     sets = []
     for one in raw.sets:
         channels, gaps = join_sectors(one.channels, one.index)

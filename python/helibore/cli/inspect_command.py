@@ -26,22 +26,30 @@ from helibore.cli.terminal import echo
     help="Show only these sets: a name, numbers (2,5-8), or all sets that hold these columns (with=CALX,CALY).",
 )
 @click.option("--header-line", type=int, help="Line of the column names of a table (CSV, XLSX).  [helibore finds it]")
+@click.option("--encoding", help="Encoding of a text, such as cp1251.  [UTF-8, or else Windows-1252]")
+@click.option("--decimal", type=click.Choice([".", ","]), help="Decimal mark of the numbers.  [the cells decide]")
+@click.option("--salvage", is_flag=True, help="Read what lies before the damage of a cut file.")
 @click.option("--toml", is_flag=True, help="Print only the role map, as TOML; a file with it can be given to --map.")
-def inspect(file: Path, map_file: Path | None, sets: tuple[str, ...], header_line: int | None, toml: bool) -> None:
+def inspect(
+    file: Path, map_file: Path | None, sets: tuple[str, ...], header_line: int | None, encoding: str | None,
+    decimal: str | None, salvage: bool, toml: bool,
+) -> None:  # fmt: skip
     """List the channels of FILE, their units, ranges, missing values, and the role that each channel gets.
 
     \b
     helibore inspect well.las
     helibore inspect well.las --toml > map.toml      # change it, then: helibore reconstruct well.las --map map.toml
     """
+    from helibore.base.nulls import NULLS
     from helibore.channels.log_set import LogFile
-    from helibore.channels.opening import open as open_file
+    from helibore.channels.opening import open_file
     from helibore.channels.role_map import read_map, write_map
     from helibore.channels.roles import guess
     from helibore.cli.inspect_page import refusal, show
     from helibore.cli.wall_options import set_names
+    from helibore.files.input_file import ReadOptions
 
-    with open_file(file, header_line=header_line) as opened:
+    with open_file(file, ReadOptions(NULLS, header_line, encoding, decimal, salvage)) as opened:
         names = set_names(opened, sets) if sets else [each.name for each in opened.sets]
         mapped = None
         if map_file:

@@ -20,8 +20,9 @@ Command = Callable[..., Any]
 Text = tuple[str, str]
 
 GROUPS = {
-    "Source": "source", "Columns": "columns", "Sensors": "preparation", "Conditioning": "preparation",
-    "Passes": "preparation", "Path and toolface": "path", "Wall": "wall", "Mesh": "mesh", "Logs": "logs",
+    "Source": "source", "Columns": "columns", "Reading": "reading", "Sensors": "preparation",
+    "Conditioning": "preparation", "Passes": "preparation", "Path and toolface": "path", "Wall": "wall",
+    "Mesh": "mesh", "Logs": "logs",
     "Zones": "zones", "Passage": "passage", "Print": "print", "Page": "view",
 }  # fmt: skip
 """What stands before the dot in the names of the settings of a section."""
@@ -42,8 +43,8 @@ NAMES = {
 """Names of settings that the section does not give."""
 
 HEADINGS = {
-    "Columns": "Source", "Sensors": "Source", "Path and toolface": "Source", "Conditioning": "Preparation",
-    "Passes": "Preparation",
+    "Columns": "Source", "Reading": "Source", "Sensors": "Source", "Path and toolface": "Source",
+    "Conditioning": "Preparation", "Passes": "Preparation",
 }  # fmt: skip
 """Headings under which the help lists the options of a section; other sections have their own."""
 

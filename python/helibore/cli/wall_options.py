@@ -30,6 +30,7 @@ from helibore.settings.declared import members
 from helibore.settings.header_settings import Header
 from helibore.settings.path_settings import PathSettings
 from helibore.settings.preparation_settings import Echo, Preparation
+from helibore.settings.reading_settings import Reading
 from helibore.settings.wall_settings import Settings
 
 if TYPE_CHECKING:
@@ -95,6 +96,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
              "FILE=LINE for any other file.  [helibore finds it]", metavar="[FILE=]LINE"),
         opts("--absent", "Number that means no value, besides -999.25, -9999, -9999.25.", type=float),
     ),
+    "Reading": tuple(options_of(Reading)),
     "Sensors": (
         opt("--track", "File with depth (and toolface) by time.", type=FILE),
         opt("--track-map", "Roles of the channels of the --track file, as TOML.", type=FILE),
@@ -379,7 +381,7 @@ def _opened(options: dict[str, Any], project: Path | None) -> Run:
     if project is None:
         _check_effect(options["gauge"], options["average"], _archive(options))
         over["nulls"] = tuple(dict.fromkeys((*NULLS, *options["absent"])))
-        files = OpenFiles(over["nulls"], _header_lines(options))
+        files = OpenFiles(over["nulls"], _header_lines(options), Reading(**over.get("reading", {})))
         over |= _source(options, files)
         if "archive" not in over and options["bit_diameter"] is None:
             for one in () if "columns" in over else over.get("caliper", ()):  # images alone get a command with a size
@@ -389,7 +391,8 @@ def _opened(options: dict[str, Any], project: Path | None) -> Run:
     settings = _with_more(read_project(project, over), options, project is not None)
     _check_effect(settings.gauge, settings.average, settings.archive.file if settings.archive else None)
     if files is None:
-        files = OpenFiles(settings.nulls, _header_lines(options, [one.file for one in settings.inputs]))
+        lines = _header_lines(options, [one.file for one in settings.inputs])
+        files = OpenFiles(settings.nulls, lines, settings.reading)
     guessed = [one.file for one in settings.caliper if not one.channel]
     run = open_run(settings, files)
     run.tune = options["tune"]
@@ -406,7 +409,7 @@ def _over(options: dict[str, Any]) -> dict[str, Any]:
     from helibore.settings.column_settings import Columns
 
     given = {name: options[name] for name in options if _given(name)}
-    groups = {"preparation": Preparation, "path": PathSettings, "columns": Columns}
+    groups = {"preparation": Preparation, "path": PathSettings, "columns": Columns, "reading": Reading}
     over: dict[str, Any] = {
         group: {name: given[name] for name in members(kind) if name in given} for group, kind in groups.items()
     }

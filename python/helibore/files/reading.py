@@ -34,15 +34,19 @@ def check_library(ending: str) -> None:
         require_library(LIBRARIES[ending], "dlis" if ending == ".lis" else ending[1:])
 
 
-def read_file(path: Path, options: ReadOptions) -> RawFile:
-    """Read a file of any format. Only tables may have a stated header line, and only texts the other options."""
+def read_file(path: Path, options: ReadOptions, of_many: bool = False) -> RawFile:
+    """Read a file of any format. Only tables may have a stated header line, and only texts the other options.
+
+    With ``of_many``, the options are those of several files: an encoding or a decimal mark that the format cannot have
+    is no error.
+    """
     if path.is_dir():
         raise IsADirectoryError(f"{path}: is a directory")
     source = InputFile(path, options)
     name = find_format(source)
     for stated, formats in STATED_OF.items():
         value = getattr(options, stated)
-        if value is not None and name not in formats:
+        if value is not None and name not in formats and not (of_many and stated != "header_line"):
             raise InputError(
                 f"{path.name}: {stated}", f"is for {', '.join(formats)}, but the file is {name}", str(value)
             )

@@ -44,6 +44,7 @@ from helibore.settings.header_settings import Header
 from helibore.settings.path_settings import PathSettings
 from helibore.settings.preparation_settings import Echo, Preparation
 from helibore.settings.print_settings import PrintSettings
+from helibore.settings.reading_settings import Reading
 from helibore.settings.toml_reading import TomlSource, read_table
 from helibore.settings.wall_settings import Settings
 from helibore.settings.zone_settings import ZoneSettings
@@ -143,6 +144,7 @@ class Project(Declared):
     image: Annotated[tuple[ImageInput, ...], "Images."] = ()
     scalar: Annotated[tuple[ScalarInput, ...], "Curves of a print or report."] = ()
     columns: Annotated[Columns, "Columns of the files."] = field(default_factory=Columns)
+    reading: Annotated[Reading, "How files are read."] = field(default_factory=Reading)
     echo: Annotated[Echo | None, "How travel times become radii."] = None
     preparation: Annotated[Preparation, "Preparation of the samples."] = field(default_factory=Preparation)
     path: Annotated[PathSettings, "How the survey becomes a path."] = field(default_factory=PathSettings)

@@ -33,9 +33,10 @@ from helibore.channels.columns import column, depths, needed, north_of
 from helibore.channels.depth_remarks import depth_remarks
 from helibore.channels.header_entries import log_header
 from helibore.channels.log_set import LogFile, LogSet
-from helibore.channels.opening import open as open_file
+from helibore.channels.opening import open_file
 from helibore.channels.role_map import parse_options, read_map
 from helibore.channels.roles import RoleMap, guess
+from helibore.files.input_file import ReadOptions
 from helibore.images.sector_image import SectorImage
 from helibore.preparation.prepare import Preparation, Prepared, Track, prepare
 from helibore.preparation.readings import Readings
@@ -55,6 +56,7 @@ from helibore.runs.wall_of_samples import wall_of_samples
 from helibore.samples.caliper import LARGEST_RADIUS, Caliper
 from helibore.samples.helix import WallLike
 from helibore.settings.column_settings import Columns
+from helibore.settings.reading_settings import Reading
 from helibore.settings.wall_settings import Settings
 from helibore.settings.zone_settings import Criteria
 from helibore.trajectory.references import ASSUMED
@@ -82,8 +84,10 @@ class OpenFiles:
     ``header_lines`` holds, by file, the line of a table's column names, if the user stated this line.
     """
 
-    def __init__(self, nulls: tuple[float, ...], header_lines: Mapping[Path, int] | None = None) -> None:
-        self._nulls, self.header_lines = nulls, dict(header_lines or {})
+    def __init__(
+        self, nulls: tuple[float, ...], header_lines: Mapping[Path, int] | None = None, reading: Reading | None = None
+    ) -> None:
+        self._nulls, self.header_lines, self._reading = nulls, dict(header_lines or {}), reading or Reading()
         self._pool = ThreadPoolExecutor(1, "checksums")
         self._sums: dict[Path, Future[str]] = {}
         self._logs: dict[Path, LogFile] = {}
@@ -98,7 +102,8 @@ class OpenFiles:
         """Return a file as `hb.open` does; it is opened at the first call only."""
         if file not in self._logs:
             self.checksum(file)
-            self._logs[file] = open_file(file, self._nulls, self.header_lines.get(file))
+            how = ReadOptions(self._nulls, self.header_lines.get(file), **vars(self._reading))
+            self._logs[file] = open_file(file, how, of_many=True)
         return self._logs[file]
 
     def input(
@@ -196,7 +201,7 @@ def open_run(project: Project, files: OpenFiles | None = None, keys: Collection[
     ``files`` may be open already; only those of ``keys`` are opened. Raise InputError if a file has another checksum
     than the project states, or lacks a channel. What an archive keeps counts where the project states nothing.
     """
-    files = files or OpenFiles(project.nulls)
+    files = files or OpenFiles(project.nulls, reading=project.reading)
     lines = {one.file: one.header_line for one in project.inputs if one.header_line}
     files.header_lines = lines | files.header_lines
     _check_sums(project, files, keys)

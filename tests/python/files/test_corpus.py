@@ -97,3 +97,21 @@ def test_dates_and_times_of_day_beside_a_caliper(
     else:
         assert found is not None
         np.testing.assert_array_equal(found - found[0], seconds)
+
+
+CYRILLIC = WELL + "~C\nDEPT.M:\nДС1.мм:\nДС2.мм:\nАПС.град:\n~A\n"
+"""Two diameters and the toolface of a well from 10 m on; a round hole of 200 mm."""
+
+
+def test_settings_of_reading_in_a_project(tmp_path: Path) -> None:
+    rows = "".join(f"{10 + at},0 200,0 200,0 {(at * 40) % 360},0\n" for at in range(60))
+    (tmp_path / "w.las").write_bytes((CYRILLIC + rows).encode("cp1251"))
+    (tmp_path / "well.toml").write_text(
+        "caliper = 'w.las'\n[reading]\nencoding = 'cp1251'\ndecimal = ','\n[wall]\nbit_diameter = '200mm'\n"
+        "[columns]\ntoolface = 'АПС'\ndiameter = ['ДС1@0', 'ДС2@90']\n"
+    )
+    wall = hb.reconstruct(tmp_path / "well.toml")
+    np.testing.assert_allclose(wall.radius, 0.1, atol=1e-12)
+    (tmp_path / "well.toml").write_text("caliper = 'w.las'\n[reading]\nencoding = 'latin'\nbit = 1\n")
+    with pytest.raises(hb.InputError, match=r"line 4: reading.bit: must be one of encoding"):
+        hb.reconstruct(tmp_path / "well.toml")

@@ -1,0 +1,23 @@
+"""How log files are read, where a file does not say it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+from helibore.settings.declared import Declared, Option
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reading(Declared):
+    """How files are read; a setting counts for the files of a run to whose format it applies."""
+
+    encoding: Annotated[str | None, Option("UTF-8, or else Windows-1252"),
+        "Encoding of texts, such as cp1251. None: UTF-8, or UTF-16 with its mark, or else Windows-1252.",
+    ] = None  # fmt: skip
+    decimal: Annotated[Literal[".", ","] | None, Option("the cells decide"),
+        "Decimal mark of the numbers of tables and LAS files. None: the cells decide.",
+    ] = None  # fmt: skip
+    salvage: Annotated[bool, Option(),
+        "Read what lies before the damage of a cut file, and state what is lost.",
+    ] = False  # fmt: skip
