@@ -38,6 +38,7 @@ if TYPE_CHECKING:  # the same names as below
     from helibore.logs.stress import HorizontalStress as HorizontalStress
     from helibore.logs.stress import horizontal_stress as horizontal_stress
     from helibore.logs.stress import stress_of_picks as stress_of_picks
+    from helibore.logs.stress import stress_of_zones as stress_of_zones
     from helibore.logs.summary import WallSummary as WallSummary
     from helibore.logs.turn_logs import Logs as Logs
     from helibore.logs.zones import Classification as Classification
@@ -82,7 +83,7 @@ _load, _, __all__ = lazy_loader.attach(
         "logs.annulus": ["Annulus"],
         "logs.passage": ["Drift", "Passage", "RigidBody", "TightSpot"],
         "logs.picks": ["Pick", "Picks"],
-        "logs.stress": ["HorizontalStress", "horizontal_stress", "stress_of_picks"],
+        "logs.stress": ["HorizontalStress", "horizontal_stress", "stress_of_picks", "stress_of_zones"],
         "logs.summary": ["WallSummary"],
         "logs.turn_logs": ["Logs"],
         "logs.zones": ["Classification", "Zone"],

@@ -35,6 +35,7 @@ VERBS = {
     "reprocess": "Rebuild the walls of many wells, on this machine or a cluster.",
     "settings": "List the settings that -s states, with their defaults.",
     "simulate": "Simulate a hole and a tool, and write the samples to files.",
+    "stress": "Write the direction of SHmax with its World Stress Map rank.",
     "view": "Show a wall in the browser.",
     "zones": "Write the washouts, breakouts and key seats of a wall.",
 }

@@ -30,7 +30,7 @@ from helibore.settings.declared import members
 from helibore.settings.header_settings import Header
 from helibore.settings.path_settings import PathSettings
 from helibore.settings.preparation_settings import Echo, Preparation
-from helibore.settings.reading_settings import Reading
+from helibore.settings.reading_settings import ReadingSettings
 from helibore.settings.wall_settings import Settings
 
 if TYPE_CHECKING:
@@ -96,7 +96,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
              "FILE=LINE for any other file.  [helibore finds it]", metavar="[FILE=]LINE"),
         opts("--absent", "Number that means no value, besides -999.25, -9999, -9999.25.", type=float),
     ),
-    "Reading": tuple(options_of(Reading)),
+    "Reading": tuple(options_of(ReadingSettings)),
     "Sensors": (
         opt("--track", "File with depth (and toolface) by time.", type=FILE),
         opt("--track-map", "Roles of the channels of the --track file, as TOML.", type=FILE),
@@ -381,7 +381,7 @@ def _opened(options: dict[str, Any], project: Path | None) -> Run:
     if project is None:
         _check_effect(options["gauge"], options["average"], _archive(options))
         over["nulls"] = tuple(dict.fromkeys((*NULLS, *options["absent"])))
-        files = OpenFiles(over["nulls"], _header_lines(options), Reading(**over.get("reading", {})))
+        files = OpenFiles(over["nulls"], _header_lines(options), ReadingSettings(**over.get("reading", {})))
         over |= _source(options, files)
         if "archive" not in over and options["bit_diameter"] is None:
             for one in () if "columns" in over else over.get("caliper", ()):  # images alone get a command with a size
@@ -409,7 +409,7 @@ def _over(options: dict[str, Any]) -> dict[str, Any]:
     from helibore.settings.column_settings import Columns
 
     given = {name: options[name] for name in options if _given(name)}
-    groups = {"preparation": Preparation, "path": PathSettings, "columns": Columns, "reading": Reading}
+    groups = {"preparation": Preparation, "path": PathSettings, "columns": Columns, "reading": ReadingSettings}
     over: dict[str, Any] = {
         group: {name: given[name] for name in members(kind) if name in given} for group, kind in groups.items()
     }

@@ -32,6 +32,7 @@ from helibore.base.arrays import Floats, finite_column, require
 from helibore.base.axial import axial_mean
 from helibore.base.errors import InputError, check_choice
 from helibore.logs.picks import BREAKOUT, Pick
+from helibore.logs.zones import Zone
 from helibore.trajectory.survey import Path
 
 INDUCED = "induced fracture"
@@ -65,6 +66,14 @@ TYPES = {(BREAKOUT, "caliper"): "BO", (BREAKOUT, "image"): "BOT", (INDUCED, "ima
 """The World Stress Map's name of an indicator, by class of feature and scheme."""
 
 
+class Feature(NamedTuple):
+    """A feature as it counts: measured depth and length in metres, and the azimuth of SHmax that follows, degrees."""
+
+    depth: float
+    length: float
+    azimuth: float
+
+
 @dataclass(frozen=True)
 class HorizontalStress:
     """The direction of the greatest horizontal stress (SHmax) in one well, from one class of feature.
@@ -87,6 +96,8 @@ class HorizontalStress:
         Class of the features, log on which they were found, and what weighs a feature.
     left_out
         The number of features left out: the hole is too inclined there, or toolface has no direction.
+    features
+        Each feature that counts: ``depth``, ``length`` (metres) and ``azimuth`` of SHmax, degrees in [0, 180).
     """
 
     azimuth: float
@@ -100,6 +111,7 @@ class HorizontalStress:
     scheme: str
     weighting: str
     left_out: int = 0
+    features: tuple[Feature, ...] = ()
 
     def __str__(self) -> str:
         if not self.count:
@@ -111,7 +123,9 @@ class HorizontalStress:
             f"{self.rank} ({self.scheme}, weighted by {self.weighting}{missed})"
         )
 
-    def record(self, latitude: float, longitude: float, regime: str = "U", site: str = "") -> dict[str, str]:
+    def record(
+        self, latitude: float | None, longitude: float | None, regime: str = "U", site: str = ""
+    ) -> dict[str, str]:
         """Return the first columns of a record of the World Stress Map (2016), with name and value of each.
 
         ID is empty, because the World Stress Map gives it.
@@ -119,7 +133,7 @@ class HorizontalStress:
         Parameters
         ----------
         latitude, longitude
-            Decimal degrees; south and west are negative.
+            Decimal degrees; south and west are negative. None: not known; the field is empty.
         regime
             NF, NS, SS, TS, TF or U (not known).
         site
@@ -131,12 +145,13 @@ class HorizontalStress:
             If latitude, longitude or regime is out of range.
         """
         for name, value, most in (("latitude", latitude, 90.0), ("longitude", longitude, 180.0)):
-            if not -most <= value <= most:
+            if value is not None and not -most <= value <= most:
                 raise InputError(name, f"must be within -{most:g} and {most:g}", str(value))
         check_choice("regime", regime, ("NF", "NS", "SS", "TS", "TF", "U"))
         known = self.count > 0
         return {
-            "ID": "", "SITE": site, "LAT": f"{latitude:.5f}", "LON": f"{longitude:.5f}",
+            "ID": "", "SITE": site, "LAT": "" if latitude is None else f"{latitude:.5f}",
+            "LON": "" if longitude is None else f"{longitude:.5f}",
             "AZI": f"{round(self.azimuth) % 180}" if known else "999",
             "TYPE": TYPES.get((self.kind, self.scheme), "OC"),
             "DEPTH": f"{self.depth / 1000:.3f}" if known else "", "QUALITY": self.rank, "REGIME": regime,
@@ -186,7 +201,8 @@ def horizontal_stress(
     require("length", lengths, lengths > 0, "must be above 0")
     depths = np.full(axes.size, np.nan) if depth is None else finite_column("depth", depth, axes.size, "azimuth")
     weight = lengths if weighting == "length" else np.ones(axes.size)
-    found = axial_mean((axes + OFFSETS[kind]) % 180, weight)
+    along = (axes + OFFSETS[kind]) % 180
+    found = axial_mean(along, weight)
     rank, limit = _rank(axes.size, float(lengths.sum()), found.deviation, SCHEMES[scheme])
     middle = float((weight * depths).sum() / weight.sum()) if axes.size else math.nan
     return HorizontalStress(
@@ -201,6 +217,7 @@ def horizontal_stress(
         scheme,
         weighting,
         left_out,
+        tuple(map(Feature._make, zip(depths.tolist(), lengths.tolist(), along.tolist(), strict=True))),
     )
 
 
@@ -260,6 +277,35 @@ def stress_of_picks(
     return horizontal_stress(azimuths, lengths, kind, scheme, weighting, depths, left_out)
 
 
+def stress_of_zones(
+    zones: Iterable[Zone], path: Path, scheme: str = "caliper", weighting: str = "length"
+) -> HorizontalStress:
+    """Return SHmax from the breakouts among the zones of a wall: ``stress_of_zones(wall.zones().zones, wall.path)``.
+
+    The azimuth of a zone is that of its axis at the middle of the zone. Zones without an axis, or where
+    `stress_of_picks` leaves a pick out, are left out; ``left_out`` counts them.
+
+    Parameters
+    ----------
+    zones
+        Of any kind; breakouts count.
+    path, scheme, weighting
+        As in `stress_of_picks`.
+    """
+    breakouts = [zone for zone in zones if zone.kind == BREAKOUT]
+    middles = [0.5 * (zone.start + zone.stop) for zone in breakouts]
+    azimuths = [_axis(zone.toolface, middle, path) for zone, middle in zip(breakouts, middles, strict=True)]
+    known = [
+        (azimuth, zone.length, middle)
+        for azimuth, zone, middle in zip(azimuths, breakouts, middles, strict=True)
+        if azimuth is not None
+    ]
+    columns = list(zip(*known, strict=True)) or [(), (), ()]
+    return horizontal_stress(
+        columns[0], columns[1], BREAKOUT, scheme, weighting, columns[2], len(breakouts) - len(known)
+    )
+
+
 def _trace(pick: Pick) -> float:
     """Return how far along the hole the trace of a plane reaches, metres; a plane across the hole has a millimetre."""
     return max(2 * (pick.radius or 0.1) * math.tan(math.radians(pick.apparent_dip)), 1e-3)
@@ -267,17 +313,23 @@ def _trace(pick: Pick) -> float:
 
 def _azimuth(pick: Pick, path: Path) -> float | None:
     """Return the azimuth of a breakout's axis, or the strike of a fracture, degrees; None where it is not known."""
-    if not path.start_depth <= pick.depth <= path.stop_depth:
+    axis = _axis(pick.toolface, pick.depth, path)
+    if axis is None or pick.kind != INDUCED:
+        return axis
+    towards = pick.dip(path)[1]
+    return None if math.isnan(towards) else (towards + 90) % 180
+
+
+def _axis(toolface: float, depth: float, path: Path) -> float | None:
+    """Return the azimuth of the direction at a toolface, mod 180; None where it is not known or says nothing."""
+    if math.isnan(toolface) or not path.start_depth <= depth <= path.stop_depth:
         return None
     try:
-        zero, right, along = path.frame(np.array([pick.depth]))[0]
+        zero, right, along = path.frame(np.array([depth]))[0]
     except InputError:  # toolface 0 is undefined
         return None
     if math.degrees(math.acos(min(1.0, abs(along[2])))) > MOST_INCLINATION:
         return None
-    if pick.kind == INDUCED:
-        towards = pick.dip(path)[1]
-        return None if math.isnan(towards) else (towards + 90) % 180
-    toolface = math.radians(pick.toolface)
-    north, east, _ = math.cos(toolface) * zero + math.sin(toolface) * right
+    angle = math.radians(toolface)
+    north, east, _ = math.cos(angle) * zero + math.sin(angle) * right
     return math.degrees(math.atan2(east, north)) % 180

@@ -8,7 +8,7 @@
     log.py          where it stands         cross_sections.py  cross sections          raster.py        cells to pixels
     print_header.py facts about the hole    solid.py           shaded bodies           diameters.py     caliper curves
     html_report.py  the report              shading.py         their light             depth_scales.py  scales, axes
-    zone_list.py    zones, worst first      picked.py          picks
+    zone_list.py    zones, worst first      picked.py          picks                 stress_rose.py   SHmax
 
 matplotlib comes with the extra ``plot`` and is imported when something is drawn.
 """
@@ -19,6 +19,7 @@ from helibore.base.colors import COLOR_MAPS
 from helibore.plot.content import Drawing
 from helibore.plot.log import PAPERS, log, overview, pages
 from helibore.plot.paper import rendered, save
+from helibore.plot.stress_rose import stress_rose
 from helibore.settings.print_settings import Look
 
-__all__ = ["COLOR_MAPS", "PAPERS", "Drawing", "Look", "log", "overview", "pages", "rendered", "save"]
+__all__ = ["COLOR_MAPS", "PAPERS", "Drawing", "Look", "log", "overview", "pages", "rendered", "save", "stress_rose"]

@@ -44,7 +44,7 @@ from helibore.settings.header_settings import Header
 from helibore.settings.path_settings import PathSettings
 from helibore.settings.preparation_settings import Echo, Preparation
 from helibore.settings.print_settings import PrintSettings
-from helibore.settings.reading_settings import Reading
+from helibore.settings.reading_settings import ReadingSettings
 from helibore.settings.toml_reading import TomlSource, read_table
 from helibore.settings.wall_settings import Settings
 from helibore.settings.zone_settings import ZoneSettings
@@ -144,7 +144,7 @@ class Project(Declared):
     image: Annotated[tuple[ImageInput, ...], "Images."] = ()
     scalar: Annotated[tuple[ScalarInput, ...], "Curves of a print or report."] = ()
     columns: Annotated[Columns, "Columns of the files."] = field(default_factory=Columns)
-    reading: Annotated[Reading, "How files are read."] = field(default_factory=Reading)
+    reading: Annotated[ReadingSettings, "How files are read."] = field(default_factory=ReadingSettings)
     echo: Annotated[Echo | None, "How travel times become radii."] = None
     preparation: Annotated[Preparation, "Preparation of the samples."] = field(default_factory=Preparation)
     path: Annotated[PathSettings, "How the survey becomes a path."] = field(default_factory=PathSettings)
@@ -155,6 +155,7 @@ class Project(Declared):
     look: Annotated[dict[str, Any], "Colours of images and scales of curves."] = field(default_factory=dict)
     logs: Annotated[dict[str, Any], "Tables of logs and zones."] = field(default_factory=dict)
     passage: Annotated[dict[str, Any], "What passes through the hole."] = field(default_factory=dict)
+    stress: Annotated[dict[str, Any], "Direction of the greatest horizontal stress."] = field(default_factory=dict)
     mesh: Annotated[dict[str, Any], "Meshes."] = field(default_factory=dict)
     view: Annotated[dict[str, Any], "The page in the browser."] = field(default_factory=dict)
     options: Annotated[dict[str, Any], "Options of the command, in files of earlier versions."] = field(

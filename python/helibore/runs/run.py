@@ -56,7 +56,7 @@ from helibore.runs.wall_of_samples import wall_of_samples
 from helibore.samples.caliper import LARGEST_RADIUS, Caliper
 from helibore.samples.helix import WallLike
 from helibore.settings.column_settings import Columns
-from helibore.settings.reading_settings import Reading
+from helibore.settings.reading_settings import ReadingSettings
 from helibore.settings.wall_settings import Settings
 from helibore.settings.zone_settings import Criteria
 from helibore.trajectory.references import ASSUMED
@@ -85,9 +85,12 @@ class OpenFiles:
     """
 
     def __init__(
-        self, nulls: tuple[float, ...], header_lines: Mapping[Path, int] | None = None, reading: Reading | None = None
+        self,
+        nulls: tuple[float, ...],
+        header_lines: Mapping[Path, int] | None = None,
+        reading: ReadingSettings | None = None,
     ) -> None:
-        self._nulls, self.header_lines, self._reading = nulls, dict(header_lines or {}), reading or Reading()
+        self._nulls, self.header_lines, self._reading = nulls, dict(header_lines or {}), reading or ReadingSettings()
         self._pool = ThreadPoolExecutor(1, "checksums")
         self._sums: dict[Path, Future[str]] = {}
         self._logs: dict[Path, LogFile] = {}

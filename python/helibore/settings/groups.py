@@ -9,7 +9,7 @@ from helibore.settings.header_settings import Header
 from helibore.settings.path_settings import PathSettings
 from helibore.settings.preparation_settings import Echo, Preparation
 from helibore.settings.print_settings import Look, PrintSettings
-from helibore.settings.reading_settings import Reading
+from helibore.settings.reading_settings import ReadingSettings
 from helibore.settings.role_settings import ChannelRole, MapOfRoles, RoleOfNames
 from helibore.settings.template import Template, TemplateTrack
 from helibore.settings.wall_settings import Settings
@@ -18,7 +18,7 @@ from helibore.settings.zone_settings import ImageCriteria, ZoneSettings
 GROUPS: dict[str, type[Any]] = {
     "header": Header,
     "columns": Columns,
-    "reading": Reading,
+    "reading": ReadingSettings,
     "preparation": Preparation,
     "echo": Echo,
     "path": PathSettings,
