@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
+import pytest
 
 import helibore as hb
 from helibore import Live
+from helibore.base.errors import InputError
 from helibore.live.rules.configuration import parse
 from helibore.live.wire import wits
 from helibore.simulation.tool import Hole, Lift, Tool, simulate
@@ -35,6 +39,15 @@ FROM_BIT = (
     '[source.mwd]\naddress = "host"\nunits = "metric"\n'
     'caliper = { toolface = ["5010"], radius = ["5012"], offset = 10.0, latency = LATENCY }\n'
 )
+
+
+def refused(text: str) -> tuple[str, str, str | None]:
+    """Place without the line, rule and value of the error of a configuration."""
+    with pytest.raises(InputError) as caught:
+        parse(text)
+    place = re.fullmatch(r"configuration(?:, line \d+)?(?:: (.*))?", caught.value.place, re.DOTALL)
+    assert place is not None
+    return place[1] or "", caught.value.rule, caught.value.value
 
 
 class Clock:

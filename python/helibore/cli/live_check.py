@@ -13,7 +13,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from helibore.live.rules.configuration import Configuration
-from helibore.live.rules.sources import LENGTHS, Item, Source
+from helibore.live.rules.source_tables import LENGTHS
+from helibore.live.rules.sources import Item, Source
 
 Row = tuple[str, str, str, str]
 _RIG = {"rotation": "rpm", "activity": ""}
@@ -53,7 +54,7 @@ def _rows(settings: Configuration, source: Source) -> Iterator[Row]:
     for name, item in source.rig.items():
         depths = name in ("bit_depth", "hole_depth")
         yield row(name, [item], *((_unit(entries["items"][name]), depth_unit, start) if depths else (_RIG[name],)))
-    if number := source.items.pass_number:
+    if number := source.pass_number:
         yield row("pass_number", [number], "")
     if caliper:
         units = entries["caliper"]

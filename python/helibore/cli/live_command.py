@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import importlib
 import signal
 import sys
 import threading
@@ -70,7 +69,6 @@ def live(
     docs/driller.md ("While drilling") has the smallest CONFIGURATION, docs/live.md has every setting. After SIGHUP
     (kill -HUP), CONFIGURATION is read again, and its changes apply to later bytes.
     """
-    importlib.import_module("helibore.live.rules.checks")  # imported first: its error names the extra that is missing
     from helibore.base.identity import Access, find_token
     from helibore.cli.lines import counts_line
     from helibore.cli.live_check import described

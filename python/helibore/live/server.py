@@ -250,7 +250,7 @@ class Server:
         names = [name for name in TABLES_OF_START if getattr(now, name) != getattr(self._begun, name)]
         pairs = [(now.sources[name], used) for name, used in self._used.items()]
         return names + [f"source.{source.name}.{name}" for source, used in pairs for name in kind_of(used).of_start
-                        if getattr(source, name) != getattr(used, name)]  # fmt: skip
+                        if getattr(source.table, name) != getattr(used.table, name)]  # fmt: skip
 
     def _move(self, source: Source) -> None:
         """Connect a source at its new address; if that fails, report the reason and stay at the old address."""

@@ -18,6 +18,7 @@ the help of the option. ``toml_reading`` reads TOML, ``listing`` makes tables an
 from __future__ import annotations
 
 import dataclasses
+import datetime
 import inspect
 import math
 import operator
@@ -124,7 +125,7 @@ def within(least: float, most: float, unit: str = "") -> Rule:
 
 NOUNS: dict[Any, str] = {
     float: "a number", int: "an integer", str: "text", bool: "true or false", Path: "the name of a file",
-    dict: "a table",
+    dict: "a table", datetime.datetime: "a date and time without quotes, such as 2026-05-01T10:00:00Z",
 }  # fmt: skip
 """What a value of each type must be."""
 
@@ -136,8 +137,8 @@ def _plain(value: Any) -> Any:
 
 
 def shown(value: Any) -> str:
-    """Return a value as an error shows it: numbers as they were given, texts in quotes."""
-    value = _plain(value)
+    """Return a value as an error shows it: numbers as they were given, texts in quotes, lists in brackets."""
+    value = list(value) if isinstance(value, tuple) else _plain(value)
     return repr(value).removesuffix(".0") if isinstance(value, float) else repr(value)
 
 
@@ -207,8 +208,10 @@ class Member:
         """The default as help and documentation show it; "" if there is none to show."""
         if self.option is not None and self.option.usual:
             return self.option.usual
-        if self.default is MISSING or self.default is None or self.default in ((), {}):
+        if self.default is MISSING or self.default is None or self.default in ((), {}, ""):
             return ""
+        if dataclasses.is_dataclass(self.default):
+            return ""  # a group of its own shows its defaults
         if self.kind is bool:
             return "true" if self.default else "false"
         if self.unit is not None and isinstance(self.default, float):

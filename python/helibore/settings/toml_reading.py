@@ -23,6 +23,8 @@ from helibore.settings.declared import NOUNS, Member, Unit, members, shown
 
 Key = str | int
 Made = TypeVar("Made")
+ALONE = {"file": str, "item": str | int}
+"""A table with one of these settings may be written as this setting's value alone, if it has this type."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +61,11 @@ class TomlSource:
     def error(self, keys: tuple[Key, ...], rule: str, value: Any = MISSING) -> InputError:
         """Return the error for a value that breaks a rule."""
         return InputError(self.place(keys), rule, None if value is MISSING else shown(value))
+
+    def located(self, error: InputError, keys: tuple[Key, ...] = ()) -> InputError:
+        """Return an error whose place is a setting below ``keys``, such as ``caliper.order``, with its place here."""
+        inner = tuple(error.place.split(".")) if error.place else ()
+        return InputError(self.place((*keys, *inner)), error.rule, error.value, error.setting)
 
     def line(self, keys: tuple[Key, ...]) -> int | None:
         """Return the line where a key stands, or its table if the key is missing; None if there is neither."""
@@ -108,11 +115,7 @@ def read_table(
         On a key that is not known, a key that is missing, and a value that breaks its rule.
     """
     known = members(kind)
-    values = _read_keys(known, tree, source, keys, over or {})
-    for name, member in known.items():
-        if member.default is MISSING and name not in values:
-            raise source.error((*keys, name), "is missing")
-    return _made(kind, values, source, keys)
+    return _made(kind, _read_keys(known, tree, source, keys, over or {}), source, keys)
 
 
 def _read_keys(
@@ -147,11 +150,16 @@ def read_stated(kind: type[Any], tree: Any, source: TomlSource, keys: tuple[Key,
 
 
 def _made(kind: type[Made], values: dict[str, Any], source: TomlSource, keys: tuple[Key, ...]) -> Made:
+    known = members(kind)
+    for name, member in known.items():
+        if member.default is MISSING and name not in values:
+            choices = f"; it must be one of {member.choice_text}" if member.choices else ""
+            raise source.error((*keys, name), f"is missing{choices}")
     try:
         return kind(**values)
     except InputError as error:
-        if error.place in members(kind):
-            raise InputError(source.place((*keys, error.place)), error.rule, error.value) from error
+        if error.place.partition(".")[0] in ("", *known):
+            raise source.located(error, keys) from error
         raise (error.within(place) if (place := source.place(keys)) else error) from error
 
 
@@ -171,13 +179,15 @@ def read_value(
     """Return a value of TOML in a type.
 
     "none" stands for None where None is allowed; a text such as "8.5in" is a number where the number has a unit; the
-    name of a file is a table that has only this file, and one table is a list of tables.
+    name of a file or of an item is a table that has only this name, and one table is a list of tables.
     """
     if value == "none" and optional:
         return None
     kind = typing.get_origin(hint) or hint
     if dataclasses.is_dataclass(kind):
-        value = {"file": value} if isinstance(value, str) and "file" in members(typing.cast(type[Any], kind)) else value
+        known = members(typing.cast(type[Any], kind))
+        alone = next((name for name, of in ALONE.items() if name in known and isinstance(value, of)), None)
+        value = value if alone is None else {alone: value}
         return read_table(typing.cast(type[Any], kind), value, source, keys)
     if kind is tuple:
         return _read_list(typing.get_args(hint), unit, value, source, keys)

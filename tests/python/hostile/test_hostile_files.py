@@ -17,7 +17,7 @@ from pathlib import Path
 import pytest
 from corpus import ESC, write
 
-for library in ("pyarrow", "lasio", "dlisio", "python_calamine", "fsspec", "pydantic"):
+for library in ("pyarrow", "lasio", "dlisio", "python_calamine", "fsspec"):
     pytest.importorskip(library)
 
 OPENED = {

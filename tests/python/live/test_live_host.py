@@ -148,12 +148,12 @@ def test_an_image_that_says_how_it_lies_is_laid_like_one_of_a_source(tmp_path):
 @pytest.mark.parametrize(
     ("given", "reported"),
     [
-        ({"origin": "edge"}, 'reference: must be set: "high-side" or "north": the direction of toolface 0'),
-        ({**LIES, "origin": "middle"}, "origin = 'middle': must be \"centre\" or \"edge\""),
+        ({"origin": "edge"}, "reference = None: must be one of high-side, north"),
+        ({**LIES, "origin": "middle"}, "origin = 'middle': must be one of centre, edge"),
         ({**LIES, "reference": "north"}, "reference = 'north': must be the path's reference, \"high-side\": "
          "live images are not converted to it"),
-        ({**LIES, "toolface_offset": np.inf}, "toolface_offset = inf: must be a finite number"),
-        ({**LIES, "direction": "left"}, "direction = 'left': must be \"clockwise\" or \"counterclockwise\""),
+        ({**LIES, "toolface_offset": np.inf}, "toolface_offset = inf: must lie in -360 to 360 degrees"),
+        ({**LIES, "direction": "left"}, "direction = 'left': must be one of clockwise, counterclockwise"),
         ({**LIES, "toolface_offset": 31}, "image 'RES': has another layout: Layout(origin='edge', "
          "reference='high-side', direction='clockwise', offset=30.0)"),
         ({"unit": "gAPI"}, "unit = 'gAPI': image 'RES' has the unit 'ohm.m'"),

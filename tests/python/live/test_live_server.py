@@ -15,6 +15,7 @@ from types import SimpleNamespace
 import pytest
 from click.testing import CliRunner
 from live_servers import Running, configured, frames, free_port, is_closed, payloads, until
+from live_wires import refused
 from patience import PATIENCE
 
 from helibore import Live
@@ -204,13 +205,12 @@ def test_a_descriptor_beyond_1024_is_read(tmp_path):
 
 
 def test_a_listener_off_loopback_must_say_who_may_connect():
-    with pytest.raises(
-        ValueError,
-        match=r"^source\.mwd\.allow: must be set: the addresses that may connect to a listener on 0\.0\.0\.0$",
-    ):
-        parse(configured("listen://0.0.0.0:5000"))
-    with pytest.raises(ValueError, match=r"^source\.mwd\.allow\[0\] = 'rig': must be an IP address or a network"):
-        parse(configured("listen://0.0.0.0:5000", 'allow = ["rig"]\n'))
+    place, rule, _ = refused(configured("listen://0.0.0.0:5000"))
+    assert place == "source.mwd.allow"
+    assert "may connect to a listener on 0.0.0.0" in rule
+    place, rule, value = refused(configured("listen://0.0.0.0:5000", 'allow = ["rig"]\n'))
+    assert (place, value) == ("source.mwd.allow", "['rig']")
+    assert "must be IP addresses or networks" in rule
 
 
 def test_a_serial_line(tmp_path):

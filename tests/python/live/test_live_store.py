@@ -590,9 +590,9 @@ def test_a_time_log_places_its_rows_by_their_own_bit_depth(store, tmp_path):
         (("https://", "https://rig:pw@"), "must not hold a user or password: give user and password_env"),
         (("every", 'password = "pw"\nevery'), "source.store.password: must not be in the file"),
         (("every", 'user = "rig"\nevery'), "source.store: user and password_env must both be set, or neither"),
-        (('index = "depth"', 'index = "date"'), 'source.store.log.index = \'date\': must be "depth" or "time"'),
+        (('index = "depth"', 'index = "date"'), "source.store.log.index = 'date': must be one of depth, time"),
         (('["RAD"]', "[]"), "toolface, radius and depth must have equally many curves"),
-        (("every", 'units = "metric"\nevery'), "source.store.units: is not a setting"),
+        (("every", 'units = "metric"\nevery'), "source.store.units: must be one of address, silence"),
         (
             ('bit_depth = "DBTM"', 'bit_depth = "TF"'),
             "source.store.caliper.toolface = 'TF': is mapped to another quantity",

@@ -29,7 +29,7 @@ from helibore.live.journal.journal import (
     segments,
 )
 from helibore.live.journal.session_header import sources_of
-from helibore.live.rules.configuration import Configuration, parse
+from helibore.live.rules.configuration import parse
 from helibore.live.rules.depth_limits import DepthLimits
 
 
@@ -196,16 +196,14 @@ def test_a_journal_keeps_the_defaults_it_was_written_with(tmp_path, monkeypatch)
         live.receive("mwd", FRAMES[0])
     meaning = live.configuration.meaning()
     later = {"jump": 7.0, "beyond_hole": 3.0}
-    monkeypatch.setattr(Configuration.model_fields["depth"], "default", DepthLimits(**later))
-    Configuration.model_rebuild(force=True)
+    for name, value in later.items():
+        monkeypatch.setitem(DepthLimits.__init__.__kwdefaults__, name, value)
     assert parse(SENT).depth.jump == 7.0
     for one in (Live(parse(SENT), tmp_path), Live.replay(tmp_path)):
         assert one.configuration.meaning() == meaning
         assert one.configuration.depth.jump == 100.0
         assert not one.model.stretches
         one.close()
-    monkeypatch.undo()
-    Configuration.model_rebuild(force=True)
 
 
 def test_a_journal_from_before_a_setting_existed_goes_on(tmp_path):

@@ -197,7 +197,7 @@ def test_what_a_played_rig_does_not_heed_is_refused_at_once(tmp_path, monkeypatc
 @pytest.mark.parametrize(
     ("text", "arguments", "reported"),
     [
-        ("", ["--journal", "j"], "rig.toml: wall.bit_diameter: must be set: metres"),
+        ("", ["--journal", "j"], "rig.toml: wall.bit_diameter: is missing"),
         (None, ["--journal", "j"], "rig.toml: No such file or directory"),
         (Rig("em", 2000.0, 2000.5, 0.0).configuration("host"), [], "no journal: give --journal FOLDER"),
         (Rig("em", 2000.0, 2000.5, 0.0).configuration("host"), ["--check"], ""),

@@ -15,6 +15,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -24,8 +25,8 @@ from helibore.base.errors import InputError
 from helibore.live.journal import checkpoint
 from helibore.live.journal import journal as journals
 from helibore.live.journal.journal import Segment, all_paths, number_of, segments
-from helibore.live.rules.checks import joined_place
 from helibore.live.rules.configuration import Configuration, parse
+from helibore.live.rules.recorded_values import joined_place
 from helibore.live.rules.sources import Source
 
 Header = dict[str, Any]
@@ -180,7 +181,7 @@ def changed_to(given: Configuration, last: Configuration, folder: FilePath | Non
 
 def _changed(folder: FilePath, last: Configuration, given: Configuration) -> Configuration:
     _check(folder, json.loads(last.meaning()), given)
-    return given.model_copy(update={"wall": last.wall | {"bit_diameter": given.wall["bit_diameter"]}})
+    return replace(given, wall=last.wall | {"bit_diameter": given.wall["bit_diameter"]})
 
 
 def _check(folder: FilePath, begun: dict[str, Any], given: Configuration) -> None:

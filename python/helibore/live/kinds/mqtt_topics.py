@@ -6,28 +6,27 @@ import json
 import os
 import re
 from collections.abc import Iterator
-from dataclasses import replace
-from typing import Annotated, Any, Literal
+from dataclasses import dataclass
+from typing import Annotated, Any
 from urllib.parse import urlsplit
 
 import numpy as np
-from pydantic import AfterValidator, Field, PlainValidator
 
-from helibore.base import units
 from helibore.base.errors import InputError
 from helibore.live.model.events import EventBook
 from helibore.live.model.mapping import Chunk, Reading, SourceReader
 from helibore.live.model.named_reader import NamedReader
 from helibore.live.model.sample_rows import frame_rows
 from helibore.live.model.sequence import SequenceWatch
-from helibore.live.rules.checks import within
 from helibore.live.rules.depth_limits import DepthLimits
 from helibore.live.rules.kinds import Position, Report, SourceKind
-from helibore.live.rules.sources import LENGTHS, Context, NamedSource, Text
+from helibore.live.rules.source_tables import NAMES, TEXT, NamedTable, UnitSet, check_user
+from helibore.live.rules.sources import NamedSource
 from helibore.live.wire.address import Address
 from helibore.live.wire.mqtt_link import MqttOpener
 from helibore.live.wire.redaction import check_password
 from helibore.live.wire.transport import Opener
+from helibore.settings.declared import within
 
 HEAD = re.compile(rb"mqtt (new|dup|retained|large) (\d{1,5}) (\d{1,8})\n")
 LONGEST_HEAD = 40
@@ -36,60 +35,57 @@ DEEPEST = 8
 """The most levels of objects in a message."""
 
 
-def _address(text: object) -> Address:
-    rule = "must be mqtts://HOST:PORT, or mqtt://HOST:PORT without encryption"
-    if "@" in str(text):
-        scheme = str(text).partition(":")[0]
-        raise InputError("", "must not hold a user or password: give user and password_env", f"'{scheme}://...'")
-    try:
-        parts = urlsplit(str(text))
-        port = parts.port
-    except ValueError:
-        raise InputError("", rule, repr(text)) from None
-    if not parts.hostname or parts.path.strip("/") or parts.query or parts.fragment:
-        raise InputError("", rule, repr(str(text).partition("?")[0]))
-    return Address(parts.scheme, host=parts.hostname, port=port or PORTS.get(parts.scheme, 0))
+@dataclass(frozen=True, kw_only=True)
+class MqttTable(NamedTable):
+    """An MQTT broker, ``[source.NAME]``: mqtts:// or mqtt://; names are keys of JSON objects, or topics of numbers.
+
+    ``a.b`` is the key ``b`` in the object ``a``; a topic is the name of a bare number.
+    """
+
+    units: Annotated[UnitSet, "Unit set, which MQTT does not transmit: m and mm, or ft and in."]
+    client: Annotated[str, TEXT, "Client name, for which the broker keeps messages while helibore is away."]
+    topics: Annotated[tuple[str, ...], TEXT, NAMES, "Topics to subscribe to."]
+    sequence: Annotated[str, "Name of the value that counts the messages, so that gaps show."] = ""
+    user: Annotated[str, "User; with ``password_env`` or not at all."] = ""
+    password_env: Annotated[str, "Environment variable that holds the password."] = ""
+    ca: Annotated[str, "File of certificates of authorities in addition to the system's."] = ""
+    message_kb: Annotated[int, within(1, 8192, "kilobytes"), "A longer message is not read."] = 256
+
+    def _check(self) -> None:
+        super()._check()
+        check_user(self.user, self.password_env)
+        place = self.place
+        if self.user and place.kind == "mqtt" and not place.is_loopback:
+            raise InputError("address", "must be mqtts: others can read the password", repr(f"mqtt://{place.host}"))
+
+    @classmethod
+    def place_of(cls, address: str) -> Address:
+        rule = "must be mqtts://HOST:PORT, or mqtt://HOST:PORT without encryption"
+        if "@" in address:
+            scheme = address.partition(":")[0]
+            raise InputError("", "must not hold a user or password: give user and password_env", f"'{scheme}://...'")
+        try:
+            parts = urlsplit(address)
+            port = parts.port
+        except ValueError:
+            raise InputError("", rule, repr(address)) from None
+        if not parts.hostname or parts.path.strip("/") or parts.query or parts.fragment:
+            raise InputError("", rule, repr(address.partition("?")[0]))
+        return Address(parts.scheme, host=parts.hostname, port=port or PORTS.get(parts.scheme, 0))
+
+    @property
+    def unit_set(self) -> str:
+        return self.units
 
 
-def _topics(topics: list[str]) -> list[str]:
-    if not topics or not all(topics):
-        raise ValueError('must be a list of topics, such as ["rig7/#"]')
-    return topics
-
-
+@dataclass(frozen=True)
 class MqttSource(NamedSource):
-    """An MQTT broker; names are keys of JSON objects (``a.b`` for a key in an object), or topics of bare numbers."""
+    """An MQTT broker."""
 
-    address: Annotated[Address, PlainValidator(_address)]
-    units: Literal["metric", "fps"] = Field(description='"metric" or "fps", because MQTT does not transmit units')
-    client: Text = Field(description="the client name, for which the broker keeps messages while helibore is away")
-    topics: Annotated[list[str], AfterValidator(_topics)] = Field(description="a list of topics to subscribe to")
-    sequence: str = ""
-    user: str = ""
-    password_env: str = ""
-    ca: str = ""
-    message_kb: Annotated[int, within(1, 8192)] = 256
-
-    def model_post_init(self, context: Context) -> None:
-        depth, size = (units.factor(unit, units.LENGTH) for unit in LENGTHS[self.units])
-        super().model_post_init(context)
-        if self.caliper:
-            half = 0.5 if self.caliper.measures == "diameter" else 1.0
-            self.caliper._derive(
-                radius=[replace(item, scale=size * half) for item in self.caliper.radius],
-                depth=[replace(item, scale=depth) for item in self.caliper.depth],
-            )
-        scales = {"bit_depth": depth, "hole_depth": depth}
-        self._derive(rig={name: replace(item, scale=scales.get(name, 1.0)) for name, item in self.rig.items()})
-        if bool(self.user) != bool(self.password_env):
-            raise InputError("", "user and password_env must both be set, or neither")
-        if self.user and self.address.kind == "mqtt" and not self.address.is_loopback:
-            raise InputError(
-                "address", "must be mqtts: others can read the password", repr(f"mqtt://{self.address.host}")
-            )
+    table: MqttTable
 
     def meaning(self) -> dict[str, Any]:
-        return super().meaning() | {"sequence": self.sequence}
+        return super().meaning() | {"sequence": self.table.sequence}
 
 
 class MqttReader(NamedReader):
@@ -100,9 +96,9 @@ class MqttReader(NamedReader):
 
     def __init__(self, source: MqttSource, events: EventBook, limits: DepthLimits) -> None:
         super().__init__(source, events, limits)
-        self._sequence_name = source.sequence
+        self._sequence_name = source.table.sequence
         self._begun = b""
-        if source.sequence:
+        if self._sequence_name:
             self.watches = {0: SequenceWatch()}
 
     def go_on_from(self, before: SourceReader) -> None:
@@ -214,19 +210,20 @@ class MqttTopics(SourceKind[MqttSource, MqttReader]):
     """MQTT brokers."""
 
     schemes = "mqtt", "mqtts"
-    table = MqttSource
+    table = MqttTable
+    source = MqttSource
     reader = MqttReader
     longest_wait = 60.0
     resumes = True
 
     def open(self, source: MqttSource, position: Position, report: Report) -> Opener:  # noqa: ARG002
-        place, auth = f"source.{source.name}", None
-        if source.user:
-            if source.password_env not in os.environ:
-                raise InputError(f"{place}.password_env", "is not set in the environment", repr(source.password_env))
-            auth = source.user, os.environ[source.password_env]
+        place, table, auth = f"source.{source.name}", source.table, None
+        if table.user:
+            if table.password_env not in os.environ:
+                raise InputError(f"{place}.password_env", "is not set in the environment", repr(table.password_env))
+            auth = table.user, os.environ[table.password_env]
             check_password(f"{place}.password_env", auth[1])
-        return MqttOpener(place, source.address, source.client, source.topics, source.message_kb << 10, auth, source.ca)
+        return MqttOpener(place, source.address, table.client, table.topics, table.message_kb << 10, auth, table.ca)
 
 
 KIND = MqttTopics()

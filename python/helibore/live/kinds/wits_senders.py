@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from helibore.live.model.mapping import SourceReader
 from helibore.live.rules.kinds import Cells, Items, Position, Report, SourceKind
+from helibore.live.rules.source_tables import WitsTable
 from helibore.live.rules.sources import WitsSource
 from helibore.live.wire import wits
 from helibore.live.wire.transport import Opener, opener
@@ -15,7 +16,8 @@ class WitsSenders(SourceKind[WitsSource, SourceReader]):
     """Senders of WITS level 0."""
 
     schemes = "tcp", "listen", "serial", "file", "host"
-    table = WitsSource
+    table = WitsTable
+    source = WitsSource
     reader = SourceReader
     of_start = "allow", "mode", "every", "replace_after"
 

@@ -26,7 +26,7 @@ from helibore.live.model.sample_rows import ROW, frame_rows, measured
 from helibore.live.model.sequence import SequenceWatch
 from helibore.live.rules.depth_limits import DepthLimits
 from helibore.live.rules.pass_rules import LARGEST, NO_NUMBER
-from helibore.live.rules.sources import Image, Item, Source, WitsCaliper
+from helibore.live.rules.sources import Image, Item, Source
 from helibore.live.wire import wits
 from helibore.samples.caliper import LARGEST_RADIUS
 
@@ -205,7 +205,7 @@ class SourceReader:
             if name in before._steps and self.source.rig[name] == before.source.rig[name]:
                 before._steps[name].limits = steps.limits
                 self._steps[name] = before._steps[name]
-        if self.source.items.pass_number == before.source.items.pass_number:
+        if self.source.pass_number == before.source.pass_number:
             self._pass_number = before._pass_number
         self.counts = {name: before.counts.get(name, 0) for name in self.counts}
         self.watches |= {code: watch for code, watch in before.watches.items() if code in self.watches}
@@ -350,14 +350,14 @@ class SourceReader:
 
     def _wrong_numbers(self, values: Floats) -> Integers:
         """Return the frames whose pass number is not a whole number in the allowed range."""
-        if self.source.items.pass_number is None:
+        if self.source.pass_number is None:
             return np.empty(0, np.int64)
-        number = values[:, self._column[self.source.items.pass_number.name]]
+        number = values[:, self._column[self.source.pass_number.name]]
         return np.flatnonzero(~np.isnan(number) & ~_counts_passes(number))
 
     def _wrong_number(self, row: int, reading: Reading, values: Floats) -> Event:
-        assert self.source.items.pass_number is not None
-        number = values[row, self._column[self.source.items.pass_number.name]]
+        assert self.source.pass_number is not None
+        number = values[row, self._column[self.source.pass_number.name]]
         text = f"pass number {number:g}: must be a whole number from 0 to {LARGEST}"
         return self._of_frame(reading, row, "invalid", text)
 
@@ -469,7 +469,7 @@ class SourceReader:
 
         A null or wrong number gives NO_NUMBER. The number of a late or repeated frame applies to that frame only.
         """
-        item = self.source.items.pass_number
+        item = self.source.pass_number
         if item is None:
             return np.full(len(values), NO_NUMBER)
         column = self._column[item.name]
@@ -523,7 +523,7 @@ class SourceReader:
         The unit is judged once, for a WITS source whose configuration does not state it.
         """
         caliper = self.source.caliper
-        if not isinstance(caliper, WitsCaliper) or caliper.toolface_unit or len(self._toolfaces) == FIRST_TOOLFACES:
+        if caliper is None or caliper.has_toolface_unit or len(self._toolfaces) == FIRST_TOOLFACES:
             return
         rows = np.flatnonzero(np.isfinite(toolface))[: FIRST_TOOLFACES - len(self._toolfaces)]
         self._toolfaces += toolface[rows].tolist()

@@ -27,7 +27,9 @@ class Stations:
 
     def __init__(self, path: PathTable, limits: DepthLimits) -> None:
         self._limits = limits
-        self._settings: dict[str, Any] = path.model_dump(exclude={"stations"}) | {"head": tuple(path.head)}
+        self._settings: dict[str, Any] = {
+            name: getattr(path, name) for name in ("method", "reference", "head", "extend")
+        }
         self._core = _core.Stations(**self._settings)
         self._survey: Survey | None = None
         self._path: Path | None = None

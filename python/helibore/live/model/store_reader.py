@@ -299,7 +299,7 @@ class StoreReader(NamedReader):
 
 
 def _log_of(store: StoreSource) -> tuple[tuple[str, str, str] | None, str]:
-    return store.log.uids if store.log else None, store.index
+    return store.table.log.uids if store.table.log else None, store.index
 
 
 _STATION_KINDS = (units.LENGTH, units.ANGLE, units.ANGLE)

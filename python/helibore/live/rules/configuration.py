@@ -10,96 +10,112 @@
     items = { bit_depth = "0108", hole_depth = "0110", rotation = "0120" }
     caliper = { first = "5010", groups = 30, order = ["toolface", "depth", "radius"] }
 
-``docs/live.md`` lists every setting. Each table is a class that ``checks.py`` checks. ``sources.py`` has the tables of
-the sources and converts their units, ``pass_rules.py`` has ``[passes]``, ``depth_limits.py`` has ``[depth]``, and this
-file has all other tables and the rules that concern several tables.
+The groups ``live`` of ``helibore settings`` list every setting. ``source_tables.py`` has the tables of the sources,
+``sources.py`` what they mean, ``pass_rules.py`` has ``[passes]``, ``depth_limits.py`` has ``[depth]``, and this file
+has all other tables and the rules that concern several tables.
 """
 
 from __future__ import annotations
 
-import dataclasses
 import datetime
 import json
 import os
 import re
-import tomllib
-from dataclasses import asdict
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import Annotated, Any, Literal
 from urllib.parse import urlsplit
 
 import numpy as np
-from pydantic import AfterValidator, ConfigDict, Field, PlainValidator
 
 from helibore.base.errors import InputError
-from helibore.base.regular_file import check_regular
-from helibore.base.toml_file import check_parts
-from helibore.live.rules.checks import Derived, Table, check, with_values, within
+from helibore.base.toml_file import parse_toml, read_text
 from helibore.live.rules.depth_limits import DepthLimits
 from helibore.live.rules.kinds import read_source
 from helibore.live.rules.layout import PathReference
-from helibore.live.rules.pass_rules import PASSES, PassRules, read_layers
-from helibore.live.rules.sources import Source, Text
+from helibore.live.rules.pass_rules import PASSES, PassRules, check_layers
+from helibore.live.rules.recorded_values import with_values
+from helibore.live.rules.source_tables import ALL_FINITE, TEXT
+from helibore.live.rules.sources import Hole, Source
+from helibore.settings.declared import (
+    DEPTH,
+    FINITE,
+    METRES,
+    NOT_NEGATIVE,
+    SECONDS,
+    Declared,
+    Rule,
+    Stated,
+    at_least,
+    within,
+)
+from helibore.settings.path_settings import PathSettings
+from helibore.settings.toml_reading import TomlSource, read_table
 from helibore.settings.wall_settings import Settings
 from helibore.wall.wall import Wall
 
 BEFORE_THEY_EXISTED = {"samples": {"most": 0}}
 """The values that tables have in journals that were begun before these tables existed."""
-OF_WALL = {*(f.name for f in dataclasses.fields(Settings)), "threads", "instruction_set", "basis"}
+MAIN = ["drill", "rescan", "unknown"]
+"""The passes of the layer ``main`` if the file does not state them."""
+WORDS = Rule("must be a list of texts that are not empty", all)
+STATIONS = Rule("must be finite", lambda stations: all(map(ALL_FINITE.test, stations)))
 
 
-class WallTable(Table):
-    """The table ``wall``; `Wall` checks the settings that are not fields of this class."""
+@dataclass(frozen=True, kw_only=True)
+class LiveWall(Settings):
+    """Settings of a live wall, ``[wall]``; see also ``[wall]`` of a project."""
 
-    model_config = ConfigDict(extra="allow")
-
-    bit_diameter: float = Field(description="metres")
-    start_depth: float = Field(description="metres, the depth of the first vertex")
-
-
-def _three(rule: str) -> AfterValidator:
-    def check_three(values: list[float]) -> list[float]:
-        if len(values) != 3:
-            raise ValueError(rule)
-        return values
-
-    return AfterValidator(check_three)
+    start_depth: Annotated[float, METRES, FINITE, DEPTH, "Depth of the first vertex."] = field()
+    threads: Annotated[int | None, "Most threads of an append. None: as ``HELIBORE_THREADS`` says."] = None
+    instruction_set: Annotated[str, "Instructions of the processor that are used."] = "automatic"
+    basis: Annotated[str, "What toolfaces of the samples count from, as for `helibore.Wall`."] = "azimuthal"
 
 
-class PathTable(Table):
-    """The table ``path``: given survey stations, and how the path through all stations is computed."""
+@dataclass(frozen=True, kw_only=True)
+class PathTable(PathSettings):
+    """How stations become a path, ``[path]``, and the stations that are known before the first one comes."""
 
-    method: Literal["minimum-curvature", "radius-of-curvature"] = "minimum-curvature"
-    reference: PathReference = "high-side"
-    head: Annotated[list[float], _three("must be three numbers: north, east, down in metres")] = [0.0, 0.0, 0.0]
-    extend: Annotated[float, within(0)] = 100.0
-    stations: list[Annotated[list[float], _three("must be [depth m, inclination deg, azimuth deg]")]] = []
-
-
-class SamplesTable(Table):
-    """The table ``samples``: limits that bound the memory where a tool measures at one depth for days.
-
-    ``most``: the most samples of a source, or of the host, that a wall draws near each vertex, rounded up to a multiple
-    of 8; 0: all. With 0, the live wall equals a wall made in one batch, in every bit. ``image_step``: metres of depth;
-    an image keeps the latest row in each step; 0: the image keeps all rows and shows the latest row of each depth.
-    """
-
-    most: Annotated[int, within(0, 100_000)] = 0
-    image_step: Annotated[float, within(0, 10)] = 0.0
+    reference: Annotated[PathReference, "Direction of toolface 0."] = "high-side"
+    extend: Annotated[float, METRES, NOT_NEGATIVE,
+        "Length by which the path goes on straight below the last station.",
+    ] = 100.0  # fmt: skip
+    stations: Annotated[tuple[tuple[float, float, float], ...], STATIONS,
+        "Tie-in: depth in metres, inclination and azimuth in degrees of each station.",
+    ] = ()  # fmt: skip
 
 
-class JournalTable(Table):
-    """The table ``journal``.
+@dataclass(frozen=True, kw_only=True)
+class SamplesTable(Declared):
+    """Limits that bound the memory where a tool measures at one depth for days, ``[samples]``."""
 
-    Segments that both checkpoints contain, and whose records are all older than ``keep_days``, are compressed into the
-    folder ``archive``, or deleted if ``old`` is "remove"; without ``keep_days`` they stay.
-    """
+    most: Annotated[int, within(0, 100_000, "samples"),
+        "Most samples of a source, or of the host, that a wall draws near each vertex. It is rounded up to a multiple "
+        "of 8. 0: all; then the live wall equals a wall made in one batch, in every bit.",
+    ] = 0  # fmt: skip
+    image_step: Annotated[float, METRES, within(0, 10, "m"),
+        "An image keeps the latest row in each such step of depth. 0: all rows, and it shows the latest row of each "
+        "depth.",
+    ] = 0.0  # fmt: skip
 
-    folder: Text | None = None
-    sync_ms: Annotated[float, within(0, 60_000)] = 100.0
-    segment_mb: Annotated[int, within(1, 1024)] = 64
-    keep_days: Annotated[float, within(0)] | None = None
-    old: Literal["archive", "remove"] = "archive"
+
+@dataclass(frozen=True, kw_only=True)
+class JournalTable(Declared):
+    """Where and how every byte is stored, ``[journal]``."""
+
+    folder: Annotated[str, TEXT, "Folder of the journal, or ``--journal``."] = ""
+    sync_ms: Annotated[float, within(0, 60_000, "ms"),
+        "Time at risk in a power cut, milliseconds; 0: every append is synced.",
+    ] = 100.0  # fmt: skip
+    segment_mb: Annotated[int, within(1, 1024, "megabytes"), "Size of a segment; a checkpoint follows each."] = 64
+    keep_days: Annotated[float | None, NOT_NEGATIVE,
+        "Segments that both checkpoints contain, and whose records are all older than this, are put away. None: they "
+        "stay.",
+    ] = None  # fmt: skip
+    old: Annotated[Literal["archive", "remove"],
+        "What happens to such segments: they are compressed into the folder archive, or deleted.",
+    ] = "archive"  # fmt: skip
 
     @property
     def sync_interval(self) -> float:
@@ -107,14 +123,15 @@ class JournalTable(Table):
         return self.sync_ms / 1000.0
 
 
-class NextTable(Table):
-    """The table ``next``: the configuration ``file`` that applies from a hole depth (metres) or from a time on."""
+@dataclass(frozen=True, kw_only=True)
+class NextTable(Declared):
+    """The configuration that follows, ``[next]``, from a hole depth or from a time on."""
 
-    file: Text = Field(description="the file of the configuration")
-    hole_depth: Annotated[float, within(0)] | None = None
-    time: datetime.datetime | None = None
+    file: Annotated[str, TEXT, "File of the configuration, in the folder of this one."]
+    hole_depth: Annotated[float | None, METRES, NOT_NEGATIVE, "It applies when the hole is so deep."] = None
+    time: Annotated[datetime.datetime | None, "It applies from this time on, with its time zone."] = None
 
-    def model_post_init(self, _: object) -> None:
+    def _check(self) -> None:
         if (self.hole_depth is None) == (self.time is None):
             raise InputError("", "either hole_depth or time must be set, and not both")
         if self.time and self.time.tzinfo is None:
@@ -125,109 +142,101 @@ class NextTable(Table):
         return wall / 1e9 >= self.time.timestamp() if self.time else hole_depth >= (self.hole_depth or 0.0)
 
 
-class SnapshotTable(Table):
-    """The table ``snapshot``: folder, interval in seconds and format of logs for exports of the live wall."""
+@dataclass(frozen=True, kw_only=True)
+class SnapshotTable(Declared):
+    """Exports of the live wall, ``[snapshot]``."""
 
-    folder: str = ""
-    every: Annotated[float, within(1)] = 60.0
-    logs: Literal["las", "csv", "none"] = "las"
+    folder: Annotated[str, "Folder of the export, or ``--snapshot``."] = ""
+    every: Annotated[float, SECONDS, FINITE, at_least(1, "s"), "Time between two exports."] = 60.0
+    logs: Annotated[Literal["las", "csv", "none"], "Format of the logs."] = "las"
 
 
-def _webhook(address: str) -> str:
+def _check_webhook(address: str) -> None:
     parts = urlsplit(address)
     if parts.scheme == "env" and parts.path:
-        return f"env:{parts.path}"
+        return
     if parts.scheme not in ("http", "https") or not parts.hostname:
         rule = "must be https://..., http://... or env:NAME, an environment variable that holds the address"
         may_hold_secret = "@" in address or "?" in address
-        raise InputError("", rule, repr(f"{parts.scheme}:..." if may_hold_secret else address))
+        raise InputError("webhook", rule, repr(f"{parts.scheme}:..." if may_hold_secret else address))
     if parts.username is not None or parts.query:
         rule = "must not hold a user, a password or a query, which would be in the journal: use env:NAME"
-        raise InputError("", rule, repr(f"{parts.scheme}://{parts.hostname}/..."))
-    return address
+        raise InputError("webhook", rule, repr(f"{parts.scheme}://{parts.hostname}/..."))
 
 
-class AlarmLimits(Table):
-    """The table ``alarms``: when an alarm begins, and who receives it besides page, metrics and log.
+@dataclass(frozen=True, kw_only=True)
+class AlarmLimits(Declared):
+    """When an alarm begins, and who receives it besides page, metrics and log, ``[alarms]``."""
 
-    An alarm begins after ``lost`` seconds without a connection, after ``refused`` seconds in which all samples are
-    refused, after ``standing`` seconds in which samples come and the bit depth does not change, and after ``sync``
-    seconds without a successful sync. It also begins if the clock of the machine jumps by more than ``clock`` seconds,
-    if less than ``disk_gb`` gigabytes are left for the journal, or if the median diameter of a turn is more than
-    ``tight`` metres below, or more than ``washout`` metres above, the bit diameter. ``command`` and ``webhook`` get
-    each alarm as a line of JSON; ``environment`` names variables that the command gets besides the usual ones.
-    """
+    lost: Annotated[float, SECONDS, FINITE, at_least(0.1, "s"), "Time without a connection to a source."] = 30.0
+    refused: Annotated[float, SECONDS, FINITE, at_least(1, "s"),
+        "Time in which samples of a source come, and all are refused.",
+    ] = 120.0  # fmt: skip
+    standing: Annotated[float, SECONDS, FINITE, at_least(1, "s"),
+        "Time in which samples come and the bit depth does not change.",
+    ] = 900.0  # fmt: skip
+    disk_gb: Annotated[float, NOT_NEGATIVE, "Least space that is left for the journal, gigabytes."] = 1.0
+    sync: Annotated[float, SECONDS, FINITE, at_least(0.1, "s"), "Time without a successful sync of the journal."] = 2.0
+    clock: Annotated[float, SECONDS, FINITE, at_least(0.1, "s"), "Jump of the machine's clock."] = 2.0
+    tight: Annotated[float | None, METRES, NOT_NEGATIVE,
+        "Median diameter of a turn below the bit diameter. None: no alarm.",
+    ] = None  # fmt: skip
+    washout: Annotated[float | None, METRES, NOT_NEGATIVE,
+        "Median diameter of a turn above the bit diameter. None: no alarm.",
+    ] = None  # fmt: skip
+    command: Annotated[tuple[str, ...], WORDS, "Command that gets each alarm as a line of JSON."] = ()
+    environment: Annotated[tuple[str, ...], WORDS, "Variables that the command gets besides the usual ones."] = ()
+    webhook: Annotated[str | None,
+        "Address that gets each alarm: https://, http://, or env:NAME, an environment variable that holds it.",
+    ] = None  # fmt: skip
 
-    lost: Annotated[float, within(0.1)] = 30.0
-    refused: Annotated[float, within(1)] = 120.0
-    standing: Annotated[float, within(1)] = 900.0
-    disk_gb: Annotated[float, within(0)] = 1.0
-    sync: Annotated[float, within(0.1)] = 2.0
-    clock: Annotated[float, within(0.1)] = 2.0
-    tight: Annotated[float, within(0)] | None = None
-    washout: Annotated[float, within(0)] | None = None
-    command: list[Text] = []
-    environment: list[Text] = []
-    webhook: Annotated[str, AfterValidator(_webhook)] | None = None
-
-
-def _wall(entries: Any) -> dict[str, Any]:
-    settings = check(WallTable, entries).model_dump()
-    for name in settings:
-        if name not in OF_WALL:
-            raise InputError(name, "is not a setting")
-    try:
-        Wall(**settings)
-    except (ValueError, TypeError) as error:
-        place, _, rule = str(error).partition(": ")
-        raise InputError(place, rule) from None
-    return settings
+    def _check(self) -> None:
+        if self.webhook is not None:
+            _check_webhook(self.webhook)
 
 
-class Configuration(Table):
+@dataclass(frozen=True, kw_only=True)
+class LiveTables(Declared):
+    """The configuration of a live wall, a file of its own, without ``live.`` in the names of its tables."""
+
+    wall: Annotated[dict[str, Any], Stated(LiveWall), "Settings of the wall."]
+    path: Annotated[PathTable, "How stations become a path."] = field(default_factory=PathTable)
+    source: Annotated[dict[str, Any], "Sources by their names; the address decides which settings one has."] = field(
+        default_factory=dict
+    )
+    layers: Annotated[dict[str, tuple[str, ...]],
+        "Passes that each wall takes, by the name of the wall: drill, ream, rescan, trip, unknown, or 'pass N' by the "
+        "sender's number. The wall main takes drill, rescan and unknown if it is not stated.",
+    ] = field(default_factory=dict)  # fmt: skip
+    passes: Annotated[PassRules, "Limits by which the string's motion decides the pass."] = field(
+        default_factory=PassRules
+    )
+    depth: Annotated[DepthLimits, "Limits of depths."] = field(default_factory=DepthLimits)
+    samples: Annotated[SamplesTable, "Limits that bound the memory."] = field(default_factory=SamplesTable)
+    journal: Annotated[JournalTable, "Where every byte is stored."] = field(default_factory=JournalTable)
+    snapshot: Annotated[SnapshotTable, "Exports of the live wall."] = field(default_factory=SnapshotTable)
+    alarms: Annotated[AlarmLimits, "When an alarm begins, and who receives it."] = field(default_factory=AlarmLimits)
+    next: Annotated[NextTable | None, "The configuration that follows. None: no other one."] = None
+
+    def _check(self) -> None:
+        check_layers(self.layers)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Configuration(LiveTables):
     """All settings of a live wall: one checked configuration file.
 
-    Attributes
-    ----------
-    sources
-        The sources by name. Each is checked by itself, because WITS and WITSML sources differ.
-    text, file
-        The text of the file, and its path.
+    Besides the tables, it has what they mean together: ``sources`` by name, and text and path of the file.
     """
 
-    wall: Annotated[dict[str, Any], PlainValidator(_wall)] = Field(default_factory=dict, validate_default=True)
-    path: PathTable = PathTable()
-    source: dict[str, dict[str, Any]] = {}
-    layers: Annotated[dict[str, list[str]], AfterValidator(read_layers)] = Field({}, validate_default=True)
-    passes: PassRules = PassRules()
-    depth: DepthLimits = DepthLimits()
-    samples: SamplesTable = SamplesTable()
-    journal: JournalTable = JournalTable()
-    snapshot: SnapshotTable = SnapshotTable()
-    alarms: AlarmLimits = AlarmLimits()
-    next: NextTable | None = None
-    sources: Derived[dict[str, Source]] = {}
-    text: Derived[str] = ""
-    file: Derived[FilePath] = FilePath()
-
-    def model_post_init(self, text: str) -> None:
-        start = self.wall["start_depth"]
-        if self.depth.outside(np.array(start)):
-            raise InputError("wall.start_depth", self.depth.rule(), f"{start:g}")
-        sources = {
-            name: read_source(name, entries, self.wall["bit_diameter"], self.path.reference)
-            for name, entries in self.source.items()
-        }
-        self._derive(sources=sources, text=text)
-        self._check_sources()
-        if not any(source.items.pass_number for source in self.sources.values()):
-            for name, kind in ((name, kind) for name, kinds in self.layers.items() for kind in kinds):
-                if kind not in PASSES:
-                    raise InputError(f"layers.{name}", "no source maps pass_number", repr(kind))
+    sources: Annotated[dict[str, Source], "What the tables of the sources mean."] = field(default_factory=dict)
+    text: Annotated[str, "Text of the file."] = ""
+    file: Annotated[FilePath, "Path of the file."] = FilePath()
 
     def meaning(self) -> str:
         """Return as JSON the settings that affect the wall (not those of transport, journal, alarms ...)."""
-        meaning = self.model_dump(include={"wall", "layers", "passes", "path", "depth", "samples"})
+        tables = {name: asdict(getattr(self, name)) for name in ("passes", "path", "depth", "samples")}
+        meaning: dict[str, Any] = {"wall": self.wall, "layers": self.layers, **tables}
         meaning["sources"] = {name: source.meaning() for name, source in self.sources.items()}
         return json.dumps(meaning, sort_keys=True, default=asdict)
 
@@ -242,7 +251,7 @@ class Configuration(Table):
         sources = {
             name: source.with_meaning(recorded["sources"].get(name, {})) for name, source in self.sources.items()
         }
-        return self.model_copy(update=values | {"sources": sources})
+        return replace(self, **values, sources=sources)
 
     def following(self) -> list[Configuration]:
         """Return the configurations that follow this one by their tables ``next``, in order.
@@ -264,26 +273,34 @@ class Configuration(Table):
             found.append(load(file))
         return found[1:]
 
-    def _check_sources(self) -> None:
-        """Check what concerns several sources or tables.
+    def check(self) -> None:
+        """Raise InputError for what concerns several sources or tables.
 
-        There must be a source. Two sources must not map the same rig quantity or image. A source with a pass number
-        must have a caliper, and one with the table ``pass_numbers`` must map the pass number. Some source must map the
-        hole depth if ``next`` names one, and the bit depth if a caliper or an image has no depth of its own.
+        A wall can be made with the settings of ``wall``. There must be a source. Two sources must not map the same rig
+        quantity or image. A source with a pass number must have a caliper, and one with the table ``pass_numbers`` must
+        map the pass number. Some source must map the hole depth if ``next`` names one, and the bit depth if a caliper
+        or an image has no depth of its own.
         """
+        start = self.wall["start_depth"]
+        if self.depth.outside(np.array(start)):
+            raise InputError("wall.start_depth", self.depth.rule(), f"{start:g}")
+        try:
+            Wall(**self.wall)
+        except InputError as error:
+            raise InputError(f"wall.{error.place}", error.rule, error.value) from None
         if not self.sources:
-            raise InputError("source", "must be set: at least one table [source.NAME]")
+            raise InputError("source", "is missing: at least one table [source.NAME]")
         seen: dict[str, str] = {}
         for name, source in self.sources.items():
             place = f"source.{name}"
-            for key in [*(f"items.{key}" for key in source.rig), *(f"image.{key}" for key in source.image)]:
+            for key in [*(f"items.{key}" for key in source.rig), *(f"image.{one.name}" for one in source.images)]:
                 if key in seen:
                     raise InputError(f"{place}.{key}", f"is mapped by source.{seen[key]} already")
                 seen[key] = name
-            if source.items.pass_number and not source.caliper:
+            if source.pass_number and not source.caliper:
                 rule = "needs a caliper in this source, because it numbers the passes of caliper samples"
                 raise InputError(f"{place}.items.pass_number", rule)
-            if source.pass_numbers.listed and not source.items.pass_number:
+            if source.pass_numbers.listed and not source.pass_number:
                 raise InputError(f"{place}.pass_numbers", "items.pass_number must also be set")
         if self.next and self.next.hole_depth is not None and "items.hole_depth" not in seen:
             raise InputError("next.hole_depth", "no source maps hole_depth", f"{self.next.hole_depth:g}")
@@ -291,11 +308,14 @@ class Configuration(Table):
             for name, source in self.sources.items():
                 if source.caliper and not source.caliper.depth:
                     raise InputError(f"source.{name}.caliper", "has no depth items, and no source maps bit_depth")
-                for key, image in source.image.items():
+                for image in source.images:
                     if image.depth is None:
-                        raise InputError(
-                            f"source.{name}.image.{key}", "has no depth item, and no source maps bit_depth"
-                        )
+                        place = f"source.{name}.image.{image.name}"
+                        raise InputError(place, "has no depth item, and no source maps bit_depth")
+        if not any(source.pass_number for source in self.sources.values()):
+            for name, kind in ((name, kind) for name, kinds in self.layers.items() for kind in kinds):
+                if kind not in PASSES:
+                    raise InputError(f"layers.{name}", "no source maps pass_number", repr(kind))
 
 
 def load(file: str | os.PathLike[str]) -> Configuration:
@@ -304,37 +324,50 @@ def load(file: str | os.PathLike[str]) -> Configuration:
     Raises
     ------
     InputError
-        For the first setting that breaks a rule (``FILE: PLACE = VALUE: RULE``), or if the file is not TOML in UTF-8.
+        For the first setting that breaks a rule (``FILE, line N: PLACE = VALUE: RULE``), or if the file is not TOML in
+        UTF-8.
     OSError
         If the file cannot be read.
     """
-    check_regular(FilePath(file))
-    try:
-        text = FilePath(file).read_text(encoding="utf-8-sig")  # some editors write a byte order mark
-    except UnicodeDecodeError as error:
-        raise InputError(str(file), f"must be in UTF-8: {error}") from None
-    entries = _toml(text, str(file))
-    try:
-        found = check(Configuration, entries, context=text)
-    except InputError as error:
-        raise error.within(str(file)) from None
-    found._derive(file=FilePath(file))
-    return found
+    path = FilePath(file)
+    return _read(TomlSource(path.name, path.parent, read_text(path, path.name)), path)
 
 
 def parse(text: str) -> Configuration:
     """Return the configuration that ``text`` holds; see :func:`load`."""
-    return check(Configuration, _toml(text, "configuration"), context=text)
+    return _read(TomlSource("configuration", text=text), FilePath())
 
 
-def _toml(text: str, name: str) -> dict[str, Any]:
-    check_parts(text, name)
+def _read(source: TomlSource, file: FilePath) -> Configuration:
+    tree = _tree(source)
+    tables = read_table(LiveTables, {"wall": {}} | tree, source)
+    hole = Hole(tables.wall["bit_diameter"], tables.path.reference)
+    stated = vars(tables) | {
+        "wall": _as_stated(tables.wall, tree["wall"]),
+        "layers": {"main": MAIN} | {name: list(passes) for name, passes in tables.layers.items()},
+    }
+    sources = {name: read_source(name, of, hole, source) for name, of in tables.source.items()}
     try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        if item := re.search(r"^[^#\n]*[=\[,]\s*(0\d{3})\b", text, re.MULTILINE):
-            line = text.count("\n", 0, item.start(1)) + 1
-            raise InputError(f"{name}, line {line}", f'an item must be in quotes: "{item[1]}"', item[1]) from None
-        raise InputError(name, f"is not TOML: {error}") from None
-    except (RecursionError, ValueError) as error:  # nested too deep, or an integer of thousands of digits
-        raise InputError(name, f"is not sensible TOML ({type(error).__name__})") from None
+        found = Configuration(**stated, sources=sources, text=source.text, file=file)
+        found.check()
+    except InputError as error:
+        raise source.located(error) from error
+    return found
+
+
+def _as_stated(values: Mapping[str, Any], stated: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings of the wall with the numbers as the file has them: journals record ``2`` and not ``2.0``."""
+    floats = "bit_diameter", "start_depth"
+    return {name: value if name in floats or isinstance(stated[name], str) else stated[name]
+            for name, value in values.items()}  # fmt: skip
+
+
+def _tree(source: TomlSource) -> dict[str, Any]:
+    try:
+        return parse_toml(source.text, source.name)
+    except InputError as error:
+        if item := re.search(r"^[^#\n]*[=\[,]\s*(0\d{3})\b", source.text, re.MULTILINE):
+            line = source.text.count("\n", 0, item.start(1)) + 1
+            rule = f'an item must be in quotes: "{item[1]}"'
+            raise InputError(f"{source.name}, line {line}", rule, item[1]) from error
+        raise

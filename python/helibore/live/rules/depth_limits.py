@@ -2,26 +2,28 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated
 
-from pydantic import AfterValidator
-
 from helibore.base.arrays import Floats, Mask
-from helibore.live.rules.checks import Table, within
+from helibore.settings.declared import FINITE, METRES, NOT_NEGATIVE, Declared, Rule, at_least
+
+ORDERED = Rule("must be [least, most], least below most", lambda limits: limits[0] < limits[1])
 
 
-def _ordered(limits: list[float]) -> list[float]:
-    if len(limits) != 2 or not limits[0] < limits[1]:
-        raise ValueError("must be [least, most] in metres, least < most")
-    return limits
+@dataclass(frozen=True, kw_only=True)
+class DepthLimits(Declared):
+    """Limits of depths, ``[depth]``: a depth beyond them is counted, gives an event, and is not used."""
 
-
-class DepthLimits(Table):
-    """The range of depths, the longest step between two depths, and how far below the hole a depth may be; metres."""
-
-    depth_range: Annotated[list[float], AfterValidator(_ordered)] = [0.0, 15_000.0]
-    jump: Annotated[float, within(0.1)] = 100.0
-    beyond_hole: Annotated[float, within(0)] = 10.0
+    depth_range: Annotated[tuple[float, float], METRES, ORDERED,
+        "Least and most depth of samples, images, stations, bit and hole.",
+    ] = (0.0, 15_000.0)  # fmt: skip
+    jump: Annotated[float, METRES, FINITE, at_least(0.1, "m"),
+        "A depth farther from the depth before it is used only if the next one confirms it.",
+    ] = 100.0  # fmt: skip
+    beyond_hole: Annotated[float, METRES, NOT_NEGATIVE,
+        "A depth that lies more than this below the hole depth is wrong.",
+    ] = 10.0  # fmt: skip
 
     def outside(self, depth: Floats) -> Mask:
         """Return which depths are outside the range; NaN counts as inside."""

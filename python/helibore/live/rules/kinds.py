@@ -1,6 +1,6 @@
 """The protocol of a kind of source, and the registry that finds the kinds.
 
-    [source.NAME]  -> kind by the scheme of its address -> table (settings), checked
+    [source.NAME]  -> kind by the scheme of its address -> table (settings), checked -> source (what they mean)
     bytes          kind.open(...) -> Opener -> Link -> journal -> kind.reader(...) -> Reading -> wall
 
 A new kind is two files: a module in ``helibore.live.kinds`` with its settings, its reader and a ``KIND``, and a module
@@ -16,11 +16,13 @@ import pkgutil
 from collections.abc import Callable, Iterator
 from typing import Any, Generic, Protocol, TypeVar
 
-from helibore.live.rules.checks import check
-from helibore.live.rules.sources import LENGTHS, Context, Source
+from helibore.base.errors import InputError
+from helibore.live.rules.source_tables import SourceTable
+from helibore.live.rules.sources import Hole, Source
 from helibore.live.wire.transport import Opener
+from helibore.settings.toml_reading import TomlSource, read_table
 
-Table = TypeVar("Table", bound=Source)
+Read = TypeVar("Read", bound=Source)
 Reader = TypeVar("Reader")
 Report = Callable[[str, str], None]
 """Reports an event of a source's link: its rule and its text."""
@@ -37,7 +39,7 @@ class Items(Protocol):
     def __call__(self, connection: int, payload: bytes, closes: bool) -> Iterator[Cells]: ...
 
 
-class SourceKind(Generic[Table, Reader]):
+class SourceKind(Generic[Read, Reader]):
     """What helibore asks of a kind of source; the defaults are those of a plain stream of bytes.
 
     Attributes
@@ -45,9 +47,11 @@ class SourceKind(Generic[Table, Reader]):
     schemes
         The words before the colon in the addresses of this kind.
     table
-        The settings of ``[source.NAME]``.
+        The settings of ``[source.NAME]``, declared.
+    source
+        What these settings mean: ``source.read(name, table, hole)`` makes it.
     reader
-        What reads the bytes of a source, made with its settings, the book of events and the limits of depths.
+        What reads the bytes of a source, made with the source, the book of events and the limits of depths.
     of_start
         Names of settings that a running server does not change.
     longest_wait
@@ -60,18 +64,19 @@ class SourceKind(Generic[Table, Reader]):
     """
 
     schemes: tuple[str, ...]
-    table: type[Table]
+    table: type[SourceTable]
+    source: type[Read]
     reader: type[Reader]
     of_start: tuple[str, ...] = ()
     longest_wait: float = 5.0
     answers: bool = False
     resumes: bool = False
 
-    def open(self, source: Table, position: Position, report: Report) -> Opener:
+    def open(self, source: Read, position: Position, report: Report) -> Opener:
         """Return what opens links to ``source``; a link goes on from ``position()``."""
         raise NotImplementedError
 
-    def items(self, source: Table) -> Items | None:  # noqa: ARG002
+    def items(self, source: Read) -> Items | None:  # noqa: ARG002
         """Return what turns the records of ``source`` into rows of an export; None: they hold no items."""
         return None
 
@@ -91,15 +96,27 @@ def kinds() -> tuple[AnyKind, ...]:
 
 def kind_of(source: Source) -> AnyKind:
     """Return the kind of a source."""
-    return next(kind for kind in kinds() if kind.table is type(source))
+    return next(kind for kind in kinds() if kind.table is type(source.table))
 
 
-def read_source(name: str, entries: dict[str, Any], bit_diameter: float, reference: str) -> Source:
-    """Check the table of a source and return it; its kind follows from the scheme of its address."""
-    scheme = str(entries.get("address", "")).partition(":")[0].lower()
+def read_source(name: str, tree: Any, hole: Hole, file: TomlSource) -> Source:
+    """Read the table of a source; its kind follows from the scheme of its address. Errors name the line in ``file``."""
+    keys = "source", name
+    if not isinstance(tree, dict):
+        raise file.error(keys, "must be a table", tree)
+    if "address" not in tree:
+        raise file.error((*keys, "address"), "is missing")
+    scheme = str(tree["address"]).partition(":")[0].lower()
     kind = next((kind for kind in kinds() if scheme in kind.schemes), None)
     kind = kind or next(kind for kind in kinds() if "host" in kind.schemes)  # its table states the rule of addresses
-    index = kind.table.index_of(entries)
-    lengths = LENGTHS.get(str(entries.get("units")), LENGTHS["metric"])
-    found: Source = check(kind.table, entries, f"source.{name}", Context(name, bit_diameter, reference, lengths, index))
+    try:
+        if isinstance(tree["address"], str):  # before keys that are not known, because it decides which keys are
+            kind.table.check_address(tree["address"])
+    except InputError as error:
+        raise file.located(error, keys) from error
+    table = read_table(kind.table, tree, file, keys)
+    try:
+        found: Source = kind.source.read(name, table, hole)
+    except InputError as error:
+        raise file.located(error, keys) from error
     return found

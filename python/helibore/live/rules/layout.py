@@ -9,15 +9,12 @@ quantity: the distance of the sensor from the bit in metres, as for the caliper.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from types import SimpleNamespace
 from typing import Annotated, Any, Literal
-
-from pydantic import Field
 
 from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.images.sector_image import Direction, Origin, SectorImage
-from helibore.live.rules.checks import Derived, Table, check, within, without_none
+from helibore.settings.declared import DEGREES, Declared, within
 from helibore.trajectory.references import Reference
 
 PathReference = Literal["high-side", "north"]
@@ -41,20 +38,21 @@ class Layout:
         )  # fmt: skip
 
 
-class LayoutTable(Table):
-    """The settings of an image's table that define the layout of its sectors."""
+@dataclass(frozen=True, kw_only=True)
+class LayoutTable(Declared):
+    """How the sectors of an image lie around the hole."""
 
-    origin: Origin = Field(description='"centre" or "edge": the part of sector 1 at toolface_offset; tools differ')
-    reference: PathReference = Field(description='"high-side" or "north": the direction of toolface 0')
-    direction: Direction = "clockwise"
-    toolface_offset: Annotated[float, within(-360, 360)] = 0.0
-    layout: Derived[Layout] = Layout("edge", "high-side", "clockwise", 0.0)
+    origin: Annotated[Origin, "Part of sector 1 that lies at ``toolface_offset``; tools differ."]
+    reference: Annotated[PathReference, "Direction of toolface 0. It must be that of the path."]
+    direction: Annotated[Direction, "Order of the sectors, looking downhole."] = "clockwise"
+    toolface_offset: Annotated[float, DEGREES, within(-360, 360, "degrees"), "Toolface of sector 1."] = 0.0
 
-    def model_post_init(self, context: Any) -> None:
-        if self.reference != context.reference:
-            rule = f'must be the path\'s reference, "{context.reference}": live images are not converted to it'
+    def layout(self, path_reference: str) -> Layout:
+        """Return the layout; raise InputError if its reference is not that of the path."""
+        if self.reference != path_reference:
+            rule = f'must be the path\'s reference, "{path_reference}": live images are not converted to it'
             raise InputError("reference", rule, repr(self.reference))
-        self._derive(layout=Layout(self.origin, self.reference, self.direction, self.toolface_offset))
+        return Layout(self.origin, self.reference, self.direction, self.toolface_offset)
 
 
 def given_layout(
@@ -69,7 +67,7 @@ def given_layout(
     """
     if origin is None and reference is None:
         return None
-    entries = without_none(
-        origin=origin, reference=reference, direction=direction, toolface_offset=float(toolface_offset)
-    )
-    return check(LayoutTable, entries, context=SimpleNamespace(reference=path_reference)).layout
+    given: dict[str, Any] = {
+        "origin": origin, "reference": reference, "direction": direction, "toolface_offset": toolface_offset,
+    }  # fmt: skip
+    return LayoutTable(**given).layout(path_reference)

@@ -17,15 +17,17 @@ decides.
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Annotated
 
 import numpy as np
 
 from helibore.base.arrays import Integers, Mask
 from helibore.base.errors import InputError
-from helibore.live.rules.checks import Derived, Table, within
 from helibore.live.rules.file_names import RULE, can_be_file
+from helibore.settings.declared import FINITE, METRES, NOT_NEGATIVE, SECONDS, Declared, Rule, at_least, within
 
 PASSES = ("drill", "ream", "rescan", "trip", "unknown")
 DRILL, REAM, RESCAN, TRIP, UNKNOWN = range(len(PASSES))
@@ -36,51 +38,51 @@ LARGEST = 32767
 TABLES = ("passes", "events", "survey")
 """Tables of the snapshot that belong to no layer and no image; a layer must not have such a name."""
 
+NUMBERS = Rule(f"must be whole numbers from 0 to {LARGEST}", lambda many: all(0 <= one <= LARGEST for one in many))
 NUMBERED = re.compile(r"pass (0|[1-9]\d{0,4})")
 
 
-class PassRules(Table):
-    """The table ``passes``: the limits by which the string's motion decides the pass.
+@dataclass(frozen=True, kw_only=True)
+class PassRules(Declared):
+    """Limits by which the string's motion decides the pass, ``[passes]``."""
 
-    The bit is on bottom up to ``on_bottom`` m above the bottom, and the string turns from ``rotating`` rpm on. A depth
-    is not interpolated between bit depths that are more than ``max_depth_gap`` s apart. Values of rotation and activity
-    older than ``stale`` s are not used.
+    on_bottom: Annotated[float, METRES, NOT_NEGATIVE,
+        "The bit is on bottom up to this height above the bottom of the hole.",
+    ] = 0.3  # fmt: skip
+    rotating: Annotated[float, NOT_NEGATIVE, "The string turns from this many revolutions a minute on."] = 5.0
+    max_depth_gap: Annotated[float, SECONDS, within(0.001, 3600, "s"),
+        "Longest time between the two bit depths from which a depth is interpolated.",
+    ] = 60.0  # fmt: skip
+    stale: Annotated[float, SECONDS, FINITE, at_least(0.001, "s"),
+        "Values of rotation and activity that are older are not used.",
+    ] = 60.0  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class PassNumbers(Declared):
+    """What the pass numbers of a source mean, ``[source.NAME.pass_numbers]``; without any, 1 is drill, more is rescan.
+
+    A number stands in one list at most.
     """
 
-    on_bottom: Annotated[float, within(0)] = 0.3
-    rotating: Annotated[float, within(0)] = 5.0
-    max_depth_gap: Annotated[float, within(0.001, 3600)] = 60.0
-    stale: Annotated[float, within(0.001)] = 60.0
+    drill: Annotated[tuple[int, ...], NUMBERS, "Numbers that mean drilling."] = ()
+    ream: Annotated[tuple[int, ...], NUMBERS, "Numbers that mean reaming."] = ()
+    rescan: Annotated[tuple[int, ...], NUMBERS, "Numbers that mean a scan of hole that was scanned before."] = ()
+    trip: Annotated[tuple[int, ...], NUMBERS, "Numbers that mean a trip."] = ()
+    unknown: Annotated[tuple[int, ...], NUMBERS, "Numbers whose pass is not known."] = ()
 
-
-class PassNumbers(Table):
-    """The table ``source.NAME.pass_numbers``: for each pass the numbers that mean it.
-
-    If the table is empty, 1 means drill and a larger number means rescan.
-
-    Attributes
-    ----------
-    listed
-        For each number in the table, sorted, the index of its pass in PASSES.
-    """
-
-    drill: list[int] = []
-    ream: list[int] = []
-    rescan: list[int] = []
-    trip: list[int] = []
-    unknown: list[int] = []
-    listed: Derived[dict[int, int]] = {}
-
-    def model_post_init(self, _: object) -> None:
-        listed: dict[int, int] = {}
+    def _check(self) -> None:
+        earlier: dict[int, str] = {}
         for name in PASSES:
             for number in getattr(self, name):
-                if not 0 <= number <= LARGEST:
-                    raise InputError(name, f"must be whole numbers from 0 to {LARGEST}", str(number))
-                if number in listed:
-                    raise InputError(name, f"is already listed under {PASSES[listed[number]]}", str(number))
-                listed[number] = PASSES.index(name)
-        self._derive(listed=dict(sorted(listed.items())))
+                if number in earlier:
+                    raise InputError(name, f"is already listed under {earlier[number]}", str(number))
+                earlier[number] = name
+
+    @cached_property
+    def listed(self) -> dict[int, int]:
+        """For each number in the table, sorted, the index of its pass in PASSES."""
+        return dict(sorted((number, at) for at, name in enumerate(PASSES) for number in getattr(self, name)))
 
     def kind(self, number: int) -> int | None:
         """Return the pass that ``number`` means; None if the string's motion decides.
@@ -109,7 +111,7 @@ class Layer:
         return of_kind[kind] | np.isin(number, self.numbers) if self.numbers else of_kind[kind]
 
 
-def layer_of(names: list[str]) -> Layer:
+def layer_of(names: Sequence[str]) -> Layer:
     """Return the layer that takes the passes ``names`` ("ream", "pass 2")."""
     found = [NUMBERED.fullmatch(name) for name in names]
     return Layer(
@@ -118,16 +120,15 @@ def layer_of(names: list[str]) -> Layer:
     )
 
 
-def read_layers(layers: dict[str, list[str]]) -> dict[str, list[str]]:
-    """Check the table ``layers`` and return it; the default layer ``main`` is added if the table has none."""
+def check_layers(layers: Mapping[str, Sequence[str]]) -> None:
+    """Raise InputError if a name or a pass of the table ``layers`` breaks a rule."""
     for name, kinds in layers.items():
         if not can_be_file(name):
-            raise InputError(name, f"its name {RULE}", repr(kinds))
+            raise InputError(f"layers.{name}", f"its name {RULE}", repr(list(kinds)))
         if name.casefold() in TABLES or name.casefold().startswith("image-"):
             rule = f"must differ from the tables of the snapshot: {', '.join(TABLES)}, image-*"
-            raise InputError(name, rule, repr(kinds))
+            raise InputError(f"layers.{name}", rule, repr(list(kinds)))
         for kind in kinds:
             if kind not in PASSES and not NUMBERED.fullmatch(kind):
                 rule = f'must be one of {", ".join(PASSES)}, or "pass N" for the pass number N'
-                raise InputError(name, rule, repr(kind))
-    return {"main": ["drill", "rescan", "unknown"], **layers}
+                raise InputError(f"layers.{name}", rule, repr(kind))

@@ -16,6 +16,7 @@ import ssl
 import threading
 import time
 from collections import deque
+from collections.abc import Sequence
 from typing import Any
 
 from helibore.base.errors import InputError, needs
@@ -139,7 +140,7 @@ class MqttOpener(Opener):
     """
 
     def __init__(
-        self, place: str, address: Address, client: str, topics: list[str], most_bytes: int,
+        self, place: str, address: Address, client: str, topics: Sequence[str], most_bytes: int,
         auth: tuple[str, str] | None, ca: str,
     ) -> None:  # fmt: skip
         super().__init__(lambda _: MqttLink(self))

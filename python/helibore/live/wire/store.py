@@ -47,13 +47,9 @@ class Object(Protocol):
     def uids(self) -> tuple[str, str, str]: ...
 
 
-class Polled(Protocol):
-    """What this file needs of the settings of a store; `StoreSource` says what each means."""
+class Polling(Protocol):
+    """What this file needs of the table of a store; `StoreTable` says what each setting means."""
 
-    @property
-    def name(self) -> str: ...
-    @property
-    def address(self) -> Address: ...
     @property
     def every(self) -> float: ...
     @property
@@ -70,6 +66,17 @@ class Polled(Protocol):
     def log(self) -> Object | None: ...
     @property
     def trajectory(self) -> Object | None: ...
+
+
+class Polled(Protocol):
+    """What this file needs of a store."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def address(self) -> Address: ...
+    @property
+    def table(self) -> Polling: ...
 
 
 class StoreClient(Opener):
@@ -95,19 +102,19 @@ class StoreClient(Opener):
         self.source, self.position, self.http = source, position, httpx2
         for name in ("httpx2", "httpcore2"):  # below WARNING they log headers, which may repeat the password
             logging.getLogger(name).setLevel(logging.WARNING)
-        place = f"source.{source.name}"
+        place, table = f"source.{source.name}", source.table
         self._trust = ssl.create_default_context()
-        if source.ca:
+        if table.ca:
             try:
-                self._trust.load_verify_locations(source.ca)
+                self._trust.load_verify_locations(table.ca)
             except OSError as error:
-                raise InputError(f"{place}.ca", f"is no file of certificates: {error}", repr(source.ca)) from None
+                raise InputError(f"{place}.ca", f"is no file of certificates: {error}", repr(table.ca)) from None
         self._auth: tuple[str, str] | None = None
         self.refused: dict[str, bytes] = {}
-        if source.user:
-            if source.password_env not in os.environ:
-                raise InputError(f"{place}.password_env", "is not set in the environment", repr(source.password_env))
-            self._auth = source.user, os.environ[source.password_env]
+        if table.user:
+            if table.password_env not in os.environ:
+                raise InputError(f"{place}.password_env", "is not set in the environment", repr(table.password_env))
+            self._auth = table.user, os.environ[table.password_env]
             check_password(f"{place}.password_env", self._auth[1])
         self.redactor = Redactor(self._auth)
 
@@ -122,6 +129,7 @@ class StoreLink(Link):
     def __init__(self, store: StoreClient) -> None:
         self.peer = store.source.address.url
         self._client, self._http, self._source = store.client(), store.http, store.source
+        self._table = store.source.table
         self._position, self._refused, self._redactor = store.position, store.refused, store.redactor
         self._pieces: queue.SimpleQueue[bytes | OSError | threading.Event] = queue.SimpleQueue()
         self._closed = threading.Event()
@@ -152,11 +160,11 @@ class StoreLink(Link):
     def _poll(self) -> None:
         try:
             while not self._closed.is_set():
-                partial = self._ask_log() if self._source.log else False
-                if self._source.trajectory and not partial:
-                    self._ask("trajectory", witsml.trajectory_query(self._source.trajectory.uids), "returnElements=all")
+                partial = self._ask_log() if self._table.log else False
+                if self._table.trajectory and not partial:
+                    self._ask("trajectory", witsml.trajectory_query(self._table.trajectory.uids), "returnElements=all")
                 self.went_well = True
-                self._closed.wait(SOON if partial else self._source.every)
+                self._closed.wait(SOON if partial else self._table.every)
         except AccessDeniedError as error:
             self._pieces.put(error)
         except BusyError as error:
@@ -171,9 +179,9 @@ class StoreLink(Link):
 
     def _ask_log(self) -> bool:
         """Query the log from its last index on; return whether the store limited its answer and has more rows."""
-        assert self._source.log is not None
+        assert self._table.log is not None
         options = "returnElements=data-only" if "log" in self._before else "returnElements=all"
-        return self._ask("log", witsml.log_query(self._source.log.uids, self._position()), options)
+        return self._ask("log", witsml.log_query(self._table.log.uids, self._position()), options)
 
     def _ask(self, kind: str, query: str, options: str) -> bool:
         """Send a query and wait until its answer is stored; return whether the answer is new and partial.
@@ -239,13 +247,13 @@ class StoreLink(Link):
 
         A body that is not whole ends where the answer was broken off.
         """
-        source, host = self._source, self._source.address.host
-        end = time.monotonic() + source.timeout
+        table, host = self._table, self._source.address.host
+        end = time.monotonic() + table.timeout
         headers = {"Content-Type": "text/xml; charset=utf-8", "SOAPAction": f'"{witsml.ACTION}"',
                    "Accept-Encoding": "identity"}  # fmt: skip
         body, refused, denied, wait = bytearray(), "", None, 0.0
         self._answering = False
-        late = threading.Timer(source.timeout + 1.0, self._hang_up)  # httpx2 has no time limit for all headers together
+        late = threading.Timer(table.timeout + 1.0, self._hang_up)  # httpx2 has no time limit for all headers together
         late.daemon = True
         late.start()
         try:
@@ -254,7 +262,7 @@ class StoreLink(Link):
                 self._source.address.url,
                 content=question,
                 headers=headers,
-                timeout=source.timeout,
+                timeout=table.timeout,
                 extensions={"trace": self._note_socket},
             ) as response:
                 self._answering = True
@@ -267,19 +275,19 @@ class StoreLink(Link):
                     refused = "sent a compressed answer, which was not asked for"
                 for piece in response.iter_raw():
                     body += piece
-                    if len(body) > source.answer_mb << 20:
-                        del body[source.answer_mb << 20 :]
-                        refused = refused or f"an answer of more than {source.answer_mb} MB: refused"
+                    if len(body) > table.answer_mb << 20:
+                        del body[table.answer_mb << 20 :]
+                        refused = refused or f"an answer of more than {table.answer_mb} MB: refused"
                         break
                     if time.monotonic() > end or self._closed.is_set():
-                        slow = OSError(f"{host}: {refused or f'the answer took longer than {source.timeout:g} s'}")
+                        slow = OSError(f"{host}: {refused or f'the answer took longer than {table.timeout:g} s'}")
                         return bytes(body), "refused" if refused else "cut", slow
         except self._http.TransportError as error:
             slow_headers = time.monotonic() > end and not self._answering
             said = str(error)
             if isinstance(error, self._http.ProtocolError):  # its text repeats what the store sent
                 said = "the answer ended early, or is not HTTP"
-            reason = f"the answer took longer than {source.timeout:g} s" if slow_headers else said
+            reason = f"the answer took longer than {table.timeout:g} s" if slow_headers else said
             broken = OSError(f"{host}: {refused or reason or type(error).__name__}")
             return bytes(body), "refused" if refused else "cut", denied or broken
         finally:

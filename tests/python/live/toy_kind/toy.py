@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
 from helibore.live.kinds.toy_link import ToyOpener
-from pydantic import PlainValidator
 
 from helibore.base.errors import InputError
 from helibore.live.model.events import EventBook
@@ -15,20 +15,28 @@ from helibore.live.model.named_reader import NamedReader
 from helibore.live.model.sample_rows import frame_rows
 from helibore.live.rules.depth_limits import DepthLimits
 from helibore.live.rules.kinds import Position, Report, SourceKind
+from helibore.live.rules.source_tables import NamedTable
 from helibore.live.rules.sources import NamedSource
 from helibore.live.wire.address import Address
 
 
-def _address(text: object) -> Address:
-    host, _, port = str(text).removeprefix("toy://").partition(":")
-    if not port.isdigit():
-        raise InputError("", "must be toy://HOST:PORT", repr(text))
-    return Address("toy", host=host, port=int(port))
+@dataclass(frozen=True, kw_only=True)
+class ToyTable(NamedTable):
+    """A toy, ``[source.NAME]``: toy://."""
+
+    greeting: Annotated[str, "What is sent to the toy."] = "hello"
+
+    @classmethod
+    def place_of(cls, address: str) -> Address:
+        host, _, port = address.removeprefix("toy://").partition(":")
+        if not port.isdigit():
+            raise InputError("", "must be toy://HOST:PORT", repr(address))
+        return Address("toy", host=host, port=int(port))
 
 
+@dataclass(frozen=True)
 class ToySource(NamedSource):
-    address: Annotated[Address, PlainValidator(_address)]
-    greeting: str = "hello"
+    table: ToyTable
 
 
 class ToyReader(NamedReader):
@@ -58,13 +66,14 @@ class ToyReader(NamedReader):
 
 class Toy(SourceKind[ToySource, ToyReader]):
     schemes = ("toy",)
-    table = ToySource
+    table = ToyTable
+    source = ToySource
     reader = ToyReader
     of_start = ("greeting",)
     longest_wait = 0.1
 
     def open(self, source: ToySource, position: Position, report: Report) -> ToyOpener:  # noqa: ARG002
-        return ToyOpener(source.address.host, source.address.port, source.greeting)
+        return ToyOpener(source.address.host, source.address.port, source.table.greeting)
 
 
 KIND = Toy()
