@@ -7,13 +7,16 @@ of the commands.
 from __future__ import annotations
 
 import importlib
+from collections.abc import Mapping
 from dataclasses import MISSING
+from typing import Any
 
 import click
 
 from helibore.base.errors import InputError
 from helibore.cli import MODULES
 from helibore.cli.sections import FAMILIES, Sectioned, SectionOption, near
+from helibore.cli.setting_groups import every_group
 from helibore.cli.terminal import echo
 from helibore.settings.declared import Member, members
 from helibore.settings.groups import GROUPS
@@ -22,17 +25,17 @@ SHOWN = ("reconstruct", "mesh", "plot", "report", "view", "logs", "zones")
 """The commands that take settings."""
 
 
-def known_settings() -> dict[str, str]:
-    """Return the text of each setting by its name, in the order of the declarations."""
+def known_settings(groups: Mapping[str, type[Any]]) -> dict[str, str]:
+    """Return the text of each setting of these groups and of the commands by its name, in order of declaration."""
     options = _options()
     known = {
         f"{group}.{name}": _text(member, options.get(f"{group}.{name}"))
-        for group, kind in GROUPS.items()
+        for group, kind in groups.items()
         for name, member in members(kind).items()
     }
     for name, option in sorted(options.items(), key=lambda of: of[0].partition(".")[0]):
         family = FAMILIES.get(str(option.name))
-        if name not in known and family not in GROUPS:
+        if name not in known and family not in groups:
             known[f"{family}.NAME" if family else name] = _help(option)
     return known
 
@@ -74,18 +77,21 @@ def settings(names: tuple[str, ...]) -> None:
     helibore settings                     all
     helibore settings wall echo           those of two groups
     helibore settings wall.power          one
+    helibore settings live.journal        a table of the configuration of a live wall
 
     Every command that makes or shows a wall takes them as -s NAME=VALUE, those with an option of their own, too. Of
-    several numbers, write 1,2,3; of a switch, true or false. Role maps and templates are files of their own; write
-    their keys without map. or template. there.
+    several numbers, write 1,2,3; of a switch, true or false. Role maps, templates and the configuration of a live
+    wall are files of their own; write their keys without map., template. or live. there.
     """
-    known = known_settings()
+    known = known_settings(GROUPS)
+    chosen = [name.replace("-", "_") for name in names]
+    if not names or not {*known, *map(_group, known)}.issuperset(chosen):  # live takes longer to load
+        known = known_settings(every_group())
     groups = dict.fromkeys(_group(name) for name in known)
     for name in names:
         if name.replace("-", "_") not in known and name not in groups:
             every = sorted({*known, *groups})
             raise InputError(name, f"no setting or group; {near(name, every)}the groups are {', '.join(groups)}")
-    chosen = [name.replace("-", "_") for name in names]
     formatter = click.get_current_context().make_formatter()
     for group in groups:
         rows = [

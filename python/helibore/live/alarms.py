@@ -182,7 +182,7 @@ def receiver(limits: AlarmLimits) -> str:
         if name not in os.environ:
             raise InputError("alarms.environment", "is not set in the environment", repr(name))
     address = limits.webhook or ""
-    if address.startswith("env:"):
+    if address.lower().startswith("env:"):
         if address[4:] not in os.environ:
             raise InputError("alarms.webhook", "is not set in the environment", repr(address))
         variable, address = address, os.environ[address[4:]]

@@ -5,11 +5,9 @@
 
 from __future__ import annotations
 
-import sys
 import typing
 from collections.abc import Iterator, Mapping
 from dataclasses import MISSING
-from pathlib import Path
 from typing import Any, Literal
 
 from helibore.settings.declared import Member, members
@@ -84,9 +82,3 @@ def _spelled(member: Member) -> str:
     else:
         text = hint.__name__ if isinstance(hint, type) and not typing.get_args(hint) else str(hint)
     return f"{text} | None" if member.optional else text
-
-
-if __name__ == "__main__":
-    root = Path(sys.argv[1])
-    (root / "docs/reference/settings.md").write_text(page(), encoding="utf-8")
-    (root / "python/helibore/settings/keywords.py").write_text(keywords(), encoding="utf-8")

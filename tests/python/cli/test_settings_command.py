@@ -16,9 +16,9 @@ import helibore as hb
 from helibore.cli import VERBS, cli
 from helibore.cli.declared_options import options_of
 from helibore.cli.sections import FAMILIES, SETTING, Sectioned, SectionOption, section
+from helibore.cli.setting_groups import every_group
 from helibore.cli.settings_command import SHOWN, known_settings
 from helibore.settings.declared import members
-from helibore.settings.groups import GROUPS
 from helibore.settings.print_settings import PrintSettings
 
 
@@ -59,8 +59,8 @@ def test_every_parameter_has_an_option_or_names_its_setting(verb: str) -> None:
 def test_the_list_has_every_setting_of_every_command() -> None:
     text = CliRunner().invoke(cli, ["settings"], terminal_width=100).output
     listed = set(re.findall(r"^  ([a-z_]+(?:\.\w+)*)(?=  |$)", text, re.MULTILINE))
-    assert listed == set(known_settings())
-    assert {f"{group}.{name}" for group, kind in GROUPS.items() for name in members(kind)} <= listed
+    assert listed == set(known_settings(every_group()))
+    assert {f"{group}.{name}" for group, kind in every_group().items() for name in members(kind)} <= listed
     names = [each.setting for each in command_of("reconstruct").params if isinstance(each, SectionOption)]
     assert len(names) == len(set(names))
 

@@ -581,7 +581,7 @@ def test_alarms_that_last_end_at_the_stop(tmp_path):
 @pytest.mark.parametrize("scheme", ["env", "ENV"])
 def test_a_webhook_whose_variable_is_not_set_is_an_error_at_the_start(monkeypatch, scheme):
     monkeypatch.delenv("NO_SUCH", raising=False)
-    with pytest.raises(ValueError, match=r"^alarms\.webhook = 'env:NO_SUCH': is not set in the environment$"):
+    with pytest.raises(ValueError, match=r"(?i)^alarms\.webhook = 'env:NO_SUCH': is not set in the environment$"):
         alarmed(HOST + f'[alarms]\nwebhook = "{scheme}:NO_SUCH"\n')
 
 

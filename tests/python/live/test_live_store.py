@@ -592,7 +592,7 @@ def test_a_time_log_places_its_rows_by_their_own_bit_depth(store, tmp_path):
         (("every", 'user = "rig"\nevery'), "source.store: user and password_env must both be set, or neither"),
         (('index = "depth"', 'index = "date"'), "source.store.log.index = 'date': must be one of depth, time"),
         (('["RAD"]', "[]"), "toolface, radius and depth must have equally many curves"),
-        (("every", 'units = "metric"\nevery'), "source.store.units: must be one of address, silence"),
+        (("every", 'units = "metric"\nevery'), "source.store.units: not known"),
         (
             ('bit_depth = "DBTM"', 'bit_depth = "TF"'),
             "source.store.caliper.toolface = 'TF': is mapped to another quantity",

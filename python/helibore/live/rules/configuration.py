@@ -37,7 +37,7 @@ from helibore.live.rules.layout import PathReference
 from helibore.live.rules.pass_rules import PASSES, PassRules, check_layers
 from helibore.live.rules.recorded_values import with_values
 from helibore.live.rules.source_tables import ALL_FINITE, TEXT
-from helibore.live.rules.sources import Hole, Source
+from helibore.live.rules.sources import OtherTables, Source
 from helibore.settings.declared import (
     DEPTH,
     FINITE,
@@ -104,7 +104,7 @@ class SamplesTable(Declared):
 class JournalTable(Declared):
     """Where and how every byte is stored, ``[journal]``."""
 
-    folder: Annotated[str, TEXT, "Folder of the journal, or ``--journal``."] = ""
+    folder: Annotated[str, TEXT, "Folder of the journal; the command line may state it."] = ""
     sync_ms: Annotated[float, within(0, 60_000, "ms"),
         "Time at risk in a power cut, milliseconds; 0: every append is synced.",
     ] = 100.0  # fmt: skip
@@ -146,7 +146,7 @@ class NextTable(Declared):
 class SnapshotTable(Declared):
     """Exports of the live wall, ``[snapshot]``."""
 
-    folder: Annotated[str, "Folder of the export, or ``--snapshot``."] = ""
+    folder: Annotated[str, "Folder of the export; the command line may state it."] = ""
     every: Annotated[float, SECONDS, FINITE, at_least(1, "s"), "Time between two exports."] = 60.0
     logs: Annotated[Literal["las", "csv", "none"], "Format of the logs."] = "las"
 
@@ -341,12 +341,12 @@ def parse(text: str) -> Configuration:
 def _read(source: TomlSource, file: FilePath) -> Configuration:
     tree = _tree(source)
     tables = read_table(LiveTables, {"wall": {}} | tree, source)
-    hole = Hole(tables.wall["bit_diameter"], tables.path.reference)
+    others = OtherTables(tables.wall["bit_diameter"], tables.path.reference)
     stated = vars(tables) | {
         "wall": _as_stated(tables.wall, tree["wall"]),
         "layers": {"main": MAIN} | {name: list(passes) for name, passes in tables.layers.items()},
     }
-    sources = {name: read_source(name, of, hole, source) for name, of in tables.source.items()}
+    sources = {name: read_source(name, of, others, source) for name, of in tables.source.items()}
     try:
         found = Configuration(**stated, sources=sources, text=source.text, file=file)
         found.check()

@@ -18,7 +18,7 @@ from typing import Any, Generic, Protocol, TypeVar
 
 from helibore.base.errors import InputError
 from helibore.live.rules.source_tables import SourceTable
-from helibore.live.rules.sources import Hole, Source
+from helibore.live.rules.sources import OtherTables, Source
 from helibore.live.wire.transport import Opener
 from helibore.settings.toml_reading import TomlSource, read_table
 
@@ -49,7 +49,7 @@ class SourceKind(Generic[Read, Reader]):
     table
         The settings of ``[source.NAME]``, declared.
     source
-        What these settings mean: ``source.read(name, table, hole)`` makes it.
+        What these settings mean: ``source.read(name, table, others)`` makes it.
     reader
         What reads the bytes of a source, made with the source, the book of events and the limits of depths.
     of_start
@@ -99,7 +99,7 @@ def kind_of(source: Source) -> AnyKind:
     return next(kind for kind in kinds() if kind.table is type(source.table))
 
 
-def read_source(name: str, tree: Any, hole: Hole, file: TomlSource) -> Source:
+def read_source(name: str, tree: Any, others: OtherTables, file: TomlSource) -> Source:
     """Read the table of a source; its kind follows from the scheme of its address. Errors name the line in ``file``."""
     keys = "source", name
     if not isinstance(tree, dict):
@@ -116,7 +116,7 @@ def read_source(name: str, tree: Any, hole: Hole, file: TomlSource) -> Source:
         raise file.located(error, keys) from error
     table = read_table(kind.table, tree, file, keys)
     try:
-        found: Source = kind.source.read(name, table, hole)
+        found: Source = kind.source.read(name, table, others)
     except InputError as error:
         raise file.located(error, keys) from error
     return found

@@ -67,7 +67,7 @@ class Item:
 
 
 @dataclass(frozen=True)
-class Hole:
+class OtherTables:
     """What sources must know of the other tables: the bit diameter in metres, and the reference of the path."""
 
     bit_diameter: float
@@ -75,7 +75,7 @@ class Hole:
 
 
 @dataclass(frozen=True)
-class Caliper:
+class CaliperItems:
     """The items of a caliper, equally many of each quantity; without ``depth``, depths follow from the bit depth.
 
     Attributes
@@ -150,7 +150,7 @@ class Source:
     rig: dict[str, Item]
     pass_number: Item | None
     station: list[Item]
-    caliper: Caliper | None
+    caliper: CaliperItems | None
     images: list[Image]
     limits: tuple[int, int, int] = (wits.LINE_LIMIT, wits.FRAME_LIMIT, wits.ITEM_LIMIT)
     message: tuple[bytes, float] | None = None
@@ -226,7 +226,7 @@ class WitsSource(Source):
     table: WitsTable
 
     @classmethod
-    def read(cls, name: str, table: WitsTable, hole: Hole) -> Self:
+    def read(cls, name: str, table: WitsTable, others: OtherTables) -> Self:
         """Return the source that a table means; raise InputError, with the place in the table, if a rule is broken."""
         depth_unit, _ = LENGTHS[table.units]
 
@@ -241,10 +241,10 @@ class WitsSource(Source):
             rig={key: length(of) if isinstance(of, LengthItem) else Item(of) for key, of in given.items()},
             pass_number=Item(table.items.pass_number) if table.items.pass_number else None,
             station=[length(survey.depth), Item(survey.inclination), Item(survey.azimuth)] if survey else [],
-            caliper=_wits_caliper(table.caliper, LENGTHS[table.units], hole) if table.caliper else None,
+            caliper=_wits_caliper(table.caliper, LENGTHS[table.units], others) if table.caliper else None,
             images=[
                 Image(key, of.unit, _run(of.first, f"image.{key}.count", of.count),
-                      length(of.depth) if of.depth else None, of.offset, of.latency, _layout(key, of, hole))
+                      length(of.depth) if of.depth else None, of.offset, of.latency, _layout(key, of, others))
                 for key, of in table.image.items()
             ],
             limits=(table.line_limit, table.frame_limit, table.item_limit),
@@ -282,7 +282,7 @@ class NamedSource(Source):
     curves: list[Item] = field(default_factory=list)
 
     @classmethod
-    def read(cls, name: str, table: NamedTable, hole: Hole) -> Self:
+    def read(cls, name: str, table: NamedTable, others: OtherTables) -> Self:
         """Return the source that a table means; raise InputError, with the place in the table, if a rule is broken."""
         usual = [units.factor(one, units.LENGTH) for one in LENGTHS.get(table.unit_set, ("m", "m"))]
         scales = {"bit_depth": usual[0], "hole_depth": usual[0], "depth": usual[0], "radius": usual[1]}
@@ -296,10 +296,10 @@ class NamedSource(Source):
         if of := table.caliper:
             depth = [item("depth", one) for one in of.depth] or ([index] * len(of.toolface) if index else [])
             columns = {key: [item(key, one) for one in getattr(of, key)] for key in ("toolface", "radius")}
-            caliper = _caliper(of, columns | ({"depth": depth} if depth else {}), "curves", hole, True)
+            caliper = _caliper(of, columns | ({"depth": depth} if depth else {}), "curves", others, True)
         images = [
             Image(key, one.unit, [Item(sector, unit=one.unit) for sector in one.sectors], index, one.offset, 0.0,
-                  _layout(key, one, hole))
+                  _layout(key, one, others))
             for key, one in table.image.items()
         ]  # fmt: skip
         places: list[tuple[str, Sequence[Item]]] = [(f"items.{key}", [one]) for key, one in rig.items()]
@@ -365,7 +365,7 @@ class StoreSource(NamedSource):
         return meaning | {"store": store | jump}
 
 
-def _wits_caliper(table: WitsCaliper, lengths: tuple[str, str], hole: Hole) -> Caliper:
+def _wits_caliper(table: WitsCaliper, lengths: tuple[str, str], others: OtherTables) -> CaliperItems:
     lists = {"toolface": table.toolface, "radius": table.radius, "depth": table.depth}
     given: Mapping[str, Sequence[str]] = {name: items for name, items in lists.items() if items}
     if table.first:
@@ -385,12 +385,17 @@ def _wits_caliper(table: WitsCaliper, lengths: tuple[str, str], hole: Hole) -> C
         scale = units.factor(getattr(table, f"{name}_unit") or unit, kind)
         if name in given:
             columns[name] = [Item(code, scale) for code in given[name]]
-    return _caliper(table, columns, "items", hole, table.toolface_unit is not None, table.latency)
+    return _caliper(table, columns, "items", others, table.toolface_unit is not None, table.latency)
 
 
 def _caliper(
-    table: CaliperTable, columns: dict[str, list[Item]], what: str, hole: Hole, has_unit: bool, latency: float = 0.0
-) -> Caliper:
+    table: CaliperTable,
+    columns: dict[str, list[Item]],
+    what: str,
+    others: OtherTables,
+    has_unit: bool,
+    latency: float = 0.0,
+) -> CaliperItems:
     """Return the caliper of the items in ``columns``; ``what`` is the word for the items in error messages."""
     for name in {"toolface", "depth"} & columns.keys():
         columns[name] *= len(columns["radius"]) if len(columns[name]) == 1 else 1
@@ -408,7 +413,7 @@ def _caliper(
         rule = "several radii have one toolface: must be a list with the angle of each sensor"
         raise InputError("caliper.toolface_offset", f"{rule}, such as [0, 90, 180, 270]", repr(offsets))
     half = 0.5 if table.measures == "diameter" else 1.0
-    return Caliper(
+    return CaliperItems(
         toolface=columns["toolface"],
         radius=[replace(item, scale=item.scale * half) for item in columns["radius"]],
         depth=columns.get("depth", []),
@@ -416,14 +421,14 @@ def _caliper(
         offset=table.offset,
         latency=latency,
         toolface_offset=offsets,
-        radius_range=list(table.radius_range) or [hole.bit_diameter / 8, hole.bit_diameter * 2],
+        radius_range=list(table.radius_range) or [others.bit_diameter / 8, others.bit_diameter * 2],
         has_toolface_unit=has_unit,
     )
 
 
-def _layout(name: str, table: LayoutTable, hole: Hole) -> Layout:
+def _layout(name: str, table: LayoutTable, others: OtherTables) -> Layout:
     try:
-        return table.layout(hole.reference)
+        return table.layout(others.reference)
     except InputError as error:
         raise InputError(f"image.{name}.{error.place}", error.rule, error.value) from None
 
