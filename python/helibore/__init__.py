@@ -29,6 +29,8 @@ if TYPE_CHECKING:  # the same names as below
     from helibore.live.model.events import Event as Event
     from helibore.live.model.update import Update as Update
     from helibore.logs.annulus import Annulus as Annulus
+    from helibore.logs.cement_sheet import CementSection as CementSection
+    from helibore.logs.cement_sheet import CementSheet as CementSheet
     from helibore.logs.passage import Drift as Drift
     from helibore.logs.passage import Passage as Passage
     from helibore.logs.passage import RigidBody as RigidBody
@@ -50,6 +52,7 @@ if TYPE_CHECKING:  # the same names as below
     from helibore.runs.reconstruct import reconstruct as reconstruct
     from helibore.runs.reprocess import reprocess as reprocess
     from helibore.samples.caliper import Caliper as Caliper
+    from helibore.settings.cement_settings import CementJob as CementJob
     from helibore.settings.preparation_settings import Preparation as Preparation
     from helibore.settings.wall_settings import Settings as Settings
     from helibore.settings.zone_settings import Criteria as Criteria
@@ -81,6 +84,7 @@ _load, _, __all__ = lazy_loader.attach(
         "live.model.events": ["Event"],
         "live.model.update": ["Update"],
         "logs.annulus": ["Annulus"],
+        "logs.cement_sheet": ["CementSection", "CementSheet"],
         "logs.passage": ["Drift", "Passage", "RigidBody", "TightSpot"],
         "logs.picks": ["Pick", "Picks"],
         "logs.stress": ["HorizontalStress", "horizontal_stress", "stress_of_picks", "stress_of_zones"],
@@ -93,6 +97,7 @@ _load, _, __all__ = lazy_loader.attach(
         "runs.reconstruct": ["reconstruct"],
         "runs.reprocess": ["reprocess"],
         "samples.caliper": ["Caliper"],
+        "settings.cement_settings": ["CementJob"],
         "settings.preparation_settings": ["Preparation"],
         "settings.wall_settings": ["Settings"],
         "settings.zone_settings": ["Criteria", "ImageCriteria"],

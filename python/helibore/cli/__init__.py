@@ -22,6 +22,7 @@ import click
 from helibore.base.errors import MissingExtraError, shown
 
 VERBS = {
+    "cement": "Write the cement sheet of a casing in the measured hole.",
     "demo": "Simulate a hole and write its wall as a mesh and a picture.",
     "inspect": "Show what a file holds and which role each channel gets.",
     "journal": "Check, list, replay, export and archive a journal.",

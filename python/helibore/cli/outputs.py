@@ -29,7 +29,7 @@ QUIET = opt("-q --quiet", "Print nothing but errors.", is_flag=True)
 NOT_RECORDED = ("source", "output", "centres", "zones", "breakouts", "rose", "quiet", "help", "settings", "column",
                 "look")  # fmt: skip
 """A command's own options that do not change the bytes of its output; a project does not record them."""
-TABLES = ("header", "zones", "print", "look", "logs", "passage", "stress", "mesh", "view")
+TABLES = ("header", "zones", "print", "look", "logs", "passage", "stress", "cement", "mesh", "view")
 """Tables of a project that say what an output holds."""
 ALL_OF = {"plot": ("look",), "report": ("look",), "reconstruct": ("mesh",)}
 """Tables of which a command knows every key, besides that of its own name; other keys are refused."""

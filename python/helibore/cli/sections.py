@@ -23,7 +23,7 @@ GROUPS = {
     "Source": "source", "Columns": "columns", "Reading": "reading", "Sensors": "preparation",
     "Conditioning": "preparation", "Passes": "preparation", "Path and toolface": "path", "Wall": "wall",
     "Mesh": "mesh", "Logs": "logs",
-    "Zones": "zones", "Passage": "passage", "Stress": "stress", "Print": "print", "Page": "view",
+    "Zones": "zones", "Passage": "passage", "Stress": "stress", "Cement": "cement", "Print": "print", "Page": "view",
 }  # fmt: skip
 """What stands before the dot in the names of the settings of a section."""
 

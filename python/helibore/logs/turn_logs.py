@@ -32,10 +32,12 @@ from helibore.base.tables import LogColumn, LogTable, Tabular
 from helibore.base.thread_count import thread_count
 from helibore.logs.annulus import Annulus, annulus
 from helibore.logs.arms import arm_diameters
+from helibore.logs.cement_sheet import CementSheet, MeasuredHole, cement_sheet
 from helibore.logs.depth_steps import by_step
 from helibore.logs.log_columns import COLUMNS
 from helibore.samples.caliper import Basis, Caliper
 from helibore.samples.helix import WallLike, basis_of, basis_text_of, whole_helix
+from helibore.settings.cement_settings import CementJob
 from helibore.trajectory.references import reference_assumed, reference_of
 from helibore.trajectory.survey import Path
 from helibore.trajectory.true_depth import true_depth
@@ -287,6 +289,26 @@ class Logs(Tabular):
             ``casing = 0: must be finite and above 0``.
         """
         return annulus(self.depth, self.equivalent_diameter, self.inscribed_diameter, self.height, casing)
+
+    def cement_sheet(self, job: CementJob) -> CementSheet:
+        """Return what a casing takes: rat hole, shoe track, open hole with excess, and lap.
+
+        ``wall.logs().cement_sheet(hb.CementJob(casing=0.2445, shoe=1500, top=900, excess=0.1)).total`` is in cubic
+        metres. An open hole that was measured in part takes the mean of that part; each section states the share.
+
+        Parameters
+        ----------
+        job
+            The casing, its shoe, the previous casing, the tops of the slurries, the excess.
+
+        Raises
+        ------
+        InputError
+            If the shoe or the open hole lies outside the logs, an interval has no measured row, or the hole has less
+            area than the casing.
+        """
+        sizes = self.equivalent_diameter, self.volume_sigma, self.height, self.bit_diameter
+        return cement_sheet(MeasuredHole(self.depth, *sizes), job)
 
     @property
     def shape_kept(self) -> float:

@@ -156,6 +156,7 @@ class Project(Declared):
     logs: Annotated[dict[str, Any], "Tables of logs and zones."] = field(default_factory=dict)
     passage: Annotated[dict[str, Any], "What passes through the hole."] = field(default_factory=dict)
     stress: Annotated[dict[str, Any], "Direction of the greatest horizontal stress."] = field(default_factory=dict)
+    cement: Annotated[dict[str, Any], "Cement of a casing."] = field(default_factory=dict)
     mesh: Annotated[dict[str, Any], "Meshes."] = field(default_factory=dict)
     view: Annotated[dict[str, Any], "The page in the browser."] = field(default_factory=dict)
     options: Annotated[dict[str, Any], "Options of the command, in files of earlier versions."] = field(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from helibore.settings.cement_settings import CementJob
 from helibore.settings.column_settings import Columns
 from helibore.settings.header_settings import Header
 from helibore.settings.path_settings import PathSettings
@@ -25,6 +26,7 @@ GROUPS: dict[str, type[Any]] = {
     "wall": Settings,
     "zones": ZoneSettings,
     "image_zones": ImageCriteria,
+    "cement": CementJob,
     "print": PrintSettings,
     "look.NAME": Look,
     "template": Template,
