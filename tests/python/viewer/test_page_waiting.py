@@ -72,7 +72,7 @@ def test_a_page_opened_before_the_first_sample_waits_and_then_shows_the_wall(bro
     screen.until(f"{WORDS} === 'Waiting for the first samples.\\nmwd: listening. 0 samples received.'")
     assert screen.is_visible("#connection")
     assert screen.inner_text("#lampText") == "waiting"
-    assert not any(screen.is_visible(part) for part in ("aside", "#foot", "#follow", "#rigOpen", "#pass"))
+    assert not any(screen.is_visible(part) for part in ("aside", "#foot", "#follow", "#pass"))
     assert screen.evaluate("document.documentElement.className") == "dark"
     scene.update_state(
         sources="mwd: connected to 127.0.0.1. 12 samples received, 12 wait for their depth.", bit_depth=1031.0

@@ -66,7 +66,7 @@ export function options(id, pairs) {
 export function write(id, pairs) {
   const list = byId(id);
   if (list.children.length !== 2 * pairs.length) {
-    list.replaceChildren(...pairs.flatMap(() => ['dt', 'dd'].map((name) => document.createElement(name))));
+    list.replaceChildren(...pairs.flatMap(() => ['dt', 'dd'].flatMap((name) => [document.createElement(name), ' ']))); // copied text keeps its words apart
   }
   pairs.forEach(([name, text, title = ''], i) => [name, text].forEach((words, j) => {
     const at = /** @type {HTMLElement} */ (list.children[2 * i + j]);
