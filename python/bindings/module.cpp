@@ -28,6 +28,7 @@ PYBIND11_MODULE(main_interpreter, m) {
     helibore::bindings::register_logs(m);
     helibore::bindings::register_number_rows(m);
     helibore::bindings::register_path(m);
+    helibore::bindings::register_preparation(m);
     helibore::bindings::register_surface(m);
     helibore::bindings::register_wall(m);
     helibore::bindings::register_wits(m);

@@ -11,6 +11,7 @@ void register_journal(pybind11::module_& m);
 void register_logs(pybind11::module_& m);
 void register_number_rows(pybind11::module_& m);
 void register_path(pybind11::module_& m);
+void register_preparation(pybind11::module_& m);
 void register_surface(pybind11::module_& m);
 void register_wall(pybind11::module_& m);
 void register_wits(pybind11::module_& m);

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from helibore import _core
 from helibore.base.arrays import Floats, Integers, Mask, column, runs_of, whole_column
 from helibore.base.errors import InputError
 from helibore.preparation.readings import Readings
@@ -29,7 +30,6 @@ LONGEST_BURST = 5
 _BURST_LENGTH = 1.0  # m: a burst in the rows of an arm is no longer than this along the hole
 _ROW_LENGTH = 0.05  # m: rows in which all arms jump at once are spikes if they reach over no more than this
 _ELSEWHERE = 2.0  # m: readings no farther along the hole than this support a burst
-_BESIDE = 8  # rows on either side of a row of an arm, for its running median
 _ROWS_APART = 10  # a disagreement is reported if it lasts at least this many rows
 
 
@@ -181,7 +181,7 @@ def arm_spikes(
     values = _table("arms", arms)
     where = column("depth", depth, values.shape[1], "arms[0]")
     known = np.isfinite(values)
-    odd = np.stack([_odd(each, threshold, floor) for each in values])
+    odd = np.stack([_core.odd_readings(each, threshold, floor) for each in values])
     moved = np.nan_to_num(np.abs(np.diff(where, prepend=where[:1])))
     along = np.cumsum(moved)
     beside = np.pad(odd, ((0, 0), (1, 1)))
@@ -229,27 +229,6 @@ def _seen_elsewhere(
     near = (off <= 15.0) & (np.abs(trusted[:, begin:end] - middle) < 0.25 * height)
     near[arm, first - begin : last - begin] = False
     return bool(near.any())
-
-
-def _odd(values: Floats, threshold: float, floor: float) -> Integers:
-    """Return for each reading of an arm 1 or -1 if it is far above or below its running median, else 0, (n,)."""
-    known = np.flatnonzero(np.isfinite(values))
-    odd = np.zeros(values.size, dtype=np.int64)
-    if known.size <= 2 * _BESIDE:
-        return odd
-    reading = values[known]
-    windows = np.lib.stride_tricks.sliding_window_view(np.pad(reading, _BESIDE, mode="reflect"), 2 * _BESIDE + 1)
-    off = np.empty(reading.size)
-    for start in range(0, reading.size, _SAMPLES_AT_ONCE):
-        part = slice(start, start + _SAMPLES_AT_ONCE)
-        off[part] = reading[part] - np.median(windows[part], axis=1)
-    edges = np.linspace(0, off.size, max(1, off.size // 100) + 1).astype(np.int64)
-    counts, far = np.diff(edges), np.abs(off)
-    for count in np.unique(counts).tolist():  # blocks of equal length together: there are two lengths
-        rows = edges[:-1][counts == count, None] + np.arange(count)
-        deviation = np.quantile(far[rows], 0.85, axis=1) / 1.44
-        odd[known[rows]] = np.sign(off[rows]) * (far[rows] > threshold * np.maximum(deviation, floor)[:, None])
-    return odd
 
 
 class _Rings:
@@ -430,15 +409,7 @@ def share_of_repeats(depth: Floats, toolface: Floats, radius: Floats, *, most: i
 
     Hashes of depth and toolface choose these rows, so that all equal rows are among them, or none.
     """
-    odd = np.uint64(0x9E3779B97F4A7C15)
-    bits = [values.copy().view(np.uint64) for values in (depth, toolface, radius)]
-    place = (bits[0] ^ (bits[1] << np.uint64(1))) * odd
-    judged = place >> np.uint64(32) <= np.uint64(0xFFFFFFFF * min(1.0, most / max(place.size, 1)))
-    some = np.zeros(np.count_nonzero(judged), dtype=np.uint64)
-    for values in bits:
-        some = (some ^ values[judged]) * odd
-        some ^= some >> np.uint64(29)
-    return float(1.0 - np.unique(some).size / some.size) if some.size else 0.0
+    return _core.share_of_repeats(depth, toolface, radius, most)
 
 
 def closed(arms: Sequence[npt.ArrayLike], radius: float, *, tolerance: float = 0.002) -> Step:

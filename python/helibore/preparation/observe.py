@@ -18,7 +18,7 @@ import numpy as np
 from helibore.base.arrays import Floats, Integers, Number, Typed
 from helibore.base.errors import InputError
 from helibore.preparation.readings import Readings
-from helibore.preparation.sensors import Samples, TimeSeries, observe_by_depth, observe_by_time
+from helibore.preparation.sensors import REASONS, Samples, TimeSeries, observe_by_depth, observe_by_time
 
 Report = list[tuple[str, str]]
 
@@ -28,8 +28,6 @@ have turned farther between readings."""
 
 FASTEST = 20.0
 """Metres a second; no tool moves faster along the hole, so a larger speed shows that a clock restarts."""
-
-REASONS = ("no depth", "no toolface", "no radius", "no time")
 
 
 @dataclass(frozen=True)

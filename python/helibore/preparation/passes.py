@@ -14,6 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
+from helibore import _core
 from helibore.base.arrays import Floats, Integers, finite_column, runs_of, whole_column
 from helibore.base.errors import InputError
 from helibore.preparation.conditioning import Step
@@ -49,34 +50,7 @@ def number_passes(depth: npt.ArrayLike, reversal: float = 5.0) -> Integers:
     track = finite_column("depth", depth)
     if not reversal > 0:
         raise InputError("reversal", "must be above 0", f"{reversal:g}")
-    sign = 1 if _turn(track, 0, 1, reversal)[1] > _turn(track, 0, -1, reversal)[1] else -1  # 1: it starts downwards
-    begins, noticed = [0], 0
-    while noticed < track.size:
-        end, noticed = _turn(track, noticed, sign, reversal)
-        begins.append(end + 1)
-        sign = -sign
-    return np.repeat(np.arange(len(begins) - 1), np.diff(begins))
-
-
-def _turn(track: Floats, start: int, sign: int, reversal: float) -> tuple[int, int]:
-    """Return the row where a pass that goes down (``sign`` 1) or up (-1) from row ``start`` ends, and the row that
-    shows this end.
-
-    The pass ends at the last row at its greatest depth (least depth if it goes up). The first row that lies more than
-    ``reversal`` back from there shows this end. If no row does, return the last row and the number of rows.
-    """
-    peak, end, rows = -np.inf, start, 1024
-    while start < track.size:
-        ahead = sign * track[start : start + rows]
-        greatest = np.maximum.accumulate(np.maximum(ahead, peak))
-        back = np.flatnonzero(greatest - ahead > reversal)
-        count = back[0] + 1 if back.size else ahead.size
-        at_peak = np.flatnonzero(ahead[:count] == greatest[count - 1])
-        end = start + int(at_peak[-1]) if at_peak.size else end
-        if back.size:
-            return end, start + int(back[0])
-        peak, start, rows = greatest[-1], start + rows, 2 * rows
-    return track.size - 1, track.size
+    return _core.number_passes(track, reversal)
 
 
 def choose(

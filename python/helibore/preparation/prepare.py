@@ -25,9 +25,10 @@ from helibore.base.units import INCH
 from helibore.preparation import conditioning
 from helibore.preparation.biases import Bias, arm_sides, find_bias
 from helibore.preparation.eccentering import Centres, find_centres, recentre, turn_positions
-from helibore.preparation.observe import REASONS, Track, observe, placed
+from helibore.preparation.observe import Track, observe, placed
 from helibore.preparation.passes import choose, number_passes
 from helibore.preparation.readings import Readings
+from helibore.preparation.sensors import REASONS
 from helibore.preparation.shifts import Shifts, find_shifts
 from helibore.samples.caliper import LARGEST_RADIUS, Caliper
 from helibore.settings.preparation_settings import Preparation
@@ -189,6 +190,8 @@ class _Pipeline:
         """Fill in a row's missing depth or toolface from the samples of that row, which were interpolated by time."""
         samples = self.samples
         for number, one in enumerate(self.readings):
+            if not (np.isnan(one.depth).any() or np.isnan(one.toolface).any()):
+                continue
             mine = np.flatnonzero(samples.file == number)
             offsets = np.array([each.offset + self.settings.sensor_offset for each in one.sensors])
             mountings = np.array([each.mounting for each in one.sensors])
@@ -306,9 +309,11 @@ class _Pipeline:
     def _without_spikes(self, one: Readings) -> Readings:
         """Return the readings of few arms without spikes if the settings ask for it; else report them."""
         shown = [int(np.argmax(one.arm == arm)) for arm in np.unique(one.arm)]  # one end of each diameter
+        if len(shown) < 2:
+            return one
         turning = np.abs(wrapped(np.diff(one.toolface) + 180.0) - 180.0)
         turning = turning[np.isfinite(turning)]
-        if len(shown) < 2 or (turning.size and np.median(turning) > FAST_ARM):
+        if turning.size and np.median(turning) > FAST_ARM:
             return one  # the rows of one arm show different places of the wall; `conditioning.spikes` compares turns
         step = conditioning.arm_spikes(
             [one.radii[sensor] for sensor in shown],

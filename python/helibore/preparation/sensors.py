@@ -19,11 +19,15 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
+from helibore import _core
 from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Integers, Mask, column, finite_column, require
 from helibore.base.errors import InputError
 
 __all__ = ["Samples", "Sensor", "TimeSeries", "observe_by_depth", "observe_by_time"]
+
+REASONS = ("no depth", "no toolface", "no radius", "no time")
+"""Why a sample is left out, in the order in which the reasons are looked for."""
 
 
 @dataclass(frozen=True)
@@ -197,20 +201,11 @@ def observe_by_depth(
     rows = column("depth", depth)
     reference = column("toolface", toolface, rows.size, "depth")
     columns = [column(f"radii[{index}]", values, rows.size, "depth") for index, values in enumerate(radii)]
-    radius = columns[0][:, None] if len(columns) == 1 else np.stack(columns, axis=1)
-    if np.isinf(radius).any():
-        row, index = np.argwhere(np.isinf(radius))[0]
-        rule = "must be finite, or NaN where missing"
-        raise InputError(f"radii[{index}][{row}]", rule, f"{radius[row, index]:g}")
-    offsets, mountings = (np.array([getattr(one, name) for one in sensors]) for name in ("offset", "mounting"))
-    depths = rows[:, None] - offsets if offsets.any() else np.broadcast_to(rows[:, None], radius.shape)
-    looking = reference[:, None] + mountings if mountings.any() else np.broadcast_to(reference[:, None], radius.shape)
-    sensor_index = np.broadcast_to(np.arange(len(sensors)), radius.shape).reshape(-1)
-    row_index = np.broadcast_to(np.arange(rows.size)[:, None], radius.shape).reshape(-1)
-    flat = depths.reshape(-1), looking.reshape(-1), radius.reshape(-1)
-    times = None if time is None else np.repeat(column("time", time, rows.size, "depth"), len(sensors))
-    found = _present(Samples(*flat, times, sensor_index, row_index), depth=rows, toolface=reference)
-    return replace(found, toolface=wrapped(found.toolface))
+    times = None if time is None else column("time", time, rows.size, "depth")
+    offsets, mountings = ([getattr(one, name) for one in sensors] for name in ("offset", "mounting"))
+    found = _core.observe_by_depth(rows, reference, columns, times, offsets, mountings)
+    reasons = REASONS if times is not None else REASONS[:3]
+    return Samples(*found[:6], counts=dict(zip(reasons, found[6], strict=False)) | {"taken": found[0].size})
 
 
 def _present(samples: Samples, **inputs: Floats) -> Samples:
