@@ -19,6 +19,7 @@ if TYPE_CHECKING:  # the same names as below
     from helibore.base.errors import InputError as InputError
     from helibore.base.errors import MissingExtraError as MissingExtraError
     from helibore.base.tables import LogColumn as LogColumn
+    from helibore.base.tables import LogImage as LogImage
     from helibore.base.tables import LogTable as LogTable
     from helibore.channels.log_set import LogFile as LogFile
     from helibore.channels.log_set import LogSet as LogSet
@@ -43,6 +44,7 @@ if TYPE_CHECKING:  # the same names as below
     from helibore.logs.stress import stress_of_zones as stress_of_zones
     from helibore.logs.summary import WallSummary as WallSummary
     from helibore.logs.turn_logs import Logs as Logs
+    from helibore.logs.wall_images import wall_images as wall_images
     from helibore.logs.zones import Classification as Classification
     from helibore.logs.zones import Zone as Zone
     from helibore.mesh.surface import Surface as Surface
@@ -75,7 +77,7 @@ _load, _, __all__ = lazy_loader.attach(
     {
         "_core": ["__version__"],
         "base.errors": ["InputError", "MissingExtraError"],
-        "base.tables": ["LogColumn", "LogTable"],
+        "base.tables": ["LogColumn", "LogImage", "LogTable"],
         "channels.log_set": ["LogFile", "LogSet"],
         "channels.opening": ["open"],
         "images.image_breakouts": ["ImageBreakouts"],
@@ -90,6 +92,7 @@ _load, _, __all__ = lazy_loader.attach(
         "logs.stress": ["HorizontalStress", "horizontal_stress", "stress_of_picks", "stress_of_zones"],
         "logs.summary": ["WallSummary"],
         "logs.turn_logs": ["Logs"],
+        "logs.wall_images": ["wall_images"],
         "logs.zones": ["Classification", "Zone"],
         "mesh.surface": ["Surface"],
         "mesh.volume": ["Volume"],

@@ -57,7 +57,7 @@ class LogColumn:
     decimals: int | None = None
 
     def __post_init__(self) -> None:
-        if not re.fullmatch(r"[A-Z][A-Z0-9_]*", self.mnemonic):
+        if not re.fullmatch(r"[A-Z][A-Z0-9_]*(\[\d+\])?", self.mnemonic):
             rule = "must be capital letters, digits and underscores, the first a letter"
             raise InputError("mnemonic", rule, repr(self.mnemonic))
         if not (self.description.isascii() and self.unit.isascii()):
@@ -74,6 +74,49 @@ class LogColumn:
         """
         decimals = DECIMALS.get(self.unit, USUAL_DECIMALS) if self.decimals is None else self.decimals
         return [f"{value:.{decimals}f}" if value == value else missing for value in self.values.tolist()]
+
+
+@dataclass(frozen=True, eq=False)
+class LogImage:
+    """An image of the wall: a row for each row of a table of logs, a column for each sector around the hole.
+
+    Files hold it as one channel of K values a row (DLIS), or as K columns ``NAME[1]`` ... ``NAME[K]``.
+
+    Parameters
+    ----------
+    mnemonic, unit, description
+        As in `LogColumn`.
+    values
+        (n, K) float64; NaN where missing.
+    first
+        Toolface of the centre of sector 1, degrees. The next sectors follow clockwise, looking downhole.
+    """
+
+    mnemonic: str
+    unit: str
+    description: str
+    values: Floats
+    first: float
+
+    @property
+    def toolface(self) -> Floats:
+        """(K,) toolfaces of the centres of the sectors, degrees in [0, 360)."""
+        sectors = self.values.shape[1]
+        centres: Floats = (self.first + np.arange(sectors) * (360.0 / sectors)) % 360.0
+        return centres
+
+    def columns(self) -> list[LogColumn]:
+        """Return a column for each sector; its description ends in its angle, as LAS 3.0 states it: {AF;5.625deg}."""
+        step = 360.0 / self.values.shape[1]
+        return [
+            LogColumn(
+                f"{self.mnemonic}[{sector + 1}]",
+                self.unit,
+                f"{self.description} {{AF;{self.first + sector * step:.10g}deg}}",
+                self.values[:, sector],
+            )
+            for sector in range(self.values.shape[1])
+        ]
 
 
 class Tabular(ABC):
@@ -130,13 +173,14 @@ class Tabular(ABC):
 class LogTable(Tabular):
     """Columns of equal length and different mnemonics. The first is the depth, metres; in logs, depths rise or fall.
 
-    ``facts`` say how the columns were made: ``{"bit diameter": "0.2159 m"}``. Every file states them.
+    ``facts`` say how the columns were made: ``{"bit diameter": "0.2159 m"}``. Every file states them. ``images`` have
+    as many rows as the columns; they are written to files, and are no columns of the table.
     """
 
-    def __init__(self, columns: Sequence[LogColumn], facts: Mapping[str, str]) -> None:
+    def __init__(self, columns: Sequence[LogColumn], facts: Mapping[str, str], images: Sequence[LogImage] = ()) -> None:
         if not columns:
             raise InputError("columns", "a table of logs must have a depth")
-        self.facts = dict(facts)
+        self.facts, self.images = dict(facts), tuple(images)
         self._columns: dict[str, LogColumn] = {}
         for one in columns:
             if one.mnemonic in self._columns:

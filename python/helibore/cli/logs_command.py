@@ -24,7 +24,7 @@ from helibore.cli.wall_options import HEADER, SHOWN, header_of, open_run, refuse
 from helibore.cli.zone_options import CRITERIA, criteria_of
 
 if TYPE_CHECKING:
-    from helibore.base.tables import LogColumn, LogTable
+    from helibore.base.tables import LogColumn, LogImage, LogTable
     from helibore.cli.lines import Lines
     from helibore.logs.turn_logs import Logs
     from helibore.logs.zones import Classification
@@ -50,7 +50,7 @@ NAMED = (
 @click.command(
     "logs",
     cls=Sectioned,
-    common=(*SHOWN, "step", "sigma", "casings", "drifts", "well", "headers", "unit", "zones", "breakouts"),
+    common=(*SHOWN, "step", "sigma", "by_sector", "casings", "drifts", "well", "headers", "unit", "zones", "breakouts"),
 )
 @section("Options", OUTPUT("Logs to write: .las, .csv, .parquet or .dlis."), QUIET)
 @section(
@@ -68,6 +68,12 @@ NAMED = (
         "Standard uncertainty that all radii share: the tool's calibration, the velocity in the mud.",
         type=LENGTH,
         default="0m",
+    ),
+    opt(
+        "--by-sector",
+        "Also write radius, images and, with --sigma, uncertainty by turn and sector: arrays in DLIS, "
+        "columns NAME[1] ... in the others.",
+        is_flag=True,
     ),
     opts("--casing casings", "Outer diameter of a casing, for its annulus and clearance.", type=LENGTH),
     opts(
@@ -125,6 +131,7 @@ def logs(**options: Any) -> None:
         measured = _measured(wall, options, run.reference)
         annuli = [measured.rows.annulus(size) for size in options["casings"]]
         dark = [wall.images[name].breakouts() for name in images]
+        images_by_turn = _by_sector(wall, options) if options["by_sector"] else []
         summary = summarize(wall._state(), options["start_depth"], options["stop_depth"], zones=measured.zones)
     columns = [*measured.columns, *(column for each in annuli for column in each.columns())]
     columns += [wall.drift(length).column(measured.rows) for length in options["drifts"]]
@@ -136,7 +143,7 @@ def logs(**options: Any) -> None:
         from helibore.logs.zones import CLASSES
 
         facts["class"] = CLASSES
-    work: list[tuple[Path, LogTable]] = [(output, measured.rows.table(columns, facts))]
+    work: list[tuple[Path, LogTable]] = [(output, measured.rows.table(columns, facts, images_by_turn))]
     if zones_file and measured.zones:
         work.append((zones_file, measured.zones.table()))
     work += [(file, each.table()) for file, each in zip(images.values(), dark, strict=True)]
@@ -220,7 +227,13 @@ def in_unit(table: LogTable, unit: str) -> LogTable:
         values = one.values / units.factor(to, units.LENGTH)
         return replace(one, unit=to, values=values, decimals=DECIMALS[to])
 
-    return table if unit == "m" else LogTable([changed(one) for one in table], facts_in(table.facts, unit))
+    def image_in(one: LogImage) -> LogImage:
+        same = one.unit != "m" or across == "m"
+        return one if same else replace(one, unit=across, values=one.values / units.factor(across, units.LENGTH))
+
+    if unit == "m":
+        return table
+    return LogTable([changed(one) for one in table], facts_in(table.facts, unit), [*map(image_in, table.images)])
 
 
 class _Measured(NamedTuple):
@@ -235,6 +248,16 @@ class _Measured(NamedTuple):
     turns: Logs
     rows: Logs
     columns: list[LogColumn]
+
+
+def _by_sector(wall: Wall, options: dict[str, Any]) -> list[LogImage]:
+    """Return radius, sigma and images of the turns between --from and --to."""
+    from helibore.logs.wall_images import wall_images
+
+    if options["step"] is not None:
+        raise click.UsageError("--by-sector: does not go with --step, since a row is a turn")
+    inside = wall.logs().rows_between(options["start_depth"], options["stop_depth"])
+    return [replace(of, values=of.values[inside]) for of in wall_images(wall, options["sigma"])]
 
 
 def _measured(wall: Wall, options: dict[str, Any], reference: Any) -> _Measured:

@@ -153,7 +153,7 @@ def _las2(source: InputFile, sections: list[LasSection], version: dict[str, str]
         remarks.append(f"line {last.line}: ~{last.kind} follows the data section; its lines are not rows")
     header = [section for section in sections if section is not data]
     curves, params, items = (_lasio_items(source, header, letter, version, remarks) for letter in "CPW")
-    curves = [LasCurve(c.original_mnemonic.strip(), _unit_and_value(c)[0], c.descr or "") for c in curves]
+    curves = [LasCurve(c.original_mnemonic.strip(), _unit_and_value(c)[0], *_described(c.descr or "")) for c in curves]
     if not curves:
         curves = _curves_of_title(source, sections, data, remarks)
     curves = _curves_with_cells(data, curves, remarks)
@@ -353,6 +353,13 @@ def _curves(source: InputFile, section: LasSection, remarks: list[str]) -> list[
         raise source.error(f"~{section.kind} defines no column", section.line)
     _name_curves(curves, remarks)
     return curves
+
+
+def _described(text: str) -> tuple[str, SectorAxis | None]:
+    """Return a description without its format, and the angle that the format of an array's member states."""
+    form = FORMAT.search(text)
+    axis = _axis(form["format"]) if form else None
+    return (FORMAT.sub("", text), axis) if axis else (text, None)
 
 
 def _axis(form: str) -> SectorAxis | None:

@@ -15,7 +15,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from helibore.base.arrays import Floats
-from helibore.base.tables import LogTable
+from helibore.base.tables import LogColumn, LogTable
 
 NULL = -999.25
 LAS_WELL = {"company": "COMP", "well": "WELL", "field": "FLD", "location": "LOC", "service": "SRVC", "run": "RUN",
@@ -26,9 +26,15 @@ LAS_WELL = {"company": "COMP", "well": "WELL", "field": "FLD", "location": "LOC"
 _STEP_DECIMALS = 5
 
 
+def every_column(table: LogTable) -> list[LogColumn]:
+    """Return the columns of a table, and those of its images by sector."""
+    return [*table, *(column for image in table.images for column in image.columns())]
+
+
 def las_text(table: LogTable, header: Mapping[str, str]) -> str:
     """Return a LAS 2.0 file as text. Entries of the header that are not in `LAS_WELL` are left out."""
-    texts = [column.texts(f"{NULL:.2f}") for column in table]
+    columns = every_column(table)
+    texts = [column.texts(f"{NULL:.2f}") for column in columns]
     widths = [max(map(len, column), default=0) for column in texts]
     first, last = (texts[0][0], texts[0][-1]) if table.rows else (f"{NULL:.2f}",) * 2
     depth = table.depth.values
@@ -45,13 +51,13 @@ def las_text(table: LogTable, header: Mapping[str, str]) -> str:
         *(_las_line(LAS_WELL[name], *_unit_and_value(known.get(name, "")), name.capitalize()) for name in LAS_WELL),
         _las_line("PROG", "", "helibore", "Made by"),
         "~Curve Information",
-        *(_las_line(column.mnemonic, column.unit.upper(), "", one_line(column.description)) for column in table),
+        *(_las_line(column.mnemonic, column.unit.upper(), "", one_line(column.description)) for column in columns),
         "~Parameter Information",
         *(_las_line(mnemonic_of(name), *_unit_and_value(text), one_line(name)) for name, text in table.facts.items()),
-        "~A  " + " ".join(column.mnemonic for column in table),
+        "~A  " + " ".join(column.mnemonic for column in columns),
     ]  # fmt: skip
-    columns = [[text.rjust(width) for text in column] for column, width in zip(texts, widths, strict=True)]
-    for row in zip(*columns, strict=True):
+    cells = [[text.rjust(width) for text in column] for column, width in zip(texts, widths, strict=True)]
+    for row in zip(*cells, strict=True):
         lines.append(" ".join(row))
     return "\n".join(lines) + "\n"
 

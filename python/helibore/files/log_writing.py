@@ -2,11 +2,11 @@
 
     save_table(wall.logs().table(), "well.las")          the ending of the name decides the format
 
-            missing values           facts (bit size, basis, windows ...)
-    .las    -999.25                  ~Parameter
-    .csv    empty                    a file beside it (``facts``)
-    .parquet  null                   metadata of the schema
-    .dlis   -999.25                  parameters; channels have units and long names
+            missing values  facts (bit size ...)           images
+    .las    -999.25         ~Parameter                     columns NAME[1] ..., their angles as {AF;5.625deg}
+    .csv    empty           a file beside it (``facts``)   columns NAME[1] ...
+    .parquet  null          metadata of the schema         columns NAME[1] ...
+    .dlis   -999.25         parameters                     channels of K values with an axis of toolfaces
 
 Files are written whole or not at all. ``hb.open`` reads them back. LAS and DLIS are ASCII: any other character of a
 header or fact becomes "?". ``helibore.channels.header_entries`` reads the entries of a header from other files.
@@ -30,7 +30,7 @@ from helibore.base.atomic_file import write_whole
 from helibore.base.errors import check_ending, require_library
 from helibore.base.tables import LogTable
 from helibore.files.facts import write_facts
-from helibore.files.las_writing import LAS_WELL, NULL, las_text, mnemonic_of, one_line
+from helibore.files.las_writing import LAS_WELL, NULL, every_column, las_text, mnemonic_of, one_line
 
 ENDINGS = (".las", ".csv", ".parquet", ".dlis")
 
@@ -81,8 +81,9 @@ def _las(table: LogTable, header: Mapping[str, str]) -> Callable[[BinaryIO], obj
 
 
 def _csv(table: LogTable, _header: Mapping[str, str]) -> Callable[[BinaryIO], object]:
-    lines = [",".join(f"{column.mnemonic} ({column.unit})" if column.unit else column.mnemonic for column in table)]
-    lines += map(",".join, zip(*(column.texts("") for column in table), strict=True))
+    columns = every_column(table)
+    lines = [",".join(f"{column.mnemonic} ({column.unit})" if column.unit else column.mnemonic for column in columns)]
+    lines += map(",".join, zip(*(column.texts("") for column in columns), strict=True))
     content = ("\n".join(lines) + "\n").encode()
     return lambda file: file.write(content)
 
@@ -90,10 +91,11 @@ def _csv(table: LogTable, _header: Mapping[str, str]) -> Callable[[BinaryIO], ob
 def _parquet(table: LogTable, header: Mapping[str, str]) -> Callable[[BinaryIO], object]:
     import pyarrow
 
-    arrays = [pyarrow.array(column.values, from_pandas=True) for column in table]  # NaN becomes null
+    columns = every_column(table)
+    arrays = [pyarrow.array(column.values, from_pandas=True) for column in columns]  # NaN becomes null
     fields = [
         pyarrow.field(of.mnemonic, pyarrow.float64(), metadata={"unit": of.unit, "description": of.description})
-        for of in table
+        for of in columns
     ]
     schema = pyarrow.schema(fields, metadata={**header, **table.facts})
     rows = pyarrow.Table.from_arrays(arrays, schema=schema)
@@ -153,6 +155,18 @@ def _dlis_file(dliswriter: Any, table: LogTable, header: Mapping[str, str]) -> A
         values = np.where(np.isnan(of.values), NULL, of.values) if table.rows else np.array([NULL])
         channel = logical.add_channel(of.mnemonic, data=values, units=of.unit or None, long_name=of.description)
         channels.append(channel)
+    for image in table.images:
+        step = 360.0 / image.values.shape[1]
+        centres = (image.first + step * np.arange(image.values.shape[1])).tolist()
+        axis = logical.add_axis(
+            f"TOOLFACE_{image.mnemonic}",
+            axis_id="TOOLFACE",
+            coordinates=dliswriter.AttrSetup(centres, units="deg"),
+            spacing=dliswriter.AttrSetup(step, units="deg"),
+        )
+        values = np.where(np.isnan(image.values), NULL, image.values)
+        name, unit, text = image.mnemonic, image.unit or None, _ascii(image.description)
+        channels.append(logical.add_channel(name, data=values, units=unit, long_name=text, axis=axis))
     logical.add_frame("LOGS", channels=channels, index_type="BOREHOLE-DEPTH")
     return file
 

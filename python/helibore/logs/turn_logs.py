@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any, Literal
 
@@ -28,7 +28,7 @@ from helibore import _core
 from helibore.base.arrays import Floats, Mask, column
 from helibore.base.errors import InputError, check_not_negative
 from helibore.base.notebook import card, curve_picture
-from helibore.base.tables import LogColumn, LogTable, Tabular
+from helibore.base.tables import LogColumn, LogImage, LogTable, Tabular
 from helibore.base.thread_count import thread_count
 from helibore.logs.annulus import Annulus, annulus
 from helibore.logs.arms import arm_diameters
@@ -396,8 +396,16 @@ class Logs(Tabular):
             found["uncertainty"] = NO_UNCERTAINTY
         return found
 
-    def table(self, more: Iterable[LogColumn] = (), facts: Mapping[str, str] | None = None) -> LogTable:
-        """Return the logs with mnemonics, units and descriptions, followed by ``more`` columns; ``facts`` are added."""
+    def table(
+        self,
+        more: Iterable[LogColumn] = (),
+        facts: Mapping[str, str] | None = None,
+        images: Sequence[LogImage] = (),
+    ) -> LogTable:
+        """Return the logs with mnemonics, units and descriptions, followed by ``more`` columns; ``facts`` are added.
+
+        ``images`` have one row for each row of the logs; files hold them.
+        """
         if not len(self):
             rule = "the wall has no full turn" if self.step is None else f"the wall has no full step of {self.step:g} m"
             raise InputError("logs", rule)
@@ -420,7 +428,7 @@ class Logs(Tabular):
             for number, values in enumerate(self.arm_diameter, 1)
         ]
         own += _along(self.path, self.depth) if self.path is not None else []
-        return LogTable([*own, *more], {**self.facts(), **(facts or {})})
+        return LogTable([*own, *more], {**self.facts(), **(facts or {})}, images)
 
     def save(
         self,
