@@ -154,6 +154,10 @@ def test_an_average_caliper_has_a_size_and_no_shape(browser: Any) -> None:
         assert any(text.startswith("mean,") for text in texts)
         assert not {"C1", "C2"} & set(texts)
         screen.close()
+        phone = Screen(browser, viewer.url, "#md=2020&sec=38", (390, 844), drawn=False)
+        phone.settle()
+        assert "GR [gAPI]" in ink_texts(phone), "the one image that was measured"
+        phone.close()
 
 
 @pytest.mark.parametrize("arms", [4, 32])

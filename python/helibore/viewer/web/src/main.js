@@ -360,8 +360,8 @@ export class App {
 
   // Return the images beside the first image, and the curves, with which the page begins: as many images of the wall as have room
   // beside the panel, which rig mode hides; and the curves of files (`given`), if a track of curves has room. An exported file
-  // holds only the curves that it was made with.
-  /** @param {string[]} given @returns {[beside: string[], curves: string[]]} */
+  // holds only the curves that it was made with. A phone has room for one image: if no shape was measured, one that was.
+  /** @param {string[]} given @returns {[beside: string[], curves: string[], first?: string]} */
   usualTracks(given) {
     const { contents } = this;
     document.body.classList.remove('rig');
@@ -369,8 +369,9 @@ export class App {
     document.body.classList.toggle('rig', this.view.rig);
     const room = NARROW.matches ? 1 : Math.floor((width - 600) / 400);
     const curves = NARROW.matches || width < ROOM_FOR_CURVES ? [] : given.filter((name) => !contents || name in contents.curves);
-    const beside = this.quantities.filter(({ mode, length, id }) => mode === Q_ATTRIBUTE && !length && id !== this.quantity.id).slice(0, Math.max(0, room)).map(({ id }) => id);
-    return [beside, curves];
+    const images = this.quantities.filter(({ mode, length }) => mode === Q_ATTRIBUTE && !length).map(({ id }) => id);
+    const beside = images.filter((id) => id !== this.quantity.id).slice(0, Math.max(0, room));
+    return [beside, curves, PHONE.matches && this.store.basis === 'average' ? images[0] : undefined];
   }
 
   // Keep the first image beside the others, or drop it.

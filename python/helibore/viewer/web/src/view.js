@@ -136,10 +136,11 @@ export class View extends Settings {
     this.#change({ quantity, beside: beside.slice(0, MOST_BESIDE), imagesChosen: true });
   }
 
-  // Show these images beside the first image, and the first two of these curves, unless the user or the address chose.
-  /** @param {string[]} beside @param {string[]} curves */
-  usual(beside, curves) {
-    if (!this.imagesChosen) this.#change({ beside: beside.slice(0, MOST_BESIDE) });
+  // Show these images beside the first image, or `first` alone, and the first two of these curves, unless the user or the address
+  // chose.
+  /** @param {string[]} beside @param {string[]} curves @param {string} [first] */
+  usual(beside, curves, first) {
+    if (!this.imagesChosen) this.#change(first ? { quantity: first, beside: [] } : { beside: beside.slice(0, MOST_BESIDE) });
     if (!this.curvesChosen) this.#change({ curves: curves.slice(0, USUAL_CURVES) });
   }
 
