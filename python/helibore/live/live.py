@@ -24,7 +24,7 @@ import secrets
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import astuple
+from dataclasses import astuple, replace
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple, TypeVar
 
@@ -312,8 +312,12 @@ class Live:
 
     @property
     def passes(self) -> list[Pass]:
-        """All passes up to now, sorted by start time, with the source, times, depths and sample count of each pass."""
-        return self.model.passes.runs
+        """All passes up to now, sorted by start time, with the source, times, depths and sample count of each pass.
+
+        The times are UTC by the last clock of their session, so that a clock that is set right corrects them.
+        """
+        shown = self.model.clock.utc
+        return [replace(run, start=shown(run.start), stop=shown(run.stop)) for run in self.model.passes.runs]
 
     @property
     def survey(self) -> Survey | None:

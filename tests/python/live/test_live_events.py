@@ -21,6 +21,7 @@ from live_wires import (
 )
 
 from helibore import Live
+from helibore.base.utc_time import utc
 from helibore.live import live as live_module
 from helibore.live.model.events import Event, EventBook
 from helibore.live.rules.configuration import parse
@@ -134,6 +135,30 @@ def test_image_rows_come_with_their_depth():
     assert (image.name, image.unit, image.toolface.tolist()) == ("GR", "gAPI", [75.0, 165.0, 255.0, 345.0])
     with pytest.raises(ValueError, match="image 'RES': no source sends it"):
         live.image("RES")
+
+
+def test_passes_have_the_times_of_the_clock_that_was_set_right(tmp_path):
+    """A machine begins in 1970, and a session ten years ahead follows; the model's time never goes back."""
+    clock, true = Clock(), Clock().wall
+    clock.wall = 0
+    with Live(parse(SENT), tmp_path, clock=clock) as live:
+        for frame in FRAMES[:3]:
+            clock.step(10)
+            live.receive("mwd", frame)
+        assert utc(live.passes[0].start).startswith("1970-01-01T00:00:10")
+        clock.wall += true
+        live.receive("mwd", FRAMES[3])
+        assert live.model.clock.now < true
+        assert (live.passes[0].start, live.passes[0].stop) == (true + 10 * SECOND, true + 30 * SECOND)
+        live.checkpoint()
+    years = 10 * 365 * 86_400 * SECOND
+    for ahead in (years, -years):
+        clock.wall, clock.monotonic = clock.wall + ahead + SECOND, 1
+        with Live(parse(SENT), tmp_path, clock=clock) as live:
+            live.receive("mwd", FRAMES[4 if ahead > 0 else 5])
+            assert (live.passes[0].start, live.passes[-1].stop) == (true + 10 * SECOND, clock.wall)
+            found = live.passes
+    assert Live.replay(tmp_path).passes == found
 
 
 def test_a_clock_set_back_an_hour_is_told_and_changes_nothing(tmp_path):
