@@ -18,7 +18,9 @@ from helibore.cli.live_check import described
 from helibore.live import kinds
 from helibore.live.rules.configuration import parse
 from helibore.live.rules.kinds import kinds as found_kinds
+from helibore.live.rules.live_groups import live_groups
 from helibore.live.wire import transport
+from helibore.settings.listing import rows
 
 TOY = (
     WALL
@@ -87,6 +89,10 @@ def test_a_wrong_address_has_the_rule_of_its_kind():
     place, rule, value = refused(TOY.replace("127.0.0.1:PORT", "nowhere"))
     assert (place, value) == ("source.toy.address", "'toy://nowhere'")
     assert "toy://HOST:PORT" in rule
+
+
+def test_the_settings_of_a_kind_are_listed_with_all_others():
+    assert ("live.source.toy.greeting", "", "hello", "", "What is sent to the toy.") in list(rows(live_groups()))
 
 
 def test_each_scheme_has_one_kind():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 
 import pytest
@@ -92,6 +93,16 @@ def test_a_speed_that_no_line_has_is_refused(address):
     with pytest.raises(ValueError, match=r"must be tcp://HOST:PORT, ") as error:
         parse(WALL + SOURCE.replace("tcp://127.0.0.1:9872", address))
     assert f"source.rig.address = '{address}': " in str(error.value)
+
+
+def test_a_journal_records_the_numbers_of_the_wall_as_the_file_has_them():
+    """Journals of before hold ``2`` for ``power = 2``; a size with a unit is recorded in metres."""
+    text = '[wall]\nbit_diameter = "8 1/2in"\nstart_depth = 10\npower = 2\ncovariance = "none"\n' + SOURCE
+    found = parse(text + 'silence = "3min"\n')
+    wall = json.loads(found.meaning())["wall"]
+    assert wall == {"bit_diameter": 8.5 * 0.0254, "covariance": None, "power": 2, "start_depth": 10.0}
+    assert [type(wall[name]) for name in ("power", "start_depth")] == [int, float]
+    assert found.sources["rig"].silence == 180.0
 
 
 def test_what_is_only_transport_does_not_change_the_meaning():
