@@ -289,10 +289,19 @@ def toolface_reference(channel: Channel) -> tuple[str, str]:
     return _reference(toolface_rule(channel) or NameRule("toolface"), channel)
 
 
+NORTH_SHORT = {"mag": "magnetic", "tn": "true", "gn": "grid"}
+"""Abbreviations of norths in the names of surveys."""
+
+
 def north_stated(channel: Channel) -> str:
-    """Return the north that a channel's name and description state: true, grid or magnetic; "" if none or several."""
-    text = re.sub(r"[\W_]+", " ", f"{channel.name} {channel.description}".lower())
+    """Return the north that a channel's name and description state: true, grid or magnetic; "" if none or several.
+
+    A name may have the north as an abbreviation at its end: AZIM_MAG, AZIM_TN, AZIM_GN.
+    """
+    name = re.sub(r"[\W_]+", " ", channel.name.lower()).strip()
+    text = f"{name} {re.sub(r'[^a-z0-9]+', ' ', channel.description.lower())}"
     named = set(re.findall(r"\b(true|grid|magnetic)\b", text))
+    named |= {north for short, north in NORTH_SHORT.items() if re.search(rf" {short}( \w+)?$", name)}
     return named.pop() if len(named) == 1 else ""
 
 

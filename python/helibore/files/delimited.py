@@ -51,6 +51,12 @@ COMMENT = "comment: "
 
 _AROUND_COMMENT = " #\t"
 
+PETREL = {
+    re.compile(r"WELL (KB|DATUM)\b.*:\s*[-+\d.]+\s*\((?P<unit>m|ft)\)", re.IGNORECASE): ("MD", "TVD"),
+    re.compile(r"ANGLES ARE GIVEN IN (?P<unit>DEG)REES", re.IGNORECASE): ("AZIM", "AZIM_TN", "AZIM_GN", "INCL"),
+}
+"""Comments of a Petrel trace (.dev) that state a unit, and the columns which it is the unit of."""
+
 FEWEST_SECTORS = 4
 """The least number of columns that can form an image."""
 
@@ -91,10 +97,11 @@ def read(source: InputFile) -> RawFile:
         layout.remarks += found.remarks
     columns, spelled, remarks = read_spellings(columns, names, layout.delimiter == ",", source.options.decimal)
     layout.remarks += remarks
+    stated = _units_of_comments(layout)
     channels = []
     for position, (name, values) in enumerate(zip(names, columns, strict=True)):
         unit = layout.units[position] if layout.units else unit_in_name(layout.names[position])
-        unit = unit or spelled.get(position, "")
+        unit = unit or spelled.get(position, "") or stated.get(name.upper(), "")
         channels.append(Channel(name, unit, "", values, source.nulls, nan_is_missing=False))
     rows = len(columns[0])
     comments = [remark.removeprefix(COMMENT).partition(":") for remark in layout.remarks if remark.startswith(COMMENT)]
@@ -103,6 +110,20 @@ def read(source: InputFile) -> RawFile:
     layout.remarks += [remark] if remark else []
     header |= facts
     return RawFile("csv", [RawSet(source.path, "table", channels, rows, None, header, layout.remarks, line_of)])
+
+
+def _units_of_comments(layout: TableLayout) -> dict[str, str]:
+    """Return the units by column that the comments of a Petrel trace state, and add a remark on them."""
+    found: dict[str, str] = {}
+    for remark in layout.remarks:
+        for pattern, columns in PETREL.items():
+            if match := pattern.search(remark):
+                found |= dict.fromkeys(columns, match["unit"].lower())
+    found = {name: unit for name, unit in found.items() if name in (each.upper() for each in layout.names)}
+    if found:
+        listed = ", ".join(f"{name} in {unit}" for name, unit in found.items())
+        layout.remarks.append(f"units as the comments state them: {listed}")
+    return found
 
 
 def _head_text(source: InputFile) -> tuple[str, str, bool]:

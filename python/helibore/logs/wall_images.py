@@ -24,8 +24,8 @@ def wall_images(wall: Any, sigma: bool = False) -> list[LogImage]:
     """Return the radius of a wall, its sigma if asked for, and its images, with one row for each whole turn.
 
     ``logs.table(images=wall_images(wall)).save("w.dlis")`` writes them beside the logs of the same wall. Descriptions
-    state what toolfaces count from and the order of the sectors. An image with another reference than the wall's path is
-    turned (`SectorImage.onto`).
+    state what toolfaces count from and the order of the sectors. An image with another reference than the wall's path
+    is turned (`SectorImage.onto`).
 
     Parameters
     ----------
