@@ -24,6 +24,8 @@ if TYPE_CHECKING:  # the same names as below
     from helibore.channels.log_set import LogFile as LogFile
     from helibore.channels.log_set import LogSet as LogSet
     from helibore.channels.opening import open as open  # noqa: A004
+    from helibore.files.exchange_writing import save_trace as save_trace
+    from helibore.files.exchange_writing import save_wellcad as save_wellcad
     from helibore.images.image_breakouts import ImageBreakouts as ImageBreakouts
     from helibore.images.sector_image import SectorImage as SectorImage
     from helibore.live.live import Live as Live
@@ -80,6 +82,7 @@ _load, _, __all__ = lazy_loader.attach(
         "base.tables": ["LogColumn", "LogImage", "LogTable"],
         "channels.log_set": ["LogFile", "LogSet"],
         "channels.opening": ["open"],
+        "files.exchange_writing": ["save_trace", "save_wellcad"],
         "images.image_breakouts": ["ImageBreakouts"],
         "images.sector_image": ["SectorImage"],
         "live.live": ["Live"],
