@@ -142,7 +142,13 @@ class Window:
         }
         reference = next((layout.reference for layout in live.model.layouts.values()), None)  # the same for all images
         feed = Feed(
-            live.wall, path=self._path(), attributes=attributes, well=self._well, scene=self.scene, reference=reference
+            live.wall,
+            path=self._path(),
+            attributes=attributes,
+            well=self._well,
+            scene=self.scene,
+            reference=reference,
+            alarmed=live.configuration.alarms.by_kind,
         )
         feed.start()
         self._feed = feed

@@ -39,6 +39,7 @@ from helibore.live.model.model import OUTSIDE, USABLE
 from helibore.live.model.update import Update
 from helibore.live.rules.configuration import AlarmLimits
 from helibore.live.rules.sources import Source
+from helibore.logs.zone_criteria import median_enlargement
 
 HOLD = 60.0
 """Seconds that an alarm with a momentary cause (clock, depth jump, tight hole, washout) lasts after the last cause."""
@@ -447,8 +448,7 @@ class Alarms:
             if last <= first:
                 continue
             turns = wall.vertices(first * sectors, last * sectors)
-            radius = turns.radius.reshape(-1, sectors)
-            over = np.median(radius + np.roll(radius, sectors // 2, axis=1), axis=1) - bit  # NaN if a radius is missing
+            over = median_enlargement(turns.radius, sectors, bit)
             for rule, limit, sign in (("tight", limits.tight, -1), ("washout", limits.washout, 1)):
                 if limit is not None and (sign * over > limit).any():
                     turn = int(np.nanargmax(sign * over))

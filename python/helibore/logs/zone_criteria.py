@@ -20,10 +20,12 @@ section instead of four pads. `helibore.logs.zones` applies them.
 
 from __future__ import annotations
 
+import numpy as np
+
 from helibore.base.arrays import Floats, Mask
 from helibore.settings.zone_settings import CRITERIA_BIT, Criteria
 
-__all__ = ["CRITERIA_BIT", "MEASURES", "Criteria", "washed_out"]
+__all__ = ["CRITERIA_BIT", "MEASURES", "Criteria", "median_enlargement", "washed_out"]
 
 MEASURES = {
     "washout": "C2 - bit", "breakout": "C1 - C2", "key seat": "height", "undergauge": "least diameter - bit",
@@ -39,3 +41,13 @@ def washed_out(c2: Floats, bit_diameter: float, criteria: Criteria | None = None
     criteria = Criteria() if criteria is None else criteria
     washed: Mask = c2 - bit_diameter >= criteria.washout
     return washed
+
+
+def median_enlargement(radius: Floats, sectors: int, bit_diameter: float) -> Floats:
+    """Return the median diameter of each whole turn less the bit diameter, metres; NaN where a radius is missing.
+
+    Alarms compare it with their limits, because one bad sample hardly moves it.
+    """
+    turns = radius[: len(radius) // sectors * sectors].reshape(-1, sectors)
+    median: Floats = np.median(turns + np.roll(turns, sectors // 2, axis=1), axis=1)
+    return median - bit_diameter

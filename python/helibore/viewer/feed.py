@@ -15,14 +15,14 @@ import atexit
 import math
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import Floats, column, numbers
+from helibore.base.arrays import Floats, column, numbers, runs_of
 from helibore.base.color_limits import percentile_limits, symmetric_limit
 from helibore.base.colors import customary_map
 from helibore.base.errors import InputError
@@ -30,8 +30,8 @@ from helibore.base.ranges import Range, union
 from helibore.base.units import MILLIMETRE
 from helibore.logs.curves import curves_of
 from helibore.logs.summary import summarize
-from helibore.logs.zone_criteria import Criteria
-from helibore.logs.zones import Classification, classify
+from helibore.logs.zone_criteria import Criteria, median_enlargement
+from helibore.logs.zones import Classification, Zone, classify
 from helibore.samples.helix import basis_of, basis_text_of, helix_of
 from helibore.trajectory.references import Reference, reference_assumed, reference_of
 from helibore.trajectory.survey import Path
@@ -63,6 +63,17 @@ class ViewedWall(Protocol):
     def __len__(self) -> int: ...
 
 
+def joined(runs: Sequence[tuple[int, int]], gap: int) -> list[tuple[int, int]]:
+    """Return runs (first, stop) in order, those at most ``gap`` apart as one."""
+    found: list[tuple[int, int]] = []
+    for first, stop in runs:
+        if found and first - found[-1][1] <= gap:
+            found[-1] = found[-1][0], stop
+        else:
+            found.append((first, stop))
+    return found
+
+
 class Feed:
     """Keeps a scene equal to a wall. It reads the whole wall when made; after `start`, it reads what `update` notes.
 
@@ -73,11 +84,13 @@ class Feed:
     def __init__(
         self, wall: ViewedWall, *, path: Path | None, attributes: Mapping[str | Attribute, npt.ArrayLike], well: str,
         scene: Scene | None = None, reference: Reference | None = None, criteria: Criteria | None = None,
+        alarmed: Mapping[str, float] | None = None,
     ) -> None:  # fmt: skip
         self.scene = scene or Scene()  # a scene that is served already: its pages wait for the wall to begin
         self.path = path
         self._wall = wall
         self._criteria = criteria  # of zones; None: the defaults of `Wall.zones`
+        self._alarmed = alarmed or {}  # by kind: the limit of median diameter - bit beyond which turns are zones, too
         if len(wall) == 0:
             raise InputError("the wall has no vertex yet", "append samples first")
         described = map(_attribute, attributes)
@@ -245,12 +258,13 @@ class Feed:
         measured = getattr(wall, "measured", None) if self._shape.basis == "azimuthal" else None
         if measured is not None:
             self.scene.set_interpolated(np.isfinite(wall.radius) & ~measured)
-        zones = []
+        zones: list[dict[str, Any]] = []
         for zone in found.zones:
             place = {"kind": zone.kind, "start": round(zone.start, 3), "stop": round(zone.stop, 3)}
             size = {"measure": round(zone.measure, 5), "severity": round(zone.severity, 3)}
             side = {} if math.isnan(zone.toolface) else {"toolface": round(zone.toolface, 1)}
             zones.append(place | size | side)
+        zones = sorted(zones + list(self._alarmed_zones(wall, found.zones)), key=lambda zone: float(zone["start"]))
         with self.scene.lock:  # zones and curves reach a page in one message
             if tuple(zones) != self.scene.state.zones:
                 self.scene.update_state(zones=tuple(zones))
@@ -258,6 +272,23 @@ class Feed:
                 self._logged += 1
                 self.scene.set_curves(curves_of(found.logs), self._logged)
                 self.scene.update_state(shape=found.logs.shape)
+
+    def _alarmed_zones(self, wall: Any, zones: Sequence[Zone]) -> Iterator[dict[str, Any]]:
+        """Yield the turns that a live alarm names and no zone of the same kind has, because they are few or oval."""
+        if not self._alarmed:
+            return
+        sectors, join = self._shape.sectors, (self._criteria or Criteria()).join
+        over = median_enlargement(numbers(wall.radius), sectors, self._shape.bit_diameter)
+        for kind, limit in self._alarmed.items():
+            beyond = over > limit if kind == "washout" else over < limit
+            for first, last in joined(runs_of(beyond), int(join / abs(self._shape.pitch))):
+                start, stop = sorted(self._shape.start_depth + turn * self._shape.pitch for turn in (first, last))
+                if any(of.kind == kind and of.start < stop and of.stop > start for of in zones):
+                    continue
+                turns = over[first:last][beyond[first:last]]
+                measure = float(turns.max() if kind == "washout" else turns.min())
+                size = {"measure": round(measure, 5), "severity": round(measure / limit, 3) if limit else 1.0}
+                yield {"kind": kind, "start": round(start, 3), "stop": round(stop, 3)} | size
 
     def _classify(self, wall: Any) -> Classification:
         """Measure the turns of a wall and find its zones."""

@@ -190,6 +190,12 @@ class AlarmLimits(Declared):
         "Address that gets each alarm: https://, http://, or env:NAME, an environment variable that holds it.",
     ] = None  # fmt: skip
 
+    @property
+    def by_kind(self) -> dict[str, float]:
+        """The limits of median diameter - bit, metres, by the kind of zone; those of undergauge hole are below 0."""
+        limits = {"washout": self.washout, "undergauge": None if self.tight is None else -self.tight}
+        return {kind: limit for kind, limit in limits.items() if limit is not None}
+
     def _check(self) -> None:
         if self.webhook is not None:
             _check_webhook(self.webhook)
