@@ -58,6 +58,21 @@ void same_on_threads() {
     }
 }
 
+void unknown_sigma() {
+    const std::vector<double> radius = narrow();
+    const RigidBody body[] = {{-0.25, 0.25, 0.0}};
+    std::vector<double> sigma(radius.size(), 3e-4);
+    const Passage sure = passage(on_helix(radius), Path(), body, {}, sigma);
+    sigma[15 * K + 5] = std::numeric_limits<double>::quiet_NaN();
+    const Passage found = passage(on_helix(radius), Path(), body, {}, sigma);
+    for (std::size_t turn = 5; turn < 35; ++turn) {
+        CHECK(found.clearance[turn] == sure.clearance[turn]);
+        const bool beside = turn >= 13 && turn <= 17, away = turn < 12 || turn > 18;
+        if (beside) CHECK(std::isnan(found.low[turn]) && std::isnan(found.high[turn]));
+        if (away) CHECK(found.low[turn] < found.high[turn]);
+    }
+}
+
 void refused() {
     const std::vector<double> radius = narrow(), few(3, 1.0);
     const RigidBody body[] = {{-0.25, 0.25, 0.0}}, flat[] = {{0.0, 0.0, 0.0}}, wide[] = {{0.0, 1.0, -1.0}};
@@ -76,6 +91,7 @@ int main() {
     drift();
     unknown();
     same_on_threads();
+    unknown_sigma();
     refused();
     return 0;
 }

@@ -35,8 +35,9 @@ inline constexpr int most_contacts = 5;
 // vertex beside a body is missing or does not count, or the string reaches beyond the wall.
 struct Passage {
     std::vector<double> clearance;  // metres, of the wall as it is
-    // With `sigma`: the ends of the interval that holds the clearance of the true hole with 95 % probability; otherwise
-    // NaN. It counts that errors of the wall stand in the way of the string, and that they hide what stands in its way.
+    // With `sigma`: the ends of the interval that holds the clearance of the true hole with 95 % probability; NaN
+    // otherwise, and where the sigma of a vertex beside a body is NaN. It counts that errors of the wall stand in the
+    // way of the string, and that they hide what stands in its way.
     std::vector<double> low, high;
     // For each turn `most_contacts` places where the string touches if it is as thick as the clearance allows, the
     // place that holds it most first; NaN and -1 where there are fewer.

@@ -423,6 +423,11 @@ void draw_errors(const Hole& hole, std::uint64_t draw, Work& work) {
     }
 }
 
+bool has_sigma(const Points& points, std::span<const double> sigma) {
+    const auto has = [&](Index vertex) { return !std::isnan(sigma[static_cast<std::size_t>(vertex)]); };
+    return std::ranges::all_of(points.vertex, has) && std::ranges::all_of(points.other, has);
+}
+
 // How the clearance differs from that of the wall as it is, if the wall has errors: mean and standard deviation.
 struct Change {
     double mean = missing, deviation = missing;
@@ -524,6 +529,7 @@ Passage passage(const HelixRadii& radii, const Path& path, std::span<const Rigid
     const Index first_turn = radii.first / radii.sectors;
     const auto apart = std::max<Index>(static_cast<Index>(draws_apart * (bottom - top) / height), 1);
     std::vector<Change> changes(turns);
+    std::vector<char> sure(turns, 0);  // every vertex beside the string has a sigma
     std::vector<Work> works(static_cast<std::size_t>(threads));
 
     const auto solve_turn = [&](Index turn, Work& work, bool draw) {
@@ -545,7 +551,9 @@ Passage passage(const HelixRadii& radii, const Path& path, std::span<const Rigid
             found.contact_toolface[i] = helix.toolface(vertex % hole.sectors);
             found.contact_body[i++] = work.points.body[k];
         }
-        if (draw && !sigma.empty()) changes[at] = change_of(hole, axis, far, work);
+        if (sigma.empty() || !has_sigma(work.points, sigma)) return;
+        sure[at] = 1;
+        if (draw) changes[at] = change_of(hole, axis, far, work);
     };
     const auto drawn = [&](Index turn) { return (first_turn + turn) % apart == 0; };
     for_each_range(threads, hole.turns, 16, [&](int worker, const Range& range) {
@@ -562,7 +570,7 @@ Passage passage(const HelixRadii& radii, const Path& path, std::span<const Rigid
     for_each_range(threads, hole.turns, 16, [&](int worker, const Range& range) {
         for (Index turn = range.start; turn < range.stop; ++turn) {
             const auto at = static_cast<std::size_t>(turn);
-            if (std::isnan(found.clearance[at]) || drawn(turn)) continue;
+            if (sure[at] == 0 || drawn(turn)) continue;
             const Index a = before(turn), b = a + apart;
             if (known(a) && known(b)) {
                 const Change &from = changes[static_cast<std::size_t>(a)], &to = changes[static_cast<std::size_t>(b)];
@@ -577,6 +585,7 @@ Passage passage(const HelixRadii& radii, const Path& path, std::span<const Rigid
         }
     });
     for (std::size_t at = 0; at < turns; ++at) {
+        if (sure[at] == 0) continue;
         const Change& change = drawn(static_cast<Index>(at)) ? changes[at] : between[at];
         // Errors of a wall stand in the way of the string where the hole is smooth, and hide what stands in its way
         // where the hole is rougher than the wall. The change does not show which share is which, so its mean

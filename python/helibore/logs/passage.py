@@ -91,8 +91,9 @@ class Passage(Tabular):
         metres; below 0 if the string does not pass.
     low, high
         (turns,) the ends of the interval that holds the clearance of the true hole with 95 % probability, metres; NaN
-        without ``sigma=True``. It counts that errors of the wall stand in the way of the string, where the hole is
-        smooth, and that they hide what stands in its way, where the hole is rougher than the wall.
+        without ``sigma=True``, and where a vertex beside a body has no sigma. It counts that errors of the wall stand
+        in the way of the string, where the hole is smooth, and that they hide what stands in its way, where the hole
+        is rougher than the wall.
     contact_depth, contact_toolface
         (turns, 5) where the string touches, if it is made thicker by the clearance: metres and degrees; the place that
         holds the string most is the first. NaN where it touches at fewer places.
