@@ -10,8 +10,9 @@ Samples are left out with boxes as large as the empty boxes around random places
 the stretch maximise the likelihood of the errors, by Student's t with 5 degrees of freedom. The variance of an error is
 that of the estimate plus the noise tau^2 of the sample itself. q is the 95 % quantile of the absolute errors, each
 divided by its standard deviation. So the true radius lies within 1.96 sigma of the wall with 95 % probability, at
-places like those of the left-out samples. Sigma is NaN at places that are farther from the samples used than 98 % of
-the left-out samples are, and in gaps of the turn (`Wall.angular_gap` above `Settings.largest_gap`).
+places like those of the left-out samples. Sigma is NaN in gaps of the turn (`Wall.angular_gap` above
+`Settings.largest_gap`), and at places that are farther from the samples used than 98 % of the left-out samples are, or
+half as far again but at most 0.15 m, as far as a measured vertex may be from its sample.
 
 With near and far neighbours, sigma is that of the covariance instead: the kriging variance of each radius, times the
 square of one factor, q / 1.96 within 0.85 to 2.5, from a few hundred left-out samples. There, a gap of the turn is
@@ -35,7 +36,7 @@ from helibore.samples.helix import whole_helix
 from helibore.settings.wall_settings import Settings
 from helibore.wall.estimates import FEWEST_SAMPLES, MOST_UNMEASURED, Columns, choose_left_out, estimate_left_out
 from helibore.wall.near_and_far import covariance_of, estimate_near_and_far
-from helibore.wall.wall_columns import WallColumns
+from helibore.wall.wall_columns import NEAR_DEPTH, WallColumns
 
 TARGETS = 2000
 _FEW_TARGETS = 300
@@ -62,7 +63,7 @@ class Calibration:
     distance_power: float  # b
     stretch: float
     quantile: float  # q
-    reach: float  # metres: the 98 % quantile of the rms distance from a left-out sample to the samples used
+    reach: float  # metres: how far the rms distance to the samples used may be
 
     def sigma(self, sums: tuple[Floats, ...]) -> Floats:
         """Return the standard uncertainty of estimates, metres; NaN beyond ``reach``.
@@ -98,6 +99,7 @@ def calibrate(samples: Columns, settings: Settings, threads: int = 1) -> Calibra
     variance = fit.noise * (1.0 + weights) + fit.between * np.exp(fit.powers @ changes)
     quantile = float(np.sqrt(np.quantile(squares / variance, 0.95)))
     reach = float(np.sqrt(np.quantile(along + across, 0.98)))
+    reach = max(reach, min(1.5 * reach, NEAR_DEPTH))  # single vertices between random samples lie a little farther
     found_best = (np.sqrt(fit.noise), fit.between, *fit.powers, _STRETCHES[best], quantile, reach)
     # Nine digits: the last bits of a logarithm differ between machines.
     return Calibration(*(float(f"{value:.9g}") for value in found_best))

@@ -223,3 +223,15 @@ def test_a_tiny_limit_of_gaps_needs_no_more_memory(setting: dict[str, float]) ->
     """No gap of random toolfaces is that small, so sigma is missing; a table of all cells would take 50 GB."""
     wall = hb.reconstruct(caliper(2000), bit_diameter=BIT, **setting)
     np.testing.assert_array_equal(np.isnan(wall.sigma), wall.angular_gap > wall.settings.largest_gap)
+
+
+def test_sigma_has_no_holes_among_random_samples() -> None:
+    """Single vertices lie a little farther from the samples than left-out samples do; there, sigma still holds."""
+    rng = np.random.default_rng(8)
+    depth, toolface = np.sort(rng.uniform(0, 12, 6144)), rng.uniform(0, 360, 6144)
+    radius = 0.108 + 0.004 * np.cos(np.radians(2 * toolface)) + rng.normal(0, 5e-4, depth.size)
+    wall = hb.reconstruct(hb.Caliper(depth, toolface, radius), bit_diameter=0.2159, sigma=True)
+    inside = (wall.depth > 0.2) & (wall.depth < 11.8)
+    assert np.isfinite(wall.sigma[inside & wall.measured]).all()
+    errors = np.abs(wall.radius - 0.108 - 0.004 * np.cos(np.radians(2 * wall.toolface)))[inside]
+    assert 0.93 < np.mean(errors <= 1.96 * wall.sigma[inside]) < 0.995
