@@ -1,4 +1,4 @@
-"""A Chromium whose tabs can hide behind each other, over its own protocol.
+"""A Chromium whose window can be hidden, over its own protocol.
 
 Playwright keeps every page of its own as if it were in front (it emulates focus), so nothing is ever hidden there. Here
 the browser is spoken to directly: one websocket, a command and its answer at a time.
@@ -20,7 +20,7 @@ from screen import CHROMIUM, FLAGS
 
 
 class Tabs:
-    """A browser of two tabs: the page, and a blank one to hide it behind."""
+    """A browser with one page."""
 
     def __init__(self, url: str) -> None:
         self._folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
@@ -62,14 +62,17 @@ class Tabs:
         return answer["result"].get("value")
 
     def hide(self) -> None:
-        """Put another tab in front of the page."""
-        self._call("Target.createTarget", url="about:blank")
-        until(lambda: self.evaluate("document.visibilityState") == "hidden")
+        """Minimize the window of the page."""
+        self._resize("minimized", "hidden")
 
     def show(self) -> None:
         """Bring the page back."""
-        self._call("Target.activateTarget", targetId=self._page)
-        until(lambda: self.evaluate("document.visibilityState") == "visible")
+        self._resize("normal", "visible")
+
+    def _resize(self, state: str, becomes: str) -> None:
+        window = self._call("Browser.getWindowForTarget", targetId=self._page)["windowId"]
+        self._call("Browser.setWindowBounds", windowId=window, bounds={"windowState": state})
+        until(lambda: self.evaluate("document.visibilityState") == becomes)
 
     def __enter__(self) -> Tabs:
         return self

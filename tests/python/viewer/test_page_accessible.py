@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import shutil
 import subprocess
 from pathlib import Path
@@ -18,18 +19,23 @@ from helibore.logs.picks import Pick
 
 pytestmark = NEEDS_BROWSER
 
-VIEWS = [
-    ((1366, 768), "", ""),
-    ((1366, 768), "&theme=dark", "d"),  # picking
-    ((1366, 768), "&rig=1", ""),
-    ((1366, 768), "&rig=1&theme=dark", ""),
-    ((1366, 768), "&theme=dark", "?"),  # the help
-    ((820, 1180), "", ""),
-    ((390, 844), "&theme=dark", ""),
-    ((390, 844), "", "d"),
-    ((390, 844), "&tab=section", ""),
-    ((390, 844), "&tab=zones", ""),
-]
+# By size of the window: what the view is made to show, and a key pressed in it, which Escape undoes.
+VIEWS: dict[tuple[int, int], list[tuple[dict[str, str | bool], str]]] = {
+    (1366, 768): [
+        ({}, ""),
+        ({"theme": "dark"}, "d"),  # picking
+        ({"theme": "dark"}, "?"),  # the help
+        ({"theme": "light", "rig": True}, ""),
+        ({"theme": "dark", "rig": True}, ""),
+    ],
+    (820, 1180): [({}, "")],
+    (390, 844): [
+        ({}, "d"),
+        ({"theme": "dark"}, ""),
+        ({"theme": "light", "tab": "section"}, ""),
+        ({"tab": "zones"}, ""),
+    ],
+}
 RUN = """() => axe.run(document, { resultTypes: ['violations'] }).then(({ violations }) =>
   violations.filter(({ impact }) => impact === 'serious' || impact === 'critical')
     .map(({ id, nodes }) => [id, nodes.map(({ target, failureSummary }) => `${target}: ${failureSummary}`)]))"""
@@ -63,13 +69,20 @@ def test_no_view_has_a_serious_violation(browser: Any, axe: str) -> None:
         viewer.scene.picks.append(Pick(kind="bed", depth=1020.0, toolface=40.0, apparent_dip=60.0))
         viewer.scene.update_state(alarms=("WITS: no record for 60 s",))
         found = {}
-        for size, address, key in VIEWS:
-            screen = Screen(browser, viewer.url, f"#md=1020&sec=30{address}", size, drawn=False)
+        for size, views in VIEWS.items():
+            screen = Screen(browser, viewer.url, "#md=1020&sec=30&theme=light", size, drawn=False)
             screen.until("window.__wall.app.zones.length && window.__wall.app.picking.kept.length")
-            if key:
-                screen.keyboard.press(key)
-            screen.settle()
             screen.evaluate(axe)
-            found[size, address, key] = screen.evaluate(RUN)
+            for shown, key in views:
+                screen.evaluate(f"window.__wall.app.view.choose({json.dumps(shown)})")
+                if key:
+                    screen.keyboard.press(key)
+                screen.settle()
+                assert screen.is_visible("#rig") == shown.get("rig", False)
+                assert screen.is_visible("#dips") == (key == "d")
+                assert screen.is_visible("#help") == (key == "?")
+                found[size, str(shown), key] = screen.evaluate(RUN)
+                if key:
+                    screen.keyboard.press("Escape")
             screen.close()
         assert {view: violations for view, violations in found.items() if violations} == {}
