@@ -159,6 +159,7 @@ def _angles(log_set: RawSet, arm: Role, width: int, turning: bool) -> list[float
         if arm.first is None or arm.step is None or np.isnan(arm.step):
             stated = "not stated" if arm.first is None or arm.step is None else "uneven"
             rule = f"the angles of its sectors are {stated}: set first and step (degrees) in a map"
+            rule += f", or, if they are even around the tool, columns.radius={arm.channel}@ANGLE, that of the first"
             names = log_set[arm.channel].member_names if width < IMAGE_ROW else ()
             if names and arm.role == "radius-image":
                 each = " ".join(f"columns.radius={name}@{360 * at / width:g}" for at, name in enumerate(names))

@@ -197,10 +197,11 @@ def parse_options(
 ) -> RoleMap:
     """Replace roles by columns written ``NAME[@ANGLE][:UNIT]``, as in options of the command line.
 
-    ``columns`` holds a column by role, for roles that only one channel has; None leaves the role as it is. ``arms``
-    holds columns by role, for wall channels; if any is given, all other channels lose their wall roles. Raise
-    InputError if a column is not in the set, is given two roles, has an angle that its role does not take, or has a
-    unit that is unknown or of a wrong kind; the error names the column.
+    ``columns`` holds a column by role, for roles that only one channel has; None leaves the role as it is. The angle of
+    an image is that of its first sector; the others follow it evenly around the hole. ``arms`` holds columns by role,
+    for wall channels; if any is given, all other channels lose their wall roles. Raise InputError if a column is not in
+    the set, is given two roles, has an angle that its role does not take, or has a unit that is unknown or of a wrong
+    kind; the error names the column.
     """
     wanted = [(role, spelling) for role, spelling in columns.items() if spelling is not None]
     wall = [(role, spelling) for role, spellings in arms.items() for spelling in spellings]
@@ -214,8 +215,11 @@ def parse_options(
                 f"{log_set.path.name}: {spelling}", "an angle belongs to a radius, diameter or travel-time"
             )
         if angle is not None and len(log_set[name].shape) > 1:
-            rule = "an angle belongs to a column of one value a row; a map states first and step of an image"
-            raise InputError(f"{log_set.path.name}: {spelling}", rule)
+            if role == "diameter":
+                rule = "an angle of diameters belongs to a column of one value a row"
+                raise InputError(f"{log_set.path.name}: {spelling}", rule)
+            entry |= {"first": angle, "step": 360.0 / log_set[name].shape[1]}
+            entry["role"] = "radius-image" if role == "radius" else role
         if role in WALL and len(log_set[name].shape) == 1:
             angle = _own_angle(roles, name, role, turning) if angle is None else angle
             entry |= {} if angle is None else {"angle": angle}
@@ -250,6 +254,12 @@ def _split_option(log_set: RawSet, spelling: str) -> tuple[str, float | None, st
     """Return name, angle and unit of ``NAME[@ANGLE][:UNIT]``, or only the name if the whole text names a channel."""
     if spelling in log_set:
         return spelling, None, None
+    known = [name for name in log_set.names if spelling.startswith((f"{name}@", f"{name}:"))]
+    if known:  # a repeated name ends in its number: CALI:1@0
+        name = max(known, key=len)
+        match = SPELLING.fullmatch(f"NAME{spelling[len(name) :]}")
+        if match is not None and match["name"] == "NAME":
+            return name, float(match["angle"]) if match["angle"] else None, match["unit"]
     match = SPELLING.fullmatch(spelling)
     if match is None or match["name"] not in log_set:
         wanted = match["name"] if match else spelling

@@ -177,8 +177,10 @@ def test_travel_time_image(tmp_path: Path) -> None:
     found = one.readings(roles, echo=Echo(1500.0, 0.05))
     assert [sensor.mounting for sensor in found.sensors] == [45.0 * n for n in range(8)]
     np.testing.assert_allclose(found.radii[3], [0.125, 0.1325])
-    with pytest.raises(ValueError, match=r"^c.csv: TT@30: an angle belongs to a column of one value a row; a map"):
-        parse_options(one, guess(one), {}, {"travel-time": ["TT@30"]})
+    named = parse_options(one, guess(one), {}, {"travel-time": ["TT@30"]})
+    assert [sensor.mounting for sensor in one.readings(named, echo=Echo(1500.0, 0.05)).sensors][:3] == [30, 75, 120]
+    with pytest.raises(ValueError, match=r"^c.csv: TT@30: an angle of diameters belongs to a column of one value"):
+        parse_options(one, guess(one), {}, {"diameter": ["TT@30"]})
 
 
 LENGTHS = ["m", "cm", "mm", "ft", "ftUS", "in", "0.1in", "0.1_in"]

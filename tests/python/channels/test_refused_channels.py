@@ -61,7 +61,8 @@ def made(columns: dict[str, Any]) -> LogSet:
         ({"radius__m": np.full((N, 4), 0.1)}, {"radius": {"role": "radius"}},
          "f.las, column radius: a radius has one value a row, this has 4: its role is radius-image"),
         ({"radius__m": np.full((N, 4), 0.1)}, {},
-         f"f.las, column radius: the angles of its sectors are not stated: {ARMS}"),
+         f"f.las, column radius: the angles of its sectors are not stated: {ARMS}, or, if they are even around the "
+         "tool, columns.radius=radius@ANGLE, that of the first"),
         ({"radius__m": None, "TT__us": np.full(N, 90.0)}, {},
          "f.las, column TT: a travel time needs the velocity in the mud and the tool's radius"),
         ({"TF__deg": None, "radius__m": None, "cal_x__in": np.full(N, 8.5), "cal_y__in": np.full(N, 8.6)}, {},

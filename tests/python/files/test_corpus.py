@@ -282,6 +282,36 @@ def test_names_in_other_languages(tmp_path: Path, start: str) -> None:
     np.testing.assert_allclose([column[0] for column in found.radii], [0.11025, 0.11025, 0.10525, 0.10525])
 
 
+@pytest.mark.parametrize("fingers", [24, 40])
+def test_a_multi_finger_caliper_with_the_angle_of_its_first_finger(tmp_path: Path, fingers: int) -> None:
+    """A pipe of 80 mm with a groove of 2 mm at toolface 90; the tool turns, and finger 1 is mounted at 30 degrees."""
+    depth = np.arange(100.0, 103.0, 0.02)
+    turn = depth * 11 % 360
+    toolface = (turn[:, None] + 30 + np.arange(fingers) * 360 / fingers) % 360
+    radius = 80 + 2 * (np.abs(toolface - 90) < 30)
+    curves = "".join(f"FING{number:02d}.MM:\n" for number in range(1, fingers + 1))
+    rows = "\n".join(" ".join(f"{cell:.3f}" for cell in row) for row in np.column_stack([depth, turn, radius]))
+    (tmp_path / "m.las").write_text(f"{WELL}~C\nDEPT.M:\nROT.DEG:\n{curves}~A\n{rows}\n")
+    with pytest.raises(hb.InputError, match=r"columns\.radius=FING@ANGLE"):
+        hb.open(tmp_path / "m.las").readings()
+    text = "caliper = 'm.las'\n[columns]\nradius = ['FING@30']\n[wall]\nbit_diameter = 0.16\nmax_distance = 0.1\n"
+    (tmp_path / "well.toml").write_text(text)
+    wall = hb.reconstruct(tmp_path / "well.toml")
+    away = np.abs(wall.toolface - 90)
+    assert wall.radius[away < 4] == pytest.approx(0.082, abs=3e-4)
+    assert wall.radius[away > 60] == pytest.approx(0.08, abs=1e-9)
+
+
+def test_a_repeated_name_takes_an_angle(tmp_path: Path) -> None:
+    rows = "".join(f"{at} 9.5 8.5 {at}\n" for at in range(100, 120))
+    (tmp_path / "w.las").write_text(WELL + "~C\nDEPT.M:\nCALI.IN:\nCALI.IN:\nRB.DEG:\n~A\n" + rows)
+    (tmp_path / "well.toml").write_text(
+        "caliper = 'w.las'\n[columns]\ndiameter = ['CALI:1@0', 'CALI:2@90:mm']\n[wall]\nbit_diameter = '8.5in'\n"
+    )
+    with pytest.raises(hb.InputError, match=r"column CALI:2: median 0.0085 m if the unit is mm"):
+        hb.reconstruct(tmp_path / "well.toml")
+
+
 def test_settings_of_reading_in_a_project(tmp_path: Path) -> None:
     rows = "".join(f"{10 + at},0 200,0 200,0 {(at * 40) % 360},0\n" for at in range(60))
     (tmp_path / "w.las").write_bytes((CYRILLIC + rows).encode("cp1251"))
