@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import re
 import typing
 from bisect import bisect_left
 from collections.abc import Mapping
@@ -71,22 +72,37 @@ class TomlSource:
         """Return the line where a key stands, or its table if the key is missing; None if there is neither."""
         if not self.text:
             return None
-        lines = self.text.splitlines(keepends=True)
+        lines, ends = self.text.split("\n"), _ends(self.text)
 
         @functools.cache
         def begun(count: int) -> Any:
-            """Parse the first ``count`` lines, and as many more as the last value needs."""
-            try:
-                return parse_toml("".join(lines[:count]), self.name)
-            except InputError:
-                return begun(count + 1)
+            """Return the tables of the first ``count`` lines, after which no value is open."""
+            return parse_toml("\n".join(lines[:count]), self.name)
 
         whole = begun(len(lines))
         places = ((*root, *keys[:length]) for length in range(len(keys), -1, -1) for root in self.roots)
         found = next((place for place in places if place and _holds(whole, place)), None)
         if found is None:
             return None
-        return bisect_left(range(len(lines) + 1), True, key=lambda count: _holds(begun(count), found))
+        first = bisect_left(ends, True, key=lambda count: _holds(begun(count), found))
+        return ends[first - 1] + 1 if first else 1
+
+
+TOKEN = re.compile(
+    r'"{3}(?:\\.|[^\\])*?"{3,5}|\'{3}.*?\'{3,5}|"(?:\\.|[^"\\\n])*"|\'[^\'\n]*\'|#[^\n]*|[\[\]{}\n]', re.DOTALL
+)
+"""What decides in TOML whether a value goes on in the next line: strings, comments, brackets, ends of lines."""
+
+
+def _ends(text: str) -> list[int]:
+    """Return how many lines have been read wherever a line ends and no value is open, to the end of the text."""
+    found, line, depth = [], 0, 0
+    for token in map(re.Match.group, TOKEN.finditer(text)):
+        line += token.count("\n")
+        depth += (token in "[{") - (token in "]}")
+        if token == "\n" and depth == 0:
+            found.append(line)
+    return [*found, line + 1]
 
 
 def _holds(tree: Any, keys: tuple[Key, ...]) -> bool:

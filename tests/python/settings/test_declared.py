@@ -136,6 +136,31 @@ def test_an_error_in_a_file_names_its_line_and_the_nearest_key(text: str, place:
     assert rule in caught.value.rule
 
 
+LONG = (
+    """[toy] # ]
+name = '''[
+"# { " '''
+shift = [  # [
+"""
+    + "[3, 0.25], # ] '\n" * 3000
+    + """]
+
+kind = "red" # \"
+file = "a\\"[b"
+"""
+)
+
+
+def test_the_line_of_a_key_is_found_beside_long_values_brackets_in_texts_and_comments() -> None:
+    with pytest.raises(hb.InputError) as caught:
+        read(LONG + "passes = [\n1,\n'x']\n")
+    assert caught.value.place == f"a.toml, line {LONG.count(chr(10)) + 1}: toy.passes 2"
+    with pytest.raises(hb.InputError) as caught:
+        read(LONG.replace("[3, 0.25], # ] '\n]", "['x', 0.25], # ] '\n]"))
+    assert caught.value.place == "a.toml, line 4: toy.shift 3000 1"
+    assert read(LONG).file == Path('b/a"[b')
+
+
 def test_a_recorded_file_may_have_the_names_of_its_version() -> None:
     assert read("[toy]\nmost = 0.3", recorded=True).limit == 0.3
 
