@@ -103,6 +103,7 @@ def logs(**options: Any) -> None:
     (CLASS). Each image of the wall has a column with its mean around the hole. Every file states bit size, windows,
     definitions and criteria. The file well.las.toml beside well.las repeats the run.
     """
+    from helibore.base.tables import LogColumn
     from helibore.files.log_writing import check_format, save_table
     from helibore.logs.image_means import image_means
     from helibore.logs.summary import summarize
@@ -134,6 +135,9 @@ def logs(**options: Any) -> None:
         images_by_turn = _by_sector(wall, options) if options["by_sector"] else []
         summary = summarize(wall._state(), options["start_depth"], options["stop_depth"], zones=measured.zones)
     columns = [*measured.columns, *(column for each in annuli for column in each.columns())]
+    if annuli:
+        text, rows = "Volume of the hole from the deepest row up to this one", measured.rows
+        columns.append(LogColumn("IHV", "m3", text, rows.integrated_volume))
     columns += [wall.drift(length).column(measured.rows) for length in options["drifts"]]
     columns += image_means(measured.rows, wall.images)
     facts = measured.zones.criteria.facts() if measured.zones else {}

@@ -18,7 +18,7 @@ from helibore.images.sector_image import SectorImage
 from helibore.logs.log_columns import COLUMNS
 from helibore.logs.turn_logs import ALONG, Logs
 
-OWN = {of.mnemonic for of in COLUMNS} | {"VOL_SIGMA", "CLASS", *ALONG}
+OWN = {of.mnemonic for of in COLUMNS} | {"VOL_SIGMA", "IHV", "CLASS", *ALONG}
 NUMBERED = ("ARM_DIAMETER_", "AVOL_", "ASUM_", "CLEAR_")
 
 

@@ -241,6 +241,17 @@ class Logs(Tabular):
         return uncertain
 
     @property
+    def integrated_volume(self) -> Floats:
+        """Sum of `volume` from the deepest row up to each row, included, (rows,) float64, m3 (IHV).
+
+        Rows without a volume count as 0.
+        """
+        upwards = np.argsort(self.depth, kind="stable")[::-1]
+        summed = np.empty_like(self.volume)
+        summed[upwards] = np.nancumsum(self.volume[upwards])
+        return summed
+
+    @property
     def height(self) -> float:
         """Height of a row, metres."""
         return abs(self.pitch) if self.step is None else self.step

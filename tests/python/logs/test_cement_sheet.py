@@ -93,6 +93,13 @@ def test_a_tail_that_ends_in_the_lap_by_hand() -> None:
     assert found.slurry("lead") == pytest.approx((area(0.3153) - area(0.2445)) * 10)
 
 
+def test_the_integrated_volume_counts_from_the_bottom() -> None:
+    logs = logs_of(True)
+    slow = [np.nansum(logs.volume[logs.depth >= depth]) for depth in logs.depth]
+    np.testing.assert_allclose(logs.integrated_volume, slow)
+    assert np.isnan(logs.volume).any()
+
+
 def test_sigma_of_a_common_error_is_that_of_the_area() -> None:
     logs = wall().logs(sigma=True, caliper_accuracy=0.001)
     found = logs.cement_sheet(CementJob(casing=0.2445, shoe=1012.0, top=1002.0))
@@ -116,6 +123,16 @@ def test_sigma_of_a_common_error_is_that_of_the_area() -> None:
 def test_refused(more: dict[str, float], message: str) -> None:
     with pytest.raises(hb.InputError, match=message):
         sheet(**more)
+
+
+def test_the_logs_of_a_casing_have_the_volume_of_the_hole_from_the_bottom(tmp_path: Path) -> None:
+    wall().save(tmp_path / "w.wall")
+    words = ["logs", str(tmp_path / "w.wall"), "-o", str(tmp_path / "w.csv"), "--casing", "9.625in"]
+    done = CliRunner().invoke(cli, words)
+    assert done.exit_code == 0, done.output
+    with hb.open(tmp_path / "w.csv") as file:
+        found = file.set().numbers("IHV (m3)")
+    np.testing.assert_allclose(found, logs_of(False).integrated_volume, atol=1e-6)
 
 
 def test_the_command(tmp_path: Path) -> None:
