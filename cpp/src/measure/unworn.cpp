@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <optional>
 
@@ -14,6 +15,8 @@
 #include "base/threads.hpp"
 #include "base/trigonometry.hpp"
 #include "samples/helix.hpp"
+#include "search/kernel/instruction_set.hpp"
+#include "search/kernel/kernel.hpp"
 
 namespace helibore {
 namespace {
@@ -59,29 +62,47 @@ double excess(const Turn& turn, std::size_t i, const Fit& fit) {
     return std::sqrt(dx * dx + dy * dy) - fit.radius;
 }
 
-// The fits from all starts, side by side: the compiler makes vector instructions of the loops over them.
+// The fits from all starts, side by side. Vectors of four, as GCC and Clang have them, are made of what the machine
+// has.
 constexpr std::size_t starts = 4;
+using Four = double __attribute__((vector_size(starts * sizeof(double))));
 using Lanes = std::array<double, starts>;
 struct Fits {
     Lanes x, y, radius;
 };
 
+#if defined(__GNUC__) && defined(__x86_64__)
+#define HELIBORE_INTO_CALLER [[gnu::always_inline]] inline
+#else
+#define HELIBORE_INTO_CALLER inline
+#endif
+
 // One step of iterated least squares for each fit: the circle moves to the weighted mean of the excess, with a pull to
 // the guess.
-void improve(const Turn& turn, Fits& fits, double spread) {
-    std::array<Lanes, 6> a{};  // upper half of the normal matrix: xx, xy, xr, yy, yr, rr
-    std::array<Lanes, 3> b{};
-    const double outside = 1.0 / spread, inside = 1.0 / (inside_spread * spread);
-    for (std::size_t i = 0; i < turn.counted_x.size(); ++i) {
-        for (std::size_t s = 0; s < starts; ++s) {
-            const double dx = turn.counted_x[i] - fits.x[s], dy = turn.counted_y[i] - fits.y[s];
-            const double away = std::sqrt(dx * dx + dy * dy), of_away = 1.0 / (away == 0.0 ? 1.0 : away);
-            const double e = away - fits.radius[s], nx = dx * of_away, ny = dy * of_away;
-            const double u = e * (e > 0.0 ? outside : inside), w = away == 0.0 ? 0.0 : falling(u * u);
-            const double wx = w * nx, wy = w * ny;
-            a[0][s] += wx * nx, a[1][s] += wx * ny, a[2][s] += wx, a[3][s] += wy * ny, a[4][s] += wy, a[5][s] += w;
-            b[0][s] += wx * e, b[1][s] += wy * e, b[2][s] += w * e;
+HELIBORE_INTO_CALLER void improve_step(const Turn& turn, Fits& fits, double spread) {
+    std::array<Lanes, 6> a;  // upper half of the normal matrix: xx, xy, xr, yy, yr, rr
+    std::array<Lanes, 3> b;
+    {
+        Four x, y, radius, xx{}, xy{}, xr{}, yy{}, yr{}, rr{}, xe{}, ye{}, re{};
+        std::memcpy(&x, fits.x.data(), sizeof x);
+        std::memcpy(&y, fits.y.data(), sizeof y);
+        std::memcpy(&radius, fits.radius.data(), sizeof radius);
+        const Four zero{}, one = zero + 1.0, outside = zero + 1.0 / spread,
+                           inside = zero + 1.0 / (inside_spread * spread);
+        for (std::size_t i = 0; i < turn.counted_x.size(); ++i) {
+            const Four dx = turn.counted_x[i] - x, dy = turn.counted_y[i] - y, square = dx * dx + dy * dy;
+            Four away = zero;
+            for (std::size_t s = 0; s < starts; ++s) away[s] = std::sqrt(square[s]);
+            const Four of_away = one / (away == zero ? one : away);
+            const Four e = away - radius, nx = dx * of_away, ny = dy * of_away;
+            const Four u = e * (e > zero ? outside : inside);
+            const Four of = one / (one + u * u * (1.0 / 6.0));  // falling(u * u)
+            const Four w = away == zero ? zero : of * of * of, wx = w * nx, wy = w * ny;
+            xx += wx * nx, xy += wx * ny, xr += wx, yy += wy * ny, yr += wy, rr += w;
+            xe += wx * e, ye += wy * e, re += w * e;
         }
+        const Four* sums[] = {&xx, &xy, &xr, &yy, &yr, &rr, &xe, &ye, &re};
+        for (std::size_t k = 0; k < 9; ++k) std::memcpy(k < 6 ? a[k].data() : b[k - 6].data(), sums[k], sizeof xx);
     }
     // Weights are those of spread^2, so the pull is as well.
     const double of_centre = spread * spread / (turn.scale * turn.scale * centre_guess * centre_guess);
@@ -101,6 +122,21 @@ void improve(const Turn& turn, Fits& fits, double spread) {
     }
 }
 
+using Improve = void (*)(const Turn&, Fits&, double);
+
+void improve(const Turn& turn, Fits& fits, double spread) {
+    improve_step(turn, fits, spread);
+}
+
+#if defined(__GNUC__) && defined(__x86_64__)
+// The same arithmetic, and so the same bits, with the four fits in one vector: half the time.
+[[gnu::target("avx2")]] void improve_avx2(const Turn& turn, Fits& fits, double spread) {
+    improve_step(turn, fits, spread);
+}
+#else
+constexpr Improve improve_avx2 = improve;
+#endif
+
 // How well a circle fits; higher is better. Rock far inside it, and a size far from the bit, speak against it.
 double merit(const Turn& turn, const Fit& fit) {
     double sum = 0.0, inside = 0.0, count = 0.0;
@@ -115,7 +151,7 @@ double merit(const Turn& turn, const Fit& fit) {
     return (sum - inside) / count - 0.05 * off * off;
 }
 
-Fit fitted(const Turn& turn, std::vector<double>& radii) {
+Fit fitted(const Turn& turn, Improve improved, std::vector<double>& radii) {
     double x = 0.0, y = 0.0;
     radii.clear();
     for (std::size_t i = 0; i < turn.counted_x.size(); ++i) {
@@ -129,7 +165,7 @@ Fit fitted(const Turn& turn, std::vector<double>& radii) {
     Fits fits{{0.0, 0.0, x, -x}, {0.0, 0.0, y, -y}, {turn.bit_radius, *quarter, *quarter, *quarter}};
     for (const double spread : spreads)
         for (int step = 0; step < (spread == spreads.back() ? last_steps : steps); ++step)
-            improve(turn, fits, spread * turn.scale);
+            improved(turn, fits, spread * turn.scale);
     Fit best{};
     double most = -std::numeric_limits<double>::infinity();
     for (std::size_t s = 0; s < starts; ++s) {
@@ -242,6 +278,8 @@ UnwornTurns unworn_turns(const Turns& turns, double bit_diameter, std::span<cons
     if (!counts.empty()) require_length("counts", counts.size(), radius.size(), "radius");
     const auto K = static_cast<std::size_t>(turns.sectors);
     const Index count = static_cast<Index>(radius.size() / K);
+    const bool is_plain = &kernel::functions_for(InstructionSet::automatic) == &kernel::plain();
+    const Improve improved = is_plain ? improve : improve_avx2;
     UnwornTurns found;
     for (std::vector<double>* column : {&found.diameter, &found.centre_0, &found.centre_90}) {
         column->assign(static_cast<std::size_t>(count), missing);
@@ -277,7 +315,7 @@ UnwornTurns unworn_turns(const Turns& turns, double bit_diameter, std::span<cons
             }
             const std::size_t known = turn.counted_x.size();
             if (there < K || known < 3 || static_cast<double>(known) < least_share * static_cast<double>(K)) continue;
-            const Fit fit = fitted(turn, radii);
+            const Fit fit = fitted(turn, improved, radii);
             found.diameter[i] = 2.0 * fit.radius;
             found.centre_0[i] = fit.x;
             found.centre_90[i] = fit.y;
