@@ -95,7 +95,12 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
 
 def basic(text: str) -> str:
     """A string of TOML; one of several lines stands as it is read."""
-    lines = [json.dumps(line, ensure_ascii=False)[1:-1].replace("\x7f", "\\u007f") for line in text.split("\n")]
+
+    def escaped(line: str) -> str:
+        line = json.dumps(line, ensure_ascii=False)[1:-1]
+        return "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in line)
+
+    lines = [escaped(line) for line in text.split("\n")]
     return f'"{lines[0]}"' if len(lines) == 1 else '"""\n{}"""'.format("\n".join(lines))
 
 

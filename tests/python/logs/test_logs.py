@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -302,19 +303,19 @@ def test_the_axis_of_a_step_is_the_mean_of_axes() -> None:
 
 
 @pytest.mark.parametrize(
-    ("call", "text"),
+    ("call", "place"),
     [
-        (lambda logs: logs.by_step(0.05), "step = 0.05: must be at least the pitch, 0.1 m"),
-        (lambda logs: logs.by_step(math.nan), "step = nan: must be at least the pitch, 0.1 m"),
-        (lambda logs: logs.by_step(1000.0).table(), "logs: the wall has no full step of 1000 m"),
+        (lambda logs: logs.by_step(0.05), "step"),
+        (lambda logs: logs.by_step(math.nan), "step"),
+        (lambda logs: logs.by_step(1000.0).table(), "logs"),
         (
             lambda logs: logs.by_step(0.5).by_step(1),
-            "step: these logs already have steps of 0.5 m; start from the logs with one row per turn",
+            "step",
         ),
     ],
 )
-def test_steps_without_sense_are_refused(call: Any, text: str) -> None:
-    with pytest.raises(ValueError, match=f"^{text}$"):
+def test_steps_without_sense_are_refused(call: Any, place: str, golden: Golden) -> None:
+    with golden.raises(place):
         call(turn_logs(helix(np.full(160, 0.1), 16), 0.2))
 
 
@@ -351,7 +352,7 @@ def test_logs_say_what_toolface_0_is(reference: Any) -> None:
     assert wall.logs().facts()["toolface 0"] == f"{said}, assumed"
 
 
-def test_a_path_adds_true_depth_inclination_and_azimuth() -> None:
+def test_a_path_adds_true_depth_inclination_and_azimuth(golden: Golden) -> None:
     k = np.arange(4000)
     wall = hb.reconstruct(hb.Caliper(1000 + k * 0.0025, k * 37.0 % 360, np.full(k.size, 0.1)), bit_diameter=0.2)
     wall.path = hb.Survey([0.0, 1002.0, 1008.0], [0.0, 0.0, 60.0], [0.0, 90.0, 90.0]).path()
@@ -368,10 +369,7 @@ def test_a_path_adds_true_depth_inclination_and_azimuth() -> None:
     wall.path = survey.path()
     table = wall.logs().table()
     assert np.isnan(table["TVD"].values).all()  # nothing says how deep the first station lies
-    assert wall.logs().warnings() == [
-        "TVD is missing: the true depth of the survey's first station, at 900 m, is not known; "
-        "state it in the path's head (north, east and true depth of that station)"
-    ]
+    golden(wall.logs().warnings())
     np.testing.assert_allclose(table["AZIM"].values, 248.0)
     wall.path = survey.path(head=(0.0, 0.0, 850.0))
     assert not np.isnan(wall.logs().table()["TVD"].values).any()

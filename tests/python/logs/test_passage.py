@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 
 import helibore as hb
 from helibore.base.arrays import Floats
@@ -223,21 +224,20 @@ def test_the_names_of_mandrels_are_their_lengths() -> None:
 
 
 @pytest.mark.parametrize(
-    ("length", "message"),
+    ("length", "place"),
     [
-        ("api-rod", "length = 'api-rod': must be metres or one of api-casing, api-large-casing, api-tubing"),
-        (0.0, "length = 0: must be at least 0.001 m"),
-        (math.nan, "length = nan: must be finite and not negative"),
-        (4.1, "length of the string = 4.1: must be shorter than the wall, 4 m of whole turns"),
+        ("api-rod", "length"),
+        (0.0, "length"),
+        (math.nan, "length"),
+        (4.1, "length of the string"),
     ],
 )
-def test_refused_lengths(length: float | str, message: str) -> None:
-    with pytest.raises(InputError) as error:
+def test_refused_lengths(length: float | str, place: str, golden: Golden) -> None:
+    with golden.raises(place):
         drift_of(hole(D / 2, 40), length)
-    assert str(error.value) == message
 
 
-def test_refused_strings() -> None:
+def test_refused_strings(golden: Golden) -> None:
     wall = hole(D / 2, 40)
     for string, message in (
         ([], "string: must have a body"),
@@ -246,9 +246,8 @@ def test_refused_strings() -> None:
         with pytest.raises(InputError) as error:
             passage_of(wall, string)  # type: ignore[arg-type]
         assert str(error.value).startswith(message)
-    with pytest.raises(InputError) as error:
+    with golden.raises():
         RigidBody(-0.1, 1)
-    assert str(error.value) == "diameter = -0.1: must be finite and not negative"
     with pytest.raises(InputError) as error:
         drift_of(hole(D / 2, 40, basis="gauge"), 1.0)
     assert str(error.value).startswith("passage: needs a shape that was measured")

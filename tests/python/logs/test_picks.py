@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 
 import helibore as hb
 from helibore.base.errors import InputError
@@ -36,13 +37,13 @@ def test_a_plane_has_the_dip_it_was_made_with_and_lies_in_space(
         assert abs((0.1 * (outwards + deeper * along)) @ normal) < 1e-12
 
 
-def test_without_a_path_or_beyond_it_a_dip_is_not_known() -> None:
+def test_without_a_path_or_beyond_it_a_dip_is_not_known(golden: Golden) -> None:
     pick = Pick(kind="bed", depth=150.0, toolface=10.0, apparent_dip=30.0)
     assert np.isnan(pick.dip(None)).all()
     assert np.isnan(pick.dip(path(10.0, 0.0))).all()
     box = Pick(kind="breakout", depth=50.0, toolface=10.0, height=2.0, opening=30.0)
     assert np.isnan(box.dip(path(10.0, 0.0))).all()
-    with pytest.raises(InputError, match=r"^plane at 50 m: is parallel to the hole$"):
+    with golden.raises():
         plane("bed", 50.0, 90.0, 90.0, hb.Survey([0.0, 100.0], [0.0] * 2, [0.0] * 2).path(reference="north"))
     assert np.isnan(Pick(kind="bed", depth=50.0, toolface=1.0).dip(path(0.0, 0.0))).all(), "no high side: no frame"
 
@@ -51,32 +52,27 @@ HIDDEN = "must not hold control characters, marks that turn text around or halve
 
 
 @pytest.mark.parametrize(
-    ("values", "text"),
+    "values",
     [
-        ({"kind": "layer"}, f"class = 'layer': must be one of {', '.join(CLASSES)}"),
-        ({"depth": float("nan")}, "depth = nan: must be -1e+06 to 1e+06"),
-        ({"apparent_dip": 90.0}, "apparent_dip = 90.0: must be 0 to 89.9"),
-        ({"toolface": "east"}, "toolface = east: must be 0 to 360"),
-        ({"kind": "breakout"}, "breakout: height and opening must be above 0"),
-        ({"points": 1.5}, "points = 1.5: must be a whole number, 0 or more"),
-        ({"points": True}, "points = True: must be a whole number, 0 or more"),
-        ({"depth": None}, "depth = None: must be -1e+06 to 1e+06"),
-        ({"apparent_dip": True}, "apparent_dip = True: must be 0 to 89.9"),
-        ({"note": "half an emoji \ud83d"}, rf"note = half an emoji \ud83d: {HIDDEN}"),
-        ({"note": "\x1b[31m\u202e"}, rf"note = \x1b[31m\u202e: {HIDDEN}"),
-        ({"note": "x" * 81}, "note: must be a text of at most 80 characters"),
-        ({"key": "x" * 33}, "key: must be a text of at most 32 characters"),
-        (
-            {"colour": "red"},
-            "pick: must be an object with fields among apparent_dip, depth, height, image, key, kind, misfit, note, "
-            "opening, points, radius, tilt, toolface",
-        ),
+        {"kind": "layer"},
+        {"depth": float("nan")},
+        {"apparent_dip": 90.0},
+        {"toolface": "east"},
+        {"kind": "breakout"},
+        {"points": 1.5},
+        {"points": True},
+        {"depth": None},
+        {"apparent_dip": True},
+        {"note": "half an emoji \ud83d"},
+        {"note": "\x1b[31m\u202e"},
+        {"note": "x" * 81},
+        {"key": "x" * 33},
+        {"colour": "red"},
     ],
 )
-def test_what_breaks_a_rule_is_refused(values: dict[str, object], text: str) -> None:
-    with pytest.raises(InputError) as error:
+def test_what_breaks_a_rule_is_refused(values: dict[str, object], golden: Golden) -> None:
+    with golden.raises():
         pick_of({"kind": "bed", "depth": 1.0, "toolface": 0.0} | values)
-    assert str(error.value) == text
 
 
 def test_numbers_of_numpy_are_numbers() -> None:
@@ -84,13 +80,13 @@ def test_numbers_of_numpy_are_numbers() -> None:
     assert Picks.parse(Picks([pick]).table()) == [Pick(kind="bed", depth=2054.0, toolface=140.5, points=7)]
 
 
-def test_a_pick_without_a_depth_and_one_too_many_are_refused() -> None:
-    with pytest.raises(InputError, match=r"^pick: must have class, depth and toolface$"):
+def test_a_pick_without_a_depth_and_one_too_many_are_refused(golden: Golden) -> None:
+    with golden.raises():
         pick_of({"kind": "bed", "toolface": 1.0})
     one = Pick(kind="bed", depth=1.0, toolface=0.0)
     picks = Picks([one] * MOST)
     picks.put(one)
-    with pytest.raises(InputError, match=r"^5000 picks: no more can be added, because a wall has at most 5000$"):
+    with golden.raises():
         picks.put(Pick(kind="bed", depth=1.0, toolface=0.0))
 
 
@@ -145,17 +141,17 @@ def test_a_table_adds_replaces_and_leaves_picks_by_their_key() -> None:
     assert len(picks) == 3
 
 
-def test_true_dips_of_others_become_picks_on_a_path() -> None:
+def test_true_dips_of_others_become_picks_on_a_path(golden: Golden) -> None:
     hole = path(30.0, 60.0)
     text = "well,depth_m,class,dip_deg,dip_azimuth_deg\nA,15,bed,20,100\nA,16,fault,70,280\n"
     bed, fault = Picks.parse(text, hole)
     assert bed.dip(hole) == pytest.approx((20.0, 100.0))
     assert (fault.kind, fault.dip(hole)) == ("fault", pytest.approx((70.0, 280.0)))
-    with pytest.raises(InputError, match=r"^line 2: DIP \(deg\): a true dip needs the path .*: give a survey, or "):
+    with golden.raises():
         Picks.parse(text)
     with pytest.raises(InputError) as raised:
         Picks.parse("DEPTH,DIP,AZI,TYPE\n", hole)
-    assert raised.value.rule == "must have the columns class, DEPT (m), DIP (deg), DIP_AZIMUTH (deg)"
+    golden(raised.value.rule)
 
 
 def test_a_table_of_true_dips_keeps_its_other_columns_and_its_breakouts() -> None:
@@ -166,17 +162,16 @@ def test_a_table_of_true_dips_keeps_its_other_columns_and_its_breakouts() -> Non
 
 
 @pytest.mark.parametrize(
-    ("dip", "azimuth", "error"),
+    ("dip", "azimuth", "place"),
     [
-        ("inf", "10", "line 2: plane at 15 m: dip inf and azimuth 10 must be finite"),
-        ("10", "nan", "line 2: plane at 15 m: dip 10 and azimuth nan must be finite"),
-        ("", "10", "line 2, DIP (deg) = '': must be a number"),
+        ("inf", "10", "line 2: plane at 15 m"),
+        ("10", "nan", "line 2: plane at 15 m"),
+        ("", "10", "line 2, DIP (deg)"),
     ],
 )
-def test_a_true_dip_is_a_finite_number(dip: str, azimuth: str, error: str) -> None:
-    with pytest.raises(InputError) as raised:
+def test_a_true_dip_is_a_finite_number(dip: str, azimuth: str, place: str, golden: Golden) -> None:
+    with golden.raises(place):
         Picks.parse(f"class,depth_m,dip_deg,dip_azimuth_deg\nbed,15,{dip},{azimuth}\n", path(30.0, 60.0))
-    assert str(raised.value) == error
 
 
 @pytest.mark.parametrize(

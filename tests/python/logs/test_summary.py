@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 
 import helibore as hb
 from helibore.logs.summary import summarize
@@ -91,8 +92,8 @@ def test_an_interval_counts_the_metres_that_lie_in_it() -> None:
     assert (found.start, found.stop) == (1001.2, 1002.0)
 
 
-def test_an_interval_that_ends_above_its_start_is_refused() -> None:
-    with pytest.raises(hb.InputError, match=r"^stop = 1000 m: must not be above start = 1001 m$"):
+def test_an_interval_that_ends_above_its_start_is_refused(golden: Golden) -> None:
+    with golden.raises():
         summarize(wall_of((10, GAUGE)), 1001.0, 1000.0)
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -84,7 +85,9 @@ def test_a_zone_has_the_depth_of_its_worst_turn_and_its_measured_share(pitch: fl
     assert set(table["COVER"].values) == {washout.coverage, 1.0}
 
 
-def test_the_extreme_of_what_the_criterion_limits_orders_the_zones_and_the_median_stands_beside_it() -> None:
+def test_the_extreme_of_what_the_criterion_limits_orders_the_zones_and_the_median_stands_beside_it(
+    golden: Golden,
+) -> None:
     wide = WASHED + lobe(100, 0.03)  # the largest diameter of its zone, while C2 is that of the other turns
     lobes, seat = lobe(100, 0.02) + lobe(280, 0.02), lobe(180, 0.02, 40)
     wall = wall_of((9, GAUGE), (3, WASHED), (1, wide), (1, WASHED + 0.01), (9, GAUGE), (4, BROKEN),
@@ -104,9 +107,7 @@ def test_the_extreme_of_what_the_criterion_limits_orders_the_zones_and_the_media
     for name in ("MEASURE", "MEDIAN", "SEVERITY", "ENLARGE", "ELONG"):
         attribute = {"ENLARGE": "enlargement", "ELONG": "elongation"}.get(name, name.lower())
         assert table[name].values.tolist() == [getattr(zone, attribute) for zone in found.zones]
-    assert table["MEASURE"].description == (
-        "Extreme of C2 - bit (washout), C1 - C2 (breakout), height (key seat), least diameter - bit (undergauge)"
-    )
+    golden(table["MEASURE"].description)
     for name, text in SIZES.items():  # the report has the same words
         mnemonic = {"enlargement": "ENLARGE", "elongation": "ELONG"}.get(name, name.upper())
         assert table.facts[mnemonic.lower()] == text
@@ -258,23 +259,23 @@ def test_files_state_class_zones_and_criteria(tmp_path: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("call", "text"),
+    ("call", "place"),
     [
-        (lambda: Criteria(washout=-1), "washout = -1: must be finite and not negative"),
-        (lambda: Criteria(symmetry=1.5), r"symmetry = 1.5: must be in \[0, 1\]"),
-        (lambda: Criteria(opening_level=1), r"opening_level = 1: must be in \(0, 1\)"),
+        (lambda: Criteria(washout=-1), "washout"),
+        (lambda: Criteria(symmetry=1.5), "symmetry"),
+        (lambda: Criteria(opening_level=1), "opening_level"),
         (
             lambda: classify(wall_of((9, GAUGE))).of("cave"),
-            "kind = 'cave': must be one of gauge, washout, breakout, key seat, undergauge",
+            "kind",
         ),
         (
             lambda: classify(wall_of((9, GAUGE)), logs=turn_logs(wall_of((30, GAUGE))).by_step(1.0)),
-            "logs: must be the logs of the turns of the same wall",
+            "logs",
         ),
     ],
 )
-def test_bad_input_is_named(call: Any, text: str) -> None:
-    with pytest.raises(ValueError, match=f"^{text}$"):
+def test_bad_input_is_named(call: Any, place: str, golden: Golden) -> None:
+    with golden.raises(place):
         call()
 
 
