@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from helibore.base.arrays import whole_column
-from helibore.base.errors import InputError
 
 
 def test_whole_numbers_keep_their_value():
@@ -16,18 +15,17 @@ def test_whole_numbers_keep_their_value():
 
 
 @pytest.mark.parametrize(
-    ("values", "text"),
+    ("values", "place"),
     [
-        ([0.0, 1.5], "arm[1] = 1.5: must be a whole number"),
-        ([1e300, 0.0], "arm[0] = 1e+300: absolute value must be below 9007199254740992"),
+        ([0.0, 1.5], "arm[1]"),
+        ([1e300, 0.0], "arm[0]"),
         (
             np.array([0, 2**64 - 1], dtype=np.uint64),
-            "arm[1] = 1.84467e+19: absolute value must be below 9007199254740992",
+            "arm[1]",
         ),
-        ([2**53 + 1], "arm[0] = 9.0072e+15: absolute value must be below 9007199254740992"),  # float64 holds 2^53
+        ([2**53 + 1], "arm[0]"),  # float64 holds 2^53
     ],
 )
-def test_a_number_that_is_not_whole_or_would_change_is_refused(values, text):
-    with pytest.raises(InputError) as error:
+def test_a_number_that_is_not_whole_or_would_change_is_refused(values, place, golden):
+    with golden.raises(place):
         whole_column("arm", values)
-    assert str(error.value) == text

@@ -8,6 +8,7 @@ import subprocess
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 from locations import WEB
 from patience import PATIENCE
 
@@ -136,16 +137,16 @@ def test_matplotlib_draws_the_same_colours() -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "text"),
+    "arguments",
     [
-        ((0, 1, "jet"), "color_map = 'jet': must be one of image, viridis, cividis, gamma, resistivity, caliper, diff"),
-        ((5, 5), r"limits = \(5, 5\): must be two finite numbers, the first below the second"),
-        ((0, np.inf), r"limits = \(0, inf\): must be two finite numbers, the first below the second"),
-        ((0, 20, "resistivity", True), r"limits = \(0, 20\): must be above 0 on a log scale"),
+        (0, 1, "jet"),
+        (5, 5),
+        (0, np.inf),
+        (0, 20, "resistivity", True),
     ],
 )
-def test_a_scale_without_sense_is_refused(arguments: tuple, text: str) -> None:
-    with pytest.raises(ValueError, match=text):
+def test_a_scale_without_sense_is_refused(arguments: tuple, golden: Golden) -> None:
+    with golden.raises():
         ColorScale(*arguments)
 
 

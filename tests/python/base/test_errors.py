@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pickle
 
+from golden_texts import Golden
+
 from helibore.base.errors import InputError, MissingExtraError
 
 
@@ -15,9 +17,9 @@ def test_the_text_names_place_value_and_rule() -> None:
     assert str(InputError("well.las, line 12", "truncated")) == "well.las, line 12: truncated"
 
 
-def test_an_outer_place_stands_before_the_inner_one() -> None:
+def test_an_outer_place_stands_before_the_inner_one(golden: Golden) -> None:
     error = InputError("pitch", "must not be 0", "0").within("run.toml")
-    assert str(error) == "run.toml: pitch = 0: must not be 0"
+    golden(str(error))
     assert (error.place, error.value) == ("run.toml: pitch", "0")
 
 

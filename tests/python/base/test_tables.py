@@ -114,28 +114,28 @@ def test_dates_with_a_time_zone_are_seconds_since_1970(of):
 
 
 @pytest.mark.parametrize("of", [dict, pd.DataFrame, pl.DataFrame, pa.table, lambda d: xr.Dataset(pd.DataFrame(d))])
-def test_any_data_frame_becomes_a_survey_without_its_missing_rows(of):
+def test_any_data_frame_becomes_a_survey_without_its_missing_rows(of, golden):
     frame = of({"MD": [0.0, 1000, 2000, 3000], "INC": [0.0, 20, np.nan, 30], "AZI": [0.0, 45, 50, -9999]})
     names = {"depth": "MD", "inclination": "INC", "azimuth": "AZI"}
     made = hb.Survey.from_table(frame, **names, units={"depth": "ft"})
     assert (made.depth.tolist(), made.left_out) == ([0.0, 304.8], 2)
     assert (made.inclination.tolist(), made.azimuth.tolist()) == ([0.0, 20.0], [0.0, 45.0])
     assert "2 of the table" in made._repr_html_()
-    with pytest.raises(hb.InputError, match=r"^column 'DEPTH': is not in the table \(depth\)$"):
+    with golden.raises():
         hb.Survey.from_table(frame)
 
 
-def test_a_column_that_is_the_index_is_refused_with_the_way_out():
+def test_a_column_that_is_the_index_is_refused_with_the_way_out(golden):
     frame = pd.DataFrame(FRAME).set_index("MD")
-    with pytest.raises(hb.InputError, match=r"^column 'MD': is not in the table \(depth\); it is the index, and reset"):
+    with golden.raises():
         hb.Caliper.from_table(frame, depth="MD", toolface="TF", radius="R")
 
 
-def test_columns_of_one_name_are_refused_by_name():
+def test_columns_of_one_name_are_refused_by_name(golden):
     columns = [[1.0], [0.0], [0.1], [0.1]]
     names = ["DEPTH", "TOOLFACE", "RADIUS", "RADIUS"]
     for frame in (pd.DataFrame(np.transpose(columns), columns=names), pa.table(columns, names=names)):
-        with pytest.raises(hb.InputError, match=r"^column 'RADIUS': the table has 2 columns of this name \(radius\)$"):
+        with golden.raises():
             hb.Caliper.from_table(frame)
 
 
@@ -172,38 +172,30 @@ def test_samples_go_round_by_a_data_frame(wall):
 
 
 @pytest.mark.parametrize(
-    ("change", "options", "text"),
+    ("change", "options"),
     [
-        ({}, {"radius": "CAL"}, "column 'CAL': is not in the table (radius)"),
-        ({"R": ["a", "b", "c", "d"]}, {}, "column 'R': must be numbers"),
-        ({"R": [np.nan] * 4}, {}, "table: none of 4 rows has a value for each of depth, toolface, radius"),
-        ({}, {"units": {"R": "in"}}, "units: 'R' is none of depth, toolface, radius, time"),
-        ({}, {"units": {"radius": "deg"}}, "unit 'deg': measures angle, "
-         "must be a unit of length: m, cm, mm, ft, ftUS, in, 0.1in"),
-        ({"R": [4.0] * 4}, {},
-         "column 'R': median = 4 m: must be at most 2 m: units={\"radius\": \"in\"} states another unit"),
-        ({"R": [0.1, 0.1, 0.1, 4.0]}, {}, "R[3] = 4: must be above 0 and at most 2 m"),
-        ({"R": [4.0, np.nan, 4.2, -999]}, {"units": {"radius": "in"}},
-         "R[3] = -999 in: must be above 0 and at most 2 m"),
-        ({"TF": [0, 1, 2]}, {}, "column 'TF' has 3 values, column 'MD' has 4: must be equal"),
-        ({"TF": 0.0}, {}, "column 'TF': must be one-dimensional, not 0-dimensional"),
-        ({"R": [[0.1, np.nan]] * 4}, {}, "column 'R': must be one-dimensional, not 2-dimensional"),
-        ({"R": np.arange(4).astype("M8[s]")}, {}, "column 'R': must be numbers"),
-        ({"T": np.arange(4).astype("m8[s]")}, {"time": "T"}, "column 'T': must be numbers"),
-        ({"T": np.arange(4).astype("M8[s]")}, {"time": "T", "units": {"time": "s"}},
-         "units: column 'T' is of dates, which have no unit (time)"),
-        ({"T": [*map(datetime.fromisoformat, ("2024-01-01", "2024-01-01T00:00Z"))] * 2}, {"time": "T"},
-         "column 'T': dates: some have a time zone and some have none: all must have one, or none"),
-        ({"T": [datetime(2024, 1, 1), "2024-01-01"] * 2}, {"time": "T"},
-         "column 'T': row 1 = '2024-01-01': must be a date with a time of day, as others are"),
-        ({"T": [None, datetime(2024, 1, 1), 7.0, None]}, {"time": "T"},
-         "column 'T': row 2 = 7.0: must be a date with a time of day, as others are"),
+        ({}, {"radius": "CAL"}),
+        ({"R": ["a", "b", "c", "d"]}, {}),
+        ({"R": [np.nan] * 4}, {}),
+        ({}, {"units": {"R": "in"}}),
+        ({}, {"units": {"radius": "deg"}}),
+        ({"R": [4.0] * 4}, {}),
+        ({"R": [0.1, 0.1, 0.1, 4.0]}, {}),
+        ({"R": [4.0, np.nan, 4.2, -999]}, {"units": {"radius": "in"}}),
+        ({"TF": [0, 1, 2]}, {}),
+        ({"TF": 0.0}, {}),
+        ({"R": [[0.1, np.nan]] * 4}, {}),
+        ({"R": np.arange(4).astype("M8[s]")}, {}),
+        ({"T": np.arange(4).astype("m8[s]")}, {"time": "T"}),
+        ({"T": np.arange(4).astype("M8[s]")}, {"time": "T", "units": {"time": "s"}}),
+        ({"T": [*map(datetime.fromisoformat, ("2024-01-01", "2024-01-01T00:00Z"))] * 2}, {"time": "T"}),
+        ({"T": [datetime(2024, 1, 1), "2024-01-01"] * 2}, {"time": "T"}),
+        ({"T": [None, datetime(2024, 1, 1), 7.0, None]}, {"time": "T"}),
     ],
 )  # fmt: skip
-def test_a_bad_table_is_refused(change, options, text):
-    with pytest.raises(hb.InputError) as error:
+def test_a_bad_table_is_refused(change, options, golden):
+    with golden.raises():
         hb.Caliper.from_table(FRAME | change, **{"depth": "MD", "toolface": "TF", "radius": "R"} | options)
-    assert str(error.value) == text
 
 
 def test_diameters_in_the_place_of_radii_are_refused():
@@ -265,26 +257,24 @@ def test_diameters_of_few_arms_are_those_of_a_file(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("table", "options", "text"),
+    ("table", "options", "place"),
     [
         (pl.LazyFrame(FRAME), {},
-         "table = LazyFrame: must be a data frame or a dict of columns; its collect() is a data frame"),
+         "table"),
         (pa.table(FRAME).to_reader(), {},
-         "table = RecordBatchReader: must be a data frame or a dict of columns; its read_all() is a data frame"),
-        ([{"MD": 1.0}], {}, "table = list: must be a data frame or a dict of columns; "
-         "pandas.DataFrame(records) makes one from a list"),
+         "table"),
+        ([{"MD": 1.0}], {}, "table"),
         (pd.DataFrame(FRAME, index=[4.0, 5.0, 6.0, 7.0]), {"depth": "md_m"},
-         "column 'md_m': is not in the table (depth); reset_index(names='md_m') makes the index a column"),
-        (pd.DataFrame(FRAME), {"depth": "md_m"}, "column 'md_m': is not in the table (depth)"),
-        ("well.csv", {}, "table = str: must be a data frame or a dict of columns"),
-        (None, {}, "table = NoneType: must be a data frame or a dict of columns"),
-        (FRAME, {"depth": None}, "depth = None: must be the name of a column"),
+         "column 'md_m'"),
+        (pd.DataFrame(FRAME), {"depth": "md_m"}, "column 'md_m'"),
+        ("well.csv", {}, "table"),
+        (None, {}, "table"),
+        (FRAME, {"depth": None}, "depth"),
     ],
 )  # fmt: skip
-def test_what_is_no_data_frame_is_refused_with_the_way_out(table, options, text):
-    with pytest.raises(hb.InputError) as error:
+def test_what_is_no_data_frame_is_refused_with_the_way_out(table, options, place, golden):
+    with golden.raises(place):
         hb.Caliper.from_table(table, **{"depth": "MD", "toolface": "TF", "radius": "R"} | options)
-    assert str(error.value) == text
 
 
 def test_a_relation_of_duckdb_is_refused_with_the_way_out():
@@ -294,7 +284,7 @@ def test_a_relation_of_duckdb_is_refused_with_the_way_out():
 
 
 @pytest.mark.parametrize("column", ["cal_x_in", "cal_y_in"])
-def test_an_error_about_a_table_has_its_column_row_and_value(column):
+def test_an_error_about_a_table_has_its_column_row_and_value(column, golden):
     k = np.arange(30.0)
     frame = {"DEPTH": 100 + k, "TOOLFACE": k, "cal_x_in": np.full(30, 8.5), "cal_y_in": np.full(30, 8.6)}
     frame["TOOLFACE"][3] = frame["cal_x_in"][7] = np.nan
@@ -302,14 +292,13 @@ def test_an_error_about_a_table_has_its_column_row_and_value(column):
     with pytest.raises(hb.InputError) as error:
         hb.Caliper.from_table(frame, diameters={"cal_x_in": 0, "cal_y_in": 90}, units={"diameter": "in"})
     assert (error.value.place, error.value.value) == (f"{column}[20]", "-999 in")
-    assert error.value.rule == "must be above 0 and at most 4 m"
+    golden(error.value.rule)
 
 
-def test_an_error_about_a_survey_has_the_rows_and_values_of_its_table():
+def test_an_error_about_a_survey_has_the_rows_and_values_of_its_table(golden):
     frame = {"MD": [0.0, np.nan, 1000, 900], "INC": [0.0, 0, 10, 20], "AZI": [0.0, 0, 0, 0]}
-    with pytest.raises(hb.InputError) as error:
+    with golden.raises():
         hb.Survey.from_table(frame, depth="MD", inclination="INC", azimuth="AZI", units={"depth": "ft"})
-    assert str(error.value) == "MD[3] = 900 ft: must be greater than MD[2] = 1000 ft"
 
 
 def test_rows_with_a_missing_value_count_once():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
+from golden_texts import Golden
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -90,17 +91,17 @@ KNOWN = "m, cm, mm, ft, ftUS, in, 0.1in, deg, rad, s, ms, us, min, h, rpm, c/s, 
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    "text",
     [
-        ("8.5 furlong", f"unit 'furlong': not known; known are {KNOWN}"),
-        ("8.5deg", "unit 'deg': measures angle, must be a unit of length: m, cm, mm, ft, ftUS, in, 0.1in"),
-        ("big", "'big': must be a number with a unit of length, such as 8.5in, 0.216m or 216mm"),
-        ("", "'': must be a number with a unit of length, such as 8.5in, 0.216m or 216mm"),
-        ("12,5in", "'12,5in': must be a number with a unit of length, such as 8.5in, 0.216m or 216mm"),
-        ("nan", "'nan': must be a number with a unit of length, such as 8.5in, 0.216m or 216mm"),
+        "8.5 furlong",
+        "8.5deg",
+        "big",
+        "",
+        "12,5in",
+        "nan",
     ],
 )
-def test_bad_quantity(text: str, message: str) -> None:
+def test_bad_quantity(text: str, golden: Golden) -> None:
     with pytest.raises(ValueError) as caught:  # noqa: PT011 - the whole text is compared
         units.quantity(text, "length")
-    assert str(caught.value) == message
+    golden(str(caught.value))

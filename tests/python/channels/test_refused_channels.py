@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 
 import helibore as hb
 from helibore.channels.log_set import LogFile, LogSet
@@ -118,60 +119,56 @@ def test_readings(columns: dict[str, Any], entries: dict[str, Any], text: str | 
 
 
 @pytest.mark.parametrize(
-    ("columns", "text"),
+    ("columns", "place"),
     [
         ({"INCL__deg": np.full(N, 1.2), "AZIM__deg": np.linspace(0, 6, N)},
-         "f.las, column AZIM: no azimuth is beyond 6 and no inclination beyond 1.2: looks like radians; state the "
-         "units in a map"),
+         "f.las, column AZIM"),
         ({"INCL__deg": np.full(N, 190.0), "AZIM__deg": np.zeros(N)},
-         "f.las, row 0, column INCL: 190 deg: inclination lies within 0 and 180"),
+         "f.las, row 0, column INCL"),
         ({"INCL__deg": np.zeros(N), "AZIM__deg": np.full(N, 400.0)},
-         "f.las, row 0, column AZIM: 400 deg: azimuth lies within -360 and 360"),
+         "f.las, row 0, column AZIM"),
         ({"MD__m": np.r_[np.arange(7), 6.0], "INCL__deg": np.arange(N), "AZIM__deg": np.zeros(N)},
-         "f.las, row 7, column MD: two stations at 6 m with different angles"),
+         "f.las, row 7, column MD"),
         ({"MD__m": np.r_[1.0, np.full(7, np.nan)], "INCL__deg": np.zeros(N), "AZIM__deg": np.zeros(N)},
-         "f.las: survey has 1 station: must have two or more"),
+         "f.las"),
     ],
 )  # fmt: skip
-def test_surveys(columns: dict[str, Any], text: str) -> None:
+def test_surveys(columns: dict[str, Any], place: str, golden: Golden) -> None:
     one = log(**(({} if "MD__m" in columns else {"MD__m": np.arange(N)}) | columns))
-    with pytest.raises(hb.InputError) as caught:
+    with golden.raises(place):
         one.survey()
-    assert str(caught.value) == text
 
 
 @pytest.mark.parametrize(
-    ("depth", "name", "text"),
+    ("depth", "name", "place"),
     [
-        (np.arange(N), "GR", "f.las, column GR: has no sectors; the images are I"),
-        (np.arange(N), "RES", "f.las: no channel 'RES'; it holds MD, GR, I"),
-        (np.full(N, np.nan), "I", "f.las, column MD: has no value"),
+        (np.arange(N), "GR", "f.las, column GR"),
+        (np.arange(N), "RES", "f.las"),
+        (np.full(N, np.nan), "I", "f.las, column MD"),
         (np.r_[np.arange(7), 3.0], "I",
-         "f.las, row 7, column MD: depth 3 m after 6 m: an image's depth must strictly grow or strictly fall"),
+         "f.las, row 7, column MD"),
     ],
 )  # fmt: skip
-def test_images(depth: Any, name: str, text: str) -> None:
+def test_images(depth: Any, name: str, place: str, golden: Golden) -> None:
     one = log(MD__m=depth, GR__gapi=np.ones(N), I__gapi=np.ones((N, 8)))
-    with pytest.raises(hb.InputError) as caught:
+    with golden.raises(place):
         one.image(name)
-    assert str(caught.value) == text
 
 
 @pytest.mark.parametrize(
-    ("text", "rule"),
+    "text",
     [
-        ("[", "m.toml: not TOML: Invalid initial character for a key part (at end of document)"),
-        ("set = 3", "m.toml, line 1: set = 3: must be text"),
-        ("channels = 3", "m.toml, line 1: channels = 3: must be a table"),
-        ("roles = 3", "m.toml, line 1: roles: must be one of set, channels, names"),
-        ('set = "t"', "f.las: no set 't'; it holds 's'"),
+        "[",
+        "set = 3",
+        "channels = 3",
+        "roles = 3",
+        'set = "t"',
     ],
 )
-def test_maps(tmp_path: Path, text: str, rule: str) -> None:
+def test_maps(tmp_path: Path, text: str, golden: Golden) -> None:
     (tmp_path / "m.toml").write_text(text)
-    with pytest.raises(hb.InputError) as caught:
+    with golden.raises():
         read_map(tmp_path / "m.toml", LogFile(Path("f.las"), "LAS", [made({})]))
-    assert str(caught.value) == rule
 
 
 def test_radians_among_many_angles() -> None:
@@ -182,11 +179,10 @@ def test_radians_among_many_angles() -> None:
     assert str(caught.value) == f"f.las, column TF: {rule}"
 
 
-def test_several_sets_and_an_unknown_unit() -> None:
+def test_several_sets_and_an_unknown_unit(golden: Golden) -> None:
     file = LogFile(Path("f.las"), "LAS", [made({}), LogSet(Path("f.las"), "t", [], 0)])
-    with pytest.raises(hb.InputError) as caught:
+    with golden.raises():
         file.readings()
-    assert str(caught.value) == "f.las: holds 2 sets: name one of 's', 't'"
     one = made({})
     roles = guess(one)
     object.__setattr__(roles["radius"], "unit", "furlong")

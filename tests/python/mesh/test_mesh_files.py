@@ -237,9 +237,9 @@ def test_a_unit_of_an_attribute_with_any_name_does_not_stop_an_obj(tmp_path):
     assert b"unit of \\u0394r: m" in (tmp_path / "well.obj").read_bytes()
 
 
-def test_stl_is_refused_where_float32_would_move_the_wall_and_taken_from_an_origin(tmp_path):
+def test_stl_is_refused_where_float32_would_move_the_wall_and_taken_from_an_origin(tmp_path, golden):
     well = surface(UTM)
-    with pytest.raises(ValueError, match=r"STL holds float32, which would move vertices by up to 0\.25 m: .* origin="):
+    with golden.raises():
         well.save(tmp_path / "well.stl")
     assert not list(tmp_path.iterdir())
     origin = (UTM[0], UTM[1], 900.0)
@@ -285,27 +285,23 @@ def test_bad_saves_write_nothing(tmp_path, name, settings, text):
     assert not list(tmp_path.iterdir())
 
 
-def test_a_glb_of_more_bytes_than_its_header_counts_is_refused_before_it_is_made(tmp_path, monkeypatch):
+def test_a_glb_of_more_bytes_than_its_header_counts_is_refused_before_it_is_made(tmp_path, monkeypatch, golden):
     well = surface()
     well.attributes["RT"] = np.ones(len(well.quads))
     well.save(tmp_path / "well.glb")
     size = (tmp_path / "well.glb").stat().st_size
     monkeypatch.setattr("helibore.mesh.glb_file.LARGEST", size - 1)
-    with pytest.raises(
-        ValueError, match=r"well\.glb: 2,983 quads take 0\.0 GB, and a GLB holds at most 0\.0; save \.vtk"
-    ):
+    with golden.raises():
         well.save(tmp_path / "well.glb")
     assert [file.stat().st_size for file in tmp_path.iterdir()] == [size]
     monkeypatch.undo()
     check_size(Path("a.glb"), 48_000_000, 0)
-    with pytest.raises(
-        ValueError, match=r"^a\.glb: 48,900,000 quads take 4\.3 GB, and a GLB holds at most 4\.3; save \.vtkhdf"
-    ):
+    with golden.raises():
         check_size(Path("a.glb"), 48_900_000, 0)
 
 
-def test_a_surface_without_quads_is_not_a_file(tmp_path):
-    with pytest.raises(ValueError, match="the surface has no quads to save"):
+def test_a_surface_without_quads_is_not_a_file(tmp_path, golden):
+    with golden.raises():
         surface(count=10).save(tmp_path / "well.glb")
     assert not list(tmp_path.iterdir())
 

@@ -182,7 +182,7 @@ def test_walls_too_short_for_a_quad_and_empty_ones():
     assert empty.quad_index.shape == (0,)
 
 
-def test_surfaces_and_volumes_of_a_real_wall():
+def test_surfaces_and_volumes_of_a_real_wall(golden):
     random = np.random.default_rng(5)
     depth = np.sort(random.uniform(1000, 1020, 8_000))
     caliper = hb.Caliper(depth, random.uniform(0, 360, 8_000), random.uniform(0.1, 0.12, 8_000))
@@ -202,7 +202,7 @@ def test_surfaces_and_volumes_of_a_real_wall():
     assert wall.volume(shells=[0.1]).vertices.tobytes() == wall.volume(curved(), shells=[0.1]).vertices.tobytes()
     below = wall.volume(None, shells=[0.1])
     assert below.vertices[: len(straight.vertices)].tobytes() == straight.vertices.tobytes()
-    with pytest.raises(ValueError, match=r"^path = 'down': must be a Path, None or 'own'$"):
+    with golden.raises():
         wall.surface("down")
     assert len(hb.Wall(bit_diameter=0.216).volume().hexes) == 0
 
@@ -332,9 +332,9 @@ def test_bad_shells(shells, text):
         volume_of(wall_of([0.125] * 100), shells=shells)
 
 
-def test_volumes_refuse_formats_without_hexahedra(tmp_path):
+def test_volumes_refuse_formats_without_hexahedra(tmp_path, golden):
     volume = volume_of(wall_of([0.1] * 100))
-    with pytest.raises(ValueError, match=r"ending must be one of \.vtu, \.vtkhdf; other formats hold no hexahedra$"):
+    with golden.raises():
         volume.save(tmp_path / "well.glb")
     assert not list(tmp_path.iterdir())
 
@@ -342,7 +342,7 @@ def test_volumes_refuse_formats_without_hexahedra(tmp_path):
 # ------------------------------------------------------------------ attributes
 
 
-def test_attributes_are_one_value_a_cell_or_one_for_each_of_the_whole_wall():
+def test_attributes_are_one_value_a_cell_or_one_for_each_of_the_whole_wall(golden):
     radius = rugged(100)
     radius[40] = np.nan
     surface = surface_of(wall_of(radius))
@@ -352,11 +352,9 @@ def test_attributes_are_one_value_a_cell_or_one_for_each_of_the_whole_wall():
     assert surface.attributes["GR"].dtype == np.float64
     assert surface.attributes["whole"].tolist() == surface.quad_index.tolist()
     assert list(surface.attributes) == ["GR", "whole"]
-    with pytest.raises(
-        ValueError, match=r"^attributes\['bad'\] has 80 values: must be 79, one for each quad, or 83, one for each quad"
-    ):
+    with golden.raises():
         surface.attributes["bad"] = np.zeros(80)
-    with pytest.raises(ValueError, match=r"^attributes\['bad'\]: must be one-dimensional"):
+    with golden.raises():
         surface.attributes["bad"] = np.zeros((79, 1))
     assert "bad" not in surface.attributes
     values = np.zeros(79)
@@ -371,13 +369,13 @@ def test_attributes_are_one_value_a_cell_or_one_for_each_of_the_whole_wall():
     assert mesh.face_attributes["whole"][:4].tolist() == [0, 0, 1, 1]
 
 
-def test_attributes_of_a_volume():
+def test_attributes_of_a_volume(golden):
     radius = rugged(100)
     radius[40] = np.nan
     volume = volume_of(wall_of(radius))
     volume.attributes["RT"] = np.arange(2 * 83)
     assert volume.attributes["RT"].tolist() == (volume.hex_index + 83 * volume.hex_layer).tolist()
-    with pytest.raises(ValueError, match=r"must be 158, one for each hexahedron, or 166, one for each hexahedron that"):
+    with golden.raises():
         volume.attributes["RT"] = np.zeros(83)
 
 
@@ -433,26 +431,25 @@ def test_bad_walls(wall, text):
         surface_of(wall)
 
 
-def test_what_is_no_path_and_no_image_is_refused_where_it_is_given():
+def test_what_is_no_path_and_no_image_is_refused_where_it_is_given(golden):
     k = np.arange(400.0)
     wall = hb.reconstruct(hb.Caliper(2000 + k / 1000, k * 37, np.full(400, 0.11)), bit_diameter=0.216, sectors=16)
     survey = hb.Survey([0, 3000], [0, 1], [0, 1])
-    rule = r"^path: must be a Path or None, not Survey: survey\.path\(\) makes one$"
     for act in (wall.surface, wall.volume, lambda path: setattr(wall, "path", path)):
-        with pytest.raises(ValueError, match=rule):
+        with golden.raises():
             act(survey)
-    with pytest.raises(ValueError, match=r"^path: must be a Path or None, not tuple$"):
+    with golden.raises():
         surface_of(wall, (1, 2))
     assert wall.path is None
-    with pytest.raises(ValueError, match=r"^images\['GR'\]: must be a SectorImage, .*, not ndarray$"):
+    with golden.raises():
         wall.images["GR"] = np.zeros((4, 8))
     assert not wall.images
     wall.path = survey.path()
     assert np.isfinite(wall.surface().vertices).all()
 
 
-def test_an_origin_that_json_cannot_hold_is_refused():
+def test_an_origin_that_json_cannot_hold_is_refused(golden):
     wall = hb.reconstruct(hb.Caliper.gauge(10, 11, 0.216), bit_diameter=0.216, sectors=16)
     wall.made_from = {"files": {"a.las"}}
-    with pytest.raises(hb.InputError, match=r"^made_from: must be what JSON can hold: .*set"):
+    with golden.raises():
         wall.surface()

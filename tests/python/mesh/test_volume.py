@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -108,14 +109,12 @@ def test_volumes_do_not_depend_on_threads(threads: int) -> None:
     assert volume.hex_volume(threads).tobytes() == volume.hex_volume(1).tobytes()
 
 
-def test_a_shell_that_the_path_folds_is_refused_with_its_place() -> None:
+def test_a_shell_that_the_path_folds_is_refused_with_its_place(golden: Golden) -> None:
     """90 degrees within 1.5 m: a bend of 0.95 m radius, which a shell of 2 m reaches across."""
     path = hb.Survey([999, 1001, 1002.5, 1010], [5, 5, 85, 85], [40, 40, 40, 40]).path()
     wall = wall_of(np.full(1200, 0.108), 16, 0.1)
     assert (volume_of(wall, path, [0.5]).hex_volume() > 0).all()
-    with pytest.raises(
-        ValueError, match=r"^shells\[1\] at vertex \d+, depth 100[012]\.\d+: folds over itself; the pat"
-    ):
+    with golden.raises():
         volume_of(wall, path, [0.5, 2.0])
     at = re.search(
         r"vertex (\d+), depth ([\d.]+)", str(_refused(lambda: volume_of(wall, path, [0.5, 2.0], start=1000.5)))
@@ -131,18 +130,18 @@ def _refused(make: Any) -> ValueError:
     return raised.value
 
 
-def test_crossing_shells_are_refused_with_vertex_and_depth_of_the_whole_wall() -> None:
+def test_crossing_shells_are_refused_with_vertex_and_depth_of_the_whole_wall(golden: Golden) -> None:
     radius = np.full(400, 0.125)
     second = np.full(400, 0.25)
     second[300] = 0.0625
     text = str(_refused(lambda: volume_of(wall_of(radius), None, [0.0625, wall_of(second)], start=1001.0)))
-    assert text == "shells[1][300] = 0.0625 at depth 1001.875: must lie beyond shells[0][300] = 0.1875"
+    golden(text)
 
 
 # ------------------------------------------------------------------ an attribute a shell
 
 
-def test_each_layer_has_values_of_its_own() -> None:
+def test_each_layer_has_values_of_its_own(golden: Golden) -> None:
     wall = hb.reconstruct(hb.Caliper.gauge(1000, 1003, 0.216), bit_diameter=0.216, sectors=16)
     room = len(wall) - 17
     shallow = np.arange(room, dtype=float)
@@ -157,7 +156,7 @@ def test_each_layer_has_values_of_its_own() -> None:
     assert volume.attributes.units["RT"] == "ohm.m"
     assert volume.layers == 3
     assert np.array_equal(volume.radius[volume.vertex_shell == 2], np.full(sum(volume.vertex_shell == 2), 0.108 + 0.3))
-    with pytest.raises(ValueError, match=r"^RT has values for 2 layers: must be 3$"):
+    with golden.raises():
         volume.hang("RT", [1.0, 2.0])
-    with pytest.raises(ValueError, match=r"^RT\[1\] has 3 values, the whole wall's quads has \d+: must be equal$"):
+    with golden.raises():
         volume.hang("RT", [1.0, [1, 2, 3], 2.0])

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 
 import helibore as hb
 
@@ -68,7 +69,7 @@ def require_same(mesh: Any, made: hb.Surface) -> None:
 
 
 @pytest.mark.parametrize("ending", ENDINGS)
-def test_pyvista_reads_every_place_quad_value_and_note(tmp_path: Path, ending: str) -> None:
+def test_pyvista_reads_every_place_quad_value_and_note(tmp_path: Path, ending: str, golden: Golden) -> None:
     made = surface()
     assert len(made.quads) < len(wall()) - 17  # there is a gap
     made.save(tmp_path / f"a{ending}", color_by="RT")
@@ -76,7 +77,7 @@ def test_pyvista_reads_every_place_quad_value_and_note(tmp_path: Path, ending: s
     require_same(mesh, made)
     notes = {name: str(mesh.field_data[name][0]) for name in mesh.field_data}
     assert notes["axes"] == "x east, y north, z up"
-    assert notes["basis"] == "radius measured by an azimuthal caliper"
+    golden(notes["basis"])
     assert notes["helix"] == "16 sectors, pitch 0.1 m, from 1000.0 m, toolface 0.0 deg"
     assert notes["toolface 0"] == "high-side"
     assert notes["path"].startswith("minimum-curvature through 4 stations from 950.0 to 1030.0 m, extended by 0.0 m")
@@ -126,36 +127,33 @@ def test_parts_added_one_by_one_are_the_whole_wall(tmp_path: Path) -> None:
     assert np.concatenate([mesh.cell_data["RT"] for mesh in blocks]).tobytes() == whole.attributes["RT"].tobytes()
 
 
-def test_parts_that_do_not_belong_are_refused_and_the_file_kept(tmp_path: Path) -> None:
+def test_parts_that_do_not_belong_are_refused_and_the_file_kept(tmp_path: Path, golden: Golden) -> None:
     path = tmp_path / "a.vtkhdf"
     first = surface(stop=1001)
     first.append_to(path)
     before = path.read_bytes()
     bare = wall().surface(start=1001)
-    with pytest.raises(
-        ValueError, match=r"every part .* the same attributes; these are not in every part: GR <1>, RT$"
-    ):
+    with golden.raises():
         bare.append_to(path)
-    with pytest.raises(ValueError, match=r"a\.vtkhdf: holds cells of VTK type 9, the part has type 12$"):
+    with golden.raises():
         wall().volume(start=1001).append_to(path)
-    with pytest.raises(ValueError, match=r"a\.vtkhdf: only \.vtkhdf|only \.vtkhdf files take further parts"):
+    with golden.raises():
         first.append_to(tmp_path / "a.vtu")
     moved = surface(start=1001)
     moved.metadata["toolface 0"] = "north"
-    with pytest.raises(ValueError, match=r"was written with toolface 0 = high-side, the part has north$"):
+    with golden.raises():
         moved.append_to(path)
     assert path.read_bytes() == before
     (tmp_path / "b.vtkhdf").write_bytes(b"no HDF5 at all")
-    with pytest.raises(ValueError, match=r"b\.vtkhdf: not an HDF5 file, or a damaged one$"):
+    with golden.raises():
         first.append_to(tmp_path / "b.vtkhdf")
     h5py = pytest.importorskip("h5py")
     h5py.File(tmp_path / "c.vtkhdf", "w").close()
-    with pytest.raises(ValueError, match=r"c\.vtkhdf: an HDF5 file, but not VTKHDF$"):
+    with golden.raises():
         first.append_to(tmp_path / "c.vtkhdf")
     with h5py.File(tmp_path / "c.vtkhdf", "w") as other:
         other.create_group("VTKHDF/PointData").parent.attrs["Type"] = np.bytes_("ImageData")
-    text = r"c\.vtkhdf: not a file that helibore wrote: it has no CellData, Connectivity, FieldData, NumberOfCells, "
-    with pytest.raises(hb.InputError, match=text):
+    with golden.raises():
         first.append_to(tmp_path / "c.vtkhdf")
     assert sorted(each.name for each in tmp_path.iterdir()) == ["a.vtkhdf", "b.vtkhdf", "c.vtkhdf"]
 
@@ -205,22 +203,20 @@ def test_a_folder_that_is_not_there_is_named(tmp_path: Path, ending: str) -> Non
         surface().save(tmp_path / "nowhere" / f"a{ending}")
 
 
-def test_bad_saves_write_nothing(tmp_path: Path) -> None:
+def test_bad_saves_write_nothing(tmp_path: Path, golden: Golden) -> None:
     made = surface()
-    with pytest.raises(ValueError, match=r"color_by = 'SP': must be one of radius, GR <1>, RT$"):
+    with golden.raises():
         made.save(tmp_path / "a.vtu", color_by="SP")
-    with pytest.raises(ValueError, match=r"origin = \(0, nan, 0\): must be three finite numbers"):
+    with golden.raises():
         made.save(tmp_path / "a.vtp", origin=(0, np.nan, 0))
     made.attributes["GR/1"] = made.attributes["RT"]
-    with pytest.raises(
-        ValueError, match=r"attributes\['GR/1'\]: a name in a VTKHDF file must not be '\.' or contain '/'"
-    ):
+    with golden.raises():
         made.save(tmp_path / "a.vtkhdf")
     del made.attributes["GR/1"]
     made.metadata["km/h"] = "100"
-    with pytest.raises(ValueError, match=r"metadata\['km/h'\]: a name in a VTKHDF file must not be"):
+    with golden.raises():
         made.save(tmp_path / "a.vtkhdf")
-    with pytest.raises(ValueError, match="the volume has no hexahedra to save"):
+    with golden.raises():
         hb.Wall(bit_diameter=0.2, sectors=16).volume().save(tmp_path / "a.vtu")
     assert not list(tmp_path.iterdir())
 
@@ -257,11 +253,13 @@ def test_a_file_name_that_is_not_utf_8_does_not_stop_a_save(tmp_path: Path, endi
 
 
 @pytest.mark.parametrize(("first", "second"), [((0.0, 0.0, 0.0), UTM), (UTM, (0.0, 0.0, 0.0))])
-def test_a_part_with_another_origin_is_refused_also_if_one_has_none(tmp_path: Path, first: Any, second: Any) -> None:
+def test_a_part_with_another_origin_is_refused_also_if_one_has_none(
+    tmp_path: Path, first: Any, second: Any, golden: Golden
+) -> None:
     path = tmp_path / "a.vtkhdf"
     surface(stop=1001).append_to(path, origin=first)
     before = path.read_bytes()
-    with pytest.raises(hb.InputError, match=r"a\.vtkhdf: was written with origin = (none|north .*), the part has "):
+    with golden.raises():
         surface(start=1001).append_to(path, origin=second)
     assert path.read_bytes() == before
 
