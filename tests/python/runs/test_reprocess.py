@@ -25,6 +25,7 @@ import pyarrow
 import pytest
 from click.testing import CliRunner
 from fsspec.exceptions import FSTimeoutError
+from golden_texts import Golden
 from hypothesis import given
 from hypothesis import strategies as st
 from patience import PATIENCE
@@ -171,20 +172,20 @@ def test_an_error_of_the_manifest_names_well_key_and_rule(field: Path, before: s
 
 
 @pytest.mark.parametrize(
-    ("text", "error"),
+    "text",
     [
-        ('well = "A"', "m.toml: well = 'A': must be tables, [[well]]"),
-        ('well = ["A"]', "m.toml: well 1 = 'A': must be a table"),
-        ('defaults = 3\n[[well]]\nname = "A"', "m.toml: defaults = 3: must be a table"),
-        ("[[well]]\nheader = 3", "m.toml: well 1: name: must be a text: the name of the well"),
-        ('[defaults]\nwall = 3\n[[well]]\nname = "A"\nwall = {}', "m.toml: well 1: defaults.wall = 3: must be a table"),
+        'well = "A"',
+        'well = ["A"]',
+        'defaults = 3\n[[well]]\nname = "A"',
+        "[[well]]\nheader = 3",
+        '[defaults]\nwall = 3\n[[well]]\nname = "A"\nwall = {}',
     ],
 )
-def test_a_manifest_of_other_types_is_refused(tmp_path: Path, text: str, error: str) -> None:
+def test_a_manifest_of_other_types_is_refused(tmp_path: Path, text: str, golden: Golden) -> None:
     (tmp_path / "m.toml").write_text(f'output = "out"\n{text}\n')
     with pytest.raises(hb.InputError) as caught:
         read_jobs(tmp_path / "m.toml")
-    assert re.sub(r", line \d+:", ":", str(caught.value)) == error
+    golden(re.sub(r", line \d+:", ":", str(caught.value)))
 
 
 def test_an_error_of_the_manifest_names_the_line_of_the_well_or_of_the_defaults(field: Path) -> None:
@@ -292,12 +293,14 @@ def test_sigma_that_a_well_asks_for_is_in_its_logs_and_row(field: Path, tmp_path
     assert plain["catalogue"]["diameter_sigma"] is None
 
 
-def test_a_store_with_errors_of_its_own_is_refused_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_store_with_errors_of_its_own_is_refused_in_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, golden: Golden
+) -> None:
     def unreachable(*_: Any) -> None:
         raise RuntimeError("could not connect to the endpoint")
 
     monkeypatch.setattr(Store, "write_json", unreachable)
-    with pytest.raises(hb.InputError, match=r"out: cannot be written: could not connect to the endpoint$"):
+    with golden.raises():
         Store(str(tmp_path / "out")).check_writable()
 
 
@@ -327,14 +330,14 @@ def test_a_well_whose_input_fails_leaves_nothing(field: Path, tmp_path: Path) ->
     assert content(tmp_path / "out") == {}
 
 
-def test_a_survey_that_ends_above_the_well_leaves_nothing(field: Path, tmp_path: Path) -> None:
+def test_a_survey_that_ends_above_the_well_leaves_nothing(field: Path, tmp_path: Path, golden: Golden) -> None:
     (field / "short.csv").write_text("md_m,incl_deg,azim_deg\n900,5,40\n950,7,50\n")
     text = MANIFEST.replace('"s.csv"', '"short.csv"')
     job = read_jobs(manifest(field, text, "g.toml"), str(tmp_path))[0]
     job.tree["preparation"] = dict(BY_ROW)
     for outputs in (job.outputs, ("archive",)):
         for most in (job.block_samples, 1000):
-            with pytest.raises(hb.InputError, match=r"^short.csv: .*must not lie below the last station of the survey"):
+            with golden.raises():
                 reprocess_well(replace(job, outputs=outputs, block_samples=most))
             assert not [name for name in content(tmp_path) if not name.startswith("work/")]
     assert reprocess_well(replace(job, outputs=("logs",)))["made"]  # as helibore logs
@@ -449,24 +452,25 @@ def test_a_well_of_few_samples_and_many_vertices_is_made_in_blocks_whatever_its_
 
 
 @pytest.mark.parametrize("most", [9_000, 5_000, 1_000_000])
-def test_a_wall_asked_for_where_no_sample_lies_is_refused_however_it_is_made(tmp_path: Path, most: int) -> None:
+def test_a_wall_asked_for_where_no_sample_lies_is_refused_however_it_is_made(
+    tmp_path: Path, most: int, golden: Golden
+) -> None:
     of = simulate(Hole.example(1000.0, 1012.0, seed=5), Tool(), samples=9000, seed=5)
     columns = {"depth_m": of.depth, "toolface_deg": of.toolface, "radius_m": of.radius}
     parquet.write_table(pyarrow.table(columns), file := tmp_path / "a.parquet")
     wall = {"bit_diameter": 0.2159, "sectors": 16, "pitch": 0.01, "start_depth": 900.0, "stop_depth": 920.0}
     tree = {"caliper": [{"file": str(file)}], "wall": wall, "preparation": BY_ROW}
-    with pytest.raises(hb.InputError, match=r"no samples between 900 and 920 m; the file has 1\d\d\d"):
+    with golden.raises():
         reprocess_well(Job("A", tree, str(tmp_path / "out"), block_samples=most))
     assert content(tmp_path / "out") == {}
 
 
-def test_a_tool_of_few_arms_with_too_many_vertices_for_one_piece_is_refused(tmp_path: Path) -> None:
+def test_a_tool_of_few_arms_with_too_many_vertices_for_one_piece_is_refused(tmp_path: Path, golden: Golden) -> None:
     (tmp_path / "a.csv").write_text("md_m,rb_deg,cal_x_in,cal_y_in\n10,0,8.5,8.6\n14,0,8.5,8.6\n")
     tree = {"caliper": [{"file": str(tmp_path / "a.csv")}], "wall": {"bit_diameter": 0.2159, "pitch": 0.01}}
     with pytest.raises(hb.InputError) as caught:
         reprocess_well(Job("A", tree, str(tmp_path / "out"), block_samples=1000))
-    assert "a tool of two to seven arms needs the whole well, but a well of" in str(caught.value)
-    assert "raise block_samples or the pitch" in str(caught.value)
+    golden(str(caught.value))
 
 
 def test_a_well_with_too_many_turns_to_be_merged_is_refused(tmp_path: Path) -> None:
@@ -584,7 +588,7 @@ def test_all_wells_on_dask(field: Path, tmp_path: Path, client: Any) -> None:
 
 
 @pytest.mark.filterwarnings("ignore")
-def test_the_command(field: Path, tmp_path: Path, client: Any) -> None:
+def test_the_command(field: Path, tmp_path: Path, client: Any, golden: Golden) -> None:
     where = ["-o", str(tmp_path), "--scheduler", client.scheduler.address]
     good, bad = manifest(field), MANIFEST + '[[well]]\nname = "C"\ncaliper = "bad.parquet"\n'
     result = CliRunner().invoke(cli, ["reprocess", str(good), *where])
@@ -595,9 +599,7 @@ def test_the_command(field: Path, tmp_path: Path, client: Any) -> None:
     assert (result.exit_code, result.stdout) == (3, "")
     assert result.stderr.startswith("C: bad.parquet: ")
     result = CliRunner().invoke(cli, ["reprocess", "status", str(field / "b.toml"), "-o", str(tmp_path)])
-    assert (result.exit_code, result.stdout.splitlines()[0]) == (
-        3, "2 of 3 wells are done, 1 failed, 0 out of date, 0 not made"
-    )  # fmt: skip
+    golden((result.exit_code, result.stdout.splitlines()[0]))
 
 
 def ports_of(*processes: int) -> set[int]:
@@ -858,7 +860,7 @@ def test_a_full_disk_leaves_nothing_half_written(field: Path, tmp_path: Path, cl
 
 @pytest.mark.filterwarnings("ignore")
 def test_failures_are_told_where_the_catalogue_cannot_be_written(
-    field: Path, tmp_path: Path, client: Any, monkeypatch: pytest.MonkeyPatch
+    field: Path, tmp_path: Path, client: Any, monkeypatch: pytest.MonkeyPatch, golden: Golden
 ) -> None:
     def full(*_: Any) -> None:
         raise OSError(28, "No space left on device")
@@ -870,7 +872,7 @@ def test_failures_are_told_where_the_catalogue_cannot_be_written(
     assert (result.exit_code, result.stdout) == (3, "")
     lines = result.stderr.splitlines()
     assert lines[0].startswith("B: bad.parquet: ")
-    assert lines[1] == "catalogue.parquet: cannot be written: [Errno 28] No space left on device"
+    golden(lines[1])
 
 
 @pytest.mark.filterwarnings("ignore")
@@ -935,7 +937,7 @@ def test_a_cluster_is_started_again_where_a_worker_dies_at_its_start() -> None:
         _start_cluster(start)
 
 
-def test_time_left_follows_from_the_wells_made() -> None:
+def test_time_left_follows_from_the_wells_made(golden: Golden) -> None:
     progress = Progress(10, done=["a", "b"], skipped=["c"], failed={"d": "reason"}, seconds=6.0)
     assert (progress.finished, progress.seconds_left) == (4, 12.0)
-    assert progress.sentence() == "2 made, 1 there already, 1 failed, of 10 wells in 6.0 s"
+    golden(progress.sentence())
