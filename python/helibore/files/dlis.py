@@ -155,7 +155,8 @@ def _count(source: InputFile, frame: Any, row_size: int) -> int:
 
     places = frame.logicalfile.fdata_index.get(frame.fingerprint, [])
     layout = frame.fmtstr()
-    if not has_texts(layout) and 2 * len(places) * row_size >= min(source.path.stat().st_size, WALKED):
+    texts, few = has_texts(layout), 2 * len(places) * row_size < min(source.path.stat().st_size, WALKED)
+    if not texts and (source.options.salvage or not few):
         return len(places)
     damage = Actions.SWALLOW if source.options.salvage else Actions.RAISE
     records = extract(frame.logicalfile.file, places, ErrorHandler(critical=damage))
