@@ -36,7 +36,6 @@ if TYPE_CHECKING:  # the same names as below
     from helibore.logs.cement_sheet import CementSheet as CementSheet
     from helibore.logs.passage import Drift as Drift
     from helibore.logs.passage import Passage as Passage
-    from helibore.logs.passage import RigidBody as RigidBody
     from helibore.logs.passage import TightSpot as TightSpot
     from helibore.logs.picks import Pick as Pick
     from helibore.logs.picks import Picks as Picks
@@ -57,6 +56,7 @@ if TYPE_CHECKING:  # the same names as below
     from helibore.runs.reprocess import reprocess as reprocess
     from helibore.samples.caliper import Caliper as Caliper
     from helibore.settings.cement_settings import CementJob as CementJob
+    from helibore.settings.output_settings import RigidBody as RigidBody
     from helibore.settings.preparation_settings import Preparation as Preparation
     from helibore.settings.wall_settings import Settings as Settings
     from helibore.settings.zone_settings import Criteria as Criteria
@@ -90,7 +90,7 @@ _load, _, __all__ = lazy_loader.attach(
         "live.model.update": ["Update"],
         "logs.annulus": ["Annulus"],
         "logs.cement_sheet": ["CementSection", "CementSheet"],
-        "logs.passage": ["Drift", "Passage", "RigidBody", "TightSpot"],
+        "logs.passage": ["Drift", "Passage", "TightSpot"],
         "logs.picks": ["Pick", "Picks"],
         "logs.stress": ["HorizontalStress", "horizontal_stress", "stress_of_picks", "stress_of_zones"],
         "logs.summary": ["WallSummary"],
@@ -104,6 +104,7 @@ _load, _, __all__ = lazy_loader.attach(
         "runs.reprocess": ["reprocess"],
         "samples.caliper": ["Caliper"],
         "settings.cement_settings": ["CementJob"],
+        "settings.output_settings": ["RigidBody"],
         "settings.preparation_settings": ["Preparation"],
         "settings.wall_settings": ["Settings"],
         "settings.zone_settings": ["Criteria", "ImageCriteria"],

@@ -16,11 +16,10 @@ from helibore.cli.declared_options import options_of, stated
 from helibore.cli.lines import BARREL
 from helibore.cli.logs_command import NAMED
 from helibore.cli.outputs import OUTPUT, QUIET, check_file, own_options, save_lines
-from helibore.cli.quantities import LENGTH
-from helibore.cli.sections import Sectioned, opt, section
+from helibore.cli.sections import Sectioned, section
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_options import SHOWN, open_run, takes_a_wall
-from helibore.settings.cement_settings import CementJob
+from helibore.settings.cement_settings import CementJob, CementTable
 from helibore.settings.declared import members
 
 if TYPE_CHECKING:
@@ -32,9 +31,7 @@ if TYPE_CHECKING:
 @section("Options", OUTPUT("Sheet to write (.csv)."), QUIET)
 @section(
     "Cement",
-    *options_of(CementJob),
-    opt("--sigma", "Also compute the uncertainty, by leaving samples out.", is_flag=True),
-    opt("--caliper-accuracy", "Standard uncertainty that all radii share.", type=LENGTH, default="0m"),
+    *options_of(CementTable),
     NAMED[0],
 )
 @takes_a_wall

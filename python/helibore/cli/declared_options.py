@@ -7,6 +7,7 @@ settings_of(Settings, options)              the `Settings` that the values of th
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
 from typing import Any, Literal, TypeVar
 
 import click
@@ -20,7 +21,7 @@ from helibore.settings.toml_reading import parse_setting
 
 Made = TypeVar("Made")
 METAVARS: dict[Any, str] = {units.LENGTH: "LENGTH", units.ANGLE: "ANGLE", units.TIME: "TIME"}
-TYPES: dict[Any, str] = {int: "INTEGER", float: "NUMBER", str: "TEXT", tuple: "LIST"}
+TYPES: dict[Any, str] = {int: "INTEGER", float: "NUMBER", str: "TEXT", tuple: "LIST", Path: "FILE"}
 
 
 class SettingType(Parameter[Any]):
@@ -56,7 +57,10 @@ def option_of(member: Member) -> tuple[str, dict[str, Any]]:
     """Return the option of a setting; its value is None if it is not given, so that other sources may have it."""
     option = member.option
     name, negated = member.name.replace("_", "-"), member.kind is bool and member.default is True
-    usual = f"  [{'' if option and option.usual else 'default: '}{member.default_text}]" if member.default_text else ""
+    several = {"multiple": True} if member.kind is tuple and member.parts[-1] is Ellipsis else {}
+    usual = f"{'' if option and option.usual else 'default: '}{member.default_text}" if member.default_text else ""
+    facts = "; ".join(fact for fact in (usual, "repeatable" if several else "") if fact)
+    text = member.summary + (f"  [{facts}]" if facts else "")
     if member.kind is bool:
         flag: dict[str, Any] = {"is_flag": True, "flag_value": not member.default, "default": None}
         return f"--{'no-' if negated else ''}{name} {member.name}", {"help": member.summary, **flag}
@@ -67,8 +71,7 @@ def option_of(member: Member) -> tuple[str, dict[str, Any]]:
         if member.unit
         else TYPES[member.kind]
     )
-    several = {"multiple": True} if member.kind is tuple and member.parts[-1] is Ellipsis else {}
-    return f"--{name}", {"help": member.summary + usual, "type": SettingType(member), "metavar": metavar, **several}
+    return f"--{name}", {"help": text, "type": SettingType(member), "metavar": metavar, **several}
 
 
 def stated(kind: type[Any], options: Mapping[str, Any]) -> dict[str, Any]:

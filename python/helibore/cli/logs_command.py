@@ -15,13 +15,16 @@ import click
 
 from helibore.base.decimals import DECIMALS
 from helibore.base.errors import InputError
+from helibore.cli.declared_options import options_of
 from helibore.cli.lines import annulus_lines, breakout_line, row_line, sigma_lines, summary_lines, zone_lines
 from helibore.cli.outputs import OUTPUT, QUIET, check_folder, own_options, save_lines
-from helibore.cli.quantities import BODY_LENGTH, FILE, LENGTH, across_and_along, facts_in, split_pair
+from helibore.cli.quantities import FILE, across_and_along, facts_in, split_pair
 from helibore.cli.sections import Sectioned, opt, opts, section
 from helibore.cli.terminal import Terminal
-from helibore.cli.wall_options import HEADER, SHOWN, header_of, open_run, refuse_interval, takes_a_wall
-from helibore.cli.zone_options import CRITERIA, criteria_of
+from helibore.cli.wall_options import SHOWN, header_of, open_run, refuse_interval, takes_a_wall
+from helibore.cli.zone_options import CRITERIA, HEADER, IMAGE_CRITERIA, criteria_of
+from helibore.settings.output_settings import LogSettings
+from helibore.settings.zone_settings import ImageCriteria
 
 if TYPE_CHECKING:
     from helibore.base.tables import LogColumn, LogImage, LogTable
@@ -36,13 +39,7 @@ ALONG = ("DEPT", "TOP", "BOTTOM", "LENGTH", "NEAREST", "TVD", "PEAK")
 NAMED = (
     opt("--well", "Name of the well, for the files.  [as the source states it, else the name of its file]"),
     HEADER,
-    opt(
-        "--unit",
-        "Unit of diameters, radii and other sizes across the hole, also of the criteria; depths stay in metres. "
-        "ft: inches, and feet for depths. Volumes stay in m3.",
-        type=click.Choice(["m", "mm", "in", "ft"]),
-        default="m",
-    ),
+    *options_of(LogSettings, "unit"),
 )
 """Options of every table of a wall: the names of the well, and the unit."""
 
@@ -50,38 +47,12 @@ NAMED = (
 @click.command(
     "logs",
     cls=Sectioned,
-    common=(*SHOWN, "step", "sigma", "by_sector", "casings", "drifts", "well", "headers", "unit", "zones", "breakouts"),
+    common=(*SHOWN, "step", "sigma", "by_sector", "casing", "drift", "well", "header", "unit", "zones", "breakouts"),
 )
 @section("Options", OUTPUT("Logs to write: .las, .csv, .parquet or .dlis."), QUIET)
 @section(
     "Logs",
-    opt("--step", "One row for each step of depth.  [one row for each turn]", type=LENGTH),
-    opt(
-        "--rugosity-window",
-        "Length of hole for rugosity, made an odd number of turns: 1 m at a pitch of 0.1 m is 9 turns.",
-        type=LENGTH,
-        default="1m",
-    ),
-    opt("--sigma", "Also write the uncertainty of diameters and volumes: DEQ_SIGMA, VOL_SIGMA.", is_flag=True),
-    opt(
-        "--caliper-accuracy",
-        "Standard uncertainty that all radii share: the tool's calibration, the velocity in the mud.",
-        type=LENGTH,
-        default="0m",
-    ),
-    opt(
-        "--by-sector",
-        "Also write radius, images and, with --sigma, uncertainty by turn and sector: arrays in DLIS, "
-        "columns NAME[1] ... in the others.",
-        is_flag=True,
-    ),
-    opts("--casing casings", "Outer diameter of a casing, for its annulus and clearance.", type=LENGTH),
-    opts(
-        "--drift drifts",
-        "Length of a rigid cylinder, or api-casing, api-large-casing or api-tubing, for its greatest diameter: 9m "
-        "gives DRIFT_9M.",
-        type=BODY_LENGTH,
-    ),
+    *options_of(LogSettings, "step", "rugosity_window", "sigma", "caliper_accuracy", "by_sector", "casing", "drift"),
     *NAMED,
 )
 @section(
@@ -89,6 +60,7 @@ NAMED = (
     opt("--zones", "Table of washouts, breakouts, key seats and undergauge hole to write; endings as for --output.",
         type=FILE),
     *CRITERIA,
+    IMAGE_CRITERIA,
     opts("--breakouts", "Table to write of the breakouts (dark, opposite sectors) of an image.", metavar="IMAGE=FILE"),
 )  # fmt: skip
 @takes_a_wall
@@ -130,15 +102,15 @@ def logs(**options: Any) -> None:
         raise InputError(f"image {unknown[0]!r}", f"the wall has no image of this name; it has {there}")
     with terminal.stage("measure", "Measuring"):
         measured = _measured(wall, options, run.reference)
-        annuli = [measured.rows.annulus(size) for size in options["casings"]]
-        dark = [wall.images[name].breakouts() for name in images]
+        annuli = [measured.rows.annulus(size) for size in options["casing"]]
+        dark = [wall.images[name].breakouts(ImageCriteria(**options["image_criteria"])) for name in images]
         images_by_turn = _by_sector(wall, options) if options["by_sector"] else []
         summary = summarize(wall._state(), options["start_depth"], options["stop_depth"], zones=measured.zones)
     columns = [*measured.columns, *(column for each in annuli for column in each.columns())]
     if annuli:
         text, rows = "Volume of the hole from the deepest row up to this one", measured.rows
         columns.append(LogColumn("IHV", "m3", text, rows.integrated_volume))
-    columns += [wall.drift(length).column(measured.rows) for length in options["drifts"]]
+    columns += [wall.drift(length).column(measured.rows) for length in options["drift"]]
     columns += image_means(measured.rows, wall.images)
     facts = measured.zones.criteria.facts() if measured.zones else {}
     prepared = enumerate(preparation_lines(wall), 1)
@@ -160,7 +132,7 @@ def logs(**options: Any) -> None:
         row_line(measured.rows),
         *sigma_lines(measured.rows),
         *summary_lines(summary),
-        *annulus_lines(measured.turns.annulus(size) for size in options["casings"]),
+        *annulus_lines(measured.turns.annulus(size) for size in options["casing"]),
         *(zone_lines(measured.zones, summary, options["unit"]) if measured.zones else []),
         *(breakout_line(each) for each in dark),
         *saved,
@@ -168,7 +140,7 @@ def logs(**options: Any) -> None:
     ])  # fmt: skip
 
 
-@click.command(cls=Sectioned, common=(*SHOWN, "well", "headers", "unit", "scaled"))
+@click.command(cls=Sectioned, common=(*SHOWN, "well", "header", "unit", "scaled"))
 @section("Options", OUTPUT("Table to write: .las, .csv, .parquet or .dlis."), QUIET)
 @section("Logs", *NAMED)
 @section("Zones", *CRITERIA)

@@ -12,12 +12,10 @@ import click
 
 from helibore.base.errors import InputError, require_library
 from helibore.base.file_endings import ARCHIVE_ENDING, SURFACE_ENDINGS, VOLUME_ENDINGS
+from helibore.cli.declared_options import options_of
 from helibore.cli.outputs import (
-    MEASURED,
-    NEAREST,
     OUTPUT,
     QUIET,
-    SIGMA,
     add_measured,
     add_nearest,
     add_sigma,
@@ -25,10 +23,11 @@ from helibore.cli.outputs import (
     own_options,
     save_lines,
 )
-from helibore.cli.quantities import FILE, LENGTH
-from helibore.cli.sections import Sectioned, opt, opts, section
+from helibore.cli.quantities import FILE
+from helibore.cli.sections import Sectioned, opt, section
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_options import MADE, SHOWN, open_run, takes_a_wall
+from helibore.settings.output_settings import MeshSettings
 
 if TYPE_CHECKING:
     from helibore.runs.run import Run
@@ -45,13 +44,7 @@ WRITTEN = section(
 )  # fmt: skip
 takes_a_mesh = section(
     "Mesh",
-    opts("--shell shells", f"Write a volume of hexahedra this thick around the wall ({', '.join(VOLUME_ENDINGS)}).",
-         type=LENGTH),
-    SIGMA,
-    NEAREST,
-    MEASURED,
-    opt("--color-by", "Attribute that colours a GLB, PLY or VTK file: an image, difference, sigma, nearest, measured"
-        " or radius.  [the first image, or else radius]", metavar="NAME"),
+    *options_of(MeshSettings),
     opt("--centres", "With --recentre: table of centre, deviation and inliers of each turn: .csv, .csv.gz or .npz.",
         type=FILE),
 )  # fmt: skip
@@ -78,7 +71,7 @@ def reconstruct(**options: Any) -> None:
     _write("reconstruct", options)
 
 
-@click.command(cls=Sectioned, common=(*SHOWN, "shells", "sigma", "nearest", "measured", "color_by"))
+@click.command(cls=Sectioned, common=(*SHOWN, "shell", "sigma", "nearest", "measured", "color_by"))
 @WRITTEN
 @takes_a_mesh
 @takes_a_wall
@@ -117,7 +110,7 @@ def _write(verb: str, options: dict[str, Any]) -> None:
     from helibore.runs.run import make_wall, placing
 
     make_wall(run, options["threads"], terminal.stage)
-    wall, shells = run.wall, list(options["shells"])
+    wall, shells = run.wall, list(options["shell"])
     if options["sigma"]:
         run.messages += add_sigma(wall, terminal)
     if options["nearest"]:
@@ -150,14 +143,14 @@ def _write(verb: str, options: dict[str, Any]) -> None:
 def _check(run: Run, options: dict[str, Any], ends: tuple[float | None, float | None]) -> None:
     """Refuse options that do not go with the output, such as colours in a format without any, or with the run."""
     output, ending, preparation = options["output"], options["output"].suffix.lower(), run.settings.preparation
-    if options["shells"]:
+    if options["shell"]:
         check_file(output, VOLUME_ENDINGS, " with --shell")
     else:
         check_file(output, ENDINGS)
     if ending == ".vtkhdf":
         require_library("h5py", "vtkhdf")
-    if options["color_by"] is not None and (options["shells"] or ending in COLORLESS):
-        kind = "a volume" if options["shells"] else ending
+    if options["color_by"] is not None and (options["shell"] or ending in COLORLESS):
+        kind = "a volume" if options["shell"] else ending
         raise click.UsageError(f"--color-by: does not go with {kind}, which has no colours")
     if options["color_by"] == "difference" and not preparation.earlier and run.settings.archive is None:
         raise click.UsageError("--color-by difference: needs --earlier")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,12 +10,14 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from helibore.base.errors import InputError, check_ending, check_names, unknown_name
+from helibore.base.errors import InputError, check_ending
 from helibore.cli.lines import Lines
 from helibore.cli.quantities import FILE
 from helibore.cli.sections import FAMILIES, SectionOption, opt
-from helibore.cli.wall_options import SECTIONS, entries_of
-from helibore.cli.zone_options import criteria_stated
+from helibore.cli.wall_options import SECTIONS
+from helibore.settings.declared import members
+from helibore.settings.groups import GROUPS
+from helibore.settings.print_settings import Look
 
 if TYPE_CHECKING:
     from helibore.cli.terminal import Terminal
@@ -23,28 +25,17 @@ if TYPE_CHECKING:
     from helibore.runs.run import Run
     from helibore.wall.wall import Wall
 
-SIGMA = opt("--sigma", "Add the standard uncertainty of the radius.", is_flag=True)
 QUIET = opt("-q --quiet", "Print nothing but errors.", is_flag=True)
 
-NOT_RECORDED = ("source", "output", "centres", "zones", "breakouts", "rose", "quiet", "help", "settings", "column",
-                "look")  # fmt: skip
+NOT_RECORDED = ("source", "output", "centres", "zones", "breakouts", "rose", "quiet", "help", "settings", "column")
 """A command's own options that do not change the bytes of its output; a project does not record them."""
-TABLES = ("header", "zones", "print", "look", "logs", "passage", "stress", "cement", "mesh", "view")
+TABLES = ("header", "zones", "image_zones", "print", "look", "logs", "passage", "stress", "cement", "mesh", "view")
 """Tables of a project that say what an output holds."""
-ALL_OF = {"plot": ("look",), "report": ("look",), "reconstruct": ("mesh",)}
-"""Tables of which a command knows every key, besides that of its own name; other keys are refused."""
-OF_ANY_COMMAND = ("criteria", "scaled")
-"""Options that an earlier version recorded for any command, because they define the wall's zones."""
 
 
 def OUTPUT(help: str) -> tuple[str, dict[str, Any]]:  # noqa: A002, N802
     """Return the required option ``--output``; ``help`` says which files it takes."""
     return opt("-o --output", help, type=FILE, required=True)
-
-
-NEAREST = opt("--nearest", "Add the distance to the nearest sample as the attribute 'nearest'.", is_flag=True)
-MEASURED = opt("--measured", "Add the attribute 'measured': whether a quad is measured (1) or interpolated (0). Meshes "
-               "of a tool with few arms always have this attribute.", is_flag=True)  # fmt: skip
 
 
 def add_sigma(wall: Wall, terminal: Terminal) -> Lines:
@@ -110,37 +101,35 @@ def _recorded_options(context: click.Context) -> dict[str, SectionOption]:
 
 
 def own_options(run: Run, verb: str, options: dict[str, Any]) -> dict[str, Any]:
-    """Return ``options``; where the command line gives no value, the project supplies the value that it states.
+    """Return ``options``; where the command line gives no value, the project supplies it, or else the default.
 
-    The interval of what is shown, and options that an earlier version recorded, count only for the command that wrote
-    the project.
+    The interval of what is shown counts only for the command that wrote the project.
     """
     context, found = click.get_current_context(), dict(options)
+    for option in (each for each in context.command.params if isinstance(each, SectionOption)):
+        name = str(option.name)
+        group, _, key = option.setting.partition(".")
+        if name in FAMILIES:
+            found[name] = _family(run.settings, FAMILIES[name], options[name])
+        elif group in TABLES and context.get_parameter_source(name) is not ParameterSource.COMMANDLINE:
+            member = members(GROUPS[group]).get(key)
+            usual = found[name] if member is None or found[name] is not None else member.default
+            found[name] = getattr(run.settings, group).get(key, usual)
     same = run.settings.output is not None and run.settings.verb == verb
-    if run.settings.options:
-        run.settings = _earlier(run.settings, context, same)
-    place = f"{run.settings.output.file.name}.toml" if run.settings.output is not None else "the project"
-    known = {each.setting: each for each in context.command.params if isinstance(each, SectionOption)}
-    for name, value in _table_settings(run.settings):
-        option = known.get(name)
-        group = name.partition(".")[0]
-        if option is None and group not in FAMILIES.values() and group in (verb, *ALL_OF.get(verb, ())):
-            raise unknown_name(f"{place}: {name}", name, list(known))
-        if option is None or option.name in FAMILIES:
-            continue
-        given = context.get_parameter_source(str(option.name)) is ParameterSource.COMMANDLINE
-        cast = _cast(context, option, value, f"{place}: {name}")
-        if not given:
-            found[str(option.name)] = cast
     for name in ("start_depth", "stop_depth"):
         if same and found[name] is None:
             found[name] = getattr(run.settings, name)
     _interval_of_wall(run.settings, found)
-    if "headers" in options:
-        found["headers"] = _without(run.settings.header, "well") | entries_of(options["headers"])
-    if "criteria" in options:
-        found["criteria"] = _without(run.settings.zones, "scaled") | criteria_stated(options["criteria"])
     return found
+
+
+def _family(settings: Project, group: str, stated: dict[str, Any]) -> dict[str, Any]:
+    """Return the settings of a group that an option takes as NAME=VALUE: of the command line, else of the project."""
+    table: dict[str, Any] = getattr(settings, group)
+    if group == "look":
+        return table | {name: replace(table.get(name, Look()), **of) for name, of in stated.items()}
+    own = {each.setting for each in click.get_current_context().command.params if isinstance(each, SectionOption)}
+    return {name: value for name, value in table.items() if f"{group}.{name}" not in own} | stated
 
 
 def _interval_of_wall(settings: Project, found: dict[str, Any]) -> None:
@@ -151,61 +140,18 @@ def _interval_of_wall(settings: Project, found: dict[str, Any]) -> None:
         found["start_depth"], found["stop_depth"] = ends
 
 
-def _without(table: dict[str, Any], name: str) -> dict[str, Any]:
-    return {key: value for key, value in table.items() if key != name}
-
-
-def _table_settings(settings: Project) -> Iterator[tuple[str, Any]]:
-    """Yield name and value of every setting of the tables that say what an output holds, such as ``print.scale``."""
-    for group in TABLES:
-        for key, value in getattr(settings, group).items():
-            yield f"{group}.{key}", value
-
-
-def _cast(context: click.Context, option: SectionOption, value: Any, place: str) -> Any:
-    """Return a value of a project in the type of an option; raise InputError, with its place, if it is none."""
-    if isinstance(value, dict):  # a template that an archive keeps
-        return value
-    if option.is_flag and not isinstance(value, bool):
-        raise InputError(place, "must be true or false", repr(value))
-    try:
-        cast = option.type_cast_value(context, value)
-    except (click.BadParameter, TypeError, ValueError) as error:
-        raise InputError(place, getattr(error, "message", str(error)), repr(value)) from error
-    if isinstance(value, bool) and not option.is_flag:
-        raise InputError(place, f"must be {cast!r}", repr(value))
-    return cast
-
-
-def _earlier(settings: Project, context: click.Context, same: bool) -> Project:
-    """Return a project with the tables that the options mean which an earlier version recorded."""
-    place = f"{settings.output.file.name}.toml: options" if settings.output is not None else "options"
-    own, recorded = _recorded_options(context), settings.options
-    if not same:
-        recorded = {name: recorded[name] for name in OF_ANY_COMMAND if name in recorded and name in own}
-    check_names(f"{place}.", recorded, own)
-    made = recorded_tables(context, {
-        name: value if name in FAMILIES else _cast(context, own[name], value, f"{place}.{name}")
-        for name, value in recorded.items()
-    })  # fmt: skip
-    groups = {name: getattr(settings, name) | table for name, table in made.items() if isinstance(table, dict)}
-    ends = {name: end for name, end in made.items() if not isinstance(end, dict)}
-    return replace(settings, options={}, **groups, **ends)
-
-
 def recorded_tables(context: click.Context, options: Mapping[str, Any]) -> dict[str, Any]:
     """Return the tables and keys of a project that the command's own options are; those without effect are left out."""
     made: dict[str, Any] = {}
     for name, option in _recorded_options(context).items():
         value = options.get(name)
         given = context.get_parameter_source(name) is ParameterSource.COMMANDLINE
-        if value in (None, (), [], {}) or (value is False and not given):
+        if value in (None, (), [], {}, "") or (value is False and not given):
             continue
         if name in ("start_depth", "stop_depth"):
             made[name] = value
         elif name in FAMILIES:
-            read = entries_of if name == "headers" else criteria_stated
-            made.setdefault(FAMILIES[name], {}).update(value if isinstance(value, dict) else read(value))
+            made.setdefault(FAMILIES[name], {}).update(value)
         else:
             group, _, key = option.setting.partition(".")
             made.setdefault(group, {})[key] = _plain(value)

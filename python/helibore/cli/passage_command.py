@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from helibore.base import units
 from helibore.base.units import size_text
+from helibore.cli.declared_options import options_of
 from helibore.cli.logs_command import NAMED, write_table
 from helibore.cli.outputs import OUTPUT, QUIET
-from helibore.cli.quantities import BODY_LENGTH, LENGTH, Parsed
-from helibore.cli.sections import Sectioned, opt, opts, section
+from helibore.cli.sections import Sectioned, section
 from helibore.cli.wall_options import SHOWN, takes_a_wall
+from helibore.settings.output_settings import PassageSettings
 
 if TYPE_CHECKING:
     from helibore.base.tables import LogTable
@@ -28,35 +28,9 @@ WORST = 5
 """Most tight intervals that the terminal lists."""
 
 
-def _body(text: str) -> tuple[float, ...]:
-    sizes = tuple(units.quantity(part, units.LENGTH) for part in text.split(","))
-    if not 2 <= len(sizes) <= 3:
-        raise ValueError(text)
-    return sizes
-
-
-@click.command(cls=Sectioned, common=(*SHOWN, "well", "headers", "unit", "length", "bodies", "limit", "sigma"))
+@click.command(cls=Sectioned, common=(*SHOWN, "well", "header", "unit", "length", "body", "limit", "sigma"))
 @section("Options", OUTPUT("Table to write: .las, .csv, .parquet or .dlis."), QUIET)
-@section(
-    "Passage",
-    opt(
-        "--length",
-        "Length of one rigid cylinder, whose greatest diameter is sought: 9m, or api-casing, api-large-casing or "
-        "api-tubing.  [api-large-casing, 0.305 m]",
-        type=BODY_LENGTH,
-    ),
-    opts(
-        "--body bodies",
-        "Body of a rigid string, DIAMETER,LENGTH or DIAMETER,LENGTH,POSITION: 8.5in,0.3m and 8in,9m,0.3m. The position "
-        "is that of the body's lower end above the string's.",
-        type=Parsed("body", "DIAMETER,LENGTH or DIAMETER,LENGTH,POSITION, such as 8.5in,0.3m", _body),
-        metavar="BODY",
-    ),
-    opt(
-        "--limit", "List the intervals below this diameter, or this clearance of a string.  [bit size; 0]", type=LENGTH
-    ),
-    opt("--sigma", "Also write the 95 % interval: LOW, HIGH.", is_flag=True),
-)
+@section("Passage", *options_of(PassageSettings))
 @section("Logs", *NAMED)
 @takes_a_wall
 def passage(**options: Any) -> None:
@@ -69,24 +43,22 @@ def passage(**options: Any) -> None:
     The bodies are rigid and straight; in a curved hole a long one is thin, and CURVE is what the path alone costs.
     Where the hole beside a body is not measured, the row is empty.
     """
-    if options["length"] is not None and options["bodies"]:
+    if options["length"] is not None and options["body"]:
         raise click.UsageError("--length and --body: give one of them")
     write_table("passage", options, _passage)
 
 
 def _passage(wall: Wall, options: dict[str, Any], terminal: Terminal) -> tuple[LogTable, Lines]:
-    from helibore.logs.passage import RigidBody
-
     with terminal.stage("passage", "Finding what passes"):
         found: Passage
-        if options["bodies"]:
-            found = wall.passage([RigidBody(*body) for body in options["bodies"]], sigma=options["sigma"])
+        if options["body"]:
+            found = wall.passage(options["body"], sigma=options["sigma"])
         else:
             found = wall.drift(options["length"] or "api-large-casing", sigma=options["sigma"])
     limit = options["limit"]
     if limit is None:
-        limit = 0.0 if options["bodies"] else wall.settings.bit_diameter
-    return found.table(), _lines(found, limit, "clearance" if options["bodies"] else "diameter")
+        limit = 0.0 if options["body"] else wall.settings.bit_diameter
+    return found.table(), _lines(found, limit, "clearance" if options["body"] else "diameter")
 
 
 def _lines(found: Passage, limit: float, what: str) -> Lines:

@@ -6,24 +6,19 @@ commands also have are in ``wall_options``, ``zone_options`` and ``outputs``.
 
 from __future__ import annotations
 
-import math
-from collections import defaultdict
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
 from click.core import ParameterSource
 
-from helibore.base import units
 from helibore.cli.declared_options import SettingType, option_of, options_of, stated
 from helibore.cli.lines import Lines, trust_lines
-from helibore.cli.outputs import OUTPUT, QUIET, SIGMA, add_sigma, check_file, own_options, save_lines
-from helibore.cli.quantities import split_pair
-from helibore.cli.sections import LOOK, Sectioned, opt, opts, section
+from helibore.cli.outputs import OUTPUT, QUIET, add_sigma, check_file, own_options, save_lines
+from helibore.cli.sections import Sectioned, opt, section
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_options import (  # fmt: skip
     BESIDE,
-    HEADER,
     INCLINATION,
     SCALAR,
     SHOWN,
@@ -37,9 +32,9 @@ from helibore.cli.wall_options import (  # fmt: skip
     template_of_option,
     walls_beside,
 )
-from helibore.cli.zone_options import CRITERIA, criteria_of
+from helibore.cli.zone_options import CRITERIA, HEADER, LOOK, criteria_of
 from helibore.settings.declared import members
-from helibore.settings.print_settings import PrintSettings
+from helibore.settings.print_settings import PrintSettings, PrintTable
 
 if TYPE_CHECKING:
     from helibore.logs.curves import ScalarCurve
@@ -48,12 +43,10 @@ if TYPE_CHECKING:
 
 PAGES = (".html", ".htm")
 COMMON = (
-    *SHOWN, "besides", "scalars", "picks", "headers", "template", "scale", "unit", "curves", "left", "look", "polar",
+    *SHOWN, "beside", "scalar", "picks", "header", "template", "scale", "unit", "curves", "left", "look", "polar",
     "no_polar", "body", "no_body", "sigma", "dpi",
 )  # fmt: skip
 """Parameters that have an option of their own in ``plot`` and ``report``."""
-RECORDED = ("unit", "left", "dpi")
-"""Settings of a print that the settings of a run state also if they have their defaults."""
 
 
 class DepthScale(SettingType):
@@ -67,8 +60,8 @@ class DepthScale(SettingType):
             raise click.BadParameter(text, ctx, param) from error
 
 
-SCALE = option_of(members(PrintSettings)["scale"])
-SCALE[1]["type"] = DepthScale(members(PrintSettings)["scale"])
+SCALE = option_of(members(PrintTable)["scale"])
+SCALE[1]["type"] = DepthScale(members(PrintTable)["scale"])
 
 takes_a_drawing = section(
     "Print",
@@ -79,21 +72,11 @@ takes_a_drawing = section(
     BESIDE,
     picks_option(exists=True),
     SCALE,
-    *options_of(PrintSettings, "unit", "curves", "left", "images", "elevation"),
+    *options_of(PrintTable, "unit", "curves", "left", "images", "elevation"),
     LOOK,
-    opts("--limits", "Ends of an image's colours or of a curve's scale, in its unit.", metavar="NAME=LOW,HIGH"),
-    opts("--color-map color_maps", "Colour map of an image.", metavar="NAME=MAP"),
-    opts("--log logs", "Image whose colours, or curve whose scale, follows the logarithm.", metavar="NAME"),
-    opts("--linear", "Resistivity image whose colours do not follow the logarithm.",
-         metavar="NAME"),
-    opts("--dynamic", "Normalise an image in a sliding window of this length.", metavar="NAME=LENGTH"),
-    *options_of(PrintSettings, "polar"),
-    opt("--no-polar", "Draw no cross sections.", is_flag=True),
+    *options_of(PrintTable, "polar", "no_polar"),
     *CRITERIA,
-    *options_of(PrintSettings, "body"),
-    opt("--no-body", "Draw no 3-D view.", is_flag=True),
-    SIGMA,
-    *options_of(PrintSettings, "dpi"),
+    *options_of(PrintTable, "body", "no_body", "sigma", "dpi"),
 )  # fmt: skip
 
 
@@ -101,10 +84,9 @@ takes_a_drawing = section(
 @section(
     "Options",
     OUTPUT("Picture to write: .png, .svg or .pdf."),
-    opt("--paper", "Paper of a PDF; PNG and SVG are rolls.",
-        type=click.Choice(["a4", "a3", "roll"]), default="a4"),
     QUIET,
-)  # fmt: skip
+)
+@section("Print", *options_of(PrintTable, "paper"))
 @takes_a_drawing
 @takes_a_wall
 def plot(**options: Any) -> None:
@@ -173,11 +155,9 @@ def report(**options: Any) -> None:
 
 def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Run, dict[str, Any], dict[str, Any]]:
     """Make the wall; return the run, all options (also those of a repeated run) and the arguments of a `Drawing`."""
-    _looks(options)  # refuses wrong values before the files are read
     run = open_run(options, terminal, (options["output"],))
     options = own_options(run, verb, options)
-    looks, template, settings = _looks(options), None, stated(PrintSettings, options)
-    options |= {name: getattr(PrintSettings, name) for name in RECORDED if options[name] is None}
+    looks, settings = dict(options["look"]), stated(PrintSettings, options)
     if (template := template_of_option(options["template"])) is not None:
         if click.get_current_context().get_parameter_source("unit") is ParameterSource.COMMANDLINE:
             raise click.UsageError("--unit: does not go with --template, which states the unit")
@@ -191,7 +171,7 @@ def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Ru
     load_picks(run, options["picks"])
     header = header_of(run, options)
     # The settings hold the curves from files with their checksums, the options only the inclination.
-    options["scalars"] = tuple(text for text in options["scalars"] if text == INCLINATION)
+    options["scalar"] = tuple(text for text in options["scalar"] if text == INCLINATION)
     drawing = {
         "title": header.pop("well", run.name),
         "header": header,
@@ -223,34 +203,3 @@ def _with_look(curve: ScalarCurve, looks: dict[str, Look]) -> ScalarCurve:
         if value is not None:
             raise click.UsageError(f"--look {curve.name}={word}: goes with an image, not with a curve")
     return replace(curve, limits=look.limits, log=bool(look.log))
-
-
-def _looks(options: dict[str, Any]) -> dict[str, Look]:
-    """Return, by name of the image or curve, the `Look` that the options state: limits, colour map, window, log."""
-    from helibore.plot import Look
-
-    looks: dict[str, dict[str, Any]] = defaultdict(dict)
-    for text in options["limits"]:
-        name, value = split_pair("look", text)
-        try:
-            low, high = (float(part) for part in value.split(","))
-        except ValueError:
-            raise click.UsageError(
-                f"--look {text}: must be NAME=LOW,HIGH, log, linear, map:MAP or window:LENGTH"
-            ) from None
-        if not (math.isfinite(low) and math.isfinite(high) and low < high):
-            raise click.UsageError(f"--look {text}: LOW must be below HIGH")
-        looks[name]["limits"] = (low, high)
-    for text in options["color_maps"]:
-        name, value = split_pair("look", text)
-        looks[name]["color_map"] = value
-    for text in options["dynamic"]:
-        name, value = split_pair("look", text)
-        try:
-            looks[name]["window"] = units.quantity(value, units.LENGTH)
-        except ValueError as error:
-            raise click.UsageError(f"--look {name}=window:{value}: {error}") from None
-    for option, log in (("logs", True), ("linear", False)):
-        for name in options[option]:
-            looks[name]["log"] = log
-    return {name: Look(**look) for name, look in looks.items()}

@@ -30,15 +30,13 @@ GROUPS = {
 NAMES = {
     "bit_diameter": "wall.bit_diameter", "start_depth": "wall.start_depth", "stop_depth": "wall.stop_depth",
     "survey_depth": "columns.survey_depth", "inclination": "columns.inclination", "azimuth": "columns.azimuth",
-    "template": "print.template", "besides": "print.besides", "picks": "print.picks", "scalars": "print.scalars",
-    "paper": "print.paper",
+    "template": "print.template", "beside": "print.beside", "picks": "print.picks", "scalar": "print.scalar",
+    "look": "look",
     "maps": "source.map", "sets": "source.set", "well": "header.well", "criteria": "zones.criteria",
         "scaled": "zones.scaled", "zones": "logs.zones", "breakouts": "logs.breakouts",
     "absent": "nulls", "threads": "threads", "header_lines": "header_line", "track": "track.file",
     "track_map": "track.map", "mud_velocity": "echo.velocity", "tool_radius": "echo.tool_radius",
     "echo_window": "echo.window", "survey": "survey.file", "survey_map": "survey.map", "survey_set": "survey.set",
-    "limits": "look.limits", "color_maps": "look.color_map", "logs": "look.log", "linear": "look.linear",
-    "dynamic": "look.dynamic",
 }  # fmt: skip
 """Names of settings that the section does not give."""
 
@@ -48,7 +46,7 @@ HEADINGS = {
 }  # fmt: skip
 """Headings under which the help lists the options of a section; other sections have their own."""
 
-FAMILIES = {"criteria": "zones", "headers": "header"}
+FAMILIES = {"criteria": "zones", "image_criteria": "image_zones", "header": "header", "look": "look"}
 """Options that take NAME=VALUE, and the groups whose other names they take: ``-s header.company=ACME``."""
 
 ALWAYS = ("output", "settings", "quiet")
@@ -70,11 +68,13 @@ REMOVED = {
     "--compare-with": "it is now --earlier NUMBERS",
     "--switch": "it is now -s preparation.steep=ANGLE and -s preparation.level=ANGLE",
     "--curve": "it is now --curves C1,C2",
+    "--limits": "it is now --look NAME=LOW,HIGH",
+    "--color-map": "it is now --look NAME=map:MAP",
+    "--log": "it is now --look NAME=log",
+    "--linear": "it is now --look NAME=linear",
+    "--dynamic": "it is now --look NAME=window:LENGTH",
 }
 """Options of earlier versions that are gone or have another name now, and what to do instead."""
-
-WORDS = {"log": "look.log", "linear": "look.linear"}
-"""Words of ``--look`` that are no value of a setting."""
 
 
 class SectionOption(click.Option):
@@ -95,15 +95,11 @@ class SectionOption(click.Option):
         if not self.rare:
             return self.opts[0]
         group, _, name = self.setting.partition(".")
-        if group == "columns":
-            return f"--column {name.replace('_', '-')}"
-        return "--look" if group == "look" else f"-s {self.setting}"
+        return f"--column {name.replace('_', '-')}" if group == "columns" else f"-s {self.setting}"
 
     @property
     def form(self) -> str:
         """`spelled` with its value, such as ``-s wall.power=NUMBER``."""
-        if self.setting.startswith("look."):
-            return f"--look {LOOKS[self.setting]}"
         if self.name in FAMILIES:
             return f"-s {FAMILIES[self.name]}.NAME=VALUE"
         value = (
@@ -138,7 +134,7 @@ class SectionOption(click.Option):
         return f"'{self.spelled}'" if self.rare else super().get_error_hint(ctx)
 
     def handle_parse_result(self, ctx: click.Context, opts: Mapping[str, Any], args: list[str]) -> Any:
-        """Take the values that ``-s``, ``--column`` and ``--look`` state; the option itself wins over them."""
+        """Take the values that ``-s`` and ``--column`` state; the option itself wins over them."""
         stated = list(_stated(opts))
         if not stated:
             return super().handle_parse_result(ctx, opts, args)
@@ -146,7 +142,7 @@ class SectionOption(click.Option):
         family = FAMILIES.get(str(self.name), "")
         known = _settings_of(ctx.command)
         texts += [
-            f"{name.partition('.')[2]}={value}"
+            f"{name}={value}"
             for name, value in stated
             if family and name.startswith(f"{family}.") and name not in known
         ]
@@ -166,35 +162,15 @@ def _stated(opts: Mapping[str, Any]) -> Iterator[Text]:
     """Yield the settings that the command line states, in the order of the options that state them."""
     for text in opts.get("settings") or ():
         name, _, value = text.partition("=")
-        yield name.replace("-", "_"), value
+        yield _setting_name(name), value
     for text in opts.get("column") or ():
         name, _, value = text.partition("=")
         yield f"columns.{name.replace('-', '_')}", value
-    for text in opts.get("look") or ():
-        yield from _look(text)
 
 
-LOOKS = {
-    "look.limits": "NAME=LOW,HIGH", "look.color_map": "NAME=map:MAP", "look.dynamic": "NAME=window:LENGTH",
-    "look.log": "NAME=log", "look.linear": "NAME=linear",
-}  # fmt: skip
-"""What ``--look`` takes for each setting of a look."""
-
-
-def _look(text: str) -> Iterator[Text]:
-    """Yield the settings of a look: RES=0.2,2000,log has the limits RES=0.2,2000 and is logarithmic."""
-    name, _, look = text.rpartition("=")
-    limits = []
-    for word in look.split(","):
-        kind, _, value = word.partition(":")
-        if word in WORDS:
-            yield WORDS[word], name
-        elif kind in ("map", "window") and value:
-            yield ("look.color_map" if kind == "map" else "look.dynamic"), f"{name}={value}"
-        else:
-            limits.append(word)
-    if limits or not name:
-        yield "look.limits", f"{name}={','.join(limits)}"
+def _setting_name(text: str) -> str:
+    """Return the name of a setting with hyphens as it is declared; the name of an image in it stays as it is."""
+    return text if text.startswith("look.") else text.replace("-", "_")
 
 
 def _settings_of(command: click.Command) -> dict[str, SectionOption]:
@@ -281,7 +257,7 @@ def _known(ctx: click.Context, param: click.Parameter, texts: tuple[str, ...]) -
         if not equals:
             raise click.BadParameter(f"'{text}': must be NAME=VALUE", ctx, param)
         full = f"columns.{name}" if param.name == "column" else name
-        full = full.replace("-", "_")
+        full = _setting_name(full)
         if full not in known and full.partition(".")[0] not in families:
             raise click.UsageError(f"{param.opts[0]} {name}: {_nearest(name, known, param)}", ctx)
 
@@ -310,8 +286,4 @@ COLUMN = opts(
     "--column", "Column of a role, such as depth=md_m:ft, radius=CAL1@90:in or toolface=rb:deg.  [guessed; see "
     "helibore inspect]",
     metavar="ROLE=COLUMN", expose_value=False, callback=_known,
-)  # fmt: skip
-LOOK = opts(
-    "--look", "Colours of an image or scale of a curve: GR=20,150 or RES=0.2,2000,log or GR=map:viridis,window:2m.",
-    metavar="NAME=LOOK", expose_value=False,
 )  # fmt: skip

@@ -34,9 +34,8 @@ def known_settings(groups: Mapping[str, type[Any]]) -> dict[str, str]:
         for name, member in members(kind).items()
     }
     for name, option in sorted(options.items(), key=lambda of: of[0].partition(".")[0]):
-        family = FAMILIES.get(str(option.name))
-        if name not in known and family not in groups:
-            known[f"{family}.NAME" if family else name] = _help(option)
+        if name not in known and option.name not in FAMILIES:
+            known[name] = _help(option)
     return known
 
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from helibore.base.errors import check_ending
+from helibore.cli.declared_options import options_of
 from helibore.cli.logs_command import NAMED
 from helibore.cli.outputs import OUTPUT, QUIET, check_file, own_options, save_lines
 from helibore.cli.quantities import FILE
@@ -20,13 +21,13 @@ from helibore.cli.sections import Sectioned, opt, section
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_options import SHOWN, header_of, load_picks, open_run, picks_option, takes_a_wall
 from helibore.cli.zone_options import CRITERIA, criteria_of
+from helibore.settings.output_settings import StressSettings
 
 if TYPE_CHECKING:
     from helibore.cli.lines import Lines
     from helibore.logs.stress import HorizontalStress
     from helibore.wall.wall import Wall
 
-REGIMES = ("NF", "NS", "SS", "TS", "TF", "U")
 SHARED = ("picks", "feature", "of_zones", "scheme", "weighting", "latitude", "longitude", "regime", "rose")
 
 
@@ -35,17 +36,7 @@ SHARED = ("picks", "feature", "of_zones", "scheme", "weighting", "latitude", "lo
 @section(
     "Stress",
     picks_option(exists=True),
-    opt("--feature", "Class of picks.", type=click.Choice(["breakout", "induced fracture"]), default="breakout"),
-    opt("--of-zones", "Take the breakouts of the wall's zones, not the picks.", is_flag=True),
-    opt(
-        "--scheme",
-        "Limits of the ranks, by the log.  [image for picks, caliper for zones]",
-        type=click.Choice(["image", "caliper"]),
-    ),
-    opt("--weighting", "What weighs a feature.", type=click.Choice(["length", "number"]), default="length"),
-    opt("--latitude", "Latitude of the well, degrees; south is negative.", type=float),
-    opt("--longitude", "Longitude of the well, degrees; west is negative.", type=float),
-    opt("--regime", "Regime of the record.  [U: not known]", type=click.Choice(REGIMES), default="U"),
+    *options_of(StressSettings),
     opt("--rose", "Picture to write: rose, and features by depth (.png, .svg, .pdf).", type=FILE),
     *NAMED[:2],
 )

@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from helibore.base.errors import InputError
+from helibore.cli.declared_options import options_of
 from helibore.cli.lines import trust_lines
-from helibore.cli.outputs import QUIET, SIGMA, add_sigma, own_options
+from helibore.cli.outputs import QUIET, add_sigma, own_options
 from helibore.cli.quantities import FILE
 from helibore.cli.sections import Sectioned, opt, section
 from helibore.cli.terminal import Terminal, echo
 from helibore.cli.token_options import TOKEN
 from helibore.cli.wall_options import (
     BESIDE,
-    HEADER,
     SCALAR,
     SHOWN,
     TEMPLATE,
@@ -34,7 +34,8 @@ from helibore.cli.wall_options import (
     template_of_option,
     walls_beside,
 )
-from helibore.cli.zone_options import CRITERIA, criteria_of
+from helibore.cli.zone_options import CRITERIA, HEADER, criteria_of
+from helibore.settings.output_settings import ViewSettings
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -45,7 +46,7 @@ if TYPE_CHECKING:
 
 @click.command(
     cls=Sectioned,
-    common=(*SHOWN, "scalars", "template", "besides", "picks", "headers", "well", "host", "port", "token", "token_file",
+    common=(*SHOWN, "scalar", "template", "beside", "picks", "header", "well", "host", "port", "token", "token_file",
             "browser", "html", "sigma"),
 )  # fmt: skip
 @section("Options", QUIET)
@@ -58,12 +59,11 @@ if TYPE_CHECKING:
     HEADER,
     *CRITERIA,
     opt("--well", "Name to show.  [name of the source]", default=""),
-    opt("--host", "Address of the page.", default="127.0.0.1"),
-    opt("--port", "Port; 0: a free port.", type=click.IntRange(0, 65535), default=0),
+    *options_of(ViewSettings, "host", "port"),
     *TOKEN,
     opt("--browser/--no-browser", "Open the page.", default=True),
     opt("--html", "Write the page with the whole wall as this file, which needs no server, and end.", type=FILE),
-    SIGMA,
+    *options_of(ViewSettings, "sigma"),
 )
 @takes_a_wall
 def view(**options: Any) -> None:

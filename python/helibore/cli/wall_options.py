@@ -30,6 +30,7 @@ from helibore.settings.declared import members
 from helibore.settings.header_settings import Header
 from helibore.settings.path_settings import PathSettings
 from helibore.settings.preparation_settings import Echo, Preparation
+from helibore.settings.print_settings import PrintTable
 from helibore.settings.reading_settings import ReadingSettings
 from helibore.settings.wall_settings import Settings
 
@@ -199,13 +200,9 @@ def picks_option(*, exists: bool) -> Any:
 
 TEMPLATE = opt("--template", "TOML file of tracks, widths, units and scale, as the viewer saves it.",
                type=FILE)  # fmt: skip
-BESIDE = opts(
-    "--beside besides",
-    "Archive of another well or pass, to show on the same depths.",
-    type=FILE,
-)
+BESIDE = option_of(members(PrintTable)["beside"])
 SCALAR = opts(
-    "--scalar scalars",
+    "--scalar",
     f"Curve FILE:CHANNEL in a track of its own; {INCLINATION}: that of the survey.",
     metavar="CURVE",
 )
@@ -215,8 +212,8 @@ def walls_beside(options: dict[str, Any]) -> dict[str, Wall]:
     """Load the walls of ``--beside``; return them by the names of their files without the last ending."""
     from helibore.wall.load import load
 
-    files = {Path(file).stem: Path(file) for file in options["besides"]}
-    if len(files) < len(options["besides"]):
+    files = {Path(file).stem: Path(file) for file in options["beside"]}
+    if len(files) < len(options["beside"]):
         raise click.UsageError("--beside: two files have the same name")
     return {name: load(file) for name, file in files.items()}
 
@@ -224,7 +221,7 @@ def walls_beside(options: dict[str, Any]) -> dict[str, Wall]:
 def curves_of_files(run: Run, options: dict[str, Any]) -> list[ScalarCurve]:
     """Return the curves of ``--scalar``: one for each file in the settings, and the inclination if it is named."""
     curves = [_curve(one, run) for one in run.settings.scalar]
-    return [*curves, *(_inclination(run) for text in options["scalars"] if text == INCLINATION)]
+    return [*curves, *(_inclination(run) for text in options["scalar"] if text == INCLINATION)]
 
 
 def _inclination(run: Run) -> ScalarCurve:
@@ -259,29 +256,11 @@ def _curve(one: ScalarInput, run: Run) -> ScalarCurve:
     return ScalarCurve(one.name, log[one.name].unit, depth[order], values[order])
 
 
-HEADER = opts(
-    "--header headers",
-    "Entry of the header, such as company=ACME.  [as the files state it]",
-    metavar="NAME=TEXT",
-)
-
-
-def entries_of(texts: Sequence[str]) -> dict[str, str]:
-    """Return the entries of a header that ``--header`` states, by name."""
-    known, found = members(Header), {}
-    for text in texts:
-        name, equals, value = text.partition("=")
-        if not equals or name not in known:
-            raise click.UsageError(f"--header {text}: must be NAME=TEXT, NAME one of {', '.join(known)}")
-        found[name] = value
-    return found
-
-
 def header_of(run: Run, options: dict[str, Any]) -> dict[str, str]:
     """Return the entries of a log's header by name; entries of the options replace those of the run's files."""
     from helibore.runs.run import stated_header
 
-    found = stated_header(run) | options["headers"]
+    found = stated_header(run) | options["header"]
     found |= {"well": options["well"]} if options["well"] else {}
     return {name: found[name] for name in members(Header) if found.get(name)}
 
@@ -546,7 +525,7 @@ def _scalars(options: dict[str, Any]) -> tuple[ScalarInput, ...]:
     from helibore.runs.project import ScalarInput
 
     found = []
-    for text in options.get("scalars", ()):
+    for text in options.get("scalar", ()):
         file, _, name = text.rpartition(":")
         if not file and text != INCLINATION:
             raise click.UsageError(f"--scalar {text}: must be FILE:CHANNEL or {INCLINATION}")

@@ -1,45 +1,70 @@
-"""Define the options for criteria of zones, which ``helibore logs``, ``plot``, ``report`` and ``view`` have."""
+"""Define the options that take NAME=VALUE of a group of settings: criteria of zones, entries of a header, looks.
+
+``helibore logs``, ``zones``, ``plot``, ``report`` and ``view`` have them.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-import click
-
-from helibore.base.errors import InputError
-from helibore.cli.quantities import split_pair
-from helibore.cli.sections import near, opt, opts
+from helibore.base.errors import InputError, unknown_name
+from helibore.cli.declared_options import option_of
+from helibore.cli.sections import opts
 from helibore.settings.declared import members
+from helibore.settings.groups import GROUPS
+from helibore.settings.look_texts import look_of_setting, look_of_text, merged_looks
 from helibore.settings.toml_reading import parse_setting
+from helibore.settings.zone_settings import ZoneSettings
 
 if TYPE_CHECKING:
     from helibore.logs.zone_criteria import Criteria
     from helibore.wall.wall import Wall
 
-CRITERIA = (
-    opts("--criterion criteria", "Criterion of zones, such as washout=0.3in (least C2 - bit), elongation (least C1 - "
-         "C2 of a breakout), key-seat (least height), undergauge (bit - least diameter), symmetry, least-length, join. "
-         "C1 is the largest diameter, C2 the diameter across C1.", metavar="NAME=VALUE"),
-    opt("--scaled", "Scale the default criteria, which are for a bit of 8.5 in, to the bit size.", is_flag=True),
-)  # fmt: skip
 
-
-def criteria_stated(texts: Sequence[str]) -> dict[str, float]:
-    """Return the criteria that ``-s zones.NAME=VALUE`` states, by name."""
-    from helibore.logs.zone_criteria import Criteria
-
-    known, found = members(Criteria), {}
+def stated_of(group: str, texts: Sequence[str]) -> dict[str, Any]:
+    """Return the settings of a group that texts state, by name: ``washout=0.3in``, or with its group before it."""
+    if group == "look":
+        looks = merged_looks(
+            look_of_setting(text.removeprefix("look."), "-s look.")
+            if text.startswith("look.")
+            else look_of_text(text, "--look")
+            for text in texts
+        )
+        return dict(looks)
+    known, found = members(GROUPS[group]), {}
     for text in texts:
-        name, value = split_pair("setting", text, "zones.NAME=VALUE")
+        place = f"-s {group}." if text.startswith(f"{group}.") else f"--{group} "
+        name, equals, value = text.removeprefix(f"{group}.").partition("=")
         name = name.replace("-", "_")
         if name not in known:
-            raise click.UsageError(f"-s zones.{name}: {near(name, list(known))}must be one of {', '.join(known)}")
-        try:
-            found[name] = parse_setting(known[name], value)
-        except InputError as error:
-            raise click.UsageError(f"-s zones.{text}: {error.rule}") from None
+            raise unknown_name(f"{place}{name}", name, known)
+        if not equals:
+            raise InputError(f"{place}{text}", "must be NAME=VALUE")
+        found[name] = parse_setting(known[name], value, f"{place}{name}")
     return found
+
+
+def _family(group: str, names: str, help: str, metavar: str) -> tuple[str, dict[str, Any]]:  # noqa: A002
+    """Return an option that takes NAME=VALUE of a group; its value is what the command line states, by name."""
+    return opts(names, help, metavar=metavar, callback=lambda _, __, texts: stated_of(group, texts))
+
+
+CRITERIA = (
+    _family("zones", "--criterion criteria", "Criterion of zones.", "NAME=VALUE"),
+    option_of(members(ZoneSettings)["scaled"]),
+)
+IMAGE_CRITERIA = _family(
+    "image_zones", "--image-criterion image_criteria", "Criterion of breakouts in an image.", "NAME=VALUE"
+)
+HEADER = _family(
+    "header", "--header", "Entry of the header, such as company=ACME.  [as the files state it]", "NAME=TEXT"
+)
+LOOK = _family(
+    "look", "--look",
+    "Colours of an image or scale of a curve: GR=20,150 or RES=0.2,2000,log or GR=map:viridis,window:2m.",
+    "NAME=LOOK",
+)  # fmt: skip
 
 
 def criteria_of(wall: Wall, options: dict[str, Any]) -> Criteria:

@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Any
 
 import numpy as np
 
@@ -27,28 +27,12 @@ from helibore.base.tables import LogColumn, LogTable, Tabular, columns_of
 from helibore.base.thread_count import thread_count
 from helibore.logs.turn_logs import Logs
 from helibore.samples.helix import WallLike, basis_of, basis_text_of, whole_helix
-from helibore.settings.declared import METRES, NOT_NEGATIVE, Declared, at_least
+from helibore.settings.output_settings import RigidBody
 from helibore.trajectory.survey import Path, core_path
 
 MANDRELS = {"api-casing": 0.152, "api-large-casing": 0.305, "api-tubing": 1.067}
 """Lengths of the drift mandrels of API 5CT, metres: casing up to 8 5/8 in, casing from 9 5/8 in, tubing."""
-SHORTEST = 0.001
-"""Metres: a body is at least this long."""
 RIGID = "rigid, straight bodies on one axis; unknown where a vertex beside a body is not measured"
-
-
-@dataclass(frozen=True)
-class RigidBody(Declared):
-    """A cylinder of a string.
-
-    A value that breaks its rule is refused: ``length = 0: must be at least 0.001 m``.
-    """
-
-    diameter: Annotated[float, METRES, NOT_NEGATIVE, "Outer diameter."]
-    length: Annotated[float, METRES, NOT_NEGATIVE, at_least(SHORTEST, "m"), "Length."]
-    position: Annotated[float, METRES, NOT_NEGATIVE,
-        "From the lower end of the string, the bit, up to the lower end of the body.",
-    ] = 0.0  # fmt: skip
 
 
 @dataclass(frozen=True)

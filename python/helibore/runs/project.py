@@ -38,16 +38,25 @@ from helibore.base.errors import InputError, check_choice
 from helibore.base.nulls import NULLS
 from helibore.channels.roles import ROLES, Role, RoleMap
 from helibore.images.sector_image import Origin
+from helibore.runs.former_options import with_tables
+from helibore.settings.cement_settings import CementTable
 from helibore.settings.column_settings import Columns
 from helibore.settings.declared import FINITE, METRES, Declared, Stated
 from helibore.settings.header_settings import Header
+from helibore.settings.output_settings import (
+    LogSettings,
+    MeshSettings,
+    PassageSettings,
+    StressSettings,
+    ViewSettings,
+)
 from helibore.settings.path_settings import PathSettings
 from helibore.settings.preparation_settings import Echo, Preparation
-from helibore.settings.print_settings import PrintSettings
+from helibore.settings.print_settings import Look, PrintTable
 from helibore.settings.reading_settings import ReadingSettings
 from helibore.settings.toml_reading import TomlSource, read_table
 from helibore.settings.wall_settings import Settings
-from helibore.settings.zone_settings import ZoneSettings
+from helibore.settings.zone_settings import ImageCriteria, ZoneSettings
 
 SOURCES = ("caliper", "average", "archive", "gauge")
 """Keys of the sources of a wall; each run has exactly one of them."""
@@ -55,7 +64,7 @@ SOURCES = ("caliper", "average", "archive", "gauge")
 FILES = ("caliper", "average", "archive", "image", "scalar", "track", "survey")
 """Keys of a project that name files."""
 
-SHOWN = ("header", "zones", "print", "look", "logs", "passage")
+SHOWN = ("header", "zones", "image_zones", "print", "look", "logs", "passage")
 """Tables that say how a wall is shown; an archive keeps them."""
 
 
@@ -112,20 +121,6 @@ class Output(Declared):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ProjectPrint(PrintSettings):
-    """What a print and a report show, and the files that belong to them."""
-
-    paper: Annotated[Literal["a4", "a3", "roll"], "Paper of a PDF; PNG and SVG are rolls."] = "a4"
-    template: Annotated[Any, "File of a template, or the template itself as a table. None: helibore chooses."] = None
-    besides: Annotated[tuple[Path, ...], "Archives of other wells or passes, to show on the same depths."] = ()
-    picks: Annotated[Path | None, "Table of the picks. None: that beside the first file shown."] = None
-    scalars: Annotated[tuple[Literal["inclination"], ...], "Curves in tracks of their own that need no file."] = ()
-    sigma: Annotated[bool, "Add the standard uncertainty of the radius."] = False
-    no_polar: Annotated[bool, "Draw no cross sections."] = False
-    no_body: Annotated[bool, "Draw no 3-D view."] = False
-
-
-@dataclass(frozen=True, kw_only=True)
 class Project(Declared):
     """A well: its files, and everything that decides the bytes of an output."""
 
@@ -151,17 +146,21 @@ class Project(Declared):
     wall: Annotated[Settings | None, "Settings of the wall; an archive has its own."] = None
     header: Annotated[dict[str, Any], Stated(Header), "Header."] = field(default_factory=dict)
     zones: Annotated[dict[str, Any], Stated(ZoneSettings), "Criteria of zones."] = field(default_factory=dict)
-    print: Annotated[dict[str, Any], Stated(ProjectPrint), "Prints and reports."] = field(default_factory=dict)
-    look: Annotated[dict[str, Any], "Colours of images and scales of curves."] = field(default_factory=dict)
-    logs: Annotated[dict[str, Any], "Tables of logs and zones."] = field(default_factory=dict)
-    passage: Annotated[dict[str, Any], "What passes through the hole."] = field(default_factory=dict)
-    stress: Annotated[dict[str, Any], "Direction of the greatest horizontal stress."] = field(default_factory=dict)
-    cement: Annotated[dict[str, Any], "Cement of a casing."] = field(default_factory=dict)
-    mesh: Annotated[dict[str, Any], "Meshes."] = field(default_factory=dict)
-    view: Annotated[dict[str, Any], "The page in the browser."] = field(default_factory=dict)
-    options: Annotated[dict[str, Any], "Options of the command, in files of earlier versions."] = field(
+    image_zones: Annotated[dict[str, Any], Stated(ImageCriteria), "Criteria of breakouts in images."] = field(
         default_factory=dict
     )
+    print: Annotated[dict[str, Any], Stated(PrintTable), "Prints and reports."] = field(default_factory=dict)
+    look: Annotated[dict[str, Look], "Colours of images and scales of curves."] = field(default_factory=dict)
+    logs: Annotated[dict[str, Any], Stated(LogSettings), "Tables of logs and zones."] = field(default_factory=dict)
+    passage: Annotated[dict[str, Any], Stated(PassageSettings), "What passes through the hole."] = field(
+        default_factory=dict
+    )
+    stress: Annotated[dict[str, Any], Stated(StressSettings), "Direction of the greatest horizontal stress."] = field(
+        default_factory=dict
+    )
+    cement: Annotated[dict[str, Any], Stated(CementTable), "Cement of a casing."] = field(default_factory=dict)
+    mesh: Annotated[dict[str, Any], Stated(MeshSettings), "Meshes."] = field(default_factory=dict)
+    view: Annotated[dict[str, Any], Stated(ViewSettings), "The page in the browser."] = field(default_factory=dict)
 
     def _check(self) -> None:
         if sum(bool(getattr(self, name)) for name in SOURCES) != 1:
@@ -234,6 +233,7 @@ def read_project(path: str | os.PathLike[str] | None, over: Mapping[str, Any] | 
     Raise InputError if a setting breaks its rule; the error names file, line, table, key and rule.
     """
     source, tree = (TomlSource(""), {}) if path is None else TomlSource.load(Path(path))
+    tree = with_tables(tree, source) if source.recorded else tree
     over = dict(over or {})
     if "archive" in tree or "archive" in over:
         over.pop("wall", None)
@@ -247,7 +247,8 @@ def read_project(path: str | os.PathLike[str] | None, over: Mapping[str, Any] | 
 
 def project_of(tree: dict[str, Any], place: str) -> Project:
     """Return a project from its tables; every error begins with ``place``."""
-    return read_table(Project, tree, TomlSource(place, recorded=True))
+    source = TomlSource(place, recorded=True)
+    return read_table(Project, with_tables(tree, source), source)
 
 
 def shown_tables(tables: Any, place: str) -> dict[str, dict[str, Any]]:

@@ -56,6 +56,7 @@ from helibore.runs.wall_of_samples import wall_of_samples
 from helibore.samples.caliper import LARGEST_RADIUS, Caliper
 from helibore.samples.helix import WallLike
 from helibore.settings.column_settings import Columns
+from helibore.settings.declared import Declared
 from helibore.settings.reading_settings import ReadingSettings
 from helibore.settings.wall_settings import Settings
 from helibore.settings.zone_settings import Criteria
@@ -277,7 +278,7 @@ def tables_to_keep(project: Project) -> dict[str, dict[str, Any]]:
             table["template"] = read_toml(template, template.name)
         table = {key: value for key, value in table.items() if not _files_in(value)}
         if table:
-            tables[name] = json.loads(json.dumps(table))
+            tables[name] = json.loads(json.dumps(table, default=Declared.changed))
     return tables
 
 

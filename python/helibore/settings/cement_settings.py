@@ -44,3 +44,13 @@ class CementJob(Declared):
                 raise InputError(name, f"must be above the shoe, {self.shoe:g} m", f"{depth:g}")
         if self.shoe_track > 0 and self.inner_diameter is None:
             raise InputError("shoe_track", "needs inner_diameter", f"{self.shoe_track:g}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class CementTable(CementJob):
+    """A casing to cement, and how sure the volumes of the hole are."""
+
+    sigma: Annotated[bool, Option(), "Also compute the uncertainty, by leaving samples out."] = False
+    caliper_accuracy: Annotated[float, METRES, NOT_NEGATIVE, Option(),
+        "Standard uncertainty that all radii share.",
+    ] = 0.0  # fmt: skip

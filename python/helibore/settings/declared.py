@@ -155,7 +155,8 @@ class Member:
     @cached_property
     def kind(self) -> Any:
         """The type without its arguments: float, int, bool, str, Path, Literal, tuple, dict or a declared class."""
-        return typing.get_origin(self.hint) or self.hint
+        hint, _ = words_of(self.hint)
+        return typing.get_origin(hint) or hint
 
     @cached_property
     def parts(self) -> tuple[Any, ...]:
@@ -245,11 +246,22 @@ class Member:
         return made
 
 
+def words_of(hint: Any) -> tuple[Any, tuple[Any, ...]]:
+    """Return a type, and the words that stand for a value of it: float and its words for ``float | Literal[...]``."""
+    if typing.get_origin(hint) not in (types.UnionType, typing.Union):
+        return hint, ()
+    kind, words = typing.get_args(hint)
+    return kind, typing.get_args(words)
+
+
 def _converted(hint: Any, value: Any) -> Any:
     """Return a value in a type; raise TypeError, whose text says what it must be, or OverflowError."""
+    hint, words = words_of(hint)
+    if words:
+        return value if value in words else _number(value, f"{NOUNS[float]}, or one of {', '.join(words)}")
     kind = typing.get_origin(hint) or hint
     if kind is float:
-        return _number(value)
+        return _number(value, NOUNS[float])
     if kind is int:
         return _integer(value)
     if kind is bool:
@@ -269,13 +281,13 @@ def _converted(hint: Any, value: Any) -> Any:
     return value
 
 
-def _number(value: Any) -> float:
+def _number(value: Any, noun: str) -> float:
     try:
         if not isinstance(value, str | bytes):
             return float(value)
     except (OverflowError, TypeError, ValueError):
         pass
-    raise TypeError(NOUNS[float])
+    raise TypeError(noun)
 
 
 def _integer(value: Any) -> int:
@@ -314,7 +326,7 @@ def _members(kind: type[Any]) -> dict[str, Member]:
     for each in dataclasses.fields(kind):
         hint, *marks = typing.get_args(given) if typing.get_origin(given := hints[each.name]) is Annotated else [given]
         kinds = typing.get_args(hint) if typing.get_origin(hint) in (types.UnionType, typing.Union) else (hint,)
-        (plain,) = (one for one in kinds if one is not type(None))
+        plain: Any = typing.Union[tuple(one for one in kinds if one is not type(None))]  # noqa: UP007
         default = each.default if each.default_factory is MISSING else each.default_factory()
         found[each.name] = Member(each.name, plain, type(None) in kinds, default, tuple(marks))
     return found

@@ -4,12 +4,20 @@ from __future__ import annotations
 
 from typing import Any
 
-from helibore.settings.cement_settings import CementJob
+from helibore.settings.cement_settings import CementTable
 from helibore.settings.column_settings import Columns
 from helibore.settings.header_settings import Header
+from helibore.settings.output_settings import (
+    LogSettings,
+    MeshSettings,
+    PassageSettings,
+    RigidBody,
+    StressSettings,
+    ViewSettings,
+)
 from helibore.settings.path_settings import PathSettings
 from helibore.settings.preparation_settings import Echo, Preparation
-from helibore.settings.print_settings import Look, PrintSettings
+from helibore.settings.print_settings import Look, PrintTable
 from helibore.settings.reading_settings import ReadingSettings
 from helibore.settings.role_settings import ChannelRole, MapOfRoles, RoleOfNames
 from helibore.settings.template import Template, TemplateTrack
@@ -26,8 +34,14 @@ GROUPS: dict[str, type[Any]] = {
     "wall": Settings,
     "zones": ZoneSettings,
     "image_zones": ImageCriteria,
-    "cement": CementJob,
-    "print": PrintSettings,
+    "logs": LogSettings,
+    "passage": PassageSettings,
+    "passage.body": RigidBody,
+    "stress": StressSettings,
+    "cement": CementTable,
+    "mesh": MeshSettings,
+    "view": ViewSettings,
+    "print": PrintTable,
     "look.NAME": Look,
     "template": Template,
     "template.track": TemplateTrack,

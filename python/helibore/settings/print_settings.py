@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from pathlib import Path
 from string import ascii_uppercase
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from helibore.base.errors import InputError
-from helibore.settings.declared import DEGREES, FINITE, METRES, POSITIVE, Declared, Option, Rule, within
+from helibore.settings.declared import DEGREES, FINITE, METRES, POSITIVE, Declared, Formerly, Option, Rule, within
 from helibore.settings.template import SizeUnit
 
 MOST_SECTIONS = len(ascii_uppercase)
@@ -54,6 +55,28 @@ class PrintSettings(Declared):
         "Height of depth 0 above sea level; true depths are then TVDSS. Depth 0 is the rotary table or kelly bushing. "
         "True depths stand under the measured depths if the survey gives them. None: true depths are TVD.",
     ] = None  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class PrintTable(PrintSettings):
+    """What a print and a report show, and the files that belong to them."""
+
+    paper: Annotated[Literal["a4", "a3", "roll"], Option(), "Paper of a PDF; PNG and SVG are rolls."] = "a4"
+    template: Annotated[Any,
+        "TOML file of tracks, widths, units and scale, as the viewer saves it, or its tables. None: helibore chooses.",
+    ] = None  # fmt: skip
+    beside: Annotated[tuple[Path, ...], Formerly("besides"), Option(metavar="FILE"),
+        "Archive of another well or pass, to show on the same depths.",
+    ] = ()  # fmt: skip
+    picks: Annotated[Path | None,
+        "Table of the picks (CSV). None: FILE.picks.csv beside the first file shown.",
+    ] = None  # fmt: skip
+    scalar: Annotated[tuple[Literal["inclination"], ...], Formerly("scalars"),
+        "Curves in tracks of their own that need no file; those of files are the tables [[scalar]].",
+    ] = ()  # fmt: skip
+    sigma: Annotated[bool, Option(), "Add the standard uncertainty of the radius."] = False
+    no_polar: Annotated[bool, Option(), "Draw no cross sections."] = False
+    no_body: Annotated[bool, Option(), "Draw no 3-D view."] = False
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -20,7 +20,7 @@ from typing import Any, Literal, TypeVar
 from helibore.base import units
 from helibore.base.errors import InputError, unknown_name
 from helibore.base.toml_file import parse_toml, read_text
-from helibore.settings.declared import NOUNS, Member, Unit, members, shown
+from helibore.settings.declared import NOUNS, Member, Unit, members, shown, words_of
 
 Key = str | int
 Made = TypeVar("Made")
@@ -160,9 +160,19 @@ def _read_keys(
 
 def read_stated(kind: type[Any], tree: Any, source: TomlSource, keys: tuple[Key, ...]) -> dict[str, Any]:
     """Return only what a table states, by the names of the settings, each checked by the rules of the class."""
-    values = _read_keys(members(kind), tree, source, keys, {})
+    known = members(kind)
+    values = _read_keys(known, tree, source, keys, {})
+    if any(member.default is MISSING and name not in values for name, member in known.items()):
+        return {name: _checked(known[name], value, source, keys) for name, value in values.items()}
     made = _made(kind, values, source, keys)
     return {name: getattr(made, name) for name in values}
+
+
+def _checked(member: Member, value: Any, source: TomlSource, keys: tuple[Key, ...]) -> Any:
+    try:
+        return member.checked(value)
+    except InputError as error:
+        raise InputError(source.place((*keys, error.place)), error.rule, error.value) from error
 
 
 def _made(kind: type[Made], values: dict[str, Any], source: TomlSource, keys: tuple[Key, ...]) -> Made:
@@ -195,15 +205,21 @@ def read_value(
     """Return a value of TOML in a type.
 
     "none" stands for None where None is allowed; a text such as "8.5in" is a number where the number has a unit; the
-    name of a file or of an item is a table that has only this name, and one table is a list of tables.
+    name of a file or of an item is a table that has only this name, a list of plain values is a table that has them in
+    the order of its keys, and one table is a list of tables.
     """
     if value == "none" and optional:
         return None
+    hint, words = words_of(hint)
+    if words:
+        return value if value in words else _number_or_word(hint, words, unit, value, source, keys)
     kind = typing.get_origin(hint) or hint
     if dataclasses.is_dataclass(kind):
         known = members(typing.cast(type[Any], kind))
         alone = next((name for name, of in ALONE.items() if name in known and isinstance(value, of)), None)
         value = value if alone is None else {alone: value}
+        if isinstance(value, list) and len(value) <= len(known):
+            value = dict(zip(known, value, strict=False))
         return read_table(typing.cast(type[Any], kind), value, source, keys)
     if kind is tuple:
         return _read_list(typing.get_args(hint), unit, value, source, keys)
@@ -224,6 +240,15 @@ def read_value(
     if hint is Any or type(value) is kind or value in choices:
         return value
     raise source.error(keys, f"must be {'one of ' + ', '.join(map(str, choices)) if choices else NOUNS[kind]}", value)
+
+
+def _number_or_word(
+    hint: Any, words: tuple[Any, ...], unit: Unit | None, value: Any, source: TomlSource, keys: tuple[Key, ...]
+) -> Any:
+    try:
+        return read_value(hint, False, unit, value, source, keys)
+    except InputError as error:
+        raise source.error(keys, f"{error.rule}; or one of {', '.join(words)}", value) from error
 
 
 def _read_list(parts: tuple[Any, ...], unit: Unit | None, value: Any, source: TomlSource, keys: tuple[Key, ...]) -> Any:
@@ -257,7 +282,8 @@ def parse_setting(member: Member, text: str, name: str = "") -> Any:
     try:
         return member.checked(read_value(member.hint, member.optional, member.unit, value, source, ()))
     except InputError as error:
-        rule = error.rule + _unit_hint(member, text)
+        inner = error.place.removeprefix(f"{source.name}: ").strip()  # of a table in a list: 1.length
+        rule = (f"{inner}: " if inner[:1].isdigit() and "." in inner else "") + error.rule + _unit_hint(member, text)
         raise InputError(source.name, rule, shown(text) if error.value else None) from error
 
 
@@ -277,8 +303,12 @@ def _as_toml(text: str, member: Member) -> Any:
     if member.kind is not tuple or text.startswith("["):
         return _scalar(text)
     parts = [part.strip() for part in text.split(",") if part.strip()]
+    if member.parts[0] is Path:
+        return [text]  # a name may have a comma
     if member.parts[0] is str:
         return parts
+    if dataclasses.is_dataclass(member.parts[0]):
+        return [[_scalar(part) for part in parts]]
     return [[_scalar(one) for one in part.split("=", 1)] if "=" in part else _scalar(part) for part in parts]
 
 

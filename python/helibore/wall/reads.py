@@ -30,11 +30,12 @@ from helibore.wall.wall_columns import MEASURED, WallColumns
 if TYPE_CHECKING:
     from xarray import Dataset
 
-    from helibore.logs.passage import Drift, Passage, RigidBody
+    from helibore.logs.passage import Drift, Passage
     from helibore.logs.summary import WallSummary
     from helibore.logs.turn_logs import Logs
     from helibore.logs.zone_criteria import Criteria
     from helibore.logs.zones import Classification
+    from helibore.settings.output_settings import RigidBody
     from helibore.settings.wall_settings import Settings
 
 

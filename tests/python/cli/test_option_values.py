@@ -119,10 +119,10 @@ def test_options_of_a_drawing_are_arguments_of_the_plot(monkeypatch: pytest.Monk
         ),
         (
             ("plot", "w.wall", "--look", "GR=window:wide", "-o", "w.png"),
-            "--look GR=window:wide: 'wide': must be a number with",
+            "--look GR=window:wide = 'wide': must be a number with",
         ),
         (("plot", "w.wall", "--unit", "ft", "--template", "t.toml", "-o", "w.png"), "--unit: does not go with --temp"),
-        (("logs", "w.wall", "-s", "zones.symmetry=x", "-o", "w.las"), "-s zones.symmetry=x: must be a number"),
+        (("logs", "w.wall", "-s", "zones.symmetry=x", "-o", "w.las"), "-s zones.symmetry = 'x': must be a number"),
     ],
 )
 @pytest.mark.usefixtures("folder")

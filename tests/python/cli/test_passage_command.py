@@ -58,8 +58,8 @@ def test_a_string_that_does_not_pass(wall: Path, tmp_path: Path) -> None:
     [
         (("--length", "9m"), "length of the string = 9: must be shorter than the wall, 8 m of whole turns"),
         (("--length", "1m", "--body", "8in,1m"), "--length and --body: give one of them"),
-        (("--body", "8in"), "must be DIAMETER,LENGTH or DIAMETER,LENGTH,POSITION"),
-        (("--length", "api-rod"), "must be metres or one of api-casing"),
+        (("--body", "8in"), "Invalid value for '--body': '8in': 1.length: is missing"),
+        (("--length", "api-rod"), "or one of api-casing, api-large-casing, api-tubing"),
     ],
 )
 def test_refused(wall: Path, tmp_path: Path, words: tuple[str, ...], message: str) -> None:

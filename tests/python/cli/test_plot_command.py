@@ -83,7 +83,7 @@ def test_scalar_tracks_and_a_header_from_the_file_and_the_command_line(tmp_path:
     assert "1 of dips.csv" in again.output
     settings = tomllib.loads((tmp_path / "log.svg.toml").read_text())
     assert [(one["file"], one["name"]) for one in settings["scalar"]] == [(las.name, "GR"), (las.name, "RT")]
-    assert settings["print"]["scalars"] == ["inclination"]
+    assert settings["print"]["scalar"] == ["inclination"]
     las.write_text(las.read_text().replace("70", "71"))
     changed = run_cli(tmp_path / "log.svg.toml", "-o", tmp_path / "again.svg")
     assert changed.exit_code == 2
@@ -218,8 +218,8 @@ def test_the_header_line_of_an_average_caliper(tmp_path: Path) -> None:
         (("--scalar", "mem.las:GR", "--from", "2010m"), "curve 'GR', 2010 to 2022 m: has no value there"),
         (("--scalar", "mem.las:GR", "--look", "GR=log", "--look", "GR=0,9"), "curve 'GR': a logarithmic scale needs "
                                                                          "limits above 0"),
-        (("--header", "colour=red"), "--header colour=red: must be NAME=TEXT, NAME one of company, well, field, "
-                                     "location, service, run, date, datum, kb, gl, bit, mud, remarks"),
+        (("--header", "colour=red"), "--header colour: must be one of company, well, field, location, service, run, "
+                                     "date, datum, kb, gl, bit, mud, remarks"),
     ],
 )  # fmt: skip
 def test_what_is_refused_of_scalar_tracks_and_headers(
@@ -271,8 +271,11 @@ def test_pages_wider_than_their_paper_are_named(tmp_path: Path, archive: Path) -
             ["-o", "log.png", "--scale", "1:x"],
             "'--scale': 'x': must be a whole number, such as 200",
         ),
-        (["-o", "log.png", "--look", "GR=9,1"], "--look GR=9,1: LOW must be below HIGH"),
-        (["-o", "log.png", "--look", "9,1"], "--look =9,1: must be NAME=..."),
+        (["-o", "log.png", "--look", "GR=9,1"], "look.GR: limits = (9.0, 1.0): the first must be below the second"),
+        (
+            ["-o", "log.png", "--look", "9,1"],
+            "--look 9,1: must be NAME=LOW,HIGH, log, linear, map:MAP or",
+        ),
         (["-o", "log.png", "--look", "GR=map:jet"], "color_map = 'jet': must be one of image, viridis"),
         (["-o", "log.png", "--picks", "no.csv"], "Invalid value for '--picks': File 'no.csv' does not exist."),
         (["-o", "log.png", "--gauge"], "give exactly one of SOURCE, --average and --gauge"),

@@ -21,6 +21,8 @@ from helibore.runs.run import checksum
 from helibore.settings.declared import members
 from helibore.settings.groups import GROUPS
 from helibore.settings.header_settings import Header
+from helibore.settings.look_texts import look_of_setting
+from helibore.settings.print_settings import Look
 
 OLD = Path(__file__).parent / "data/settings_56ff07e9"
 """Files that the code of revision 56ff07e9 wrote beside its outputs, the manifest of that code, and their inputs."""
@@ -91,7 +93,7 @@ def test_options_that_56ff07e9_recorded_become_tables() -> None:
     again = tomllib.loads(Path("again.las.toml").read_text())
     assert again["zones"] == {"washout": pytest.approx(0.3 * 0.0254), "scaled": True}
     assert again["header"] == {"company": "ACME"}
-    assert (again["logs"]["step"], again["logs"]["casings"]) == (0.5, [pytest.approx(0.1778)])
+    assert (again["logs"]["step"], again["logs"]["casing"]) == (0.5, [pytest.approx(0.1778)])
     assert (again["start_depth"], again["stop_depth"]) == (1000.5, 1002.0)
 
 
@@ -155,7 +157,15 @@ def test_the_command_line_counts_over_setting_project_archive_and_default(golden
         ("scale = 500", "skale = 500", "line 14: print.skale", "not known; did you mean scale?"),
         ("scale = 500", "scale = 0.5", "line 14: print.scale = 0.5", "must be an integer"),
         ('"0.05in"', '"0.05deg"', "line 12: zones.washout = '0.05deg'", "unit 'deg'"),
-        ("[logs]", "[mesh]", "the project: mesh.step", "not known; did you mean"),
+        ("[logs]", "[mesh]", "line 17: mesh.step", "must be one of shell, sigma"),
+        ('"0.5m"', '"0.5deg"', "line 17: logs.step = '0.5deg'", "unit 'deg'"),
+        ("[logs]", "[view]\ntoken = 'x'\n[logs]", "line 17: view.token", "must be one of host"),
+        ("[logs]", "[view]\nport = 99999\n[logs]", "line 17: view.port = 99999", "must lie in 0 to 65535"),
+        ("[logs]", "[look.GR]\nlimitz = [1, 2]\n[logs]", "line 17: look.GR.limitz", "not known; did you mean limits?"),
+        ("[logs]", "[look.GR]\nlimits = [2, 1]\n[logs]", "line 17: look.GR.limits = (2.0, 1.0)", "the first must be"),
+        ("[logs]", "[image_zones]\ndark = 2\n[logs]", "line 17: image_zones.dark = 2", "must be in (0, 1)"),
+        ("[logs]", "[passage]\nbody = [['8in']]\n[logs]", "line 17: passage.body 1.length", "is missing"),
+        ("[logs]", "[logs]\ncasings = [1]", "line 17: logs.casings", "is now called casing"),
         ('caliper = "c.csv"', "gauge = 3", "line 1: gauge = 3", "must be true or false"),
     ],
 )
@@ -179,13 +189,83 @@ def test_a_file_with_a_checksum_is_the_only_one_that_is_taken(folder: Path) -> N
     assert (refused.exit_code, refused.stderr.startswith("helibore: c.csv: has changed since the run")) == (2, True)
 
 
+STATED = [
+    ("logs", "logs.step", "0m", "'0m'"),
+    ("logs", "logs.drift", "['9s']", "['9s']"),
+    ("logs", "image_zones.dark", "2", "2"),
+    ("logs", "header.company", "ACME", None),
+    ("mesh", "mesh.shell", "-1m", "['-1m']"),
+    ("passage", "passage.limit", "-1m", "'-1m'"),
+    ("passage", "passage.body", "8in", "[['8in']]"),
+    ("report", "print.left", "45", "45"),
+    ("plot", "print.dpi", "3", "3"),
+    ("plot", "look.GR.window", "-1m", "'-1m'"),
+    ("plot", "look.GR.wndow", "1m", "'1m'"),
+]
+"""Verb, setting, its value on the command line and in TOML; None: a value that breaks no rule."""
+
+
+@pytest.mark.parametrize(("verb", "name", "text", "toml"), STATED)
+@pytest.mark.usefixtures("folder")
+def test_a_table_and_the_command_line_refuse_a_value_with_the_same_words(
+    verb: str, name: str, text: str, toml: str | None
+) -> None:
+    output = ("-o", {"plot": "p.png", "report": "p.html", "mesh": "m.vtu"}.get(verb, "t.csv"))
+    stated = run(verb, "well.toml", *output, "-q", "-s", f"{name}={text}")
+    if toml is None:
+        assert stated.exit_code == 0, stated.output
+        return
+    group, _, key = name.rpartition(".")
+    Path("well.toml").write_text(f"{WELL.partition('[print]')[0]}[{group}]\n{key} = {toml}\n")
+    read = run(verb, "well.toml", *output, "-q")
+    assert (stated.exit_code, read.exit_code) == (2, 2), (stated.output, read.output)
+    rule = read.stderr.rpartition(": ")[2].strip()
+    assert read.stderr.startswith(f"helibore: well.toml, line 14: {name}"), read.stderr
+    assert rule in stated.stderr, stated.stderr
+
+
+@pytest.mark.usefixtures("folder")
+def test_looks_of_a_project_its_archive_and_the_command_line_are_merged() -> None:
+    Path("well.toml").write_text(WELL + "[look.radius_m]\nlimits = [0.09, 0.13]\n")
+    assert run("reconstruct", "well.toml", "-o", "w.wall", "-q").exit_code == 0
+    stated = ("--scalar", "c.csv:radius_m", "--look", "radius_m=log", "-s", "look.radius_m.limits=0.1,0.12")
+    made = run("plot", "w.wall", "-o", "p.png", "-q", *stated, "--no-body", "--no-polar")
+    assert made.exit_code == 0, made.output
+    kept = tomllib.loads(Path("p.png.toml").read_text())["look"]
+    assert kept == {"radius_m": {"limits": [0.1, 0.12], "log": True}}
+    assert look_of_setting("A.B.log=false", "") == ("A.B", {"log": False})
+
+
+def test_options_for_images_that_an_earlier_version_recorded_become_looks(folder: Path) -> None:
+    (folder / "p.png.toml").write_text(
+        'helibore = "0.1.0"\nverb = "plot"\ngauge = true\n[wall]\nbit_diameter = 0.2\n[options]\nscale = "1:500"\n'
+        'limits = ["GR=0.2,150"]\nlogs = ["GR"]\ncolor_maps = ["A=B=viridis"]\ndynamic = ["X=2m"]\nunit = "mm"\n'
+        'besides = ["w.wall"]\nheaders = ["company=ACME=B"]\ncriteria = ["key-seat=0.3in"]\nscaled = true\n'
+        '[look]\ncolor_map = ["M=viridis"]\n'
+    )
+    read = read_project("p.png.toml")
+    assert read.look["GR"] == Look(limits=(0.2, 150.0), log=True)
+    assert (read.look["A=B"], read.look["X"]) == (Look(color_map="viridis"), Look(window=2.0))
+    assert read.look["M"] == Look(color_map="viridis")
+    assert read.print == {"scale": 500, "unit": "mm", "beside": (Path("w.wall"),)}
+    assert (read.header, read.zones) == (
+        {"company": "ACME=B"},
+        {"key_seat": pytest.approx(0.3 * 0.0254), "scaled": True},
+    )
+
+
 def test_every_group_of_settings_is_a_table_of_a_project() -> None:
     """So a setting that is declared is a key of the project, too."""
     own: dict[str, Any] = members(Project)
     for group, kind in GROUPS.items():
-        if "." in group or group in ("template", "map", "image_zones", "look"):
+        name, _, part = group.partition(".")
+        if name in ("template", "map"):
+            continue  # files of their own
+        if group == "passage.body":
+            own_part: Any = members(own[name].stated)[part].parts[0]  # type: ignore[arg-type]
+            assert own_part is kind
             continue
-        table = own[group].stated or own[group].hint
+        table = own[name].parts[1] if part else own[name].stated or own[name].hint
         assert issubclass(table, kind), group
         assert members(kind).keys() <= members(table).keys()
     assert tuple(NAMES) == tuple(members(Header))
