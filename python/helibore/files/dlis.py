@@ -105,6 +105,8 @@ def _frame(source: InputFile, name: str, frame: Any, parameters: dict[str, str])
         labels = list(dtype.names[1:])  # the first is FRAMENO
         if not labels:
             raise source.error(f"frame {name}: holds no channel")
+        least = len(frame.logicalfile.fdata_index.get(frame.fingerprint, [])) * dtype.itemsize
+        check_unpacked(f"{source.path.name}: frame {name}", least, source.path.stat().st_size)
         count = _count(source, frame, dtype.itemsize)
         check_unpacked(f"{source.path.name}: frame {name}", count * dtype.itemsize, source.path.stat().st_size)
         stated = {"index_type": frame.index_type, "direction": frame.direction, "spacing": frame.spacing}

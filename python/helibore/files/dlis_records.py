@@ -20,7 +20,7 @@ PARTS = {"i": "i", "J": "i", "s": "s", "Q": "s", "S": "S", "o": "ius", "O": "siu
 
 def has_texts(layout: str) -> bool:
     """Return whether rows of a layout (`dlisio.dlis.Frame.fmtstr`) hold values of no fixed size."""
-    return any(letter in PARTS for letter in layout[1:])
+    return not set(PARTS).isdisjoint(layout[1:])
 
 
 def rows_of(records: Iterable[bytes], layout: str) -> int:
