@@ -15,7 +15,7 @@ namespace helibore::bindings {
 
 namespace {
 
-std::string_view view_of(const py::buffer_info& bytes) {
+std::string_view text_of(const py::buffer_info& bytes) {
     if (bytes.itemsize != 1 || bytes.ndim != 1 || (bytes.size > 1 && bytes.strides[0] != 1))
         throw InputError("bytes", "must be contiguous bytes");
     return {static_cast<const char*>(bytes.ptr), static_cast<std::size_t>(bytes.size)};
@@ -28,7 +28,7 @@ py::tuple arrays_of(wits::Batch&& batch) {
 
 py::tuple feed(wits::Parser& parser, const py::buffer& bytes) {
     const py::buffer_info view = bytes.request();
-    const std::string_view text = view_of(view);
+    const std::string_view text = text_of(view);
     wits::Batch batch;
     {
         const WithoutGil released;
