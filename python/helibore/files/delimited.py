@@ -50,6 +50,9 @@ COMMENT = "comment: "
 """Start of the remark on a comment line above the header."""
 
 _AROUND_COMMENT = " #\t"
+_AROUND_TITLE = " \t\r,;|"
+MOST_TITLES = 20
+"""The most lines with text above the names of the columns that are taken for titles."""
 
 PETREL = {
     re.compile(r"WELL (KB|DATUM)\b.*:\s*[-+\d.]+\s*\((?P<unit>m|ft)\)", re.IGNORECASE): ("MD", "TVD"),
@@ -167,6 +170,10 @@ def find_layout(source: InputFile, head: str) -> TableLayout:
     filled = [line for line in lines[start:] if line.strip()]
     if not filled:
         raise source.error(f"no header and no rows within {HEADING_LINES} lines", start)
+    titles = [] if stated or header_line is not None else _titles(filled)
+    remarks += [f"{COMMENT}{title.strip(_AROUND_TITLE)}" for title in titles]
+    filled = filled[len(titles) :]
+    start = lines.index(filled[0], start)
     rows = [
         filled[0],
         *dropwhile(lambda line: line.startswith("#"), filled[1:]),
@@ -189,6 +196,20 @@ def find_layout(source: InputFile, head: str) -> TableLayout:
         units = [cell.strip("()[] ") for cell in second]
         skip = lines.index(rows[1], skip) + 1
     return TableLayout(delimiter, names, units, skip, remarks)
+
+
+def _titles(lines: list[str]) -> list[str]:
+    """Return the lines above the names of the columns (``Well: A-7``): a delimiter cuts only what follows evenly.
+
+    The names are the first line of that, and none of them is a number or empty.
+    """
+    for count in range(min(MOST_TITLES + 1, len(lines) - 2)):
+        for mark in DELIMITERS:
+            cells = [split_cells(line, mark) for line in lines[count : count + 20]]
+            if len(cells[0]) > 1 and len({len(row) for row in cells}) == 1:
+                named = not any(is_number(cell) or not cell.strip() for cell in cells[0])
+                return lines[:count] if named else []
+    return []
 
 
 def _names_between_blanks(header: str, width: int) -> list[str]:

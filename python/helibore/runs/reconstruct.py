@@ -1,7 +1,7 @@
 """`hb.reconstruct`: from samples or readings to a wall in one call.
 
     caliper                              -->  wall          hb.reconstruct(caliper, bit_diameter=0.216)
-    readings --preparation--> caliper    -->  wall          hb.reconstruct(file.readings(), bit_diameter=..., ...)
+    readings --preparation--> caliper    -->  wall          hb.reconstruct(hb.open("caliper.las"), bit_diameter=...)
     well.toml                            -->  wall          hb.reconstruct("well.toml")
 
 ``helibore.preparation`` describes the preparation; ``helibore.runs.run`` repeats runs from settings files.
@@ -21,6 +21,7 @@ from helibore.settings.wall_settings import Settings
 from helibore.wall.wall import Wall
 
 if TYPE_CHECKING:
+    from helibore.channels.log_set import LogFile, LogSet
     from helibore.preparation.prepare import Preparation, Prepared, Track
     from helibore.preparation.readings import Readings
     from helibore.settings.keywords import WallSettings
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 
 
 def reconstruct(
-    samples: Caliper | Prepared | Readings | Sequence[Readings] | str | os.PathLike[str],
+    samples: Caliper | Prepared | Readings | Sequence[Readings] | LogFile | LogSet | str | os.PathLike[str],
     *,
     bit_diameter: float | None = None,
     preparation: Preparation | None = None,
@@ -42,10 +43,10 @@ def reconstruct(
     Parameters
     ----------
     samples
-        A caliper, whose basis becomes the basis of the wall; the result of `helibore.prepare`; or the readings of one
-        file, or of several files of one hole, earliest first (``hb.open("caliper.las").readings()``), which are
-        prepared here; or the name of a project (``well.toml``, also ``wall.glb.toml`` that helibore wrote beside an
-        output), which states everything that is not given here.
+        A caliper, whose basis becomes the basis of the wall; the result of `helibore.prepare`; what `helibore.open`
+        returns of a file or a data frame; its readings (``hb.open("caliper.las").readings()``), or those of several
+        files of one hole, earliest first, which are prepared here; or the name of a project (``well.toml``, also
+        ``wall.glb.toml`` that helibore wrote beside an output), which states everything that is not given here.
     preparation, track
         As in `helibore.prepare`, for readings.
     path

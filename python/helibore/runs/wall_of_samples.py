@@ -12,6 +12,7 @@ from helibore.wall.interpolation import on_quads
 from helibore.wall.wall import Wall, wall_of
 
 if TYPE_CHECKING:
+    from helibore.channels.log_set import LogFile, LogSet
     from helibore.preparation.prepare import Preparation, Prepared, Track
     from helibore.preparation.readings import Readings
     from helibore.settings.keywords import WallSettings
@@ -22,7 +23,7 @@ DIFFERENCE = "difference"
 
 
 def wall_of_samples(
-    samples: Caliper | Prepared | Readings | Sequence[Readings],
+    samples: Caliper | Prepared | Readings | Sequence[Readings] | LogFile | LogSet,
     bit_diameter: float,
     preparation: Preparation | None = None,
     path: Path | None = None,
@@ -36,8 +37,11 @@ def wall_of_samples(
         caliper = samples
     else:
         refuse_table(samples, "samples")
+        from helibore.channels.log_set import LogFile, LogSet
         from helibore.preparation.prepare import Prepared, prepare
 
+        if isinstance(samples, LogFile | LogSet):
+            samples = samples.readings(bit_diameter=bit_diameter if bit_diameter > 0 else None)
         if not isinstance(samples, Prepared):
             samples = prepare(samples, preparation, path, track, bit_diameter if bit_diameter > 0 else None)
             preparation = track = None

@@ -242,7 +242,7 @@ def test_wits_says_what_a_file_is_refused_for(tmp_path):
         source = f'[source.mwd]\naddress = "host"\nunits = "metric"\n[source.mwd.caliper]\n{items}'
         with pytest.raises(hb.InputError) as caught:
             parse(f"[wall]\nbit_diameter = 0.216\nstart_depth = 2000.0\n{source}")
-        assert caught.value.place == f"source.mwd.caliper.{name.removeprefix('no ')}"
+        assert caught.value.place.endswith(f"source.mwd.caliper.{name.removeprefix('no ')}")
 
 
 def test_two_pairs_of_arms_by_wits_have_the_samples_of_the_file(tmp_path):

@@ -446,3 +446,17 @@ def test_unknown_channel_and_folder(tmp_path: Path) -> None:
     values = file["a"].values
     with pytest.raises(ValueError, match="read-only"):
         values[0] = 3.0
+
+
+@pytest.mark.parametrize("title", ["Well: A-7", "Well,A-7", "Caliper log of A-7, run 2", "WELL A-7\n\nRun;2"])
+def test_titles_above_the_names_are_kept_as_remarks(tmp_path: Path, title: str) -> None:
+    file = hb.open(write(tmp_path, f"{title}\nMD,TF,CAL\nFT,DEG,IN\n1,2,3\n2,3,4\n3,4,5\n"))
+    assert [(channel.name, channel.unit) for channel in file] == [("MD", "FT"), ("TF", "DEG"), ("CAL", "IN")]
+    assert file["CAL"].values.tolist() == [3.0, 4.0, 5.0]
+    assert f"comment: {title.splitlines()[0]}" in file.set().remarks
+    assert file.set().line_of(0) == title.count("\n") + 4
+
+
+def test_a_row_of_numbers_is_no_title(tmp_path: Path) -> None:
+    with pytest.raises(hb.InputError):  # a name is missing: not the first row is the header
+        hb.open(write(tmp_path, "MD,TF\n1,2,3\n2,3,4\n3,4,5\n"))
