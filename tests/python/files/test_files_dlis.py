@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 from wall_samples import wall_samples
 
 import helibore as hb
@@ -66,7 +67,7 @@ def test_images_come_back_identical(tmp_path: Path, sectors: int) -> None:
         np.testing.assert_allclose(view.depth, (400_000 + 60.0 * np.arange(60)) * 0.00254)
 
 
-def test_a_frame_that_states_far_more_values_than_the_file_can_hold_is_refused(tmp_path: Path) -> None:
+def test_a_frame_that_states_far_more_values_than_the_file_can_hold_is_refused(tmp_path: Path, golden: Golden) -> None:
     path = tmp_path / "bomb.dlis"
     file = dliswriter.DLISFile()
     logical = file.add_logical_file()
@@ -79,7 +80,7 @@ def test_a_frame_that_states_far_more_values_than_the_file_can_hold_is_refused(t
     content = path.read_bytes()
     assert stated in content
     path.write_bytes(content.replace(stated, other))
-    with pytest.raises(hb.InputError, match=r"bomb\.dlis: frame MAIN: unpacks .*HELIBORE_LIMIT_UNPACKED raises"):
+    with golden.raises():
         hb.open(path)
 
 
@@ -93,16 +94,16 @@ def test_values_stay_after_close_and_frames_are_sets(tmp_path: Path) -> None:
     assert gamma.values[0] == first == 1.0
 
 
-def test_image_without_a_stated_axis(tmp_path: Path) -> None:
+def test_image_without_a_stated_axis(tmp_path: Path, golden: Golden) -> None:
     write(tmp_path / "w.dlis", 36, stated=False)
     with hb.open(tmp_path / "w.dlis") as file:
         assert (file.image("RADI").first, file.image("RADI").step) == (None, None)
-        with pytest.raises(ValueError, match=r"^w.dlis, column RADI: the angles of its sectors are not stated"):
+        with golden.raises():
             wall_samples(file)
 
 
 @pytest.mark.parametrize("last", [270.0, 240.0])
-def test_sectors_at_uneven_angles_are_refused(tmp_path: Path, last: float) -> None:
+def test_sectors_at_uneven_angles_are_refused(tmp_path: Path, last: float, golden: Golden) -> None:
     file = dliswriter.DLISFile()
     logical = file.add_logical_file()
     logical.add_origin("ORIGIN", file_set_number=1)
@@ -117,9 +118,9 @@ def test_sectors_at_uneven_angles_are_refused(tmp_path: Path, last: float) -> No
         if last == 270.0:
             assert columns.sector_image(origin="edge", reference="north").values.shape == (5, 4)
             return
-        with pytest.raises(ValueError, match=r"^RADI: 4 sectors, unevenly spaced: must be 90 around the hole$"):
+        with golden.raises():
             columns.sector_image(origin="edge", reference="north")
-        with pytest.raises(ValueError, match=r"^w.dlis, column RADI: the angles of its sectors are uneven: set first"):
+        with golden.raises():
             wall_samples(opened)
 
 
@@ -163,7 +164,7 @@ def test_text_that_is_not_utf8_is_reported(tmp_path: Path) -> None:
         assert any("unable to decode" in remark for remark in file.set().remarks)
 
 
-def test_a_damaged_or_empty_frame_does_not_block_the_others(tmp_path: Path) -> None:
+def test_a_damaged_or_empty_frame_does_not_block_the_others(tmp_path: Path, golden: Golden) -> None:
     write(tmp_path / "w.dlis", 36, frames=2)
     whole = (tmp_path / "w.dlis").read_bytes()
     undescribed = whole.replace(b"\x03GR1", b"\x03GX1", 1)  # the channel's own description; the frame still names GR1
@@ -184,9 +185,8 @@ def test_a_damaged_or_empty_frame_does_not_block_the_others(tmp_path: Path) -> N
     with hb.open(tmp_path / "w.dlis") as file:
         assert [(one.name, one.rows) for one in file.sets] == [("MAIN", 60)]
     (tmp_path / "w.dlis").write_bytes(without_rows(without_rows(whole, b"MAIN1"), b"MAIN"))
-    with pytest.raises(hb.InputError) as caught:
+    with golden.raises():
         hb.open(tmp_path / "w.dlis")
-    assert str(caught.value) == "w.dlis: DLIS without a frame that has rows"
 
 
 UVARI = {1: bytes([1]), 2: bytes([0x80, 1]), 4: bytes([0xC0, 0, 0, 1])}

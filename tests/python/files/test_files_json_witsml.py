@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 from refused_files import refused
 
 import helibore as hb
@@ -93,7 +94,7 @@ def test_large_json_is_refused_unread(tmp_path: Path, monkeypatch: pytest.Monkey
     refused(json_file(tmp_path, "[" + " " * 2000 + "]"), "more than 0 MiB of JSON")
 
 
-def test_a_damaged_or_empty_log_does_not_block_the_others(tmp_path: Path) -> None:
+def test_a_damaged_or_empty_log_does_not_block_the_others(tmp_path: Path, golden: Golden) -> None:
     good = {"header": {"name": "A"}, "curves": [curve("MD"), curve("R")], "data": [[1, 2], [3, None]]}
     bad = {"header": {"name": "B"}, "curves": [curve("MD")], "data": [[1], [1, 2]]}
     one = hb.open(json_file(tmp_path, [bad, good, good | {"header": {"name": "C"}, "data": []}])).set()
@@ -112,7 +113,7 @@ def test_a_damaged_or_empty_log_does_not_block_the_others(tmp_path: Path) -> Non
     )  # fmt: skip
     empty = LOG.replace("</logs>", '<log uid="M"><name>run 2</name></log></logs>')
     one = hb.open(xml_file(tmp_path, empty)).set()
-    assert one.remarks == ["another set is left out: w.xml: log 'run 2': no curves"]
+    golden(one.remarks)
     second = re.search("<log uid.*</log>", LOG, re.DOTALL)
     assert second
     damaged = second[0].replace("run 1", "run 2").replace("<data>,3,-77</data>", "<data>3,-77</data>")
@@ -121,11 +122,11 @@ def test_a_damaged_or_empty_log_does_not_block_the_others(tmp_path: Path) -> Non
     assert (one.name, one.rows, one.remarks) == ("run 1", 3, [text])
 
 
-def test_a_channel_of_another_length_is_left_out_and_reported(tmp_path: Path) -> None:
+def test_a_channel_of_another_length_is_left_out_and_reported(tmp_path: Path, golden: Golden) -> None:
     wells = {"wells": {"W": {"header": {}, "MD": [1, 2], "GR": [50, 51, 52], "RT": [1, 2]}}}
     one = hb.open(json_file(tmp_path, wells)).set()
     assert one.names == ("MD", "RT")
-    assert one.remarks == ["GR: 3 values where MD has 2; the channel is left out"]
+    golden(one.remarks)
 
 
 LOG = f"""<?xml version="1.0" encoding="UTF-8"?>
@@ -213,11 +214,11 @@ def trajectory(stations: list[tuple[float, float, float]], angle: str = "dega") 
     return f"<trajectorys {NAMESPACE}><trajectory><name>T</name>{rows}</trajectory></trajectorys>"
 
 
-def test_trajectory_units_and_order(tmp_path: Path) -> None:
+def test_trajectory_units_and_order(tmp_path: Path, golden: Golden) -> None:
     stations = [(0, 0, 0), (30, 0.1, 1), (60, 0.2, 1.1), (90, 0.3, 1.2), (120, 0.4, 1.3)]
     survey = hb.open(xml_file(tmp_path, trajectory(stations, "rad"))).survey()
     np.testing.assert_allclose(survey.azimuth, np.degrees([0, 1, 1.1, 1.2, 1.3]))
-    with pytest.raises(ValueError, match=r"^w.xml, column azi: no azimuth is beyond 1.3 .* looks like radians"):
+    with golden.raises():
         hb.open(xml_file(tmp_path, trajectory(stations))).survey()
     with pytest.raises(ValueError, match=r"^w.xml, column incl: unit missing"):
         hb.open(xml_file(tmp_path, trajectory(stations, ""))).survey()
@@ -226,25 +227,25 @@ def test_trajectory_units_and_order(tmp_path: Path) -> None:
         with pytest.raises(ValueError, match=rf"^w.xml: no channel has the role inclination: .*{rule}"):
             hb.open(xml_file(tmp_path, trajectory(stations, unit))).survey()
     bad = [*stations[:4], (90, 40.0, 200.0)]
-    with pytest.raises(ValueError, match=r"^w.xml, row 4, column md: two stations at 90 m with different angles"):
+    with golden.raises():
         hb.open(xml_file(tmp_path, trajectory(bad))).survey()
     mixed = trajectory(stations).replace('<md uom="m">60', '<md uom="ft">60')
     refused(xml_file(tmp_path, mixed), "column md: units change between stations ('ft', 'm')")
     refused(xml_file(tmp_path, trajectory([])), "trajectory 'T': no stations")
 
 
-def test_a_station_without_a_value_is_left_out_and_reported(tmp_path: Path) -> None:
+def test_a_station_without_a_value_is_left_out_and_reported(tmp_path: Path, golden: Golden) -> None:
     stations = [(0, 0, 0), (30, 10, 100), (60, -999.25, 110), (90, 30, 120)]
     file = hb.open(xml_file(tmp_path, trajectory(stations)))
     assert len(file.survey()) == 3
-    assert file.set().remarks == ["survey: 1 of 4 stations left out: a value is missing"]
+    golden(file.set().remarks)
 
 
-def test_empty_arrays_do_not_fill_the_memory(tmp_path: Path) -> None:
+def test_empty_arrays_do_not_fill_the_memory(tmp_path: Path, golden: Golden) -> None:
     curves = [
         {"name": n, "unit": "m", "valueType": "float", "dimensions": d} for n, d in (("MD", 1), ("IMG", 100_000_000))
     ]
     log = [{"header": {"name": "w"}, "curves": curves, "data": [[1.0, None], [2.0, None]]}]
     (tmp_path / "big.json").write_text(json.dumps(log))
-    with pytest.raises(ValueError, match=r"^big.json, column IMG: dimensions = 100000000: 2 rows hold 0 values"):
+    with golden.raises():
         hb.open(tmp_path / "big.json")

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from refused_files import refused
@@ -51,20 +52,17 @@ def test_las2(tmp_path: Path) -> None:
     assert one.remarks == []
 
 
-def test_las2_flaws_are_mended_and_reported(tmp_path: Path) -> None:
+def test_las2_flaws_are_mended_and_reported(tmp_path: Path, golden: Golden) -> None:
     one = hb.open(las2(tmp_path, "1 50-999.25\n2 51.5-99.0\n3 1.#QNAN (null)\n", stop=9)).set()
     np.testing.assert_array_equal(one["GR"].values, [50, 51.5, np.nan])
     assert one["CAL"].missing == 3
-    assert one.remarks == [
-        "2 rows held numbers without a blank between (12.5-999.25): cut before the minus",
-        "STOP = 9 in the header, 3 in the rows: truncated or edited?",
-    ]
+    golden(one.remarks)
 
 
-def test_las2_text_column_and_wrapped(tmp_path: Path) -> None:
+def test_las2_text_column_and_wrapped(tmp_path: Path, golden: Golden) -> None:
     one = hb.open(las2(tmp_path, "1 ab 8\n2 1,5 9\n")).set()
     assert one["GR"].values.tolist() == ["ab", "1,5"]
-    with pytest.raises(ValueError, match=r"^w.las, line 15, column GR = 'ab': is not a number"):
+    with golden.raises():
         one.numbers("GR")
     wrapped = HEAD2.replace("WRAP. NO", "WRAP. YES")
     one = hb.open(las2(tmp_path, "1\n50 8.5\n2\n51\n9.5\n3\n52 9\n", wrapped)).set()
@@ -165,17 +163,17 @@ def test_las3_arrays_come_back_identical(tmp_path: Path, delimiter: str, sectors
     np.testing.assert_allclose(found.toolface.reshape(50, sectors)[3], expected, rtol=1e-5)
 
 
-def test_las3_uneven_angles_are_not_stated_as_even(tmp_path: Path) -> None:
+def test_las3_uneven_angles_are_not_stated_as_even(tmp_path: Path, golden: Golden) -> None:
     text = las3(np.full((3, 4), 100.0), "COMMA").replace("{AF10.4;180deg}", "{AF10.4;181deg}")
     (tmp_path / "w.las").write_text(text)
     axis = hb.open(tmp_path / "w.las").set()["RADI"].axis
     assert axis is not None
     assert np.isnan(axis.step)
-    with pytest.raises(ValueError, match=r"column RADI: the angles of its sectors are uneven"):
+    with golden.raises():
         hb.open(tmp_path / "w.las").readings()
 
 
-def test_las3_repeated_sections_quotes_and_empty_cells(tmp_path: Path) -> None:
+def test_las3_repeated_sections_quotes_and_empty_cells(tmp_path: Path, golden: Golden) -> None:
     text = (
         "~Version\nVERS. 3.0 :\nDLM. COMMA :\n~Well\nNULL. -999.25 :\n"
         "~Log_Definition[1]\nDEPT.M : {F}\nGR.GAPI :{F}\n~Log_Data[1] | Log_Definition[1]\n1,50\n2,\n"
@@ -193,7 +191,7 @@ def test_las3_repeated_sections_quotes_and_empty_cells(tmp_path: Path) -> None:
     assert file.set("Log_Data[2]")["CAL"].values.tolist() == [8.5]
     with pytest.raises(ValueError, match="holds 3 sets"):
         file["CAL"]
-    with pytest.raises(ValueError, match="no set 'x'; it holds 'Log_Data"):
+    with golden.raises():
         file.set("x")
 
 
@@ -260,7 +258,7 @@ INC.DEG :
 """
 
 
-def test_a_damaged_or_empty_set_does_not_block_the_others(tmp_path: Path) -> None:
+def test_a_damaged_or_empty_set_does_not_block_the_others(tmp_path: Path, golden: Golden) -> None:
     (tmp_path / "w.las").write_text(SETS)
     one = hb.open(tmp_path / "w.las").set()
     assert one.name == "Tops_Data"
@@ -271,7 +269,7 @@ def test_a_damaged_or_empty_set_does_not_block_the_others(tmp_path: Path) -> Non
     empty = "w.las, line 16: no rows below the header"
     assert one.remarks == [f"another set is left out: {empty}", f"another set is left out: {damage}"]
     (tmp_path / "w.las").write_text(SETS.replace("10,1500\n", "1\n"))
-    with pytest.raises(hb.InputError, match=r"^w.las, line 10: 1 values where 2 columns are defined$"):
+    with golden.raises():
         hb.open(tmp_path / "w.las")
 
 

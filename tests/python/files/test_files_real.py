@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 from locations import SHARED
 from wall_samples import wall_samples
 
@@ -75,7 +76,7 @@ def test_las_image_file() -> None:
         ),
     ],
 )
-def test_json_image_files(name: str, rows: int, images: dict[str, int]) -> None:
+def test_json_image_files(name: str, rows: int, images: dict[str, int], golden: Golden) -> None:
     path = shared(f"lwd-images/{name}")
     (log,) = json.loads(path.read_text())
     file = hb.open(path)
@@ -92,7 +93,7 @@ def test_json_image_files(name: str, rows: int, images: dict[str, int]) -> None:
     }  # fmt: skip
     assert roles_of(path) == expected_roles
     np.testing.assert_array_equal(file.image("GRCS").depth, [row[0] for row in log["data"]])
-    with pytest.raises(ValueError, match="CALCM: a mean diameter has no direction"):
+    with golden.raises():
         wall_samples(file)
 
 
@@ -188,7 +189,7 @@ def test_text_table() -> None:
     assert [channel.name for channel in one if not channel.is_text] == ["record", "item"]
 
 
-def test_survey_in_feet_needs_its_unit_stated() -> None:
+def test_survey_in_feet_needs_its_unit_stated(golden: Golden) -> None:
     path = shared("surveys/Well_1515_directional.csv")
     with path.open() as text:
         next(text)
@@ -197,9 +198,7 @@ def test_survey_in_feet_needs_its_unit_stated() -> None:
     assert file.set().rows == 83
     assert file.set().remarks == ["comment: Minimum Curvature"]
     np.testing.assert_array_equal(file["E/W"].values, [float(row["E/W"]) for row in rows])
-    with pytest.raises(
-        ValueError, match=r"Well_1515_directional.csv, column MD: unit missing: .* as MD:UNIT in columns.survey_depth;"
-    ):
+    with golden.raises():
         file.survey()
     from helibore.channels.role_map import overlay
 
@@ -208,12 +207,12 @@ def test_survey_in_feet_needs_its_unit_stated() -> None:
     np.testing.assert_allclose(survey.depth, [float(row["MD"]) * 0.3048 for row in rows], rtol=1e-15)
 
 
-def test_standard_wells() -> None:
+def test_standard_wells(golden: Golden) -> None:
     path = shared("surveys/iscwsa_reference_and_01-05.json")
     wells = json.loads(path.read_text())["wells"]
     file = hb.open(path)
     assert [one.name for one in file.sets] == list(wells)
-    with pytest.raises(ValueError, match="holds 6 sets: name one of 'Reference well', '01 - well'"):
+    with golden.raises():
         file.survey()
     for name, well in wells.items():
         one = file.set(name)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
@@ -107,7 +108,7 @@ def test_walls_and_meshes_are_sent_to_where_they_are_read(tmp_path: Path) -> Non
     refused(tmp_path / "well.glb", "a mesh (GLB) holds no samples: take the settings beside it")
 
 
-def test_the_header_line_may_be_given(tmp_path: Path) -> None:
+def test_the_header_line_may_be_given(tmp_path: Path, golden: Golden) -> None:
     path = write(tmp_path, "run,7\nby,me\n1,2\n\n2016,2017\nm,in\n3,4\n5,\n")
     one = hb.open(path, header_line=5).set()
     assert [(channel.name, channel.unit) for channel in one] == [("2016", "m"), ("2017", "in")]
@@ -117,10 +118,10 @@ def test_the_header_line_may_be_given(tmp_path: Path) -> None:
     for line in (0, 4, 9, 501):
         with pytest.raises(hb.InputError, match=rf"^t.csv: header_line = {line}: {rule}$"):
             hb.open(path, header_line=line)
-    with pytest.raises(hb.InputError, match=r"^t.csv, line 8: no rows below the header$"):
+    with golden.raises():
         hb.open(path, header_line=8)
     (tmp_path / "t.json").write_text("[]")
-    with pytest.raises(hb.InputError, match=r"^t.json: header_line = 2: is for csv, xlsx, but the file is json$"):
+    with golden.raises():
         hb.open(tmp_path / "t.json", header_line=2)
 
 
@@ -130,12 +131,12 @@ def test_missing_first_cells_are_no_units_row(tmp_path: Path) -> None:
     assert one.rows == 2
 
 
-def test_repeated_and_sector_columns(tmp_path: Path) -> None:
+def test_repeated_and_sector_columns(tmp_path: Path, golden: Golden) -> None:
     head = "depth_m," + ",".join(["GR"] * 4) + "," + ",".join(f"R{n}" for n in (1, 2, 4, 5))
     one = hb.open(write(tmp_path, head + "\n" + ",".join(map(str, range(9))) + "\n")).set()
     assert one["GR"].member_names == ("GR:1", "GR:2", "GR:3", "GR:4")
     assert one["GR"].values.tolist() == [[1.0, 2.0, 3.0, 4.0]]
-    assert one.remarks == ["R1 ...: number 3 of 1..5 is not in the file; left as single columns"]
+    golden(one.remarks)
 
 
 def test_integers_beyond_float64_stay_integers(tmp_path: Path) -> None:
@@ -188,17 +189,17 @@ def test_bad_tables(tmp_path: Path, text: str | bytes, rule: str) -> None:
     refused(write(tmp_path, text), rule)
 
 
-def test_windows_encoding_is_remarked(tmp_path: Path) -> None:
+def test_windows_encoding_is_remarked(tmp_path: Path, golden: Golden) -> None:
     one = hb.open(write(tmp_path, b"md_m,tf_\xb0\n1,2\n")).set()
     assert one.names == ("md_m", "tf_°")
-    assert [each.partition(";")[0] for each in one.remarks] == ["not UTF-8 (line 1): read as Windows-1252"]
+    golden([each.partition(";")[0] for each in one.remarks])
 
 
-def test_gzip(tmp_path: Path) -> None:
+def test_gzip(tmp_path: Path, golden: Golden) -> None:
     packed = gzip.compress(b"md_m,r_mm\n1,2\n" * 1 + b"3,4\n" * 1000)
     assert hb.open(write(tmp_path, packed, "renamed.txt")).set().rows == 1001
     for cut in (15, len(packed) // 2, len(packed) - 1):
-        with pytest.raises(ValueError, match=r"^x.gz: (truncated: the gzip stream ends early|damaged gzip)"):
+        with golden.raises():
             hb.open(write(tmp_path, packed[:cut], "x.gz"))
     damaged = bytearray(packed)
     damaged[12] ^= 0xFF
@@ -296,7 +297,7 @@ def parquet_table() -> pa.Table:
     return pa.table([pa.array(v, f.type) for v, f in zip(values, fields, strict=True)], pa.schema(fields))
 
 
-def test_parquet(tmp_path: Path) -> None:
+def test_parquet(tmp_path: Path, golden: Golden) -> None:
     parquet.write_table(parquet_table(), tmp_path / "renamed.csv")
     with hb.open(tmp_path / "renamed.csv") as file:
         one = file.set()
@@ -310,7 +311,7 @@ def test_parquet(tmp_path: Path) -> None:
         np.testing.assert_array_equal(one["img"].values, np.arange(24).reshape(3, 8))
         assert one["gr_gAPI"].values[:2].tolist() == [1.0, 2.0]
         assert one["note"].values.tolist() == ["a", "", "c"]
-        assert one.remarks == ["odd: a struct<x: int8> is not read"]
+        golden(one.remarks)
 
 
 def test_bad_parquet(tmp_path: Path) -> None:
@@ -399,10 +400,10 @@ def test_a_large_table_has_the_numbers_of_a_small_one(tmp_path: Path, cell: str)
     assert (large.missing, large.odd_row) == (small.missing, small.odd_row)
 
 
-def test_windows_encoding_far_down_is_remarked(tmp_path: Path) -> None:
+def test_windows_encoding_far_down_is_remarked(tmp_path: Path, golden: Golden) -> None:
     one = hb.open(write(tmp_path, b"a,note\n" + (b"1," + 26 * b"x" + b"\n") * 80_000 + b"2,\xb0\n")).set()
     assert one["note"].values[-1] == "°"
-    assert [each.partition(";")[0] for each in one.remarks] == ["not UTF-8 (line 80002): read as Windows-1252"]
+    golden([each.partition(";")[0] for each in one.remarks])
 
 
 def test_npz(tmp_path: Path) -> None:

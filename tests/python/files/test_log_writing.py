@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 
 import helibore as hb
 from helibore.base import atomic_file
@@ -42,7 +43,7 @@ def test_the_logs_have_gaps_to_write(logs: Logs) -> None:
     assert len(logs.table()) == 28
 
 
-def test_lasio_reads_the_las_back(logs: Logs, tmp_path: Path) -> None:
+def test_lasio_reads_the_las_back(logs: Logs, tmp_path: Path, golden: Golden) -> None:
     lasio = pytest.importorskip("lasio")
     logs.save(tmp_path / "well.las")
     assert max(map(len, (tmp_path / "well.las").read_text().splitlines())) <= 256
@@ -62,7 +63,7 @@ def test_lasio_reads_the_las_back(logs: Logs, tmp_path: Path) -> None:
     assert (bit.value, bit.unit) == (8.5, "IN")
     save_table(logs.table(), tmp_path / "well.las", header={"bit": "8.5 in, PDC"})
     assert lasio.read(tmp_path / "well.las").well.BS.value == "8.5 in, PDC"
-    assert las.params.BASIS.value == "radius measured by an azimuthal caliper"
+    golden(las.params.BASIS.value)
     assert "twice" in las.params.OVALITY.value
 
 
@@ -102,7 +103,7 @@ def test_parquet_has_nulls_units_and_facts(logs: Logs, tmp_path: Path) -> None:
 
 
 def test_dlisio_reads_the_dlis_back_and_nothing_is_printed(
-    logs: Logs, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+    logs: Logs, tmp_path: Path, capfd: pytest.CaptureFixture[str], golden: Golden
 ) -> None:
     dlis = pytest.importorskip("dlisio").dlis
     pytest.importorskip("dliswriter")
@@ -117,7 +118,7 @@ def test_dlisio_reads_the_dlis_back_and_nothing_is_printed(
                 curves[column.mnemonic], np.where(np.isnan(column.values), -999.25, column.values)
             )
         channel = next(of for of in frame.channels if of.name == "VOL")
-        assert (channel.units, channel.long_name) == ("m3", "Volume of the hole in this row")
+        golden((channel.units, channel.long_name))
         assert file.origins[0].well_name == "A-1"
         assert {of.name: of.values[0] for of in file.parameters}["BIT_DIAMETER"] == "0.2159 m"
 
@@ -133,13 +134,13 @@ def test_letters_beyond_ascii_become_question_marks(tmp_path: Path, ending: str)
         assert file.set().header["BASIS"] == "m?lt"
 
 
-def test_csv_states_the_facts_and_leaves_missing_cells_empty(logs: Logs, tmp_path: Path) -> None:
+def test_csv_states_the_facts_and_leaves_missing_cells_empty(logs: Logs, tmp_path: Path, golden: Golden) -> None:
     logs.save(tmp_path / "well.csv")
     lines = (tmp_path / "well.csv").read_text().splitlines()
     assert lines[0].startswith("DEPT (m),RMEAN (m),RMIN (m)")
     broken = int(np.flatnonzero(np.isnan(logs.mean))[5])
     assert lines[1 + broken].split(",")[1] == ""
-    assert read_facts(tmp_path / "well.csv")[0]["basis"] == "radius measured by an azimuthal caliper"
+    golden(read_facts(tmp_path / "well.csv")[0]["basis"])
     with hb.open(tmp_path / "well.csv") as file:
         assert file.set().header == read_facts(tmp_path / "well.csv")[0]
 
@@ -212,27 +213,24 @@ def test_a_missing_library_is_named_with_its_extra(
     assert not list(tmp_path.iterdir())
 
 
-def test_what_cannot_be_written_is_refused(logs: Logs, tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match=r"well.xls: the ending must be one of .las, .csv, .parquet, .dlis$"):
+def test_what_cannot_be_written_is_refused(logs: Logs, tmp_path: Path, golden: Golden) -> None:
+    with golden.raises():
         logs.save(tmp_path / "well.xls")
-    with pytest.raises(ValueError, match=r"^logs: the wall has no full turn$"):
+    with golden.raises():
         hb.Wall(bit_diameter=0.2).logs().save(tmp_path / "well.las")
     depth = LogColumn("DEPT", "m", "Depth", np.arange(3.0))
-    with pytest.raises(ValueError, match=r"^GR: 2 values, DEPT has 3: must be equal$"):
+    with golden.raises():
         LogTable([depth, LogColumn("GR", "", "Gamma", np.zeros(2))], {})
-    with pytest.raises(ValueError, match=r"^DEPT: comes twice; mnemonics must differ$"):
+    with golden.raises():
         LogTable([depth, depth], {})
-    with pytest.raises(
-        ValueError, match=r"^mnemonic = 'c 1': must be capital letters, digits and underscores, the first a letter$"
-    ):
+    with golden.raises():
         LogColumn("c 1", "", "", np.zeros(2))
 
 
-def test_an_own_column_stands_beside_those_of_the_logs(logs: Logs, tmp_path: Path) -> None:
+def test_an_own_column_stands_beside_those_of_the_logs(logs: Logs, tmp_path: Path, golden: Golden) -> None:
     logs.save(tmp_path / "well.csv", more=[hb.LogColumn("GR", "gAPI", "Gamma ray", list(range(len(logs))))])
     assert hb.open(tmp_path / "well.csv").set().numbers("GR (gAPI)").tolist() == [*range(len(logs))]
-    rule = r"^more\[0\] = tuple: must be a hb.LogColumn\(mnemonic, unit, description, values\)$"
-    with pytest.raises(hb.InputError, match=rule):
+    with golden.raises():
         logs.save(tmp_path / "well.csv", more=[("GR", logs.depth)])
     with pytest.raises(hb.InputError, match=r"^GR: must be numbers$"):
         hb.LogColumn("GR", "gAPI", "Gamma ray", ["a"])

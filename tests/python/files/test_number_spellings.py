@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -67,12 +68,12 @@ def test_what_fits_both_readings_is_a_guess_that_can_be_stated(tmp_path: Path) -
     assert "a guess" in remarks
 
 
-def test_two_decimal_marks_in_one_table_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(hb.InputError, match=r"^t.csv, line 2, column md = '1,5': is not a number: a decimal comma"):
+def test_two_decimal_marks_in_one_table_are_refused(tmp_path: Path, golden: Golden) -> None:
+    with golden.raises():
         opened(tmp_path, "md;r\n1,5;2.5\n")
     with pytest.raises(hb.InputError, match=r"^decimal = ';': must be . or ,$"):
         opened(tmp_path, "md;r\n1,5;2.5\n", decimal=";")
-    with pytest.raises(hb.InputError, match=r"^encoding = 'runes': is not one that Python knows$"):
+    with golden.raises():
         opened(tmp_path, "md;r\n1,5;2.5\n", encoding="runes")
 
 
@@ -134,7 +135,7 @@ def test_feet_under_a_header_in_metres_are_named(tmp_path: Path) -> None:
     )
 
 
-def test_stations_are_sorted_and_repeats_left_out(tmp_path: Path) -> None:
+def test_stations_are_sorted_and_repeats_left_out(tmp_path: Path, golden: Golden) -> None:
     path = tmp_path / "s.csv"
     path.write_text("MD (m),INC (deg),AZI (deg)\n1500,10,45\n0,0,0\n1000,5,10\n1000,5,10\n")
     one = hb.open(path).set()
@@ -142,5 +143,5 @@ def test_stations_are_sorted_and_repeats_left_out(tmp_path: Path) -> None:
     assert (survey.depth.tolist(), survey.azimuth.tolist()) == ([0, 1000, 1500], [0, 10, 45])
     assert {"survey: the stations are sorted by depth", "survey: 1 repeated stations left out"} <= set(one.remarks)
     path.write_text("MD (m),INC (deg),AZI (deg)\n0,0,0\n1000,5,10\n1000,5,11\n")
-    with pytest.raises(hb.InputError, match=r"^s.csv, line 4, column MD \(m\): two stations at 1000 m"):
+    with golden.raises():
         hb.open(path).survey()

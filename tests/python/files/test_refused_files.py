@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 
 import helibore as hb
 from helibore.files import json_log
@@ -173,23 +174,21 @@ def test_a_format_without_its_library_names_the_extra(
 
 @pytest.mark.parametrize(("ending", "library"), [("parquet", "pyarrow"), ("dlis", "dliswriter")])
 def test_a_format_to_write_without_its_library_names_the_extra(
-    monkeypatch: pytest.MonkeyPatch, ending: str, library: str
+    monkeypatch: pytest.MonkeyPatch, ending: str, library: str, golden: Golden
 ) -> None:
     monkeypatch.setitem(sys.modules, library, None)
     with pytest.raises(hb.MissingExtraError) as caught:
         check_format(f"well.{ending}")
     assert (caught.value.library, caught.value.extra) == (library, ending)
-    with pytest.raises(hb.InputError) as refused:
+    with golden.raises():
         check_format("well.xls")
-    assert str(refused.value) == "well.xls: the ending must be one of .las, .csv, .parquet, .dlis"
 
 
-def test_json_that_is_too_large_and_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_json_that_is_too_large_and_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, golden: Golden) -> None:
     monkeypatch.setattr(json_log, "SIZE_LIMIT", 1 << 20)
     (tmp_path / "t.json").write_text("[" + " " * (1 << 20) + "]")
-    with pytest.raises(hb.InputError) as caught:
+    with golden.raises():
         hb.open(tmp_path / "t.json")
-    assert str(caught.value) == "t.json: more than 1 MiB of JSON, which is read whole; split the file"
     with pytest.raises(IsADirectoryError) as folder:
         hb.open(tmp_path)
     assert str(folder.value) == f"{tmp_path}: is a directory"
