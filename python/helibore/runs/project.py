@@ -211,7 +211,7 @@ def _tree(value: Any, folder: Path) -> Any:
         for each in dataclasses.fields(value):
             found = getattr(value, each.name)
             usual = found == each.default if not isinstance(value, COMPLETE) else found is None and each.default is None
-            if not usual and found != {} and found != Columns():
+            if not usual and found not in ({}, Columns(), ReadingSettings()):
                 tree[each.name] = _tree(found, folder)
         return tree
     if isinstance(value, dict):

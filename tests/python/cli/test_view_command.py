@@ -329,10 +329,10 @@ def test_the_settings_of_a_run_show_its_wall(caliper: Path, tmp_path: Path) -> N
 
 def test_without_the_page_it_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     from helibore.cli import view_command as command
-    from helibore.viewer import web_app
+    from helibore.viewer import page_files, web_app
 
     monkeypatch.setattr(web_app, "page", lambda _: None)
-    monkeypatch.setattr(web_app.resources, "files", lambda _: tmp_path)
+    monkeypatch.setattr(page_files.resources, "files", lambda _: tmp_path)
     with pytest.raises(
         ValueError, match=r"^viewer: This helibore was built without its page: its files are missing\. .* npm, "
     ):
