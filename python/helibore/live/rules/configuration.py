@@ -346,8 +346,10 @@ def parse(text: str) -> Configuration:
 
 def _read(source: TomlSource, file: FilePath) -> Configuration:
     tree = _tree(source)
-    tables = read_table(LiveTables, {"wall": {}} | tree, source)
-    others = OtherTables(tables.wall["bit_diameter"], tables.path.reference)
+    tree = {"wall": {}} | tree
+    tables = read_table(LiveTables, tree, source)
+    bit = read_table(LiveWall, tree["wall"], source, ("wall",)).bit_diameter  # refuses what lacks a setting of the wall
+    others = OtherTables(bit, tables.path.reference)
     stated = vars(tables) | {
         "wall": _as_stated(tables.wall, tree["wall"]),
         "layers": {"main": MAIN} | {name: list(passes) for name, passes in tables.layers.items()},
