@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import MISSING, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -113,7 +113,8 @@ def own_options(run: Run, verb: str, options: dict[str, Any]) -> dict[str, Any]:
             found[name] = _family(run.settings, FAMILIES[name], options[name])
         elif group in TABLES and context.get_parameter_source(name) is not ParameterSource.COMMANDLINE:
             member = members(GROUPS[group]).get(key)
-            usual = found[name] if member is None or found[name] is not None else member.default
+            usual = None if member is None or member.default is MISSING else member.default
+            usual = usual if found[name] is None else found[name]
             found[name] = getattr(run.settings, group).get(key, usual)
     same = run.settings.output is not None and run.settings.verb == verb
     for name in ("start_depth", "stop_depth"):

@@ -205,7 +205,7 @@ def read_value(
     """Return a value of TOML in a type.
 
     "none" stands for None where None is allowed; a text such as "8.5in" is a number where the number has a unit; the
-    name of a file or of an item is a table that has only this name, a list of plain values is a table that has them in
+    name of a file or of an item is a table that has only this name, a list of quantities is a table that has them in
     the order of its keys, and one table is a list of tables.
     """
     if value == "none" and optional:
@@ -218,7 +218,8 @@ def read_value(
         known = members(typing.cast(type[Any], kind))
         alone = next((name for name, of in ALONE.items() if name in known and isinstance(value, of)), None)
         value = value if alone is None else {alone: value}
-        if isinstance(value, list) and len(value) <= len(known):
+        quantities = all(member.unit is not None for member in known.values())
+        if quantities and isinstance(value, list) and len(value) <= len(known):
             value = dict(zip(known, value, strict=False))
         return read_table(typing.cast(type[Any], kind), value, source, keys)
     if kind is tuple:

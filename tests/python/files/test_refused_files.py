@@ -204,13 +204,18 @@ class Frame:
     index_type, direction, spacing, fingerprint = "BOREHOLE-DEPTH", None, None, "F"
 
     def __init__(self, channels: int, rows: int) -> None:
-        self.channels = [type("Channel", (), {"dimension": [1], "units": "m", "long_name": "", "axis": []})] * channels
+        self.channels = [
+            type("Channel", (), {"name": "C", "dimension": [1], "units": "m", "long_name": "", "axis": []})
+        ] * channels
         self.rows, self.logicalfile = rows, type("File", (), {"fdata_index": {"F": [0, 1, 2]}, "origins": []})
 
-    def dtype(self) -> np.dtype[Any]:
+    def dtype(self, **_: bool) -> np.dtype[Any]:
         return np.dtype([("FRAMENO", "i4"), ("DEPT", "f8"), ("GR", "f8")])
 
-    def curves(self) -> np.ndarray[Any, Any]:
+    def fmtstr(self) -> str:
+        return "ff"
+
+    def curves(self, **_: bool) -> np.ndarray[Any, Any]:
         return np.zeros(self.rows, self.dtype())
 
 
@@ -227,10 +232,10 @@ def test_a_frame_whose_index_does_not_fit(tmp_path: Path) -> None:
 
 def test_an_array_of_two_dimensions_is_one_axis_and_reported(tmp_path: Path) -> None:
     class Wave(Frame):
-        def dtype(self) -> np.dtype[Any]:
+        def dtype(self, **_: bool) -> np.dtype[Any]:
             return np.dtype([("FRAMENO", "i4"), ("DEPT", "f8"), ("WAVE", "f8", (2, 3))])
 
-        def curves(self) -> np.ndarray[Any, Any]:
+        def curves(self, **_: bool) -> np.ndarray[Any, Any]:
             rows = np.zeros(self.rows, self.dtype())
             rows["WAVE"] = np.arange(18.0).reshape(3, 2, 3)
             return rows

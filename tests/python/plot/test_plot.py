@@ -426,8 +426,8 @@ def hb_washout(start: float, stop: float) -> Any:
         ({"images": ["X"]}, "image 'X': the wall has no image of this name; it has GR, RES"),
         ({"reference": "north"}, "image 'GR' counts toolfaces from high-side, the picture from north"),
         ({"looks": {"GR": plot.Look(limits=(0, 9), log=True)}}, "image 'GR', 2000 to"),
-        ({"body": (2001,)}, r"body = (2001,\): must be two"),
-        ({"body": (2001, math.nan)}, r"body = (2001, nan\): must be finite"),
+        ({"body": (2001,)}, r"body = \[2001\]: must be two"),
+        ({"body": (2001, math.nan)}, r"body = \[2001, nan\]: must be finite"),
         ({"dpi": 5}, "dpi = 5: must lie in 30 to 1200"),
     ],
 )

@@ -25,7 +25,7 @@ from test_laws import Columns, samples, wall_settings, whole
 import helibore as hb
 from helibore import _core
 from helibore.base.atomic_file import write_whole
-from helibore.wall import archive
+from helibore.base.file_endings import ARCHIVE_ENDING
 
 BIT = 0.216
 
@@ -466,4 +466,4 @@ def test_errors_of_the_disk_name_the_file_that_was_asked_for(tmp_path: Path) -> 
 
     with pytest.raises(OSError, match=r"\[Errno 28\] No space left on device: '.*b\.wall'"):
         write_whole(tmp_path / "b.wall", full)
-    assert archive.ENDING == ".wall"
+    assert ARCHIVE_ENDING == ".wall"

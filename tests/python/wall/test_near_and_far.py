@@ -203,7 +203,7 @@ def test_values_carried_with_the_samples_are_kriged_like_the_radius() -> None:
 
 
 BAD = [
-    ({"covariance": (0.1, 1e-7)}, "covariance = (0.1, 1e-07): must have 5, 8 or 11 values"),
+    ({"covariance": (0.1, 1e-7)}, "covariance = [0.1, 1e-07]: must have 5, 8 or 11 values"),
     ({"covariance": (0.1, 1e-7, 1e-6, 0.0, 0.1)}, "covariance[3] = 0: must lie in 0.0001 to 1000000"),
     ({"covariance": (0.1, np.nan, 1e-6, 0.1, 0.1)}, "covariance[1] = nan: must lie in 1e-14 to 100"),
     ({"covariance": ONE, "neighbors": 22}, "neighbors = 22: must lie in 1 to 21"),

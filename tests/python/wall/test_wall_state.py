@@ -298,4 +298,5 @@ def test_an_archive_of_56ff07e9_opens_and_its_bits_stay_when_it_is_written(tmp_p
         assert again.attributes["RT"].tobytes() == stored["attributes/0"].tobytes()
     again.save(tmp_path / "again.wall")
     assert (tmp_path / "again.wall").read_bytes() == (tmp_path / OLD.name).read_bytes()
-    assert Path(f"{tmp_path / OLD.name}.picks.csv").read_bytes() == Path(f"{OLD}.picks.csv").read_bytes()
+    old, new = (Path(f"{path}.picks.csv").read_text().partition("\n") for path in (OLD, tmp_path / OLD.name))
+    assert new[2] == old[2], "the picks; the names of their columns are now those of logs"

@@ -59,7 +59,7 @@ export function drawColumn(ink, look) {
   if (!written.some((one) => one?.text.includes('cut away'))) { // beside the key of the bit, where the controls leave no row
     const from = rect.left + (clear ? 52 : 2);
     const room = right - from - (zones.length ? 66 : 8);
-    const text = [`${seen}, right half cut away`, 'right half cut away', 'half cut away'].find((one) => ink.measureText(one).width <= room);
+    const text = [`${seen}, right half cut away`, 'right half cut away'].find((one) => ink.measureText(one).width <= room);
     if (text) label(ink, text, from, y, { colour: palette.soft, font: SMALL, yields: true });
   }
   if (!rects.image.width) drawColourBar(ink, look, bottom + BAR / 2);
