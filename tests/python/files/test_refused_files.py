@@ -226,7 +226,7 @@ def test_a_frame_whose_index_does_not_fit(tmp_path: Path) -> None:
         _frame(source, "MAIN", Frame(3, 3), {})
     assert str(caught.value) == "t.dlis: frame MAIN: 2 columns for 3 channels"
     with pytest.raises(hb.InputError) as caught:
-        _ = _frame(source, "MAIN", Frame(2, 2), {})["GR"].values
+        _ = _frame(source, "MAIN", Frame(2, 2), {})["C:2"].values
     assert str(caught.value) == "t.dlis: frame MAIN: 2 of 3 rows are there: truncated or damaged"
 
 
@@ -245,4 +245,4 @@ def test_an_array_of_two_dimensions_is_one_axis_and_reported(tmp_path: Path) -> 
     frame.channels = [frame.channels[0], type("Image", (frame.channels[0],), {"dimension": [2, 3]})]
     one = _frame(InputFile(tmp_path / "t.dlis"), "MAIN", frame, {})
     assert one.remarks == ["WAVE: 2 x 3 elements a row, laid out as one axis"]
-    np.testing.assert_array_equal(one["WAVE"].values, np.arange(18.0).reshape(3, 6))
+    np.testing.assert_array_equal(one["C:2"].values, np.arange(18.0).reshape(3, 6))
