@@ -96,7 +96,7 @@ class ImageInput(Declared):
     name: Annotated[str, "Channel."]
     origin: Annotated[Origin, "What of sector 1 lies at toolface 0."]
     blake2b: Annotated[str, "Checksum of the file's bytes, in hexadecimal."] = ""
-    reference: Annotated[Literal["north", "high-side"] | None,
+    reference: Annotated[Literal["high-side", "north"] | None,
         "What its toolfaces count from. None: from the reference of the wall.",
     ] = None  # fmt: skip
     header_line: Annotated[int | None, "Line of a table's column names. None: helibore finds it."] = None

@@ -42,7 +42,8 @@ def bits(live) -> dict:
 @pytest.fixture
 def folder(tmp_path):
     with tarfile.open(STORED) as archive:
-        archive.extractall(tmp_path / "journal", filter="data")
+        archive.extraction_filter = getattr(tarfile, "data_filter", None)  # Python 3.11.2 of Debian has none
+        archive.extractall(tmp_path / "journal")
     return tmp_path / "journal"
 
 
