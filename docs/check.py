@@ -20,7 +20,7 @@ import helibore
 def public_names() -> set[str]:
     """The names of the package, and the methods and properties of its classes."""
     names = set()
-    for name in set(dir(helibore)) - {"__version__", "plot"}:
+    for name in set(dir(helibore)) - {"__version__", "plot", "simulation"}:
         of = getattr(helibore, name)
         names.add(f"helibore.{name}")
         if inspect.isclass(of) and not issubclass(of, BaseException):
