@@ -137,7 +137,7 @@ def cement_sheet(logs: MeasuredHole, job: CementJob) -> CementSheet:
     previous = job.previous_shoe
     top = (start if previous is None else previous) if job.top is None else job.top
     open_top = top if previous is None else max(top, previous)
-    if job.shoe > stop + 1e-9:
+    if not start - 1e-9 <= job.shoe <= stop + 1e-9:
         raise InputError("shoe", f"must lie in the logs, which reach from {start:.2f} to {stop:.2f} m", f"{job.shoe:g}")
     if open_top < start - 1e-9:
         name = "top" if open_top == top else "previous_shoe"

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from helibore.base.errors import InputError
-from helibore.settings.declared import FINITE, INCHES, METRES, NOT_NEGATIVE, POSITIVE, Declared, Option
+from helibore.settings.declared import FINITE, INCHES, METRES, NOT_NEGATIVE, POSITIVE, Declared, Option, at_most
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +27,9 @@ class CementJob(Declared):
         "Top of cement. Above the previous shoe there is a lap.",
     ] = None  # fmt: skip
     tail_top: Annotated[float | None, METRES, FINITE, Option("one slurry"), "Top of the tail slurry."] = None
-    excess: Annotated[float, NOT_NEGATIVE, Option(), "Excess over the open hole, as a fraction: 0.1 is 10 %."] = 0.0
+    excess: Annotated[float, NOT_NEGATIVE, at_most(5), Option(),
+        "Excess over the open hole, as a fraction: 0.1 is 10 %.",
+    ] = 0.0  # fmt: skip
     stab_in: Annotated[float | None, INCHES, POSITIVE, Option("none"),
         "Inner diameter of the drill pipe of a stab-in job: it is displaced, and no shoe track is left.",
     ] = None  # fmt: skip

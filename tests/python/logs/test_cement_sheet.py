@@ -112,6 +112,11 @@ def test_sigma_of_a_common_error_is_that_of_the_area() -> None:
     ("more", "message"),
     [
         ({"shoe": 1031.0}, "shoe = 1031: must lie in the logs"),
+        (
+            {"shoe": 900.0, "previous_shoe": None, "previous_inner": None, "top": None},
+            "shoe = 900: must lie in the logs",
+        ),
+        ({"excess": 10.0}, "excess = 10: must be at most 5"),
         ({"top": 990.0}, "top = 990: the logs reach from"),
         ({"top": 1026.0}, "top = 1026: must be above the shoe"),
         ({"previous_shoe": 1004.0}, "goes with previous_inner"),
