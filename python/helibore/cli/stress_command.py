@@ -91,6 +91,8 @@ def _found(wall: Wall, options: dict[str, Any]) -> tuple[HorizontalStress, Lines
         raise InputError("stress", "needs the path of the hole, for azimuths: give --survey")
     kind, weighting = options["feature"], options["weighting"]
     if options["of_zones"]:
+        if kind != "breakout":
+            raise InputError("feature", "zones are breakouts; induced fractures are among picks", repr(kind))
         zones = wall.zones(criteria_of(wall, options)).zones
         found = stress_of_zones(zones, wall.path, options["scheme"] or "caliper", weighting)
     else:

@@ -58,7 +58,7 @@ def stress_rose(found: HorizontalStress, title: str = "") -> Figure:
     track = figure.add_axes((0.66, 0.12, 0.31, 0.7))
     track.vlines(azimuths, depths - lengths / 2, depths + lengths / 2, color=BAR, linewidth=3)
     track.plot(azimuths, depths, ".", color=BAR, markersize=3)
-    track.set(xlim=(0, 180), xticks=range(0, 181, 45), xlabel="SHmax, deg", ylabel="Measured depth, m")
+    track.set(xlim=(0, 180), xticks=range(0, 181, 45), xlabel="SHmax, deg from true north", ylabel="Measured depth, m")
     track.tick_params(labelsize=8)
     track.invert_yaxis()
     track.grid(visible=True, linewidth=0.3)

@@ -71,6 +71,7 @@ def test_refused(wall: Path, tmp_path: Path) -> None:
     for words, message in (
         (("-o", tmp_path / "s.las"), "must be one of .csv"),
         (("-o", tmp_path / "s.csv", "--latitude", 91), "latitude = 91"),
+        (("-o", tmp_path / "s.csv", "--of-zones", "--feature", "induced fracture"), "zones are breakouts"),
         (("-o", tmp_path / "s.csv", "--rose", tmp_path / "r.txt"), ".png"),
     ):
         done = run(wall, *words)
