@@ -14,7 +14,7 @@ import click
 from helibore.base.errors import InputError
 from helibore.cli.declared_options import options_of
 from helibore.cli.lines import trust_lines
-from helibore.cli.outputs import QUIET, add_sigma, own_options
+from helibore.cli.outputs import QUIET, add_sigma, check_file, own_options
 from helibore.cli.quantities import FILE
 from helibore.cli.sections import Sectioned, opt, section
 from helibore.cli.terminal import Terminal, echo
@@ -81,6 +81,8 @@ def view(**options: Any) -> None:
     caliper file, --average, archive, --image, --scalar. --picks names another file for the picks. No other file is
     written, unless --html names one.
     """
+    if options["html"]:
+        check_file(options["html"], (".html", ".htm"))
     terminal = Terminal(options["quiet"])
     check_page()
     run = open_run(options, terminal)
