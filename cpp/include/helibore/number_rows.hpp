@@ -13,7 +13,7 @@ namespace helibore {
 // there are `comments`.
 //
 // Returns no number if any line is something else, if a number is NaN or infinite, or if 2^53 or more, which a double
-// may not hold exactly. So a caller can try this reader first, and a slower one that tells what is wrong.
+// may not hold exactly. So a caller can try this reader first, and a slower one that says what is wrong.
 std::vector<double> read_number_rows(std::string_view text, std::size_t columns, bool comments);
 
 }  // namespace helibore

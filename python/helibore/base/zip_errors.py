@@ -5,4 +5,4 @@ import zipfile
 import zlib
 
 DAMAGED_ZIP = (zipfile.BadZipFile, EOFError, RuntimeError, struct.error, zlib.error)
-"""RuntimeError is for a member that is encrypted; NotImplementedError, for an unknown way of packing, is one, too."""
+"""A RuntimeError means an encrypted file; its subclass NotImplementedError, a packing that Python does not know."""

@@ -98,13 +98,13 @@ def read(source: InputFile) -> RawFile:
         found = read_rows(source.path, below, layout.skip + 1, names, layout.delimiter, salvage=salvage)
         columns, line_of = found.columns, found.line_of
         layout.remarks += found.remarks
-    columns, spelled, remarks = read_spellings(columns, names, layout.delimiter == ",", source.options.decimal)
+    columns, units_of_texts, remarks = read_spellings(columns, names, layout.delimiter == ",", source.options.decimal)
     layout.remarks += remarks
     stated = _units_of_comments(layout)
     channels = []
     for position, (name, values) in enumerate(zip(names, columns, strict=True)):
         unit = layout.units[position] if layout.units else unit_in_name(layout.names[position])
-        unit = unit or spelled.get(position, "") or stated.get(name.upper(), "")
+        unit = unit or units_of_texts.get(position, "") or stated.get(name.upper(), "")
         channels.append(Channel(name, unit, "", values, source.nulls, nan_is_missing=False))
     rows = len(columns[0])
     comments = [remark.removeprefix(COMMENT).partition(":") for remark in layout.remarks if remark.startswith(COMMENT)]

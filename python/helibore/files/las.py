@@ -393,10 +393,10 @@ def _set(
         wrapped=wrapped,
         salvage=source.options.salvage,
     )
-    columns, spelled, spellings = read_spellings(rows.columns, names, delimiter == ",", source.options.decimal)
+    columns, units_of_texts, spellings = read_spellings(rows.columns, names, delimiter == ",", source.options.decimal)
     nulls = source.nulls + _null(well.get("NULL"))
     channels = [
-        Channel(curve.name, curve.unit or spelled.get(at, ""), curve.description, column, nulls, curve.axis)
+        Channel(curve.name, curve.unit or units_of_texts.get(at, ""), curve.description, column, nulls, curve.axis)
         for at, (curve, column) in enumerate(zip(curves, columns, strict=True))
     ]
     remarks = [*remarks, *rows.remarks, *spellings]
