@@ -174,7 +174,22 @@ def guess(log_set: RawSet, names: RoleNames | None = None) -> RoleMap:
     _text_roles(log_set, roles, has_toolface, names)
     _sets_of_arms(log_set, roles, names)
     _pair_arms(roles)
+    _radii_all_around(log_set, roles)
     return RoleMap(log_set.name, roles)
+
+
+def _radii_all_around(log_set: RawSet, roles: dict[str, Role]) -> None:
+    """Beside radii by sector, leave out diameters and radii of single arms, and the toolface of a diameter.
+
+    Such tables are logs of a wall (`Wall.logs`): its diameters are those of its sectors, not measured once more.
+    """
+    around = next((each.channel for each in roles.values() if each.role == "radius-image"), None)
+    if around is None:
+        return
+    for name, role in roles.items():
+        derived = role.role == "toolface" and "diameter" in log_set[name].description.lower()
+        if derived or role.role in ("radius", "diameter"):
+            roles[name] = _none(log_set[name], f"{role.reason}; {around} has the radii all around the hole")
 
 
 def _text_roles(log_set: RawSet, roles: dict[str, Role], has_toolface: bool, names: RoleNames) -> None:
@@ -305,6 +320,9 @@ def north_stated(channel: Channel) -> str:
     return named.pop() if len(named) == 1 else ""
 
 
+UNCERTAINTY = re.compile(r"_sigma\b|\buncertainty\b|\bstandard deviation\b", re.IGNORECASE)
+
+
 def _image_role(channel: Channel) -> Role:
     """Return the role of an image: a caliper image has a unit of length, and an echo image has travel times."""
     sectors = channel.shape[1]
@@ -314,7 +332,9 @@ def _image_role(channel: Channel) -> Role:
     else:
         reason = f"stored as an array of {sectors}"
     role = "image"
-    if units.measures(channel.unit) == units.LENGTH:
+    if UNCERTAINTY.search(f"{stem(channel)} {channel.description}"):
+        reason += ", an uncertainty"
+    elif units.measures(channel.unit) == units.LENGTH:
         role, reason = "radius-image", f"{reason}, in a unit of length"
     elif _is_echo(channel):
         role, reason = "travel-time", f"{reason}, in a unit of time, named or described as a travel time"

@@ -10,6 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 import helibore as hb
+from helibore.channels.roles import WALL, guess
 from helibore.cli import cli
 from helibore.logs.wall_images import wall_images
 
@@ -89,6 +90,19 @@ def test_our_readers_have_the_same_image(wall: Path, tmp_path: Path, ending: str
             assert (found.first, found.step) == pytest.approx((START, 360 / SECTORS))
             image = found.sector_image("centre", "high-side")
             np.testing.assert_allclose(image.toolface, expected.toolface)
+
+
+@pytest.mark.parametrize("ending", ["las", "dlis", "parquet", "csv"])
+def test_such_a_file_read_as_a_caliper_gives_the_radii_and_nothing_derived(
+    wall: Path, tmp_path: Path, ending: str
+) -> None:
+    """The diameters of its logs, their toolface and the uncertainties are no further measurements."""
+    if ending == "dlis":
+        pytest.importorskip("dliswriter")
+    first = START if ending in ("las", "dlis") else None  # CSV and Parquet have no axis
+    set_ = hb.open(written(wall, tmp_path / f"w.{ending}", "--sigma")).sets[0]
+    found = guess(set_).all(*WALL, "toolface")
+    assert [(role.channel, role.role, role.first) for role in found] == [("RADIUS", "radius-image", first)]
 
 
 def test_a_step_is_refused(wall: Path, tmp_path: Path) -> None:
