@@ -59,13 +59,15 @@ def cement(**options: Any) -> None:
     job = CementJob(**stated(CementJob, options))
     wall = make_wall(run, options["threads"], terminal.stage).wall
     with terminal.stage("measure", "Measuring"):
-        found = wall.logs(sigma=options["sigma"], caliper_accuracy=options["caliper_accuracy"]).cement_sheet(job)
+        logs = wall.logs(sigma=options["sigma"], caliper_accuracy=options["caliper_accuracy"])
+        found = logs.cement_sheet(job)
     text = io.StringIO()
     csv.writer(text, lineterminator="\n").writerows(found.rows())
     with terminal.stage("save", f"Writing {output.name}"):
         write_whole(output, lambda file: file.write(text.getvalue().encode()))
         saved = save_lines(run, output, "cement", options)
-    terminal.summary([*run.messages, *_lines(found), *saved, ("time", terminal.times())])
+    unsure: Lines = [("warning", text) for text in logs.warnings()]
+    terminal.summary([*run.messages, *_lines(found), *unsure, *saved, ("time", terminal.times())])
 
 
 def _lines(found: CementSheet) -> Lines:

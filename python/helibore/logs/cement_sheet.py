@@ -34,6 +34,7 @@ class MeasuredHole(NamedTuple):
     """Columns of the logs with one row a turn or step, and the height of a row and the bit size, metres."""
 
     depth: Floats
+    coverage: Floats
     equivalent_diameter: Floats
     volume_sigma: Floats
     height: float
@@ -58,7 +59,7 @@ class CementSection(NamedTuple):
     by_bit_size
         Volume in a gauge hole, with the same excess, cubic metres.
     measured
-        Share of the length that was measured, 0 to 1; 1 inside casings.
+        Share of the wall of the section that was measured, as `Logs.coverage` counts it, 0 to 1; 1 inside casings.
     """
 
     name: str
@@ -203,4 +204,5 @@ def _of_hole(
     sigma = float((logs.volume_sigma[known] * inside[known]).sum() / logs.height)
     gauge = max(_area(logs.bit_diameter) - casing, 0.0) * (bottom - top) * (1 + excess)
     volume = float(((hole - casing)[known] * inside[known]).sum())
-    return volume * whole, sigma * whole, gauge, min(1.0, length / (bottom - top))
+    measured = float((logs.coverage[known] * inside[known]).sum()) / (bottom - top)
+    return volume * whole, sigma * whole, gauge, min(1.0, measured)

@@ -319,7 +319,7 @@ class Logs(Tabular):
             area than the casing.
         """
         sizes = self.equivalent_diameter, self.volume_sigma, self.height, self.bit_diameter
-        return cement_sheet(MeasuredHole(self.depth, *sizes), job)
+        return cement_sheet(MeasuredHole(self.depth, self.coverage, *sizes), job)
 
     @property
     def shape_kept(self) -> float:

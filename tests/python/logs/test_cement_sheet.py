@@ -80,6 +80,16 @@ def test_what_was_not_measured_takes_the_mean_of_its_section() -> None:
         sheet(gap=True, top=1006.0, shoe=1007.0)
 
 
+def test_a_tool_with_few_arms_did_not_measure_what_lies_between_them() -> None:
+    k = np.arange(2000)
+    arms = hb.Caliper(1000 + (k // 4) * 0.02, (90.0 * (k % 4) + 20) % 360, np.full(k.size, UPPER / 2))
+    logs = hb.reconstruct(arms, bit_diameter=BIT).logs()
+    hole = logs.cement_sheet(CementJob(casing=0.2445, shoe=1008.0, top=1002.0)).sections[-1]
+    assert hole.name == OPEN_HOLE
+    assert hole.measured == pytest.approx(logs.coverage[(logs.depth > 1002) & (logs.depth < 1008)].mean(), abs=0.01)
+    assert hole.measured < 0.5
+
+
 @given(tail_top=st.floats(995, 1020), top=st.floats(990, 1010))
 def test_lead_and_tail_are_all(tail_top: float, top: float) -> None:
     more = {"previous_shoe": 1004.0, "previous_inner": 0.3153, "top": top}
