@@ -1,0 +1,18 @@
+// Prints the SHA-256 of a wall that the WebAssembly core rebuilds:  node core_hashes.mjs WASM CASE.json
+// CASE has columns `depth`, `toolface` and `radius`, `settings`, and `rule` of the uncertainty.
+import { createHash } from 'node:crypto';
+import { readFileSync } from 'node:fs';
+import { Core } from '../offline/core.js';
+
+const [wasm, file] = process.argv.slice(2);
+const { depth, toolface, radius, settings, rule } = JSON.parse(readFileSync(file, 'utf8'));
+const core = await Core.open(readFileSync(wasm));
+/** @param {Float64Array} values */
+const sum = (values) => createHash('sha256').update(values).digest('hex');
+try {
+  const wall = core.wall({ ...settings, sigma: 1 });
+  wall.append(...[depth, toolface, radius].map((values) => Float64Array.from(values)));
+  console.log(JSON.stringify({ radius: sum(wall.column('radius')), nearest: sum(wall.column('nearest')), sigma: sum(wall.sigma(rule)), version: core.version }));
+} catch (error) {
+  console.log(JSON.stringify({ error: error.message }));
+}

@@ -1,0 +1,91 @@
+"""The core as WebAssembly gives the bits of the native core, and its errors; `./develop page` builds it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from locations import WEB
+from patience import PATIENCE
+
+import helibore as hb
+from helibore import _core
+
+ROOT = WEB.parents[3]
+WASM = ROOT / "build" / "page" / "helibore.wasm"
+NODE = shutil.which("node")
+RULE = {
+    "noise": 2e-7, "between": 3e-3, "scatter_power": 0.7, "distance_power": 0.8, "stretch": 16.0, "reach": 0.4,
+}  # fmt: skip
+
+needs_core = pytest.mark.skipif(
+    NODE is None or not WASM.exists(), reason="the WebAssembly core is not built: ./develop page builds it"
+)
+
+
+def samples(seed: int) -> dict[str, list[float]]:
+    """Raw samples of an uneven helix with a washout, a gap, noise and repeated rows."""
+    draw = np.random.default_rng(seed)
+    depth = 1000.0 + np.sort(draw.uniform(0.0, 12.0, 6000))
+    depth = depth[(depth < 1004.0) | (depth > 1005.5)]
+    toolface = np.cumsum(draw.uniform(0.0, 41.0, depth.size)) % 360.0
+    radius = 0.108 + 0.01 * np.exp(-((depth - 1008.0) ** 2)) + draw.normal(0.0, 4e-4, depth.size)
+    rows = np.append(np.arange(depth.size), np.arange(0, depth.size, 50))
+    return {
+        name: values[rows].tolist() for name, values in (("depth", depth), ("toolface", toolface), ("radius", radius))
+    }
+
+
+def run(folder: Path, case: dict[str, Any]) -> dict[str, str]:
+    file = folder / "case.json"
+    file.write_text(json.dumps(case))
+    command = [str(NODE), str(WEB / "tests" / "core_hashes.mjs"), str(WASM), str(file)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=True)
+    found: dict[str, str] = json.loads(done.stdout)
+    return found
+
+
+@needs_core
+@pytest.mark.parametrize("sectors", [64, 37])
+def test_the_bits_of_radii_distances_and_sigma_are_those_of_the_native_core(tmp_path: Path, sectors: int) -> None:
+    columns = samples(sectors)
+    found = run(tmp_path, {**columns, "settings": {"bit_diameter": 0.216, "sectors": sectors}, "rule": RULE})
+    wall = hb.Wall(bit_diameter=0.216, sectors=sectors, sigma=True, threads=1)
+    wall.append(*columns.values())
+    sigma = _core.sigma_of(wall._core.sums(), tuple(RULE.values()))
+    expected = {"radius": wall.radius, "nearest": wall.nearest, "sigma": sigma}
+    assert np.isfinite(sigma).any()
+    assert np.isnan(sigma).any()
+    sums = {name: hashlib.sha256(np.ascontiguousarray(of)).hexdigest() for name, of in expected.items()}
+    assert found == sums | {"version": hb.__version__}
+
+
+@needs_core
+def test_an_error_has_the_text_of_the_native_core(tmp_path: Path) -> None:
+    columns = samples(1)
+    columns["radius"][3] = -0.1
+    with pytest.raises(hb.InputError) as native:
+        hb.Wall(bit_diameter=0.216).append(*columns.values())
+    found = run(tmp_path, {**columns, "settings": {"bit_diameter": 0.216}, "rule": RULE})
+    assert found == {"error": str(native.value)}
+    assert found["error"].startswith("radius[3] = -0.1")
+
+
+def test_the_structs_of_the_page_are_those_of_the_header() -> None:
+    header = (ROOT / "cpp" / "include" / "helibore" / "helibore.h").read_text()
+    script = (WEB / "offline" / "core.js").read_text()
+    kinds = {"u": "uint32_t", "i": "int32_t", "d": "double", "l": "int64_t"}
+    structs = re.findall(r"^  (hb_\w+): '([^']+)'", script, re.MULTILINE)
+    assert len(structs) == 4
+    for name, members in structs:
+        body = re.search(rf"typedef struct {name} {{(.*?)}} {name};", header, re.DOTALL)
+        assert body is not None
+        declared = re.findall(r"^ +(\w+) (\w+);", body[1], re.MULTILINE)
+        assert [(kinds[kind], field) for kind, field in (each.split() for each in members.split(", "))] == declared
