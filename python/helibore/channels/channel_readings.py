@@ -40,6 +40,14 @@ UNSTATED = {
 }
 """Texts of `note` on the unit of a channel without a stated unit; the key is what the channel measures."""
 
+SETTINGS = {role: f"columns.{role}" for role in ("depth", "toolface", "radius", "diameter")} | {
+    "radius-image": "columns.radius", "travel-time": "columns.travel_time",
+}  # fmt: skip
+"""The setting that names the columns of a role, and their units."""
+
+CALIPER_NAME = re.compile("rad|cal|arm|finger", re.IGNORECASE)
+"""What the name of a caliper's channel may hold."""
+
 TIME_OF_DAY = re.compile(r"\d{1,2}:\d\d(:\d\d(\.\d*)?)?")
 WITH_TIME = re.compile(r"(\S+[T ]\d[\d:.]*) ?(Z|UTC|[+-]\d\d(?::?\d\d)?)?")
 """A date with a time of day, and perhaps its zone."""
@@ -83,7 +91,7 @@ def readings(
     depth = np.full(log_set.rows, np.nan)
     if not tracked or roles.one("depth"):
         role = needed(log_set, roles, "depth")
-        depth = column(log_set, role)
+        depth = column(log_set, role, SETTINGS["depth"])
         odd = log_set[role.channel].odd_row
         if odd is not None:
             raise log_set.input_error("NaN or infinite: a depth must be finite, or empty", odd, role.channel)
@@ -91,7 +99,7 @@ def readings(
     turning = roles.one("toolface")
     toolface = np.zeros(log_set.rows)
     if turning is not None:
-        toolface = column(log_set, turning)
+        toolface = column(log_set, turning, SETTINGS["toolface"])
         plausibility.angles(log_set, turning, toolface)
     bit = bit_diameter if bit_diameter is not None else bit_of_channel(log_set, roles)
     sensors: list[Sensor] = []
@@ -134,12 +142,21 @@ def _no_arms(log_set: RawSet, roles: RoleMap) -> str:
         return f"{rule} (its images {', '.join(images)} lie on a gauge hole, hb.Caliper.gauge)"
     if roles.one("inclination") is not None and roles.one("azimuth") is not None:
         return f"{rule} (it holds a survey, not a caliper)"
-    return f"{rule}, such as columns.radius=NAME:in; the channels are {', '.join(log_set.names)}{about_names(log_set)}"
+    near = [
+        each.name for each in log_set
+        if CALIPER_NAME.search(each.name) and not each.is_text and len(each.shape) == 1
+        and units.measures(each.unit) in ("", units.LENGTH)
+    ]  # fmt: skip
+    how = f"columns.radius={near[0] if len(near) == 1 else 'NAME'}:in"
+    depth = roles.one("depth")
+    if depth is not None and not depth.unit:
+        how += f" and columns.depth={depth.channel}:ft, since {depth.channel} states no unit"
+    return f"{rule}, such as {how}; the channels are {', '.join(log_set.names)}{about_names(log_set)}"
 
 
 def _radius(log_set: RawSet, arm: Role, bit: float | None, echo: Echo | None) -> Floats:
     """Return the readings of a wall channel as (n, p) radii or diameters, metres, for p values in each row."""
-    values = column(log_set, arm).reshape(log_set.rows, -1)
+    values = column(log_set, arm, SETTINGS[arm.role]).reshape(log_set.rows, -1)
     if arm.role == "travel-time":
         if echo is None:
             raise log_set.input_error(

@@ -21,6 +21,9 @@ from helibore.images.sector_image import Direction, Origin, SectorImage
 from helibore.trajectory.references import Reference
 from helibore.trajectory.survey import Survey
 
+EXAMPLES = {units.LENGTH: "in", units.ANGLE: "deg", units.TIME: "us"}
+"""A unit of each kind, for errors."""
+
 
 @dataclass(frozen=True)
 class RawSectorImage:
@@ -94,21 +97,23 @@ class RawSectorImage:
             raise InputError(self.name, str(error)) from error
 
 
-def column(log_set: RawSet, role: Role, option: str = "its option") -> Floats:
+def column(log_set: RawSet, role: Role, option: str = "") -> Floats:
     """Return a channel in metres, degrees or seconds. A unit that is missing or does not fit its role is an error.
 
     Two units may be missing: angles are degrees if one of them is beyond 2 pi, and a ``time`` is in seconds. If the
-    role needs no unit, the values are returned unchanged. The error names ``option``, an option of the command line,
-    as a place to state the unit.
+    role needs no unit, the values are returned unchanged. The error names ``option``, a setting, as a place to state
+    the unit; "": there is none.
     """
     kind = ROLES[role.role]
     values = log_set.numbers(role.channel)
     if kind and not role.unit and role.role != "time":
         found = plausibility.present(values)
         if kind != units.ANGLE or not found.size or float(np.abs(found).max()) <= 2.0 * np.pi + 1e-6:
-            how = f'a map ([channels."{role.channel}"] unit = ...), or as {role.channel}:UNIT in {option}'
-            rule = f"unit missing: state it in {how}; {role.role} is {kind}"
-            raise log_set.input_error(rule, column=role.channel)
+            example = "ft" if role.role == "depth" else EXAMPLES[kind]
+            how = f"the name of the column ({role.channel} [{example}]), in a map"
+            how += f' ([channels."{role.channel}"] unit = ...)'
+            how += f", or by {option}={role.channel}:{example}" if option else ""
+            raise log_set.input_error(f"unit missing: state it in {how}; {role.role} is {kind}", column=role.channel)
     if not kind or not role.unit:
         return values
     try:
@@ -118,7 +123,7 @@ def column(log_set: RawSet, role: Role, option: str = "its option") -> Floats:
     return values if factor == 1.0 else values * factor
 
 
-def depths(log_set: RawSet, roles: RoleMap, option: str = "its option") -> tuple[Role, Floats]:
+def depths(log_set: RawSet, roles: RoleMap, option: str = "") -> tuple[Role, Floats]:
     """Return the depth channel and its values in metres; raise InputError if the values cannot be depths."""
     role = needed(log_set, roles, "depth")
     values = column(log_set, role, option)

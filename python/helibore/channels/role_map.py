@@ -16,6 +16,7 @@
     [[names]]                          # names that mean a role in every file that is read with this map
     names = ["XRB", "RBX"]             # without units
     role = "toolface"
+    unit = "deg"                       # where a file states none
     reference = "high-side"            # also: north; angle, of an arm
 
 A channel that the map does not name keeps its guessed role. The role of a channel that the map names is confirmed: the
@@ -121,6 +122,8 @@ def read_map(path: str | Path, file: LogFile) -> RoleMap:
     source, tree = TomlSource.load(path)
     stated = read_table(MapOfRoles, tree, source)
     log_set = file.set(stated.set)
+    for number, each in enumerate(stated.names):
+        _check_unit(each.unit, each.role, source, ("names", number, "unit"))
     names = role_names().with_rules(_name_rule(each, path.name) for each in stated.names)
     return overlay(guess(log_set, names), log_set, tree.get("channels", {}), source)
 
@@ -130,6 +133,7 @@ def _name_rule(stated: RoleOfNames, place: str) -> NameRule:
     return NameRule(
         stated.role,
         tuple(name.lower() for name in stated.names),
+        unit=stated.unit or "",
         angle=stated.angle,
         reason=f"{place} says so",
         reference=stated.reference or "",
@@ -170,13 +174,18 @@ def overlay(
     return RoleMap(roles.set_name, changed)
 
 
+def _check_unit(unit: str | None, role: str, source: TomlSource, at: tuple[str | int, ...]) -> None:
+    """Raise InputError if a unit does not measure what its role asks for."""
+    if unit and ROLES[role] and units.measures(unit) != ROLES[role]:
+        raise source.error(at, f"must be a unit of {ROLES[role]} for a {role}", unit)
+
+
 def _entry(
     base: Role, entry: Mapping[str, Any], source: TomlSource, at: tuple[str, ...], why: str, channel: Channel
 ) -> Role:
     """Return the role of a channel: what its entry states, and what was known before where it states nothing."""
     role, unit = entry.get("role", base.role), entry.get("unit", base.unit)
-    if unit and ROLES[role] and units.measures(unit) != ROLES[role]:
-        raise source.error((*at, "unit"), f"must be a unit of {ROLES[role]} for a {role}", unit)
+    _check_unit(unit, role, source, (*at, "unit"))
     own_reference, own_north = base.reference, base.north
     if role != base.role:
         own_reference, own_north = toolface_reference(channel) if role == "toolface" else ("", "")

@@ -54,6 +54,7 @@ class NameRule:
     reference: str = ""  # of a toolface: a `ToolfaceReference`, or "" for the wall's own
     north: str = ""  # of an angle from north: true, magnetic or grid; "": not known by the name
     angle: float | None = None  # of an arm: its direction, degrees from the toolface
+    unit: str = ""  # of the values, where the file states none
     arm: str = ""  # "x" or "y": one pair of an X-Y caliper, which turns with the tool
     reason: str = ""  # why a channel of this name has no role
     unit_stated: bool = False  # whether the channel must state its unit
@@ -280,7 +281,7 @@ def _single_role(
     reference, north = _reference(rule, channel) if role == "toolface" else ("", "")
     if role == "azimuth":
         north = north_stated(channel)
-    return Role(channel.name, role, how + index, channel.unit, reference=reference, north=north)
+    return Role(channel.name, role, how + index, channel.unit or rule.unit, reference=reference, north=north)
 
 
 def _reference(rule: NameRule, channel: Channel) -> tuple[str, str]:
@@ -364,9 +365,8 @@ def _wall_role(channel: Channel, has_toolface: bool, names: RoleNames) -> Role |
         return Role(channel.name, "travel-time", reason, channel.unit, 0.0 if has_toolface else None)
     if not _fits(channel, units.LENGTH):
         return None
-    unit = channel.unit
     for rule in names.wall:
-        named = rule.named(channel)
+        named, unit = rule.named(channel), channel.unit or rule.unit
         if not (named or rule.says(channel)) or not rule.allows(channel) or (rule.needs_toolface and not has_toolface):
             continue
         how = f"named {channel.name}" if named else f'described as "{channel.description}"'
@@ -382,9 +382,9 @@ def _wall_role(channel: Channel, has_toolface: bool, names: RoleNames) -> Role |
             how += f": a diameter through {rule.angle:g} and {rule.angle + 180:g} deg"
         angle = rule.angle if rule.angle is not None or not has_toolface else 0.0
         return Role(channel.name, rule.role, how, unit, angle)
-    if unit and CALIPER_TEXT.search(channel.description):
+    if channel.unit and CALIPER_TEXT.search(channel.description):
         reason = f"named or described as a caliper ({channel.description}) without a direction"
-        return Role(channel.name, "mean-diameter", reason, unit)
+        return Role(channel.name, "mean-diameter", reason, channel.unit)
     return None
 
 

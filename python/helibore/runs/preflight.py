@@ -28,10 +28,16 @@ HEAD = 1 << 18
 TEXTS = (".csv", ".tsv", ".txt", ".dat", ".asc", ".las")
 """Endings of files whose head says what the columns are. Parquet is read in place; other files are left to the run."""
 
-REMEDY = (
-    "roles and units for all wells: [defaults.columns] in the manifest; for one file: its map, which helibore inspect "
-    "FILE prints"
-)
+REMEDY = """\
+for all wells, whatever names their files have, write in the manifest
+    [defaults.caliper]
+    map = "names.toml"
+and in names.toml, for each role that was not found,
+    [[names]]
+    names = ["RAD", "ARM1"]
+    role = "radius"
+    unit = "in"    # where a file states none
+for one file: its map, which helibore inspect FILE prints"""
 
 
 def refused_wells(jobs: Sequence[Job]) -> dict[str, str]:

@@ -68,6 +68,7 @@ class RoleOfNames(Declared):
 
     names: Annotated[tuple[str, ...], NOT_EMPTY, "Names of channels, without units."]
     role: Annotated[str, A_ROLE, "What the values of these channels are."]
+    unit: Annotated[str | None, "Unit of the values, where the file states none."] = None
     reference: Annotated[ToolfaceReference | None, "What a toolface counts from."] = None
     north: Annotated[North | None, "Which north a toolface or an azimuth counts from."] = None
     angle: Annotated[float | None, DEGREES, FINITE, "Direction of an arm from the toolface."] = None

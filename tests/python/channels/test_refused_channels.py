@@ -45,8 +45,11 @@ def made(columns: dict[str, Any]) -> LogSet:
          "f.las, row 0, column MD: -999 m in 2 rows, other depths lie between 1001 and 1007 m: a number that "
          "means no value? nulls=-999 says so"),
         ({"MD__m": None, "MD": 100 + np.arange(N)}, {},
-         'f.las, column MD: unit missing: state it in a map ([channels."MD"] unit = ...), or as MD:UNIT in its option; '
-         "depth is length"),
+         "f.las, column MD: unit missing: state it in the name of the column (MD [ft]), in a map "
+         '([channels."MD"] unit = ...), or by columns.depth=MD:ft; depth is length'),
+        ({"MD__m": None, "MD": 100 + np.arange(N), "radius__m": None, "RAD": np.full(N, 4.3)}, {},
+         f"f.las: no channel has the role radius, diameter or radius-image: {NAME_ONE}, such as columns.radius=RAD:in "
+         "and columns.depth=MD:ft, since MD states no unit; the channels are TF, MD, RAD"),
         ({"TF__deg": np.full(N, np.nan)}, {}, "f.las, column TF: every value is missing"),
         ({"TF__deg": np.full(N, 1e4)}, {}, "f.las, row 0, column TF: 10000 deg: an angle lies within -720 and 720; if "
                                            "the number means no value, nulls=10000 says so"),

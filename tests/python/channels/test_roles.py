@@ -272,7 +272,7 @@ def radius(metres: float) -> Channel:
     [
         ((DEPTH, TURN, radius(0.2159)), "column radius: median 0.216: looks like a diameter"),
         ((DEPTH, TURN, radius(108.0)), "median 108 m if the unit is m: no radius of a borehole (would fit mm)"),
-        ((DEPTH, TURN, channel("radius", "", np.full(40, 0.1))), "column radius: unit missing: state it in a map"),
+        ((DEPTH, TURN, channel("radius", "", np.full(40, 0.1))), "column radius: unit missing: state it in the name"),
         ((DEPTH, TURN, radius(np.nan)), "column radius: every value is missing"),
         (
             (DEPTH, channel("TF", "deg", np.linspace(0, 6.28, 40)), radius(0.1)),

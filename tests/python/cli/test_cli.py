@@ -147,8 +147,8 @@ def test_upwards(folder: Path, tmp_path: Path) -> None:
     ("text", "options", "message"),
     [
         ("md_m,rb_deg\n1,2\n", [], "c.csv, column 'r': not in the file, which has md_m, rb_deg"),
-        ("md_m,rb_deg,r\n1,2,0.1\n", [], 'c.csv, column r: unit missing: state it in a map '
-         '([channels."r"] unit = ...), or as r:UNIT in its option; radius is length'),
+        ("md_m,rb_deg,r\n1,2,0.1\n", [], 'c.csv, column r: unit missing: state it in the name of the '
+         'column (r [in]), in a map ([channels."r"] unit = ...), or by columns.radius=r:in; radius is length'),
         ("md_m,rb_deg,r\n1,2,0.1\n", ["--column", "radius=r:parsec"],
          "c.csv: r.unit = 'parsec': must be a unit of length for a radius"),
         ("md_m,rb_deg,r\n1,2,0.1\n1,2,big\n", ["--column", "radius=r:m"],

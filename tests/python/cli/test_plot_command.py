@@ -211,8 +211,8 @@ def test_the_header_line_of_an_average_caliper(tmp_path: Path) -> None:
     [
         (("--scalar", "GR"), "--scalar GR: must be FILE:CHANNEL or inclination"),
         (("--scalar", "inclination"), "--scalar inclination: needs --survey"),
-        (("--scalar", "x.csv:GR"), "x.csv, column md: unit missing: state it in a map ([channels.\"md\"] unit = ...), "
-                                   "or as md:UNIT in its option; depth is length"),
+        (("--scalar", "x.csv:GR"), "x.csv, column md: unit missing: state it in the name of the column "
+                                   '(md [ft]), in a map ([channels."md"] unit = ...); depth is length'),
         (("--scalar", "i.csv:GR"), "i.csv, column GR: has 4 values a row: a curve has one value a row"),
         (("--scalar", "mem.las:XX"), "mem.las: no channel 'XX'; it holds DEPT, GR, RT, CALI"),
         (("--scalar", "mem.las:GR", "--from", "2010m"), "curve 'GR', 2010 to 2022 m: has no value there"),

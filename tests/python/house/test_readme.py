@@ -30,6 +30,8 @@ from helibore.cli import cli
 from helibore.live.rules.configuration import parse
 from helibore.runs.manifest import read_jobs
 from helibore.runs.project import read_project
+from helibore.settings.role_settings import MapOfRoles
+from helibore.settings.toml_reading import TomlSource, read_table
 from helibore.simulation.rig import Rig
 
 README, DOCS = ROOT / "README.md", ROOT / "docs"
@@ -167,6 +169,8 @@ def read_toml(block: Block) -> None:
         Path("well.toml").write_text(block.text)
         Path("field.toml").write_text('unit = "in"\n[[track]]\nkind = "caliper"\n')
         assert read_project("well.toml").wall
+    elif "names" in tree:
+        assert read_table(MapOfRoles, tree, TomlSource(str(block))).names
     elif "well" in tree:
         Path("page.toml").write_text(block.text)
         for project in (Path(well["project"]) for well in tree["well"] if "project" in well):

@@ -53,7 +53,7 @@ def test_check_reads_and_makes_nothing(wells: Path) -> None:
     done = run("reprocess", wells, "--check")
     assert done.exit_code == 3
     assert done.output.startswith("3 of 7 wells have caliper files that can be read\na, b: FILE: ")
-    assert "[defaults.columns]" in done.output
+    assert '[defaults.caliper]\n    map = "names.toml"' in done.output
     assert not (wells.parent / "out").exists()
 
 
@@ -61,6 +61,16 @@ def test_columns_for_all_wells_mend_a_header_that_no_role_fits(wells: Path) -> N
     text = MANIFEST.replace("[defaults.wall]", '[defaults.columns]\nradius = ["blob:m"]\n[defaults.wall]')
     wells.write_text(text + "".join(f'[[well]]\nname = "{name}"\ncaliper = "{name}.csv"\n' for name in "ab"))
     assert refused_wells(read_jobs(wells)) == {}
+
+
+def test_one_map_of_names_mends_headers_of_several_kinds(wells: Path) -> None:
+    tables = [f'[[names]]\nnames = ["{of}"]\nrole = "{role}"\nunit = "m"\n' for of, role in (
+        ("blob", "radius"), ("depth", "depth"),
+    )]  # fmt: skip
+    (wells.parent / "names.toml").write_text("".join(tables))
+    text = wells.read_text()
+    wells.write_text(text.replace("[defaults.wall]", '[defaults.caliper]\nmap = "names.toml"\n[defaults.wall]'))
+    assert set(refused_wells(read_jobs(wells))) == {"never"}
 
 
 def test_without_a_well_that_can_be_read_no_cluster_starts(wells: Path) -> None:
