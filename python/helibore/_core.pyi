@@ -134,9 +134,23 @@ def observe_by_depth(
     toolface: Floats,
     radii: Sequence[Floats],
     time: Floats | None,
-    offsets: Sequence[float],
-    mountings: Sequence[float],
+    sensors: Sequence[tuple[float, float, int]],
 ) -> tuple[Floats, Floats, Floats, Floats | None, Integers, Integers, tuple[int, int, int, int]]: ...
+def judge_rows(
+    depth: Floats,
+    toolface: Floats,
+    radii: Sequence[Floats],
+    sensors: Sequence[tuple[float, float, int]],
+    bit_diameter: float | None,
+    drop_closed: bool,
+    drop_saturated: bool,
+    drop_spikes: bool,
+    spikes: float,
+) -> list[tuple[str, int, int, int, bool, float, int]]: ...
+def stuck_arms(
+    radii: Sequence[Floats], rows: int, moving: float
+) -> list[tuple[str, int, int, int, bool, float, int]]: ...
+def is_image(sensors: Sequence[tuple[float, float, int]]) -> bool: ...
 def odd_readings(radius: Floats, threshold: float, floor: float) -> Integers: ...
 def share_of_repeats(depth: Floats, toolface: Floats, radius: Floats, most: int) -> float: ...
 def number_passes(depth: Floats, reversal: float) -> Integers: ...

@@ -1,8 +1,9 @@
-// The costly steps from the readings of a tool to samples for a wall. The caller joins them and reports what they find.
+// From the readings of a tool to samples for a wall: the default preparation, in one call.
 //
-//     rows of p sensors --odd_readings--> which may be spikes
-//                       --observe_by_depth--> samples --share_of_repeats--> are rows repeated?
-//     depths of the rows --number_passes--> runs down and up the hole
+//     rows --judge_rows--> suspect rows, of which some are left out --observe_by_depth--> samples
+//     samples --share_of_repeats--> how many count again
+//
+// `prepare` takes these steps. Each step can also be taken alone; a step changes nothing that it is given.
 #pragma once
 
 #include <cstdint>
@@ -14,32 +15,87 @@
 
 namespace helibore {
 
-// Where a sensor sits on the string: metres up from the point whose depth is recorded, and degrees clockwise from the
-// tool's toolface reference.
-struct SensorPlace {
+// A sensor: metres up the string from the point whose depth is recorded, degrees clockwise from the tool's toolface
+// reference, and the column with its readings. The two ends of a diameter are two sensors with one column.
+struct ToolSensor {
     double offset = 0, mounting = 0;
+    Index column = 0;
 };
 
-// The rows of a tool's log: columns of equal length, NaN where a value is missing.
+// The rows of a tool's log: columns of equal length, NaN where a value is missing. A diameter counts as its half.
 struct ToolRows {
     std::span<const double> depth;                // metres
     std::span<const double> toolface;             // degrees, of the tool's reference
-    std::vector<std::span<const double>> radii;   // metres, a column for each sensor
+    std::vector<std::span<const double>> radii;   // metres, each column from an arm, a diameter or a sector of an image
     std::optional<std::span<const double>> time;  // seconds
+};
+
+// Why rows stand out.
+enum class Cause {
+    disagreement,  // two columns that look in the same direction differ by more than 2.5 mm in ten rows or more
+    closed,        // all columns stay within 2 mm of their least radius, 10 mm or more below their median and the bit
+    ramp,          // the arms close before, or open after, a closed stretch
+    saturated,     // an arm stays at the largest radius to which it opens: five rows or more over half a metre
+    stuck,         // an arm does not move in a hundred rows or more while the others do
+    burst,         // a spike: up to five rows of one arm that no row and no other arm confirms
+    jump,          // a spike of all arms at once, over at most 5 cm
+};
+
+struct SuspectRows {
+    Cause cause = Cause::closed;
+    Index column = -1;     // of `radii`; -1: all columns
+    Range rows;            // half-open
+    bool dropped = false;  // its readings do not become samples
+    double radius = 0;     // closed, ramp, saturated, stuck: at which the arms stay (stuck: NaN if it has no reading);
+                           // disagreement: median difference of the two columns; else NaN
+    Index other = -1;      // disagreement: the other column
+};
+
+// Which of the suspect rows are left out.
+struct PreparationSettings {
+    std::optional<double> bit_diameter;  // metres; arms count as closed only 10 mm or more inside the bit
+    bool drop_closed = true;             // needs the bit's diameter
+    bool drop_saturated = true;
+    bool drop_spikes = false;
+    double spikes = 6.0;  // deviations from which a reading is odd
 };
 
 // Samples in the order of rows, then of sensors, and how many were left out because a value is missing: each is counted
 // at the first of depth, toolface, radius and time that it lacks.
 struct ToolSamples {
-    std::vector<double> depth, toolface, radius,
-        time;  // metres, degrees in [0, 360), metres, seconds (if rows have it)
+    std::vector<double> depth, toolface, radius;  // metres, degrees in [0, 360), metres
+    std::vector<double> time;                     // seconds; empty if rows have none
     std::vector<std::int64_t> sensor, row;
     Index no_depth = 0, no_toolface = 0, no_radius = 0, no_time = 0;
 };
 
-// Brings the sensors of a tool into one frame. Throws InputError for columns of different lengths and for an infinite
-// depth, toolface or radius.
-ToolSamples observe_by_depth(const ToolRows& rows, std::span<const SensorPlace> sensors);
+struct Prepared {
+    ToolSamples samples;
+    std::vector<SuspectRows> suspects;  // as of judge_rows
+    double repeats = 0;  // share of samples that equal an earlier one and count again; 0 if rows have times
+};
+
+// Prepares a log without other settings than these. Throws InputError as judge_rows and observe_by_depth do, and for
+// two columns that look in the same direction and differ by more than 2.5 mm in half of the rows.
+Prepared prepare(const ToolRows& rows, std::span<const ToolSensor> sensors, const PreparationSettings& settings);
+
+// Returns whether a row shows the hole all around: sensors at one place on the string look in eight directions or more.
+bool is_image(std::span<const ToolSensor> sensors);
+
+// Judges the rows of a tool with arms, in the order of the causes; the readings that a cause drops are missing for the
+// next. Returns the suspect rows in this order. The rows of an image have none. Spikes are not judged where the tool
+// turns by more than 30 degrees from row to row, since its rows then show different places of the wall. Throws
+// InputError for columns of different lengths, and for a sensor without a column.
+std::vector<SuspectRows> judge_rows(const ToolRows& rows, std::span<const ToolSensor> sensors,
+                                    const PreparationSettings& settings);
+
+// Returns where a column keeps one value, or has none, in `rows` rows or more while the values of the other columns
+// change in a share `moving` of the rows.
+std::vector<SuspectRows> stuck_arms(std::span<const std::span<const double>> radii, Index rows, double moving);
+
+// Brings the sensors of a tool into one frame. Throws InputError for columns of different lengths, for a sensor without
+// a column, and for an infinite depth, toolface or radius.
+ToolSamples observe_by_depth(const ToolRows& rows, std::span<const ToolSensor> sensors);
 
 // Returns for each reading of an arm 1 or -1 if it is above or below its running median (eight readings on either side)
 // by more than `threshold` deviations, else 0; NaN is a missing reading. The deviation is the 85th percentile of the

@@ -9,6 +9,7 @@
 #include "base/arithmetic.hpp"
 #include "base/host_memory.hpp"
 #include "base/messages.hpp"
+#include "prepare/columns.hpp"
 #include "samples/helix.hpp"
 
 namespace helibore {
@@ -83,35 +84,33 @@ PassEnd pass_end(std::span<const double> depth, std::size_t start, double sign, 
 
 }  // namespace
 
-ToolSamples observe_by_depth(const ToolRows& rows, std::span<const SensorPlace> sensors) {
+ToolSamples observe_by_depth(const ToolRows& rows, std::span<const ToolSensor> sensors) {
     const StandardArithmetic standard;
     const std::size_t count = rows.depth.size(), width = sensors.size();
-    require_length("radii", rows.radii.size(), width, "sensors");
-    require_length("toolface", rows.toolface.size(), count);
-    for (std::size_t s = 0; s < width; ++s)
-        require_length(entry_name("radii", static_cast<Index>(s)), rows.radii[s].size(), count);
-    if (rows.time) require_length("time", rows.time->size(), count);
-    for (std::size_t i = 0; i < count; ++i)
-        for (std::size_t s = 0; s < width; ++s)
-            if (const double radius = rows.radii[s][i]; std::isinf(radius))
-                throw entry_error(entry_name("radii", static_cast<Index>(s)), static_cast<Index>(i), radius,
+    require_columns(rows, sensors);
+    for (std::size_t c = 0; c < rows.radii.size(); ++c)
+        for (std::size_t i = 0; i < count; ++i)
+            if (const double radius = read_once(rows.radii[c][i]); std::isinf(radius))
+                throw entry_error(entry_name("radii", static_cast<Index>(c)), static_cast<Index>(i), radius,
                                   "must be finite, or NaN where missing");
     require_no_infinity("depth", rows.depth);
     require_no_infinity("toolface", rows.toolface);
+    std::vector<std::span<const double>> readings;
+    for (const ToolSensor& sensor : sensors) readings.push_back(rows.radii[static_cast<std::size_t>(sensor.column)]);
 
     ToolSamples found;
     for (std::vector<double>* column : {&found.depth, &found.toolface, &found.radius}) column->resize(count * width);
     if (rows.time) found.time.resize(count * width);
     found.sensor.resize(count * width), found.row.resize(count * width);
     const bool mounted =
-        std::any_of(sensors.begin(), sensors.end(), [](const SensorPlace& s) { return s.mounting != 0.0; });
+        std::any_of(sensors.begin(), sensors.end(), [](const ToolSensor& s) { return s.mounting != 0.0; });
     std::size_t kept = 0;
     bool turned = false;
     for (std::size_t i = 0; i < count; ++i) {
         const double depth = read_once(rows.depth[i]), toolface = read_once(rows.toolface[i]);
         const double time = rows.time ? read_once((*rows.time)[i]) : 0.0;
         for (std::size_t s = 0; s < width; ++s) {
-            const double radius = read_once(rows.radii[s][i]);
+            const double radius = read_once(readings[s][i]);
             if (std::isnan(depth) || std::isnan(toolface) || std::isnan(radius) || std::isnan(time)) {
                 ++(std::isnan(depth)      ? found.no_depth
                    : std::isnan(toolface) ? found.no_toolface

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -19,18 +20,26 @@ import numpy.typing as npt
 from helibore import _core
 from helibore.base.arrays import Floats, Integers, Mask, column, runs_of, whole_column
 from helibore.base.errors import InputError
-from helibore.preparation.readings import Readings
 
 _SAMPLES_AT_ONCE = 1 << 17
-_APART = 0.0025  # m: two calipers that look in the same direction disagree if their radii differ by more than this
-_CLOSED_LENGTH = 2.0  # m: arms are closed if they stay at their least radius over this length
-_CLOSED_ROWS, _STANDING = 20, 0.01  # rows, m: or in this many rows while the tool stands
 LONGEST_BURST = 5
-"""Largest number of samples side by side, or of rows of an arm, that are taken for a burst of spikes."""
-_BURST_LENGTH = 1.0  # m: a burst in the rows of an arm is no longer than this along the hole
-_ROW_LENGTH = 0.05  # m: rows in which all arms jump at once are spikes if they reach over no more than this
-_ELSEWHERE = 2.0  # m: readings no farther along the hole than this support a burst
-_ROWS_APART = 10  # a disagreement is reported if it lasts at least this many rows
+"""Largest number of samples side by side that are taken for a burst of spikes."""
+
+
+class SuspectRows(NamedTuple):
+    """Rows that stand out, as `judge_rows` of the core finds them; ``preparation.hpp`` explains the causes."""
+
+    cause: str
+    column: int  # index among the columns of readings; -1: all of them
+    first: int
+    stop: int  # the row after the last
+    dropped: bool
+    radius: float  # metres: at which the arms stay, or by how much two columns differ; NaN for spikes
+    other: int  # the other column of a disagreement
+
+    @property
+    def rows(self) -> int:
+        return self.stop - self.first
 
 
 @dataclass(frozen=True)
@@ -136,99 +145,6 @@ def spikes(
     dropped[order[found]] = True
     unjudged = int(np.count_nonzero(judged < 4))
     return Step("spikes", {"threshold": threshold, "floor": floor}, dropped, {"spike": found.size}, unjudged)
-
-
-def arm_spikes(
-    arms: Sequence[npt.ArrayLike],
-    depth: npt.ArrayLike,
-    toolface: Sequence[npt.ArrayLike] | None = None,
-    across: Sequence[bool] | None = None,
-    *,
-    threshold: float = 6.0,
-    floor: float = 0.001,
-) -> Step:
-    """Drop readings of a tool with few arms that its rows before and after contradict, at any distance of rows.
-
-    A reading is odd if it is off the running median of its arm (eight rows on either side) by more than ``threshold``
-    deviations. Odd readings are spikes in two cases::
-
-        burst   at most five rows of one arm in succession, over at most 1 m, in which no other arm is odd the same way,
-                and no reading elsewhere within 2 m and 15 degrees is as far off (but one odd row proves nothing)
-        row     all arms (three of four, at least two) are odd the same way in one row, or in rows over at most 5 cm
-
-    The deviation of an arm is the 85th percentile of its distances from the running median, over 1.44, in each hundred
-    rows; so ledges widen it.
-
-    Parameters
-    ----------
-    arms
-        Columns of readings in the order they were taken, metres of radius, (n,) each; NaN is missing.
-    depth
-        Metres, (n,); NaN where it is not known.
-    toolface, across
-        Toolface of each arm, degrees, (n,) each, and whether an arm is a diameter, which looks both ways; None: no
-        reading elsewhere supports a burst.
-    threshold, floor
-        Deviations, and the least deviation in metres.
-
-    Returns
-    -------
-    Step
-        ``dropped`` is (arms, n). The reasons are ``burst`` and ``row``.
-    """
-    if not (threshold > 0 and floor > 0):
-        raise InputError(f"threshold = {threshold:g}, floor = {floor:g}", "must be above 0")
-    values = _table("arms", arms)
-    where = column("depth", depth, values.shape[1], "arms[0]")
-    known = np.isfinite(values)
-    odd = np.stack([_core.odd_readings(each, threshold, floor) for each in values])
-    moved = np.nan_to_num(np.abs(np.diff(where, prepend=where[:1])))
-    along = np.cumsum(moved)
-    beside = np.pad(odd, ((0, 0), (1, 1)))
-    lone = (odd != 0) & (beside[:, :-2] != odd) & (beside[:, 2:] != odd)
-    trusted = np.where(lone, np.nan, values)
-    angles = None if toolface is None else _table("toolface", toolface)
-    ways = np.where([False] * len(values) if across is None else list(across), 180.0, 360.0)
-    rows = np.zeros(values.shape[1], dtype=bool)
-    most = np.maximum(2, 0.75 * known.sum(axis=0))
-    for sign in (-1, 1):
-        for first, last in runs_of((odd == sign).sum(axis=0) >= most):
-            rows[first:last] |= last - first == 1 or along[last - 1] - along[first] <= _ROW_LENGTH
-    burst = np.zeros(values.shape, dtype=bool)
-    for arm in range(len(values)):
-        others = np.delete(odd, arm, axis=0)
-        for sign in (-1, 1):
-            with_it = (others == sign).any(axis=0)
-            for first, last in runs_of((odd[arm] == sign) & ~rows):
-                short = last - first <= LONGEST_BURST and along[last - 1] - along[first] <= _BURST_LENGTH
-                if not short or with_it[max(first - 1, 0) : last + 1].any():
-                    continue
-                if angles is None or not _seen_elsewhere(trusted, values, angles, ways, along, arm, (first, last)):
-                    burst[arm, first:last] = True
-    dropped = burst | (rows & known)
-    counts = {"burst": int(np.count_nonzero(burst)), "row": int(np.count_nonzero(rows & known))}
-    return Step("spikes of arms", {"threshold": threshold, "floor": floor}, dropped, counts)
-
-
-def _seen_elsewhere(
-    trusted: Floats, values: Floats, angles: Floats, ways: Floats, along: Floats, arm: int, burst: tuple[int, int]
-) -> bool:
-    """Return whether a reading outside a burst of an arm, near in depth and toolface, is as far off as the burst.
-
-    It is if it differs from the middle of the burst by less than a quarter of the burst's height over the readings
-    before and after.
-    """
-    first, last = burst
-    begin = int(np.searchsorted(along, along[first] - _ELSEWHERE))
-    end = int(np.searchsorted(along, along[last - 1] + _ELSEWHERE, side="right"))
-    middle, angle = float(np.median(values[arm, first:last])), float(angles[arm, (first + last) // 2])
-    base = np.concatenate([values[arm, max(first - 3, 0) : first], values[arm, last : last + 3]])
-    height = abs(middle - float(np.nanmedian(base))) if np.isfinite(base).any() else 0.0
-    half = 0.5 * np.minimum(ways, ways[arm])[:, None]
-    off = np.abs((angles[:, begin:end] - angle + half) % (2.0 * half) - half)
-    near = (off <= 15.0) & (np.abs(trusted[:, begin:end] - middle) < 0.25 * height)
-    near[arm, first - begin : last - begin] = False
-    return bool(near.any())
 
 
 class _Rings:
@@ -369,25 +285,10 @@ def stuck(arms: Sequence[npt.ArrayLike], *, rows: int = 50, moving: float = 0.5)
     if rows < 2 or not 0 < moving <= 1:
         raise InputError(f"rows = {rows}, moving = {moving:g}", "rows must be at least 2, moving in (0, 1]")
     values = _table("arms", arms)
-    count = values.shape[1]
-    changed = np.ones(values.shape, dtype=bool)
-    changed[:, 1:] = (values[:, 1:] != values[:, :-1]) & ~(np.isnan(values[:, 1:]) & np.isnan(values[:, :-1]))
-    moves = np.zeros((len(values), count + 1), dtype=np.int64)
-    np.cumsum(changed, axis=1, out=moves[:, 1:])
-    total = moves.sum(axis=0)
     dropped, counts = np.zeros(values.shape, dtype=bool), {"stuck": 0, "dead": 0}
-    for arm in range(len(values)):
-        first = np.flatnonzero(changed[arm])
-        last = np.append(first[1:], count)
-        others = total - moves[arm]
-        share = (others[last] - others[np.minimum(first + 1, last)]) / (
-            (len(values) - 1) * np.maximum(last - first - 1, 1)
-        )
-        fault = (last - first >= rows) & (share >= moving)
-        dropped[arm] = np.repeat(fault, last - first)
-        silent = int(np.count_nonzero(dropped[arm] & np.isnan(values[arm])))
-        counts["dead"] += silent
-        counts["stuck"] += int(np.count_nonzero(dropped[arm])) - silent
+    for found in map(SuspectRows._make, _core.stuck_arms(list(values), rows, moving)):
+        dropped[found.column, found.first : found.stop] = True
+        counts["dead" if np.isnan(found.radius) else "stuck"] += found.rows
     return Step("stuck", {"rows": rows, "moving": moving}, dropped, counts)
 
 
@@ -438,107 +339,6 @@ def closed(arms: Sequence[npt.ArrayLike], radius: float, *, tolerance: float = 0
     shut = ~np.any(values > radius + tolerance, axis=0) & ~silent
     counts = {"closed": int(np.count_nonzero(shut))}
     return Step("closed", {"radius": radius, "tolerance": tolerance}, shut, counts, int(np.count_nonzero(silent)))
-
-
-def saturated(radius: npt.ArrayLike, depth: npt.ArrayLike) -> Step:
-    """Drop the flat tops of an arm that has opened as far as it can: runs of rows at its largest reading.
-
-    The largest reading is a limit of the arm if readings accumulate there: at least five times as many as in the 2 mm
-    below it. If more than half of the readings are there, it is no limit, because in a pipe most readings are equal. A
-    flat top has five readings or more in succession, over half a metre or more.
-
-    Parameters
-    ----------
-    radius, depth
-        Metres, (n,), in the order they were taken; NaN is missing.
-
-    Returns
-    -------
-    Step
-        ``settings["limit"]`` is the largest reading.
-    """
-    values = column("radius", radius)
-    where = column("depth", depth, values.size, "radius")
-    known = np.isfinite(values)
-    limit = float(values[known].max()) if known.any() else np.nan
-    top = known & (values >= limit - 1e-9)
-    below = known & ~top & (values > limit - 0.002)
-    dropped = np.zeros(values.size, dtype=bool)
-    if 2 * np.count_nonzero(top) <= np.count_nonzero(known) and np.count_nonzero(top) >= 5 * np.count_nonzero(below):
-        for first, last in _stretches(top, 5):
-            dropped[first:last] = abs(where[last - 1] - where[first]) >= 0.5
-    return Step("saturated", {"limit": limit}, dropped, {"at the limit": int(np.count_nonzero(dropped))})
-
-
-def closed_stretches(readings: Readings) -> tuple[float, list[tuple[int, int, int, int]]]:
-    """Find the runs of rows in which all arms stay closed, and the ramps on which they close before and open after.
-
-    Each row counts by its largest radius. The closed radius is the least of these. If their median is not 10 mm larger,
-    there is no stretch. A stretch has three rows or more within 2 mm of the closed radius, over 2 m or more, or 20 rows
-    or more at one depth. On a ramp the radius grows from row to row, away from the closed stretch.
-
-    Returns
-    -------
-    The closed radius, metres (NaN: there is no radius), and four row numbers for each stretch: where its first ramp
-    begins, where the stretch begins and ends, and where its second ramp ends. Each end is the row after the last.
-    """
-    radii = np.stack(readings.radii)
-    known = np.isfinite(radii).any(axis=0)
-    if not known.any():
-        return np.nan, []
-    largest = np.where(known, np.nan_to_num(radii, nan=-np.inf).max(axis=0), np.nan)
-    level = float(np.nanmin(largest))
-    if np.nanmedian(largest) < level + 0.01:
-        return level, []
-    found = []
-    for first, last in _stretches(known & (largest <= level + 0.002), 3):
-        depth = readings.depth[first:last][np.isfinite(readings.depth[first:last])]
-        length = float(np.ptp(depth)) if depth.size else 0.0
-        if length < _CLOSED_LENGTH and not (last - first >= _CLOSED_ROWS and length <= _STANDING):
-            continue
-        begin, end = first, last
-        while end < largest.size and largest[end] > largest[end - 1]:
-            end += 1
-        while begin > 0 and largest[begin - 1] > largest[begin]:
-            begin -= 1
-        found.append((begin, first, last, end))
-    return level, found
-
-
-def disagreements(readings: Readings) -> list[str]:
-    """Return a sentence for each two calipers that look in the same direction and differ by over 2.5 mm of radius.
-
-    Only runs of 10 rows or more count. Raises an InputError if a pair differs in at least half of the rows in
-    which both have a radius.
-    """
-    place = [(sensor.mounting, sensor.offset) for sensor in readings.sensors]
-    lines = {}
-    for one in range(len(place)):
-        for other in range(one):
-            if readings.arm[one] == readings.arm[other] or place[one] != place[other]:
-                continue
-            names = " and ".join(readings.channels[int(readings.arm[number])] for number in (other, one))
-            off = np.abs(readings.radii[one] - readings.radii[other])
-            known = off[np.isfinite(off)]
-            if known.size and np.median(known) > _APART:
-                apart_by = f"{1e3 * np.median(known):.1f} mm of radius in half of the rows"
-                rule = f"look in the same direction and differ by {apart_by}: name the caliper to use"
-                raise InputError(f"{readings.name}: {names}", rule)
-            found = _stretches(off > _APART, _ROWS_APART)
-            if found:
-                first, last = max(found, key=lambda ends: ends[1] - ends[0])
-                lines[names] = (
-                    f"{readings.name}: {names} look in the same direction and differ by more than "
-                    f"{1e3 * _APART:.1f} mm of radius in "
-                    f"{sum(last - first for first, last in found):,} rows, the longest stretch from "
-                    f"{readings.depth[first]:.2f} to {readings.depth[last - 1]:.2f} m: name the caliper to use"
-                )
-    return list(lines.values())
-
-
-def _stretches(mask: Mask, rows: int) -> list[tuple[int, int]]:
-    """Return the runs of the mask, as `runs_of` does, that have at least ``rows`` rows."""
-    return [(first, last) for first, last in runs_of(mask) if last - first >= rows]
 
 
 def _table(name: str, columns: Sequence[npt.ArrayLike]) -> Floats:

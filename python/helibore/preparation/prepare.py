@@ -16,8 +16,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from helibore import _core
 from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Integers, Mask, Number, Typed
+from helibore.base.arrays import column as contiguous
 from helibore.base.errors import InputError
 from helibore.base.nulls import say_so
 from helibore.base.tables import refuse_table
@@ -51,12 +53,17 @@ JUDGED = 20_000
 LONG_TURN = 1.0
 """Metres; if the tool moves farther than this in a turn, neighbouring turns do not see the same wall."""
 
-INSIDE_BIT = 0.01
-"""Metres; if all arms read less than the bit's radius by this much, they are closed."""
-FAST_ARM = 30.0
-"""Degrees; if a tool turns by more than this from row to row, the rows of an arm are not compared with each other."""
-STUCK_ROWS = 100
-"""An arm that keeps one value over this many rows is reported as stuck if the other arms move."""
+CAUSES = {
+    "arms": ("disagreement",),
+    "closed": ("closed", "ramp"),
+    "saturated": ("saturated",),
+    "stuck": ("stuck",),
+    "spikes": ("burst", "jump"),
+}
+"""For each step of the report, the causes of the suspect rows that it tells about."""
+
+APART = 0.0025
+"""Metres; two calipers that look in the same direction must not differ by more than this in half of the rows."""
 MOST_PASSES = 50
 """If the depths of a file turn back more often than this, its rows are in no order and have no runs to compare."""
 
@@ -224,14 +231,7 @@ class _Pipeline:
         set for a tool of one arm.
         """
         if not one.is_image:
-            self.report += [("arms", line) for line in conditioning.disagreements(one)]
-            if self.settings.closed is None:
-                one = self._opened(one)
-            if self.settings.saturated:
-                one = self._unsaturated(one)
-            if self.settings.stuck is None:
-                self._warn_of_stuck(one)
-            one = self._without_spikes(one)
+            one = self._judged(one)
         if self.settings.closed is None and self.settings.stuck is None:
             return one
         radii = np.stack(one.radii)
@@ -240,118 +240,112 @@ class _Pipeline:
             self._report_step(step, "rows")
             radii = np.where(step.dropped, np.nan, radii)
         if self.settings.stuck is not None:
-            # The two ends of a diameter share one reading; each sector of an image has a reading of its own.
-            again = [at > 0 and one.across[at] and one.arm[at] == one.arm[at - 1] for at in range(len(radii))]
-            reading = np.cumsum(~np.array(again)) - 1
+            reading = np.array([column for _, _, column in one.places])
             if reading[-1] == 0:
                 raise InputError(one.name, "has one arm; a stuck arm is recognised only while other arms move")
-            step = conditioning.stuck(list(radii[~np.array(again)]), rows=self.settings.stuck)
+            shown = np.unique(reading, return_index=True)[1]
+            step = conditioning.stuck(list(radii[shown]), rows=self.settings.stuck)
             self._report_step(step, "readings")
             radii = np.where(step.dropped[reading], np.nan, radii)
         return replace(one, radii=tuple(radii))
 
-    def _opened(self, one: Readings) -> Readings:
-        """Return the readings without rows in which all arms are closed to a radius well below the bit's, and without
-        the rows in which the arms close before and open after. Without a bit size or ``drop_closed``, report these rows
-        and keep them.
-        """
-        level, found = conditioning.closed_stretches(one)
-        if self.bit_diameter is not None and level + INSIDE_BIT > 0.5 * self.bit_diameter:
-            return one  # the arms are not closed: they touch a casing or the hole
+    def _judged(self, one: Readings) -> Readings:
+        """Return the readings of a tool with arms without those that the default steps drop; report what they find."""
+        settings, arms = self.settings, _Arms(one)
+        found = [conditioning.SuspectRows(*each) for each in _core.judge_rows(
+            arms.depth, arms.toolface, arms.radii, one.places, self.bit_diameter,
+            settings.drop_closed and settings.closed is None, settings.saturated, settings.spikes is not None,
+            settings.spikes or 6.0,
+        )]  # fmt: skip
+        of = {cause: [each for each in found if each.cause in causes] for cause, causes in CAUSES.items()}
+        self.report += [("arms", line) for line in arms.disagreements(of["arms"])]
+        if settings.closed is None and of["closed"]:
+            self._report_closed(one, of["closed"])
+        if settings.saturated:
+            self._report_saturated(one, arms, of["saturated"])
+        if settings.stuck is None:
+            self._warn_of_stuck(one, arms, of["stuck"])
+        arms.drop(of["closed"] + of["saturated"])
+        if of["spikes"]:
+            self._report_spikes(one, arms, of["spikes"])
+        arms.drop(of["spikes"])
+        return replace(one, radii=tuple(arms.radii[column] for _, _, column in one.places))
+
+    def _report_closed(self, one: Readings, found: Sequence[conditioning.SuspectRows]) -> None:
+        """Report the rows in which all arms are closed, and the rows in which they close before and open after."""
         dropped = np.zeros(one.rows, dtype=bool)
-        for begin, first, last, end in found:
-            depth = one.depth[first:last][np.isfinite(one.depth[first:last])]
+        for at, each in enumerate(found):
+            if each.cause != "closed":
+                continue
+            depth = one.depth[each.first : each.stop]
+            depth = depth[np.isfinite(depth)]
             where = f"from {depth.min():.1f} to {depth.max():.1f} m" if depth.size else "in rows without a depth"
-            ramps, above, below = "", one.depth[begin], one.depth[end - 1]
-            if begin < first and np.isfinite(above):
-                ramps += f", close from {above:.1f} m"
-            if end > last and np.isfinite(below):
-                ramps += f", open until {below:.1f} m"
+            before = [ramp.first for ramp in found[max(at - 1, 0) : at] if ramp.stop == each.first]
+            after = [ramp.stop for ramp in found[at + 1 : at + 2] if ramp.first == each.stop]
+            ramps, begin, end = "", (*before, each.first)[0], (*after, each.stop)[0]
+            if before and np.isfinite(one.depth[begin]):
+                ramps += f", close from {one.depth[begin]:.1f} m"
+            if after and np.isfinite(one.depth[end - 1]):
+                ramps += f", open until {one.depth[end - 1]:.1f} m"
             done = f"{end - begin:,} rows dropped"
-            if self.bit_diameter is None or not self.settings.drop_closed:
+            if not each.dropped:
                 done = "kept, although the arms may be closed" + (
                     "" if self.bit_diameter else "; without a bit size, this may be casing"
                 )
-            else:
-                dropped[begin:end] = True
+            dropped[begin:end] |= each.dropped
             self.report.append((
-                "closed", f"{one.name}: all arms stay within 2 mm of a radius of {1e3 * level:.1f} mm {where}"
+                "closed", f"{one.name}: all arms stay within 2 mm of a radius of {1e3 * each.radius:.1f} mm {where}"
                 f"{ramps}: {done}"
             ))  # fmt: skip
-        if not dropped.any():
-            return one
-        self.counts["closed"] = self.counts.get("closed", 0) + int(np.count_nonzero(dropped))
-        return replace(one, radii=tuple(np.where(dropped, np.nan, radius) for radius in one.radii))
+        if dropped.any():
+            self.counts["closed"] = self.counts.get("closed", 0) + int(np.count_nonzero(dropped))
 
-    def _unsaturated(self, one: Readings) -> Readings:
-        """Return the readings with NaN where an arm has opened as far as it can."""
-        radii = list(one.radii)
-        for arm, name in enumerate(one.channels):
-            sensors = np.flatnonzero(one.arm == arm)
-            if not sensors.size:
-                continue
-            step = conditioning.saturated(radii[sensors[0]], one.depth)
-            if step.dropped.any():
-                across = one.across[sensors[0]]
-                limit = step.settings["limit"] * (2.0 if across else 1.0)
-                where = one.depth[step.dropped]
-                kind = "diameter" if across else "radius"
-                self.counts["saturated"] = self.counts.get("saturated", 0) + int(np.count_nonzero(step.dropped))
+    def _report_saturated(self, one: Readings, arms: _Arms, found: Sequence[conditioning.SuspectRows]) -> None:
+        """Report the rows in which an arm has opened as far as it can."""
+        for column, name in enumerate(arms.names):
+            mine = [each for each in found if each.column == column]
+            if mine:
+                limit = mine[0].radius * (2.0 if arms.across[column] else 1.0)
+                where = np.concatenate([one.depth[each.first : each.stop] for each in mine])
+                kind = "diameter" if arms.across[column] else "radius"
+                self.counts["saturated"] = self.counts.get("saturated", 0) + where.size
                 self.report.append((
                     "saturated", f"{one.name}: {name} stays at its limit, a {kind} of {1e3 * limit:.1f} mm "
-                    f"({limit / INCH:.2f} in): {np.count_nonzero(step.dropped):,} rows between {where.min():.1f} and "
+                    f"({limit / INCH:.2f} in): {where.size:,} rows between {where.min():.1f} and "
                     f"{where.max():.1f} m dropped"
                 ))  # fmt: skip
-                for sensor in sensors:
-                    radii[sensor] = np.where(step.dropped, np.nan, radii[sensor])
-        return replace(one, radii=tuple(radii))
 
-    def _without_spikes(self, one: Readings) -> Readings:
-        """Return the readings of few arms without spikes if the settings ask for it; else report them."""
-        shown = [int(np.argmax(one.arm == arm)) for arm in np.unique(one.arm)]  # one end of each diameter
-        if len(shown) < 2:
-            return one
-        turning = np.abs(wrapped(np.diff(one.toolface) + 180.0) - 180.0)
-        turning = turning[np.isfinite(turning)]
-        if turning.size and np.median(turning) > FAST_ARM:
-            return one  # the rows of one arm show different places of the wall; `conditioning.spikes` compares turns
-        step = conditioning.arm_spikes(
-            [one.radii[sensor] for sensor in shown],
-            one.depth,
-            [one.toolface + one.sensors[sensor].mounting for sensor in shown],
-            [one.across[sensor] for sensor in shown],
-            threshold=self.settings.spikes or 6.0,
-        )
-        if self.settings.spikes is None:
-            count = int(np.count_nonzero(step.dropped))
-            if count:
-                at = int(np.argmax(step.dropped.any(axis=0)))
-                self.report.append((
-                    "spikes", f"{one.name}: {count:,} readings look like spikes ({step.counts['burst']:,} of one arm, "
-                    f"{step.counts['row']:,} in rows of all arms), the first at {one.depth[at]:.2f} m: kept; "
-                    "preparation.spikes=6 drops them"
-                ))  # fmt: skip
-            return one
-        self._report_step(step, "readings")
-        reading = np.searchsorted(np.unique(one.arm), one.arm)
-        radii = np.stack(one.radii)
-        return replace(one, radii=tuple(np.where(step.dropped[reading], np.nan, radii)))
-
-    def _warn_of_stuck(self, one: Readings) -> None:
+    def _warn_of_stuck(self, one: Readings, arms: _Arms, found: Sequence[conditioning.SuspectRows]) -> None:
         """Report arms that stay at one value over many rows while the others move; nothing is dropped."""
-        shown = [int(np.argmax(one.arm == arm)) for arm in np.unique(one.arm)]  # one end of each diameter
-        if len(shown) < 2:
-            return
-        radii = [one.radii[sensor] for sensor in shown]
-        for sensor, radius, still in zip(shown, radii, conditioning.stuck(radii, rows=STUCK_ROWS).dropped, strict=True):
-            rest = np.flatnonzero(still & np.isfinite(radius) & np.isfinite(one.depth))
-            if rest.size:
-                top, bottom = one.depth[rest].min(), one.depth[rest].max()
+        for column, name in enumerate(arms.names):
+            mine = [each for each in found if each.column == column and np.isfinite(each.radius)]
+            depth = np.concatenate([np.empty(0), *(one.depth[each.first : each.stop] for each in mine)])
+            depth = depth[np.isfinite(depth)]
+            if depth.size:
                 self.report.append((
-                    "stuck", f"{one.name}: {one.channels[int(one.arm[sensor])]} does not move in {rest.size:,} rows "
-                    f"between {top:.1f} and {bottom:.1f} m while the other arms do: kept; "
+                    "stuck", f"{one.name}: {name} does not move in {depth.size:,} rows "
+                    f"between {depth.min():.1f} and {depth.max():.1f} m while the other arms do: kept; "
                     f"preparation.stuck=ROWS drops them"
                 ))  # fmt: skip
+
+    def _report_spikes(self, one: Readings, arms: _Arms, found: Sequence[conditioning.SuspectRows]) -> None:
+        """Report the spikes of a tool with few arms: dropped if the settings ask for it, else kept."""
+        burst = sum(each.rows for each in found if each.cause == "burst")
+        jump = sum(
+            int(np.count_nonzero(np.isfinite(radius[each.first : each.stop])))
+            for each in found if each.cause == "jump" for radius in arms.radii
+        )  # fmt: skip
+        if self.settings.spikes is None:
+            self.report.append((
+                "spikes", f"{one.name}: {burst + jump:,} readings look like spikes ({burst:,} of one arm, "
+                f"{jump:,} in rows of all arms), the first at {one.depth[min(each.first for each in found)]:.2f} m: "
+                "kept; preparation.spikes=6 drops them"
+            ))  # fmt: skip
+            return
+        name, reasons = "spikes of arms", {"burst": burst, "row": jump}
+        self.counts[name] = self.counts.get(name, 0) + burst + jump
+        said = ", ".join(f"{count:,} {reason}" for reason, count in reasons.items() if count)
+        self.report.append((name, f"dropped {burst + jump:,} of {one.rows * len(arms.radii):,} readings ({said})"))
 
     def _drop_single_samples(self) -> None:
         """Drop samples outside the interval or the range of radii, repeated samples and spikes."""
@@ -756,6 +750,51 @@ class _Pipeline:
         samples = self.samples
         few = all(len(one.sensors) > 1 and not one.is_image for one in self.readings) and not self.settings.recentre
         return Caliper(samples.depth, samples.toolface, samples.radius, samples.time, arm=self._arm() if few else None)
+
+
+class _Arms:
+    """The columns of readings of a tool with arms: one for each radius or diameter."""
+
+    def __init__(self, one: Readings) -> None:
+        places = [column for _, _, column in one.places]
+        shown = [places.index(column) for column in range(places[-1] + 1)]
+        self.one = one
+        self.depth, self.toolface = contiguous("depth", one.depth), contiguous("toolface", one.toolface)
+        self.radii = [contiguous(f"radii[{sensor}]", one.radii[sensor], one.rows, "depth") for sensor in shown]
+        self.names = [one.channels[int(one.arm[sensor])] for sensor in shown]
+        self.across = [one.across[sensor] for sensor in shown]
+
+    def drop(self, found: Sequence[conditioning.SuspectRows]) -> None:
+        """Blank the readings of suspect rows that are dropped; the columns of the host do not change."""
+        dropped = [each for each in found if each.dropped]
+        for column, radius in enumerate(self.radii):
+            mine = [each for each in dropped if each.column in (-1, column)]
+            if mine:
+                left = radius.copy()
+                for each in mine:
+                    left[each.first : each.stop] = np.nan
+                self.radii[column] = left
+
+    def disagreements(self, found: Sequence[conditioning.SuspectRows]) -> list[str]:
+        """Return a sentence for each two columns that look in the same direction and differ.
+
+        Raises an InputError if a pair differs in at least half of the rows in which both have a radius.
+        """
+        lines, depth = [], self.one.depth
+        for pair in dict.fromkeys((each.column, each.other) for each in found):
+            mine = [each for each in found if (each.column, each.other) == pair]
+            place = f"{self.one.name}: {' and '.join(self.names[column] for column in pair)}"
+            if mine[0].radius > APART:
+                apart_by = f"{1e3 * mine[0].radius:.1f} mm of radius in half of the rows"
+                rule = f"look in the same direction and differ by {apart_by}: name the caliper to use"
+                raise InputError(place, rule)
+            longest = max(mine, key=lambda each: each.rows)
+            lines.append(
+                f"{place} look in the same direction and differ by more than {1e3 * APART:.1f} mm of radius in "
+                f"{sum(each.rows for each in mine):,} rows, the longest stretch from {depth[longest.first]:.2f} to "
+                f"{depth[longest.stop - 1]:.2f} m: name the caliper to use"
+            )
+        return lines
 
 
 def _tracked(one: Readings, track: Track | None) -> Readings:

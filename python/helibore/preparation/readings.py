@@ -8,10 +8,10 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from helibore import _core
 from helibore.base.arrays import Floats, Integers, Mask
 from helibore.preparation.sensors import Sensor
 
@@ -64,8 +64,17 @@ class Readings:
 
         Two calipers, each of which looks in four directions from its own place, are no imaging tool.
         """
-        looks = {(sensor.offset, round(sensor.mounting % 360.0, 3) % 360.0) for sensor in self.sensors}
-        return max(Counter(offset for offset, _ in looks).values(), default=0) >= IMAGE_ROW
+        return _core.is_image(self.places)
+
+    @property
+    def places(self) -> list[tuple[float, float, int]]:
+        """Offset, mounting and column of readings of each sensor; the two ends of a diameter share a column."""
+        places: list[tuple[float, float, int]] = []
+        for at, sensor in enumerate(self.sensors):
+            shared = at > 0 and self.across[at] and self.arm[at] == self.arm[at - 1]
+            column = places[-1][2] + (not shared) if places else 0
+            places.append((sensor.offset, sensor.mounting, column))
+        return places
 
     @property
     def rows(self) -> int:

@@ -202,8 +202,8 @@ def observe_by_depth(
     reference = column("toolface", toolface, rows.size, "depth")
     columns = [column(f"radii[{index}]", values, rows.size, "depth") for index, values in enumerate(radii)]
     times = None if time is None else column("time", time, rows.size, "depth")
-    offsets, mountings = ([getattr(one, name) for one in sensors] for name in ("offset", "mounting"))
-    found = _core.observe_by_depth(rows, reference, columns, times, offsets, mountings)
+    places = [(one.offset, one.mounting, index) for index, one in enumerate(sensors)]
+    found = _core.observe_by_depth(rows, reference, columns, times, places)
     reasons = REASONS if times is not None else REASONS[:3]
     return Samples(*found[:6], counts=dict(zip(reasons, found[6], strict=False)) | {"taken": found[0].size})
 

@@ -7,12 +7,35 @@ import pytest
 from test_conditioning import hole_with_spikes
 
 import helibore as hb
-from helibore.preparation.conditioning import arm_spikes, closed_stretches, spikes
+from helibore import _core
+from helibore.preparation.conditioning import SuspectRows, spikes
 from helibore.preparation.prepare import Preparation
 from helibore.preparation.readings import Readings
 from helibore.preparation.sensors import Sensor
 
 ARMS = 4
+
+
+def arm_spikes(radii, depth, turned=None):
+    """Return which readings of a tool the core takes for spikes, (arms, n), and how many of each kind."""
+    radii = np.stack(radii)
+    toolface = np.zeros(radii.shape[1]) if turned is None else turned
+    sensors = [(0.0, 360.0 / len(radii) * arm, arm) for arm in range(len(radii))]
+    dropped, counts = np.zeros(radii.shape, dtype=bool), {"burst": 0, "jump": 0}
+    for found in map(SuspectRows._make, _core.judge_rows(
+        np.array(depth), toolface, list(radii), sensors, None, False, False, False, 6.0
+    )):  # fmt: skip
+        if found.cause in counts:
+            dropped[slice(None) if found.column < 0 else found.column, found.first : found.stop] = True
+            counts[found.cause] += found.rows
+    return dropped & np.isfinite(radii), counts
+
+
+def closed_stretches(depth, radii):
+    """Return the stretches in which the core finds all arms closed."""
+    sensors = [(0.0, 90.0 * arm, arm) for arm in range(len(radii))]
+    found = _core.judge_rows(depth, depth * 7 % 360, list(radii), sensors, None, True, False, False, 6.0)
+    return [each for each in map(SuspectRows._make, found) if each.cause == "closed"]
 
 
 def lobe(toolface, at, width, deep):
@@ -57,7 +80,7 @@ def test_spikes_of_arms_are_found_and_the_shape_stays(step, found, lost):
         for row in rng.choice(depth.size, depth.size // 150, replace=False):
             kinds[2, :, row] = True
             spiked[:, row] = radius[:, row] + abs(size[0, row])
-        dropped = arm_spikes(list(np.maximum(spiked, 0.03)), depth, list(toolface)).dropped
+        dropped, _ = arm_spikes(np.maximum(spiked, 0.03), depth, toolface[0])
         kinds[0] &= ~kinds[1] & ~kinds[2]
         seen += [[np.count_nonzero(dropped & kind), np.count_nonzero(kind)] for kind in kinds]
         clean = ~kinds.any(axis=0)
@@ -94,7 +117,7 @@ def test_a_row_in_which_all_arms_jump_is_dropped_at_any_spacing(step):
     arms = 0.1105 + rng.normal(0, 0.0004, (2, 400))
     arms[:, [60, 200, 333]] = 0.5 * 15.25 * 0.0254
     arms[:, 250:280] += 0.02  # a washout
-    dropped = arm_spikes(list(arms), depth).dropped
+    dropped, _ = arm_spikes(arms, depth)
     np.testing.assert_array_equal(np.flatnonzero(dropped.any(axis=0)), [60, 200, 333])
     assert dropped[:, [60, 200, 333]].all()
 
@@ -106,22 +129,18 @@ def test_a_breakout_that_another_arm_passes_is_no_spike():
     radius = 0.11 + np.random.default_rng(2).normal(0, 0.0003, toolface.shape)
     seen = inside & (np.abs(toolface - 45) < 25)  # each arm passes the key seat in three rows
     radius[seen] += 0.02
-    with_angles = arm_spikes(list(radius), depth, list(toolface)).dropped
-    assert not with_angles.any()
-    assert (arm_spikes(list(radius), depth).dropped & seen).any()
+    assert not arm_spikes(radius, depth, toolface[0])[0].any()
+    assert (arm_spikes(radius, depth)[0] & seen).any()
 
 
 def test_arm_spikes_of_few_rows_and_missing_values():
-    assert not arm_spikes([[0.1, 0.2, 0.1]], [1.0, 2.0, 3.0]).dropped.any()
+    assert not arm_spikes([[0.1, 0.2, 0.1]] * 2, [1.0, 2.0, 3.0])[0].any()
     values = np.full((2, 100), 0.1)
     values[0, ::7] = np.nan
     values[0, 50] = 0.2
-    step = arm_spikes(list(values), np.arange(100.0))
-    np.testing.assert_array_equal(np.argwhere(step.dropped), [[0, 50]])
-    assert step.counts == {"burst": 1, "row": 0}
-    with pytest.raises(hb.InputError) as caught:
-        arm_spikes([[0.1]], [1.0], floor=0)
-    assert caught.value.rule == "must be above 0"
+    dropped, counts = arm_spikes(values, np.arange(100.0))
+    np.testing.assert_array_equal(np.argwhere(dropped), [[0, 50]])
+    assert counts == {"burst": 1, "jump": 0}
 
 
 def readings(depth, radii, mountings=(0.0, 90.0, 180.0, 270.0)):
@@ -151,12 +170,12 @@ def test_closed_arms_are_judged_by_metres(step):
     rng = np.random.default_rng(5)
     radii = 0.11 + rng.normal(0, 0.0004, (4, depth.size))
     radii[:, (depth > 1050) & (depth < 1054)] = 0.05
-    _, found = closed_stretches(readings(depth, radii))
+    found = closed_stretches(depth, radii)
     assert len(found) == 1
     radii[:, (depth > 1050) & (depth < 1054)] = 0.11
     radii[:, (depth > 1020) & (depth < 1021)] = 0.05  # a tight spot, however many rows it has
-    _, found = closed_stretches(readings(depth, radii))
+    found = closed_stretches(depth, radii)
     assert not found
     still = np.concatenate([depth, np.full(30, depth[-1])])
-    _, found = closed_stretches(readings(still, np.hstack([radii, np.full((4, 30), 0.05)])))
+    found = closed_stretches(still, np.hstack([radii, np.full((4, 30), 0.05)]))
     assert len(found) == 1
