@@ -16,6 +16,7 @@
 #include "helibore/live.hpp"
 #include "helibore/logs.hpp"
 #include "helibore/passage.hpp"
+#include "helibore/preparation.hpp"
 #include "helibore/surface.hpp"
 #include "hole.hpp"
 #include "host.hpp"
@@ -480,6 +481,88 @@ void closed_once() {
 }
 
 // Each function refuses a handle that was closed, 0 and a number that was never one.
+// A tool of two diameters whose arms are closed at the end: the same samples, counts and suspect rows as in C++.
+void preparation() {
+    constexpr std::size_t n = 300;
+    std::vector<double> depth, toolface, radii(2 * n), time;
+    for (std::size_t i = 0; i < n; ++i) {
+        const auto row = static_cast<double>(i);
+        depth.push_back(100.0 + 0.1 * row), toolface.push_back(row), time.push_back(row);
+        radii[i] = 0.11 + 1e-4 * static_cast<double>(i % 7), radii[n + i] = 0.112 + 1e-4 * static_cast<double>(i % 5);
+        if (i >= 250) radii[i] = radii[n + i] = 0.05;
+    }
+    depth[3] = toolface[5] = radii[7] = nan;
+    radii[n + 120] = 0.16;
+    const double offset[] = {0.0, 0.0, 0.5, 0.5}, mounting[] = {0.0, 180.0, 90.0, 270.0};
+    const std::int32_t column[] = {0, 0, 1, 1};
+    auto settings = sized<hb_preparation>();
+    CHECK(hb_preparation_init(&settings) == HB_OK && settings.drop_closed && !settings.drop_spikes);
+    settings.bit_diameter = 0.216;
+    const std::vector<helibore::ToolSensor> sensors{{0.0, 0.0, 0}, {0.0, 180.0, 0}, {0.5, 90.0, 1}, {0.5, 270.0, 1}};
+    const std::span<const double> all(radii);
+    for (const double* times : {static_cast<const double*>(nullptr), static_cast<const double*>(time.data())}) {
+        std::int64_t prepared = 0, count = 1200;
+        CHECK(hb_prepare(&settings, n, depth.data(), toolface.data(), times, 2, radii.data(), 4, offset, mounting,
+                         column, &prepared) == HB_OK);
+        helibore::ToolRows rows{depth, toolface, {all.first(n), all.last(n)}, {}};
+        if (times) rows.time = time;
+        const helibore::Prepared expected = helibore::prepare(rows, sensors, {.bit_diameter = 0.216});
+        auto state = sized<hb_prepared_state>();
+        CHECK(hb_prepared_get(prepared, &state) == HB_OK && state.samples == std::ssize(expected.samples.depth));
+        CHECK(state.samples == 4 * 249 - 4 - 4 - 2 && state.repeats == 0.0);
+        CHECK(state.no_depth == 4 && state.no_toolface == 4 && state.no_radius == 2 + 204 && state.no_time == 0);
+        std::vector<double> values(1200);
+        CHECK(hb_prepared_samples(prepared, HB_TOOLFACE, &count, values.data()) == HB_OK && count == state.samples);
+        CHECK(std::equal(values.begin(), values.begin() + count, expected.samples.toolface.begin()));
+        CHECK(hb_prepared_samples(prepared, HB_SENSOR, &count, values.data()) == HB_OK && values[1] == 1.0);
+        CHECK(hb_prepared_samples(prepared, HB_ROW, &count, values.data()) == HB_OK && values[4 * 3] == 4.0);
+        count = 1200;
+        CHECK(hb_prepared_samples(prepared, HB_TIME, &count, values.data()) == HB_OK);
+        CHECK(count == (times ? state.samples : 0));
+
+        std::int32_t cause[9], of[9], other[9], dropped[9];
+        std::int64_t rows_of[18];
+        double radius[9];
+        count = 9;
+        CHECK(hb_prepared_suspects(prepared, &count, cause, of, other, rows_of, dropped, radius) == HB_OK);
+        CHECK(count == state.suspects && count == 3);
+        CHECK(cause[0] == HB_RAMP && rows_of[0] == 249 && rows_of[1] == 250 && dropped[0] == 1);
+        CHECK(cause[1] == HB_CLOSED && of[1] == -1 && other[1] == -1 && dropped[1] == 1 && radius[1] == 0.05);
+        CHECK(rows_of[2] == 250 && rows_of[3] == 300);
+        CHECK(cause[2] == HB_BURST && of[2] == 1 && rows_of[4] == 120 && rows_of[5] == 121 && dropped[2] == 0);
+        count = 1;
+        CHECK(hb_prepared_suspects(prepared, &count, nullptr, nullptr, nullptr, nullptr, nullptr, nullptr) ==
+              HB_BUFFER_TOO_SMALL);
+        CHECK(count == 3);
+        REFUSED(hb_prepared_samples(prepared, HB_SUPPORT, &count, values.data()),
+                "column = 4: must be 0, 1, 2, 7, 8 or 9");
+        REFUSED(hb_wall_get(prepared, nullptr),
+                "wall = " + std::to_string(prepared) + ": must be the handle of a wall");
+        CHECK(hb_close(prepared) == HB_OK);
+        REFUSED(hb_prepared_get(prepared, &state), "handle = " + std::to_string(prepared) + ": is not open");
+    }
+    std::int64_t none = 0;
+    const auto prepared = [&](int columns, const std::int32_t* places, const double* given) {
+        return hb_prepare(&settings, n, depth.data(), toolface.data(), nullptr, columns, given, 4, offset, mounting,
+                          places, &none);
+    };
+    REFUSED(prepared(-1, column, radii.data()), "columns = -1: must be 0 or more");
+    REFUSED(prepared(1, column, radii.data()), "sensors[2].column = 1: must be one of the 1 columns of radii");
+    REFUSED(prepared(2, column, nullptr), "radii: must not be null");
+    REFUSED(prepared(2, nullptr, radii.data()), "column: must not be null");
+    REFUSED(hb_prepare(nullptr, 0, nullptr, nullptr, nullptr, 0, nullptr, 0, nullptr, nullptr, nullptr, &none),
+            "settings: must not be null");
+    radii[9] = std::numeric_limits<double>::infinity();
+    REFUSED(prepared(2, column, radii.data()), "radii[0][9] = inf: must be finite, or NaN where missing");
+    const std::int32_t apart[] = {0, 0, 1, 1};
+    const double same[] = {0.0, 0.0, 0.0, 0.0};
+    for (std::size_t i = 0; i < n; ++i) radii[i] = 0.1, radii[n + i] = 0.105;
+    REFUSED(
+        hb_prepare(&settings, n, depth.data(), toolface.data(), nullptr, 2, radii.data(), 4, same, same, apart, &none),
+        "radii[0] and radii[1]: look in the same direction and differ by 5 mm of radius in half of the rows: name "
+        "the column to use");
+}
+
 void not_open() {
     const std::array<std::int64_t, 4> closed = {new_wall(), new_path(), new_live(), [] {
                                                     std::int64_t parser = 0;
@@ -851,6 +934,7 @@ int main() {
     measures();
     bad_input();
     long_texts();
+    preparation();
     not_open();
     closed_once();
     threads();

@@ -254,6 +254,62 @@ HB_API int32_t HB_CALL hb_path_create(const hb_path_settings* settings, int64_t 
    tangent). Either array may be NULL. */
 HB_API int32_t HB_CALL hb_path_read(int64_t path, int64_t n, const double* depth, double* position, double* frame);
 
+/* --- from the readings of a tool to samples; preparation.hpp says more ------------------------------------------- */
+
+typedef struct hb_preparation {
+    uint32_t size;
+    int32_t drop_closed;
+    double bit_diameter; /* NaN: not known */
+    double spikes;
+    int32_t drop_saturated;
+    int32_t drop_spikes;
+} hb_preparation;
+
+/* Fills in the defaults. */
+HB_API int32_t HB_CALL hb_preparation_init(hb_preparation* settings);
+
+/* Prepares the n rows of a log; *prepared is the handle of what comes out. NaN is a missing value. time may be NULL.
+   radii: n values of each of the `columns`, column after column; a diameter counts as its half. Each of the `sensors`
+   has an offset in metres, a mounting in degrees and the number of its column. */
+HB_API int32_t HB_CALL hb_prepare(const hb_preparation* settings, int64_t n, const double* depth,
+                                  const double* toolface, const double* time, int32_t columns, const double* radii,
+                                  int32_t sensors, const double* offset, const double* mounting, const int32_t* column,
+                                  int64_t* prepared);
+
+typedef struct hb_prepared_state {
+    uint32_t size;
+    int32_t reserved;
+    int64_t samples;
+    int64_t suspects;    /* number of runs of suspect rows: the room for hb_prepared_suspects */
+    int64_t no_depth;    /* number of readings that lack a depth */
+    int64_t no_toolface; /* and of the others those that lack a toolface, and so on */
+    int64_t no_radius;
+    int64_t no_time;
+    double repeats; /* share of samples that equal an earlier one */
+} hb_prepared_state;
+
+/* Writes into *state what hb_prepare found. */
+HB_API int32_t HB_CALL hb_prepared_get(int64_t prepared, hb_prepared_state* state);
+
+#define HB_SENSOR 8
+#define HB_ROW 9
+
+/* Copies one column of the samples: HB_DEPTH, HB_TOOLFACE, HB_RADIUS, HB_TIME, HB_SENSOR or HB_ROW. */
+HB_API int32_t HB_CALL hb_prepared_samples(int64_t prepared, int32_t column, int64_t* count, double* values);
+
+#define HB_DISAGREEMENT 0
+#define HB_CLOSED 1
+#define HB_RAMP 2
+#define HB_SATURATED 3
+#define HB_STUCK 4
+#define HB_BURST 5
+#define HB_JUMP 6
+
+/* Copies the *count runs of suspect rows. start_stop: pairs, half-open. column: -1 for all columns; other: of a
+   disagreement, else -1. dropped: 1 if the readings did not become samples. Each array may be NULL. */
+HB_API int32_t HB_CALL hb_prepared_suspects(int64_t prepared, int64_t* count, int32_t* cause, int32_t* column,
+                                            int32_t* other, int64_t* start_stop, int32_t* dropped, double* radius);
+
 /* --- a well while it is drilled ---------------------------------------------------------------------------------- */
 
 typedef struct hb_update {

@@ -18,6 +18,7 @@
 #include "helibore/error.hpp"
 #include "helibore/helibore.h"
 #include "helibore/live.hpp"
+#include "helibore/preparation.hpp"
 #include "helibore/wits.hpp"
 
 namespace helibore::c {
@@ -50,8 +51,13 @@ struct ParserHandle {
     wits::Batch last;  // of the last feed
 };
 
+struct PreparedHandle {
+    static constexpr const char* kind = "a prepared log";
+    Prepared prepared;
+};
+
 using Object = std::variant<std::shared_ptr<WallHandle>, std::shared_ptr<PathHandle>, std::shared_ptr<LiveHandle>,
-                            std::shared_ptr<ParserHandle>>;
+                            std::shared_ptr<ParserHandle>, std::shared_ptr<PreparedHandle>>;
 
 class Handles {
   public:

@@ -11,6 +11,7 @@
 #include "helibore/estimates.hpp"
 #include "helibore/logs.hpp"
 #include "helibore/passage.hpp"
+#include "helibore/preparation.hpp"
 #include "helibore/surface.hpp"
 
 namespace {
@@ -85,6 +86,24 @@ PathSettings settings_of(const hb_path_settings* given) {
             .reference = choice("reference", s.reference, Reference::parallel_transport),
             .head = {s.head_north, s.head_east, s.head_down},
             .extend = s.extend};
+}
+
+hb_preparation to_c(const PreparationSettings& s) {
+    return {.size = sizeof(hb_preparation),
+            .drop_closed = s.drop_closed,
+            .bit_diameter = s.bit_diameter.value_or(no_value),
+            .spikes = s.spikes,
+            .drop_saturated = s.drop_saturated,
+            .drop_spikes = s.drop_spikes};
+}
+
+PreparationSettings settings_of(const hb_preparation* given) {
+    const hb_preparation s = taken("settings", given, to_c(PreparationSettings{}));
+    return {.bit_diameter = std::isnan(s.bit_diameter) ? std::optional<double>() : s.bit_diameter,
+            .drop_closed = s.drop_closed != 0,
+            .drop_saturated = s.drop_saturated != 0,
+            .drop_spikes = s.drop_spikes != 0,
+            .spikes = s.spikes};
 }
 
 hb_change to_c(const Change& change) {
@@ -432,6 +451,91 @@ int32_t hb_path_read(int64_t path, int64_t n, const double* depth, double* posit
         static_assert(sizeof(Frame) == 9 * sizeof(double));
         if (!positions.empty()) std::memcpy(position, positions.data(), positions.size() * sizeof(Vector3));
         if (!frames.empty()) std::memcpy(frame, frames.data(), frames.size() * sizeof(Frame));
+    });
+}
+
+int32_t hb_preparation_init(hb_preparation* settings) {
+    return guarded([&] { give("settings", settings, to_c(PreparationSettings{})); });
+}
+
+int32_t hb_prepare(const hb_preparation* settings, int64_t n, const double* depth, const double* toolface,
+                   const double* time, int32_t columns, const double* radii, int32_t sensors, const double* offset,
+                   const double* mounting, const int32_t* column_of, int64_t* prepared) {
+    return guarded([&] {
+        const PreparationSettings how = settings_of(settings);
+        require_pointer("prepared", prepared);
+        require(columns >= 0, "columns", Index{columns}, "must be 0 or more");
+        require(sensors >= 0, "sensors", Index{sensors}, "must be 0 or more");
+        ToolRows rows{column("depth", depth, n), column("toolface", toolface, n), {}, {}};
+        if (time) rows.time = column("time", time, n);
+        for (std::int64_t c = 0; c < columns; ++c) {
+            require_pointer("radii", radii);
+            rows.radii.push_back(array("radii", radii + c * n, n));
+        }
+        const std::span<const double> offsets = array("offset", offset, sensors),
+                                      mountings = array("mounting", mounting, sensors);
+        const std::span<const std::int32_t> places = array("column", column_of, sensors);
+        std::vector<ToolSensor> tool;
+        for (std::size_t s = 0; s < places.size(); ++s) tool.push_back({offsets[s], mountings[s], places[s]});
+        open(prepared, std::make_shared<PreparedHandle>(PreparedHandle{prepare(rows, tool, how)}));
+    });
+}
+
+int32_t hb_prepared_get(int64_t prepared, hb_prepared_state* state) {
+    return guarded([&] {
+        const auto handle = find<PreparedHandle>("prepared", prepared);
+        const Prepared& of = handle->prepared;
+        const ToolSamples& samples = of.samples;
+        give("state", state,
+             hb_prepared_state{.size = sizeof(hb_prepared_state),
+                               .reserved = 0,
+                               .samples = static_cast<Index>(samples.depth.size()),
+                               .suspects = static_cast<Index>(of.suspects.size()),
+                               .no_depth = samples.no_depth,
+                               .no_toolface = samples.no_toolface,
+                               .no_radius = samples.no_radius,
+                               .no_time = samples.no_time,
+                               .repeats = of.repeats});
+    });
+}
+
+int32_t hb_prepared_samples(int64_t prepared, int32_t column, int64_t* count, double* values) {
+    return guarded([&] {
+        const auto handle = find<PreparedHandle>("prepared", prepared);
+        const ToolSamples& samples = handle->prepared.samples;
+        switch (column) {
+            case HB_DEPTH:
+                return fill(count, "values", values, samples.depth);
+            case HB_TOOLFACE:
+                return fill(count, "values", values, samples.toolface);
+            case HB_RADIUS:
+                return fill(count, "values", values, samples.radius);
+            case HB_TIME:
+                return fill(count, "values", values, samples.time);
+            case HB_SENSOR:
+                return fill(count, "values", values, samples.sensor);
+            case HB_ROW:
+                return fill(count, "values", values, samples.row);
+            default:
+                throw InputError("column", "must be 0, 1, 2, 7, 8 or 9", std::to_string(column));
+        }
+    });
+}
+
+int32_t hb_prepared_suspects(int64_t prepared, int64_t* count, int32_t* cause, int32_t* column, int32_t* other,
+                             int64_t* start_stop, int32_t* dropped, double* radius) {
+    return guarded([&] {
+        const auto handle = find<PreparedHandle>("prepared", prepared);
+        const std::vector<SuspectRows>& suspects = handle->prepared.suspects;
+        require_room({count}, {static_cast<Index>(suspects.size())});
+        for (std::size_t i = 0; i < suspects.size(); ++i) {
+            if (cause) cause[i] = static_cast<std::int32_t>(suspects[i].cause);
+            if (column) column[i] = static_cast<std::int32_t>(suspects[i].column);
+            if (other) other[i] = static_cast<std::int32_t>(suspects[i].other);
+            if (start_stop) start_stop[2 * i] = suspects[i].rows.start, start_stop[2 * i + 1] = suspects[i].rows.stop;
+            if (dropped) dropped[i] = suspects[i].dropped;
+            if (radius) radius[i] = suspects[i].radius;
+        }
     });
 }
 

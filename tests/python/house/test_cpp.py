@@ -87,7 +87,8 @@ HOST = """\
 toolface[17] = -inf: must be finite
 """
 NAMES = """close instruction_set last_error live_append_image live_append_samples live_append_stations live_create
-live_event live_image live_path live_poll live_wall path_create path_read path_settings_init ranges settings_init
+live_event live_image live_path live_poll live_wall path_create path_read path_settings_init preparation_init
+prepare prepared_get prepared_samples prepared_suspects ranges settings_init
 use_runner version wall_angular_gaps wall_append wall_create wall_estimate wall_get wall_interpolate wall_logs
 wall_passage wall_read wall_samples wall_sigma wall_surface wall_volume wits_create wits_feed wits_items"""
 
@@ -107,6 +108,8 @@ STRUCTS = {
     "hb_change": (40, 6),
     "hb_update": (72, 6),
     "hb_sigma_rule": (56, 8),
+    "hb_preparation": (32, 6),
+    "hb_prepared_state": (64, 9),
 }
 
 
