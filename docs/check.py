@@ -1,6 +1,8 @@
 """Checks the built site: every public name is in it, no page asks for a network, no markup is left raw.
 
-The notebooks of docs/notebooks have the output that the build has just got, and each page of one shows its wall.
+Every page has the list of all pages at its left. Where Chromium and playwright are installed, some pages are laid out
+at 1280 and 390 pixels: nothing of them is cut. The notebooks of docs/notebooks have the output that the build has just
+got, and each page of one shows its wall.
 """
 
 from __future__ import annotations
@@ -9,12 +11,24 @@ import html
 import inspect
 import json
 import re
+import shutil
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 from sphinx.util.inventory import InventoryFile
 
 import helibore
+
+PAGES = 18
+"""Entries of the list of pages."""
+LAID_OUT = ("index.html", "analyst.html", "developer.html", "reference/python.html", "reference/cpp.html")
+"""Pages with long lines of code, wide tables and long names."""
+CUT = """() => [...document.querySelectorAll('html, .bd-article-container, .bd-article pre')]
+  .filter(of => of.scrollWidth > of.clientWidth + 1)
+  .map(of => `${of.tagName.toLowerCase()}, ${of.scrollWidth - of.clientWidth} pixels: ${of.innerText.slice(0, 40)}`)
+  .slice(0, 3)"""
+"""What is wider than its box, in the page's own language; tables scroll in boxes of their own."""
 
 
 def public_names() -> set[str]:
@@ -43,6 +57,8 @@ def problems(site: Path) -> list[str]:
         place = page.relative_to(site)
         for request in re.findall(r"<(?:script|img|link)[^>]+(?:src|href)=\"(https?://[^\"]+)", text):
             found.append(f"{place} asks for {request}")
+        if text.count('"toctree-l1') < PAGES and "bd-sidebar-primary" in text:
+            found.append(f"{place} has no list of the pages")
         prose = html.unescape(re.sub(r"<(pre|code|script|style)\b.*?</\1>|<[^>]+>", " ", text, flags=re.DOTALL))
         for raw in re.findall(r":(?:class|func|meth|py:\w+):`|``|\{eval-rst|:::|\$\$", prose):
             found.append(f"{place} shows raw markup: {raw}")
@@ -71,8 +87,27 @@ def problems_of_notebooks(site: Path) -> list[str]:
     return found
 
 
+def problems_of_layout(site: Path) -> list[str]:
+    """One line for each thing that is cut at the width of a small laptop or a phone; none without a browser."""
+    chromium = shutil.which("chromium-headless-shell") or shutil.which("chromium")
+    if chromium is None or find_spec("playwright") is None:
+        return []
+    from playwright.sync_api import sync_playwright
+
+    found = []
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
+        for width in (1280, 390):
+            page = browser.new_page(viewport={"width": width, "height": 900})
+            for name in LAID_OUT:
+                page.goto((site / name).absolute().as_uri())
+                found += [f"{name}, {width} pixels wide, is cut: {each}" for each in page.evaluate(CUT)]
+        browser.close()
+    return found
+
+
 if __name__ == "__main__":
     site = Path(sys.argv[1])
-    wrong = problems(site) + problems_of_notebooks(site)
+    wrong = problems(site) + problems_of_notebooks(site) + problems_of_layout(site)
     print("\n".join(wrong))
     sys.exit(bool(wrong))

@@ -31,20 +31,22 @@ extensions = [
     "sphinx_gallery.gen_gallery",
 ]
 exclude_patterns = ["gallery/*.ipynb", "gallery/*.py", "gallery/*.md5", "gallery/*.json", "viewer_picture.py"]
-templates_path: list[str] = []
+templates_path = ["_templates"]
+html_static_path, html_css_files = ["_static"], ["site.css"]
 smartquotes = False  # they turn --option into a dash
 default_role = "code"
 html_title = "helibore"
 html_theme = "pydata_sphinx_theme"
 html_theme_options = {
     "show_prev_next": False,
+    "navbar_center": [],
     "navbar_end": ["theme-switcher"],
-    "secondary_sidebar_items": ["page-toc"],
+    "secondary_sidebar_items": [],  # its headings stand among the pages on the left; code needs the room
     "footer_start": ["copyright"],
     "footer_end": [],
     "pygments_light_style": "tango",
 }
-html_sidebars = {"index": []}
+html_sidebars = {"**": ["pages"]}
 html_show_sourcelink = False
 myst_heading_anchors = 3
 nb_execution_mode = "force"
@@ -63,6 +65,7 @@ sphinx_gallery_conf = {
     "gallery_dirs": "gallery",
     "download_all_examples": False,
     "show_memory": False,
+    "capture_repr": ("_repr_html_",),  # not what the last call of a picture returns, such as [Text(0.5, 0, 'east, m')]
     "show_signature": False,
     "image_scrapers": (take_figure,),
     "write_computation_times": False,  # a page that asks for a network
