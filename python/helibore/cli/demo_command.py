@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from helibore.base.errors import InputError, MissingExtraError
+from helibore.base.errors import InputError, MissingExtraError, needs
 from helibore.cli.lines import summary_lines
 from helibore.cli.outputs import QUIET
 from helibore.cli.quantities import FOLDER
@@ -35,7 +35,7 @@ def demo(output: Path, seed: int, quiet: bool) -> None:
 
     if not output.is_dir():
         raise InputError(str(output), "the folder must exist")
-    terminal = Terminal(quiet)
+    terminal = Terminal(quiet, lines=True)
     with terminal.stage("simulate", "Drilling the simulated hole"):
         simulation = drill(seed)
     with terminal.stage("rebuild", f"Rebuilding the wall from {simulation.depth.size:,} samples"):
@@ -49,8 +49,12 @@ def demo(output: Path, seed: int, quiet: bool) -> None:
     about = f"Simulated drilling with stick-slip and {noise}; rms error of the wall {off.rms * 1e3:.2f} mm"
     picture = str(output / "helibore-demo.png")
     try:
+        loading = "Loading matplotlib; the first time, it lists the fonts of the machine"
+        with terminal.stage("picture", loading), needs("matplotlib", "plot"):
+            import matplotlib.font_manager as _  # noqa: F401
         with terminal.stage("picture", "Drawing helibore-demo.png"):
             figure = plot.overview(wall, title=title, subtitle=about, scale=DEPTH_SCALE, dpi=DPI)
+        with terminal.stage("picture", "Writing helibore-demo.png"):
             plot.save(figure, picture)
     except MissingExtraError as missing:
         picture = f"no picture: it {missing}"

@@ -43,10 +43,13 @@ def console(**options: Any) -> Console:
 
 
 class Terminal:
-    """Shows progress and summaries, or nothing if ``quiet``; remembers how long each stage took."""
+    """Shows progress and summaries, or nothing if ``quiet``; remembers how long each stage took.
 
-    def __init__(self, quiet: bool) -> None:
-        self.quiet = quiet
+    If stderr is no terminal, ``lines`` shows what each stage does as a line there; otherwise such a run shows no stage.
+    """
+
+    def __init__(self, quiet: bool, lines: bool = False) -> None:
+        self.quiet, self.lines = quiet, lines
         self.seconds: dict[str, float] = {}
 
     @contextmanager
@@ -60,6 +63,8 @@ class Terminal:
     @contextmanager
     def _bar(self, doing: str) -> Iterator[None]:
         if self.quiet or not sys.stderr.isatty():
+            if self.lines and not self.quiet:
+                echo(doing, err=True)
             yield
             return
         from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
