@@ -30,7 +30,7 @@ extensions = [
     "sphinx_click",
     "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["gallery/*.ipynb", "gallery/*.py", "gallery/*.md5", "gallery/*.json", "viewer_picture.py"]
+exclude_patterns = ["gallery/*.ipynb", "gallery/*.py", "gallery/*.md5", "gallery/*.json", "*.py"]
 templates_path = ["_templates"]
 html_static_path, html_css_files = ["_static"], ["site.css"]
 smartquotes = False  # they turn --option into a dash
