@@ -39,7 +39,7 @@ class InputError(ValueError):
     value : str or None
         The value as the error shows it; None if no single value is wrong.
     setting : str
-        The setting that decides, such as ``preparation.least_radius``, so that a command can name its option; "": none.
+        The setting that it is about, such as ``wall.sectors``, so that a command can name its option; "": none.
 
     Notes
     -----
@@ -53,6 +53,11 @@ class InputError(ValueError):
 
     def __reduce__(self) -> tuple[type[InputError], tuple[str, str, str | None, str]]:
         return type(self), (self.place, self.rule, self.value, self.setting)
+
+    def about(self, setting: str) -> InputError:
+        """Return this error, which now states its setting; a setting that it states already stays."""
+        self.setting = self.setting or setting
+        return self
 
     def within(self, outer: str) -> InputError:
         """Return the same error with its place inside an outer one: ``well.las: pitch = 0: must not be 0``."""

@@ -55,7 +55,8 @@ class BadInput(click.ClickException):
 
 
 @contextmanager
-def _one_line_errors() -> Iterator[None]:
+def _one_line_errors(ctx: click.Context | None = None) -> Iterator[None]:
+    """Turn each error that a user can correct into `BadInput`; it names the option of the setting that it is about."""
     try:
         yield
     except click.UsageError as error:
@@ -69,9 +70,20 @@ def _one_line_errors() -> Iterator[None]:
         reason = error.strerror or str(error)
         raise BadInput(f"{error.filename}: {reason}" if error.filename else reason) from error
     except (ValueError, MissingExtraError) as error:
-        setting = getattr(error, "setting", "")
-        option = f"-s {setting}" if "." in setting else f"--{setting.replace('_', '-')}"
-        raise BadInput(f"{error} (option: {option})" if setting else str(error)) from error
+        option = _option_of(getattr(error, "setting", ""), ctx)
+        raise BadInput(f"{error} (option: {option})" if option else str(error)) from error
+
+
+def _option_of(setting: str, ctx: click.Context | None) -> str:
+    """Return what states a setting in the command that runs; "" if it has no option for it."""
+    if not setting or ctx is None or not isinstance(ctx.command, click.Group):
+        return ""
+    command = ctx.command.get_command(ctx, ctx.invoked_subcommand or "")
+    if command is None:
+        return ""
+    from helibore.cli.sections import spelled_setting
+
+    return spelled_setting(command, setting)
 
 
 class Verbs(click.Group):
@@ -107,7 +119,7 @@ class Verbs(click.Group):
             return super().make_context(*args, **extra)
 
     def invoke(self, ctx: click.Context) -> Any:
-        with _one_line_errors():
+        with _one_line_errors(ctx):
             return super().invoke(ctx)
 
 

@@ -63,6 +63,7 @@ def option_of(member: Member) -> tuple[str, dict[str, Any]]:
     text = member.summary + (f"  [{facts}]" if facts else "")
     if member.kind is bool:
         flag: dict[str, Any] = {"is_flag": True, "flag_value": not member.default, "default": None}
+        flag["type"] = SettingType(member)
         return f"--{'no-' if negated else ''}{name} {member.name}", {"help": member.summary, **flag}
     metavar = (option.metavar if option else None) or (
         f"[{'|'.join(map(str, member.choices))}]"

@@ -178,6 +178,17 @@ def _settings_of(command: click.Command) -> dict[str, SectionOption]:
     return {each.setting: each for each in command.params if isinstance(each, SectionOption)}
 
 
+def spelled_setting(command: click.Command, setting: str) -> str:
+    """Return what states a setting in a command, such as ``--sectors`` or ``-s wall.power``; "" if nothing does."""
+    known = _settings_of(command)
+    if setting in known:
+        return known[setting].spelled
+    if any(setting.startswith(f"{FAMILIES[name]}.") for each in known.values() if (name := str(each.name)) in FAMILIES):
+        return f"-s {setting}"
+    own = next((each for each in command.params if each.name == setting), None)
+    return own.spelled if isinstance(own, SectionOption) else own.opts[0] if own is not None else ""
+
+
 class Sectioned(click.Command):
     """A command whose help lists its common options in sections; the others are settings.
 

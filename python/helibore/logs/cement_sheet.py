@@ -139,10 +139,12 @@ def cement_sheet(logs: MeasuredHole, job: CementJob) -> CementSheet:
     top = (start if previous is None else previous) if job.top is None else job.top
     open_top = top if previous is None else max(top, previous)
     if not start - 1e-9 <= job.shoe <= stop + 1e-9:
-        raise InputError("shoe", f"must lie in the logs, which reach from {start:.2f} to {stop:.2f} m", f"{job.shoe:g}")
+        rule = f"must lie in the logs, which reach from {start:.2f} to {stop:.2f} m"
+        raise InputError("shoe", rule, f"{job.shoe:g}", "cement.shoe")
     if open_top < start - 1e-9:
         name = "top" if open_top == top else "previous_shoe"
-        raise InputError(name, f"the logs reach from {start:.2f} to {stop:.2f} m only", f"{open_top:g}")
+        rule = f"the logs reach from {start:.2f} to {stop:.2f} m only"
+        raise InputError(name, rule, f"{open_top:g}", f"cement.{name}")
     casing = _area(job.casing)
     parts: list[tuple[str, float, float]] = [
         (RAT_HOLE, job.shoe, stop),
@@ -199,7 +201,8 @@ def _of_hole(
     narrow = known & (hole < casing)
     if narrow.any():
         at = float(logs.depth[narrow][0])
-        raise InputError("casing", f"the hole at {at:.2f} m has less area than the casing")
+        rule = f"the hole at {at:.2f} m has less area than the casing"
+        raise InputError("casing", rule, setting="cement.casing")
     whole = (bottom - top) / length * (1 + excess)
     sigma = float((logs.volume_sigma[known] * inside[known]).sum() / logs.height)
     gauge = max(_area(logs.bit_diameter) - casing, 0.0) * (bottom - top) * (1 + excess)

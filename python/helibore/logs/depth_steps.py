@@ -31,7 +31,7 @@ MEASURED = 0.9
 def by_step(columns: Mapping[str, Any], pitch: float, bit_diameter: float, step: float) -> dict[str, Any]:
     """Return, by name, the columns of `Logs.by_step` from the columns of turns."""
     if not (math.isfinite(step) and step >= abs(pitch) * (1 - 1e-9)):
-        raise InputError("step", f"must be at least the pitch, {abs(pitch):g} m", f"{step:g}")
+        raise InputError("step", f"must be at least the pitch, {abs(pitch):g} m", f"{step:g}", "logs.step")
     order = slice(None) if pitch > 0 else slice(None, None, -1)
     number, turns, starts = _steps(columns["depth"][order], abs(pitch), step)
 

@@ -114,7 +114,7 @@ def pages_of(content: Content, paper: str | tuple[float, float]) -> list[Figure]
     least = 2 * MARGIN + header_height(content) + HEAD + LEAST_LENGTH + footer_height(content)
     if not (math.isfinite(width) and least <= height < math.inf):
         rule = f"must be finite, and at least {math.ceil(least)} mm high for the header, the heads and the foot"
-        raise InputError("paper", rule, f"{width:g} x {height:g} mm")
+        raise InputError("paper", rule, f"{width:g} x {height:g} mm", "print.paper")
     width = max(width, _width(content))
     free = height - MARGIN - footer_height(content)
     parts = _divided(content, free - MARGIN - HEAD)

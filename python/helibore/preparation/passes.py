@@ -49,7 +49,7 @@ def number_passes(depth: npt.ArrayLike, reversal: float = 5.0) -> Integers:
     """
     track = finite_column("depth", depth)
     if not reversal > 0:
-        raise InputError("reversal", "must be above 0", f"{reversal:g}")
+        raise InputError("reversal", "must be above 0", f"{reversal:g}", "preparation.reversal")
     return _core.number_passes(track, reversal)
 
 
@@ -81,9 +81,10 @@ def choose(
     order = known if passes is None else np.array(passes, dtype=np.int64)
     strange = np.setdiff1d(order, known)
     if strange.size:
-        raise InputError("passes", f"{strange[0]} is not among the passes of the samples")
+        rule = f"{strange[0]} is not among the passes of the samples"
+        raise InputError("passes", rule, setting="preparation.passes")
     if np.unique(order).size != order.size:
-        raise InputError("passes", "must not hold the same pass twice")
+        raise InputError("passes", "must not hold the same pass twice", setting="preparation.passes")
     rank_of = np.full(known.size, -1, dtype=np.int64)
     rank_of[np.searchsorted(known, order)] = np.arange(order.size)
     rank = rank_of[group]

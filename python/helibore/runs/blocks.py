@@ -101,9 +101,11 @@ def _check_settings(run: Run, why: str) -> None:
         raise InputError("image", why)
     wall = _settings(run)
     if wall.estimator == "automatic":
-        raise InputError("wall.estimator", f"must be another one, because choosing it {why}", "'automatic'")
+        rule = f"must be another one, because choosing it {why}"
+        raise InputError("wall.estimator", rule, "'automatic'", "wall.estimator")
     if wall.estimator == "kriging" and wall.kriging_range is None:
-        raise InputError("wall.kriging_range", f"must be a number, because finding it {why}")
+        rule = f"must be a number, because finding it {why}"
+        raise InputError("wall.kriging_range", rule, setting="wall.kriging_range")
 
 
 def stream(run: Run, most_samples: int) -> Batches:
@@ -122,7 +124,8 @@ def stream(run: Run, most_samples: int) -> Batches:
     odd += [name for name in ("saturated", "drop_closed") if getattr(preparation, name)]
     if odd:
         rule = f"{why}; it must be false" if odd[0] in BY_ROW else why
-        raise InputError(f"preparation.{odd[0]}", rule, str(getattr(preparation, odd[0])))
+        place = f"preparation.{odd[0]}"
+        raise InputError(place, rule, str(getattr(preparation, odd[0])), place)
     _check_settings(run, why)
     turning = only.roles.one("toolface")
     if turning is not None and turning.reference not in ("", run.path.reference if run.path else ""):
@@ -171,9 +174,11 @@ def plan_well(run: Run, store: Store, folder: str, made_from: Json, most_samples
     vertices, turns = plan["vertices"], plan["vertices"] // wall.sectors
     span = "the wall from {start_depth:g} m to {stop_depth:g} m would have".format_map(plan)
     if not 0 < vertices <= wall.most_vertices:
-        raise InputError("most_vertices", f"{span} {vertices:,} vertices; it may have 1 to {wall.most_vertices:,}")
+        rule = f"{span} {vertices:,} vertices; it may have 1 to {wall.most_vertices:,}"
+        raise InputError("most_vertices", rule, setting="wall.most_vertices")
     if turns > TURNS:
-        raise InputError("pitch", f"{span} {turns:,} turns, of which {TURNS:,} fit in memory", f"{wall.pitch:g}")
+        rule = f"{span} {turns:,} turns, of which {TURNS:,} fit in memory"
+        raise InputError("pitch", rule, f"{wall.pitch:g}", "wall.pitch")
     plan |= {"made_from": made_from, "bins": bins, "height": height, "width": width, "ends": ends}
     plan |= {"counts": {str(at): counts[at] for at in sorted(counts)}, "newest": newest if width > 3 else 0.0}
     plan["checksums"] = {str(at): sums[at] for at in sorted(counts)}

@@ -10,7 +10,7 @@ from helibore.settings.declared import FINITE, INCHES, METRES, NOT_NEGATIVE, POS
 
 
 @dataclass(frozen=True, kw_only=True)
-class CementJob(Declared):
+class CementJob(Declared, group="cement"):
     """A casing to cement. Depths are measured depths; `helibore.Logs.cement_sheet` says what is summed."""
 
     casing: Annotated[float, INCHES, POSITIVE, Option(), "Outer diameter of the casing."]

@@ -9,7 +9,7 @@ from helibore.settings.declared import Declared
 
 
 @dataclass(frozen=True, kw_only=True)
-class Columns(Declared):
+class Columns(Declared, group="columns"):
     """Columns of roles, such as md_m, rb:deg, x_in@0, CAL1@90:in; a role that is not stated is guessed."""
 
     depth: Annotated[str | None, "Depth of the caliper files."] = None

@@ -1,13 +1,15 @@
 """Declare settings: type, default, unit, rules and explanation of a setting stand at its field, and nowhere else.
 
     @dataclass(frozen=True, kw_only=True)
-    class Criteria(Declared):
+    class Criteria(Declared, group="zones"):
         join: Annotated[float, METRES, NOT_NEGATIVE, "Greatest distance of two zones that become one."] = 1.0
 
     Criteria(join=-1)                      InputError     join = -1: must be finite and not negative
     read_table(Criteria, tree, source)     InputError     well.toml, line 4: zones.join = -1: must be finite and not ...
     option_of(members(Criteria)["join"])   --join LENGTH  Greatest distance of two zones that become one.  [default: 1m]
     rows()                                 a row of the table of settings in the documentation
+
+An error carries the name of its setting, ``zones.join``, so that the command line can show the option beside it.
 
 The marks of a field are a `Unit`, any number of `Rule`, its explanation (a text), `Option` if the command line has an
 option for it, and `Stated` for a table of which only what is stated counts. The first sentence of the explanation is
@@ -29,7 +31,7 @@ from collections.abc import Callable
 from dataclasses import MISSING, dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from helibore.base import units
 from helibore.base.errors import InputError
@@ -151,6 +153,7 @@ class Member:
     optional: bool  # None is allowed
     default: Any  # MISSING: must be given
     marks: tuple[Any, ...]
+    setting: str = ""  # with its group, as in wall.power; "": it is in no group
 
     @cached_property
     def kind(self) -> Any:
@@ -237,13 +240,16 @@ class Member:
         try:
             made = _converted(self.hint, value)
         except OverflowError:
-            raise InputError(self.name, "absolute value must be below 2147483648", shown(value)) from None
+            raise self._error("absolute value must be below 2147483648", shown(value)) from None
         except TypeError as error:
-            raise InputError(self.name, f"must be {error}", repr(_plain(value))) from None
+            raise self._error(f"must be {error}", repr(_plain(value))) from None
         for rule in self.rules:
             if not rule.test(made):
-                raise InputError(self.name, rule.text, shown(value))
+                raise self._error(rule.text, shown(value))
         return made
+
+    def _error(self, rule: str, value: str) -> InputError:
+        return InputError(self.name, rule, value, self.setting)
 
 
 def words_of(hint: Any) -> tuple[Any, tuple[Any, ...]]:
@@ -323,12 +329,14 @@ def members(kind: type[Any]) -> dict[str, Member]:
 def _members(kind: type[Any]) -> dict[str, Member]:
     hints = typing.get_type_hints(kind, include_extras=True)
     found: dict[str, Member] = {}
+    group = getattr(kind, "group", "")
     for each in dataclasses.fields(kind):
         hint, *marks = typing.get_args(given) if typing.get_origin(given := hints[each.name]) is Annotated else [given]
         kinds = typing.get_args(hint) if typing.get_origin(hint) in (types.UnionType, typing.Union) else (hint,)
         plain: Any = typing.Union[tuple(one for one in kinds if one is not type(None))]  # noqa: UP007
         default = each.default if each.default_factory is MISSING else each.default_factory()
-        found[each.name] = Member(each.name, plain, type(None) in kinds, default, tuple(marks))
+        setting = f"{group}.{each.name}" if group else ""
+        found[each.name] = Member(each.name, plain, type(None) in kinds, default, tuple(marks), setting)
     return found
 
 
@@ -350,14 +358,27 @@ def _attribute(member: Member) -> str:
 
 
 class Declared(metaclass=_Documented):
-    """Base of the declared classes: each setting is checked, and converted to its type, when an object is made."""
+    """Base of the declared classes: each setting is checked, and converted to its type, when an object is made.
+
+    ``group`` is what stands before the dot in the names of the settings; "": they have no names outside their file.
+    """
+
+    group: ClassVar[str] = ""
+
+    def __init_subclass__(cls, group: str = "") -> None:
+        cls.group = group or cls.group
 
     def __post_init__(self) -> None:
         values = self.__dict__
         for name, member in members(type(self)).items():
             if (value := values[name]) is not member.default:  # a default keeps its rules
                 values[name] = member.checked(value)
-        self._check()
+        try:
+            self._check()
+        except InputError as error:
+            if (at_fault := members(type(self)).get(error.place.partition(".")[0])) is not None:
+                error.about(at_fault.setting)
+            raise
 
     def _check(self) -> None:
         """Check the rules that concern several settings."""

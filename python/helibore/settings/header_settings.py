@@ -9,7 +9,7 @@ from helibore.settings.declared import Declared
 
 
 @dataclass(frozen=True, kw_only=True)
-class Header(Declared):
+class Header(Declared, group="header"):
     """The header of prints, reports and tables; an entry that is not stated is as the files state it."""
 
     company: Annotated[str, "Company for which the hole was logged."] = ""

@@ -33,7 +33,7 @@ ALL_LENGTHS = Rule(LENGTH_OR_MANDREL.text, lambda values: all(map(LENGTH_OR_MAND
 
 
 @dataclass(frozen=True, kw_only=True)
-class LogSettings(Declared):
+class LogSettings(Declared, group="logs"):
     """What tables of a wall hold: logs, zones, passage."""
 
     step: Annotated[float | None, METRES, POSITIVE, Option("one row for each turn"),
@@ -49,7 +49,7 @@ class LogSettings(Declared):
         "Standard uncertainty that all radii share: the tool's calibration, the velocity in the mud.",
     ] = 0.0  # fmt: skip
     by_sector: Annotated[bool, Option(),
-        "Also write radius, images and, with --sigma, uncertainty by turn and sector: arrays in DLIS, columns NAME[1] "
+        "Also write radius, images and, with sigma, uncertainty by turn and sector: arrays in DLIS, columns NAME[1] "
         "... in the others.",
     ] = False  # fmt: skip
     casing: Annotated[tuple[float, ...], METRES, ALL_POSITIVE, Formerly("casings"), Option(metavar="LENGTH"),
@@ -66,7 +66,7 @@ class LogSettings(Declared):
 
 
 @dataclass(frozen=True)
-class RigidBody(Declared):
+class RigidBody(Declared, group="passage.body"):
     """A cylinder of a string.
 
     A value that breaks its rule is refused: ``length = 0: must be at least 0.001 m``.
@@ -80,7 +80,7 @@ class RigidBody(Declared):
 
 
 @dataclass(frozen=True, kw_only=True)
-class PassageSettings(Declared):
+class PassageSettings(Declared, group="passage"):
     """What shall pass through the hole."""
 
     length: Annotated[float | Mandrel | None, METRES, LENGTH_OR_MANDREL,
@@ -99,7 +99,7 @@ class PassageSettings(Declared):
 
 
 @dataclass(frozen=True, kw_only=True)
-class StressSettings(Declared):
+class StressSettings(Declared, group="stress"):
     """The direction of the greatest horizontal stress, SHmax."""
 
     feature: Annotated[Literal["breakout", "induced fracture"], Option(), "Class of picks."] = "breakout"
@@ -114,7 +114,7 @@ class StressSettings(Declared):
 
 
 @dataclass(frozen=True, kw_only=True)
-class MeshSettings(Declared):
+class MeshSettings(Declared, group="mesh"):
     """What a mesh holds."""
 
     shell: Annotated[tuple[float, ...], METRES, ALL_POSITIVE, Formerly("shells"), Option(metavar="LENGTH"),
@@ -133,7 +133,7 @@ class MeshSettings(Declared):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ViewSettings(Declared):
+class ViewSettings(Declared, group="view"):
     """The page in the browser."""
 
     host: Annotated[str, Option(metavar="ADDRESS"), "Address of the page."] = "127.0.0.1"

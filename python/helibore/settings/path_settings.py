@@ -13,7 +13,7 @@ ALL_FINITE = Rule("must be finite", lambda values: all(FINITE.test(value) for va
 
 
 @dataclass(frozen=True, kw_only=True)
-class PathSettings(Declared):
+class PathSettings(Declared, group="path"):
     """Settings of a path; see `helibore.Survey.path`."""
 
     method: Annotated[Method, Option(), "Curve between stations."] = "minimum-curvature"

@@ -26,7 +26,7 @@ NORTH_ANGLE = Rule("must lie within -180 and 180 degrees", lambda value: -180.0 
 
 
 @dataclass(frozen=True, kw_only=True)
-class Preparation(Declared):
+class Preparation(Declared, group="preparation"):
     """The steps that turn readings into samples. Units are metres, degrees and seconds."""
 
     shallowest: Annotated[float | None, METRES, Option(), "Drop shallower samples."] = None
@@ -128,7 +128,7 @@ class Preparation(Declared):
 
 
 @dataclass(frozen=True)
-class Echo(Declared):
+class Echo(Declared, group="echo"):
     """The conversion of a travel time to a radius: tool_radius + velocity * (travel_time - window) / 2."""
 
     velocity: Annotated[float, POSITIVE, Option(), "Speed of sound in the mud, m/s; about 1500 in water."]

@@ -23,7 +23,7 @@ ALL_FINITE = Rule("must be finite", lambda values: all(map(math.isfinite, values
 
 
 @dataclass(frozen=True, kw_only=True)
-class PrintSettings(Declared):
+class PrintSettings(Declared, group="print"):
     """What a print and a report show, and how."""
 
     scale: Annotated[int | None, within(1, LARGEST_SCALE), Option("the finest usual scale that fits", metavar="N"),
@@ -80,7 +80,7 @@ class PrintTable(PrintSettings):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Look(Declared):
+class Look(Declared, group="look.NAME"):
     """The colours of an image, or the scale of a curve. What is None is as usual for the quantity."""
 
     limits: Annotated[tuple[float, float] | None, ALL_FINITE, "Values of the first and the last colour."] = None

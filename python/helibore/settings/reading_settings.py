@@ -9,7 +9,7 @@ from helibore.settings.declared import Declared, Option
 
 
 @dataclass(frozen=True, kw_only=True)
-class ReadingSettings(Declared):
+class ReadingSettings(Declared, group="reading"):
     """How files are read; a setting counts for the files of a run to whose format it applies."""
 
     encoding: Annotated[str | None, Option("UTF-8, or else Windows-1252"),

@@ -38,7 +38,7 @@ North = Literal["true", "magnetic", "grid"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class ChannelRole(Declared):
+class ChannelRole(Declared, group="map.channels.NAME"):
     """What a channel is. A key that is left out keeps its guess, which names and units give."""
 
     role: Annotated[str, A_ROLE,
@@ -63,7 +63,7 @@ class ChannelRole(Declared):
 
 
 @dataclass(frozen=True, kw_only=True)
-class RoleOfNames(Declared):
+class RoleOfNames(Declared, group="map.names"):
     """Names that mean a role in every file that is read with the map."""
 
     names: Annotated[tuple[str, ...], NOT_EMPTY, "Names of channels, without units."]
@@ -75,7 +75,7 @@ class RoleOfNames(Declared):
 
 
 @dataclass(frozen=True, kw_only=True)
-class MapOfRoles(Declared):
+class MapOfRoles(Declared, group="map"):
     """A role map, a file of its own, without ``map.`` in the names of its tables; `helibore inspect` prints one."""
 
     set: Annotated[str | None, "Which set of the file. None: its only set."] = None

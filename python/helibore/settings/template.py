@@ -37,7 +37,7 @@ PIXEL = INCH / MILLIMETRE / 96  # size of a pixel, millimetres
 
 
 @dataclass(frozen=True)
-class TemplateTrack(Declared):
+class TemplateTrack(Declared, group="template.track"):
     """One track of a template, ``[[track]]``."""
 
     kind: Annotated[Literal["caliper", "image", "curves", "dips"], "What the track shows."]
@@ -57,7 +57,7 @@ class TemplateTrack(Declared):
 
 
 @dataclass(frozen=True)
-class Template(Declared):
+class Template(Declared, group="template"):
     """A template of a log, a file of its own, without ``template.`` in the names of its tables."""
 
     unit: Annotated[SizeUnit, Formerly("units"), "Unit of diameters; ft: inches, and feet for depths."] = "mm"

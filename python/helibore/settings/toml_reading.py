@@ -144,10 +144,14 @@ def _read_keys(
     inner = {name: value for name, value in over.items() if isinstance(value, Mapping)}
     for key, value in tree.items():
         member = known.get(key) or _former(known, key, source, keys)
-        if member.stated is not None:
-            values[member.name] = read_stated(member.stated, value, source, (*keys, key))
-        elif member.name not in inner:
-            values[member.name] = read_value(member.hint, member.optional, member.unit, value, source, (*keys, key))
+        try:
+            if member.stated is not None:
+                values[member.name] = read_stated(member.stated, value, source, (*keys, key))
+            elif member.name not in inner:
+                values[member.name] = read_value(member.hint, member.optional, member.unit, value, source, (*keys, key))
+        except InputError as error:
+            error.about(_setting(member, keys))
+            raise
     for name, value in over.items():
         if name not in inner:
             values[name] = value
@@ -156,6 +160,11 @@ def _read_keys(
         else:
             values[name] = read_table(known[name].hint, tree.get(name, {}), source, (*keys, name), value)
     return values
+
+
+def _setting(member: Member, keys: tuple[Key, ...]) -> str:
+    """Return the name of a setting: the declared one, or else its keys in the file, without the numbers of tables."""
+    return member.setting or ".".join(each for each in (*keys, member.name) if isinstance(each, str))
 
 
 def read_stated(kind: type[Any], tree: Any, source: TomlSource, keys: tuple[Key, ...]) -> dict[str, Any]:
@@ -172,7 +181,7 @@ def _checked(member: Member, value: Any, source: TomlSource, keys: tuple[Key, ..
     try:
         return member.checked(value)
     except InputError as error:
-        raise InputError(source.place((*keys, error.place)), error.rule, error.value) from error
+        raise source.located(error, keys) from error
 
 
 def _made(kind: type[Made], values: dict[str, Any], source: TomlSource, keys: tuple[Key, ...]) -> Made:
@@ -180,11 +189,13 @@ def _made(kind: type[Made], values: dict[str, Any], source: TomlSource, keys: tu
     for name, member in known.items():
         if member.default is MISSING and name not in values:
             choices = f"; it must be one of {member.choice_text}" if member.choices else ""
-            raise source.error((*keys, name), f"is missing{choices}")
+            raise source.error((*keys, name), f"is missing{choices}").about(_setting(member, keys))
     try:
         return kind(**values)
     except InputError as error:
-        if error.place.partition(".")[0] in ("", *known):
+        if (name := error.place.partition(".")[0]) in known:
+            error.about(_setting(known[name], keys))
+        if name in ("", *known):
             raise source.located(error, keys) from error
         raise (error.within(place) if (place := source.place(keys)) else error) from error
 
@@ -279,13 +290,13 @@ def parse_setting(member: Member, text: str, name: str = "") -> Any:
         value = _as_toml(text, member)
     if member.kind is float and member.unit is not None and member.unit.needed and text.strip()[-1:].isdigit():
         rule = f"needs a unit, such as {text}{member.unit.shown} or {text}mm"
-        raise InputError(source.name, rule, shown(text))
+        raise InputError(source.name, rule, shown(text), member.setting)
     try:
         return member.checked(read_value(member.hint, member.optional, member.unit, value, source, ()))
     except InputError as error:
         inner = error.place.removeprefix(f"{source.name}: ").strip()  # of a table in a list: 1.length
         rule = (f"{inner}: " if inner[:1].isdigit() and "." in inner else "") + error.rule + _unit_hint(member, text)
-        raise InputError(source.name, rule, shown(text) if error.value else None) from error
+        raise InputError(source.name, rule, shown(text) if error.value else None, member.setting) from error
 
 
 def _unit_hint(member: Member, text: str) -> str:

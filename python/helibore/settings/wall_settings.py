@@ -29,7 +29,7 @@ TOLERANCE = Rule("must be 0 or above", lambda value: value >= 0)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Settings(Declared):
+class Settings(Declared, group="wall"):
     """Settings of a wall; the method was published in Energies 2021, 14, 291."""
 
     bit_diameter: Annotated[

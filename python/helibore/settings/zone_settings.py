@@ -22,7 +22,7 @@ QUARTER = Rule("must be at most 90", lambda value: value <= 90)
 
 
 @dataclass(frozen=True, kw_only=True)
-class ZoneLimits(Declared):
+class ZoneLimits(Declared, group="zones"):
     """The criteria that decide the kind of a turn or a zone, as settings."""
 
     elongation: Annotated[float, INCHES, NOT_NEGATIVE, Option(), "Least C1 - C2 of a breakout."] = 1.0 * INCH
@@ -105,7 +105,7 @@ class ZoneSettings(ZoneLimits):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ImageCriteria(Declared):
+class ImageCriteria(Declared, group="image_zones"):
     """The criteria that rows of an image must meet to be a breakout."""
 
     dark: Annotated[float, NOT_NEGATIVE, INNER_SHARE,

@@ -75,7 +75,7 @@ def choose_left_out(
         raise InputError("targets", "must be 1 or more", str(most))
     if settings.window is not None:
         rule = f"must be None {purpose}: samples are left out of the exact search"
-        raise InputError("window", rule, str(settings.window))
+        raise InputError("window", rule, str(settings.window), "wall.window")
     if count < FEWEST_SAMPLES:
         raise InputError("samples", f"too few samples {purpose}: must be at least {FEWEST_SAMPLES}", str(count))
     rng = np.random.default_rng(seed)
@@ -142,7 +142,8 @@ def estimate_left_out(
         The nuggets of kriging for which `Estimates.by_nugget` has radii.
     """
     if settings.estimator == "near-and-far":  # `helibore.wall.near_and_far` leaves samples out of it
-        raise InputError("estimator", "must be 'inverse-distance' or 'kriging' to be cross-validated", "'near-and-far'")
+        rule = "must be 'inverse-distance' or 'kriging' to be cross-validated"
+        raise InputError("estimator", rule, "'near-and-far'", "wall.estimator")
     depth, toolface, _ = samples
     nothing = np.zeros(rows.size)
     if trial is None:

@@ -78,9 +78,11 @@ class Wall(WallReads):
         self._basis = basis
         self._settings = Settings(bit_diameter=bit_diameter, **settings)
         if self._settings.estimator == "automatic":
-            raise InputError("estimator", "must be another one where samples arrive later", "'automatic'")
+            rule = "must be another one where samples arrive later"
+            raise InputError("estimator", rule, "'automatic'", "wall.estimator")
         if self._settings.estimator == "kriging" and self._settings.kriging_range is None:
-            raise InputError("kriging_range", "must be given where samples arrive later; reconstruct() finds it")
+            rule = "must be given where samples arrive later; reconstruct() finds it"
+            raise InputError("kriging_range", rule, setting="wall.kriging_range")
         self._threads = thread_count(threads)
         self._core = _core.Wall(vars(self._settings), self._threads, instruction_set)
         self._growing = threading.Lock()  # held by an append, and while all columns are read together

@@ -99,7 +99,10 @@ def test_a_setting_reaches_the_wall_in_every_way_it_is_stated() -> None:
         (("--sectors", "2"), "Invalid value for '--sectors': '2': must lie in 3 to 1000000"),
         (("-s", "wall.sectors=2"), "Invalid value for '--sectors': '2': must lie in 3 to 1000000"),
         (("--column", "radiu=x"), "--column radiu: no setting of this command; the nearest is radius"),
-        (("-s", "preparation.saturated=perhaps"), "Invalid value for '-s preparation.saturated': 'perhaps' is not"),
+        (
+            ("-s", "preparation.saturated=perhaps"),
+            "Invalid value for '-s preparation.saturated': 'perhaps': must be true or false",
+        ),
         (("--from-settings", "a.toml"), "--from-settings: no longer an option; give the settings file as SOURCE"),
         (("--power", "2"), "--power: no longer an option; it is now -s wall.power=NUMBER"),
         (("--sektors", "2"), "No such option '--sektors'. (Did you mean"),

@@ -219,7 +219,7 @@ def test_a_table_and_the_command_line_refuse_a_value_with_the_same_words(
     Path("well.toml").write_text(f"{WELL.partition('[print]')[0]}[{group}]\n{key} = {toml}\n")
     read = run(verb, "well.toml", *output, "-q")
     assert (stated.exit_code, read.exit_code) == (2, 2), (stated.output, read.output)
-    rule = read.stderr.rpartition(": ")[2].strip()
+    rule = read.stderr.partition(" (option: ")[0].rpartition(": ")[2].strip()
     assert read.stderr.startswith(f"helibore: well.toml, line 14: {name}"), read.stderr
     assert rule in stated.stderr, stated.stderr
 

@@ -293,7 +293,7 @@ class Configuration(LiveTables):
         try:
             Wall(**self.wall)
         except InputError as error:
-            raise InputError(f"wall.{error.place}", error.rule, error.value) from None
+            raise InputError(f"wall.{error.place}", error.rule, error.value, error.setting) from None
         if not self.sources:
             raise InputError("source", "is missing: at least one table [source.NAME]")
         seen: dict[str, str] = {}
