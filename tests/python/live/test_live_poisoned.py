@@ -6,7 +6,7 @@ import json
 
 import numpy as np
 import pytest
-from live_wires import FRAMES, WALL, Clock, same_bits, small_run
+from live_wires import FRAMES, WALL, Clock, same_bits
 
 from helibore import Live, Wall
 from helibore.live.journal import journal
@@ -70,6 +70,7 @@ def image(name, sectors, table):
     return (journal.IMAGE, json.dumps([name, sectors, ""]).encode() + b"\n" + np.array(table, float).tobytes())
 
 
+GOOD = FRAMES[:100]  # of three samples
 HUGE = "9" * 300
 POISONS = {
     "depth of ten digits": triple(depth=9999999999),
@@ -129,13 +130,13 @@ def play(folder, poisons) -> LiveClass:
     clock = Clock()
     live = Live(parse(CONFIGURATION), folder, clock=clock)
     waiting = list(poisons)
-    share = -(-len(waiting) // 80)
-    for number, frame in enumerate(FRAMES):
+    share = -(-len(waiting) // 50)
+    for number, frame in enumerate(GOOD):
         depth = 100 + 5 * number / len(FRAMES)
         clock.step(1.0)
         live.receive("rig", wits.frame([(108, f"{depth:.3f}"), (110, "105.000"), (120, "60")]))
         live.receive("mwd", frame)
-        if number > 60:
+        if number > 40:
             for source, payload in waiting[:share]:
                 if isinstance(source, str):
                     live.receive(source, payload)
@@ -149,7 +150,7 @@ def play(folder, poisons) -> LiveClass:
 @pytest.fixture(scope="module")
 def clean(tmp_path_factory):
     with play(tmp_path_factory.mktemp("clean"), []) as live:
-        assert live.wall.sample_count == len(small_run()[0].depth)
+        assert live.wall.sample_count == 3 * len(GOOD)
         return live
 
 

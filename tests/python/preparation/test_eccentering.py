@@ -11,7 +11,7 @@ import helibore as hb
 from helibore.preparation.eccentering import Centres, Shape, find_centres, recentre, turn_positions
 from helibore.preparation.turn_fits import evaluate, leverage, normal_equations, powers
 
-TURNS = 150
+TURNS = 70
 
 
 def lobe(phi, at, width, depth, edge):
