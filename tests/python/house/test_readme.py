@@ -1,9 +1,9 @@
 """Every block of README.md and of the pages in docs runs as it stands there, or is read by what will read it.
 
 Shell: verbs of helibore run, those that would wait are read with all their options; of other programs, what they name
-is there. Python runs. TOML is read by its own reader. What a block needs and does not make is simulated (stand_ins);
-where the public files are beside the project, docs/analyst.md runs on them, too. Blocks that the
-documentation build reads (``{toctree}`` and the like) fail there; ini and yaml are those of cli/test_live_service.py.
+is there. Python runs. TOML is read by its own reader. What a block needs and does not make is a
+public file where that is beside the project, else it is simulated (stand_ins). Blocks that the documentation build
+reads (``{toctree}`` and the like) fail there; ini and yaml are those of cli/test_live_service.py.
 """
 
 from __future__ import annotations
@@ -267,6 +267,10 @@ def test_indented_commands_are_blocks() -> None:
 def test_every_block_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     write_stand_ins(tmp_path)
+    for name, path in REAL.items():
+        if path.exists():
+            (tmp_path / name).unlink()
+            (tmp_path / name).symlink_to(path)
     shutil.copytree(ROOT / "examples/files", tmp_path, dirs_exist_ok=True)
     (tmp_path / "examples").mkdir()
     (tmp_path / "examples/files").symlink_to(ROOT / "examples/files")
@@ -278,19 +282,6 @@ def test_every_block_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     assert made["again.glb"] == made["f12-larger.glb"]
     assert made["well.glb"][:4] == made["xy.glb"][:4] == b"glTF"
     assert {"f12.las", "hole.csv", "zones.csv", "f12.pdf", "images.pdf", "f12.html", "helibore-log.png"} < made.keys()
-
-
-def test_on_the_public_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    if not all(path.exists() for path in REAL.values()):
-        pytest.skip("shared/data is not beside the project: no Volve F-12 caliper, no images")
-    monkeypatch.chdir(tmp_path)
-    for name, path in REAL.items():
-        (tmp_path / name).symlink_to(path)
-    for name in ("caliper.csv", "survey.csv"):
-        shutil.copy(ROOT / "examples/files" / name, tmp_path)
-    run_pages((DOCS / "analyst.md",))
-    assert (tmp_path / "again.glb").read_bytes() == (tmp_path / "f12-larger.glb").read_bytes()
-    assert (tmp_path / "f15d.glb").stat().st_size > 1_000_000
 
 
 @pytest.mark.parametrize(
