@@ -114,14 +114,15 @@ py::array_t<double> angular_gaps(const std::tuple<double, double, double, Index,
 }
 
 py::array_t<bool> measured(const std::tuple<double, double, double, Index, Index>& helix, Index count,
-                           const Column& depth, const Column& toolface, const std::array<double, 4>& rule,
-                           int threads) {
+                           const Column& depth, const Column& toolface, const Column& of_samples,
+                           const Column& of_vertices, const std::array<double, 5>& rule, int threads) {
     const auto& [start_depth, start_toolface, pitch, sectors, first] = helix;
     std::vector<std::uint8_t> found;
     {
         const WithoutGil released;
         found = helibore::measured({start_depth, start_toolface, pitch, sectors, count, first},
-                                   {span_of(depth), span_of(toolface)}, {rule[0], rule[1], rule[2], rule[3]}, threads);
+                                   {span_of(depth), span_of(toolface)}, {rule[0], rule[1], rule[2], rule[3], rule[4]},
+                                   threads, {span_of(of_samples), span_of(of_vertices)});
     }
     py::array_t<bool> mask(static_cast<py::ssize_t>(found.size()));
     std::ranges::copy(found, mask.mutable_data());
@@ -140,7 +141,7 @@ void register_logs(py::module_& m) {
     m.def("angular_gaps", &angular_gaps, py::arg("helix"), py::arg("count"), py::arg("depth"), py::arg("toolface"),
           py::arg("reach"), py::arg("threads"));
     m.def("measured", &measured, py::arg("helix"), py::arg("count"), py::arg("depth"), py::arg("toolface"),
-          py::arg("rule"), py::arg("threads"));
+          py::arg("of_samples"), py::arg("of_vertices"), py::arg("rule"), py::arg("threads"));
 }
 
 }  // namespace helibore::bindings

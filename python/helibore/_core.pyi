@@ -123,7 +123,14 @@ def passage_columns(
     threads: int,
 ) -> dict[str, Any]: ...
 def measured(
-    helix: _Helix, count: int, depth: Floats, toolface: Floats, rule: tuple[float, float, float, float], threads: int
+    helix: _Helix,
+    count: int,
+    depth: Floats,
+    toolface: Floats,
+    of_samples: Floats,
+    of_vertices: Floats,
+    rule: tuple[float, float, float, float, float],
+    threads: int,
 ) -> Mask: ...
 def angular_gaps(helix: _Helix, count: int, depth: Floats, toolface: Floats, reach: float, threads: int) -> Floats: ...
 def hexahedron_volumes(vertices: Floats, hexahedra: Integers, threads: int) -> Floats: ...

@@ -107,6 +107,18 @@ void at_vertices() {
     }
 }
 
+// Two samples 0.1 m and 0.05 m from the only vertex, 2 mm and 4 mm farther out: the mean, with weights of 1 and 2, is
+// 10/3 mm; half the rms times the distance, a third, is sqrt(10)/6 mm.
+void changes() {
+    const std::vector<double> depth = {10.0, 10.15}, toolface = {30.0, 30.0}, radius = {0.102, 0.104}, wall = {0.1};
+    const HelixVertices vertex{10.1, 30.0, 0.1, 64, 1, 0};
+    const double change = 1e-3 * std::sqrt(100.0 / 9.0 + 10.0 / 36.0);
+    for (const double share : {0.999, 1.001}) {
+        const MeasuredRule rule{0.15, 15.0, 0.5, 360.0, share * change};
+        CHECK(measured(vertex, {depth, toolface}, rule, 1, {radius, wall})[0] == (share > 1.0 ? 1 : 0));
+    }
+}
+
 void refusals() {
     constexpr double infinity = std::numeric_limits<double>::infinity();
     const std::vector<double> two = {1.0, 2.0}, bad = {1.0, infinity};
@@ -138,6 +150,11 @@ void refusals() {
     CHECK_THROWS(InputError, "near_toolface = 181: must lie in 0 to 180", measured({}, good, {1.0, 181.0, 1.0, 90.0}));
     CHECK_THROWS(InputError, "gap_reach = -1: must be 0 or above", measured({}, good, {1.0, 15.0, -1.0, 90.0}));
     CHECK_THROWS(InputError, "largest_gap = 361: must lie in 0 to 360", measured({}, good, {1.0, 15.0, 1.0, 361.0}));
+    CHECK_THROWS(InputError, "largest_change = -1: must be 0 or above",
+                 measured({}, good, {1.0, 15.0, 1.0, 90.0, -1.0}));
+    CHECK_THROWS(InputError, "near_depth = 0: must be above 0", measured({}, good, {0.0, 15.0, 1.0, 90.0, 1.0}));
+    CHECK_THROWS(InputError, "radii.samples has 0 values, depth has 2: must be equal",
+                 measured({}, good, {1.0, 15.0, 1.0, 90.0, 1.0}));
     CHECK_THROWS(InputError, "toolface[1] = inf: must be finite", angular_gaps({}, {two, bad}, 1.0));
 }
 
@@ -147,6 +164,7 @@ int main() {
     loops();
     by_hand();
     at_vertices();
+    changes();
     in_every_host_state(refusals);
     return failures();
 }

@@ -85,14 +85,23 @@ struct SamplePlaces {
 std::vector<double> angular_gaps(const HelixVertices& vertices, const SamplePlaces& samples, double reach,
                                  int threads = 1);
 
-// What makes a vertex measured: a sample near it, and samples on its two sides.
+// What makes a vertex measured: a sample near it, samples on its two sides, and little change of the wall between. Of
+// the differences between the vertex and its four nearest samples, the change is hypot(m, s d / 2): m their mean,
+// weighted by the inverse distance, s their rms, d the distance to the nearest. Distances are shares of `near_depth`
+// and `near_toolface`.
 struct MeasuredRule {
     double near_depth, near_toolface;  // a sample lies within so many metres and so many degrees, at most 180
     double gap_reach, largest_gap;     // the angular gap of samples within this reach is at most so many degrees
+    double largest_change = std::numeric_limits<double>::infinity();  // metres; needs `Radii`
+};
+
+// The radii of the samples and of the vertices, metres. Borrowed, as `SamplePlaces`.
+struct Radii {
+    std::span<const double> samples, vertices;
 };
 
 // Returns 1 for each measured vertex, 0 for the others. The result does not depend on `threads`.
 std::vector<std::uint8_t> measured(const HelixVertices& vertices, const SamplePlaces& samples, const MeasuredRule& rule,
-                                   int threads = 1);
+                                   int threads = 1, const Radii& radii = {});
 
 }  // namespace helibore

@@ -2,7 +2,9 @@
 // sectors on its two sides are searched outwards until one holds a sample within reach. If the tool measures all around
 // the hole, this is the first or second sector.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 
@@ -196,6 +198,73 @@ double gap_between(double ahead, double behind) {
     return ahead == 0.0 ? 0.0 : std::min(ahead + behind, whole_turn);
 }
 
+// The nearest samples of a vertex, the nearest first.
+struct Nearest {
+    static constexpr std::size_t most = 4;
+    std::array<double, most> square{}, difference{};  // of the distance; radius of the sample less that of the vertex
+    std::size_t count = 0;
+
+    void add(double distance, double off) {
+        std::size_t at = count < most ? count++ : most - 1;
+        for (; at > 0 && square[at - 1] > distance; --at) {
+            square[at] = square[at - 1];
+            difference[at] = difference[at - 1];
+        }
+        square[at] = distance;
+        difference[at] = off;
+    }
+    // A sample at this distance or farther is not among the nearest.
+    double limit() const { return count < most ? std::numeric_limits<double>::infinity() : square[most - 1]; }
+    // The change of the wall between vertex and samples, squared; 0 without a sample.
+    double change() const {
+        constexpr double least = 0.02;  // a sample nearer than this share has no more weight
+        double weights = 0.0, weighted = 0.0, squares = 0.0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const double weight = 1.0 / std::max(std::sqrt(square[i]), least);
+            weights += weight, weighted += weight * difference[i];
+            squares += difference[i] * difference[i];
+        }
+        if (count == 0) return 0.0;
+        const double beside = weighted / weights;
+        return beside * beside + 0.25 * squares / static_cast<double>(count) * square[0];
+    }
+};
+
+// Clears the vertices between which and their nearest samples the wall changes more than the rule allows. Samples are
+// looked at from the depth of the vertex upwards and downwards, as far as they may be among the nearest.
+void clear_changing(const Helix& helix, const SamplePlaces& samples, const Radii& radii, const MeasuredRule& rule,
+                    int threads, std::vector<std::uint8_t>& found) {
+    constexpr Index block = 1024;  // vertices
+    const double most = rule.largest_change * rule.largest_change, a_metre = 1.0 / rule.near_depth,
+                 a_degree = 1.0 / rule.near_toolface, farthest = 2.0;
+    for_each_range(threads, static_cast<Index>(found.size()), block, [&](int, const Range& range) {
+        for (Index k = range.start; k < range.stop; ++k) {
+            const auto vertex = static_cast<std::size_t>(k);
+            if (found[vertex] == 0) continue;
+            const double depth = helix.depth(k), toolface = helix.toolface(k), radius = radii.vertices[vertex];
+            Nearest nearest;
+            // Returns whether samples farther along the hole may be among the nearest.
+            const auto look = [&](std::size_t i) {
+                const double along = (samples.depth[i] - depth) * a_metre, square = along * along;
+                if (!(std::abs(along) <= farthest) || square >= nearest.limit()) return false;
+                const double off = std::abs(wrap_toolface(samples.toolface[i]) - toolface);
+                const double around = std::min(off, whole_turn - off) * a_degree;
+                if (around <= farthest && square + around * around < nearest.limit())
+                    nearest.add(square + around * around, radii.samples[i] - radius);
+                return true;
+            };
+            const auto here = std::lower_bound(samples.depth.begin(), samples.depth.end(), depth);
+            const auto first = static_cast<std::size_t>(here - samples.depth.begin());
+            bool is_below = true, is_above = true;
+            for (std::size_t step = 0; is_below || is_above; ++step) {
+                is_below = is_below && first + step < samples.depth.size() && look(first + step);
+                is_above = is_above && step < first && look(first - 1 - step);
+            }
+            if (nearest.change() > most) found[vertex] = 0;
+        }
+    });
+}
+
 }  // namespace
 
 std::vector<double> angular_gaps(const HelixVertices& vertices, const SamplePlaces& samples, double reach,
@@ -217,9 +286,17 @@ std::vector<double> angular_gaps(const HelixVertices& vertices, const SamplePlac
 // Most vertices have a sample in a sector beside them. Then the number of empty sectors between vertex and sample
 // decides. The angles of samples are looked at only where this number leaves the answer open.
 std::vector<std::uint8_t> measured(const HelixVertices& vertices, const SamplePlaces& samples, const MeasuredRule& rule,
-                                   int threads) {
+                                   int threads, const Radii& radii) {
     const StandardArithmetic standard;
     require_vertex_count(vertices.count);
+    const bool is_change_limited = rule.largest_change < std::numeric_limits<double>::infinity();
+    require(rule.largest_change >= 0.0, "largest_change", rule.largest_change, "must be 0 or above");
+    if (is_change_limited) {
+        require(rule.near_depth > 0.0, "near_depth", rule.near_depth, "must be above 0");
+        require(rule.near_toolface > 0.0, "near_toolface", rule.near_toolface, "must be above 0");
+        require_length("radii.samples", radii.samples.size(), samples.depth.size());
+        require_length("radii.vertices", radii.vertices.size(), static_cast<std::size_t>(vertices.count));
+    }
     require(rule.near_depth >= 0.0, "near_depth", rule.near_depth, "must be 0 or above");
     require(rule.near_toolface >= 0.0 && rule.near_toolface <= 180.0, "near_toolface", rule.near_toolface,
             "must lie in 0 to 180");
@@ -265,6 +342,13 @@ std::vector<std::uint8_t> measured(const HelixVertices& vertices, const SamplePl
             if (gap_between(ahead, behind) > rule.largest_gap) found[vertex(row)] = 0;
         });
     });
+    if (is_change_limited) {
+        const std::vector<double> depth = copied(samples.depth), toolface = copied(samples.toolface);
+        const std::vector<double> of_samples = copied(radii.samples), of_vertices = copied(radii.vertices);
+        const Helix helix{vertices.start_depth, vertices.start_toolface, vertices.pitch, vertices.sectors,
+                          vertices.first};
+        clear_changing(helix, {depth, toolface}, {of_samples, of_vertices}, rule, threads, found);
+    }
     return found;
 }
 

@@ -18,14 +18,14 @@ import numpy as np
 from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Integers
 from helibore.base.errors import InputError
-from helibore.logs.log_columns import COLUMNS, LOBES, UNWORN
+from helibore.logs.log_columns import COLUMNS, INNER, LOBES
 
 _EXTREMES = {"least": np.minimum, "greatest": np.maximum, "least there": np.fmin, "greatest there": np.fmax}
 
 ALIKE_ALONG = 0.22
 """Metres along the hole over which the errors of a wall are alike (``python -m bench.accuracy.amounts``)."""
 MEASURED = 0.9
-"""Least share of each turn that is measured where errors along the hole are independent."""
+"""Least share of each turn with samples near where errors along the hole are independent."""
 
 
 def by_step(columns: Mapping[str, Any], pitch: float, bit_diameter: float, step: float) -> dict[str, Any]:
@@ -43,14 +43,14 @@ def by_step(columns: Mapping[str, Any], pitch: float, bit_diameter: float, step:
     square = gather((columns["equivalent_diameter"] / 2) ** 2, "mean")
     return {
         **{of.name: gather(columns[of.name], of.by_step) for of in COLUMNS if of.by_step != "own"},
-        **{name: gather(columns[name], "mean") for name in UNWORN},
+        **{name: gather(columns[name], "mean") for name in INNER},
         **{name: columns[name][order][turns][highest] for name in LOBES},
         "arm_diameter": tuple(gather(of, "mean") for of in columns["arm_diameter"]),
         "depth": (number.astype(np.float64) + 0.5) * float(step),
         "equivalent_diameter": 2 * np.sqrt(square),
         "diameter_sigma": _sigma(
             gather(columns["diameter_sigma"] ** 2, "mean"),
-            gather(columns["coverage"], "least"),
+            gather(columns["sampled"], "least"),
             np.diff(starts, append=inside) * abs(pitch) / ALIKE_ALONG,
             2 * columns["caliper_accuracy"],
         ),
@@ -60,13 +60,13 @@ def by_step(columns: Mapping[str, Any], pitch: float, bit_diameter: float, step:
     }
 
 
-def _sigma(square: Floats, coverage: Floats, independent: Floats, shared: float) -> Floats:
+def _sigma(square: Floats, sampled: Floats, independent: Floats, shared: float) -> Floats:
     """Return the uncertainty of the mean of a step from the mean square of its turns' and the number of their errors.
 
     Where the hole is interpolated, its errors are those of a shape that goes on along it, and all turns have one error;
     ``shared`` is the part that the errors of all turns always share.
     """
-    count = np.where(coverage >= MEASURED, np.maximum(independent, 1.0), 1.0)
+    count = np.where(sampled >= MEASURED, np.maximum(independent, 1.0), 1.0)
     found: Floats = np.sqrt(np.maximum(square - shared**2, 0.0) / count + shared**2)
     return found
 

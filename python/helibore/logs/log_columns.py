@@ -69,7 +69,7 @@ COLUMNS = tuple(
     )
 )
 
-UNWORN = ("unworn_0", "unworn_90")
+INNER = ("unworn_0", "unworn_90", "sampled")
 """Logs that files do not have; a step has their means."""
 LOBES = tuple(f"lobe{number}_{name}" for number in (1, 2) for name in ("toolface", "width", "height", "pipe"))
 """Logs of lobes, of which files have one, ``lobe1_height``; a step has those of the turn with the highest lobe."""

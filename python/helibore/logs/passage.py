@@ -8,7 +8,8 @@
 The cylinders are rigid and straight, and share one axis; the hole has its shape in three dimensions along the path. So
 a body of 9 m in a hole of 0.216 m that builds 15 degrees in 30 m has only 0.128 m: in a curved hole ask for short
 bodies, as long as the stiff parts of the string. ``curvature`` is what the curvature of the path alone costs. Where a
-vertex beside a body is not measured, the result is unknown, never a number. The core (``passage.hpp``) solves it.
+vertex beside a body has no sample near it, the result is unknown, never a number (`Wall.measured` without its limit of
+the wall's change: that is what the interval says). The core (``passage.hpp``) solves it.
 """
 
 from __future__ import annotations
@@ -248,8 +249,8 @@ def _solved(wall: WallLike, string: Sequence[RigidBody], sigma: Floats | None) -
     path: Path | None = getattr(wall, "path", None)
     middle = length / 2
     bodies = [(middle - body.position - body.length, middle - body.position, body.diameter) for body in string]
-    measured: Mask | None = getattr(wall, "measured", None)
-    counts = np.empty(0) if measured is None else measured.astype(np.float64)
+    sampled: Mask | None = getattr(wall, "sampled", getattr(wall, "measured", None))
+    counts = np.empty(0) if sampled is None else sampled.astype(np.float64)
     errors = np.empty(0) if sigma is None else column("sigma", sigma, radius.size, "radius")
     threads = thread_count(getattr(wall, "threads", None))
     place = (helix.start_depth, helix.start_toolface, pitch, K, helix.first)

@@ -48,7 +48,7 @@ SHAPE_TEXT: dict[Shape, str] = {
     "arms": "C1, C2, DMIN, ovality and class of hole come from the tool's arms; the wall between arms is interpolated",
 }
 SEES_ALL_AROUND = 0.9
-"""Least mean coverage at which the wall shows the shape better than the arms alone."""
+"""Least mean share of the turns with a sample near at which the wall shows the shape better than the arms alone."""
 COVERED = 0.9
 """If the mean coverage is less, a warning says that the wall is interpolated."""
 ARM_MEAN = "mean over the row and of all passes"
@@ -137,6 +137,9 @@ class Logs(Tabular):
         the mean of the arm's readings, linear between them, over the turn or step, and of all passes. If a peak is
         shorter than the turn or step, or only one pass has it, then this value and `c1` are lower than its largest
         reading. NaN if all readings of the arm are farther away than `Settings.max_distance`.
+    sampled
+        Share of the turn that is measured but for the limit of the wall's change, 0 to 1: samples lie near, also where
+        the wall between them is steep. Kinds, lobes and the correlation of errors read it.
     nearest
         Largest distance from a vertex to the nearest sample used; NaN if no vertex has such a sample or the wall does
         not hold the distances.
@@ -212,6 +215,7 @@ class Logs(Tabular):
     volume: Floats
     excess: Floats
     coverage: Floats
+    sampled: Floats
     nearest: Floats
     diameter_sigma: Floats
     age: Floats
@@ -529,10 +533,12 @@ def turn_logs(
     square, turns = found.pop("mean_square"), radius.size // K
     depth = helix.turn_depths(turns)
     path: Path | None = getattr(wall, "path", None)
-    found["coverage"] = _coverage(wall, found["coverage"])
+    with_radius = found["coverage"]
+    found["coverage"] = _share(wall, "measured", with_radius)
+    found["sampled"] = _share(wall, "sampled", with_radius) if hasattr(wall, "sampled") else found["coverage"].copy()
     found["wall_out_of_roundness"] = found["c1"] - found["least_diameter"]
     found |= {"uneven": np.full(turns, np.nan), "shape": "wall", "arm_diameter": ()}
-    if turns and getattr(wall, "arms", None) is not None and found["coverage"].mean() < SEES_ALL_AROUND:
+    if turns and getattr(wall, "arms", None) is not None and found["sampled"].mean() < SEES_ALL_AROUND:
         found |= _from_arms(wall, depth, found)
     most, least = found["c1"], found["least_diameter"]
     ovality = (most - least) / (most + least)
@@ -586,27 +592,27 @@ def window_turns(length: float, pitch: float) -> int:
     return max(3, 2 * round((length / abs(pitch) - 1) / 2) + 1)
 
 
-def _coverage(wall: WallLike, with_radius: Floats) -> Floats:
-    """Return the share of each turn that is measured, or, if the wall does not state it, that has a radius.
+def _share(wall: WallLike, mask: str, with_radius: Floats) -> Floats:
+    """Return the share of each turn that a mask of the wall has, or, if the wall has no mask, a radius.
 
     It is NaN for a wall that is round by assumption, because nothing measured its turns around the hole.
     """
     if getattr(wall, "basis", "azimuthal") != "azimuthal":
         return np.full(with_radius.shape, np.nan)
-    measured: Mask | None = getattr(wall, "measured", None)
-    if measured is None or not with_radius.size:
+    vertices: Mask | None = getattr(wall, mask, None)
+    if vertices is None or not with_radius.size:
         return with_radius
     K = wall.settings.sectors
-    seen: Floats = measured[: with_radius.size * K].reshape(-1, K).mean(axis=1)
-    return seen
+    share: Floats = vertices[: with_radius.size * K].reshape(-1, K).mean(axis=1)
+    return share
 
 
 def _counts(wall: WallLike) -> Floats:
-    """Return 1 for each vertex that is measured, 0 for the others; without entries if the wall does not state it."""
-    measured: Mask | None = getattr(wall, "measured", None)
-    if measured is None or getattr(wall, "basis", "azimuthal") != "azimuthal":
+    """Return 1 for each vertex with samples near, 0 for the others; without entries if the wall does not state it."""
+    sampled: Mask | None = getattr(wall, "sampled", getattr(wall, "measured", None))
+    if sampled is None or getattr(wall, "basis", "azimuthal") != "azimuthal":
         return np.empty(0)
-    return measured.astype(np.float64)
+    return sampled.astype(np.float64)
 
 
 def _from_arms(wall: Any, depth: Floats, of_wall: dict[str, Any]) -> dict[str, Any]:

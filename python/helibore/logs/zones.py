@@ -1,8 +1,8 @@
 """Classify each turn and join turns of one kind into zones: gauge, washout, breakout, key seat, undergauge.
 
 `helibore.logs.zone_criteria` defines the kinds; every output states the criteria. A run of turns of one kind becomes a
-zone if it is long enough. A turn is of no kind if it lacks a radius or if less than half of it is measured; a tool's
-arms, however few, show the kinds of the diameters that they measured.
+zone if it is long enough. A turn is of no kind if it lacks a radius or if less than half of it has samples near; a
+tool's arms, however few, show the kinds of the diameters that they measured.
 
 A zone states the extremes of its turns, so that ENLARGE is the value that the logs have at the depth PEAK. Zones are
 sorted by severity: the extreme of the length that the criterion limits, divided by this limit.
@@ -49,8 +49,8 @@ WORST = 5
 
 GAUGE, WASHOUT, BREAKOUT, KEY_SEAT, UNDERGAUGE = range(5)
 NO_KIND = -1
-LEAST_MEASURED = 0.5
-"""A wall shows no kind where less than this share of a turn is measured. Arms measure diameters without it."""
+LEAST_SAMPLED = 0.5
+"""A wall shows no kind where less than this share of a turn has samples near. Arms measure diameters without it."""
 OPPOSITE = 140.0
 """Least degrees between two lobes that are opposite: the lobes of a breakout."""
 WIDEST_KEY_SEAT = 150.0
@@ -124,7 +124,7 @@ class Classification(Tabular):
         Logs of the turns.
     kind
         (turns,) int8 index in `KINDS` of the zone whose criterion the turn meets; 0 (gauge) outside zones and in the
-        gaps that a zone joins, -1 if a radius is missing or less than half of the turn is measured.
+        gaps that a zone joins, -1 if a radius is missing or less than half of the turn has samples near.
     zones
         In order of depth.
     criteria
@@ -276,7 +276,7 @@ def _kinds(logs: Logs, criteria: Criteria, lower: Floats, higher: Floats) -> Int
     kind[washed_out(logs.c2, bit, criteria)] = WASHOUT
     kind[under] = UNDERGAUGE
     if logs.shape == "wall":
-        missing |= logs.coverage < LEAST_MEASURED
+        missing |= logs.sampled < LEAST_SAMPLED
     kind[missing] = NO_KIND
     return kind
 

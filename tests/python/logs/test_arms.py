@@ -90,7 +90,7 @@ def test_a_table_and_its_files_say_what_comes_from_the_arms(tmp_path: Path, gold
 
 
 def test_an_imaging_tool_has_the_walls_shape_whether_its_arms_are_known_or_not(golden: Golden) -> None:
-    caliper = four_arms(ellipse, turn=0.05 / 20.3)
+    caliper = four_arms(ellipse, turn=0.005 / 20.3, step=0.005, length=10.0)
     logs = hb.reconstruct(caliper, bit_diameter=BIT).logs()
     assert (logs.shape, logs.arm_diameter) == ("wall", ())
     assert "ARM_DIAMETER_1" not in [column.mnemonic for column in logs.table()]

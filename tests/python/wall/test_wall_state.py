@@ -194,6 +194,7 @@ READS: dict[str, Callable[[Any], Any]] = {
     "sigma": lambda wall: wall.sigma,
     "angular gap": lambda wall: wall.angular_gap,
     "measured": lambda wall: wall.measured,
+    "sampled": lambda wall: wall.sampled,
     "a point": lambda wall: wall.at(4.0, 30.0).radius,
     "surface": lambda wall: wall.surface().vertices,
     "volume": lambda wall: wall.volume(shells=[0.02]).vertices,
