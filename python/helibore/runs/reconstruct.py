@@ -78,6 +78,7 @@ def reconstruct(
         return _of_project(samples, preparation, path, track, threads, {"bit_diameter": bit_diameter, **settings})
     if bit_diameter is None:
         raise InputError("bit_diameter", "must be given; only a project states it", setting="wall.bit_diameter")
+    bit_diameter = members(Settings)["bit_diameter"].checked(bit_diameter)
     return wall_of_samples(samples, bit_diameter, preparation, path, track, threads, **settings)
 
 

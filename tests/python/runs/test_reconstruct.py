@@ -113,3 +113,5 @@ def test_an_opened_file_or_frame_is_taken_as_its_readings():
     expected = hb.reconstruct(file.readings(bit_diameter=0.216), bit_diameter=0.216, sectors=16)
     for given in (file, file.set()):
         assert hb.reconstruct(given, bit_diameter=0.216, sectors=16).radius.tobytes() == expected.radius.tobytes()
+        with pytest.raises(hb.InputError, match=r"^bit_diameter = '8.5in': must be a number"):
+            hb.reconstruct(given, bit_diameter="8.5in")  # type: ignore[arg-type]
