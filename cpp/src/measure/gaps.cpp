@@ -33,7 +33,8 @@ double border(Index sector, Index sectors) {
 }
 
 // Sorts samples into sectors. Toolfaces are counted from that of vertex 0. A sample that differs from the toolface of a
-// vertex by rounding only is moved to it; otherwise the gap of the vertex would be 360 instead of 0.
+// vertex by rounding only is moved to it; otherwise the gap of the vertex would be 360 instead of 0. Each toolface is
+// read once, and wrap_toolface makes any number an angle, so memory of the host that changes decides no place.
 Sectors sorted(const SamplePlaces& samples, double start_toolface, Index sectors) {
     const std::size_t count = samples.depth.size();
     std::vector<double> borders;
@@ -44,7 +45,7 @@ Sectors sorted(const SamplePlaces& samples, double start_toolface, Index sectors
     Sectors out{std::vector<std::size_t>(static_cast<std::size_t>(sectors) + 1), std::vector<double>(count),
                 std::vector<double>(count)};
     for (std::size_t i = 0; i < count; ++i) {
-        const double turned = wrap_toolface(samples.toolface[i] - start_toolface);
+        const double turned = wrap_toolface(read_once(samples.toolface[i]) - start_toolface);
         auto s = static_cast<std::size_t>(turned * in_a_degree);
         s = std::min(s, static_cast<std::size_t>(sectors) - 1);
         while (borders[s] > turned) --s;
@@ -129,11 +130,17 @@ void look_around(const Sectors& in, double reach, bool clockwise, Index most, co
 }
 
 // Returns for each vertex of the line how many sectors come before the first that has a sample within reach; `most`:
-// none of the first `most` has one.
-std::vector<Index> empty_sectors(const Sectors& in, double reach, bool clockwise, Index most, Line& line) {
+// none of the first `most` has one. `closer`: the same for a reach that is not larger; empty: not known.
+std::vector<Index> empty_sectors(const Sectors& in, double reach, bool clockwise, Index most, Line& line,
+                                 const std::vector<Index>& closer) {
     std::vector<Index> empty(line.depth.size(), most);
-    line.open.resize(line.depth.size());
-    std::iota(line.open.begin(), line.open.end(), std::size_t{0});
+    line.open.clear();
+    for (std::size_t row = 0; row < empty.size(); ++row) {
+        if (!closer.empty() && closer[row] == 0)
+            empty[row] = 0;
+        else
+            line.open.push_back(row);
+    }
     for_sectors_beside(in, line, clockwise, most, [&](std::size_t s, Index step) {
         std::size_t next = in.starts[s], left = 0;
         const std::size_t stop = in.starts[s + 1];
@@ -162,13 +169,12 @@ void for_each_line(const HelixVertices& vertices, const SamplePlaces& samples, i
     require(std::isfinite(vertices.start_toolface), "start_toolface", vertices.start_toolface, "must be finite");
     require_threads(threads);
     require_length("toolface", samples.toolface.size(), samples.depth.size());
-    const std::vector<double> depth = copied(samples.depth), toolface = copied(samples.toolface);
-    require_depths(depth);
-    require_order("depth", depth);
-    require_finite("toolface", toolface);
+    require_depths(samples.depth);
+    require_order("depth", samples.depth);
+    require_finite("toolface", samples.toolface);
     const Index sectors = vertices.sectors;
     const Helix helix{vertices.start_depth, vertices.start_toolface, vertices.pitch, sectors, vertices.first};
-    const Sectors in = sorted({depth, toolface}, vertices.start_toolface, sectors);
+    const Sectors in = sorted(samples, vertices.start_toolface, sectors);
     for_each_part(threads, std::min(sectors, vertices.count), [&](int, Index number) {
         const Index turns = (vertices.count - number + sectors - 1) / sectors;
         const auto vertex = [&](std::size_t row) {
@@ -318,10 +324,19 @@ std::vector<std::uint8_t> measured(const HelixVertices& vertices, const SamplePl
         };
         const auto least = [wide](Index empty) { return static_cast<double>(empty) * wide; };
         const Index most_near = within(rule.near_toolface), most_gap = within(rule.largest_gap);
-        const std::vector<Index> near[] = {empty_sectors(in, rule.near_depth, true, most_near, line),
-                                           empty_sectors(in, rule.near_depth, false, most_near, line)};
-        const std::vector<Index> gap[] = {empty_sectors(in, rule.gap_reach, true, most_gap, line),
-                                          empty_sectors(in, rule.gap_reach, false, most_gap, line)};
+        std::vector<Index> near[2], gap[2];  // clockwise, counter-clockwise
+        for (const std::size_t side : {0U, 1U}) {
+            const auto find_near = [&] {
+                near[side] = empty_sectors(in, rule.near_depth, side == 0, most_near, line, gap[side]);
+            };
+            const auto find_gap = [&] {
+                gap[side] = empty_sectors(in, rule.gap_reach, side == 0, most_gap, line, near[side]);
+            };
+            if (rule.near_depth <= rule.gap_reach)
+                find_near(), find_gap();
+            else
+                find_gap(), find_near();
+        }
         std::vector<std::size_t> near_open, gap_open;
         for (std::size_t row = 0; row < line.depth.size(); ++row) {
             const double beside = least(std::min(near[0][row], near[1][row])),
