@@ -29,11 +29,19 @@ void decompressed(const Bytes& bytes, Words& into) {
     decompress(all, words);
 }
 
+std::uint64_t sum_of(const std::vector<Column>& columns) {
+    std::vector<std::span<const double>> spans;
+    for (const Column& column : columns) spans.push_back(span_of(column));
+    const WithoutGil released;
+    return sum_of_rows(spans);
+}
+
 }  // namespace
 
 void register_compression(py::module_& m) {
     m.def("compress", &compressed, py::arg("words").noconvert());
     m.def("decompress", &decompressed, py::arg("bytes").noconvert(), py::arg("into").noconvert());
+    m.def("sum_of_rows", &sum_of, py::arg("columns"));
 }
 
 }  // namespace helibore::bindings

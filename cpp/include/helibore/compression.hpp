@@ -23,4 +23,8 @@ std::vector<std::uint8_t> compress(std::span<const std::uint64_t> words);
 // Sets all of `words` to what was compressed. Throws InputError if the bytes are not those of so many words.
 void decompress(std::span<const std::uint8_t> bytes, std::span<std::uint64_t> words);
 
+// Returns the sum of the hashes of all rows of columns of equal length: the same for the same rows in any order. Throws
+// InputError for columns of different lengths.
+std::uint64_t sum_of_rows(std::span<const std::span<const double>> columns);
+
 }  // namespace helibore

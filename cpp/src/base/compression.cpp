@@ -7,6 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "base/messages.hpp"
+#include "base/row_hash.hpp"
 #include "helibore/error.hpp"
 
 namespace helibore {
@@ -267,6 +269,19 @@ void decompress(std::span<const std::uint8_t> bytes, std::span<std::uint64_t> wo
     else
         read([shift](Word number) { return number << shift; });
     Reader::require(reader.left() == 0);
+}
+
+std::uint64_t sum_of_rows(std::span<const std::span<const double>> columns) {
+    const std::size_t count = columns.empty() ? 0 : columns[0].size();
+    for (std::size_t c = 0; c < columns.size(); ++c)
+        require_length(entry_name("columns", static_cast<Index>(c)), columns[c].size(), count, "columns[0]");
+    std::uint64_t sum = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        std::uint64_t hash = 0;
+        for (const std::span<const double> column : columns) hash = with_number(hash, column[i]);
+        sum += hash;
+    }
+    return sum;
 }
 
 }  // namespace helibore

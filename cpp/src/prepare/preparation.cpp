@@ -9,6 +9,7 @@
 #include "base/arithmetic.hpp"
 #include "base/host_memory.hpp"
 #include "base/messages.hpp"
+#include "base/row_hash.hpp"
 #include "prepare/columns.hpp"
 #include "samples/helix.hpp"
 
@@ -169,21 +170,16 @@ double share_of_repeats(std::span<const double> depth, std::span<const double> t
                         Index most) {
     require_length("toolface", toolface.size(), depth.size());
     require_length("radius", radius.size(), depth.size());
-    constexpr std::uint64_t odd = 0x9E3779B97F4A7C15;
     const double share =
         std::min(1.0, static_cast<double>(most) / static_cast<double>(std::max<std::size_t>(depth.size(), 1)));
     const auto limit = static_cast<std::uint64_t>(static_cast<double>(0xFFFFFFFF) * share);
     std::vector<std::uint64_t> judged;
     for (std::size_t i = 0; i < depth.size(); ++i) {
-        const std::array<std::uint64_t, 3> bits{std::bit_cast<std::uint64_t>(read_once(depth[i])),
-                                                std::bit_cast<std::uint64_t>(read_once(toolface[i])),
-                                                std::bit_cast<std::uint64_t>(read_once(radius[i]))};
-        if ((bits[0] ^ (bits[1] << 1)) * odd >> 32 > limit) continue;
+        const std::array row{read_once(depth[i]), read_once(toolface[i]), read_once(radius[i])};
+        const auto of_depth = std::bit_cast<std::uint64_t>(row[0]), of_toolface = std::bit_cast<std::uint64_t>(row[1]);
+        if ((of_depth ^ (of_toolface << 1)) * hash_factor >> 32 > limit) continue;
         std::uint64_t hash = 0;
-        for (const std::uint64_t word : bits) {
-            hash = (hash ^ word) * odd;
-            hash ^= hash >> 29;
-        }
+        for (const double value : row) hash = with_number(hash, value);
         judged.push_back(hash);
     }
     if (judged.empty()) return 0.0;
@@ -199,13 +195,15 @@ std::vector<std::int64_t> number_passes(std::span<const double> given, double re
     require_finite("depth", depth);
     require(reversal > 0.0, "reversal", reversal, "must be above 0");
     std::vector<std::int64_t> pass(depth.size());
-    double sign = pass_end(depth, 0, 1.0, reversal).noticed > pass_end(depth, 0, -1.0, reversal).noticed ? 1.0 : -1.0;
-    std::int64_t number = 0;
+    const PassEnd down = pass_end(depth, 0, 1.0, reversal), up = pass_end(depth, 0, -1.0, reversal);
+    double sign = down.noticed > up.noticed ? 1.0 : -1.0;
+    PassEnd found = sign > 0.0 ? down : up;
     std::size_t first = 0;
-    for (std::size_t noticed = 0; noticed < depth.size(); ++number, sign = -sign) {
-        const PassEnd found = pass_end(depth, noticed, sign, reversal);
+    for (std::int64_t number = 0; first < depth.size(); ++number) {
         for (; first <= found.end; ++first) pass[first] = number;
-        noticed = found.noticed;
+        if (first == depth.size()) break;
+        sign = -sign;
+        found = pass_end(depth, found.noticed, sign, reversal);
     }
     return pass;
 }

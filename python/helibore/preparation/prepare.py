@@ -434,6 +434,8 @@ class _Pipeline:
 
     def _at(self, columns: Sequence[Typed[Number]], place: Integers) -> Typed[Number]:
         """Return for each sample the value of its file's column at the index ``place``."""
+        if len(columns) == 1:
+            return columns[0][place]
         starts = np.cumsum([0, *(column.size for column in columns[:-1])])
         return np.concatenate(columns)[starts[self.samples.file] + place]
 
@@ -830,6 +832,8 @@ def _runs(depth: Floats) -> Integers:
     numbers = np.ones(depth.size, dtype=np.int64)
     known = np.flatnonzero(np.isfinite(depth))
     run = number_passes(depth[known])
+    if not run.size or run[-1] == 0:
+        return numbers
     count = np.bincount(run)
     long = count >= 0.01 * known.size  # shorter runs are single rows that turn back
     if 2 <= np.count_nonzero(long) <= MOST_PASSES and count[~long].sum() <= 0.01 * known.size:

@@ -169,16 +169,8 @@ def _words(array: Array) -> Unsigned64:
 
 def _same_rows(one: tuple[Floats, ...], other: tuple[Floats, ...]) -> bool:
     """Return whether two sets of columns have the same rows, in whatever order, by the sums of hashes of the rows."""
-    return len(one) == len(other) and one[0].size == other[0].size and _sum_of_rows(one) == _sum_of_rows(other)
-
-
-def _sum_of_rows(columns: tuple[Floats, ...]) -> int:
-    odd = np.uint64(0x9E3779B97F4A7C15)
-    row = np.zeros(columns[0].size, dtype=np.uint64)
-    for column in columns:
-        row = (row ^ _words(column)) * odd
-        row ^= row >> np.uint64(29)
-    return int(row.sum())
+    same = len(one) == len(other) and one[0].size == other[0].size
+    return same and _core.sum_of_rows(one) == _core.sum_of_rows(other)
 
 
 # ------------------------------------------------------------------ reading
