@@ -8,6 +8,7 @@ is a terminal and --quiet is not given. rich is imported when something is shown
 from __future__ import annotations
 
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -42,6 +43,24 @@ def console(**options: Any) -> Console:
     return Printable(**options)
 
 
+@contextmanager
+def _dots() -> Iterator[None]:
+    """Show every few seconds that something still runs."""
+    over = threading.Event()
+
+    def show() -> None:
+        while not over.wait(3.0):
+            echo("...", err=True)
+
+    thread = threading.Thread(target=show, daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
+
+
 class Terminal:
     """Shows progress and summaries, or nothing if ``quiet``; remembers how long each stage took.
 
@@ -65,7 +84,10 @@ class Terminal:
         if self.quiet or not sys.stderr.isatty():
             if self.lines and not self.quiet:
                 echo(doing, err=True)
-            yield
+                with _dots():
+                    yield
+            else:
+                yield
             return
         from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
