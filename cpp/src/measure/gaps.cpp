@@ -25,7 +25,7 @@ constexpr double rounding = 1e-9;  // degrees
 // Samples of sector s are [starts[s], starts[s + 1]), in the order of depth; toolfaces count from that of vertex 0.
 struct Sectors {
     std::vector<std::size_t> starts;
-    std::vector<double> depth, toolface;
+    std::vector<double> depth, toolface, radius;  // no radius: not needed
 };
 
 double border(Index sector, Index sectors) {
@@ -35,7 +35,7 @@ double border(Index sector, Index sectors) {
 // Sorts samples into sectors. Toolfaces are counted from that of vertex 0. A sample that differs from the toolface of a
 // vertex by rounding only is moved to it; otherwise the gap of the vertex would be 360 instead of 0. Each toolface is
 // read once, and wrap_toolface makes any number an angle, so memory of the host that changes decides no place.
-Sectors sorted(const SamplePlaces& samples, double start_toolface, Index sectors) {
+Sectors sorted(const SamplePlaces& samples, std::span<const double> radius, double start_toolface, Index sectors) {
     const std::size_t count = samples.depth.size();
     std::vector<double> borders;
     for (Index s = 0; s <= sectors; ++s) borders.push_back(border(s, sectors));
@@ -43,7 +43,7 @@ Sectors sorted(const SamplePlaces& samples, double start_toolface, Index sectors
     std::vector<double> toolface(count);
     std::vector<std::uint32_t> sector(count);
     Sectors out{std::vector<std::size_t>(static_cast<std::size_t>(sectors) + 1), std::vector<double>(count),
-                std::vector<double>(count)};
+                std::vector<double>(count), std::vector<double>(radius.size())};
     for (std::size_t i = 0; i < count; ++i) {
         const double turned = wrap_toolface(read_once(samples.toolface[i]) - start_toolface);
         auto s = static_cast<std::size_t>(turned * in_a_degree);
@@ -63,6 +63,7 @@ Sectors sorted(const SamplePlaces& samples, double start_toolface, Index sectors
         const std::size_t place = next[sector[i]]++;
         out.depth[place] = samples.depth[i];
         out.toolface[place] = toolface[i];
+        if (!radius.empty()) out.radius[place] = radius[i];
     }
     return out;
 }
@@ -158,7 +159,8 @@ std::vector<Index> empty_sectors(const Sectors& in, double reach, bool clockwise
 
 // Calls job(in, line, vertex) for the vertices of each toolface; vertex(row) is the number of a vertex of the line.
 template <class Job>
-void for_each_line(const HelixVertices& vertices, const SamplePlaces& samples, int threads, const Job& job) {
+void for_each_line(const HelixVertices& vertices, const SamplePlaces& samples, std::span<const double> radius,
+                   int threads, const Job& job) {
     require(vertices.sectors >= 1, "sectors", vertices.sectors, "must be 1 or more");
     require(vertices.sectors <= 1000000, "sectors", vertices.sectors, "must be at most 1000000");
     require_first("first", vertices.first, vertices.sectors);
@@ -174,7 +176,7 @@ void for_each_line(const HelixVertices& vertices, const SamplePlaces& samples, i
     require_finite("toolface", samples.toolface);
     const Index sectors = vertices.sectors;
     const Helix helix{vertices.start_depth, vertices.start_toolface, vertices.pitch, sectors, vertices.first};
-    const Sectors in = sorted(samples, vertices.start_toolface, sectors);
+    const Sectors in = sorted(samples, radius, vertices.start_toolface, sectors);
     for_each_part(threads, std::min(sectors, vertices.count), [&](int, Index number) {
         const Index turns = (vertices.count - number + sectors - 1) / sectors;
         const auto vertex = [&](std::size_t row) {
@@ -236,39 +238,42 @@ struct Nearest {
     }
 };
 
-// Clears the vertices between which and their nearest samples the wall changes more than the rule allows. Samples are
-// looked at from the depth of the vertex upwards and downwards, as far as they may be among the nearest.
-void clear_changing(const Helix& helix, const SamplePlaces& samples, const Radii& radii, const MeasuredRule& rule,
-                    int threads, std::vector<std::uint8_t>& found) {
-    constexpr Index block = 1024;  // vertices
+// Clears the vertices of a line between which and their nearest samples the wall changes more than the rule allows. The
+// sectors on the two sides are searched outwards, and in each the samples above and below, as far as they may be among
+// the nearest.
+template <class Vertex>
+void clear_changing(const Sectors& in, std::span<const double> radius, const MeasuredRule& rule, const Line& line,
+                    const Vertex& vertex, std::vector<std::uint8_t>& found) {
+    constexpr double farthest = 2.0;
+    const auto sectors = static_cast<Index>(in.starts.size()) - 1;
     const double most = rule.largest_change * rule.largest_change, a_metre = 1.0 / rule.near_depth,
-                 a_degree = 1.0 / rule.near_toolface, farthest = 2.0;
-    for_each_range(threads, static_cast<Index>(found.size()), block, [&](int, const Range& range) {
-        for (Index k = range.start; k < range.stop; ++k) {
-            const auto vertex = static_cast<std::size_t>(k);
-            if (found[vertex] == 0) continue;
-            const double depth = helix.depth(k), toolface = helix.toolface(k), radius = radii.vertices[vertex];
-            Nearest nearest;
-            // Returns whether samples farther along the hole may be among the nearest.
-            const auto look = [&](std::size_t i) {
-                const double along = (samples.depth[i] - depth) * a_metre, square = along * along;
-                if (!(std::abs(along) <= farthest) || square >= nearest.limit()) return false;
-                const double off = std::abs(wrap_toolface(samples.toolface[i]) - toolface);
-                const double around = std::min(off, whole_turn - off) * a_degree;
-                if (around <= farthest && square + around * around < nearest.limit())
-                    nearest.add(square + around * around, radii.samples[i] - radius);
-                return true;
-            };
-            const auto here = std::lower_bound(samples.depth.begin(), samples.depth.end(), depth);
-            const auto first = static_cast<std::size_t>(here - samples.depth.begin());
-            bool is_below = true, is_above = true;
-            for (std::size_t step = 0; is_below || is_above; ++step) {
-                is_below = is_below && first + step < samples.depth.size() && look(first + step);
-                is_above = is_above && step < first && look(first - 1 - step);
-            }
-            if (nearest.change() > most) found[vertex] = 0;
+                 a_degree = 1.0 / rule.near_toolface, own = border(line.number, sectors);
+    std::vector<std::size_t> next(in.starts.begin(), in.starts.end() - 1);  // of each sector, the sample below the row
+    for (std::size_t row = 0; row < line.depth.size(); ++row) {
+        const std::size_t number = vertex(row);
+        if (found[number] == 0) continue;
+        Nearest nearest;
+        // Returns whether samples farther along the hole may be among the nearest.
+        const auto look = [&](std::size_t i) {
+            const double along = (in.depth[i] - line.depth[row]) * a_metre, square = along * along;
+            if (!(std::abs(along) <= farthest) || square >= nearest.limit()) return false;
+            const double off = std::abs(in.toolface[i] - own);
+            const double around = std::min(off, whole_turn - off) * a_degree;
+            if (around <= farthest && square + around * around < nearest.limit())
+                nearest.add(square + around * around, in.radius[i] - radius[number]);
+            return true;
+        };
+        for (Index step = 0; step < sectors; ++step) {  // 0: clockwise, 1: counter-clockwise, 2: clockwise, ...
+            const double around = border(step / 2, sectors) * a_degree;
+            if (around > farthest || around * around >= nearest.limit()) break;
+            const auto s =
+                static_cast<std::size_t>((line.number + (step % 2 == 0 ? step / 2 : sectors - 1 - step / 2)) % sectors);
+            while (next[s] < in.starts[s + 1] && in.depth[next[s]] < line.depth[row]) ++next[s];
+            for (std::size_t i = next[s]; i < in.starts[s + 1] && look(i);) ++i;
+            for (std::size_t i = next[s]; i > in.starts[s] && look(i - 1);) --i;
         }
-    });
+        if (nearest.change() > most) found[number] = 0;
+    }
 }
 
 }  // namespace
@@ -279,7 +284,7 @@ std::vector<double> angular_gaps(const HelixVertices& vertices, const SamplePlac
     require_vertex_count(vertices.count);
     require(reach >= 0.0, "reach", reach, "must be 0 or above");
     std::vector<double> gaps(static_cast<std::size_t>(vertices.count));
-    for_each_line(vertices, samples, threads, [&](const Sectors& in, Line& line, const auto& vertex) {
+    for_each_line(vertices, samples, {}, threads, [&](const Sectors& in, Line& line, const auto& vertex) {
         std::vector<std::size_t> rows(line.depth.size());
         std::iota(rows.begin(), rows.end(), std::size_t{0});
         for_sides(in, reach, vertices.sectors, rows, line, [&](std::size_t row, double ahead, double behind) {
@@ -310,7 +315,9 @@ std::vector<std::uint8_t> measured(const HelixVertices& vertices, const SamplePl
     require(rule.largest_gap >= 0.0 && rule.largest_gap <= whole_turn, "largest_gap", rule.largest_gap,
             "must lie in 0 to 360");
     std::vector<std::uint8_t> found(static_cast<std::size_t>(vertices.count));
-    for_each_line(vertices, samples, threads, [&](const Sectors& in, Line& line, const auto& vertex) {
+    const auto of_samples = is_change_limited ? radii.samples : std::span<const double>();
+    const std::vector<double> of_vertices = copied(radii.vertices);
+    for_each_line(vertices, samples, of_samples, threads, [&](const Sectors& in, Line& line, const auto& vertex) {
         const double wide = whole_turn / static_cast<double>(vertices.sectors);
         const auto within = [&](double degrees) {  // the sectors that a sample so far away may lie in
             return std::min(static_cast<Index>(degrees / wide) + 2, vertices.sectors);
@@ -356,14 +363,8 @@ std::vector<std::uint8_t> measured(const HelixVertices& vertices, const SamplePl
         for_sides(in, rule.gap_reach, most_gap, gap_open, line, [&](std::size_t row, double ahead, double behind) {
             if (gap_between(ahead, behind) > rule.largest_gap) found[vertex(row)] = 0;
         });
+        if (is_change_limited) clear_changing(in, of_vertices, rule, line, vertex, found);
     });
-    if (is_change_limited) {
-        const std::vector<double> depth = copied(samples.depth), toolface = copied(samples.toolface);
-        const std::vector<double> of_samples = copied(radii.samples), of_vertices = copied(radii.vertices);
-        const Helix helix{vertices.start_depth, vertices.start_toolface, vertices.pitch, vertices.sectors,
-                          vertices.first};
-        clear_changing(helix, {depth, toolface}, {of_samples, of_vertices}, rule, threads, found);
-    }
     return found;
 }
 
