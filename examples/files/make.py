@@ -34,6 +34,21 @@ def xy_caliper() -> None:
           depth / FOOT, bearing, *quantized, inclination)  # fmt: skip
 
 
+def las() -> None:
+    """One arm that turns with the string, every 2.5 cm downwards, as LAS 2."""
+    hole = Hole.example(2000.0, 2050.0)
+    depth = np.arange(2000.0, 2050.0, 0.025)
+    toolface = (np.arange(depth.size) * 47.3) % 360
+    radius = 1000 * hole.radius(depth, toolface)
+    curves = (("DEPT", "M", "Measured depth"), ("TF", "DEG", "Tool face"), ("RAD", "MM", "Radius"))
+    lines = ["~Version", "VERS. 2.0 : CWLS LAS 2.0", "WRAP. NO : one line a row", "~Well", "STRT.M 2000.000 :"]
+    lines += ["STOP.M 2049.975 :", "STEP.M 0.025 :", "NULL. -999.25 :", "WELL. Example : name", "~Curve"]
+    lines += [f"{name}.{unit} : {text}" for name, unit, text in curves]
+    rows = zip(depth, toolface, radius, strict=True)
+    lines += ["~ASCII", *(f"{at:9.3f} {angle:6.1f} {reading:7.2f}" for at, angle, reading in rows)]
+    (HERE / "turning_arm.las").write_text("\n".join(lines) + "\n")
+
+
 def flaws() -> None:
     """One flaw a file."""
     _, depth, toolface, radius = np.loadtxt(HERE / "caliper.csv", delimiter=",", skiprows=1, max_rows=400).T
@@ -55,4 +70,5 @@ if __name__ == "__main__":
     for unneeded in ("truth.csv", "hole.json"):
         (HERE / unneeded).unlink()
     xy_caliper()
+    las()
     flaws()

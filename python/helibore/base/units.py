@@ -90,6 +90,11 @@ def measures(unit: str) -> str:
     return _TABLE[known][0] if known else ""
 
 
+def table() -> dict[str, tuple[str, float]]:
+    """Return for every spelling of a unit, in lower case and without blanks, what it measures and its factor."""
+    return {name: _TABLE[unit][:2] for name, unit in _NAMES.items()}
+
+
 def split(name: str, kind: str) -> tuple[str, str | None]:
     """Return a column's name without the unit at its end, and this unit: ``md_m`` gives ``("md", "m")``.
 

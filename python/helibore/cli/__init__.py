@@ -29,6 +29,7 @@ VERBS = {
     "live": "Build a wall from live sources while a hole is drilled.",
     "logs": "Write the logs of a wall as LAS, CSV, Parquet or DLIS.",
     "mesh": "Build a mesh or a volume of a wall with its images.",
+    "page": "Write one HTML file that rebuilds walls in a browser, offline.",
     "passage": "Find which cylinders and strings pass the measured hole.",
     "plot": "Draw the log of a wall as PNG, SVG or PDF at a true scale.",
     "reconstruct": "Build the wall of a borehole from caliper files and a survey.",

@@ -34,3 +34,12 @@ def files_of_page() -> dict[str, str]:
     if page("app.js") is None:
         raise InputError("page", no_page())
     return {name: (page(name) or b"").decode() for name in TYPES}
+
+
+def offline_page() -> bytes:
+    """Return the page that needs no server; raise InputError if the package was built without it."""
+    found = page("helibore.html")
+    if found is None:
+        rule = "this helibore was built without it: ./develop page in a clone builds it, with Node.js 18 or newer"
+        raise InputError("the page without a server", rule)
+    return found

@@ -117,7 +117,8 @@ def test_no_two_files_and_no_two_classes_of_the_package_have_one_name() -> None:
 
 def test_a_file_that_a_text_names_exists() -> None:
     """Comments, docstrings and the pages for developers point to files by name; a renamed one takes them along."""
-    web = [path for folder in ("web", "web/src") for path in ROOT.glob(f"python/helibore/viewer/{folder}/*.js")]
+    folders = ("web", "web/src", "web/offline")
+    web = [path for folder in folders for path in ROOT.glob(f"python/helibore/viewer/{folder}/*.js")]
     pages = [ROOT / name for name in ("ARCHITECTURE.md", "CONTRIBUTING.md", "cpp/DESIGN.md")]
     tests = [*ROOT.glob("tests/**/*.?pp"), *ROOT.glob("tests/**/*.py"), *ROOT.glob("bench/**/*.py")]
     there = {path.name for path in [*CORE, *BINDINGS, *PYTHON, *web, *tests]}

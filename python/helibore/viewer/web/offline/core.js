@@ -180,6 +180,25 @@ export class Wall {
     });
   }
 
+  // Return 1 for each measured vertex, by a rule of five numbers (MeasuredRule of logs.hpp).
+  /** @param {number[]} rule */
+  measured(rule) {
+    const { core, settings, state } = this;
+    return core.within((reserve) => {
+      const places = [COLUMNS.depth, COLUMNS.toolface, COLUMNS.radius].map((column) => {
+        const at = reserve(8 * state.samples);
+        const count = reserve(8);
+        core.view.setBigInt64(count, BigInt(state.samples), true);
+        core.call('hb_wall_samples', this.handle, column, count, at);
+        return at;
+      });
+      const found = reserve(state.vertices);
+      const helix = core.copy(reserve, Float64Array.of(state.start_depth, settings.start_toolface, settings.pitch));
+      core.call('page_measured', helix, settings.sectors, state.vertices, core.copy(reserve, Float64Array.from(rule)), state.samples, ...places, core.copy(reserve, this.column('radius')), found);
+      return new Uint8Array(core.c.memory.buffer, found, state.vertices).slice();
+    });
+  }
+
   close() {
     this.core.call('hb_close', this.handle);
   }

@@ -1,0 +1,37 @@
+// Bundles the page that needs no server:  node build_offline.mjs PAGE_DIR WASM RULES.json NODE_MODULES OUT.html EXAMPLE ...
+// PAGE_DIR is what build.mjs wrote. Everything is in the one file; scripts run by their hashes alone, and nothing is requested.
+import { createHash } from 'node:crypto';
+import { createRequire } from 'node:module';
+import { readFileSync, writeFileSync } from 'node:fs';
+import { basename, dirname, join, resolve } from 'node:path';
+import { fileURLToPath, pathToFileURL } from 'node:url';
+import { gzipSync } from 'node:zlib';
+
+const here = join(dirname(fileURLToPath(import.meta.url)), 'offline');
+const [page, wasm, rules, modules, out, ...examples] = process.argv.slice(2).map((path) => resolve(path));
+const esbuild = await import(pathToFileURL(createRequire(join(modules, 'x.js')).resolve('esbuild')));
+const read = (/** @type {string} */ path) => readFileSync(path, 'utf8');
+const bundled = (/** @type {string} */ name, /** @type {string} */ format) => esbuild.buildSync({
+  entryPoints: [join(here, name)], bundle: true, format, minify: true, write: false, target: 'es2022', legalComments: 'none', charset: 'utf8', nodePaths: [modules],
+}).outputFiles[0].text;
+const enclosable = (/** @type {string} */ code) => code.replaceAll('</script', '<\\/script').replaceAll('<!--', '<\\!--');
+const hash = (/** @type {string} */ code) => `'sha256-${createHash('sha256').update(code).digest('base64')}'`;
+const packed = (/** @type {Buffer | string} */ bytes) => gzipSync(bytes, { level: 9 }).toString('base64');
+
+// The shipped page, as html_export.py encloses it. Nothing finds zones or figures of sections here, so what would show them is
+// hidden: cards, tab, the row of the zone beside the cross-section, and the view of the rig floor.
+const app = enclosable(read(join(page, 'app.js')));
+const script = enclosable(bundled('start.js', 'esm').trim());
+const policy = (/** @type {string[]} */ ...scripts) => `default-src 'none'; style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'; script-src ${scripts.join(' ')}`;
+const [before, after] = read(join(page, 'index.html'))
+  .replace('<meta charset="utf-8">', `<meta charset="utf-8">\n<meta http-equiv="Content-Security-Policy" content="${policy(hash(`\n${app}`))}">`)
+  .replace('<link rel="stylesheet" href="app.css">', () => `<style>\n${read(join(page, 'app.css'))}\n#zonesCard, #zonesTab, #foot dl, #turn :is(dt, dd):last-of-type, #rigOpen, #rig > :has(#rigSize, #rigWorst) { display: none !important; }</style>`)
+  .split('<script type="module" src="app.js"></script>');
+const parts = { rules: JSON.parse(read(rules)), before, app, after, worker: bundled('worker.js', 'iife'), examples: Object.fromEntries(examples.map((path) => [basename(path), read(path)])) };
+const whole = { // `SCRIPT` last, so that no other text is looked for in it
+  POLICY: `${policy(hash(script), hash(`\n${app}`), "'wasm-unsafe-eval'")}; worker-src blob:; frame-src blob:`, STYLE: esbuild.transformSync(read(join(here, 'start.css')), { loader: 'css', minify: true }).code,
+  CORE: packed(readFileSync(wasm)), PARTS: packed(JSON.stringify(parts)), SCRIPT: script,
+};
+const html = Object.entries(whole).reduce((text, [name, value]) => text.replace(name, () => value), read(join(here, 'start.html')));
+writeFileSync(out, html);
+console.log(`${out}: ${html.length} bytes, ${gzipSync(html, { level: 9 }).length} gzipped`);

@@ -1,0 +1,163 @@
+// The wall as an exported page holds it: handshake, state and the binary messages (helibore.viewer.html_export, protocol.py).
+
+import { FIRST, FRAMES, HEAD, INTERPOLATED, NEAREST, NO_FIRST, RADIUS, STATE, SUPPORT_MASK, TEXEL, WRITE } from '../src/protocol.js';
+
+const TURNS = 16; // turns of the wall in one ring of the overview
+const OVERVIEW_ROWS = 1024;
+const TILE_VERTICES = 16384;
+const FRAME_STEP = 2; // metres
+const FRAMES_A_MESSAGE = 4096;
+const NEAREST_UNIT = 1e-4; // metres
+const TOP = 0xffff;
+const CLIPPED = 0x0400;
+const FEW_TURNS = 50;
+const USUAL_LIMIT = 0.02; // metres
+
+/**
+ * @typedef {{ radius: Float64Array, nearest: Float64Array, support: Float64Array, measured: Uint8Array }} Vertices
+ * @typedef {{ well: string, basisText: string, reference: string | null, bit: number, startDepth: number, startToolface: number, pitch: number, sectors: number }} Shape
+ * @typedef {{ sectors: number, rows: number, texels: Uint16Array, size: number }} Grid
+ */
+
+// Round halves to even, as NumPy does.
+/** @param {number} value */
+function rint(value) {
+  const low = Math.floor(value);
+  const over = value - low;
+  return over < 0.5 || (over === 0.5 && low % 2 === 0) ? low : low + 1;
+}
+
+// Return the texels of vertices: radius (0 if missing), first-pass radius, nearest distance, state.
+/** @param {Vertices} vertices @param {number} unit */
+function packed({ radius, nearest, support, measured }, unit) {
+  const texels = new Uint16Array(TEXEL * radius.length);
+  for (let k = 0; k < radius.length; k++) {
+    const at = TEXEL * k;
+    const there = Number.isFinite(radius[k]);
+    const steps = there ? rint(radius[k] / unit) : 0;
+    texels[at + RADIUS] = texels[at + FIRST] = there ? Math.min(Math.max(steps, 1), TOP) : 0;
+    texels[at + NEAREST] = Number.isFinite(nearest[k]) ? Math.min(rint(nearest[k] / NEAREST_UNIT), TOP) : TOP;
+    texels[at + STATE] = Math.min(support[k], SUPPORT_MASK) | (steps > TOP ? CLIPPED : 0) | (there && !measured[k] ? INTERPOLATED : 0);
+  }
+  return texels;
+}
+
+// Return the overview: rings of sixteen turns, each cell with the means of an eighth of the circle.
+/** @param {Grid} wall @returns {Grid} */
+function overviewOf({ sectors, texels, size }) {
+  const cells = Math.min(8, sectors);
+  const block = TURNS * sectors;
+  const rings = Math.ceil(size / block);
+  const over = new Uint16Array(TEXEL * rings * cells);
+  const firsts = Array.from({ length: cells + 1 }, (_, cell) => Math.ceil((cell * sectors) / cells));
+  for (let ring = 0; ring < rings; ring++) {
+    for (let cell = 0; cell < cells; cell++) {
+      let [sum, count, far, least, between, all] = [0, 0, 0, SUPPORT_MASK, 0, 0];
+      for (let turn = 0; turn < TURNS; turn++) {
+        for (let sector = firsts[cell]; sector < firsts[cell + 1]; sector++) {
+          all++;
+          const k = ring * block + turn * sectors + sector;
+          if (k >= size) continue;
+          const at = TEXEL * k;
+          if (texels[at + RADIUS] > 0) [sum, count] = [sum + texels[at + RADIUS], count + 1];
+          far = Math.max(far, texels[at + NEAREST]);
+          least = Math.min(least, texels[at + STATE] & SUPPORT_MASK);
+          if (texels[at + STATE] & INTERPOLATED) between++;
+        }
+      }
+      const at = TEXEL * (ring * cells + cell);
+      over[at + RADIUS] = over[at + FIRST] = count ? sum / count : 0;
+      over[at + NEAREST] = far;
+      over[at + STATE] = least | (2 * between > all ? INTERPOLATED : 0);
+    }
+  }
+  return { sectors: cells, rows: OVERVIEW_ROWS, texels: over, size: rings * cells };
+}
+
+/** @param {number} bytes @param {number[]} head type, level, mask, tile, first, count, total, sequence */
+function headed(bytes, [type, level, mask, tile, first, count, total, sequence]) {
+  const message = new ArrayBuffer(HEAD + bytes);
+  const view = new DataView(message);
+  view.setUint8(0, type);
+  view.setUint8(1, level);
+  view.setUint16(2, mask, true);
+  [tile, first, count, total, sequence].forEach((value, at) => view.setUint32(4 + 4 * at, value, true));
+  view.setFloat64(24, Date.now() / 1000, true);
+  return message;
+}
+
+// A hole without a survey is straight and vertical, toolface 0 to the north.
+/** @param {number} first @param {number} stop @param {number} total @param {number} startDepth @param {number} step @param {number} sequence */
+function framesMessage(first, stop, total, startDepth, step, sequence) {
+  const count = stop - first;
+  const message = headed(48 * count, [FRAMES, 255, 0, 0, first, count, total, sequence]);
+  const centre = new Float64Array(message, HEAD, 3 * count);
+  const directions = new Float32Array(message, HEAD + 24 * count, 6 * count);
+  for (let i = 0; i < count; i++) {
+    centre[3 * i + 2] = startDepth + (first + i) * step;
+    directions[6 * i] = directions[6 * i + 4] = 1;
+  }
+  return message;
+}
+
+/** @param {Grid} grid @param {number} level @param {number} tile @param {number} sequence */
+function writeMessage({ texels, size, sectors, rows }, level, tile, sequence) {
+  const begin = tile * rows * sectors;
+  const count = Math.min(begin + rows * sectors + sectors + 1, size) - begin;
+  const message = headed(6 * count + 2 * (count % 2), [WRITE, level | NO_FIRST, 0, tile, 0, count, size, sequence]);
+  const sent = new Uint16Array(message, HEAD);
+  for (let k = 0; k < count; k++) {
+    const at = TEXEL * (begin + k);
+    sent[3 * k] = texels[at + RADIUS];
+    sent[3 * k + 1] = texels[at + NEAREST];
+    sent[3 * k + 2] = texels[at + STATE];
+  }
+  return message;
+}
+
+// Return the limit of a scale around 0: `unit` times 1, 2, 3 or 5 times a power of ten; 99.8 % of the values lie within.
+/** @param {Float64Array} values @param {number} unit */
+function symmetricLimit(values, unit) {
+  const there = values.filter(Number.isFinite).map(Math.abs).sort();
+  const place = 0.998 * (there.length - 1);
+  const low = Math.floor(place);
+  const at = there.length ? there[low] + (place - low) * ((there[low + 1] ?? there[low]) - there[low]) : 0;
+  const reach = Math.max(at / unit, 1);
+  const power = 10 ** Math.floor(Math.log10(reach) + 1e-9);
+  return unit * power * ([1, 2, 3, 5, 10].find((step) => step * power >= reach * (1 - 1e-9)) ?? 10);
+}
+
+// Return what the page of a wall holds (`Contents` of exported.js); the messages are bytes.
+/** @param {Shape} shape @param {Vertices} vertices */
+export function sceneOf(shape, vertices) {
+  const { sectors, bit, pitch, startDepth } = shape;
+  const unit = bit <= 0.8 ? 1e-5 : 1e-4;
+  const rows = 2 ** Math.max(2, Math.min(10, Math.trunc(Math.log2(TILE_VERTICES / sectors))));
+  const size = vertices.radius.length;
+  const wall = { sectors, rows, texels: packed(vertices, unit), size };
+  const over = overviewOf(wall);
+  const step = Math.sign(pitch) * FRAME_STEP;
+  const tiles = Math.ceil(size / (rows * sectors));
+  const length = (tiles * rows + 1) * Math.abs(pitch);
+  const frames = Math.ceil(length / FRAME_STEP) + 2;
+  /** @type {ArrayBuffer[]} */
+  const messages = [];
+  for (let first = 0; first < frames; first += FRAMES_A_MESSAGE) messages.push(framesMessage(first, Math.min(frames, first + FRAMES_A_MESSAGE), frames, startDepth, step, messages.length + 1));
+  for (let tile = 0; tile < tiles; tile++) messages.push(writeMessage(wall, 0, tile, messages.length + 1));
+  for (let tile = 0; tile * over.rows * over.sectors < over.size; tile++) messages.push(writeMessage(over, 1, tile, messages.length + 1));
+  const off = symmetricLimit(vertices.radius.map((radius) => radius - bit / 2), 1e-3);
+  const limit = Math.max(off, size < FEW_TURNS * sectors ? USUAL_LIMIT : 0);
+  const end = startDepth + ((size - 1) * pitch) / sectors;
+  const hello = {
+    type: 'handshake', version: 2, session: crypto.randomUUID(), well: shape.well, basis: 'azimuthal', basis_text: shape.basisText, reference: shape.reference, assumed: false,
+    bit_diameter: bit, start_depth: startDepth, start_toolface: shape.startToolface, vertices: size, radius_unit: unit, nearest_unit: NEAREST_UNIT,
+    levels: [{ sectors, rows, pitch, rings: false }, { sectors: over.sectors, rows: over.rows, pitch: pitch * TURNS, rings: true }],
+    frame_step: step, template: null, attributes: [], picks_file: null, saves_picks: false, curves: [],
+  };
+  const state = {
+    type: 'state', begun: true, bit_depth: null, hole_depth: null, newest: null, ended: true, sources: '', true_depth: null,
+    ranges: { over: [-limit, limit], radius: [bit / 2 - limit, bit / 2 + limit], nearest: [0, symmetricLimit(vertices.nearest, 1e-3)] },
+    zones: [], shape: 'wall', prints: false, alarms: [], lost: [], curves: [], curves_version: 0, now: null,
+  };
+  return { contents: { hello, state, curves: {}, picks: [], made: Math.round(Date.now() / 100) / 10, address: '', hosted: false, history: { time: [], vertices: [], bit_depth: [] }, summary: null }, messages, ends: [startDepth, end] };
+}

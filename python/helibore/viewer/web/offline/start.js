@@ -1,0 +1,233 @@
+// The page without a server: a file, its columns and their roles, then the wall in the shipped page, in a frame.
+//
+//   file -> worker: columns, roles -> the user: roles, units, bit size -> worker: wall, messages -> exported page in a frame
+
+/** @typedef {import('./roles.js').Role} Role */
+
+/** @type {<Kind extends HTMLElement = HTMLElement>(id: string) => Kind} */
+const byId = (id) => /** @type {any} */ (document.getElementById(id));
+const CHOICES = ['none', 'depth', 'toolface', 'radius', 'diameter', 'time', 'inclination', 'azimuth', 'bit-diameter'];
+const WALLS = ['radius', 'diameter'];
+const CHUNK = 0x8000;
+
+/** @type {{ rules: import('./rules.js').Rules, before: string, app: string, after: string, worker: string, examples: Record<string, string> }} */
+let parts;
+/** @type {Worker} */
+let worker;
+/** @type {Map<number, { resolve: (found: any) => void, reject: (error: Error) => void }>} */
+const waiting = new Map();
+/** @type {{ name: string, roles: Role[], well: string, rows: number, wall: string }} */
+let log;
+let asked = 0;
+
+/** @param {string} id */
+async function unpacked(id) {
+  const bytes = Uint8Array.from(atob(byId(id).textContent ?? ''), (letter) => letter.charCodeAt(0));
+  byId(id).remove();
+  return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'))).arrayBuffer();
+}
+
+// Ask the worker; a failure of the worker itself is an answer, too.
+/** @param {Record<string, any>} question @param {Transferable[]} [transfer] @returns {Promise<any>} */
+function ask(question, transfer = []) {
+  const id = ++asked;
+  worker.postMessage({ id, ...question }, transfer);
+  return new Promise((resolve, reject) => waiting.set(id, { resolve, reject }));
+}
+
+/** @param {string} text */
+function say(text) {
+  byId('trouble').textContent = text;
+  byId('trouble').hidden = !text;
+  if (text) byId('trouble').scrollIntoView({ block: 'nearest' });
+}
+
+/** @param {string} name @param {ArrayBuffer} bytes */
+async function take(name, bytes) {
+  say('');
+  byId('columns').hidden = true;
+  try {
+    const { format, rows, remarks, roles, missing, bit, well } = await ask({ ask: 'read', name, bytes }, [bytes]);
+    log = { name, roles, well, rows, wall: '' };
+    byId('fileName').textContent = name;
+    byId('what').textContent = `${format}, ${rows.toLocaleString('en')} rows, ${roles.length} columns`;
+    byId('remarks').replaceChildren(...remarks.map((/** @type {string} */ text) => Object.assign(document.createElement('li'), { textContent: text })));
+    byId('roles').replaceChildren(...roles.map((/** @type {Role} */ role) => rowOf(role, missing[role.channel], rows)));
+    showBit(bit);
+    byId('columns').hidden = false;
+    byId(bit ? 'show' : 'bit').focus();
+  } catch (error) {
+    say(`${name}: ${/** @type {Error} */ (error).message}.`);
+  }
+}
+
+/** @param {{ size: number, why: string } | null} bit */
+function showBit(bit) {
+  const unit = byId('bitUnit');
+  /** @type {HTMLSelectElement} */ (unit).value = 'in';
+  /** @type {HTMLInputElement} */ (byId('bit')).value = bit ? String(Number((bit.size / parts.rules.units.in[1]).toFixed(3))) : '';
+  byId('bitWhy').textContent = bit ? `${bit.why}: check it` : 'of the section that the log covers';
+}
+
+// One row of the table: the column, its role, its unit, and why.
+/** @param {Role} role @param {number} missing @param {number} rows */
+function rowOf(role, missing, rows) {
+  const row = document.createElement('tr');
+  const cells = Array.from({ length: 4 }, () => row.appendChild(document.createElement('td')));
+  const kind = document.createElement('select');
+  kind.ariaLabel = `What ${role.channel} is`;
+  const known = role.role === 'none' || CHOICES.includes(role.role) ? CHOICES : [...CHOICES, role.role];
+  kind.replaceChildren(...known.map((name) => new Option(name === 'none' ? 'not used' : name, name)));
+  kind.value = role.role;
+  const unit = document.createElement('select');
+  unit.ariaLabel = `Unit of ${role.channel}`;
+  const fill = () => {
+    const wanted = parts.rules.roles[role.role];
+    const fitting = ['m', 'ft', 'in', 'mm', 'cm', '0.1in', 'deg', 'rad', 's', 'ms', 'min', 'h'].filter((name) => !wanted || parts.rules.units[name]?.[0] === wanted);
+    unit.replaceChildren(...[...new Set([role.unit, ...fitting])].map((name) => new Option(name || '(not stated)', name)));
+    unit.value = role.unit;
+    unit.hidden = role.role === 'none' || !wanted;
+    row.className = role.role === 'none' ? 'unused' : '';
+    const lost = missing ? `; ${missing.toLocaleString('en')} of ${rows.toLocaleString('en')} values missing` : '';
+    cells[3].textContent = (role.stated ? 'your choice' : role.reason) + (role.angle !== null && WALLS.includes(role.role) && role.stated ? `, at ${role.angle} deg from the toolface` : '') + lost;
+  };
+  kind.onchange = () => {
+    Object.assign(role, { role: kind.value, stated: true, reference: '' });
+    if (WALLS.includes(role.role)) role.angle ??= log.roles.some((one) => one.role === 'toolface') ? 0 : null;
+    fill();
+    rebit();
+  };
+  unit.onchange = () => {
+    Object.assign(role, { unit: unit.value, stated: true });
+    fill();
+    rebit();
+  };
+  cells[0].textContent = role.channel;
+  cells[1].append(kind);
+  cells[2].append(unit);
+  fill();
+  return row;
+}
+
+// Guess the bit size again from the roles of now, unless the user has typed one.
+async function rebit() {
+  say('');
+  if (byId('bitWhy').textContent) showBit(await ask({ ask: 'bit', roles: log.roles }));
+}
+
+/** @param {ArrayBuffer} bytes */
+function base64(bytes) {
+  const all = new Uint8Array(bytes);
+  let text = '';
+  for (let at = 0; at < all.length; at += CHUNK) text += String.fromCharCode(...all.subarray(at, at + CHUNK));
+  return btoa(text);
+}
+
+async function show() {
+  say('');
+  const number = Number(/** @type {HTMLInputElement} */ (byId('bit')).value.trim().replace(',', '.'));
+  const size = number * parts.rules.units[/** @type {HTMLSelectElement} */ (byId('bitUnit')).value][1];
+  if (!(number > 0)) return say('Bit size: must be a number above 0, such as 8.5.');
+  /** @type {HTMLButtonElement} */ (byId('show')).disabled = true;
+  try {
+    const { contents, messages, ends, left, kept, arms, between } = await ask({ ask: 'wall', roles: log.roles, bit: size, well: log.well });
+    const enclosed = JSON.stringify(contents).replaceAll('<', '\\u003c').slice(0, -1);
+    log.wall = `${parts.before}<script type="application/json" id="enclosed">${enclosed},"messages":[${messages.map((/** @type {ArrayBuffer} */ one) => `"${base64(one)}"`).join(',')}]}</script>\n<script type="module">\n${parts.app}</script>${parts.after}`;
+    const lost = Object.entries(left).filter(([, count]) => count).map(([name, count]) => `${Number(count).toLocaleString('en')} without ${name} left out`);
+    const share = between > 0.005 ? [`${Math.round(100 * between)} % of the wall is interpolated${arms > 2 ? ' between the arms' : ''}, not measured`] : [];
+    byId('made').textContent = [log.name, `${kept.toLocaleString('en')} samples`, ...lost, ...share, ...(between > 0.1 && arms > 2 ? ['C1 and C2 of the interpolated wall, not of the arms'] : []), 'zones, volumes and surveys: helibore on the command line'].join(' · ');
+    byId('made').title = `${byId('made').textContent}; ${ends.map((/** @type {number} */ end) => end.toFixed(2)).join(' to ')} m`;
+    // A frame of a blob has an address, in which the page keeps what it shows; a frame of `srcdoc` has none.
+    const frame = Object.assign(document.createElement('iframe'), { title: `Wall of ${log.name}`, src: URL.createObjectURL(new Blob([log.wall], { type: 'text/html' })) });
+    drop();
+    byId('wall').append(frame);
+    byId('begin').hidden = true;
+    byId('wall').hidden = false;
+    frame.focus();
+  } catch (error) {
+    say(`${log.name}: ${/** @type {Error} */ (error).message}.`);
+  }
+  /** @type {HTMLButtonElement} */ (byId('show')).disabled = false;
+  return undefined;
+}
+
+function save() {
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(new Blob([log.wall], { type: 'text/html' }));
+  link.download = `${log.name.replace(/\.[^.]*$/, '')}.html`;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+}
+
+// Close the frame, and free its bytes.
+function drop() {
+  const frame = byId('wall').querySelector('iframe');
+  if (frame) URL.revokeObjectURL(frame.src);
+  frame?.remove();
+}
+
+function back() {
+  byId('wall').hidden = true;
+  drop();
+  byId('begin').hidden = false;
+  byId('show').focus();
+}
+
+/** @param {FileList | null | undefined} files */
+async function openFile(files) {
+  const file = files?.[0];
+  if (!file) return;
+  if (files.length > 1) return say('Open one file at a time; helibore joins several on the command line.');
+  if (file.size > 512 * 2 ** 20) return say(`${file.name}: ${Math.round(file.size / 2 ** 20)} MB; this page reads files of up to 512 MB, helibore larger ones on the command line.`);
+  await take(file.name, await file.arrayBuffer()).catch(() => say(`${file.name}: it could not be read from the disk.`));
+}
+
+async function begin() {
+  if (typeof WebAssembly === 'undefined' || typeof DecompressionStream === 'undefined' || typeof Worker === 'undefined') {
+    byId('drop').hidden = true;
+    return say('This browser has no WebAssembly or cannot unpack: use a newer one, such as Chrome 95, Firefox 113 or Safari 16.4.');
+  }
+  parts = JSON.parse(new TextDecoder().decode(await unpacked('parts')));
+  worker = new Worker(URL.createObjectURL(new Blob([parts.worker], { type: 'text/javascript' })));
+  worker.onmessage = ({ data: { id, found, refused } }) => {
+    const { resolve, reject } = waiting.get(id) ?? {};
+    waiting.delete(id);
+    if (refused === undefined) resolve?.(found);
+    else reject?.(new Error(refused));
+  };
+  worker.onerror = ({ message }) => {
+    for (const { reject } of waiting.values()) reject(new Error(`the worker of this page failed (${message})`));
+    waiting.clear();
+  };
+  const wasm = await unpacked('core');
+  const version = await ask({ ask: 'open', rules: parts.rules, wasm }, [wasm]);
+  byId('version').textContent = `helibore ${version}. On the command line it does all of this and more: surveys, images, zones, volumes, live wells.`;
+  byId('examples').replaceChildren(...Object.entries(parts.examples).map(([name, text]) => {
+    const button = Object.assign(document.createElement('button'), { type: 'button', textContent: name });
+    button.onclick = () => take(name, /** @type {ArrayBuffer} */ (new TextEncoder().encode(text).buffer));
+    return button;
+  }));
+  const input = /** @type {HTMLInputElement} */ (byId('file'));
+  input.onchange = () => openFile(input.files).then(() => (input.value = ''));
+  byId('bit').oninput = () => (byId('bitWhy').textContent = '');
+  byId('ask').onsubmit = (event) => {
+    event.preventDefault();
+    show();
+  };
+  byId('back').onclick = back;
+  byId('save').onclick = save;
+  window.addEventListener('dragover', (event) => {
+    event.preventDefault();
+    byId('drop').classList.add('over');
+  });
+  window.addEventListener('dragleave', () => byId('drop').classList.remove('over'));
+  window.addEventListener('drop', (event) => {
+    event.preventDefault();
+    byId('drop').classList.remove('over');
+    if (!byId('wall').hidden) back();
+    openFile(event.dataTransfer?.files);
+  });
+  return undefined;
+}
+
+begin().catch((error) => say(`This page did not start: ${error.message}.`));
