@@ -18,8 +18,9 @@ from pathlib import Path
 import numpy as np
 
 import helibore as hb
-from helibore.images.image_breakouts import DarkLobe, ImageBreakout, ImageBreakouts, ImageCriteria
+from helibore.images.image_breakouts import DarkLobe, ImageBreakout, ImageBreakouts
 from helibore.logs.zone_criteria import Criteria
+from helibore.settings.zone_settings import ImageCriteria
 
 BREAKOUT = "1"
 """The type of the picks in opposite pairs. Four of fourteen picks are of types 0 and 2; no file explains the types."""

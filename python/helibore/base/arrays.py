@@ -7,6 +7,7 @@ is not already a one-dimensional, C-contiguous float64 array is copied here, and
 from __future__ import annotations
 
 import datetime
+import sys
 from typing import Any, TypeVar
 
 import numpy as np
@@ -39,6 +40,15 @@ def numbers(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> Array:
     return np.asarray(values, dtype)
 
 
+def data_and_mask(values: Any) -> tuple[Any, Mask | None]:
+    """Return values without their mask, and the mask; None: they have none. ``numpy.ma`` is slow to load, so it stays
+    unloaded where nobody has made a masked array."""
+    masked = sys.modules.get("numpy.ma")
+    if masked is None or not isinstance(values, masked.MaskedArray):
+        return values, None
+    return values.data, masked.getmaskarray(values)
+
+
 def are_dates(values: npt.ArrayLike) -> bool:
     """Return whether ``values`` are dates: datetime64, or objects of which one or more are datetime objects."""
     array = np.asarray(_decoded(values))
@@ -51,9 +61,9 @@ def numbers_or_dates(values: npt.ArrayLike, *, dates: bool) -> Floats:
 
     If no date has a time zone, all dates are UTC. Raises InputError if only some of the dates have a time zone.
     """
-    if isinstance(values, np.ma.MaskedArray):
-        absent = np.ma.getmaskarray(values)
-        return np.where(absent, np.nan, numbers_or_dates(values.data, dates=dates))
+    data, absent = data_and_mask(values)
+    if absent is not None:
+        return np.where(absent, np.nan, numbers_or_dates(data, dates=dates))
     array = np.asarray(_decoded(values))
     if dates and are_dates(array):
         array = array if array.dtype.kind == "M" else _in_utc(array)

@@ -12,6 +12,7 @@ error and is never corrected silently: a diameter in place of a radius, radians 
 from __future__ import annotations
 
 import re
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,8 +26,10 @@ from helibore.files.raw_set import Channel, RawSet
 from helibore.preparation.readings import IMAGE_ROW, HoleDirection, Readings
 from helibore.preparation.sensors import Sensor
 from helibore.samples.bit_sizes import FEW
-from helibore.settings.preparation_settings import Echo
 from helibore.trajectory.references import Plane, to_high_side
+
+if TYPE_CHECKING:
+    from helibore.settings.preparation_settings import Echo
 
 REFERENCE_WORDS = {"high-side": "the high side", "horizontal-north": "north, in the horizontal plane"}
 """Words of `note` for what a toolface counts from."""

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from helibore.base.errors import InputError
 from helibore.channels import columns
@@ -15,11 +16,12 @@ from helibore.channels.channel_readings import readings
 from helibore.channels.columns import RawSectorImage
 from helibore.channels.roles import RoleMap
 from helibore.files.raw_set import Channel, RawSet
-from helibore.preparation.prepare import prepare
 from helibore.preparation.readings import Readings
 from helibore.samples.caliper import Caliper
-from helibore.settings.preparation_settings import Echo
 from helibore.trajectory.survey import Survey
+
+if TYPE_CHECKING:
+    from helibore.settings.preparation_settings import Echo
 
 
 class LogSet(RawSet):
@@ -34,6 +36,8 @@ class LogSet(RawSet):
         ``roles`` and ``bit_diameter`` (m) as in `readings`.
         ``helibore.prepare(file.readings(), ...)`` conditions, corrects and merges the readings first.
         """
+        from helibore.preparation.prepare import prepare
+
         return prepare(self.readings(roles, bit_diameter)).caliper
 
     readings = readings

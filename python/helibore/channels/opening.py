@@ -10,7 +10,6 @@ from typing import Any
 from helibore.base.nulls import NULLS
 from helibore.channels.log_set import LogFile, LogSet
 from helibore.channels.sectors import join_sectors
-from helibore.files.data_frame import read_frame
 from helibore.files.input_file import ReadOptions
 from helibore.files.raw_set import RawFile
 from helibore.files.reading import read_file
@@ -71,6 +70,8 @@ def open(  # noqa: A001
     nulls = tuple(float(null) for null in nulls)
     if isinstance(path, str | PathLike):
         return open_file(Path(path), ReadOptions(nulls, header_line, encoding, decimal, salvage))
+    from helibore.files.data_frame import read_frame
+
     return _with_images(read_frame(path, nulls))
 
 

@@ -46,7 +46,7 @@ def inspect(
     from helibore.channels.role_map import read_map, write_map
     from helibore.channels.roles import guess
     from helibore.cli.inspect_page import refusal, show
-    from helibore.cli.wall_options import set_names
+    from helibore.cli.set_names import set_names
     from helibore.files.input_file import ReadOptions
 
     with open_file(file, ReadOptions(NULLS, header_line, encoding, decimal, salvage)) as opened:

@@ -12,7 +12,6 @@ column is NAME[@ANGLE][:UNIT]: md_m, rb:deg, x_in@0, CAL1@90:in.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -26,6 +25,7 @@ from helibore.base.file_endings import ARCHIVE_ENDING, SURFACE_ENDINGS, VOLUME_E
 from helibore.cli.declared_options import option_of, options_of, stated
 from helibore.cli.quantities import FILE, LENGTH
 from helibore.cli.sections import COLUMN, SETTING, Command, SectionOption, opt, opts, section, spelled
+from helibore.cli.set_names import set_names
 from helibore.settings.declared import members
 from helibore.settings.header_settings import Header
 from helibore.settings.path_settings import PathSettings
@@ -35,7 +35,6 @@ from helibore.settings.reading_settings import ReadingSettings
 from helibore.settings.wall_settings import Settings
 
 if TYPE_CHECKING:
-    from helibore.channels.log_set import LogFile
     from helibore.cli.terminal import Terminal
     from helibore.logs.curves import ScalarCurve
     from helibore.runs.project import ImageInput, Input, Project, ScalarInput
@@ -443,37 +442,6 @@ def _check_caliper(files: OpenFiles, one: Input, options: dict[str, Any]) -> Non
     lacks, command = without_caliper(one.file, files.log(one.file), one.roles, verb, options["bit_diameter"], more)
     if command:
         raise InputError(one.file.name, f"{lacks}. Run: {command}")
-
-
-def set_names(log: LogFile, texts: Sequence[str]) -> list[Any]:
-    """Return the names of the sets that ``--set`` chooses, in the order of the file; [None] without ``--set``."""
-    if not texts:
-        return [None]
-    chosen = set().union(*(_sets_of(log, text) for text in texts))
-    return [each.name for each in log.sets if each.name in chosen]
-
-
-def _sets_of(log: LogFile, text: str) -> set[str]:
-    """Return the names of the sets that one ``--set`` chooses: NAME, NUMBERS or with=COLUMNS."""
-    names = [each.name for each in log.sets]
-    if text in names:
-        return {text}
-    columns = text.removeprefix("with=").split(",")
-    if text.startswith("with="):
-        found = {each.name for each in log.sets if all(column in each for column in columns)}
-        if not found:
-            raise InputError(f"--set {text}", f"no set of {log.path.name} holds {' and '.join(columns)}")
-        return found
-    if not re.fullmatch(r"\d+(-\d+)?(,\d+(-\d+)?)*", text):
-        return {log.set(text).name}
-    found = set()
-    for part in text.split(","):
-        first, _, last = part.partition("-")
-        numbers = range(int(first), int(last or first) + 1)
-        if not numbers or not 1 <= numbers[0] <= numbers[-1] <= len(names):
-            raise InputError(f"--set {text}", f"{log.path.name} has the sets 1 to {len(names)}")
-        found |= {names[number - 1] for number in numbers}
-    return found
 
 
 def _average(files: OpenFiles, options: dict[str, Any]) -> Input:

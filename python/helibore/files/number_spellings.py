@@ -19,7 +19,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from helibore.base.arrays import Array
+from helibore.base.arrays import Array, data_and_mask
 
 _END = r"(?:[eE][+-]?\d+)?"
 _COMMAS = re.compile(rf"[+-]?(?:[1-9]\d{{0,2}}(?:[.'’\u00a0\u202f ]\d{{3}})+|\d+)?(?:,\d*)?{_END}", re.ASCII)
@@ -83,7 +83,7 @@ def read_spellings(
 
 
 def _has_fractions(column: Array) -> bool:
-    numbers = np.ma.getdata(column)
+    numbers, _ = data_and_mask(column)
     return bool((np.isfinite(numbers) & (numbers != np.rint(numbers))).any())
 
 

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from helibore.base.arrays import Array, Floats
+from helibore.base.arrays import Array, Floats, Reals, data_and_mask
 from helibore.base.errors import InputError
 from helibore.base.limits import check_limit
 from helibore.base.nulls import NULLS
@@ -147,8 +147,8 @@ def clean(values: Array, nulls: tuple[float, ...], nan_is_missing: bool = True) 
     if kind in "iu" and values.size and max(abs(int(values.max())), abs(int(values.min()))) > EXACT:
         return np.array(values), 0, None
     width = np.float32 if values.dtype == np.float32 else np.float64
-    empty = np.ma.getmaskarray(values) if isinstance(values, np.ma.MaskedArray) else None
-    numbers = np.ma.getdata(values).astype(width, order="C", copy=False)
+    data, empty = data_and_mask(values)
+    numbers: Reals = data.astype(width, order="C", copy=False)
     if empty is None and numbers.size and numbers.min() > max(nulls, default=-np.inf) and numbers.max() < np.inf:
         return numbers.view(), 0, None
     infinite = ~np.isfinite(numbers)

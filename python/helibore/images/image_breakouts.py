@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -28,7 +28,9 @@ from helibore.base.axial import Axes, axial_mean, lobe_of
 from helibore.base.colors import customary_map
 from helibore.base.errors import InputError
 from helibore.base.tables import LogTable, columns_of
-from helibore.settings.zone_settings import ImageCriteria
+
+if TYPE_CHECKING:
+    from helibore.settings.zone_settings import ImageCriteria
 
 
 class SearchedImage(Protocol):
@@ -125,7 +127,10 @@ def find_breakouts(image: SearchedImage, criteria: ImageCriteria | None = None) 
     """Find where an image is dark on opposite sides of the hole; see `SectorImage.breakouts`."""
     if customary_map(image.name, image.unit) == "gamma":
         raise InputError(f"image {image.name!r}", "gamma is dark in beds, not in breakouts; use an image of the wall")
-    criteria = ImageCriteria() if criteria is None else criteria
+    if criteria is None:
+        from helibore.settings.zone_settings import ImageCriteria
+
+        criteria = ImageCriteria()
     relative, toolface = _relative(image)
     dark = relative < criteria.dark
     row, first, count = _arcs(dark)

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from collections import UserDict
-from typing import Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -28,9 +28,11 @@ from helibore.base.notebook import card, usual_picture
 from helibore.base.thread_count import thread_count
 from helibore.images.image_breakouts import ImageBreakouts, find_breakouts
 from helibore.samples.helix import WallLike, quad_room
-from helibore.settings.zone_settings import ImageCriteria
 from helibore.trajectory.references import REFERENCES, Reference, defined, onto_path
 from helibore.trajectory.survey import Path
+
+if TYPE_CHECKING:
+    from helibore.settings.zone_settings import ImageCriteria
 
 Origin = Literal["centre", "edge"]
 Direction = Literal["clockwise", "counterclockwise"]

@@ -31,7 +31,7 @@ from collections.abc import Callable
 from dataclasses import MISSING, dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from helibore.base import units
 from helibore.base.errors import InputError
@@ -40,8 +40,7 @@ LARGEST_INTEGER = 2**31
 """Absolute values of whole numbers must be below this, so that the core can hold them."""
 
 
-@dataclass(frozen=True)
-class Unit:
+class Unit(NamedTuple):
     """The unit in which a number is stored, and the kind of quantity for a text such as ``"8.5in"``.
 
     ``shown`` is the unit in which defaults are shown. If ``needed``, a text on the command line must state a unit.
@@ -57,16 +56,14 @@ class Unit:
         return f"{value / units.factor(self.shown, self.kind):.6g}{self.shown}"
 
 
-@dataclass(frozen=True)
-class Rule:
+class Rule(NamedTuple):
     """What a value must be, and the test of it."""
 
     text: str
     test: Callable[[Any], bool]
 
 
-@dataclass(frozen=True)
-class Option:
+class Option(NamedTuple):
     """The setting has an option on the command line: ``--`` and its name with hyphens; ``--no-`` for a true default.
 
     ``usual`` is what the help shows for a setting without a number as default; ``metavar`` names the value.
@@ -76,18 +73,14 @@ class Option:
     metavar: str | None = None
 
 
-@dataclass(frozen=True)
 class Formerly:
     """Names of the setting in the files of earlier versions, which are read for ever."""
 
-    names: tuple[str, ...]
-
     def __init__(self, *names: str) -> None:
-        object.__setattr__(self, "names", names)
+        self.names = names
 
 
-@dataclass(frozen=True)
-class Stated:
+class Stated(NamedTuple):
     """The setting is a table of which only the stated keys are kept, by the rules of the declared class ``kind``."""
 
     kind: type[Any]
@@ -144,7 +137,7 @@ def shown(value: Any) -> str:
     return repr(value).removesuffix(".0") if isinstance(value, float) else repr(value)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Member:
     """One setting of a declared class, as its annotation states it."""
 

@@ -9,6 +9,8 @@ from helibore.settings.declared import FINITE, METRES, NOT_NEGATIVE, Declared, O
 
 Method = Literal["minimum-curvature", "radius-of-curvature"]
 Reference = Literal["high-side", "north", "parallel-transport"]
+North = Literal["true", "magnetic", "grid"]
+"""Which north azimuths count from."""
 ALL_FINITE = Rule("must be finite", lambda values: all(FINITE.test(value) for value in values))
 
 

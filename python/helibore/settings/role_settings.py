@@ -7,6 +7,7 @@ from typing import Annotated, Literal, cast
 
 from helibore.base import units
 from helibore.settings.declared import DEGREES, FINITE, METRES, SECONDS, Declared, Rule
+from helibore.settings.path_settings import North
 
 ROLES: dict[str, str] = {
     "depth": units.LENGTH,
@@ -33,8 +34,6 @@ ROLES: dict[str, str] = {
 A_ROLE = Rule(f"must be one of {', '.join(ROLES)}", lambda value: value in ROLES)
 NOT_EMPTY = Rule("must name at least one", lambda value: len(value) > 0)
 ToolfaceReference = Literal["north", "horizontal-north", "high-side", "automatic"]
-North = Literal["true", "magnetic", "grid"]
-"""Which north azimuths count from."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -38,8 +38,7 @@ import numpy.typing as npt
 from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Mask, finite_column
 from helibore.base.errors import InputError, check_choice
-from helibore.settings.path_settings import Reference
-from helibore.settings.role_settings import North
+from helibore.settings.path_settings import North, Reference
 
 __all__ = [
     "ASSUMED", "NORTHS", "REFERENCES", "AngleReference", "North", "Norths", "Plane", "Reference", "defined",

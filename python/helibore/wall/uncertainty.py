@@ -35,7 +35,6 @@ from helibore.base.errors import InputError
 from helibore.samples.helix import whole_helix
 from helibore.settings.wall_settings import Settings
 from helibore.wall.estimates import FEWEST_SAMPLES, MOST_UNMEASURED, Columns, choose_left_out, estimate_left_out
-from helibore.wall.near_and_far import covariance_of, estimate_near_and_far
 from helibore.wall.wall_columns import NEAR_DEPTH, WallColumns
 
 TARGETS = 2000
@@ -176,6 +175,8 @@ def wall_sigma(wall: WallColumns, threads: int) -> Floats:
 
 
 def _near_and_far_sigma(wall: WallColumns, samples: Columns) -> Floats:
+    from helibore.wall.near_and_far import covariance_of
+
     longest = max(term.along for term in covariance_of(wall.settings).terms)
     gaps = replace(wall, settings=replace(wall.settings, gap_reach=float(np.clip(longest, 0.5, _LONGEST_GAP))))
     sigma: Floats = near_and_far_factor(samples, wall.settings) * np.sqrt(wall.sums[0])
@@ -190,6 +191,8 @@ def near_and_far_factor(samples: Columns, settings: Settings) -> float:
     """
     if samples[0].size < FEWEST_SAMPLES:
         return 1.0
+    from helibore.wall.near_and_far import covariance_of, estimate_near_and_far
+
     covariance = covariance_of(settings)
     rows, boxes = choose_left_out(samples, settings, _FEW_TARGETS, 0, "for an uncertainty")
     found = estimate_near_and_far(samples, rows, settings, boxes)

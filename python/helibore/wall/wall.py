@@ -14,7 +14,7 @@ import threading
 import zlib
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
-from typing import Any, SupportsIndex, Unpack
+from typing import TYPE_CHECKING, Any, SupportsIndex, Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -28,7 +28,6 @@ from helibore.logs.picks import Pick, Picks
 from helibore.mesh.attributes import WallAttributes
 from helibore.samples.caliper import Basis, Caliper, basis_text, check_basis
 from helibore.samples.helix import quad_room
-from helibore.settings.keywords import WallSettings
 from helibore.settings.wall_settings import Settings
 from helibore.trajectory.survey import Path, checked_path
 from helibore.wall.append_result import Change, VertexColumns
@@ -36,6 +35,9 @@ from helibore.wall.estimates import find_kriging_range, in_depth_order
 from helibore.wall.interpolation import in_canonical_order, on_quads
 from helibore.wall.reads import WallReads
 from helibore.wall.state import WallState
+
+if TYPE_CHECKING:
+    from helibore.settings.keywords import WallSettings
 
 
 class Wall(WallReads):
