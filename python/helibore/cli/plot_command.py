@@ -156,6 +156,7 @@ def report(**options: Any) -> None:
 def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Run, dict[str, Any], dict[str, Any]]:
     """Make the wall; return the run, all options (also those of a repeated run) and the arguments of a `Drawing`."""
     run = open_run(options, terminal, (options["output"],))
+    asked = options["look"]
     options = own_options(run, verb, options)
     looks, settings = dict(options["look"]), stated(PrintSettings, options)
     if (template := template_of_option(options["template"])) is not None:
@@ -163,6 +164,7 @@ def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Ru
             raise click.UsageError("--unit: does not go with --template, which states the unit")
         settings = {"scale": template.scale, **settings, "unit": template.unit}
     settings |= {name: () for name in ("polar", "body") if options[f"no_{name}"]}
+    from helibore.plot.content import RADIUS
     from helibore.runs.run import make_wall
 
     make_wall(run, options["threads"], terminal.stage)
@@ -172,10 +174,12 @@ def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Ru
     header = header_of(run, options)
     # The settings hold the curves from files with their checksums, the options only the inclination.
     options["scalar"] = tuple(text for text in options["scalar"] if text == INCLINATION)
+    scalars = [_with_look(curve, looks) for curve in curves_of_files(run, options)]
+    run.messages += _drop_looks(looks, {*asked, *run.wall.images, RADIUS})
     drawing = {
         "title": header.pop("well", run.name),
         "header": header,
-        "scalars": [_with_look(curve, looks) for curve in curves_of_files(run, options)],
+        "scalars": scalars,
         "subtitle": run.messages[0][1],
         "start": options["start_depth"],
         "stop": options["stop_depth"],
@@ -192,6 +196,14 @@ def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Ru
 def _trust(run: Run, options: dict[str, Any]) -> Lines:
     """Return the warnings on the wall for the terminal; a report has the same warnings in its summary."""
     return trust_lines(run.wall.summary(options["start_depth"], options["stop_depth"]))
+
+
+def _drop_looks(looks: dict[str, Look], known: set[str]) -> Lines:
+    """Remove the looks of images that this wall lacks, and say so: a project also serves other walls and outputs."""
+    gone = [name for name in looks if name not in known]
+    for name in gone:
+        del looks[name]
+    return [("look", f"of {', '.join(gone)}: not used, because the wall has no such image")] if gone else []
 
 
 def _with_look(curve: ScalarCurve, looks: dict[str, Look]) -> ScalarCurve:

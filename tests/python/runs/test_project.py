@@ -236,6 +236,18 @@ def test_looks_of_a_project_its_archive_and_the_command_line_are_merged() -> Non
     assert look_of_setting("A.B.log=false", "") == ("A.B", {"log": False})
 
 
+@pytest.mark.usefixtures("folder")
+def test_the_look_of_an_image_that_a_wall_lacks_is_said_and_kept_unless_the_command_asks_for_it() -> None:
+    Path("well.toml").write_text(WELL + '[look.GR]\ncolor_map = "viridis"\n')
+    plain = ("plot", "well.toml", "-o", "p.png", "--no-body", "--no-polar")
+    made = run(*plain)
+    assert made.exit_code == 0, made.output
+    assert [line.split()[:3] for line in made.output.splitlines() if "look" in line] == [["look", "of", "GR:"]]
+    assert tomllib.loads(Path("p.png.toml").read_text())["look"] == {"GR": {"color_map": "viridis"}}
+    asked = run(*plain, "--look", "GR=log")
+    assert (asked.exit_code, asked.stderr.startswith("helibore: image 'GR': ")) == (2, True)
+
+
 def test_options_for_images_that_an_earlier_version_recorded_become_looks(folder: Path) -> None:
     (folder / "p.png.toml").write_text(
         'helibore = "0.1.0"\nverb = "plot"\ngauge = true\n[wall]\nbit_diameter = 0.2\n[options]\nscale = "1:500"\n'
