@@ -37,7 +37,7 @@ from helibore.preparation.prepare import Prepared
 from helibore.preparation.sensors import observe_by_depth
 from helibore.runs.output_store import Json, Store
 from helibore.runs.project import Input
-from helibore.runs.run import Run, interval, no_samples
+from helibore.runs.run import Run, interval, no_samples, tables_to_keep
 from helibore.samples.caliper import LARGEST_RADIUS, Basis, Caliper, basis_text
 from helibore.settings.wall_settings import Settings
 from helibore.trajectory.survey import Path as WellPath
@@ -381,6 +381,8 @@ def make_block(run: Run, store: Store, folder: str, number: int, archive: str | 
     begin, end = max(0, first - margin) * K, min((stop + margin) * K, plan["vertices"])
     wall = stretch(store, plan, settings, begin, end)
     wall.path, wall.made_from = run.path, {"files": plan["made_from"]["inputs"]}
+    if tables := tables_to_keep(run.settings):
+        wall.made_from["project"] = tables
     radius, nearest = radii(wall, end - begin)
     state = replace(wall._state(), start_depth=plan["start_depth"], radius=radius, nearest=nearest)
     logs = turn_logs(state, None, threads=1, reference=plan["reference"], newest=plan["newest"])

@@ -401,6 +401,7 @@ def test_a_well_in_blocks_has_the_bits_of_one_piece(tmp_path: Path, timed: bool,
     large_well(tmp_path / "a.parquet", timed, wall.get("pitch", 1.0) < 0)
     settings = {"bit_diameter": 0.2159, "sectors": 8, "pitch": 0.01} | wall
     tree = {"caliper": [{"file": str(tmp_path / "a.parquet")}], "wall": settings, "preparation": BY_ROW}
+    tree |= {"header": {"company": "ACME"}, "zones": {"washout": 0.01}}
     whole = reprocess_well(Job("A", tree, str(tmp_path / "whole")))
     job = Job("A", tree, str(tmp_path / "blocks"), block_samples=3000)
     count = reprocess_well(job)["blocks"]
@@ -417,9 +418,11 @@ def test_a_well_in_blocks_has_the_bits_of_one_piece(tmp_path: Path, timed: bool,
     if "start_depth" not in wall:
         assert samples[0] == samples[1]
     in_one_piece = hb.load(tmp_path / "whole/wells/A/A.wall")
+    assert in_one_piece.made_from["project"] == {"header": {"company": "ACME"}, "zones": {"washout": 0.01}}
     seen = np.zeros(len(in_one_piece), dtype=bool)
     for number in range(count):
         part = hb.load(tmp_path / f"blocks/wells/A/A-{number:05}.wall")
+        assert part.made_from["project"] == in_one_piece.made_from["project"]
         first = part.settings.first_vertex
         seen[first : first + len(part)] = True
         same = zip(part.vertices(), in_one_piece.vertices(first, first + len(part)), strict=True)
