@@ -73,10 +73,11 @@ def settings(names: tuple[str, ...]) -> None:
     """List the settings of a wall and of what is made from it: name, what it is, unit, rule, default.
 
     \b
-    helibore settings                     all
+    helibore settings                     all but those of a live wall
     helibore settings wall echo           those of two groups
     helibore settings wall.power          one
-    helibore settings live.journal        a table of the configuration of a live wall
+    helibore settings live                the configuration of a live wall
+    helibore settings live.journal        one of its tables
 
     Every command that makes or shows a wall takes them as -s NAME=VALUE, those with an option of their own, too. Of
     several numbers, write 1,2,3; of a switch, true or false. Role maps, templates and the configuration of a live
@@ -84,7 +85,7 @@ def settings(names: tuple[str, ...]) -> None:
     """
     known = known_settings(GROUPS)
     chosen = [name.replace("-", "_") for name in names]
-    if not names or not {*known, *map(_group, known)}.issuperset(chosen):  # live takes longer to load
+    if not {*known, *map(_group, known)}.issuperset(chosen):  # live takes longer to load
         known = known_settings(every_group())
     groups = dict.fromkeys(_group(name) for name in known)
     for name in names:
@@ -96,11 +97,14 @@ def settings(names: tuple[str, ...]) -> None:
         rows = [
             (name, text)
             for name, text in known.items()
-            if _group(name) == group and (not chosen or name in chosen or group in chosen)
+            if _group(name) == group and (not chosen or any(f"{name}.".startswith(f"{one}.") for one in chosen))
         ]
         if rows:
             with formatter.section(group):
                 formatter.write_dl(rows, col_max=40)
+    if not names:
+        formatter.write_paragraph()
+        formatter.write_text("Those of a live wall: helibore settings live")
     echo(formatter.getvalue().strip())
 
 

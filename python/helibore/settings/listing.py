@@ -47,7 +47,8 @@ def page(groups: Mapping[str, type[Any]] = GROUPS) -> str:
 PAGE = """# Settings
 
 Each setting has one name: in Python, as a key in a settings file, and after `--setting`. If the command line has an
-option for it, the option has this name, too, with hyphens. `helibore settings` prints this list.
+option for it, the option has this name, too, with hyphens. `helibore settings` prints this list,
+but for a live wall: `helibore settings live`.
 
 `./develop settings` writes this page from the declarations in `python/helibore/settings`.
 """
