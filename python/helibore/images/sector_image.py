@@ -26,12 +26,12 @@ from helibore.base.arrays import Floats, Integers, column
 from helibore.base.errors import InputError, check_choice
 from helibore.base.notebook import card, usual_picture
 from helibore.base.thread_count import thread_count
-from helibore.images.image_breakouts import ImageBreakouts, find_breakouts
 from helibore.samples.helix import WallLike, quad_room
 from helibore.trajectory.references import REFERENCES, Reference, defined, onto_path
 from helibore.trajectory.survey import Path
 
 if TYPE_CHECKING:
+    from helibore.images.image_breakouts import ImageBreakouts
     from helibore.settings.zone_settings import ImageCriteria
 
 Origin = Literal["centre", "edge"]
@@ -160,6 +160,8 @@ class SectorImage:
         >>> image.breakouts().zones[0].toolface
         90.0
         """
+        from helibore.images.image_breakouts import find_breakouts
+
         return find_breakouts(self, criteria)
 
     def onto(self, path: Path, method: Method = "cell") -> SectorImage:
