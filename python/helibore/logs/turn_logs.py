@@ -18,7 +18,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -43,6 +43,8 @@ from helibore.trajectory.survey import Path
 from helibore.trajectory.true_depth import true_depth
 
 Shape = Literal["wall", "arms"]
+Sections = Floats
+"""(rows, PARTS): more than a column."""
 SHAPE_TEXT: dict[Shape, str] = {
     "wall": "C1, C2, DMIN, ovality and class of hole come from the wall",
     "arms": "C1, C2, DMIN, ovality and class of hole come from the tool's arms; the wall between arms is interpolated",
@@ -69,6 +71,8 @@ ALIKE_AROUND = 30.0
 """Degrees around the hole over which the errors of a wall are alike (``python -m bench.accuracy.amounts``)."""
 LEAST_SAMPLED = 0.9
 """Least share of a turn's vertices with a sigma at which its mean diameter has one."""
+PARTS = 32
+"""Parts of a turn in `Logs.section`."""
 RUGOSITY_WINDOW = 1.0
 """Metres of hole that rugosity is measured over by default."""
 
@@ -174,6 +178,10 @@ class Logs(Tabular):
         Standard uncertainty that all radii share, metres.
     with_sigma
         Whether `table` has the columns DEQ_SIGMA and VOL_SIGMA, also where no turn has a value.
+    section
+        (turns, 32) mean radius of the samples in each of 32 parts of the turn, metres; part p is around the toolface
+        p 360 / 32. NaN: no sample. If the wall has no samples: of its vertices. A step has none. Kinds are compared
+        with it.
     path
         Path of the wall: `table` has TVD, INCL and AZIM along it.
     """
@@ -232,6 +240,7 @@ class Logs(Tabular):
     arm_diameter: tuple[Floats, ...] = ()
     with_sigma: bool = False
     caliper_accuracy: float = 0.0
+    section: Sections = field(default_factory=lambda: np.empty((0, PARTS)))
     path: Path | None = None
 
     def __len__(self) -> int:
@@ -278,14 +287,15 @@ class Logs(Tabular):
                 "step", f"these logs already have steps of {self.step:g} m; start from the logs with one row per turn"
             )
         columns = by_step(vars(self), self.pitch, self.bit_diameter, step)
-        return replace(self, step=float(step), **columns)
+        return replace(self, step=float(step), section=np.empty((0, PARTS)), **columns)
 
     def between(self, top: float | None, bottom: float | None) -> Logs:
         """Return the rows whose depth lies in [top, bottom], metres, without copying them; None: no limit."""
         kept = np.flatnonzero(self.rows_between(top, bottom))
         inside = slice(kept[0], kept[-1] + 1) if kept.size else slice(0)  # rows are in depth order: no copy
         columns: dict[str, Any] = {name: getattr(self, name)[inside] for name in COLUMN_NAMES}
-        return replace(self, arm_diameter=tuple(of[inside] for of in self.arm_diameter), **columns)
+        arms = tuple(of[inside] for of in self.arm_diameter)
+        return replace(self, arm_diameter=arms, section=self.section[inside], **columns)
 
     def annulus(self, casing: float) -> Annulus:
         """Return the annulus around a casing: volume, cement, clearance, as `helibore logs` writes them.
@@ -563,6 +573,7 @@ def turn_logs(
         reference=reference_of(wall) or "",
         reference_assumed=reference_assumed(wall),
         with_sigma=sigma is not None,
+        section=_section(wall, turns),
         path=path,
         **found,
     )
@@ -649,6 +660,27 @@ def _diameter_sigma(wall: WallLike, sigma: npt.ArrayLike | None, turns: int, acc
     square = np.nanmean(of_turns[sampled] ** 2, axis=1)
     found[sampled] = 2 * np.sqrt(square * alike[sampled] / 360 + accuracy**2)
     return found
+
+
+def _section(wall: WallLike, turns: int) -> Sections:
+    """Return `Logs.section`."""
+    helix, K = whole_helix(wall), wall.settings.sectors
+    columns = getattr(wall, "sample_columns", None) or None
+    if columns is None and hasattr(wall, "samples"):
+        columns = (wall.samples.depth, wall.samples.toolface, wall.samples.radius)
+    if columns is None:
+        number = np.arange(turns * K)
+        row, toolface, radius = number // K, helix.toolface(number), column("radius", wall.radius)[: turns * K]
+    else:
+        depth, toolface, radius = columns[:3]
+        row = np.floor((depth - helix.start_depth) / helix.pitch).astype(np.int64) - helix.first // K
+    inside = (row >= 0) & (row < turns) & np.isfinite(radius)
+    part = np.rint(toolface[inside] * (PARTS / 360)).astype(np.int64) % PARTS
+    cell = row[inside] * PARTS + part
+    count = np.bincount(cell, minlength=turns * PARTS)
+    total = np.bincount(cell, radius[inside], minlength=turns * PARTS)
+    mean: Sections = np.divide(total, count, out=np.full(count.size, np.nan), where=count > 0)
+    return mean.reshape(turns, PARTS)
 
 
 def _nearest(wall: WallLike, turns: int) -> Floats:

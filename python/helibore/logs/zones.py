@@ -4,6 +4,10 @@
 zone if it is long enough. A turn is of no kind if it lacks a radius or if less than half of it has samples near; a
 tool's arms, however few, show the kinds of the diameters that they measured.
 
+Then the sections of a few of its turns, as the samples show them, are compared with a library of sections
+(``likely_kinds``). The zone states the probability of its kind as ``confidence``; a run of turns that more likely is
+gauge, seen by a tool off centre, is no zone.
+
 A zone states the extremes of its turns, so that ENLARGE is the value that the logs have at the depth PEAK. Zones are
 sorted by severity: the extreme of the length that the criterion limits, divided by this limit.
 
@@ -14,7 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -25,7 +29,8 @@ from helibore.base.errors import InputError, check_choice
 from helibore.base.notebook import card, curve_picture
 from helibore.base.tables import LogColumn, LogTable, Tabular, columns_of
 from helibore.logs.breakouts import axes_of_arms, lobes_of, lobes_of_arms
-from helibore.logs.turn_logs import Logs, turn_logs
+from helibore.logs.likely_kinds import kind_probabilities
+from helibore.logs.turn_logs import PARTS, Logs, turn_logs
 from helibore.logs.zone_criteria import MEASURES, Criteria, washed_out
 from helibore.samples.helix import WallLike
 
@@ -51,6 +56,10 @@ GAUGE, WASHOUT, BREAKOUT, KEY_SEAT, UNDERGAUGE = range(5)
 NO_KIND = -1
 LEAST_SAMPLED = 0.5
 """A wall shows no kind where less than this share of a turn has samples near. Arms measure diameters without it."""
+TOGETHER = 0.25
+"""Metres along the hole, above and below a turn with few samples, whose samples make its section."""
+COMPARED = 6
+"""Most turns of a zone that are compared with the library of sections."""
 OPPOSITE = 140.0
 """Least degrees between two lobes that are opposite: the lobes of a breakout."""
 WIDEST_KEY_SEAT = 150.0
@@ -83,6 +92,9 @@ class Zone:
         Measured depth of ``enlargement``, metres.
     coverage
         Mean share of the zone's turns, also in its gaps, that is measured, not interpolated, 0 to 1.
+    confidence
+        Probability that the zone is of this kind, 0 to 1: from 0.8 on it is sure. A run of turns that more likely is
+        gauge is no zone.
     pipe_diameter
         Of a key seat that a wall shows: median, over the turns, of the diameter of the pipe that fits its bottom,
         metres. NaN for other kinds.
@@ -108,6 +120,7 @@ class Zone:
     toolface: float
     deviation: float
     lobes: tuple[BreakoutLobe, ...]
+    confidence: float = 1.0
 
     @property
     def length(self) -> float:
@@ -183,6 +196,7 @@ class Classification(Tabular):
             ("ELONG", "m", sizes["elongation"], [of.elongation for of in zones]),
             ("PEAK", "m", sizes["peak"], [of.peak for of in zones]),
             ("COVER", "", "Share of the zone that is measured, not interpolated", [of.coverage for of in zones]),
+            ("CONF", "", "Probability that the zone is of this class", [of.confidence for of in zones]),
             ("PIPE", "m", "Diameter of the pipe that fits a key seat", [of.pipe_diameter for of in zones]),
             ("AXIS", "deg", "Axis of a breakout, toolface of a key seat", [of.toolface for of in zones]),
             ("AXISDEV", "deg", "Axial standard deviation in the zone", [of.deviation for of in zones]),
@@ -256,9 +270,35 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
         for first, stop in _runs(fits == code, free, criteria, abs(logs.pitch)):
             free[first:stop] = False
             inside = first + np.flatnonzero(fits[first:stop] == code)
+            sections = _sections(logs, inside[np.unique(np.linspace(0, inside.size - 1, COMPARED).astype(int))])
+            likely = kind_probabilities(sections, logs.bit_diameter, criteria, _measures_diameters(logs, inside))
+            if likely[code] < likely[GAUGE]:
+                continue
             kind[inside] = code
-            zones.append(_zone(code, first, stop, inside, measures[code], logs, radius, start, criteria))
+            zone = _zone(code, first, stop, inside, measures[code], logs, radius, start, criteria)
+            zones.append(replace(zone, confidence=float(likely[code])))
     return Classification(logs, kind, tuple(sorted(zones, key=lambda zone: zone.start)), criteria)
+
+
+def _measures_diameters(logs: Logs, turns: Integers) -> bool:
+    return logs.shape == "arms" and not np.any(logs.uneven[turns] > 0)
+
+
+def _sections(logs: Logs, turns: Integers) -> Floats:
+    """Return the sections of some turns, (turns, PARTS), radius less half the bit diameter, metres.
+
+    A turn of which less than half has samples is taken together with its neighbours within `TOGETHER`.
+    """
+    found = logs.section[turns] - logs.bit_diameter / 2
+    reach = round(TOGETHER / logs.height)
+    for row, turn in enumerate(turns):
+        if np.isfinite(found[row]).sum() < PARTS / 2:
+            near = logs.section[max(turn - reach, 0) : turn + reach + 1]
+            known = np.isfinite(near)
+            count = known.sum(axis=0)
+            total = np.where(known, near, 0.0).sum(axis=0)
+            found[row, count > 0] = total[count > 0] / count[count > 0] - logs.bit_diameter / 2
+    return found
 
 
 def _kinds(logs: Logs, criteria: Criteria, lower: Floats, higher: Floats) -> Integers8:

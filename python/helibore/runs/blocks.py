@@ -31,7 +31,7 @@ from helibore.channels.channel_readings import readings
 from helibore.channels.log_set import LogSet
 from helibore.files.columnar import parquet_values
 from helibore.files.raw_set import Channel
-from helibore.logs.turn_logs import COLUMN_NAMES, RUGOSITY_WINDOW, Logs, turn_logs, window_turns
+from helibore.logs.turn_logs import COLUMN_NAMES, PARTS, RUGOSITY_WINDOW, Logs, turn_logs, window_turns
 from helibore.preparation.conditioning import in_range
 from helibore.preparation.prepare import Prepared
 from helibore.preparation.sensors import observe_by_depth
@@ -397,6 +397,7 @@ def make_block(run: Run, store: Store, folder: str, number: int, archive: str | 
     coarse_stop = _vertex_count(coarse, plan) if last else stop * OVERVIEW_SECTORS // COARSER
     made: dict[str, Any] = {name: getattr(logs, name)[rows] for name in COLUMN_NAMES}
     made |= {"vertex_radius": radius[own], "vertex_nearest": nearest[own], "samples": np.count_nonzero(inside)}
+    made["section"] = logs.section[rows]
     made["overview"] = radii(stretch(store, plan, coarse, coarse_first, coarse_stop), coarse_stop - coarse_first)[0]
     if archive is not None and len(wall):
         with store.writing(archive) as path:
@@ -454,6 +455,7 @@ def merged(run: Run, store: Store, folder: str) -> tuple[Merged, Logs, Merged]:
 
     rooms = {"overview": _vertex_count(coarse, plan), "samples": len(blocks)}
     rooms |= dict.fromkeys(COLUMN_NAMES, plan["vertices"] // settings.sectors)
+    rooms["section"] = plan["vertices"] // settings.sectors * PARTS
     columns: dict[str, Any] = {name: np.empty(room) for name, room in rooms.items()}
     filled = Counter[str]()
     for number in blocks:
@@ -462,6 +464,7 @@ def merged(run: Run, store: Store, folder: str) -> tuple[Merged, Logs, Merged]:
             column[filled[name] : filled[name] + values.size] = values.ravel()
             filled[name] += values.size
     overview, count = columns.pop("overview"), int(columns.pop("samples").sum())
+    section = columns.pop("section").reshape(-1, PARTS)
     radius, nearest = of_vertices("vertex_radius"), of_vertices("vertex_nearest")
     wall = Merged(settings, plan["start_depth"], radius, nearest, count, run.path)
     over = Merged(coarse, plan["start_depth"], overview, None, count, run.path)
@@ -469,7 +472,8 @@ def merged(run: Run, store: Store, folder: str) -> tuple[Merged, Logs, Merged]:
         bit_diameter=settings.bit_diameter, sectors=settings.sectors, pitch=settings.pitch, basis=wall.basis,
         basis_text=basis_text(wall.basis),
         rugosity_window=window_turns(RUGOSITY_WINDOW, settings.pitch) * abs(settings.pitch),
-        reference=run.path.reference if run.path is not None else "", path=run.path, **columns,
+        reference=run.path.reference if run.path is not None else "", path=run.path, section=section,
+        **columns,
     )  # fmt: skip
     return wall, logs, over
 

@@ -171,7 +171,7 @@ def test_arms_that_do_not_turn_know_no_spread_and_no_opening(turn: float) -> Non
 
 
 def test_one_arm_that_reaches_out_is_a_key_seat_on_its_side() -> None:
-    caliper = four_arms(lambda _depth, tf: np.where(np.abs(tf - 90) < 20, 0.125, 0.108), turn=1e9)
+    caliper = four_arms(lambda _depth, tf: np.where(np.abs(tf - 90) < 20, 0.140, 0.108), turn=1e9)
     (zone,) = hb.reconstruct(caliper, bit_diameter=BIT).zones().zones
     assert (zone.kind, zone.toolface) == ("key seat", 90.0)
 
@@ -192,7 +192,7 @@ def test_a_key_seat_lies_on_its_side_also_if_most_axes_are_on_the_other_side_of_
     depth = np.repeat(np.arange(0, 60, 0.05), 4)
     arm = np.tile([0, 1, 2, 3], depth.size // 4)
     toolface = (np.where(depth % 1 < 0.6, -0.5, 2.5) + 90 * arm) % 360
-    radius = np.where(np.abs((toolface + 180) % 360 - 180) < 20, 0.125, 0.108)
+    radius = np.where(np.abs((toolface + 180) % 360 - 180) < 20, 0.140, 0.108)
     (zone,) = hb.reconstruct(hb.Caliper(depth, toolface, radius, arm=arm), bit_diameter=BIT).zones().zones
     assert (zone.kind, zone.toolface) == ("key seat", pytest.approx(0.7, abs=0.2))
 

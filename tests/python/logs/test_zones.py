@@ -17,6 +17,7 @@ from helibore.base.axial import axial_mean
 from helibore.cli.lines import zone_lines
 from helibore.files.facts import read_facts
 from helibore.files.log_writing import save_table
+from helibore.logs.likely_kinds import kind_probabilities
 from helibore.logs.summary import summarize
 from helibore.logs.turn_logs import turn_logs
 from helibore.logs.zone_criteria import Criteria
@@ -67,6 +68,7 @@ def test_every_kind_is_told_and_placed() -> None:
     assert tight.enlargement == pytest.approx(-0.008)
     codes = found.kind.tolist()
     assert [codes.count(code) for code in (-1, 0, 1, 2, 3, 4)] == [4, 50, 5, 20, 6, 7]
+    assert min(zone.confidence for zone in found.zones) > 0.8
 
 
 @pytest.mark.parametrize("pitch", [0.1, -0.1])
@@ -290,3 +292,34 @@ def test_where_turning_stops_in_a_breakout_no_zone_is_invented(arms: tuple[int, 
     (zone,) = wall.zones().zones
     assert (zone.kind, zone.stop) == ("breakout", pytest.approx(2120.1, abs=0.15))
     assert wall.zones().kind[-20:].tolist() == [-1] * 20
+
+
+def test_a_tool_off_centre_sees_no_key_seat_and_a_true_one_is_likely() -> None:
+    """Four radii of a round hole 9 mm off centre meet the criterion of a key seat as a seat of 30 mm does."""
+    depth, arm = np.repeat(np.arange(1000, 1010, 0.05), 4), np.tile([0, 1, 2, 3], 200)
+    toolface = (90 * arm + 12 * depth) % 360
+    along, aside = 0.009 * np.cos(np.radians(toolface - 40)), 0.009 * np.sin(np.radians(toolface - 40))
+    centred = along + np.sqrt((BIT / 2) ** 2 - aside**2)
+    away = np.abs((toolface - 200 + 180) % 360 - 180)
+    slot = 0.03 * np.maximum(1 - (away / 45) ** 2, 0)
+    walls = [
+        hb.reconstruct(hb.Caliper(depth, toolface, of, arm=arm), bit_diameter=BIT) for of in (centred, BIT / 2 + slot)
+    ]
+    quiet, worn = (wall.zones() for wall in walls)
+    assert (quiet.logs.uneven / 2).max() > Criteria().key_seat
+    assert quiet.zones == ()
+    assert {zone.kind for zone in worn.zones} == {"key seat"}
+    assert max(zone.confidence for zone in worn.zones) > 0.5
+    np.testing.assert_array_equal(worn.table()["CONF"].values, [zone.confidence for zone in worn.zones])
+
+
+@settings(max_examples=10, deadline=None)
+@given(turn=st.integers(0, 31), seed=st.integers(0, 9))
+def test_probabilities_sum_to_one_and_do_not_depend_on_the_direction(turn: int, seed: int) -> None:
+    section = np.random.default_rng(seed).normal(0.004, 0.004, (2, 32))
+    section[:, 3:9] = np.nan
+    likely, turned = (
+        kind_probabilities(of, BIT, Criteria(), False) for of in (section, np.roll(section, turn, axis=1))
+    )
+    assert likely.sum() == pytest.approx(1)
+    np.testing.assert_allclose(turned, likely, atol=1e-6)

@@ -1,0 +1,142 @@
+"""The probability of each kind of a zone: its sections are compared with a library of sections.
+
+    d = radius - bit/2, mean in each of 32 parts of the turn; a part without a sample says nothing
+    chi^2 of a section s = min over the tool's offset (x, y) of sum w (d - s - x cos - y sin)^2 + (x^2 + y^2) / (7 mm)^2
+    evidence of a kind = mean over its sections of sum over scales f of p(f) f^-n exp(-chi^2 / 2 f^2)
+
+The library has round, oval and lobed sections of many sizes, widths and directions, and slots of pipes. The criteria
+say of which kind each of them is, as of a turn (`helibore.logs.zone_criteria`). The factor f lets holes differ from the
+library more than `ROUGH`, so that other shapes do not make it too sure. Lengths are those of a hole of 8.5 in, scaled
+to the bit. ``python -m bench.accuracy.hazards`` measures how often the probabilities are right.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from helibore.base.arrays import Floats, Integers
+from helibore.base.units import INCH
+from helibore.logs.turn_logs import PARTS
+from helibore.settings.zone_settings import CRITERIA_BIT, Criteria
+
+ROUGH = 1.6e-3
+"""Metres; standard deviation of a part of the wall from a section of the library."""
+OFFSET = 7e-3
+"""Metres; standard deviation of the tool's distance from the hole's centre, in each of two directions."""
+EFFECTIVE = 24.0
+"""Most parts of a turn that count as independent."""
+SCALES = {1.0: 0.5, 1.6: 0.3, 2.6: 0.15, 4.2: 0.05}
+"""Prior of the factor by which a hole differs more from the library than `ROUGH`."""
+INDEPENDENT = 1.0
+"""Sections of a zone that count as independent: all differ from the library alike."""
+PRIOR = (0.4, 0.15, 0.15, 0.15, 0.15)
+"""Prior of gauge, washout, breakout, key seat and undergauge hole, where turns meet a criterion."""
+_FINE = 6 * PARTS  # toolfaces at which a section of the library is drawn
+
+
+def kind_probabilities(sections: Floats, bit_diameter: float, criteria: Criteria, even: bool) -> Floats:
+    """Return the probability of gauge, washout, breakout, key seat and undergauge hole, (5,).
+
+    Parameters
+    ----------
+    sections
+        (n, PARTS) radius less half the bit diameter, metres; part p is around the toolface p 360 / PARTS. NaN: no
+        sample.
+    bit_diameter
+        Metres.
+    criteria
+        They say of which kind each section of the library is.
+    even
+        Whether the tool measures diameters, whose two ends have equal radii.
+    """
+    shapes, kind = _library(bit_diameter, criteria, even)
+    known = np.isfinite(sections)
+    used = known.sum(axis=1)
+    weight = known * (np.minimum(1.0, EFFECTIVE / np.maximum(used, 1)) / ROUGH**2)[:, None]
+    square = _squares(np.where(known, sections, 0.0), weight, shapes)
+    best = square.min(axis=1, keepdims=True)
+    count = np.minimum(used, EFFECTIVE)
+    terms = [np.log(prior) - count * np.log(scale) - best[:, 0] / (2 * scale**2) for scale, prior in SCALES.items()]
+    highest = np.max(terms, axis=0)
+    likelihood = np.zeros_like(square)
+    for term, scale in zip(terms, SCALES, strict=True):
+        likelihood += np.exp(term - highest)[:, None] * np.exp((best - square) / (2 * scale**2))
+    evidence = np.full((len(sections), len(PRIOR)), -700.0)
+    for code in range(len(PRIOR)):
+        if (kind == code).any():
+            evidence[:, code] = np.log(np.maximum(likelihood[:, kind == code].mean(axis=1), 1e-300))
+    total = np.log(PRIOR) + INDEPENDENT * evidence.mean(axis=0)
+    odds = np.exp(total - total.max())
+    likely: Floats = odds / odds.sum()
+    return likely
+
+
+def _squares(section: Floats, weight: Floats, shapes: Floats) -> Floats:
+    """Return chi^2 of each section with each shape, (n, shapes), least over the tool's offset."""
+    angle = np.arange(PARTS) * 2 * np.pi / PARTS
+    around = (np.cos(angle), np.sin(angle))
+    weighted = weight * section
+    square = (weighted * section).sum(axis=1)[:, None] - 2 * weighted @ shapes.T + weight @ (shapes * shapes).T
+    x, y = ((weighted * of).sum(axis=1)[:, None] - (weight * of) @ shapes.T for of in around)
+    xx, yy = ((weight * of**2).sum(axis=1)[:, None] + OFFSET**-2 for of in around)
+    xy = (weight * around[0] * around[1]).sum(axis=1)[:, None]
+    least: Floats = square - (yy * x**2 - 2 * xy * x * y + xx * y**2) / (xx * yy - xy**2)
+    return least
+
+
+@lru_cache(maxsize=4)
+def _library(bit_diameter: float, criteria: Criteria, even: bool) -> tuple[Floats, Integers]:
+    """Return sections, (m, PARTS), radius less half the bit diameter in metres, and their kinds."""
+    fine, lower, higher = _drawn(bit_diameter)
+    diameter = bit_diameter + fine[:, : _FINE // 2] + fine[:, _FINE // 2 :]
+    row, largest = np.arange(len(fine)), diameter.argmax(axis=1)
+    c1, c2 = diameter[row, largest], diameter[row, (largest + _FINE // 4) % (_FINE // 2)]
+    both = (lower > 0) & (2 * lower >= criteria.symmetry * (lower + higher))
+    kind = np.zeros(len(fine), dtype=np.int64)
+    kind[both & (c1 - c2 >= criteria.elongation)] = 2
+    kind[~both & (higher >= criteria.key_seat)] = 3
+    kind[c2 - bit_diameter >= criteria.washout] = 1
+    kind[diameter.min(axis=1) < bit_diameter - criteria.undergauge] = 4
+    part = (np.arange(_FINE) * PARTS + _FINE // 2) // _FINE % PARTS
+    into = (part[:, None] == np.arange(PARTS)).astype(np.float64)
+    shapes = fine @ (into / into.sum(axis=0))
+    return (shapes + np.roll(shapes, PARTS // 2, axis=1)) / 2 if even else shapes, kind
+
+
+def _drawn(bit_diameter: float) -> tuple[Floats, Floats, Floats]:
+    """Return radii less half the bit diameter, (m, _FINE), and the heights of the lower and the higher lobe, metres."""
+    mm = 1e-3 * bit_diameter / CRITERIA_BIT
+    degrees = np.arange(_FINE) * 360 / _FINE
+    angle = np.radians(degrees)
+    away = np.abs((degrees + 180) % 360 - 180)
+    rounded = [(np.full(_FINE, size), 0.0, 0.0) for size in
+               (-11, -8, -6, -4.5, -2.5, -1.2, 0, 1.2, 2.5, 4, 8, 11, 15, 20, 27, 36, 48)]  # fmt: skip
+    turned = [(size + half * np.cos(2 * angle), 0.0, 0.0) for size in (0, 2) for half in (1.5, 3, 4.5)]
+    turned += [(size + 2 * np.cos(2 * angle), 0.0, 0.0) for size in (-8, -5)]
+    turned += [
+        (size * (1 + share * np.cos(waves * angle)), 0.0, 0.0)
+        for size in (9, 14, 21, 30) for waves in (2, 3) for share in (0.15, 0.3)
+    ]  # fmt: skip
+    for wide in (30, 45, 65):
+        smooth = np.cos(np.radians(np.minimum(90 * away / wide, 90))) ** 2
+        for lobe in (smooth, np.clip(2.2 * (1 - away / wide), 0, 1)):
+            for base in (0, 1.5):
+                for high in (5, 9, 14, 19, 26, 35):
+                    turned += [
+                        (base + high * (lobe + share * np.roll(lobe, _FINE // 2)), share * high, high)
+                        for share in (0.65, 1)
+                    ]
+                turned += [(base + high * lobe, 0.0, high) for high in (3.5, 5, 8, 12, 18, 26, 36)]
+    bit = 500 * CRITERIA_BIT
+    for pipe in (1750 * INCH, 2500 * INCH, 3250 * INCH):  # radius, mm
+        for deep in (5, 9, 14, 20, 28, 38):
+            centre = bit + deep - pipe
+            left = np.maximum(pipe**2 - (centre * np.sin(angle)) ** 2, 0)
+            reach = np.where((left > 0) & (np.cos(angle) > 0), centre * np.cos(angle) + np.sqrt(left), 0)
+            turned.append((np.maximum(reach - bit, 0), 0.0, deep))
+    turns = range(0, _FINE, _FINE // PARTS)
+    every = rounded + [(np.roll(shape, turn), low, high) for shape, low, high in turned for turn in turns]
+    shapes, lower, higher = zip(*every, strict=True)
+    return mm * np.array(shapes), mm * np.array(lower), mm * np.array(higher)
