@@ -99,6 +99,10 @@ def _library(bit_diameter: float, criteria: Criteria, even: bool) -> tuple[Float
     kind[~both & (higher >= criteria.key_seat)] = 3
     kind[c2 - bit_diameter >= criteria.washout] = 1
     kind[diameter.min(axis=1) < bit_diameter - criteria.undergauge] = 4
+    first = (
+        len(kind) % PARTS
+    )  # after the round ones, each section comes in all directions: the kind of all is the first's
+    kind[first:] = np.repeat(kind[first::PARTS], PARTS)
     part = (np.arange(_FINE) * PARTS + _FINE // 2) // _FINE % PARTS
     into = (part[:, None] == np.arange(PARTS)).astype(np.float64)
     shapes = fine @ (into / into.sum(axis=0))
