@@ -199,7 +199,7 @@ export function writeBrief({ view, zones, path, store }, read, figures) {
 const LEAST_SHARE = 0.0005; // of a section: less is not written
 // What the figures of a section count, for their tooltips.
 const MEANINGS = {
-  measured: 'Share of the wall with a sample within 0.15 m and 15° and little change up to it, in no gap above largest_gap (Help has more); empty: without a radius',
+  measured: 'Share of the wall with a sample within 0.15 m and 15°, little change, no gap above largest_gap (Help has more); empty: without a radius',
   volume: 'Of the turns that have a radius all around; the others count nothing',
   washed: 'Metres of the turns that are washed out, without the gaps that a zone joins, of all metres of the section that lie in the wall, in whole turns and others',
 };
