@@ -55,7 +55,7 @@ export function decodeText(bytes) {
     text = new TextDecoder('windows-1252').decode(bytes);
   }
   if (text.slice(0, 1 << 16).includes('\0')) throw new Refusal('this is a binary file; this page reads tables (CSV, TSV) and LAS 2');
-  return text.replace(/\s+$/, '\n').split('\u001a\n')[0].replace(/\r\n?/g, '\n'); // Control-Z ended the texts of DOS
+  return `${text.trimEnd()}\n`.split('\u001a\n')[0].replace(/\r\n?/g, '\n'); // Control-Z ended the texts of DOS
 }
 
 // Return the lines above the names of the columns: a delimiter cuts only what follows evenly.
