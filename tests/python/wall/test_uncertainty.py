@@ -192,7 +192,7 @@ def test_logs_carry_the_uncertainty_of_diameters_and_volumes(tmp_path: Path) -> 
     row = int(np.flatnonzero(np.isfinite(steps.diameter_sigma))[0])
     inside = abs(logs.depth - steps.depth[row]) < 0.5
     of_turns = logs.diameter_sigma[inside]
-    errors = 1 / 0.22 if (logs.coverage[inside] >= 0.9).all() else 1
+    errors = 1 / 0.22 if (logs.sampled[inside] >= 0.9).all() else 1
     assert steps.diameter_sigma[row] == pytest.approx(np.sqrt(np.mean(of_turns**2) / errors))
     sure = wall.logs(sigma=True, caliper_accuracy=1e-3)
     np.testing.assert_allclose(sure.diameter_sigma, np.hypot(logs.diameter_sigma, 2e-3))
