@@ -16,7 +16,7 @@ extern "C" __attribute__((visibility("default"))) int page_measured(const double
         const auto marks = helibore::measured(
             {helix[0], helix[1], helix[2], sectors, count, 0}, {{depth, samples}, {toolface, samples}},
             {rule[0], rule[1], rule[2], rule[3], rule[4]}, 1, {{radius, samples}, {wall, vertices}});
-        std::copy(marks.begin(), marks.end(), found);
+        std::ranges::transform(marks, found, [](std::uint8_t mark) { return mark == 1; });
         return 0;
     } catch (const helibore::InputError&) {
         return 1;

@@ -113,9 +113,9 @@ py::array_t<double> angular_gaps(const std::tuple<double, double, double, Index,
     return array_of(std::move(gaps));
 }
 
-py::array_t<bool> measured(const std::tuple<double, double, double, Index, Index>& helix, Index count,
-                           const Column& depth, const Column& toolface, const Column& of_samples,
-                           const Column& of_vertices, const std::array<double, 5>& rule, int threads) {
+py::array_t<std::uint8_t> measured(const std::tuple<double, double, double, Index, Index>& helix, Index count,
+                                   const Column& depth, const Column& toolface, const Column& of_samples,
+                                   const Column& of_vertices, const std::array<double, 5>& rule, int threads) {
     const auto& [start_depth, start_toolface, pitch, sectors, first] = helix;
     std::vector<std::uint8_t> found;
     {
@@ -124,9 +124,7 @@ py::array_t<bool> measured(const std::tuple<double, double, double, Index, Index
                                    {span_of(depth), span_of(toolface)}, {rule[0], rule[1], rule[2], rule[3], rule[4]},
                                    threads, {span_of(of_samples), span_of(of_vertices)});
     }
-    py::array_t<bool> mask(static_cast<py::ssize_t>(found.size()));
-    std::ranges::copy(found, mask.mutable_data());
-    return mask;
+    return py::array_t<std::uint8_t>(static_cast<py::ssize_t>(found.size()), found.data());
 }
 
 }  // namespace

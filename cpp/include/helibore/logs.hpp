@@ -100,7 +100,8 @@ struct Radii {
     std::span<const double> samples, vertices;
 };
 
-// Returns 1 for each measured vertex, 0 for the others. The result does not depend on `threads`.
+// Returns 1 for each measured vertex, 2 where only the change of the wall is more than allowed, 0 for the others. The
+// result does not depend on `threads`.
 std::vector<std::uint8_t> measured(const HelixVertices& vertices, const SamplePlaces& samples, const MeasuredRule& rule,
                                    int threads = 1, const Radii& radii = {});
 

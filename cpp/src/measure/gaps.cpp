@@ -238,12 +238,12 @@ struct Nearest {
     }
 };
 
-// Clears the vertices of a line between which and their nearest samples the wall changes more than the rule allows. The
+// Marks the vertices of a line between which and their nearest samples the wall changes more than the rule allows. The
 // sectors on the two sides are searched outwards, and in each the samples above and below, as far as they may be among
 // the nearest.
 template <class Vertex>
-void clear_changing(const Sectors& in, std::span<const double> radius, const MeasuredRule& rule, const Line& line,
-                    const Vertex& vertex, std::vector<std::uint8_t>& found) {
+void mark_changing(const Sectors& in, std::span<const double> radius, const MeasuredRule& rule, const Line& line,
+                   const Vertex& vertex, std::vector<std::uint8_t>& found) {
     constexpr double farthest = 2.0;
     const auto sectors = static_cast<Index>(in.starts.size()) - 1;
     const double most = rule.largest_change * rule.largest_change, a_metre = 1.0 / rule.near_depth,
@@ -272,7 +272,7 @@ void clear_changing(const Sectors& in, std::span<const double> radius, const Mea
             for (std::size_t i = next[s]; i < in.starts[s + 1] && look(i);) ++i;
             for (std::size_t i = next[s]; i > in.starts[s] && look(i - 1);) --i;
         }
-        if (nearest.change() > most) found[number] = 0;
+        if (nearest.change() > most) found[number] = 2;
     }
 }
 
@@ -363,7 +363,7 @@ std::vector<std::uint8_t> measured(const HelixVertices& vertices, const SamplePl
         for_sides(in, rule.gap_reach, most_gap, gap_open, line, [&](std::size_t row, double ahead, double behind) {
             if (gap_between(ahead, behind) > rule.largest_gap) found[vertex(row)] = 0;
         });
-        if (is_change_limited) clear_changing(in, of_vertices, rule, line, vertex, found);
+        if (is_change_limited) mark_changing(in, of_vertices, rule, line, vertex, found);
     });
     return found;
 }

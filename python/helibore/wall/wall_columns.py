@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from helibore import _core
-from helibore.base.arrays import Floats, Integers32, Mask
+from helibore.base.arrays import Bytes, Floats, Integers32, Mask
 from helibore.base.thread_count import thread_count
 from helibore.images.sector_image import SectorImage
 from helibore.logs.picks import Picks
@@ -70,19 +70,22 @@ class WallColumns:
 
     @cached_property
     def measured(self) -> Mask:
-        return self._measured(LARGEST_CHANGE)
+        measured: Mask = self._measured == 1
+        return measured
 
     @cached_property
     def sampled(self) -> Mask:
         """Whether each vertex is `measured` but for the change of the wall: what a body may meet there is known."""
-        return self._measured(np.inf)
+        sampled: Mask = self._measured > 0
+        return sampled
 
-    def _measured(self, largest_change: float) -> Mask:
+    @cached_property
+    def _measured(self) -> Bytes:
+        """1: `measured`; 2: `sampled`, but not measured; 0: neither."""
         depth, toolface, radius, *_ = self.sample_columns
-        rule = (NEAR_DEPTH, NEAR_TOOLFACE, self.settings.gap_reach, self.settings.largest_gap, largest_change)
+        rule = (NEAR_DEPTH, NEAR_TOOLFACE, self.settings.gap_reach, self.settings.largest_gap, LARGEST_CHANGE)
         place = (whole_helix(self), self.radius.size, depth, toolface, radius, self.radius)
-        measured: Mask = _core.measured(*place, rule, thread_count(self.threads)) & np.isfinite(self.radius)
-        return measured
+        return _core.measured(*place, rule, thread_count(self.threads)) * np.isfinite(self.radius)
 
     @property
     def samples(self) -> Caliper:
