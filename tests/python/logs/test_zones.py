@@ -323,3 +323,16 @@ def test_probabilities_sum_to_one_and_do_not_depend_on_the_direction(turn: int, 
     )
     assert likely.sum() == pytest.approx(1)
     np.testing.assert_allclose(turned, likely, atol=1e-6)
+
+
+@pytest.mark.parametrize("arms", [4, 32])
+def test_what_no_gauge_section_explains_is_a_zone(arms: int) -> None:
+    """An oval of 72 mm, of which the library of sections has nothing like."""
+    depth = np.repeat(np.arange(2000, 2010, 0.05), arms)
+    around = np.array([0, 60, 180, 240]) if arms == 4 else np.arange(arms) * 360 / arms
+    toolface = (np.tile(around, depth.size // arms) + 4 * depth) % 360
+    radius = 0.115 + 0.018 * np.cos(np.radians(2 * toolface)) * (np.abs(depth - 2005) < 3)
+    arm = np.tile(np.arange(arms) % 2, depth.size // arms) if arms == 4 else None
+    zones = hb.reconstruct(hb.Caliper(depth, toolface, radius, arm=arm), bit_diameter=0.2159).zones()
+    assert [zone.kind for zone in zones.zones if zone.start < 2005 < zone.stop] == ["undergauge"]
+    assert zones.of("undergauge")[0].confidence < 0.5
