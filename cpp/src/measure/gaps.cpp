@@ -226,6 +226,7 @@ struct Nearest {
     // The change of the wall between vertex and samples, squared; 0 without a sample.
     double change() const {
         constexpr double least = 0.02;  // a sample nearer than this share has no more weight
+        constexpr double beside = 0.3;  // nearer than this share, the mean is more and more the noise of the samples
         double weights = 0.0, weighted = 0.0, squares = 0.0;
         for (std::size_t i = 0; i < count; ++i) {
             const double weight = 1.0 / std::max(std::sqrt(square[i]), least);
@@ -233,8 +234,8 @@ struct Nearest {
             squares += difference[i] * difference[i];
         }
         if (count == 0) return 0.0;
-        const double beside = weighted / weights;
-        return beside * beside + 0.25 * squares / static_cast<double>(count) * square[0];
+        const double mean = weighted / weights * std::min(1.0, std::sqrt(square[0]) / beside);
+        return mean * mean + 0.25 * squares / static_cast<double>(count) * square[0];
     }
 };
 
