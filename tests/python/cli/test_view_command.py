@@ -127,7 +127,8 @@ def test_what_it_cannot_do_is_one_line_and_exit_code_two(
         (
             ("nocaliper.csv", *BIT),
             "nocaliper.csv: no channel has the role radius, diameter or radius-image: name one by an option or in a "
-            "map, such as columns.radius=NAME:in; the channels are depth, gr",
+            "map, such as columns.radius=NAME:in and columns.depth=depth:ft, since depth states no unit; the "
+            "channels are depth, gr",
         ),
         ((".", *BIT), ".: is a directory"),
         (("none.csv", *BIT), "none.csv: No such file or directory"),

@@ -211,7 +211,7 @@ def test_a_measured_wall_has_no_banner_and_the_figures_of_its_summary(browser: A
         whole = summary.whole_turns + summary.incomplete_turns
         assert f"{summary.washed_out:.1f} m of {whole:.1f} m, {100 * summary.washed_out / whole:.1f} %" in text
         assert f"{summary.whole_turns:.1f} m of whole turns" in text
-        assert "gap_reach" in screen.get_attribute("#section dd", "title")
+        assert "largest_gap" in screen.get_attribute("#section dd", "title")
         (zone,) = measured.zones().zones
         shown = screen.evaluate("window.__wall.app.zones")
         assert [(one["kind"], one["start"]) for one in shown] == [(zone.kind, pytest.approx(zone.start, abs=1e-3))]
