@@ -88,8 +88,8 @@ std::vector<double> angular_gaps(const HelixVertices& vertices, const SamplePlac
 // What makes a vertex measured: a sample near it, samples on its two sides, and little change of the wall between. Of
 // the differences between the vertex and its four nearest samples, the change is hypot(m, s d / 2): m their mean,
 // weighted by the inverse distance, s their rms, d the distance to the nearest. Distances are shares of `near_depth`
-// and `near_toolface`. Where d is below 0.3, m is mostly the samples' noise, which the wall averages: it counts d / 0.3
-// times.
+// and `near_toolface`. Where d is below 0.3, m is mostly the samples' noise, which the wall averages: it counts
+// (d / 0.3)^2 times.
 struct MeasuredRule {
     double near_depth, near_toolface;  // a sample lies within so many metres and so many degrees, at most 180
     double gap_reach, largest_gap;     // the angular gap of samples within this reach is at most so many degrees

@@ -234,7 +234,7 @@ struct Nearest {
             squares += difference[i] * difference[i];
         }
         if (count == 0) return 0.0;
-        const double mean = weighted / weights * std::min(1.0, std::sqrt(square[0]) / beside);
+        const double mean = weighted / weights * std::min(1.0, square[0] / (beside * beside));
         return mean * mean + 0.25 * squares / static_cast<double>(count) * square[0];
     }
 };

@@ -110,12 +110,12 @@ class WallReads:
 
         A vertex is measured if it has a radius, a sample lies within 0.15 m of its depth and 15 degrees of its
         toolface, the wall changes by at most 1.1 mm between the vertex and its samples, and its `angular_gap` is at
-        most `Settings.largest_gap`. The change is hypot(m, s d / 2), of the differences between the vertex and its four
-        nearest samples: m is their mean, weighted by the inverse distance, s their rms, and d the distance to the
-        nearest as a share of 0.15 m and 15 degrees; where d is below 0.3, m counts d / 0.3 times. So 95 % of the errors
-        of measured vertices are below 1.6 mm, in rough rock 1.9 mm. `Logs.coverage` is the share of such vertices.
-        Zones, hatching, meshes and reports read this mask; `drift` and `passage` read it without the limit of the
-        change.
+        most `Settings.largest_gap`. The change is hypot(m, s d / 2), of the differences between the vertex and its
+        four nearest samples: m is their mean, weighted by the inverse distance, s their rms, and d the distance to
+        the nearest as a share of 0.15 m and 15 degrees; where d is below 0.3, m counts (d / 0.3)² times. So 95 % of
+        the errors of measured vertices are below 1.6 mm, in rough rock 1.9 mm. `Logs.coverage` is the share of such
+        vertices. Zones, hatching, meshes and reports read this mask; `drift` and `passage` read it without the limit
+        of the change.
         """
         return self._state().measured
 

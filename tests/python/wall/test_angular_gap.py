@@ -107,7 +107,7 @@ def changes(wall: hb.Wall) -> np.ndarray:
         nearest = nearest[np.isfinite(row[nearest])]
         if nearest.size:
             off = wall.samples.radius[nearest] - wall.radius[vertex]
-            mean = np.average(off, weights=1 / np.maximum(row[nearest], 0.02)) * min(1, row[nearest[0]] / 0.3)
+            mean = np.average(off, weights=1 / np.maximum(row[nearest], 0.02)) * min(1, row[nearest[0]] / 0.3) ** 2
             found[vertex] = np.hypot(mean, 0.5 * np.sqrt(np.mean(off**2)) * row[nearest[0]])
     return found
 
