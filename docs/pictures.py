@@ -55,7 +55,8 @@ def main() -> int:
     if sys.argv[1:] != ["--check"]:
         folder = Path(*sys.argv[1:2]) if sys.argv[1:] else DOCS
         draw(folder)
-        (folder / "helibore-demo.glb").unlink()
+        for beside in ("helibore-demo.glb", "helibore-log.png.toml"):
+            (folder / beside).unlink()
         if shutil.which("chromium"):
             subprocess.run([sys.executable, DOCS / "viewer_picture.py", folder / "helibore-viewer.png"], check=True)
         return 0
