@@ -7,10 +7,10 @@
 The chord is a distance in space, so C is positive definite whatever the lengths are. One sample also has the noise
 variance. The first term is short, the second is long; a third, fine one is there only if the samples show it.
 
-The parameters maximise the restricted likelihood of small blocks of samples: each block has up to 64 samples from a
-window of the hole; windows are short and long, so that the blocks show what single samples, arms and passes share. A
-composite likelihood counts samples more than once, so its curvature says nothing about certainty. Weak priors decide
-what the samples leave open, for example the shape between fixed arms.
+The parameters maximise the restricted likelihood of the samples; of more than 300, that of small blocks: each block has
+64 samples from a window of the hole; windows are short and long, so that the blocks show what single samples, arms and
+passes share. Such a composite likelihood counts samples more than once, so its curvature says nothing about certainty.
+Weak priors decide what the samples leave open, for example the shape between fixed arms.
 """
 
 from __future__ import annotations
@@ -27,6 +27,8 @@ from helibore.wall.estimates import Columns
 FEWEST = 40
 """Number of samples that a fit needs."""
 MOST_TERMS = 3
+_ONE_BLOCK = 300
+"""So many samples are one block: their likelihood is exact, and costs less than that of small blocks."""
 _BLOCKS, _BLOCK_SIZE = 12, 64
 _WINDOWS = (0.3, 1.0, 4.0, 16.0, 64.0)  # metres
 _ROOT3 = float(np.sqrt(3.0))
@@ -106,9 +108,12 @@ def fit_covariance(samples: Columns, step: float = 0.0) -> Covariance | None:
 def choose_blocks(depth: Floats, toolface: Floats, radius: float, rng: np.random.Generator) -> Integers:
     """Return the rows of the samples of each block, (blocks, samples).
 
-    The first blocks hold the samples nearest to random places on the wall, the others random samples of windows.
+    Few samples are one block. Else the first blocks hold the samples nearest to random places on the wall, the others
+    random samples of windows.
     """
-    size = min(_BLOCK_SIZE, depth.size)
+    if depth.size <= _ONE_BLOCK:
+        return np.arange(depth.size)[None]
+    size = _BLOCK_SIZE
     places = zip(rng.uniform(depth[0], depth[-1], _BLOCKS), rng.uniform(0.0, 360.0, _BLOCKS), strict=True)
     chosen = [_nearest(depth, toolface, radius, place, size) for place in places]
     for window in _WINDOWS:
