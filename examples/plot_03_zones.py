@@ -17,5 +17,5 @@ measured = simulate(hole, Tool())
 wall = hb.reconstruct(hb.Caliper(measured.depth, measured.toolface, measured.radius), bit_diameter=0.216)
 found = wall.zones()
 for zone in found.by_severity():
-    print(f"{zone.start:.1f} to {zone.stop:.1f} m  {zone.kind}  {1000 * zone.measure:.0f} mm")
+    print(f"{zone.start:.1f} to {zone.stop:.1f} m  {zone.kind} ({zone.confidence_text})  {1000 * zone.measure:.0f} mm")
 figure = hb.plot.log(wall, title="Washout and breakout", scale=100)

@@ -145,8 +145,12 @@ def zone_lines(zones: Classification, found: WallSummary, unit: str) -> Lines:
 
     ``unit`` is the value of ``--unit``: the unit in which the criteria are shown.
     """
-    counts = Counter(zone.kind for zone in zones.zones if zone.stop > found.start and zone.start < found.stop)
-    kinds = [f"{count} {kind}, {found.kinds.get(kind, 0.0):,.1f} m" for kind, count in counts.items()]
+    inside = [zone for zone in zones.zones if zone.stop > found.start and zone.start < found.stop]
+    unsure = Counter(zone.kind for zone in inside if not zone.sure)
+    kinds = [
+        f"{count} {kind}, {found.kinds.get(kind, 0.0):,.1f} m" + (f" ({unsure[kind]} not sure)" if unsure[kind] else "")
+        for kind, count in Counter(zone.kind for zone in inside).items()
+    ]
     lines: Lines = [("zones", "; ".join(kinds) or "none by the criteria")]
     axis = found.breakout_axis
     if math.isfinite(axis.mean):

@@ -5,10 +5,11 @@
     evidence of a kind = mean over its sections of sum over scales f of p(f) f^-n exp(-chi^2 / 2 f^2)
 
 The library has round, oval and lobed sections of many sizes, widths and directions, and slots of pipes. The criteria
-say of which kind each of them is, as of a turn (`helibore.logs.zone_criteria`). The factor f lets holes differ from
-the library more than `ROUGH`, so that other shapes do not make it too sure. A zone that no gauge section explains is
-not gauge, however little it resembles the other kinds. Lengths are those of a hole of 8.5 in, scaled to the bit.
-``python -m bench.accuracy.hazards`` measures how often the probabilities are right.
+say of which kind each of them is, as of a turn (`helibore.logs.zone_criteria`). The factor f lets holes differ from the
+library more than `ROUGH`, so that other shapes do not make it too sure. A zone that no gauge section explains is not
+gauge, however little it resembles the other kinds; if no section at all explains it, its kind is not sure. Lengths are
+those of a hole of 8.5 in, scaled to the bit. ``python -m bench.accuracy.hazards`` measures how often the probabilities
+are right.
 """
 
 from __future__ import annotations
@@ -34,13 +35,17 @@ INDEPENDENT = 1.0
 """Sections of a zone that count as independent: all differ from the library alike."""
 EXPLAINED = 2.6
 """A zone may be gauge if a gauge section lies within so many times `ROUGH` of its own, rms."""
+RESEMBLES = 0.35
+"""Nor is a kind sure if the nearest section differs by more than this share of the zone's own rms, and not in small."""
 PRIOR = (0.4, 0.15, 0.15, 0.15, 0.15)
 """Prior of gauge, washout, breakout, key seat and undergauge hole, where turns meet a criterion."""
 _FINE = 6 * PARTS  # toolfaces at which a section of the library is drawn
 
 
-def kind_probabilities(sections: Floats, bit_diameter: float, criteria: Criteria, even: bool) -> Floats:
-    """Return the probability of gauge, washout, breakout, key seat and undergauge hole, (5,).
+def kind_probabilities(sections: Floats, bit_diameter: float, criteria: Criteria, even: bool) -> tuple[Floats, bool]:
+    """Return the probability of gauge, washout, breakout, key seat and undergauge hole, (5,), and whether it is sound.
+
+    It is not sound if no section of the library resembles the zone: then it only says which one is the least unlike.
 
     Parameters
     ----------
@@ -71,11 +76,13 @@ def kind_probabilities(sections: Floats, bit_diameter: float, criteria: Criteria
         if (kind == code).any():
             evidence[:, code] = np.log(np.maximum(likelihood[:, kind == code].mean(axis=1), 1e-300))
     total = np.log(PRIOR) + INDEPENDENT * evidence.mean(axis=0)
-    if np.mean(square[:, kind == 0].min(axis=1) / np.maximum(count, 1)) > EXPLAINED**2:
+    misfit = square / np.maximum(count, 1)[:, None]
+    if misfit[:, kind == 0].min(axis=1).mean() > EXPLAINED**2:
         total[0] = -np.inf
+    own = np.sum(weight * np.where(known, sections, 0.0) ** 2, axis=1) / np.maximum(count, 1)
+    explained = misfit.min(axis=1).mean() <= max(EXPLAINED**2, RESEMBLES**2 * own.mean())
     odds = np.exp(total - total.max())
-    likely: Floats = odds / odds.sum()
-    return likely
+    return odds / odds.sum(), bool(explained)
 
 
 def _squares(section: Floats, weight: Floats, shapes: Floats) -> Floats:

@@ -5,8 +5,10 @@ zone if it is long enough. A turn is of no kind if it lacks a radius or if less 
 tool's arms, however few, show the kinds of the diameters that they measured.
 
 Then the sections of a few of its turns, as the samples show them, are compared with a library of sections
-(``likely_kinds``). The zone states the probability of its kind as ``confidence``; a run of turns that more likely is
-gauge, seen by a tool off centre, is no zone.
+(``likely_kinds``). The zone states the probability of its kind as ``confidence``: from `SURE` on outputs draw it
+filled, else hollow. A run of turns whose kind is less likely than `LIKELY` and that may be gauge is no zone. A run that
+is certainly not gauge but resembles no section of the library, or several kinds alike, has the confidence `LIKELY`: the
+criteria alone say its kind.
 
 A zone states the extremes of its turns, so that ENLARGE is the value that the logs have at the depth PEAK. Zones are
 sorted by severity: the extreme of the length that the criterion limits, divided by this limit.
@@ -54,6 +56,10 @@ WORST = 5
 
 GAUGE, WASHOUT, BREAKOUT, KEY_SEAT, UNDERGAUGE = range(5)
 NO_KIND = -1
+SURE, LIKELY = 0.8, 0.5
+"""Least `Zone.confidence` of a zone whose kind is sure, and of any zone."""
+NOT_GAUGE = 0.05
+"""Probability of gauge below which a run of turns is a zone, whatever its kind."""
 LEAST_SAMPLED = 0.5
 """A wall shows no kind where less than this share of a turn has samples near. Arms measure diameters without it."""
 TOGETHER = 0.25
@@ -93,8 +99,9 @@ class Zone:
     coverage
         Mean share of the zone's turns, also in its gaps, that is measured, not interpolated, 0 to 1.
     confidence
-        Probability that the zone is of this kind, 0 to 1: from 0.8 on it is sure. A run of turns that more likely is
-        gauge is no zone.
+        Probability that the zone is of this kind, 0.5 to 1: from 0.8 on it is `sure`. A run of turns whose kind is less
+        likely and that may be gauge is no zone. 0.5 if the hole is certainly not gauge but resembles no section of a
+        known kind, or those of several kinds alike: then only the criteria say its kind.
     pipe_diameter
         Of a key seat that a wall shows: median, over the turns, of the diameter of the pipe that fits its bottom,
         metres. NaN for other kinds.
@@ -126,6 +133,16 @@ class Zone:
     def length(self) -> float:
         """Length of hole, metres."""
         return self.stop - self.start
+
+    @property
+    def sure(self) -> bool:
+        """Whether `confidence` is at least 0.8. Outputs draw such zones filled, the others hollow."""
+        return self.confidence >= SURE
+
+    @property
+    def confidence_text(self) -> str:
+        """`confidence` in percent, for lists; at most 99, since no kind is certain."""
+        return f"{min(round(100 * self.confidence), 99)} %"
 
 
 class Classification(Tabular):
@@ -220,7 +237,8 @@ class Classification(Tabular):
         }
         for number, zone in enumerate(self.by_severity()[:WORST], 1):
             size = f"{MEASURES[zone.kind]} {1000 * zone.measure:.1f} mm, {zone.severity:.1f} times its limit"
-            numbers[f"worst {number}"] = f"{zone.kind} {zone.start:.2f} to {zone.stop:.2f} m: {size}"
+            text = f"{zone.kind} ({zone.confidence_text}) {zone.start:.2f} to {zone.stop:.2f} m: {size}"
+            numbers[f"worst {number}"] = text
         axis = self.breakout_axis()
         if math.isfinite(axis.mean):
             numbers["breakout axis"] = f"{axis.mean:.0f}° and {axis.mean + 180:.0f}°, {axis.spread('zone', '°', 0)}"
@@ -271,12 +289,14 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
             free[first:stop] = False
             inside = first + np.flatnonzero(fits[first:stop] == code)
             sections = _sections(logs, inside[np.unique(np.linspace(0, inside.size - 1, COMPARED).astype(int))])
-            likely = kind_probabilities(sections, logs.bit_diameter, criteria, _measures_diameters(logs, inside))
-            if likely[code] < likely[GAUGE]:
+            even = _measures_diameters(logs, inside)
+            likely, sound = kind_probabilities(sections, logs.bit_diameter, criteria, even)
+            if likely[code] < LIKELY and likely[GAUGE] > NOT_GAUGE:
                 continue
+            confidence = max(float(likely[code]), LIKELY) if sound else LIKELY
             kind[inside] = code
             zone = _zone(code, first, stop, inside, measures[code], logs, radius, start, criteria)
-            zones.append(replace(zone, confidence=float(likely[code])))
+            zones.append(replace(zone, confidence=confidence))
     return Classification(logs, kind, tuple(sorted(zones, key=lambda zone: zone.start)), criteria)
 
 

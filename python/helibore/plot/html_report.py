@@ -257,7 +257,8 @@ def _zones(zones: Classification | None, content: Content) -> str:
         return f"<p>None. {criteria} No measured part of the hole meets one of these criteria.</p>"
     unit, depths = content.drawing.size_unit, content.drawing.depth_unit.name
     ends = f"From [{depths}]", f"To [{depths}]"
-    head = ("Kind, measure, severity, peak", *ends, f"Enlarge{SOFT}ment [{unit}]", f"Elonga{SOFT}tion [{unit}]",
+    head = ("Kind and its probability, measure, severity, peak", *ends, f"Enlarge{SOFT}ment [{unit}]",
+            f"Elonga{SOFT}tion [{unit}]",
             f"Tool{SOFT}face, s.d. [°]", f"Open{SOFT}ings [°]")  # fmt: skip
     rows = []
     for zone in found:
@@ -267,9 +268,10 @@ def _zones(zones: Classification | None, content: Content) -> str:
         angles = (f"{number(zone.toolface, 0) or '–'}{spread}", openings or "–")
         ends = (in_depth_unit(zone.start, content), in_depth_unit(zone.stop, content))
         most = "narrowest" if zone.kind == "undergauge" else "widest"
+        sure = zone.confidence_text + ("" if zone.sure else " (not sure)")
         peak = f"{most} at {in_depth_unit(zone.peak, content)} {depths}"
         measure = f"{MEASURES[zone.kind].replace(' - ', ' − ')} {in_unit(zone.measure, content, 2)} {unit}"
-        rows.append([f"{zone.kind}, {measure}, {zone.severity:.1f} ×, {peak}", *ends, *sizes, *angles])
+        rows.append([f"{zone.kind} {sure}, {measure}, {zone.severity:.1f} ×, {peak}", *ends, *sizes, *angles])
     note = " ".join(f"{name.capitalize()}: {text}." for name, text in SIZES.items()).replace(" - ", " − ")
     return f"<p>Worst first, by severity. {note} {_toolface(content)} {criteria}</p>" + table(head, rows)
 

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 from helibore._core import __version__
 from helibore.base.colors import PICK_COLORS
 from helibore.base.units import INCH
-from helibore.logs.turn_logs import NO_UNCERTAINTY
+from helibore.logs.turn_logs import COVERED, NO_UNCERTAINTY
+from helibore.logs.zones import SURE
 from helibore.plot.depth_scales import length_text
 from helibore.plot.paper import FAINT, INK, LARGE, RULE, SMALL, USUAL, Sheet
 from helibore.plot.picked import DASHES
@@ -64,7 +65,7 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
     if wall.basis != "gauge":  # samples of a gauge hole are not measurements
         measured.append(("Samples", f"{summary.samples:,}", False))
         measured.append(
-            ("Measured", measured_text(content), True)
+            ("Measured", measured_text(content), summary.coverage < COVERED)
             if content.hatching
             else ("No sample in reach", f"{100 * summary.without_radius:.2f} % of the interval", False)
         )
@@ -192,6 +193,9 @@ def draw_footer(sheet: Sheet, content: Content, x: float, bottom: float, page: s
                 sheet.line((left - 1.0, left + 4.0), (y, y), linewidth=1.0, **look)
             left += 4.0 + 1.2
             left += sheet.text_width(sheet.text(left, y, kind, SMALL)) + 4.0
+        if name == "Zones":
+            text = f"hollow: the kind is not sure, its probability is below {SURE:g}"
+            sheet.text(left, y, text, SMALL, within=sheet.width - x - left)
     if content.wall.basis == "azimuthal":
         y += ROW
         sheet.text(x, y, f"Criteria of zones: {criteria_text(content)}", SMALL, within=sheet.width - 2 * x)

@@ -55,6 +55,8 @@ LETTERS = {"washout": "W", "breakout": "B", "key seat": "K", "undergauge": "U"}
 """Letters of the kinds of zones, beside their colours."""
 STRIP = 0.2
 """Share of the depth track that the zones take."""
+EDGE = 0.8
+"""Width of the edge of a hollow zone, points."""
 CURVES: dict[str, dict[str, Any]] = {
     "C1": {"color": "#0b4f8a"},
     "C2": {"color": "#0b4f8a", "dashes": (2.0, 1.0)},
@@ -100,6 +102,12 @@ class Shown:
         return ", ".join(part for part in ("logarithmic" if self.scale.log else "", cut) if part)
 
 
+def zone_look(kind: str, sure: bool) -> tuple[str, str, str]:
+    """Return the colours of the face, the edge and the letter of a zone: a zone whose kind is not sure is hollow."""
+    color = ZONE_COLORS[kind]
+    return (color, color, ink_on(color)) if sure else ("white", color, INK)
+
+
 class DepthTrack:
     """Measured depth, the true depth under it if it is known, and the zones at the left."""
 
@@ -136,12 +144,14 @@ class DepthTrack:
         for zone in self.zones:
             ends = (max(zone.start, stretch.top), min(zone.stop, stretch.bottom))
             if ends[1] > ends[0]:
-                axes.axhspan(*ends, 0.0, STRIP, color=ZONE_COLORS[zone.kind], linewidth=0)
+                face, edge, ink = zone_look(zone.kind, zone.sure)
+                width = 0.0 if zone.sure else EDGE
+                axes.axhspan(*ends, 0.0, STRIP, facecolor=face, edgecolor=edge, linewidth=width)
                 long = (ends[1] - ends[0]) * stretch.height / (stretch.bottom - stretch.top)
                 word = zone.kind if long > 1.5 * len(zone.kind) + 1.0 else LETTERS[zone.kind] if long > 2.2 else ""
                 look: dict[str, Any] = {"ha": "center", "va": "center", "size": SMALL, "family": FONT}
                 look |= {"rotation": 90.0} if len(word) > 1 else {}
-                axes.text(0.5 * STRIP, sum(ends) / 2, word, color=ink_on(ZONE_COLORS[zone.kind]), weight="bold", **look)
+                axes.text(0.5 * STRIP, sum(ends) / 2, word, color=ink, weight="bold", **look)
         for left, right, short in ((0.0, 0.12, 0.06), (1.0, 0.9, 0.94)):
             axes.hlines(major, left, right, color=INK, linewidth=0.6)
             axes.hlines(minor, left, short, color=RULE, linewidth=0.4)

@@ -31,7 +31,7 @@ from helibore.base.units import MILLIMETRE
 from helibore.logs.curves import curves_of
 from helibore.logs.summary import summarize
 from helibore.logs.zone_criteria import Criteria, median_enlargement
-from helibore.logs.zones import Classification, Zone, classify
+from helibore.logs.zones import Classification, classify
 from helibore.samples.helix import basis_of, basis_text_of, helix_of
 from helibore.trajectory.references import Reference, reference_assumed, reference_of
 from helibore.trajectory.survey import Path
@@ -262,9 +262,10 @@ class Feed:
         for zone in found.zones:
             place = {"kind": zone.kind, "start": round(zone.start, 3), "stop": round(zone.stop, 3)}
             size = {"measure": round(zone.measure, 5), "severity": round(zone.severity, 3)}
+            sure = {"confidence": round(zone.confidence, 3), "measured": round(zone.coverage, 3)}
             side = {} if math.isnan(zone.toolface) else {"toolface": round(zone.toolface, 1)}
-            zones.append(place | size | side)
-        zones = sorted(zones + list(self._alarmed_zones(wall, found.zones)), key=lambda zone: float(zone["start"]))
+            zones.append(place | size | sure | side)
+        zones = sorted(zones + list(self._alarmed_zones(wall, found)), key=lambda zone: float(zone["start"]))
         with self.scene.lock:  # zones and curves reach a page in one message
             if tuple(zones) != self.scene.state.zones:
                 self.scene.update_state(zones=tuple(zones))
@@ -273,7 +274,7 @@ class Feed:
                 self.scene.set_curves(curves_of(found.logs), self._logged)
                 self.scene.update_state(shape=found.logs.shape)
 
-    def _alarmed_zones(self, wall: Any, zones: Sequence[Zone]) -> Iterator[dict[str, Any]]:
+    def _alarmed_zones(self, wall: Any, found: Classification) -> Iterator[dict[str, Any]]:
         """Yield the turns that a live alarm names and no zone of the same kind has, because they are few or oval."""
         if not self._alarmed:
             return
@@ -283,12 +284,13 @@ class Feed:
             beyond = over > limit if kind == "washout" else over < limit
             for first, last in joined(runs_of(beyond), int(join / abs(self._shape.pitch))):
                 start, stop = sorted(self._shape.start_depth + turn * self._shape.pitch for turn in (first, last))
-                if any(of.kind == kind and of.start < stop and of.stop > start for of in zones):
+                if any(of.kind == kind and of.start < stop and of.stop > start for of in found.zones):
                     continue
                 turns = over[first:last][beyond[first:last]]
                 measure = float(turns.max() if kind == "washout" else turns.min())
                 size = {"measure": round(measure, 5), "severity": round(measure / limit, 3) if limit else 1.0}
-                yield {"kind": kind, "start": round(start, 3), "stop": round(stop, 3)} | size
+                sure = {"confidence": 1.0, "measured": round(float(found.logs.coverage[first:last].mean()), 3)}
+                yield {"kind": kind, "start": round(start, 3), "stop": round(stop, 3)} | size | sure
 
     def _classify(self, wall: Any) -> Classification:
         """Measure the turns of a wall and find its zones."""

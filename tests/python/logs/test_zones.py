@@ -319,7 +319,7 @@ def test_probabilities_sum_to_one_and_do_not_depend_on_the_direction(turn: int, 
     section = np.random.default_rng(seed).normal(0.004, 0.004, (2, 32))
     section[:, 3:9] = np.nan
     likely, turned = (
-        kind_probabilities(of, BIT, Criteria(), False) for of in (section, np.roll(section, turn, axis=1))
+        kind_probabilities(of, BIT, Criteria(), False)[0] for of in (section, np.roll(section, turn, axis=1))
     )
     assert likely.sum() == pytest.approx(1)
     np.testing.assert_allclose(turned, likely, atol=1e-6)
@@ -333,6 +333,11 @@ def test_what_no_gauge_section_explains_is_a_zone(arms: int) -> None:
     toolface = (np.tile(around, depth.size // arms) + 4 * depth) % 360
     radius = 0.115 + 0.018 * np.cos(np.radians(2 * toolface)) * (np.abs(depth - 2005) < 3)
     arm = np.tile(np.arange(arms) % 2, depth.size // arms) if arms == 4 else None
-    zones = hb.reconstruct(hb.Caliper(depth, toolface, radius, arm=arm), bit_diameter=0.2159).zones()
+    wall = hb.reconstruct(hb.Caliper(depth, toolface, radius, arm=arm), bit_diameter=0.2159)
+    zones = wall.zones()
     assert [zone.kind for zone in zones.zones if zone.start < 2005 < zone.stop] == ["undergauge"]
-    assert zones.of("undergauge")[0].confidence < 0.5
+    assert zones.of("undergauge")[0].confidence == 0.5
+    assert not zones.of("undergauge")[0].sure
+    (label, text), *_ = zone_lines(zones, wall.summary(), "m")
+    assert label == "zones"
+    assert "not sure" in text
