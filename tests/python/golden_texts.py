@@ -19,6 +19,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -56,10 +57,12 @@ class Golden:
             assert [text] == self.expected[len(self.said) - 1 : len(self.said)]
 
     @contextmanager
-    def raises(self, place: str | None = None, kind: type[BaseException] = InputError) -> Iterator[None]:
+    def raises(
+        self, place: str | None = None, kind: type[BaseException] = InputError
+    ) -> Iterator[pytest.ExceptionInfo[Any]]:
         """Expect an error, at ``place`` if given, whose text is the next one of the table."""
         with pytest.raises(kind) as caught:
-            yield
+            yield caught
         assert place in (None, getattr(caught.value, "place", None))
         self(caught.value)
 

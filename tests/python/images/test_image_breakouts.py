@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from locations import SHARED
@@ -158,7 +159,7 @@ def test_missing_values_are_not_dark_and_split_no_lobe() -> None:
     assert image_of(absent).breakouts().zones == ()
 
 
-def test_bad_criteria_and_values_are_named() -> None:
+def test_bad_criteria_and_values_are_named(golden: Golden) -> None:
     for bad, text in (
         ({"dark": 1.0}, r"^dark = 1: must be in \(0, 1\)$"),
         ({"join": math.nan}, "^join = nan: must be finite and not negative$"),
@@ -169,9 +170,9 @@ def test_bad_criteria_and_values_are_named() -> None:
             ImageCriteria(**bad)
     values = rows_of((9, ()))
     values[3, 4] = -1
-    with pytest.raises(ValueError, match=r"^image 'AMP', values\[3, 4\] = -1: must not be negative where dark is a"):
+    with golden.raises():
         image_of(values).breakouts()
-    with pytest.raises(ValueError, match=r"^bit_diameter = 0: must be finite and above 0$"):
+    with golden.raises():
         Criteria.scaled(0)
 
 

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -64,27 +65,21 @@ def test_a_steady_window_is_in_the_middle_even_beside_large_values() -> None:
 
 
 @pytest.mark.parametrize(
-    ("call", "text"),
+    "call",
     [
-        (lambda: percentile_limits(np.full(6, np.nan)), "values: all 6 are missing"),
-        (
-            lambda: percentile_limits([60.0, 60.0, np.nan]),
-            r"values: constant, 60 at both the 2 and the 98 percentile: give limits=\(low, high\)",
-        ),
-        (
-            lambda: percentile_limits([[1.0, 2.0], [3.0, -0.5]], log=True),
-            r"values\[1, 1\] = -0.5: must be above 0 on a log scale \(1 of 4 are not\); make them NaN to show them as",
-        ),
-        (lambda: percentile_limits([1.0, 2.0], (98, 2)), r"percentiles = \(98, 2\): must be two numbers in \[0, 100\]"),
-        (lambda: sliding_window([0.0, 1.0], [1.0, 2.0, 3.0]), r"values: must be of shape \(2,\) or \(2, sectors\)"),
-        (lambda: sliding_window([0.0, 0.0], [1.0, 2.0]), r"depth\[1\] = 0: must rise"),
-        (lambda: sliding_window([0.0, np.inf], [1.0, 2.0]), r"depth\[1\] = inf: must be finite"),
-        (lambda: sliding_window([0.0, 1.0], [1.0, 2.0], 0), "window = 0: must be finite and above 0"),
-        (lambda: sliding_window([0.0, 1.0], [np.nan, np.nan]), "values: all 2 are missing"),
-        (lambda: sliding_window([], []), "values: all 0 are missing"),
-        (lambda: sliding_window([0.0, 1.0], [1.0, 0.0], log=True), r"values\[1\] = 0: must be above 0 on a log scale"),
+        lambda: percentile_limits(np.full(6, np.nan)),
+        lambda: percentile_limits([60.0, 60.0, np.nan]),
+        lambda: percentile_limits([[1.0, 2.0], [3.0, -0.5]], log=True),
+        lambda: percentile_limits([1.0, 2.0], (98, 2)),
+        lambda: sliding_window([0.0, 1.0], [1.0, 2.0, 3.0]),
+        lambda: sliding_window([0.0, 0.0], [1.0, 2.0]),
+        lambda: sliding_window([0.0, np.inf], [1.0, 2.0]),
+        lambda: sliding_window([0.0, 1.0], [1.0, 2.0], 0),
+        lambda: sliding_window([0.0, 1.0], [np.nan, np.nan]),
+        lambda: sliding_window([], []),
+        lambda: sliding_window([0.0, 1.0], [1.0, 0.0], log=True),
     ],
 )
-def test_bad_input_is_named(call, text: str) -> None:
-    with pytest.raises(ValueError, match=f"^{text}"):
+def test_bad_input_is_named(call, golden: Golden) -> None:
+    with golden.raises():
         call()

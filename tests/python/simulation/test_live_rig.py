@@ -73,13 +73,13 @@ def test_a_played_rig_with_a_lift_ends_with_the_bits_of_the_batch(tmp_path, faul
     assert np.array_equal(live.path.position([2001.0]), again.path.position([2001.0]))
 
 
-def test_the_telemetry_sets_rate_and_delay():
+def test_the_telemetry_sets_rate_and_delay(golden):
     slow, fast = (Rig(name, 2000.0, 2001.0, lift=0.0) for name in ("mud-pulse", "wired-pipe"))
     assert len(fast.triples) > 1000 * len(slow.triples)
     assert max(at for at, _ in slow.frames()) > slow.run.time[-1] + 19
-    with pytest.raises(ValueError, match=r"^telemetry 'smoke': must be one of mud-pulse, em, wired-pipe, memory$"):
+    with golden.raises():
         Rig("smoke")
-    with pytest.raises(ValueError, match=r"^late = 1: must be in \[0, 1\)$"):
+    with golden.raises():
         Faults(late=1.0)
 
 
@@ -176,21 +176,21 @@ def test_the_tool_is_lifted_where_it_is_told_to_be():
 
 
 @pytest.mark.parametrize(
-    ("arguments", "reported"),
+    "arguments",
     [
-        (["hole"], "FOLDER: does not go with --wits"),
-        (["--noise", "1mm"], "--noise: does not go with --wits"),
-        (["--format", "npz", "-q"], "--format: does not go with --wits"),
-        (["--speed", "-1"], "Invalid value for '--speed': -1.0 is not in the range x>=0."),
-        (["--wits", "127.0.0.1:9872"], "address '127.0.0.1:9872': must be tcp://HOST:PORT or listen://HOST:PORT"),
+        ["hole"],
+        ["--noise", "1mm"],
+        ["--format", "npz", "-q"],
+        ["--speed", "-1"],
+        ["--wits", "127.0.0.1:9872"],
     ],
 )
-def test_what_a_played_rig_does_not_heed_is_refused_at_once(tmp_path, monkeypatch, arguments, reported):
+def test_what_a_played_rig_does_not_heed_is_refused_at_once(tmp_path, monkeypatch, arguments, golden):
     monkeypatch.chdir(tmp_path)
     result = CliRunner().invoke(cli, ["simulate", "--wits", "tcp://127.0.0.1:1", *arguments])
     assert result.exit_code == 2
     assert result.stdout == ""
-    assert reported in result.stderr
+    golden(result.stderr)
     assert not list(tmp_path.iterdir())
 
 

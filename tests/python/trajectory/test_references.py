@@ -146,21 +146,18 @@ def test_surface_places_a_transported_wall_as_the_frames_say(method):
 
 
 @pytest.mark.parametrize(
-    ("call", "text"),
+    "call",
     [
-        (lambda _: from_high_side([1], 6, 4), "low = 6, high = 4: must be 0 <= low <= high"),
-        (lambda _: from_high_side([1, np.nan]), "inclination[1] = nan: must be finite"),
-        (lambda p: onto_path([0, 1], [200, 20], p, True),
-         "toolface[1] at depth 20: the high side is undefined where the hole is vertical"),
-        (lambda p: onto_path([0], [300], p, False),
-         "toolface[0] at depth 300: north is undefined where the hole is horizontal and points north or south"),
-        (lambda p: onto_path([0], [200, 3], p, True), "depth has 2 values, toolface has 1: must be equal"),
-        (lambda p: onto_path([0], [200], p, np.array([True, False])),
-         "high_side has shape (2,), toolface has (1,): must be equal"),
+        lambda _: from_high_side([1], 6, 4),
+        lambda _: from_high_side([1, np.nan]),
+        lambda p: onto_path([0, 1], [200, 20], p, True),
+        lambda p: onto_path([0], [300], p, False),
+        lambda p: onto_path([0], [200, 3], p, True),
+        lambda p: onto_path([0], [200], p, np.array([True, False])),
     ],
 )  # fmt: skip
-def test_errors(call, text):
+def test_errors(call, golden):
     path = hb.Survey([0, 100, 300], [0, 0, 90], [0, 0, 0]).path(reference="parallel-transport")
     with pytest.raises(ValueError) as caught:  # noqa: PT011 - the whole text is compared
         call(path)
-    assert str(caught.value) == text
+    golden(str(caught.value))

@@ -257,26 +257,18 @@ def test_published_offset_of_north_to_high_side():
     assert path.north_to_high_side([2.0, 7.0]) == pytest.approx([105.13] * 2, abs=0.005)
 
 
-def test_references_are_refused_where_they_are_undefined_and_only_there():
+def test_references_are_refused_where_they_are_undefined_and_only_there(golden):
     kicked = hb.Survey([0, 100, 130], [0, 0, 3], [0, 0, 60])
-    with pytest.raises(
-        ValueError,
-        match=r"depth\[1\] = 99: the high side is undefined where the hole is vertical; use the reference north",
-    ):
+    with golden.raises():
         kicked.path().frame([101, 99])
     just_below = kicked.path().frame(100.001)
     assert just_below[0] == pytest.approx([math.cos(math.radians(60)), math.sin(math.radians(60)), 0], abs=1e-5)
     level = hb.Survey([0, 100], [90, 90], [180, 180])
-    with pytest.raises(
-        ValueError,
-        match=re.escape(
-            "depth[0] = 5: north is undefined where the hole runs level north or south; use the reference high-side"
-        ),
-    ):
+    with golden.raises():
         level.path(reference="north").frame(5)
     assert level.path().frame(5)[0].tolist() == [0, 0, -1]
     assert np.isfinite(level.path(reference="north").position(5)).all()  # only frames need a reference
-    with pytest.raises(ValueError, match="high side is undefined"):
+    with golden.raises():
         kicked.path(reference="north").north_to_high_side(50)
 
 
@@ -310,20 +302,13 @@ def test_the_provisional_part_goes_straight_on():
     assert (path.start_depth, path.survey_depth, path.stop_depth) == (0, 100, 120)
 
 
-def test_depths_the_path_does_not_reach():
+def test_depths_the_path_does_not_reach(golden):
     path = hb.Survey([50, 100], [10, 20], [40, 50]).path(extend=20)
-    with pytest.raises(
-        ValueError, match=re.escape("depth[1] = 49.5: must not lie above the first station of the survey, at 50 m")
-    ):
+    with golden.raises():
         path.position([60, 49.5])
-    with pytest.raises(
-        ValueError,
-        match=re.escape(
-            "depth[0] = 120.5: must not lie below the last station of the survey, at 100 m, plus extend = 20 m"
-        ),
-    ):
+    with golden.raises():
         path.tangent(120.5)
-    with pytest.raises(ValueError, match=re.escape("depth[0] = nan: must be finite")):
+    with golden.raises():
         path.frame(math.nan)
 
 
@@ -344,44 +329,44 @@ def test_arrays_of_any_form_and_single_numbers():
 
 
 @pytest.mark.parametrize(
-    ("stations", "text"),
+    "stations",
     [
-        (([0, 100], [0, 0, 0], [0, 0]), "inclination has 3 values, depth has 2: must be equal"),
-        (([0, 100], [0, 0], [0]), "azimuth has 1 values, depth has 2: must be equal"),
-        (([], [], []), "survey has 0 stations: must have two or more"),
-        (([5], [0], [0]), "survey has 1 station: must have two or more"),
-        (([0, math.nan], [0, 0], [0, 0]), "depth[1] = nan: must be finite"),
-        (([0, math.inf], [0, 0], [0, 0]), "depth[1] = inf: must be finite"),
-        (([0, 100, 100], [0] * 3, [0] * 3), "depth[2] = 100: must be greater than depth[1] = 100"),
-        (([0, 100, 90.5], [0] * 3, [0] * 3), "depth[2] = 90.5: must be greater than depth[1] = 100"),
-        (([0, 100], [0, math.nan], [0, 0]), "inclination[1] = nan: must be finite"),
-        (([0, 100], [-0.1, 0], [0, 0]), "inclination[0] = -0.1: must lie in 0 to 180 degrees"),
-        (([0, 100], [0, 180.5], [0, 0]), "inclination[1] = 180.5: must lie in 0 to 180 degrees"),
-        (([0, 100], [0, 0], [0, -999.25]), "azimuth[1] = -999.25: must lie in -360 to 360 degrees"),
-        (([0, 100], [0, 0], ["a", "b"]), "azimuth: must be numbers"),
+        ([0, 100], [0, 0, 0], [0, 0]),
+        ([0, 100], [0, 0], [0]),
+        ([], [], []),
+        ([5], [0], [0]),
+        ([0, math.nan], [0, 0], [0, 0]),
+        ([0, math.inf], [0, 0], [0, 0]),
+        ([0, 100, 100], [0] * 3, [0] * 3),
+        ([0, 100, 90.5], [0] * 3, [0] * 3),
+        ([0, 100], [0, math.nan], [0, 0]),
+        ([0, 100], [-0.1, 0], [0, 0]),
+        ([0, 100], [0, 180.5], [0, 0]),
+        ([0, 100], [0, 0], [0, -999.25]),
+        ([0, 100], [0, 0], ["a", "b"]),
     ],
 )
-def test_bad_stations(stations, text):
-    with pytest.raises(ValueError, match=f"^{re.escape(text)}$"):
+def test_bad_stations(stations, golden):
+    with golden.raises():
         hb.Survey(*stations)
 
 
 @pytest.mark.parametrize(
-    ("settings", "text"),
+    "settings",
     [
-        ({"method": "tangential"}, 'method = "tangential": must be "minimum-curvature" or "radius-of-curvature"'),
-        ({"reference": "up"}, 'reference = "up": must be "high-side", "north" or "parallel-transport"'),
-        ({"extend": -1}, "extend = -1: must be finite and not negative"),
-        ({"extend": math.nan}, "extend = nan: must be finite and not negative"),
-        ({"extend": 2e7}, "extend = 2e+07: must be at most 10000000 m"),
-        ({"head": (0, math.inf, 0)}, "head[1] = inf: must be finite"),
-        ({"head": (0, 1)}, "head = (0, 1): must be three numbers: north, east and down"),
-        ({"head": "abc"}, "head = 'abc': must be three numbers: north, east and down"),
-        ({"head": (0, 2e9, 0)}, "head[1] = 2e+09: must lie in -1e9 to 1e9 m"),
+        {"method": "tangential"},
+        {"reference": "up"},
+        {"extend": -1},
+        {"extend": math.nan},
+        {"extend": 2e7},
+        {"head": (0, math.inf, 0)},
+        {"head": (0, 1)},
+        {"head": "abc"},
+        {"head": (0, 2e9, 0)},
     ],
 )
-def test_bad_settings(settings, text):
-    with pytest.raises(ValueError, match=f"^{re.escape(text)}$"):
+def test_bad_settings(settings, golden):
+    with golden.raises():
         hb.Survey([0, 100], [1, 2], [3, 4]).path(**settings)
 
 

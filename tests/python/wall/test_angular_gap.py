@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -57,14 +58,14 @@ def test_four_arms_see_a_seventh_and_a_turning_tool_everything() -> None:
     assert hb.reconstruct(turning, bit_diameter=0.216).logs().coverage[1:].min() == 1.0
 
 
-def test_settings_say_how_far_and_how_wide() -> None:
+def test_settings_say_how_far_and_how_wide(golden: Golden) -> None:
     depth = np.repeat(np.arange(0, 5, 0.05), 4)
     caliper = hb.Caliper(depth, np.tile([5, 95, 185, 275], depth.size // 4), np.full(depth.size, 0.11))
     assert hb.reconstruct(caliper, bit_diameter=0.216).logs().coverage.max() == 0.0
     assert hb.reconstruct(caliper, bit_diameter=0.216, largest_gap=90.0).logs().coverage.min() == 4 * 5 / 64
-    with pytest.raises(hb.InputError, match=r"^gap_reach = 0: must be finite and above 0$"):
+    with golden.raises():
         hb.Wall(bit_diameter=0.2, gap_reach=0)
-    with pytest.raises(hb.InputError, match=r"^largest_gap = 400: must be above 0 and at most 360$"):
+    with golden.raises():
         hb.Wall(bit_diameter=0.2, largest_gap=400)
 
 

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from reference import bits, random_hole
@@ -233,7 +234,7 @@ def test_a_wall_saved_while_it_grows_is_one_of_its_moments(tmp_path: Path) -> No
     assert bits(reopened(wall, tmp_path)) == bits(wall)
 
 
-def test_surfaces_have_the_images_and_attributes_of_their_wall() -> None:
+def test_surfaces_have_the_images_and_attributes_of_their_wall(golden: Golden) -> None:
     wall = dressed(oval())
     del wall.images["coarse"]
     surface = wall.surface(start=1000.5, stop=1001.0)
@@ -249,9 +250,9 @@ def test_surfaces_have_the_images_and_attributes_of_their_wall() -> None:
     assert np.isnan(values[before:]).all()
     assert values.size > before
     wall.append([999.0], [0.0], [0.1])
-    with pytest.raises(ValueError, match=r"was set when the wall began at 1000 m; it begins at 999 m now"):
+    with golden.raises():
         wall.surface()
-    with pytest.raises(ValueError, match=r"attributes\['x'\] has 3 values: must be \d+, one for each quad of the wall"):
+    with golden.raises():
         wall.attributes["x"] = [1, 2, 3]
 
 
@@ -425,15 +426,15 @@ def test_a_damaged_header_of_an_array_is_refused_whatever_it_has_become(tmp_path
 # ------------------------------------------------------------------ whole or not at all
 
 
-def test_what_cannot_be_saved_says_so(tmp_path: Path) -> None:
+def test_what_cannot_be_saved_says_so(tmp_path: Path, golden: Golden) -> None:
     wall = oval(100)
-    with pytest.raises(ValueError, match=r"well\.glb: the archive of a wall ends in \.wall; wall\.surface\(\)\.save"):
+    with golden.raises():
         wall.save(tmp_path / "well.glb")
     wall.made_from = {"files": (1, 2)}
-    with pytest.raises(ValueError, match="made_from: must be what JSON can hold: lists, not tuples"):
+    with golden.raises():
         wall.save(tmp_path / "a.wall")
     wall.made_from = {"when": {1, 2}}
-    with pytest.raises(ValueError, match=r"made_from: must be what JSON can hold: .*set"):
+    with golden.raises():
         wall.save(tmp_path / "a.wall")
     assert not list(tmp_path.iterdir())
 
@@ -455,7 +456,7 @@ def test_a_full_disk_keeps_the_old_archive_and_leaves_nothing_beside_it(tmp_path
     assert len(hb.load(path)) > 0
 
 
-def test_errors_of_the_disk_name_the_file_that_was_asked_for(tmp_path: Path) -> None:
+def test_errors_of_the_disk_name_the_file_that_was_asked_for(tmp_path: Path, golden: Golden) -> None:
     target = tmp_path / "nowhere" / "a.wall"
     with pytest.raises(FileNotFoundError) as raised:
         oval(100).save(target)
@@ -464,6 +465,6 @@ def test_errors_of_the_disk_name_the_file_that_was_asked_for(tmp_path: Path) -> 
     def full(_: Any) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    with pytest.raises(OSError, match=r"\[Errno 28\] No space left on device: '.*b\.wall'"):
+    with golden.raises(kind=OSError):
         write_whole(tmp_path / "b.wall", full)
     assert ARCHIVE_ENDING == ".wall"

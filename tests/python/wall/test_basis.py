@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 
 import helibore as hb
 
@@ -35,8 +36,8 @@ def test_missing_diameters_are_left_out_and_a_gap_stays_a_gap() -> None:
     assert not missing[(wall.depth < 5.9) | (wall.depth > 14.1)].any()
 
 
-def test_a_depth_of_an_average_caliper_that_is_not_finite_is_named_by_its_row() -> None:
-    with pytest.raises(hb.InputError, match=r"^depth\[1\] = nan: must be finite$"):
+def test_a_depth_of_an_average_caliper_that_is_not_finite_is_named_by_its_row(golden: Golden) -> None:
+    with golden.raises():
         hb.Caliper.from_average([100.0, np.nan], [0.2, 0.2])
     assert len(hb.Caliper.from_average([100.0, np.nan], [0.2, np.nan])) == 16
 
@@ -98,26 +99,20 @@ def test_the_picture_says_that_the_shape_is_not_measured() -> None:
 
 
 @pytest.mark.parametrize(
-    ("call", "text"),
+    "call",
     [
-        (
-            lambda: hb.Caliper.from_average([1, 2], [0.2, 8.5]),
-            r"diameter\[1\] = 8.5: must be above 0 and at most 4 metres",
-        ),
-        (lambda: hb.Caliper.from_average([1, 2], [0.2, 0]), r"diameter\[1\] = 0: must be above 0 and at most 4 metres"),
-        (lambda: hb.Caliper.from_average([1, 2], [np.nan, np.nan]), "diameter: all 2 are missing"),
-        (lambda: hb.Caliper.from_average([1, 2], [0.2]), "diameter has 1 values, depth has 2: must be equal"),
-        (lambda: hb.Caliper.gauge(20, 10, 0.2), "stop = 10: must be deeper than start = 20"),
-        (lambda: hb.Caliper.gauge(0, np.inf, 0.2), "stop = inf: must be finite"),
-        (lambda: hb.Caliper.gauge(0, 10, 8.5), "bit_diameter = 8.5: must be above 0 and at most 4 metres"),
-        (lambda: hb.Caliper.gauge(0, 10, 0.2, step=0), "step = 0: must be finite and above 0"),
-        (
-            lambda: hb.Caliper([1], [0], [0.1], basis="guess"),
-            "basis = 'guess': must be one of azimuthal, average, gauge",
-        ),
-        (lambda: hb.Wall(bit_diameter=0.2, basis="bit"), "basis = 'bit': must be one of azimuthal, average, gauge"),
+        lambda: hb.Caliper.from_average([1, 2], [0.2, 8.5]),
+        lambda: hb.Caliper.from_average([1, 2], [0.2, 0]),
+        lambda: hb.Caliper.from_average([1, 2], [np.nan, np.nan]),
+        lambda: hb.Caliper.from_average([1, 2], [0.2]),
+        lambda: hb.Caliper.gauge(20, 10, 0.2),
+        lambda: hb.Caliper.gauge(0, np.inf, 0.2),
+        lambda: hb.Caliper.gauge(0, 10, 8.5),
+        lambda: hb.Caliper.gauge(0, 10, 0.2, step=0),
+        lambda: hb.Caliper([1], [0], [0.1], basis="guess"),
+        lambda: hb.Wall(bit_diameter=0.2, basis="bit"),
     ],
 )
-def test_bad_input_is_named(call, text: str) -> None:
-    with pytest.raises(ValueError, match=f"^{text}$"):
+def test_bad_input_is_named(call, golden: Golden) -> None:
+    with golden.raises():
         call()

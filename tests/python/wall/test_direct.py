@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from reference import Floats, bits, canonical, exactly, random_hole
+from golden_texts import Golden
+from reference import Floats, bits, canonical, random_hole
 
 import helibore as hb
 
@@ -79,8 +80,8 @@ def test_a_saved_wall_goes_on_being_direct(tmp_path: Any) -> None:
     assert bits(hb.load(tmp_path / "well.wall")) == bits(wall)
 
 
-def test_direct_is_a_truth_value() -> None:
-    with pytest.raises(ValueError, match=exactly("direct = 1: must be true or false")):
+def test_direct_is_a_truth_value(golden: Golden) -> None:
+    with golden.raises():
         hb.Wall(bit_diameter=BIT, direct=1)
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -80,7 +81,7 @@ def test_the_reach_of_too_few_samples_is_infinite_without_a_limit(max_distance: 
     assert [math.isinf(depth) for depth in wall.reach(0, K)] == [max_distance is None] * 2
 
 
-def test_appends_to_a_stretch_report_numbers_of_the_whole(tmp_path: Path) -> None:
+def test_appends_to_a_stretch_report_numbers_of_the_whole(tmp_path: Path, golden: Golden) -> None:
     columns = samples(5, 400, 6.0, 0.0)
     of: dict[str, Any] = {"bit_diameter": 0.2, "sectors": K, "start_depth": 100.0, "max_distance": 0.3, "threads": 1}
     stretch = hb.Wall(**of, first_vertex=20 * K, stop_vertex=40 * K)
@@ -99,23 +100,23 @@ def test_appends_to_a_stretch_report_numbers_of_the_whole(tmp_path: Path) -> Non
     stretch.save(tmp_path / "stretch.wall")
     for again in (hb.load(tmp_path / "stretch.wall"), pickle.loads(pickle.dumps(stretch))):
         assert bits(again.vertices(20 * K, 40 * K)) == bits(after)
-    with pytest.raises(hb.InputError, match=r"^range = \[0, 8\): must lie within the wall's vertices \[160, 320\)$"):
+    with golden.raises():
         stretch.vertices(0, 8)
 
 
 @pytest.mark.parametrize(
-    ("given_", "text"),
+    "given_",
     [
-        ({"first_vertex": 4, "start_depth": 1.0}, "first_vertex = 4: must be a multiple of sectors"),
-        ({"first_vertex": 8}, "first_vertex = 8: needs a start_depth"),
-        ({"stop_vertex": 0}, f"stop_vertex = 0: must lie in 1 to {2**40}"),
-        ({"stop_vertex": 8, "stop_depth": 2.0}, "stop_vertex = 8: must not be given with a stop_depth"),
+        {"first_vertex": 4, "start_depth": 1.0},
+        {"first_vertex": 8},
+        {"stop_vertex": 0},
+        {"stop_vertex": 8, "stop_depth": 2.0},
     ],
 )
-def test_settings_of_a_stretch_that_break_a_rule(given_: dict[str, Any], text: str) -> None:
+def test_settings_of_a_stretch_that_break_a_rule(given_: dict[str, Any], golden: Golden) -> None:
     with pytest.raises(hb.InputError) as caught:
         hb.Wall(bit_diameter=0.2, sectors=K, **given_)
-    assert str(caught.value) == text
+    golden(str(caught.value))
 
 
 def rows(logs: Logs, start: int, stop: int) -> list[bytes]:

@@ -147,11 +147,11 @@ def test_a_pickle_with_a_wrong_bit_is_refused_or_gives_the_same_wall(protocol):
     assert refused > 250
 
 
-def test_a_damaged_pickle_is_named():
+def test_a_damaged_pickle_is_named(golden):
     wall = hb.reconstruct(hb.Caliper([1, 2], [0, 90], [0.1, 0.11]), bit_diameter=0.2)
     buffers = []
     small = pickle.dumps(wall, 5, buffer_callback=buffers.append)
     columns = [bytearray(of.raw()) for of in buffers]
     columns[2][7] ^= 1
-    with pytest.raises(hb.InputError, match="pickle of a wall: is damaged"):
+    with golden.raises():
         pickle.loads(small, buffers=columns)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 from reference import Floats, exactly
 
 import helibore as hb
@@ -48,10 +49,10 @@ def test_a_key_seat_is_rebuilt_better_with_tuned_settings(tuning: hb.Tuning) -> 
     assert 0.2 < tuning.gain < 1.0
 
 
-def test_what_a_tuning_says(tuning: hb.Tuning) -> None:
+def test_what_a_tuning_says(tuning: hb.Tuning, golden: Golden) -> None:
     assert len(tuning.table) == len(tuning.candidates) == 21
     assert [row["candidate"] for row in tuning.table if row["chosen"]] == [tuning.best.name]
-    assert tuning.table[0]["candidate"] == "inverse distance, angular_scale 1, neighbors 8"
+    golden(tuning.table[0]["candidate"])
     assert tuning.best.name in tuning.sentence
     assert str(tuning) == tuning.sentence
     texts = [each.text for each in ET.fromstring(tuning.svg()).iter("{http://www.w3.org/2000/svg}text")]
@@ -172,8 +173,8 @@ BAD: list[tuple[int, dict[str, Any], str]] = [
 
 
 @pytest.mark.parametrize("targets", [0, -5])
-def test_at_least_one_sample_must_be_left_out(targets: int) -> None:
-    with pytest.raises(hb.InputError, match=exactly(f"targets = {targets}: must be 1 or more")):
+def test_at_least_one_sample_must_be_left_out(targets: int, golden: Golden) -> None:
+    with golden.raises():
         hb.tune(caliper(), bit_diameter=BIT, targets=targets)
 
 
@@ -183,7 +184,7 @@ def test_bad_input(count: int, settings: dict[str, Any], text: str) -> None:
         hb.tune(caliper(count), bit_diameter=BIT, **settings)
 
 
-def test_equal_positions_and_a_constant_wall() -> None:
+def test_equal_positions_and_a_constant_wall(golden: Golden) -> None:
     """No division by the zero error of a constant wall; equal positions have no other sample to be estimated from."""
     depth = np.repeat(np.arange(60) * 0.05, 5)
     toolface = np.tile(np.arange(5) * 72.0, 60)
@@ -191,7 +192,7 @@ def test_equal_positions_and_a_constant_wall() -> None:
     assert constant.best is constant.candidates[0]
     assert constant.gain == 0.0
     together = hb.Caliper(np.ones(200), np.zeros(200), np.full(200, 0.11))
-    with pytest.raises(hb.InputError, match=r"^samples: too few samples to tune: no sample has another"):
+    with golden.raises():
         hb.tune(together, bit_diameter=BIT)
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 from reference import Floats, exactly, instruction_sets
 
 import helibore as hb
@@ -110,14 +111,12 @@ def test_a_constant_wall_and_collinear_samples_have_a_value(settings: dict[str, 
     assert np.isfinite(hb.reconstruct(varying, bit_diameter=BIT, **settings).sigma).mean() > 0.9
 
 
-def test_too_few_samples() -> None:
+def test_too_few_samples(golden: Golden) -> None:
     wall = hb.reconstruct(caliper(40), bit_diameter=BIT)
-    with pytest.raises(
-        hb.InputError, match=exactly("samples = 40: too few samples for an uncertainty: must be at least 100")
-    ):
+    with golden.raises():
         _ = wall.sigma
     together = hb.reconstruct(hb.Caliper(np.ones(200), np.zeros(200), np.full(200, 0.11)), bit_diameter=BIT)
-    with pytest.raises(hb.InputError, match=r"^samples: too few samples for an uncertainty: no sample has another"):
+    with golden.raises():
         _ = together.sigma
 
 
@@ -171,7 +170,7 @@ def test_calibration_finds_the_noise_of_a_dense_round_hole() -> None:
     assert found.noise * found.quantile / 1.96 == pytest.approx(5e-4, rel=0.35)
 
 
-def test_logs_carry_the_uncertainty_of_diameters_and_volumes(tmp_path: Path) -> None:
+def test_logs_carry_the_uncertainty_of_diameters_and_volumes(tmp_path: Path, golden: Golden) -> None:
     wall = hb.reconstruct(caliper(), bit_diameter=BIT, start_depth=0.5, stop_depth=7.5)
     logs, plain = wall.logs(sigma=True), wall.logs()
     turns = wall.sigma[: len(logs) * 64].reshape(-1, 64)
@@ -197,7 +196,7 @@ def test_logs_carry_the_uncertainty_of_diameters_and_volumes(tmp_path: Path) -> 
     sure = wall.logs(sigma=True, caliper_accuracy=1e-3)
     np.testing.assert_allclose(sure.diameter_sigma, np.hypot(logs.diameter_sigma, 2e-3))
     assert sure.by_step(1.0).diameter_sigma[row] == pytest.approx(np.hypot(steps.diameter_sigma[row], 2e-3))
-    with pytest.raises(hb.InputError, match=exactly("caliper_accuracy = -1: must be finite and not negative")):
+    with golden.raises():
         wall.logs(caliper_accuracy=-1)
     logs.save(tmp_path / "w.csv")
     assert "VOL_SIGMA" in (tmp_path / "w.csv").read_text()

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 from reference import FIELDS, Floats, bits, exactly, random_hole, reference
 
 import helibore as hb
@@ -250,15 +251,15 @@ def test_the_samples_come_back_in_canonical_order() -> None:
     assert wall.samples.time.tolist() == [4.0, 5.0, 1.0]
 
 
-def test_change_counts() -> None:
+def test_change_counts(golden: Golden) -> None:
     wall = hb.Wall(bit_diameter=BIT, sectors=8, start_depth=0.0)
     first = wall.append([0.0, 0.1], [0.0, 90.0], [0.1, 0.1], [1.0, 2.0])
     assert (first.ranges.tolist(), first.accepted, first.redundant) == ([[0, 9]], 2, 0)
     second = wall.append([0.1, 0.1], [90.0, 450.0], [0.1, 0.1], [2.0, 2.0])
     assert (second.ranges.shape, second.accepted, second.redundant, len(second)) == ((0, 2), 0, 2, 0)
     assert second.ranges.dtype == np.int64
-    assert repr(first) == f"Change(9 vertices in 1 ranges, settled={first.settled}, accepted=2, redundant=0)"
-    assert repr(wall) == "Wall(9 vertices, 0 to 0.1 m, 2 samples)"
+    golden(repr(first))
+    golden(repr(wall))
 
 
 SETTING_ERRORS = [
