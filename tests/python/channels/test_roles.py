@@ -268,58 +268,30 @@ def radius(metres: float) -> Channel:
 
 
 @pytest.mark.parametrize(
-    ("channels", "rule"),
+    "channels",
     [
-        ((DEPTH, TURN, radius(0.2159)), "column radius: median 0.216: looks like a diameter"),
-        ((DEPTH, TURN, radius(108.0)), "median 108 m if the unit is m: no radius of a borehole (would fit mm)"),
-        ((DEPTH, TURN, channel("radius", "", np.full(40, 0.1))), "column radius: unit missing: state it in the name"),
-        ((DEPTH, TURN, radius(np.nan)), "column radius: every value is missing"),
-        (
-            (DEPTH, channel("TF", "deg", np.linspace(0, 6.28, 40)), radius(0.1)),
-            "column TF: values between 0 and 6.28 deg: looks like radians",
-        ),
-        ((DEPTH, channel("TF", "", np.linspace(0, 6.28, 40)), radius(0.1)), "column TF: unit missing"),
-        (
-            (DEPTH, channel("TF", "deg", np.full(40, 1e4)), radius(0.1)),
-            "row 0, column TF: 10000 deg: an angle lies within -720 and 720",
-        ),
-        ((DEPTH, radius(0.1)), "column radius: no toolface: name the toolface channel"),
-        ((TURN, radius(0.1)), "no channel has the role depth"),
-        (
-            (DEPTH, TURN),
-            "no channel has the role radius, diameter or radius-image: name one by an option or in a map, such "
-            "as columns.radius=NAME:in; the channels are MD, TF",
-        ),
-        ((DEPTH, channel("CALI", "in", np.full(40, 8.5))), "(as an average caliper, hb.Caliper.from_average, "),
-        ((DEPTH, channel("GR", "API", np.ones((40, 8)))), "(its images GR lie on a gauge hole, hb.Caliper.gauge)"),
-        (
-            (DEPTH, channel("INC", "deg", np.zeros(40)), channel("AZI", "deg", np.zeros(40))),
-            "(it holds a survey, not a caliper)",
-        ),
-        (
-            (DEPTH, channel("cal_x", "in", np.full(40, 8.5)), channel("cal_y", "in", np.full(40, 8.5))),
-            "an arm pair that turns with the tool needs a toolface",
-        ),
-        (
-            (channel("MD", "m", np.full(40, np.nan)), TURN, radius(0.1)),
-            "no row has depth, toolface and a radius (40 values missing in MD)",
-        ),
-        (
-            (DEPTH, TURN, channel("radius", "mm", np.full(40, 216.0)), channel("BS", "in", np.full(40, 8.5))),
-            'state role = "diameter" in a map, or columns.diameter=radius: the bit\'s diameter is 0.216 m',
-        ),
-        (
-            (channel("Z", "m", -2000.0 - np.arange(40.0), "measured depth"), TURN, radius(0.1)),
-            "column Z: -2039 to -2000 m: negative throughout (elevations?), and depth counts positive down the hole",
-        ),
-        (
-            (DEPTH, TURN, channel("diameter", "mm", np.full(40, 8.5))),
-            "median 0.0085 m if the unit is mm: no diameter of a borehole (would fit cm or in)",
-        ),
+        (DEPTH, TURN, radius(0.2159)),
+        (DEPTH, TURN, radius(108.0)),
+        (DEPTH, TURN, channel("radius", "", np.full(40, 0.1))),
+        (DEPTH, TURN, radius(np.nan)),
+        (DEPTH, channel("TF", "deg", np.linspace(0, 6.28, 40)), radius(0.1)),
+        (DEPTH, channel("TF", "", np.linspace(0, 6.28, 40)), radius(0.1)),
+        (DEPTH, channel("TF", "deg", np.full(40, 1e4)), radius(0.1)),
+        (DEPTH, radius(0.1)),
+        (TURN, radius(0.1)),
+        (DEPTH, TURN),
+        (DEPTH, channel("CALI", "in", np.full(40, 8.5))),
+        (DEPTH, channel("GR", "API", np.ones((40, 8)))),
+        (DEPTH, channel("INC", "deg", np.zeros(40)), channel("AZI", "deg", np.zeros(40))),
+        (DEPTH, channel("cal_x", "in", np.full(40, 8.5)), channel("cal_y", "in", np.full(40, 8.5))),
+        (channel("MD", "m", np.full(40, np.nan)), TURN, radius(0.1)),
+        (DEPTH, TURN, channel("radius", "mm", np.full(40, 216.0)), channel("BS", "in", np.full(40, 8.5))),
+        (channel("Z", "m", -2000.0 - np.arange(40.0), "measured depth"), TURN, radius(0.1)),
+        (DEPTH, TURN, channel("diameter", "mm", np.full(40, 8.5))),
     ],
 )
-def test_samples_that_cannot_be(channels: tuple[Channel, ...], rule: str) -> None:
-    with pytest.raises(ValueError, match=re.escape(rule)) as caught:
+def test_samples_that_cannot_be(channels: tuple[Channel, ...], golden: Golden) -> None:
+    with golden.raises() as caught:
         samples_of(*channels)
     assert str(caught.value).startswith("f.las")
 

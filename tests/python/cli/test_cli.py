@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 import trimesh
 from command import run
+from golden_texts import Golden
 from locations import SHARED
 from patience import PATIENCE
 
@@ -251,19 +252,19 @@ def test_header_lines_are_options_and_settings(folder: Path, tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize(
-    ("given", "rule"),
+    "given",
     [
-        ("x", "-s header_line=x: must be LINE or FILE=LINE"),
-        ("s.csv=x", "-s header_line=s.csv=x: must be LINE or FILE=LINE"),
-        ("other.csv=3", "-s header_line=other.csv=3: no option reads the file other.csv"),
-        ("0", "caliper.csv: header_line = 0: must be the line of the column names, within the first 500"),
+        "x",
+        "s.csv=x",
+        "other.csv=3",
+        "0",
     ],
 )
-def test_header_lines_that_are_refused(folder: Path, tmp_path: Path, given: str, rule: str) -> None:
+def test_header_lines_that_are_refused(folder: Path, tmp_path: Path, given: str, golden: Golden) -> None:
     result = run("reconstruct", folder / "caliper.csv", "-s", f"header_line={given}", "--bit-diameter", "216mm", "-o",
                  tmp_path / "w.vtu")  # fmt: skip
     assert result.exit_code == 2
-    assert " ".join(result.stderr.split()).removeprefix("helibore: ").partition(" (see ")[0] == rule
+    golden(" ".join(result.stderr.split()).removeprefix("helibore: ").partition(" (see ")[0])
 
 
 def test_header_lines_of_a_track_and_an_image(tmp_path: Path) -> None:
@@ -315,7 +316,7 @@ def test_version() -> None:
     assert run("--version").output == f"helibore {helibore.__version__}\n"
 
 
-def test_real_process(folder: Path, tmp_path: Path) -> None:
+def test_real_process(folder: Path, tmp_path: Path, golden: Golden) -> None:
     good = real("reconstruct", folder / "caliper.csv", "-o", tmp_path / "w.glb", "--bit-diameter", "8 1/2in")
     assert (good.returncode, good.stderr) == (0, "")
     assert "vertices" in good.stdout
@@ -324,7 +325,7 @@ def test_real_process(folder: Path, tmp_path: Path) -> None:
     bad = real("reconstruct", tmp_path / "none.csv", "-o", tmp_path / "x.glb", "--bit-diameter", "8.5in")
     assert (bad.returncode, bad.stdout) == (2, "")
     assert bad.stderr == f"helibore: {tmp_path}/none.csv: No such file or directory\n"
-    assert real("dig").stderr == "helibore: No such command 'dig'. (see helibore --help)\n"
+    golden(real("dig").stderr)
 
 
 def test_our_own_fault_is_exit_code_1(folder: Path, tmp_path: Path) -> None:

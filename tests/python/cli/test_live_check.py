@@ -23,32 +23,12 @@ STORE = (
 )
 
 
-def test_each_item_is_said_with_its_unit_and_a_number_to_compare():
-    assert described(parse(WITS)) == [
-        "rig: tcp://10.1.0.7:9872",
-        "  bit_depth           0108               ft    "
-        "the start of the wall, 100 m, comes as 328.084; no unit stated: taken as ft",
-        "  hole_depth          0110               m     the start of the wall, 100 m, comes as 100",
-        "  rotation            0120               rpm",
-        "  caliper toolface    5010 ... 5012 (2)  deg   no unit stated: taken as deg",
-        "  caliper depth                                bit depth - 12 m",
-        "  caliper diameter    5011 ... 5013 (2)  in    "
-        "a hole of bit size comes as 8.50394; no unit stated: taken as in",
-        "  survey depth        0708               ft    "
-        "the start of the wall, 100 m, comes as 328.084; no unit stated: taken as ft",
-        "  survey inclination  0713               deg",
-        "  survey azimuth      0715               deg",
-        "  image GR            5110 ... 5113 (4)  gAPI",
-    ]
+def test_each_item_is_said_with_its_unit_and_a_number_to_compare(golden):
+    golden(described(parse(WITS)))
 
 
-def test_a_store_sends_the_units_of_its_curves():
-    assert described(parse(STORE)) == [
-        "store: https://store.example/witsml",
-        "  caliper toolface  TF1 ... TF2 (2)    in the unit that the store sends",
-        "  caliper depth     the index          in the unit that the store sends",
-        "  caliper radius    R1 ... R2 (2)      in the unit that the store sends",
-    ]
+def test_a_store_sends_the_units_of_its_curves(golden):
+    golden(described(parse(STORE)))
 
 
 @pytest.mark.parametrize(

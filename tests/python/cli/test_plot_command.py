@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from golden_texts import Golden
 from locations import SHARED
 from plotted_wall import plotted_wall
 
@@ -263,37 +264,28 @@ def test_pages_wider_than_their_paper_are_named(tmp_path: Path, archive: Path) -
 
 
 @pytest.mark.parametrize(
-    ("arguments", "message"),
+    "arguments",
     [
-        (["-o", "log.jpg"], "log.jpg: the ending must be one of .png, .svg, .pdf"),
-        (["-o", "no/log.png"], "no/log.png: the folder no must exist"),
-        (
-            ["-o", "log.png", "--scale", "1:x"],
-            "'--scale': 'x': must be a whole number, such as 200",
-        ),
-        (["-o", "log.png", "--look", "GR=9,1"], "look.GR: limits = (9.0, 1.0): the first must be below the second"),
-        (
-            ["-o", "log.png", "--look", "9,1"],
-            "--look 9,1: must be NAME=LOW,HIGH, log, linear, map:MAP or",
-        ),
-        (["-o", "log.png", "--look", "GR=map:jet"], "color_map = 'jet': must be one of image, viridis"),
-        (["-o", "log.png", "--picks", "no.csv"], "Invalid value for '--picks': File 'no.csv' does not exist."),
-        (["-o", "log.png", "--gauge"], "give exactly one of SOURCE, --average and --gauge"),
-        (
-            ["-o", "log.png", "--image", "x.las"],
-            "--image x.las: must be FILE:CHANNEL:ORIGIN or FILE:CHANNEL:ORIGIN:",
-        ),
-        (["-o", "log.png", "--image", "x.las:GR:edge:None"], "--image x.las:GR:edge:None: must be FILE:CHANNEL:ORIGIN"),
-        (["-o", "log.png", "--image", "x.las:GR:edge"], "x.las: No such file or directory"),
-        (["-o", "log.png", "--from", "9000", "--to", "9001"], "interval 9000 to 9001 m: the wall reaches from 2000"),
+        ["-o", "log.jpg"],
+        ["-o", "no/log.png"],
+        ["-o", "log.png", "--scale", "1:x"],
+        ["-o", "log.png", "--look", "GR=9,1"],
+        ["-o", "log.png", "--look", "9,1"],
+        ["-o", "log.png", "--look", "GR=map:jet"],
+        ["-o", "log.png", "--picks", "no.csv"],
+        ["-o", "log.png", "--gauge"],
+        ["-o", "log.png", "--image", "x.las"],
+        ["-o", "log.png", "--image", "x.las:GR:edge:None"],
+        ["-o", "log.png", "--image", "x.las:GR:edge"],
+        ["-o", "log.png", "--from", "9000", "--to", "9001"],
     ],
 )
-def test_plot_refuses(archive: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], message: str) -> None:
+def test_plot_refuses(archive: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], golden: Golden) -> None:
     monkeypatch.chdir(archive.parent)
     (archive.parent / "log.png").write_bytes(b"old")
     result = run_cli("well.wall", *arguments)
     assert result.exit_code == 2
-    assert message in result.stderr
+    golden(result.stderr)
     assert result.stderr.count("\n") == 1
     assert (archive.parent / "log.png").read_bytes() == b"old"
     assert sorted(path.name for path in archive.parent.iterdir()) == ["log.png", "well.wall"]
@@ -389,7 +381,7 @@ def test_what_an_image_counts_from_is_told_and_whether_anything_says_so(
     assert f"<!-- {printed}, clockwise looking downhole -->" in (tmp_path / "log.svg").read_text()
 
 
-def test_a_full_disk_leaves_the_old_picture(archive: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_full_disk_leaves_the_old_picture(archive: Path, monkeypatch: pytest.MonkeyPatch, golden: Golden) -> None:
     import os
 
     output = archive.with_name("log.png")
@@ -401,7 +393,7 @@ def test_a_full_disk_leaves_the_old_picture(archive: Path, monkeypatch: pytest.M
     monkeypatch.setattr(os, "fsync", full)
     result = run_cli(archive, "-o", output, "--dpi", 40, "--no-body", "--no-polar")
     assert (result.exit_code, output.read_bytes()) == (2, b"old")
-    assert "No space left on device" in result.stderr
+    golden(result.stderr)
     assert sorted(path.name for path in output.parent.iterdir()) == ["log.png", "well.wall"]
 
 

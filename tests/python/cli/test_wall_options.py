@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command import run
+from golden_texts import Golden
 
 import helibore as hb
 from helibore.cli.wall_options import SECTIONS
@@ -36,13 +37,13 @@ def passes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "p.json"
 
 
-def test_absent_numbers_come_beside_the_usual_ones(tmp_path: Path) -> None:
+def test_absent_numbers_come_beside_the_usual_ones(tmp_path: Path, golden: Golden) -> None:
     """-999.2 for an angle, -999.25 for a diameter: naming the one must not make the other a radius."""
     rows = [f"{1000 + row / 50},{row * 37 % 360},8.5,8.5" for row in range(99)]
     rows[40], rows[60] = "1000.8,-999.2,8.5,8.5", "1001.2,20,-999.25,8.5"
     (tmp_path / "a.csv").write_text("\n".join(["MD_m,RB_deg,C1_in,C2_in", *rows]))
     given = ("mesh", tmp_path / "a.csv", "--bit-diameter", "8.5in", "-o", tmp_path / "a.ply")
-    assert "if the number means no value, nulls=-999.2 says so" in run(*given).stderr
+    golden(run(*given).stderr)
     result = run(*given, "-s", "nulls=-999.2")
     assert result.exit_code == 0, result.output
     assert tomllib.loads((tmp_path / "a.ply.toml").read_text())["nulls"] == [-999.25, -9999.0, -9999.25, -999.2]

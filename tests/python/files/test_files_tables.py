@@ -52,13 +52,13 @@ def test_header_units_comments_nulls(tmp_path: Path) -> None:
     assert [one.place(row) for row in range(3)] == ["line 4", "line 6", "line 7"]
 
 
-def test_units_row_and_savetxt_header(tmp_path: Path) -> None:
+def test_units_row_and_savetxt_header(tmp_path: Path, golden: Golden) -> None:
     one = hb.open(write(tmp_path, "MD,TF,R\nm,(deg),mm\n1,2,3\n")).set()
     assert [channel.unit for channel in one] == ["m", "deg", "mm"]
     assert one.rows == 1
     one = hb.open(write(tmp_path, "# md_m,tf_deg\n1,2\n3,4\n")).set()
     assert one.names == ("md_m", "tf_deg")
-    assert one.remarks == ["the header is a comment line"]
+    golden(one.remarks)
     one = hb.open(write(tmp_path, "1,2\n3,4\n")).set()
     assert one.names == ("column 1", "column 2")
     assert one["column 2"].values.tolist() == [2.0, 4.0]
@@ -406,7 +406,7 @@ def test_windows_encoding_far_down_is_remarked(tmp_path: Path, golden: Golden) -
     golden([each.partition(";")[0] for each in one.remarks])
 
 
-def test_npz(tmp_path: Path) -> None:
+def test_npz(tmp_path: Path, golden: Golden) -> None:
     image = np.arange(12.0).reshape(3, 4)
     np.savez(
         tmp_path / "a", depth_ft=[1, 2, 3], image=image, angle_deg=[0.0, 90.0, 180.0, 270.0], cube=np.ones((2, 2, 2))
@@ -414,12 +414,12 @@ def test_npz(tmp_path: Path) -> None:
     one = hb.open(tmp_path / "a.npz").set()
     assert one.names == ("depth_ft", "image", "angle_deg")
     assert one["image"].axis == SectorAxis(0.0, 90.0, "deg")
-    assert one.remarks == ["cube: shape (2, 2, 2) of float64 does not fit 3 rows; left out"]
+    golden(one.remarks)
     np.savez_compressed(tmp_path / "bomb", a=np.zeros(1 << 24))
-    with pytest.raises(ValueError, match=r"^bomb.npz: unpacks to more than 200 times its size"):
+    with golden.raises():
         hb.open(tmp_path / "bomb.npz")
     np.savez(tmp_path / "pickled", a=np.array([{}, 1], dtype=object))
-    with pytest.raises(ValueError, match=r"^pickled.npz: damaged archive of arrays \(Object arrays"):
+    with golden.raises():
         hb.open(tmp_path / "pickled.npz")
 
 

@@ -117,19 +117,19 @@ def test_a_number_too_large_for_a_float_is_missing(tmp_path: Path) -> None:
     assert (one["Incl (deg)"].missing, one["Incl (deg)"].odd_row) == (1, 1)
 
 
-def test_damaged_packages_are_refused(tmp_path: Path) -> None:
+def test_damaged_packages_are_refused(tmp_path: Path, golden: Golden) -> None:
     path = workbook(tmp_path / "s.xlsx", S=SURVEY)
     whole = path.read_bytes()
     path.write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(hb.InputError, match=r"^s.xlsx: truncated or damaged zip archive"):
+    with golden.raises():
         hb.open(path)
     with zipfile.ZipFile(path, "w") as book:
         book.writestr("xl/workbook.xml", "<workbook")
-    with pytest.raises(hb.InputError, match=r"^s.xlsx: truncated or damaged workbook"):
+    with golden.raises():
         hb.open(path)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as book:
         book.writestr("xl/workbook.xml", b" " * (1 << 27))
-    with pytest.raises(hb.InputError, match=r"^s.xlsx: unpacks to more than 200 times its size"):
+    with golden.raises():
         hb.open(path)
 
 

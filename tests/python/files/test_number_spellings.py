@@ -97,12 +97,12 @@ def test_a_stated_delimiter_and_columns_between_blanks(tmp_path: Path) -> None:
     assert opened(tmp_path, "MD (m) INC (deg)\n1.5 2\n2 3\n")[0] == [[1.5, 2.0], [2.0, 3.0]]
 
 
-def test_a_stated_encoding(tmp_path: Path) -> None:
+def test_a_stated_encoding(tmp_path: Path, golden: Golden) -> None:
     table = "глубина,r\n1,2\n"
     path = tmp_path / "t.csv"
     path.write_bytes(table.encode("cp1251"))
     assert hb.open(path, encoding="cp1251").set().names == ("глубина", "r")
-    with pytest.raises(hb.InputError, match=r"^t.csv: is not ascii text throughout"):
+    with golden.raises():
         hb.open(path, encoding="ascii")
 
 

@@ -21,12 +21,12 @@ def salvaged(path: Path) -> tuple[np.ndarray, str]:
 
 
 @pytest.mark.parametrize("ending", ["t.csv", "t.las"])
-def test_a_text_that_is_cut_within_a_row(tmp_path: Path, ending: str) -> None:
+def test_a_text_that_is_cut_within_a_row(tmp_path: Path, ending: str, golden: Golden) -> None:
     path = tmp_path / ending
     header = "~V\nVERS. 2.0:\n~W\nNULL. -999.25:\n~C\nMD.M:\na.:\nb.:\n~A\n"
     text = "md_m,a,b\n1,2,3\n2,3,4\n3,4" if ending == "t.csv" else header + "1 2 3\n2 3 4\n3 4"
     path.write_text(text)
-    with pytest.raises(hb.InputError, match=r"truncated: 2 values where 3 columns .*salvage"):
+    with golden.raises():
         hb.open(path)
     depth, remarks = salvaged(path)
     assert depth.tolist() == [1, 2]
@@ -45,7 +45,7 @@ def test_a_gzip_stream_that_is_cut(tmp_path: Path, golden: Golden) -> None:
     assert "gzip stream ends early" in remarks
 
 
-def test_a_dlis_that_is_cut(tmp_path: Path) -> None:
+def test_a_dlis_that_is_cut(tmp_path: Path, golden: Golden) -> None:
     dliswriter = pytest.importorskip("dliswriter")
     pytest.importorskip("dlisio")
     file = dliswriter.DLISFile()
@@ -61,7 +61,7 @@ def test_a_dlis_that_is_cut(tmp_path: Path) -> None:
     file.write(path, output_chunk_size=2**20)
     content = path.read_bytes()
     path.write_bytes(content[: len(content) * 95 // 100 + 14])
-    with pytest.raises(hb.InputError, match=r"^t.dlis: DLIS: truncated or damaged .*salvage"):
+    with golden.raises():
         hb.open(path)
     found, remarks = salvaged(path)
     assert 0.9 * depth.size < found.size < depth.size

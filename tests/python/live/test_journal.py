@@ -172,11 +172,11 @@ def test_bytes_from_outside_cannot_pass_as_a_record(tmp_path):
     assert stored(tmp_path / "mine") == [(1, 1, b"good")]
 
 
-def test_a_segment_that_died_while_it_was_made_is_set_aside(tmp_path):
+def test_a_segment_that_died_while_it_was_made_is_set_aside(tmp_path, golden):
     rows = small_journal(tmp_path)
     (tmp_path / "000002.hbj").write_bytes(b"HELIBJ")
     with Journal(tmp_path) as j:
-        assert j.recovery.notes == ["000002.hbj: torn after byte 0; 6 bytes were set aside"]
+        golden(j.recovery.notes)
         j.append(5, 5, b"after")
     assert stored(tmp_path) == [*rows, (5, 5, b"after")]
     assert (tmp_path / "000002-0.torn").read_bytes() == b"HELIBJ"
@@ -203,39 +203,39 @@ def test_segments_are_in_order_also_when_their_numbers_have_seven_digits(tmp_pat
     assert [payload for _, _, payload in stored(tmp_path)] == [b"\0", b"\1", b"\2", b"\3", b"after"]
 
 
-def test_refusals(tmp_path):
-    with pytest.raises(ValueError, match=r": holds no journal \(no file 000001\.hbj\)$"):
+def test_refusals(tmp_path, golden):
+    with golden.raises():
         list(segments(tmp_path))
     (tmp_path / "000001.hbj").write_bytes(bytes(RECORDS_START))
-    with pytest.raises(ValueError, match=r": no segment has an intact header$"):
+    with golden.raises():
         Journal(tmp_path)
     with Journal(tmp_path / "a") as j:
-        with pytest.raises(ValueError, match=r"a: is being written by another process$"):
+        with golden.raises():
             Journal(tmp_path / "a")
-        with pytest.raises(ValueError, match=r"^payload has 1048577 bytes: must be at most 1048576$"):
+        with golden.raises():
             j.append(1, 1, bytes((1 << 20) + 1))
         j.append(1, 1, b"x")
     assert stored(tmp_path / "a") == [(1, 1, b"x")]
 
 
 @pytest.mark.parametrize("rotated", [False, True])
-def test_a_removed_lock_file_lets_no_second_writer_in(tmp_path, rotated):
+def test_a_removed_lock_file_lets_no_second_writer_in(tmp_path, rotated, golden):
     with Journal(tmp_path, segment_bytes=RECORDS_START + 200) as j:
         for number in range(20 if rotated else 1):
             j.append(1, 1, b"%d" % number * 20)
         (tmp_path / "lock").unlink()
-        with pytest.raises(ValueError, match=r"is being written by another process$"):
+        with golden.raises():
             Journal(tmp_path)
         j.append(1, 1, b"after")
     assert len(stored(tmp_path)) == (21 if rotated else 2)
     Journal(tmp_path).close()
 
 
-def test_a_deleted_folder_or_segment_is_noticed_and_nothing_acknowledged_into_it(tmp_path):
+def test_a_deleted_folder_or_segment_is_noticed_and_nothing_acknowledged_into_it(tmp_path, golden):
     with Journal(tmp_path / "a") as j:
         j.append(1, 1, b"before")
         shutil.rmtree(tmp_path / "a")
-        with pytest.raises(JournalFullError, match="the segment was deleted: the record was not stored"):
+        with golden.raises(kind=JournalFullError):
             j.append(1, 1, b"lost")
         with pytest.raises(JournalFullError, match="not synced"):
             j.sync()
@@ -293,14 +293,14 @@ def test_a_torn_sector_leaves_a_copy_of_the_header(tmp_path):
         assert stored(tmp_path) == rows
 
 
-def test_a_journal_of_a_later_version_is_refused(tmp_path):
+def test_a_journal_of_a_later_version_is_refused(tmp_path, golden):
     start = journal.HEADER.pack(journal.MAGIC, 9, 1, 0, 1, 0)[:-4]
     (tmp_path / "000001.hbj").write_bytes((start + _core.crc32c(start).to_bytes(4, "little")) * 2)
-    with pytest.raises(ValueError, match=r"000001\.hbj: version 9: this helibore reads versions up to 2$"):
+    with golden.raises():
         list(segments(tmp_path))
 
 
-def test_a_write_that_fails_half_way_leaves_nothing(tmp_path, monkeypatch):
+def test_a_write_that_fails_half_way_leaves_nothing(tmp_path, monkeypatch, golden):
     with Journal(tmp_path) as j:
         j.append(1, 1, b"before")
         real = os.pwritev
@@ -314,7 +314,7 @@ def test_a_write_that_fails_half_way_leaves_nothing(tmp_path, monkeypatch):
         with monkeypatch.context() as patch:
             patch.setattr(os, "pwritev", half)
             patch.setattr(os, "pwrite", refused)
-            with pytest.raises(JournalFullError, match="No space left on device: the record was not stored"):
+            with golden.raises(kind=JournalFullError):
                 j.append(1, 1, b"refused")
         with monkeypatch.context() as patch:
             patch.setattr(os, "pwritev", half)
@@ -374,7 +374,7 @@ def test_fuzzed_damage_gives_nothing_that_was_not_written_and_the_journal_goes_o
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="mounting a small disk needs root")
-def test_a_full_disk_refuses_and_goes_on_when_there_is_room(tmp_path):
+def test_a_full_disk_refuses_and_goes_on_when_there_is_room(tmp_path, golden):
     disk = tmp_path / "disk"
     disk.mkdir()
     if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", disk], capture_output=True).returncode:
@@ -390,7 +390,7 @@ def test_a_full_disk_refuses_and_goes_on_when_there_is_room(tmp_path):
                     j.append(*row)
                     acknowledged.append(row)
 
-            with pytest.raises(JournalFullError, match="No space left on device: the record was not stored"):
+            with golden.raises(kind=JournalFullError):
                 fill()
             assert stored(disk / "j") == acknowledged
             (disk / "ballast").unlink()
@@ -411,7 +411,7 @@ def test_sync_before_every_acknowledgement_when_asked(tmp_path, monkeypatch):
         assert j.bytes_left > 0
 
 
-def test_what_cannot_be_synced_is_not_acknowledged_and_is_written_anew(tmp_path, monkeypatch):
+def test_what_cannot_be_synced_is_not_acknowledged_and_is_written_anew(tmp_path, monkeypatch, golden):
     real, refusing = os.fdatasync, [False]
 
     def fdatasync(file: int) -> None:
@@ -424,7 +424,7 @@ def test_what_cannot_be_synced_is_not_acknowledged_and_is_written_anew(tmp_path,
         j.append(1, 1, b"before")
         for i in range(20):
             refusing[0] = True
-            with pytest.raises(JournalFullError, match="Input/output error: not synced"):
+            with golden.raises(kind=JournalFullError):
                 j.append(1, 1, b"%d" % i * 40)
             assert (1, 1, b"%d" % i * 40) not in stored(tmp_path)
             refusing[0] = False

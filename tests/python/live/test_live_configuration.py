@@ -68,29 +68,29 @@ def test_addresses(address, expected):
 
 
 @pytest.mark.parametrize(
-    ("address", "shown"),
+    "address",
     [
-        ("http://store/x?token=s3cret", "'http://store/x?...': must be https: "),
-        ("HTTPS://store/x?token=s3cret", "'HTTPS://store/x?...': must not hold a query: "),
-        ("https://store/x?token=a@s3cret", "'https://...': must not hold a user or password: "),
-        ("https://rig:s3cret?@store/x", "'https://...': must not hold a user or password: "),
-        ("tcp://10.0.0.7:1?token=s3cret", "'tcp://10.0.0.7:1?...': must be tcp://HOST:PORT, "),
-        ("tcp://rig:s3cret@10.0.0.7", "'tcp://...': must not hold a user or password"),
-        ("https://store/x#s3cret@store", "'https://...': must not hold a user or password: "),
+        "http://store/x?token=s3cret",
+        "HTTPS://store/x?token=s3cret",
+        "https://store/x?token=a@s3cret",
+        "https://rig:s3cret?@store/x",
+        "tcp://10.0.0.7:1?token=s3cret",
+        "tcp://rig:s3cret@10.0.0.7",
+        "https://store/x#s3cret@store",
     ],
 )
-def test_the_error_of_an_address_shows_no_secret(address, shown):
-    with pytest.raises(ValueError, match=r"^configuration, line 5: source.rig.address = ") as error:
+def test_the_error_of_an_address_shows_no_secret(address, golden):
+    with golden.raises() as error:
         parse(WALL + SOURCE.replace("tcp://127.0.0.1:9872", address))
-    assert shown in str(error.value)
+    golden(str(error.value))
     assert "s3cret" not in str(error.value)
 
 
 @pytest.mark.parametrize(
     "address", ["file:///x?speed=-1", "file:///x?speed=nan", "file:///a@b?speed=x", "serial:///dev/ttyS0?baud=0"]
 )
-def test_a_speed_that_no_line_has_is_refused(address):
-    with pytest.raises(ValueError, match=r"must be tcp://HOST:PORT, ") as error:
+def test_a_speed_that_no_line_has_is_refused(address, golden):
+    with golden.raises() as error:
         parse(WALL + SOURCE.replace("tcp://127.0.0.1:9872", address))
     assert f"source.rig.address = '{address}': " in str(error.value)
 
@@ -318,13 +318,13 @@ def test_what_is_wrong_is_named(text, place, rule, value):
     assert rule in error.rule
 
 
-def test_a_file_is_named_in_its_errors(tmp_path):
+def test_a_file_is_named_in_its_errors(tmp_path, golden):
     file = tmp_path / "rig.toml"
     file.write_text("[wall\n")
     with pytest.raises(ValueError, match=r"rig\.toml: not TOML: "):
         load(file)
     file.write_bytes("# Größe\n".encode("latin-1") + (WALL + SOURCE).encode())
-    with pytest.raises(ValueError, match=r"rig\.toml: not TOML: .* byte 0xf6 in position 4"):
+    with golden.raises():
         load(file)
     file.write_text(WALL + SOURCE)
     assert load(file).sources["rig"].table.mode == "listen"

@@ -55,7 +55,7 @@ def test_a_counter_that_is_reset_or_wraps_loses_nothing():
         assert live.wall.sample_count == 3 * len(numbers)
 
 
-def test_bad_values_are_flagged_told_and_cost_only_their_triple():
+def test_bad_values_are_flagged_told_and_cost_only_their_triple(golden):
     live = Live(parse(SENT), clock=Clock())
     live.receive("mwd", b"hello\r\n" + wits.frame([
         (5010, "10"), (5011, "100.5"), (5012, "1.0.0"), (5013, "20"), (5014, "100.6"), (5015, "-999.25"),
@@ -64,31 +64,24 @@ def test_bad_values_are_flagged_told_and_cost_only_their_triple():
     assert live.wall.sample_count == 1
     counts = live.model.counts
     assert [counts[f"flag {name}"] for name in ("INVALID", "NULL", "RANGE")] == [1, 2, 1]
-    assert [str(event) for event in live.poll().events] == [
-        "2023-11-14T22:13:20.000Z mwd connection 1 line 1: stray_text: b'hello': text between frames is not read",
-        "2023-11-14T22:13:20.000Z mwd connection 1 line 5: invalid: item 5012 = b'1.0.0': is not a number",
-        "2023-11-14T22:13:20.000Z mwd connection 1 line 12: twice: item 5018 = b'110': occurs twice in a frame; "
-        "the first one counts",
-        "2023-11-14T22:13:20.000Z mwd connection 1 line 2: range: radius 0.0043 m: must be in radius_range "
-        "[0.027, 0.432]",
-    ]
+    golden([str(event) for event in live.poll().events])
 
 
-def test_a_toolface_that_no_tool_has_gives_an_event():
+def test_a_toolface_that_no_tool_has_gives_an_event(golden):
     live = Live(parse(SENT), clock=Clock())
     live.receive("mwd", wits.frame([(5010, "-3000000"), (5011, "100.5"), (5012, "110")]))
-    assert [event.text for event in live.poll().events] == ["toolface -3e+06 deg: must be from -1e+06 to 1e+06"]
+    golden([event.text for event in live.poll().events])
     assert live.model.counts["flag RANGE"] == 1
 
 
 @pytest.mark.parametrize("size", [(1.2, ""), (0.216, ", radius_range = [0.1, 9.0]")])
-def test_a_radius_that_no_wall_takes_costs_only_its_sample(size):
+def test_a_radius_that_no_wall_takes_costs_only_its_sample(size, golden):
     """A wall refuses radii above 2 m; the range of a bit of 1.2 m ends at 2.4 m."""
     text = SENT.replace("0.216", str(size[0])).replace("groups = 3", "groups = 3" + size[1])
     live = Live(parse(text), clock=Clock())
     items = [(5010, "10"), (5011, "100.5"), (5012, "2300"), (5013, "20"), (5014, "100.6"), (5015, "600")]
     update = live.receive("mwd", wits.frame(items))
-    assert [event.text.partition("[")[0] for event in update.events] == ["radius 2.3 m: must be in radius_range "]
+    golden([event.text.partition("[")[0] for event in update.events])
     assert live.wall.samples.radius.tolist() == [0.6]
 
 
@@ -121,7 +114,7 @@ def test_a_late_survey_moves_only_what_lies_below_the_station_above_it():
     assert len(live.survey) == 4
 
 
-def test_image_rows_come_with_their_depth():
+def test_image_rows_come_with_their_depth(golden):
     live = Live(parse(SENT))
     for depth, first in ((101.0, "1"), (100.5, "2"), (101.0, "3")):
         row = [(5110, first), (5111, "20"), (5112, "-9999"), (5113, "x")]
@@ -133,7 +126,7 @@ def test_image_rows_come_with_their_depth():
     image = live.image("GR")
     np.testing.assert_array_equal(image.values, values)
     assert (image.name, image.unit, image.toolface.tolist()) == ("GR", "gAPI", [75.0, 165.0, 255.0, 345.0])
-    with pytest.raises(ValueError, match="image 'RES': no source sends it"):
+    with golden.raises(kind=ValueError):
         live.image("RES")
 
 
@@ -161,7 +154,7 @@ def test_passes_have_the_times_of_the_clock_that_was_set_right(tmp_path):
     assert Live.replay(tmp_path).passes == found
 
 
-def test_a_clock_set_back_an_hour_is_told_and_changes_nothing(tmp_path):
+def test_a_clock_set_back_an_hour_is_told_and_changes_nothing(tmp_path, golden):
     clocks = Clock(), Clock()
     walls = []
     for clock, jump in zip(clocks, (0, -3600 * SECOND), strict=True):
@@ -174,9 +167,7 @@ def test_a_clock_set_back_an_hour_is_told_and_changes_nothing(tmp_path):
             sample(live, float(i))
         walls.append(live.wall)
     assert same_bits(*walls)
-    assert [str(e) for e in live.model.events.latest] == [
-        "2023-11-14T21:13:35.500Z helibore: clock: the wall clock was set by -3600.000 s; sample times do not jump"
-    ]
+    golden([str(e) for e in live.model.events.latest])
     clock = Clock()
     with Live(parse(SENT), tmp_path, clock=clock) as live:
         clock.step(10)
@@ -204,7 +195,7 @@ def test_silence_and_uncovered_depth_are_told():
     ]
 
 
-def test_more_hole_than_gap_reach_without_a_sample_is_told_also_after_a_restart(tmp_path):
+def test_more_hole_than_gap_reach_without_a_sample_is_told_also_after_a_restart(tmp_path, golden):
     def drilled(live, *depths):
         for depth in depths:
             live.receive("mwd", wits.frame([(5010, "1"), (5011, f"{depth:g}"), (5012, "110")]))
@@ -212,10 +203,10 @@ def test_more_hole_than_gap_reach_without_a_sample_is_told_also_after_a_restart(
 
     with Live(parse(SENT), tmp_path, clock=Clock()) as live:
         assert drilled(live, 100, 100.5, 101) == []
-        assert drilled(live, 101.6) == ["layer main: no samples from 101.000 m to 101.600 m"]
+        golden(drilled(live, 101.6))
     with Live(parse(SENT), tmp_path, clock=Clock()) as live:
         live.poll()
-        assert drilled(live, 103.25) == ["layer main: no samples from 101.600 m to 103.250 m"]
+        golden(drilled(live, 103.25))
         assert drilled(live, 102, 102.2) == []  # re-scanned
     up = SENT.replace("start_depth = 100.0", "start_depth = 105.0\npitch = -0.1")
     expected = ["layer main: no samples from 104.500 m to 101.000 m"]
@@ -224,7 +215,7 @@ def test_more_hole_than_gap_reach_without_a_sample_is_told_also_after_a_restart(
     assert drilled(Live(parse(wider), clock=Clock()), 100, 101.9) == []
 
 
-def test_the_log_has_what_a_source_repeats_once_a_minute_with_its_number(caplog, monkeypatch):
+def test_the_log_has_what_a_source_repeats_once_a_minute_with_its_number(caplog, monkeypatch, golden):
     now = [1000.0]
     monkeypatch.setattr(live_module.time, "monotonic", lambda: now[0])
     live = Live(parse(SENT), clock=Clock())
@@ -234,8 +225,7 @@ def test_the_log_has_what_a_source_repeats_once_a_minute_with_its_number(caplog,
             live.report("alarm_lost", "begins", "mwd")
             now[0] += 1.0
     logged = [message.split("mwd: ")[1] for message in caplog.messages if "link" in message]
-    assert logged == ["link: refused at 1000", "link: refused at 1060 (and 59 since the last line)",
-                      "link: refused at 1120 (and 59 since the last line)"]  # fmt: skip
+    golden(logged)  # fmt: skip
     assert sum("alarm_lost" in message for message in caplog.messages) == 122
     with caplog.at_level("INFO", "helibore.live"):
         live.reconfigure(parse(SENT))
@@ -325,17 +315,14 @@ def test_a_frame_that_the_end_of_a_connection_completes_has_its_time_whatever_th
         assert np.array_equal(Live.replay(tmp_path).wall.samples.time, live.wall.samples.time)
 
 
-def test_an_event_says_how_often_since_when():
+def test_an_event_says_how_often_since_when(golden):
     clock = Clock()
     live = Live(parse(SENT), clock=clock)
     for _ in range(3):
         clock.step(60)
         live.receive("mwd", b"&&\r\n!!\r\n!!\r\n")
     (event,) = live.model.events.latest
-    assert str(event) == (
-        "2023-11-14T22:16:20.000Z mwd connection 1 line 9: stray_end: b'!!': '!!' must follow '&&' "
-        "(3 times since 2023-11-14T22:14:20.000Z)"
-    )
+    golden(str(event))
     assert event.time.isoformat() == "2023-11-14T22:14:20+00:00"
     assert (event.line, event.newest.line, event.newest.time.minute) == (3, 9, 16)
 

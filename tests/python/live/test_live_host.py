@@ -23,7 +23,7 @@ from helibore.live.rules.configuration import parse
 from helibore.live.snapshot_files import snapshot
 
 
-def test_a_poll_tells_everything_since_the_last():
+def test_a_poll_tells_everything_since_the_last(golden):
     """One thread pushes, another polls and keeps a copy by what the polls tell: in the end it is the wall."""
     live = Live(parse(live_pushes.CONFIGURATION))
     found = live_pushes.pushes()
@@ -48,7 +48,7 @@ def test_a_poll_tells_everything_since_the_last():
     assert accepted == live.wall.sample_count == 900
     assert rows == len(live.images["GR"])
     stations = [event.text for event in events if event.rule == "station"]
-    assert stations == ["station at 60 m: inclination[2] = 190: must lie in 0 to 180 degrees"]
+    golden(stations)
     assert live.poll() == Update()
 
 
@@ -69,12 +69,12 @@ def test_a_poll_tells_what_no_record_caused_and_what_recovery_did(tmp_path):
         assert live.poll().events == []
 
 
-def test_a_depth_that_is_no_number_costs_only_itself():
+def test_a_depth_that_is_no_number_costs_only_itself(golden):
     live = Live(parse(live_pushes.CONFIGURATION))
-    with pytest.raises(ValueError, match=r"^depth\[1\] = nan: must be finite$"):
+    with golden.raises(kind=ValueError):
         live.append_image("GR", [1.0, np.nan], np.ones((2, 4)))
     update = live.append_stations([np.nan, 0.0, 130.0], [1.0, 0.0, 5.0], [0.0, 0.0, 90.0])
-    assert [event.text for event in update.events] == ["station at nan m: depth must be finite"]
+    golden([event.text for event in update.events])
     assert live.path is not None
     assert live.images == {}
 
@@ -128,10 +128,10 @@ def test_every_row_of_an_image_that_is_out_of_range_counts():
 LIES = {"origin": "edge", "reference": "high-side", "toolface_offset": 30.0}
 
 
-def test_an_image_that_says_how_it_lies_is_laid_like_one_of_a_source(tmp_path):
+def test_an_image_that_says_how_it_lies_is_laid_like_one_of_a_source(tmp_path, golden):
     with Live(parse(live_pushes.CONFIGURATION), tmp_path) as live:
         live.append_image("RES", [101.0], np.ones((1, 4)), "ohm.m")
-        with pytest.raises(ValueError, match=r"^image 'RES': no source sends it, and no rows of it came with"):
+        with golden.raises(kind=ValueError):
             live.image("RES")
         live.append_image("RES", [102.0, 101.5], np.arange(8.0).reshape(2, 4), **LIES)
         live.append_image("RES", [103.0], np.zeros((1, 4)))
@@ -146,50 +146,44 @@ def test_an_image_that_says_how_it_lies_is_laid_like_one_of_a_source(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("given", "reported"),
+    "given",
     [
-        ({"origin": "edge"}, "reference = None: must be one of high-side, north"),
-        ({**LIES, "origin": "middle"}, "origin = 'middle': must be one of centre, edge"),
-        ({**LIES, "reference": "north"}, "reference = 'north': must be the path's reference, \"high-side\": "
-         "live images are not converted to it"),
-        ({**LIES, "toolface_offset": np.inf}, "toolface_offset = inf: must lie in -360 to 360 degrees"),
-        ({**LIES, "direction": "left"}, "direction = 'left': must be one of clockwise, counterclockwise"),
-        ({**LIES, "toolface_offset": 31}, "image 'RES': has another layout: Layout(origin='edge', "
-         "reference='high-side', direction='clockwise', offset=30.0)"),
-        ({"unit": "gAPI"}, "unit = 'gAPI': image 'RES' has the unit 'ohm.m'"),
+        {"origin": "edge"},
+        {**LIES, "origin": "middle"},
+        {**LIES, "reference": "north"},
+        {**LIES, "toolface_offset": np.inf},
+        {**LIES, "direction": "left"},
+        {**LIES, "toolface_offset": 31},
+        {"unit": "gAPI"},
     ],
 )  # fmt: skip
-def test_an_image_that_lies_otherwise_is_refused_and_not_stored(given, reported):
+def test_an_image_that_lies_otherwise_is_refused_and_not_stored(given, golden):
     live = Live(parse(live_pushes.CONFIGURATION))
     live.append_image("RES", [101.0], np.ones((1, 4)), "ohm.m", **LIES)
     with pytest.raises(ValueError) as raised:  # noqa: PT011 (the text is compared whole below)
         live.append_image("RES", [102.0], np.ones((1, 4)), **given)
-    assert str(raised.value) == reported
+    golden(str(raised.value))
     assert len(live.images["RES"]) == 1
 
 
 @pytest.mark.parametrize(
-    ("name", "values", "reported"),
+    ("name", "values"),
     [
-        ("GR", np.ones((1, 0)), "values has shape (1, 0): must be (1, sectors), 1 sector or more"),
-        ("GR", np.ones((2, 4)), "values has shape (2, 4): must be (1, sectors), 1 sector or more"),
-        ("GR", [[1.0], [2.0, 3.0]], "values: must be numbers: setting an array element with a sequence. The requested "
-         "array has an inhomogeneous shape after 1 dimensions. The detected shape was (2,) + inhomogeneous part."),
-        ("GR", [["a"]], "values: must be numbers: could not convert string to float: 'a'"),
-        ("GR", np.array([[1.0, np.nan, -np.inf]]), "values[0, 2] = -inf: must be finite, or NaN where missing"),
-        ("a\0b", np.ones((1, 4)), "name = 'a\\x00b': must be printable and at most 200 bytes, because files are named "
-         "after it"),
-        ("/" * 67, np.ones((1, 4)), f"name = '{'/' * 60}': must be printable and at most 200 bytes, because "
-         "files are named after it"),
-        ("\ud800", np.ones((1, 4)), "name = '\\ud800': must be printable and at most 200 bytes, because files are "
-         "named after it"),
+        ("GR", np.ones((1, 0))),
+        ("GR", np.ones((2, 4))),
+        ("GR", [[1.0], [2.0, 3.0]]),
+        ("GR", [["a"]]),
+        ("GR", np.array([[1.0, np.nan, -np.inf]])),
+        ("a\0b", np.ones((1, 4))),
+        ("/" * 67, np.ones((1, 4))),
+        ("\ud800", np.ones((1, 4))),
     ],
 )  # fmt: skip
-def test_what_is_no_image_is_refused_and_not_stored(name, values, reported, tmp_path):
+def test_what_is_no_image_is_refused_and_not_stored(name, values, tmp_path, golden):
     with Live(parse(live_pushes.CONFIGURATION), tmp_path) as live:
         with pytest.raises(ValueError) as raised:  # noqa: PT011 (the text is compared whole below)
             live.append_image(name, [101.0], values)
-        assert str(raised.value) == reported
+        golden(str(raised.value))
         live.append_image("é" * 100, [101.0], np.ones((1, 4)))
         assert next(path.name for path in snapshot(live, tmp_path / "now")) == f"image-{'é' * 100}.csv"
     assert list(Live.replay(tmp_path).images) == ["é" * 100]

@@ -420,12 +420,12 @@ def test_no_answer_brings_a_password_to_journal_event_or_log(store, tmp_path, mo
         assert part not in texts
 
 
-def test_a_password_that_could_be_data_is_refused_at_the_start(store, tmp_path, monkeypatch):
+def test_a_password_that_could_be_data_is_refused_at_the_start(store, tmp_path, monkeypatch, golden):
     monkeypatch.setenv("STORE_PASSWORD", "110.25")
     polled = Polled(store, tmp_path / "j", with_user)
     with (
         polled.live,
-        pytest.raises(ValueError, match=r"password_env: the password must have 6 characters or"),
+        golden.raises(),
     ):
         polled.server.start()
 
@@ -582,44 +582,41 @@ def test_a_time_log_places_its_rows_by_their_own_bit_depth(store, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("change", "reported"),
+    "change",
     [
-        (("https://localhost:1/x", "HTTPS://"), "source.store.address = 'HTTPS://': must be "),
-        (("https:", "http:"), "source.store.address = 'http://localhost:1/x': must be https: "),
-        (("/x", "/x?password=pw"), "source.store.address = 'https://localhost:1/x?...': must not hold a query"),
-        (("https://", "https://rig:pw@"), "must not hold a user or password: give user and password_env"),
-        (("every", 'password = "pw"\nevery'), "source.store.password: must not be in the file"),
-        (("every", 'user = "rig"\nevery'), "source.store: user and password_env must both be set, or neither"),
-        (('index = "depth"', 'index = "date"'), "source.store.log.index = 'date': must be one of depth, time"),
-        (('["RAD"]', "[]"), "toolface, radius and depth must have equally many curves"),
-        (("every", 'units = "metric"\nevery'), "source.store.units: not known"),
-        (
-            ('bit_depth = "DBTM"', 'bit_depth = "TF"'),
-            "source.store.caliper.toolface = 'TF': is mapped to another quantity",
-        ),
+        ("https://localhost:1/x", "HTTPS://"),
+        ("https:", "http:"),
+        ("/x", "/x?password=pw"),
+        ("https://", "https://rig:pw@"),
+        ("every", 'password = "pw"\nevery'),
+        ("every", 'user = "rig"\nevery'),
+        ('index = "depth"', 'index = "date"'),
+        ('["RAD"]', "[]"),
+        ("every", 'units = "metric"\nevery'),
+        ('bit_depth = "DBTM"', 'bit_depth = "TF"'),
     ],
 )
-def test_a_wrong_configuration_never_starts(change, reported):
+def test_a_wrong_configuration_never_starts(change, golden):
     text = CONFIGURATION.replace("URL", "https://localhost:1/x").replace(*change)
     with pytest.raises(ValueError) as error:  # noqa: PT011 (the text is compared below)
         parse(text)
-    assert reported in str(error.value)
+    golden(str(error.value))
     assert "pw" not in str(error.value).replace("password", "")
 
 
-def test_a_password_that_is_not_set_is_an_error_at_the_start(store, tmp_path, monkeypatch):
+def test_a_password_that_is_not_set_is_an_error_at_the_start(store, tmp_path, monkeypatch, golden):
     monkeypatch.delenv("NO_SUCH", raising=False)
     polled = Polled(store, tmp_path, lambda text: text.replace("every", 'user = "u"\npassword_env = "NO_SUCH"\nevery'))
-    with polled.live, pytest.raises(ValueError, match=r"source.store.password_env = 'NO_SUCH': is not set"):
+    with polled.live, golden.raises():
         polled.server.start()
 
 
-def test_a_password_of_other_bytes_than_utf_8_is_an_error_without_the_password(store, tmp_path, monkeypatch):
+def test_a_password_of_other_bytes_than_utf_8_is_an_error_without_the_password(store, tmp_path, monkeypatch, golden):
     monkeypatch.setitem(os.environb, b"STORE_PASSWORD", "geheimwört".encode("latin-1"))
     polled = Polled(store, tmp_path, with_user)
     with polled.live, pytest.raises(ValueError) as error:  # noqa: PT011 (the text is compared whole below)
         polled.server.start()
-    assert str(error.value) == "source.store.password_env: the password must be UTF-8 text"
+    golden(str(error.value))
 
 
 def test_answers_come_out_of_the_journal_as_they_went_in_however_cut_and_damage_costs_its_own():

@@ -72,27 +72,21 @@ def test_no_record_is_no_update():
 
 
 @pytest.mark.parametrize(
-    ("call", "text"),
+    "call",
     [
-        (lambda live: live.receive("x", b""), "source 'x': is not in the configuration"),
-        (lambda live: live.append_samples([1.0], [np.nan], [0.1]), "toolface[0] = nan: must be finite"),
-        (lambda live: live.append_samples([1.0], [1.0], [-0.1]), "radius[0] = -0.1: must be above 0"),
-        (
-            lambda live: live.append_samples([1.0, 2.0], [1.0], [0.1]),
-            "toolface has 1 values, depth has 2: must be equal",
-        ),
-        (lambda live: live.append_image("GR", [1.0], np.ones((1, 4))), "image 'GR': a source sends it already"),
-        (
-            lambda live: live.append_image("X", [1.0], np.ones((2, 4))),
-            "values has shape (2, 4): must be (1, sectors), 1 sector or more",
-        ),
+        lambda live: live.receive("x", b""),
+        lambda live: live.append_samples([1.0], [np.nan], [0.1]),
+        lambda live: live.append_samples([1.0], [1.0], [-0.1]),
+        lambda live: live.append_samples([1.0, 2.0], [1.0], [0.1]),
+        lambda live: live.append_image("GR", [1.0], np.ones((1, 4))),
+        lambda live: live.append_image("X", [1.0], np.ones((2, 4))),
     ],
 )
-def test_a_refused_push_stores_nothing(tmp_path, call, text):
+def test_a_refused_push_stores_nothing(tmp_path, call, golden):
     with Live(parse(SENT), tmp_path) as live:
         with pytest.raises(ValueError) as error:  # noqa: PT011 (the text is compared whole below)
             call(live)
-        assert str(error.value) == text
+        golden(str(error.value))
     assert sum(len(segment.records) for segment in segments(tmp_path)) == 1
 
 

@@ -272,18 +272,18 @@ def test_numbers_of_any_length_have_the_bits_of_the_slow_reader():
         assert same((value, flags), slow_number(raw, wits.NULLS)), text
 
 
-def test_limits_and_nulls_are_checked():
-    with pytest.raises(ValueError, match=r"^nulls\[1\] = nan: must be finite$"):
+def test_limits_and_nulls_are_checked(golden):
+    with golden.raises():
         wits.Parser(nulls=[1.0, math.nan])
-    with pytest.raises(ValueError, match=r"^line_limit = 3: must be from 16 to 1073741824$"):
+    with golden.raises():
         wits.Parser(line_limit=3)
-    with pytest.raises(ValueError, match=r"^item_limit = 0: must be from 1 to 1073741824$"):
+    with golden.raises():
         wits.Parser(item_limit=0)
 
 
 @pytest.mark.parametrize("text", ["", "108", "0008", "0100", "01o8", "01081", "\u0661\u0661\u0661\u0661"])
-def test_item_codes_are_four_digits(text):
-    with pytest.raises(ValueError, match=rf"^item '{text}': must be four digits RRII, 01 to 99 each$"):
+def test_item_codes_are_four_digits(text, golden):
+    with golden.raises(kind=ValueError):
         wits.code(text)
     assert wits.code("0108") == 108
 

@@ -254,7 +254,7 @@ def test_arms_survive_the_archive_and_further_appends(tmp_path: Path) -> None:
 def test_bad_arm_numbers_are_refused(golden: Golden) -> None:
     with golden.raises():
         hb.Caliper([1, 2], [0, 90], [0.1, 0.1], arm=[0])
-    with pytest.raises(hb.InputError, match=r"^arm\[1\] = 0\.5: must be a whole number$"):
+    with golden.raises():
         hb.Caliper([1, 2], [0, 90], [0.1, 0.1], arm=[0, 0.5])
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from golden_texts import Golden
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -72,11 +73,11 @@ def test_a_stab_in_job_leaves_no_shoe_track() -> None:
     assert found.displacement == pytest.approx(area(0.1086) * 1025)
 
 
-def test_what_was_not_measured_takes_the_mean_of_its_section() -> None:
+def test_what_was_not_measured_takes_the_mean_of_its_section(golden: Golden) -> None:
     found = next(each for each in sheet(gap=True, top=1001.0, shoe=1012.0).sections if each.name == OPEN_HOLE)
     assert found.volume == pytest.approx((area(UPPER) - area(0.2445)) * 11, rel=1e-6)
     assert found.measured == pytest.approx(1 - 3 / 11, abs=0.02)
-    with pytest.raises(hb.InputError, match=r"no row between 1006.00 and 1007.00 m was measured"):
+    with golden.raises():
         sheet(gap=True, top=1006.0, shoe=1007.0)
 
 
@@ -119,24 +120,21 @@ def test_sigma_of_a_common_error_is_that_of_the_area() -> None:
 
 
 @pytest.mark.parametrize(
-    ("more", "message"),
+    "more",
     [
-        ({"shoe": 1031.0}, "shoe = 1031: must lie in the logs"),
-        (
-            {"shoe": 900.0, "previous_shoe": None, "previous_inner": None, "top": None},
-            "shoe = 900: must lie in the logs",
-        ),
-        ({"excess": 10.0}, "excess = 10: must be at most 5"),
-        ({"top": 990.0}, "top = 990: the logs reach from"),
-        ({"top": 1026.0}, "top = 1026: must be above the shoe"),
-        ({"previous_shoe": 1004.0}, "goes with previous_inner"),
-        ({"inner_diameter": 0.3}, "inner_diameter = 0.3: must be less than the casing"),
-        ({"shoe_track": 5.0}, "shoe_track = 5: needs inner_diameter"),
-        ({"casing": 0.33}, "less area than the casing"),
+        {"shoe": 1031.0},
+        {"shoe": 900.0, "previous_shoe": None, "previous_inner": None, "top": None},
+        {"excess": 10.0},
+        {"top": 990.0},
+        {"top": 1026.0},
+        {"previous_shoe": 1004.0},
+        {"inner_diameter": 0.3},
+        {"shoe_track": 5.0},
+        {"casing": 0.33},
     ],
 )
-def test_refused(more: dict[str, float], message: str) -> None:
-    with pytest.raises(hb.InputError, match=message):
+def test_refused(more: dict[str, float], golden: Golden) -> None:
+    with golden.raises():
         sheet(**more)
 
 

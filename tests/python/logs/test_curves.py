@@ -51,19 +51,19 @@ def test_a_logarithm_needs_something_above_zero(golden: Golden) -> None:
 
 
 @pytest.mark.parametrize(
-    ("depth", "more", "message"),
+    ("depth", "more"),
     [
-        (DEPTH[::-1], {}, "curve 'GR': depth must be finite and must not fall"),
-        (DEPTH * np.nan, {}, "curve 'GR': depth must be finite and must not fall"),
-        (DEPTH[1:], {}, "curve 'GR': 5 values, 4 depths: must be equal"),
-        (DEPTH, {"limits": (5.0, 5.0)}, "curve 'GR': limits = (5.0, 5.0): must be two different finite numbers"),
-        (DEPTH, {"limits": (0.0, np.inf)}, "curve 'GR': limits = (0.0, inf): must be two different finite numbers"),
+        (DEPTH[::-1], {}),
+        (DEPTH * np.nan, {}),
+        (DEPTH[1:], {}),
+        (DEPTH, {"limits": (5.0, 5.0)}),
+        (DEPTH, {"limits": (0.0, np.inf)}),
     ],
 )
-def test_a_curve_that_no_track_can_show_is_refused(depth: np.ndarray, more: dict[str, object], message: str) -> None:
+def test_a_curve_that_no_track_can_show_is_refused(depth: np.ndarray, more: dict[str, object], golden: Golden) -> None:
     with pytest.raises(InputError) as error:
         ScalarCurve("GR", "gAPI", depth, np.arange(5.0), **more)  # type: ignore[arg-type]
-    assert str(error.value) == message
+    golden(str(error.value))
 
 
 def test_the_logs_of_a_wall_are_curves_by_their_mnemonics_shallow_end_first() -> None:

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -94,10 +95,10 @@ def test_a_turn_stands_alone_and_lengths_scale_with_the_bit() -> None:
         assert twice[name][0] == pytest.approx(alone[name][0] * (1 if angle else 2), abs=1e-9, nan_ok=True)
 
 
-def test_what_the_core_refuses() -> None:
+def test_what_the_core_refuses(golden: Golden) -> None:
     with pytest.raises(InputError, match=r"^bit_diameter = 0"):
         measured(np.full(K, 0.1), bit=0.0)
-    with pytest.raises(InputError, match=r"^counts has 3 values, radius has 64"):
+    with golden.raises():
         measured(np.full(K, 0.1), counts=np.ones(3))
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 import struct
 from pathlib import Path
 from types import SimpleNamespace
@@ -130,7 +129,7 @@ def test_each_quad_has_a_colour_of_its_own_by_radius_or_attribute(tmp_path):
             assert len(set(colors[7, 0, :3].tolist())) == 1  # grey
 
 
-def test_trimesh_finds_colours_and_attributes_in_a_glb(tmp_path):
+def test_trimesh_finds_colours_and_attributes_in_a_glb(tmp_path, golden):
     well = surface(gap=[77])
     well.attributes["GR"] = np.where(np.arange(len(well.quads)) == 7, np.nan, np.arange(len(well.quads)))
     well.attributes.units["GR"] = "gAPI"
@@ -141,7 +140,7 @@ def test_trimesh_finds_colours_and_attributes_in_a_glb(tmp_path):
     extras = read_glb(tmp_path / "well.glb")[0]["meshes"][0]["extras"]
     assert (extras["missing"], extras["basis"], extras["units"]) == (-999.25, "azimuthal", {"GR": "gAPI"})
     assert extras["metadata"] == well.metadata
-    assert extras["metadata"]["helix"] == "16 sectors, pitch 0.1 m, from 1000.0 m, toolface 0.0 deg"
+    golden(extras["metadata"]["helix"])
     colors = mesh.visual.vertex_colors.reshape(-1, 4, 4)
     assert (colors == colors[:, :1]).all()
     assert len(np.unique(colors[:, 0], axis=0)) > 100
@@ -199,12 +198,10 @@ def test_ply_holds_quads_float64_colours_and_attributes(tmp_path):
 
 
 @pytest.mark.parametrize("name", ["", "gamma ray", "\u03b3", "vertex_indices", "a\nb"])
-def test_attribute_names_a_ply_header_cannot_hold(tmp_path, name):
+def test_attribute_names_a_ply_header_cannot_hold(tmp_path, name, golden):
     well = surface()
     well.attributes[name] = np.zeros(len(well.quads))
-    with pytest.raises(
-        ValueError, match=re.escape(f"attributes[{name!r}]: must be ASCII without blanks in a PLY file")
-    ):
+    with golden.raises():
         well.save(tmp_path / "well.ply")
     assert not list(tmp_path.iterdir())
 
@@ -263,24 +260,20 @@ def test_every_format_counts_from_the_origin(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("name", "settings", "text"),
+    ("name", "settings"),
     [
-        ("well.xyz", {}, "well.xyz: the ending must be one of .glb, .ply, .obj, .stl, .vtu, .vtp, .vtkhdf"),
-        ("well", {}, "well: the ending must be one of .glb, .ply, .obj, .stl, .vtu, .vtp, .vtkhdf"),
-        ("well.glb", {"color_by": "GR"}, "color_by = 'GR': must be one of radius, RT"),
-        ("well.ply", {"color_by": "GR"}, "color_by = 'GR': must be one of radius, RT"),
-        ("well.glb", {"limits": (5, 5)}, "limits = (5, 5): must be two finite numbers, the first below the second"),
-        (
-            "well.glb",
-            {"origin": (0, np.nan, 0)},
-            "origin = (0, nan, 0): must be three finite numbers (north, east, down)",
-        ),
+        ("well.xyz", {}),
+        ("well", {}),
+        ("well.glb", {"color_by": "GR"}),
+        ("well.ply", {"color_by": "GR"}),
+        ("well.glb", {"limits": (5, 5)}),
+        ("well.glb", {"origin": (0, np.nan, 0)}),
     ],
 )
-def test_bad_saves_write_nothing(tmp_path, name, settings, text):
+def test_bad_saves_write_nothing(tmp_path, name, settings, golden):
     well = surface()
     well.attributes["RT"] = np.ones(len(well.quads))
-    with pytest.raises(ValueError, match=f"{re.escape(text)}$"):
+    with golden.raises():
         well.save(tmp_path / name, **settings)
     assert not list(tmp_path.iterdir())
 

@@ -236,17 +236,17 @@ OUTSIDE = "no vertex lies in [start, stop); the wall reaches from 1000 to 1018.7
 
 
 @pytest.mark.parametrize(
-    ("start", "stop", "text"),
+    ("start", "stop"),
     [
-        (math.nan, None, "start = nan: must be finite"),
-        (1010, 1005, "stop = 1005: must be greater than start = 1010"),
-        (1005, 1005, "stop = 1005: must be greater than start = 1005"),
-        (2000, None, f"start = 2000, stop = None: {OUTSIDE}"),
-        (None, 900, f"start = None, stop = 900: {OUTSIDE}"),
+        (math.nan, None),
+        (1010, 1005),
+        (1005, 1005),
+        (2000, None),
+        (None, 900),
     ],
 )
-def test_bad_intervals(start, stop, text):
-    with pytest.raises(ValueError, match=f"^{re.escape(text)}$"):
+def test_bad_intervals(start, stop, golden):
+    with golden.raises():
         surface_of(wall_of(rugged(3_000)), start=start, stop=stop)
 
 
@@ -313,22 +313,19 @@ def test_a_longer_or_shorter_second_wall_counts_where_both_are():
 
 
 @pytest.mark.parametrize(
-    ("shells", "text"),
+    "shells",
     [
-        ([], "shells: a volume needs one or more beyond the wall"),
-        ([0.0], "shells[0][0] = 0.125 at depth 1000: must lie beyond radius[0] = 0.125"),
-        ([0.25, 0.125], "shells[1][0] = 0.25 at depth 1000: must lie beyond shells[0][0] = 0.375"),
-        ([math.nan], "shells[0] = nan: must be finite"),
-        ([[0.1, 0.2]], "shells[0] has 2 values, radius has 100: must be equal"),
-        (
-            [[0.25] * 42 + [-0.0625] + [0.25] * 57],
-            "shells[0][42] = 0.0625 at depth 1000.2625: must lie beyond radius[42] = 0.125",
-        ),
-        ([wall_of([0.5] * 100, sectors=8)], "shells[0]: must be a wall on the same helix"),
+        [],
+        [0.0],
+        [0.25, 0.125],
+        [math.nan],
+        [[0.1, 0.2]],
+        [[0.25] * 42 + [-0.0625] + [0.25] * 57],
+        [wall_of([0.5] * 100, sectors=8)],
     ],
 )
-def test_bad_shells(shells, text):
-    with pytest.raises(ValueError, match=f"^{re.escape(text)}"):
+def test_bad_shells(shells, golden):
+    with golden.raises():
         volume_of(wall_of([0.125] * 100), shells=shells)
 
 
@@ -416,18 +413,18 @@ def test_vertices_whose_reference_is_undefined(threads):
 
 
 @pytest.mark.parametrize(
-    ("wall", "text"),
+    "wall",
     [
-        (wall_of([0.1] * 9, sectors=2), "sectors = 2: must be 3 or more"),
-        (wall_of([0.1] * 9, pitch=0.0), "pitch = 0: must be finite and not 0"),
-        (wall_of([0.1] * 9, start_toolface=math.nan), "start_toolface = nan: must be finite"),
-        (wall_of([0.1, 0.1, -0.1]), "radius[2] = -0.1: must be finite and above 0, or nan"),
-        (wall_of([0.1, math.inf]), "radius[1] = inf: must be finite and above 0, or nan"),
-        (wall_of([0.1] * 100 + [0.0] + [0.1] * 100), "radius[100] = 0: must be finite and above 0, or nan"),
+        wall_of([0.1] * 9, sectors=2),
+        wall_of([0.1] * 9, pitch=0.0),
+        wall_of([0.1] * 9, start_toolface=math.nan),
+        wall_of([0.1, 0.1, -0.1]),
+        wall_of([0.1, math.inf]),
+        wall_of([0.1] * 100 + [0.0] + [0.1] * 100),
     ],
 )
-def test_bad_walls(wall, text):
-    with pytest.raises(ValueError, match=f"^{re.escape(text)}$"):
+def test_bad_walls(wall, golden):
+    with golden.raises():
         surface_of(wall)
 
 

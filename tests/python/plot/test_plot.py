@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 from hypothesis import given
 from hypothesis import strategies as st
 from plotted_wall import BIT, image_of, plotted_wall
@@ -152,7 +153,7 @@ def test_a_wall_that_was_not_measured_around_says_so(basis: str) -> None:
     assert_readable(figure)
 
 
-def test_a_picture_claims_no_reference_that_nothing_states() -> None:
+def test_a_picture_claims_no_reference_that_nothing_states(golden: Golden) -> None:
     toolface = np.arange(0.0, 360.0 * 200, 15.0)
     caliper = hb.Caliper(1000.0 + toolface / 7200.0, toolface, 0.11 + 0.002 * np.cos(np.radians(2 * toolface)))
     wall = hb.reconstruct(caliper, bit_diameter=BIT, sectors=16)
@@ -166,7 +167,7 @@ def test_a_picture_claims_no_reference_that_nothing_states() -> None:
     assert {"N", "E", "S", "W"} <= set(named)
     wall.images["GR"] = image_of(np.arange(1000.0, 1010.0, 0.5), np.arange(160.0).reshape(20, 8))
     assert {"U", "R", "D", "L"} <= {text.get_text() for text in texts(plot.log(wall, dpi=60, body=()))}
-    with pytest.raises(ValueError, match="reference = '': must be one of high-side, north, parallel-transport"):
+    with golden.raises():
         plot.log(wall, reference="")  # type: ignore[arg-type]
 
 
@@ -262,16 +263,16 @@ def test_pages_cover_the_interval_once_at_one_scale(wall: hb.Wall) -> None:
 
 
 @pytest.mark.parametrize(
-    ("paper", "message"),
+    "paper",
     [
-        ("letter", r"^paper = 'letter': must be one of a4, a3$"),
-        ((210.0, 60.0), r"^paper = 210 x 60 mm: must be finite, and at least 11\d mm high"),
-        ((210.0, -60.0), r"^paper = 210 x -60 mm: must be finite, and"),
-        ((math.nan, 297.0), r"^paper = nan x 297 mm: must be finite, and"),
+        "letter",
+        (210.0, 60.0),
+        (210.0, -60.0),
+        (math.nan, 297.0),
     ],
 )
-def test_paper_without_room_for_the_tracks_is_refused(wall: hb.Wall, paper: Any, message: str) -> None:
-    with pytest.raises(hb.InputError, match=message):
+def test_paper_without_room_for_the_tracks_is_refused(wall: hb.Wall, paper: Any, golden: Golden) -> None:
+    with golden.raises():
         plot.pages(wall, paper, dpi=40, polar=(), body=())
 
 
@@ -335,7 +336,7 @@ def test_a_caliper_track_is_grey_over_the_turns_without_a_radius_and_beyond_the_
     np.testing.assert_array_equal(shown, grey)
 
 
-def test_sections_are_the_vertices_nearest_to_the_depth(wall: hb.Wall) -> None:
+def test_sections_are_the_vertices_nearest_to_the_depth(wall: hb.Wall, golden: Golden) -> None:
     (section,) = sections_at(wall, [2003.14])
     K = wall.settings.sectors
     for j in range(K):
@@ -344,7 +345,7 @@ def test_sections_are_the_vertices_nearest_to_the_depth(wall: hb.Wall) -> None:
         assert section.radius[j] == wall.radius[column][nearest]
     samples = wall.samples
     assert section.sample_radius.size == np.count_nonzero(np.abs(samples.depth - 2003.14) <= 0.05) > 0
-    with pytest.raises(ValueError, match=r"polar section at 5 m: the wall reaches from 2000 to 20"):
+    with golden.raises():
         sections_at(wall, [5.0])
 
 
@@ -383,15 +384,15 @@ def test_a_narrow_place_is_not_drawn_inside_out(share: float) -> None:
     assert (0.5 * BIT + shape * (radius - 0.5 * BIT)).min() > 0
 
 
-def test_the_body_is_the_stretch_with_most_relief(wall: hb.Wall) -> None:
+def test_the_body_is_the_stretch_with_most_relief(wall: hb.Wall, golden: Golden) -> None:
     run = simulate(Hole(2000.0, 2040.0, washouts=(hb_washout(2025.0, 2030.0),)), Tool(sample_rate=4.0))
     made = hb.reconstruct(hb.Caliper(run.depth, run.toolface, run.radius), bit_diameter=BIT, sectors=16)
     ends = most_relief(made, 2000.0, 2040.0)
     assert ends is not None
     assert ends[0] <= 2026 < 2029 <= ends[1]
-    with pytest.raises(ValueError, match=r"3-D view of 1 to 2 m: must hold three turns of the wall; the wall reaches"):
+    with golden.raises():
         turns_between(wall, 1.0, 2.0)
-    with pytest.raises(ValueError, match=r"3-D view of 2013\.3 to 2014\.6 m: the wall has no radius there"):
+    with golden.raises():
         turns_between(wall, 2013.3, 2014.6)
 
 
@@ -413,26 +414,26 @@ def hb_washout(start: float, stop: float) -> Any:
 
 
 @pytest.mark.parametrize(
-    ("options", "message"),
+    "options",
     [
-        ({"scale": 0}, "scale = 0: must lie in 1 to 1000000"),
-        ({"scale": 10**9}, "scale = 1000000000: must lie in 1 to 1000000"),
-        ({"reference": "up"}, "reference = 'up': must be one of high-side, north, parallel-transport"),
-        ({"left": 45}, "left = 45: must be 0, 90, 180 or 270"),
-        ({"curves": ("C3",)}, r"curves = ('C3',\): must be one of C1, C2, D0, D90"),
-        ({"unit": "m"}, "unit = 'm': must be one of in, mm, ft"),
-        ({"start": 2010, "stop": 2001}, "interval 2010 to 2001 m: the end must be deeper than the start"),
-        ({"start": 3000, "stop": 3001}, "interval 3000 to 3001 m: the wall reaches from 2000 to"),
-        ({"images": ["X"]}, "image 'X': the wall has no image of this name; it has GR, RES"),
-        ({"reference": "north"}, "image 'GR' counts toolfaces from high-side, the picture from north"),
-        ({"looks": {"GR": plot.Look(limits=(0, 9), log=True)}}, "image 'GR', 2000 to"),
-        ({"body": (2001,)}, r"body = \[2001\]: must be two"),
-        ({"body": (2001, math.nan)}, r"body = \[2001, nan\]: must be finite"),
-        ({"dpi": 5}, "dpi = 5: must lie in 30 to 1200"),
+        {"scale": 0},
+        {"scale": 10**9},
+        {"reference": "up"},
+        {"left": 45},
+        {"curves": ("C3",)},
+        {"unit": "m"},
+        {"start": 2010, "stop": 2001},
+        {"start": 3000, "stop": 3001},
+        {"images": ["X"]},
+        {"reference": "north"},
+        {"looks": {"GR": plot.Look(limits=(0, 9), log=True)}},
+        {"body": (2001,)},
+        {"body": (2001, math.nan)},
+        {"dpi": 5},
     ],
 )
-def test_options_that_break_a_rule(wall: hb.Wall, options: dict[str, Any], message: str) -> None:
-    with pytest.raises(ValueError, match="^" + message.replace("(", r"\(")):
+def test_options_that_break_a_rule(wall: hb.Wall, options: dict[str, Any], golden: Golden) -> None:
+    with golden.raises():
         plot.log(wall, **options)
 
 
@@ -524,20 +525,20 @@ def test_an_image_without_a_unit_says_so() -> None:
     assert "X [no unit]" in [text.get_text() for text in texts(figure)]
 
 
-def test_paper_too_long_for_its_format(wall: hb.Wall, tmp_path: Path) -> None:
+def test_paper_too_long_for_its_format(wall: hb.Wall, tmp_path: Path, golden: Golden) -> None:
     figure = plot.log(wall, scale=200, dpi=40, polar=(), body=())
     figure.set_size_inches(8, 300)
-    with pytest.raises(ValueError, match=r"a page of 7,620 mm: PDF allows 5,080"):
+    with golden.raises():
         plot.save(figure, tmp_path / "log.pdf")
     figure.set_size_inches(300, 8)
-    with pytest.raises(ValueError, match=r"a page of 7,620 mm: PDF allows 5,080"):
+    with golden.raises():
         plot.save(figure, tmp_path / "log.pdf")
     figure.set_size_inches(8, 2000)
-    with pytest.raises(ValueError, match=r"at 40 dpi are 80,000 pixels: must be at most 65,000"):
+    with golden.raises():
         plot.save(figure, tmp_path / "log.png")
-    with pytest.raises(ValueError, match=r"2 pages: only a \.pdf file holds more than one page"):
+    with golden.raises():
         plot.save([figure, figure], tmp_path / "log.png")
-    with pytest.raises(ValueError, match=r"log\.pdf: no figure: a file needs at least one figure$"):
+    with golden.raises():
         plot.save([], tmp_path / "log.pdf")
     assert not list(tmp_path.iterdir())
 
@@ -624,7 +625,7 @@ def test_a_narrow_head_keeps_the_whole_name(wall: hb.Wall) -> None:
     assert_readable(figure)
 
 
-def test_another_wall_stands_beside_on_the_same_depths(wall: hb.Wall) -> None:
+def test_another_wall_stands_beside_on_the_same_depths(wall: hb.Wall, golden: Golden) -> None:
     depth = np.arange(2004, 2030, 0.02)
     other = hb.reconstruct(hb.Caliper(depth, depth * 900 % 360, np.full(depth.size, BIT / 2 + 0.06)), bit_diameter=BIT)
     drawing = plot.Drawing(beside={"F-15": other}, polar=(), body=(), scale=200)
@@ -638,7 +639,7 @@ def test_another_wall_stands_beside_on_the_same_depths(wall: hb.Wall) -> None:
     assert own.limits[1] > (BIT + 0.12) / 0.0254  # type: ignore[union-attr]
     assert_readable(plot.pages(wall, beside={"F-15": other}, polar=(), body=(), scale=200, dpi=60)[0])
     gauge = hb.reconstruct(hb.Caliper.gauge(2000.0, 2010.0, BIT), bit_diameter=BIT)
-    with pytest.raises(hb.InputError, match=r"^beside 'F-15': must have a full turn that was measured$"):
+    with golden.raises():
         content_of(wall, plot.Drawing(beside={"F-15": gauge}))
 
 

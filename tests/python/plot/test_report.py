@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from golden_texts import Golden
 from screen import NEEDS_BROWSER
 
 import helibore as hb
@@ -154,7 +155,7 @@ def test_a_report_without_zones_states_the_criteria_that_nothing_meets() -> None
     assert f"Criteria of zones: {criteria}" in words
 
 
-def test_settings_have_units_and_say_each_thing_once(wall: hb.Wall) -> None:
+def test_settings_have_units_and_say_each_thing_once(wall: hb.Wall, golden: Golden) -> None:
     shown = cells(page(wall, dpi=40, polar=(), body=()))
     rows = shown[shown.index("bit diameter") :]
     table = dict(zip(rows[0::2], rows[1::2], strict=False))
@@ -163,8 +164,8 @@ def test_settings_have_units_and_say_each_thing_once(wall: hb.Wall) -> None:
         "tolerance": "1e-06 m",
     }  # fmt: skip
     assert (table["start depth"], table["window"], table["direct"]) == ("that of the samples", "all samples", "no")
-    assert table["toolface 0"] == "high side of the hole"  # as the image says, and the picture
-    assert table["class"] == "0 gauge, 1 washout, 2 breakout, 3 key seat, 4 undergauge"
+    golden(table["toolface 0"])  # as the image says, and the picture
+    golden(table["class"])
     assert rows.count("bit diameter") == rows.count("pitch") == 1
     assert not {"None", "False"} & set(shown)
     made = hb.reconstruct(wall.samples, bit_diameter=BIT, sectors=8)
@@ -215,7 +216,7 @@ def test_a_wall_that_was_not_measured_says_so() -> None:
     assert "The hole was not measured." in text
 
 
-def test_report_on_the_command_line(wall: hb.Wall, tmp_path: Path) -> None:
+def test_report_on_the_command_line(wall: hb.Wall, tmp_path: Path, golden: Golden) -> None:
     wall.save(tmp_path / "well.wall")
     arguments = ["report", str(tmp_path / "well.wall"), "--dpi", "40", "--header", "well=W-1", "-o"]
     result = CliRunner().invoke(cli, [*arguments, str(tmp_path / "well.html")])
@@ -225,13 +226,13 @@ def test_report_on_the_command_line(wall: hb.Wall, tmp_path: Path) -> None:
     assert "well.wall: archive of a wall" in text
     refused = CliRunner().invoke(cli, [*arguments, str(tmp_path / "well.txt")])
     assert refused.exit_code == 2
-    assert "the ending must be one of .html, .htm" in refused.stderr
+    golden(refused.stderr)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["well.html", "well.html.toml", "well.wall"]
 
 
-def test_an_old_report_outlives_an_error(wall: hb.Wall, tmp_path: Path) -> None:
+def test_an_old_report_outlives_an_error(wall: hb.Wall, tmp_path: Path, golden: Golden) -> None:
     (tmp_path / "well.html").write_text("old")
-    with pytest.raises(ValueError, match="interval 1 to 2 m: the wall reaches from"):
+    with golden.raises():
         report(wall, tmp_path / "well.html", start=1, stop=2)
     assert (tmp_path / "well.html").read_text() == "old"
     assert len(list(tmp_path.iterdir())) == 1

@@ -415,7 +415,7 @@ def test_errors(change, place, golden):
 def test_errors_of_settings_and_foreign_turns(golden):
     with golden.raises():
         Shape(even=0.0)
-    with pytest.raises(ValueError, match=r"^harmonics = 1: must be at least 2$"):
+    with golden.raises():
         Shape(harmonics=1)
     centres = find_centres([0, 90, 180], [0.1] * 3, [0, 0, 0])
     with golden.raises():

@@ -217,7 +217,9 @@ def test_a_well_may_have_a_project_which_counts_over_the_defaults(field: Path) -
     }  # fmt: skip
 
 
-def test_nothing_starts_where_a_file_is_missing_or_the_output_cannot_be_written(field: Path, tmp_path: Path) -> None:
+def test_nothing_starts_where_a_file_is_missing_or_the_output_cannot_be_written(
+    field: Path, tmp_path: Path, golden: Golden
+) -> None:
     lost = manifest(field, MANIFEST.replace("1.parquet", "9.parquet"))
     result = CliRunner().invoke(cli, ["reprocess", str(lost), "-o", str(tmp_path / "none")])
     assert result.exit_code == 2
@@ -230,7 +232,7 @@ def test_nothing_starts_where_a_file_is_missing_or_the_output_cannot_be_written(
     with pytest.raises(hb.InputError, match=r"a11\.csv, and 2 more$"):
         check_files([Job("A", {"caliper": [{"file": f"{field}/a{k}.csv"} for k in range(2, 14)]}, "")])
     (tmp_path / "file").write_text("")
-    with pytest.raises(hb.InputError, match="file/out: cannot be written: "):
+    with golden.raises():
         hb.reprocess(manifest(field), output=f"{tmp_path}/file/out")
 
 

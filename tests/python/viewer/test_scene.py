@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from page_protocol import Message, unpack
@@ -219,7 +220,7 @@ def test_the_tile_looked_at_comes_first_and_the_overview_before_the_far_ones() -
     assert list(page.drain()) == []
 
 
-def test_frames_are_sent_whole_and_then_only_what_changed() -> None:
+def test_frames_are_sent_whole_and_then_only_what_changed(golden: Golden) -> None:
     scene = begun()
     rng = np.random.default_rng(3)
     scene.set_frames(0, PathFrames(*rng.normal(size=(3, 9000, 3))))
@@ -230,7 +231,7 @@ def test_frames_are_sent_whole_and_then_only_what_changed() -> None:
     assert (message.first, message.count, message.total) == (8990, 20, 9010)
     np.testing.assert_array_equal(message.centre, scene.frames.centre[8990:])
     np.testing.assert_array_equal(message.directions[:, 3:], scene.frames.right[8990:].astype(np.float32))
-    with pytest.raises(ValueError, match=r"^first = 9011: the scene holds 9010 frames, none may be left out$"):
+    with golden.raises():
         scene.set_frames(9011, PathFrames(*rng.normal(size=(3, 1, 3))))
 
 
@@ -284,18 +285,18 @@ def test_a_washout_all_around_the_hole_is_level_in_the_overview() -> None:
 
 
 @pytest.mark.parametrize(
-    ("wrong", "text"),
+    "wrong",
     [
-        ({"sectors": 2}, "sectors = 2: the viewer draws 3 to 2048 sectors"),
-        ({"pitch": 0.0}, "pitch = 0.0: must be finite and not 0"),
-        ({"bit_diameter": -1.0}, "bit_diameter = -1.0: must be finite and above 0"),
-        ({"attributes": (Attribute("GR"), Attribute("GR"))}, r"attributes \['GR', 'GR'\]: each name may appear once"),
-        ({"attributes": tuple(Attribute(str(i)) for i in range(17))}, "17 attributes: the viewer takes at most 16"),
+        {"sectors": 2},
+        {"pitch": 0.0},
+        {"bit_diameter": -1.0},
+        {"attributes": (Attribute("GR"), Attribute("GR"))},
+        {"attributes": tuple(Attribute(str(i)) for i in range(17))},
     ],
 )
-def test_a_helix_that_cannot_be_drawn_is_refused(wrong: dict[str, object], text: str) -> None:
+def test_a_helix_that_cannot_be_drawn_is_refused(wrong: dict[str, object], golden: Golden) -> None:
     good: dict[str, object] = {"sectors": 64, "pitch": 0.1, "start_depth": 0.0, "bit_diameter": 0.2}
-    with pytest.raises(ValueError, match=f"^{text}$"):
+    with golden.raises():
         WallShape(**(good | wrong))  # type: ignore[arg-type]
 
 
@@ -306,34 +307,34 @@ def test_colours_between_no_two_values_are_refused(ends: tuple[float | None, flo
         Attribute("RES", "ohm.m", *ends, log=True)
 
 
-def test_a_colour_map_of_the_viewer_must_be_known() -> None:
-    with pytest.raises(ValueError, match=r"^color_map = 'jet': must be one of image, "):
+def test_a_colour_map_of_the_viewer_must_be_known(golden: Golden) -> None:
+    with golden.raises():
         Attribute("GR", color_map="jet")
 
 
-def test_writes_that_make_no_sense_are_refused() -> None:
+def test_writes_that_make_no_sense_are_refused(golden: Golden) -> None:
     scene = begun()
-    with pytest.raises(ValueError, match=r"^first = -1: must not be negative$"):
+    with golden.raises():
         scene.write(-1, Vertices(np.ones(1)), {})
-    with pytest.raises(ValueError, match=r"^attribute XX: was not named when the scene began$"):
+    with golden.raises():
         scene.write(0, Vertices(np.ones(1)), {"XX": np.ones(1)})
 
 
 @pytest.mark.parametrize(
-    ("said", "text"),
+    "said",
     [
-        (7, "subscribe: must be an object"),
-        ({"tiles": [[0, 1]] * 65}, "subscribe.tiles: must be a list of at most 64 ranges"),
-        ({"tiles": [[3, 2]]}, "subscribe.tiles: [3, 2] is not a range [start, stop) of tiles"),
-        ({"tiles": [[0, True]]}, "subscribe.tiles: [0, True] is not a range [start, stop) of tiles"),
-        ({"tiles": [], "focus": -1}, "subscribe.focus = -1: must be a tile's number"),
-        ({"tiles": [], "focus": 0, "mask": 4}, "subscribe.mask = 4: there are 2 attributes"),
+        7,
+        {"tiles": [[0, 1]] * 65},
+        {"tiles": [[3, 2]]},
+        {"tiles": [[0, True]]},
+        {"tiles": [], "focus": -1},
+        {"tiles": [], "focus": 0, "mask": 4},
     ],
 )
-def test_a_bad_subscription_is_named(said: object, text: str) -> None:
+def test_a_bad_subscription_is_named(said: object, golden: Golden) -> None:
     with pytest.raises(BadMessageError) as caught:
         read_subscription(said, 2)
-    assert str(caught.value) == text
+    golden(str(caught.value))
 
 
 def test_only_vertices_whose_mark_changes_are_sent_again_as_interpolated() -> None:

@@ -12,6 +12,7 @@ from urllib.parse import quote, urlencode, urlsplit
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 
 starlette = pytest.importorskip("starlette", reason='the viewer needs the extra: pip install "helibore[view]"')
 pytest.importorskip("uvicorn", reason='the viewer needs the extra: pip install "helibore[view]"')
@@ -231,20 +232,20 @@ def test_headers_keep_the_page_to_itself(client: TestClient) -> None:
     assert headers["x-content-type-options"] == "nosniff"
 
 
-def test_one_vertex_and_a_section_as_text(client: TestClient, feed: Any) -> None:
+def test_one_vertex_and_a_section_as_text(client: TestClient, feed: Any, golden: Golden) -> None:
     k = 12_345
     got = client.get(f"/api/vertex/{k}").json()
     assert got["depth"] == pytest.approx(feed.wall.depth[k], abs=1e-9)
     assert got["toolface"] == pytest.approx(feed.wall.toolface[k])
     assert got["radius"] == pytest.approx(feed.wall.radius[k], abs=5.1e-6)
-    assert client.get("/api/vertex/40000").text == "vertex 40000: the wall has 40000 vertices\n"
+    golden(client.get("/api/vertex/40000").text)
     lines = client.get("/api/section.csv?start=1011.9&stop=1012.1").text.splitlines()
-    assert lines[0] == 'vertex,depth [m],toolface [deg],radius [m],first radius [m],nearest [m],support,"GR []"'
+    golden(lines[0])
     assert len(lines) == 1 + 129
     assert lines[-1].split(",")[3:6] == ["", "", ""], "a vertex without a sample has no radius, not zero"
     assert client.get("/api/section.csv?start=1").text.startswith("stop: missing;")
     assert client.get("/api/section.csv?start=1e308&stop=9e307").text.count("\n") == 1, "beyond the wall: no vertex"
-    assert client.get("/api/section.csv?start=nan&stop=2").text == "start = nan: must be a finite number of metres\n"
+    golden(client.get("/api/section.csv?start=nan&stop=2").text)
 
 
 def test_a_corrected_path_sends_frames_only(client: TestClient, feed: Any) -> None:
@@ -324,7 +325,7 @@ def test_a_part_of_a_helix_is_followed_append_by_append() -> None:
         until(lambda: follows(viewer.scene, wall) and viewer.scene.settled == wall.settled - 800)
 
 
-def test_values_of_new_quads_come_with_the_change_and_provisional_vertices_settle() -> None:
+def test_values_of_new_quads_come_with_the_change_and_provisional_vertices_settle(golden: Golden) -> None:
     rng = np.random.default_rng(6)
     depth = 1000 + np.sort(rng.uniform(0, 4, 4000))
     toolface, radius = rng.uniform(0, 360, 4000), 0.11 + 0.004 * rng.random(4000)
@@ -351,9 +352,9 @@ def test_values_of_new_quads_come_with_the_change_and_provisional_vertices_settl
             until(shown)
             seen += int(wall.provisional.sum())
         assert seen > 0, "direct connection was at work"
-        with pytest.raises(ValueError, match=r"^attribute XX: was not named when the viewer was made$"):
+        with golden.raises():
             viewer.update(None, {"XX": quads()})
-        with pytest.raises(ValueError, match=r"^attribute GR has shape \(1,\): must be one value for each of"):
+        with golden.raises():
             viewer.update(None, {"GR": [1.0]})
 
 
@@ -385,13 +386,11 @@ def answers(socket: Any, said: str | bytes) -> None:
         socket.recv(20)
 
 
-def test_what_cannot_be_viewed_is_said() -> None:
+def test_what_cannot_be_viewed_is_said(golden: Golden) -> None:
     wall = MadeWall(5000)
-    with pytest.raises(ValueError, match=r"^token: must not be empty$"):
+    with golden.raises():
         hb.view(wall, token="")
-    with pytest.raises(
-        ValueError, match=r"^attribute GR has shape \(3,\): must be one value for each of 5000 vertices or 4935 quads$"
-    ):
+    with golden.raises():
         hb.view(wall, attributes={"GR": [1, 2, 3]})
     for values, rule in (
         (np.ma.masked_equal(np.arange(5000.0), 3), "masked arrays are not taken; drop the masked rows or use"),
@@ -402,18 +401,16 @@ def test_what_cannot_be_viewed_is_said() -> None:
             hb.view(wall, attributes={"GR": values})
     measured = Feed(wall, path=None, attributes={"measured": np.ones(5000, bool)}, well="").scene
     assert (measured.levels[0].columns[0][:5000] == 1).all()
-    with pytest.raises(ValueError, match=r"^port = 70000: must be from 0 to 65535$"):
+    with golden.raises():
         hb.view(wall, port=70_000)
     short = hb.Survey([990, 1002], [1, 1], [0, 0]).path()
-    with pytest.raises(
-        ValueError, match=r"^the wall lies from 1000\.00 to 1007\.81 m, the path from 990\.00 to 1002\.00 m: extend"
-    ):
+    with golden.raises():
         hb.view(wall, path=short)
-    with pytest.raises(ValueError, match=r"^the wall has no vertex yet: append samples first$"):
+    with golden.raises():
         hb.view(MadeWall(0))
     viewer = hb.view(wall, attributes={Attribute("GR", "gAPI"): np.ones(4935)})
     try:
-        with pytest.raises(ValueError, match=r"^attribute XX: was not named when the viewer was made$"):
+        with golden.raises():
             viewer.set_attribute("XX", np.ones(5000))
     finally:
         viewer.close()
@@ -473,13 +470,15 @@ def test_picks_of_a_folder_that_cannot_be_written_stay_in_the_wall(
     assert (len(scene.picks), file.exists()) == (1, False)
 
 
-def test_a_pick_that_breaks_a_rule_or_cannot_be_saved_changes_nothing(client: TestClient, feed: Any) -> None:
+def test_a_pick_that_breaks_a_rule_or_cannot_be_saved_changes_nothing(
+    client: TestClient, feed: Any, golden: Golden
+) -> None:
     pick = {"kind": "bed", "depth": 1010.0, "toolface": 20.0}
     refused = client.put("/api/pick", json=pick | {"toolface": 400})
     assert (refused.status_code, refused.text) == (400, "toolface = 400: must be 0 to 360\n")
     assert client.put("/api/pick", content="{").status_code == 400
     assert client.put("/api/pick", content="[" * 8000).status_code == 400
-    assert client.put("/api/pick", content="x" * 9000).text == "body: must be at most 8192 bytes\n"
+    golden(client.put("/api/pick", content="x" * 9000).text)
     assert client.post("/api/picks.csv", content="a,b\n").status_code == 400
     feed.scene.picks_file = "/nowhere/a.picks.csv"
     refused = client.put("/api/pick", json=pick)
