@@ -168,24 +168,21 @@ def test_the_token_is_printed_on_a_terminal_only(monkeypatch, capsys):
 
 
 @pytest.mark.parametrize(
-    ("options", "error"),
+    "options",
     [
-        (["--key", "x.pem"], "key: needs a certificate"),
-        (["--token", ""], "token: must not be empty"),
-        (["--metrics-port", "65536"], "Invalid value for '--metrics-port': 65536 is not in the range 0<=x<=65535."),
-        (["--every", "0"], "Invalid value for '--every': 0.0 is not in the range x>=1."),
-        (
-            ["--certificate", "no-such.pem"],
-            "certificate = 'no-such.pem': cannot be used with its key: [Errno 2] No such file or directory",
-        ),
+        ["--key", "x.pem"],
+        ["--token", ""],
+        ["--metrics-port", "65536"],
+        ["--every", "0"],
+        ["--certificate", "no-such.pem"],
     ],
 )
-def test_wrong_access_never_starts(tmp_path, options, error):
+def test_wrong_access_never_starts(tmp_path, options, golden):
     (tmp_path / "rig.toml").write_text(configured("host"))
     arguments = ["live", str(tmp_path / "rig.toml"), "--journal", str(tmp_path / "j"), "-q", "--seconds", "0", *options]
     result = CliRunner().invoke(cli, arguments)
     assert result.exit_code == 2
-    assert error in result.output
+    golden(result.output)
     assert not (tmp_path / "j").exists()
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from command import run
+from golden_texts import Golden
 
 import helibore as hb
 from helibore.simulation.tool import Hole, Tool, simulate
@@ -110,28 +111,23 @@ def test_options_of_a_drawing_are_arguments_of_the_plot(monkeypatch: pytest.Monk
 
 
 @pytest.mark.parametrize(
-    ("arguments", "error"),
+    "arguments",
     [
-        (("simulate", "s", "--seed", "-1"), "Invalid value for '--seed': -1 is not in the range x>=0."),
-        (
-            ("mesh", "--gauge", "--from", "1", "--to", "2", "-s", "wall.pitch=0", "-o", "w.ply"),
-            "Invalid value for '-s wall.pitch': '0': must be finite",
-        ),
-        (
-            ("plot", "w.wall", "--look", "GR=window:wide", "-o", "w.png"),
-            "--look GR=window:wide = 'wide': must be a number with",
-        ),
-        (("plot", "w.wall", "--unit", "ft", "--template", "t.toml", "-o", "w.png"), "--unit: does not go with --temp"),
-        (("logs", "w.wall", "-s", "zones.symmetry=x", "-o", "w.las"), "-s zones.symmetry = 'x': must be a number"),
+        ("simulate", "s", "--seed", "-1"),
+        ("mesh", "--gauge", "--from", "1", "--to", "2", "-s", "wall.pitch=0", "-o", "w.ply"),
+        ("plot", "w.wall", "--look", "GR=window:wide", "-o", "w.png"),
+        ("plot", "w.wall", "--unit", "ft", "--template", "t.toml", "-o", "w.png"),
+        ("logs", "w.wall", "-s", "zones.symmetry=x", "-o", "w.las"),
     ],
 )
 @pytest.mark.usefixtures("folder")
-def test_an_error_names_the_option(arguments: tuple[str, ...], error: str) -> None:
+def test_an_error_names_the_option(arguments: tuple[str, ...], golden: Golden) -> None:
     hb.reconstruct(hb.Caliper([0.0, 1.0], [0.0, 180.0], [0.1, 0.1]), bit_diameter=0.2, sectors=8).save("w.wall")
     Path("t.toml").write_text('units = "mm"\n')
     size = () if arguments[0] != "mesh" else ("--bit-diameter", "8.5in")
     result = run(*arguments, *size)
-    assert (result.exit_code, result.stderr.startswith(f"helibore: {error}")) == (2, True), result.stderr
+    assert result.exit_code == 2
+    golden(result.stderr)
 
 
 def test_options_of_a_simulation_are_arguments_of_the_library(tmp_path: Path) -> None:

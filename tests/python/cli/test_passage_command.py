@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from golden_texts import Golden
 
 import helibore as hb
 from helibore.cli import cli
@@ -54,18 +55,18 @@ def test_a_string_that_does_not_pass(wall: Path, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "message"),
+    "words",
     [
-        (("--length", "9m"), "length of the string = 9: must be shorter than the wall, 8 m of whole turns"),
-        (("--length", "1m", "--body", "8in,1m"), "--length and --body: give one of them"),
-        (("--body", "8in"), "Invalid value for '--body': '8in': 1.length: is missing"),
-        (("--length", "api-rod"), "or one of api-casing, api-large-casing, api-tubing"),
+        ("--length", "9m"),
+        ("--length", "1m", "--body", "8in,1m"),
+        ("--body", "8in"),
+        ("--length", "api-rod"),
     ],
 )
-def test_refused(wall: Path, tmp_path: Path, words: tuple[str, ...], message: str) -> None:
+def test_refused(wall: Path, tmp_path: Path, words: tuple[str, ...], golden: Golden) -> None:
     done = run(wall, "-o", tmp_path / "c.csv", *words)
     assert done.exit_code == 2
-    assert message in " ".join(done.output.split())
+    golden(done.output)
 
 
 def test_the_column_of_a_drift_in_the_logs(wall: Path, tmp_path: Path) -> None:

@@ -208,23 +208,20 @@ def test_the_header_line_of_an_average_caliper(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("options", "rule"),
+    "options",
     [
-        (("--scalar", "GR"), "--scalar GR: must be FILE:CHANNEL or inclination"),
-        (("--scalar", "inclination"), "--scalar inclination: needs --survey"),
-        (("--scalar", "x.csv:GR"), "x.csv, column md: unit missing: state it in the name of the column "
-                                   '(md [ft]), in a map ([channels."md"] unit = ...); depth is length'),
-        (("--scalar", "i.csv:GR"), "i.csv, column GR: has 4 values a row: a curve has one value a row"),
-        (("--scalar", "mem.las:XX"), "mem.las: no channel 'XX'; it holds DEPT, GR, RT, CALI"),
-        (("--scalar", "mem.las:GR", "--from", "2010m"), "curve 'GR', 2010 to 2022 m: has no value there"),
-        (("--scalar", "mem.las:GR", "--look", "GR=log", "--look", "GR=0,9"), "curve 'GR': a logarithmic scale needs "
-                                                                         "limits above 0"),
-        (("--header", "colour=red"), "--header colour: must be one of company, well, field, location, service, run, "
-                                     "date, datum, kb, gl, bit, mud, remarks"),
+        ("--scalar", "GR"),
+        ("--scalar", "inclination"),
+        ("--scalar", "x.csv:GR"),
+        ("--scalar", "i.csv:GR"),
+        ("--scalar", "mem.las:XX"),
+        ("--scalar", "mem.las:GR", "--from", "2010m"),
+        ("--scalar", "mem.las:GR", "--look", "GR=log", "--look", "GR=0,9"),
+        ("--header", "colour=red"),
     ],
 )  # fmt: skip
 def test_what_is_refused_of_scalar_tracks_and_headers(
-    tmp_path: Path, archive: Path, monkeypatch: pytest.MonkeyPatch, options: tuple[str, ...], rule: str
+    tmp_path: Path, archive: Path, monkeypatch: pytest.MonkeyPatch, options: tuple[str, ...], golden: Golden
 ) -> None:
     (tmp_path / "mem.las").write_text(CURVES + "2000 60 1 8.5\n2001 70 1 8.5\n")
     (tmp_path / "x.csv").write_text("md,GR\n2000,1\n2001,2\n")
@@ -232,8 +229,7 @@ def test_what_is_refused_of_scalar_tracks_and_headers(
     monkeypatch.chdir(tmp_path)
     result = run_cli(archive, *options, "-o", tmp_path / "log.png", "--dpi", 30)
     assert result.exit_code == 2
-    said = " ".join(result.output.split()).removesuffix(" (see cli plot --help)")
-    assert said == f"helibore: {rule}"
+    golden(result.output)
 
 
 @pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
@@ -311,28 +307,23 @@ def test_a_channel_that_is_not_there_is_named(tmp_path: Path, option: str) -> No
 
 
 @pytest.mark.parametrize(
-    ("size", "options", "rule"),
+    ("size", "options"),
     [
-        ("8.5", ("--to", "900"), "log.csv:CAL_in: no samples above 900 m; the file has 1000 to 1008 m"),
-        ("8.5", ("--from", "2000", "--to", "2010"), "log.csv:CAL_in: no samples between 2000 and 2010 m; the file has"),
-        ("-999.25", (), "log.csv, column CAL_in: no row has a depth and the diameter of a hole, in in"),
-        ("850", (), "log.csv, column CAL_in: no row has a depth and the diameter of a hole, in in"),
-        (
-            "8.5\n-999,8.5",
-            (),
-            "log.csv, line 3, column depth_m: -999 m in 9 rows, other depths lie between 1000 and 1008 m: "
-            "a number that means no value? nulls=-999 says so",
-        ),
+        ("8.5", ("--to", "900")),
+        ("8.5", ("--from", "2000", "--to", "2010")),
+        ("-999.25", ()),
+        ("850", ()),
+        ("8.5\n-999,8.5", ()),
     ],
 )
 def test_an_average_caliper_of_another_interval_or_without_values_is_named(
-    tmp_path: Path, size: str, options: tuple[str, ...], rule: str
+    tmp_path: Path, size: str, options: tuple[str, ...], golden: Golden
 ) -> None:
     table = tmp_path / "log.csv"
     table.write_text("depth_m,CAL_in\n" + "".join(f"{1000 + row},{size}\n" for row in range(9)))
     result = run_cli("--average", f"{table}:CAL_in", *options, "--bit-diameter", "8.5in", "-o", tmp_path / "l.png")
     assert result.exit_code == 2
-    assert result.stderr.startswith(f"helibore: {rule}")
+    golden(result.stderr)
 
 
 @pytest.mark.parametrize(

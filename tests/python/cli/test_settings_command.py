@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from command import run
+from golden_texts import Golden
 
 import helibore as hb
 from helibore.cli import VERBS, cli
@@ -90,29 +91,27 @@ def test_a_setting_reaches_the_wall_in_every_way_it_is_stated() -> None:
 
 @pytest.mark.usefixtures("caliper")
 @pytest.mark.parametrize(
-    ("words", "error"),
+    "words",
     [
-        (("-s", "wall.pwer=2"), "-s wall.pwer: no setting of this command; the nearest is wall.power"),
-        (("-s", "power=2"), "-s power: no setting of this command; the nearest is wall.power"),
-        (("-s", "zones.washout=1in"), "-s zones.washout: no setting of this command"),
-        (("-s", "wall.power"), "Invalid value for '-s' / '--setting': 'wall.power': must be NAME=VALUE"),
-        (("-s", "wall.power=x"), "Invalid value for '-s wall.power': 'x': must be a number"),
-        (("-s", "wall.power=0"), "Invalid value for '-s wall.power': '0': must be finite and above 0"),
-        (("--sectors", "2"), "Invalid value for '--sectors': '2': must lie in 3 to 1000000"),
-        (("-s", "wall.sectors=2"), "Invalid value for '--sectors': '2': must lie in 3 to 1000000"),
-        (("--column", "radiu=x"), "--column radiu: no setting of this command; the nearest is radius"),
-        (
-            ("-s", "preparation.saturated=perhaps"),
-            "Invalid value for '-s preparation.saturated': 'perhaps': must be true or false",
-        ),
-        (("--from-settings", "a.toml"), "--from-settings: no longer an option; give the settings file as SOURCE"),
-        (("--power", "2"), "--power: no longer an option; it is now -s wall.power=NUMBER"),
-        (("--sektors", "2"), "No such option '--sektors'. (Did you mean"),
+        ("-s", "wall.pwer=2"),
+        ("-s", "power=2"),
+        ("-s", "zones.washout=1in"),
+        ("-s", "wall.power"),
+        ("-s", "wall.power=x"),
+        ("-s", "wall.power=0"),
+        ("--sectors", "2"),
+        ("-s", "wall.sectors=2"),
+        ("--column", "radiu=x"),
+        ("-s", "preparation.saturated=perhaps"),
+        ("--from-settings", "a.toml"),
+        ("--power", "2"),
+        ("--sektors", "2"),
     ],
 )
-def test_what_is_wrong_names_the_setting_and_the_nearest(words: tuple[str, ...], error: str) -> None:
+def test_what_is_wrong_names_the_setting_and_the_nearest(words: tuple[str, ...], golden: Golden) -> None:
     result = run("reconstruct", "c.csv", "--bit-diameter", "216mm", "-o", "w.wall", *words)
-    assert (result.exit_code, result.stderr[: 10 + len(error)]) == (2, f"helibore: {error}")
+    assert result.exit_code == 2
+    golden(result.stderr)
     assert list(Path().iterdir()) == [Path("c.csv")]
 
 

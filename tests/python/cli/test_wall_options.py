@@ -97,20 +97,20 @@ def test_sets_are_chosen_by_name_number_or_columns_and_are_passes(sets: tuple[st
 
 
 @pytest.mark.parametrize(
-    ("sets", "rule"),
+    "sets",
     [
-        (("6",), "--set 6: p.json has the sets 1 to 5"),
-        (("5-4",), "--set 5-4: p.json has the sets 1 to 5"),
-        (("1-",), "p.json: no set '1-'; it holds 'pass 0', 'pass 1', 'pass 2', 'pass 3', 'pass 4'"),
-        (("with=CALX,RT",), "--set with=CALX,RT: no set of p.json holds CALX and RT"),
-        (("pass 9",), "p.json: no set 'pass 9'; it holds 'pass 0', 'pass 1', 'pass 2', 'pass 3', 'pass 4'"),
+        ("6",),
+        ("5-4",),
+        ("1-",),
+        ("with=CALX,RT",),
+        ("pass 9",),
     ],
 )
 @pytest.mark.usefixtures("passes")
-def test_sets_that_are_not_there(sets: tuple[str, ...], rule: str) -> None:
+def test_sets_that_are_not_there(sets: tuple[str, ...], golden: Golden) -> None:
     result = run("reconstruct", "p.json", "--set", *sets, *COLUMNS, "-o", "w.ply")
     assert (result.exit_code, result.stdout) == (2, "")
-    assert result.stderr == f"helibore: {rule}\n"
+    golden(result.stderr)
 
 
 @pytest.mark.usefixtures("passes")
@@ -149,27 +149,22 @@ def test_every_command_has_every_option_of_a_wall_or_names_its_successor(verb: s
 
 
 @pytest.mark.parametrize(
-    ("options", "rule"),
+    "options",
     [
-        ((), "give exactly one of SOURCE, --average and --gauge"),
-        (("p.json", "w.wall"), "several SOURCE files must all be caliper files, not archives or settings"),
-        (("p.json", "-s", "source.set=1"), "Missing option '--bit-diameter': only archives (.wall) and projects "
-                                           "(.toml) have "
-         "it."),
-        (("--gauge", "--bit-diameter", "8in", "--column", "depth=md"), "--column depth: does not go with --gauge, "
-         "which reads no caliper"),
-        (("--average", "p.json:CALX", "--bit-diameter", "8in", "-s", "preparation.stuck=2"), "-s preparation.stuck: "
-         "does not go with --average, which names its channel"),
-        (("p.json", "--bit-diameter", "8in", "-s", "echo.tool_radius=4cm"),
-         "echo.velocity and echo.tool_radius: travel times need both"),
+        (),
+        ("p.json", "w.wall"),
+        ("p.json", "-s", "source.set=1"),
+        ("--gauge", "--bit-diameter", "8in", "--column", "depth=md"),
+        ("--average", "p.json:CALX", "--bit-diameter", "8in", "-s", "preparation.stuck=2"),
+        ("p.json", "--bit-diameter", "8in", "-s", "echo.tool_radius=4cm"),
     ],
 )  # fmt: skip
 @pytest.mark.parametrize("verb", ["reconstruct", "logs"])
 @pytest.mark.usefixtures("passes")
-def test_options_that_do_not_go_together(verb: str, options: tuple[str, ...], rule: str) -> None:
+def test_options_that_do_not_go_together(verb: str, options: tuple[str, ...], golden: Golden) -> None:
     result = run(verb, *options, "-o", "w.glb" if verb == "reconstruct" else "w.csv")
     assert (result.exit_code, result.stdout) == (2, "")
-    assert result.stderr == f"helibore: {rule} (see cli {verb} --help)\n"
+    golden(result.stderr)
 
 
 FEW = "a tool with few arms measured"

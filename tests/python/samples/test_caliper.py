@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from golden_texts import Golden
 from reference import bits, exactly
 
 import helibore as hb
@@ -117,10 +118,10 @@ def test_errors(columns: tuple[Any, ...], text: str) -> None:
         hb.Wall(bit_diameter=0.2).append(*columns)
 
 
-def test_the_first_bad_row_of_many_is_named_whatever_the_threads() -> None:
+def test_the_first_bad_row_of_many_is_named_whatever_the_threads(golden: Golden) -> None:
     radius = np.full(300_000, 0.1)
     radius[[70_001, 299_999]] = np.nan
-    with pytest.raises(ValueError, match=r"^radius\[70001\] = nan: must be finite$"):
+    with golden.raises():
         hb.Caliper(np.arange(300_000), np.zeros(300_000), radius)
 
 
