@@ -4,8 +4,9 @@
 export class Host {
   /** @type {Socket | null} */
   socket = null;
-  /** @type {Map<string, (answer: Response) => void>} */
+  /** @type {Map<number, (answer: Response) => void>} */
   asked = new Map(); // requests without an answer
+  questions = 0;
   looked = '';
   /** @type {((top: number, bottom: number) => void) | null} */
   show = null;
@@ -44,12 +45,12 @@ export class Host {
   // Take the place of `fetch`: the kernel answers.
   /** @type {(address: RequestInfo | URL, request?: RequestInit) => Promise<Response>} */
   fetch(address, { method = 'GET', body = '' } = {}) {
-    const id = crypto.randomUUID();
+    const id = ++this.questions;
     this.port.postMessage({ id, method, address: /api\/.*/.exec(String(address))?.[0], body });
     return new Promise((answer) => this.asked.set(id, answer));
   }
 
-  /** @param {{ id: string, status: number, headers: Record<string, string>, body: BodyInit }} of */
+  /** @param {{ id: number, status: number, headers: Record<string, string>, body: BodyInit }} of */
   answer({ id, status, headers, body }) {
     this.asked.get(id)?.(new Response(body, { status, headers }));
     this.asked.delete(id);
