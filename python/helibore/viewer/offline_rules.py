@@ -1,4 +1,4 @@
-"""The rules for names, units and missing values, as data for the page that needs no server: it reads what Python reads.
+"""The rules for names, units, missing values, logs and picks, as data for the page that needs no server.
 
 ``./develop page`` runs this module and puts the result into the page.
 """
@@ -7,15 +7,20 @@ from __future__ import annotations
 
 import json
 import sys
+from dataclasses import MISSING, fields
 from typing import Any
 
 from helibore.base import units
+from helibore.base.harmless import FORMULA
 from helibore.base.nulls import NULLS
 from helibore.channels.plausibility import LIKELY_NULLS
 from helibore.channels.roles import NAMES_FILE
 from helibore.files.headings import AMBIGUOUS, SPELLINGS
 from helibore.files.number_rows import NULL_TEXTS
+from helibore.logs import picks
+from helibore.logs.log_columns import COLUMNS
 from helibore.samples.bit_sizes import LARGE_BITS, SMALL_BITS
+from helibore.samples.caliper import BASIS_TEXT
 from helibore.settings.role_settings import ROLES
 from helibore.settings.wall_settings import Settings
 from helibore.wall.wall_columns import LARGEST_CHANGE, NEAR_DEPTH, NEAR_TOOLFACE
@@ -37,6 +42,20 @@ def rules() -> dict[str, Any]:
         "small_bits": list(SMALL_BITS),
         "large_bits": list(LARGE_BITS),
         "sizes": [[f"{size:g} in", size] for size in sizes],
+        "columns": [[one.name, one.mnemonic, one.unit] for one in COLUMNS],
+        "picks": {
+            "columns": picks.COLUMNS,
+            "dips": picks.DIP,
+            "texts": picks.TEXTS,
+            "limits": picks.LIMITS,
+            "classes": picks.CLASSES,
+            "place": picks.PLACE,
+            "most": picks.MOST,
+            "longest": picks.LONGEST_NOTE,
+            "formula": FORMULA.pattern,
+            "defaults": {one.name: one.default for one in fields(picks.Pick) if one.default is not MISSING},
+        },
+        "bases": BASIS_TEXT,
         "measured": [NEAR_DEPTH, NEAR_TOOLFACE, usual.gap_reach, usual.largest_gap, LARGEST_CHANGE],
     }
 

@@ -9,6 +9,7 @@ import base64
 import gzip
 import hashlib
 import json
+import math
 import re
 import shutil
 import subprocess
@@ -23,6 +24,10 @@ from patience import PATIENCE
 
 import helibore as hb
 from helibore.cli import cli
+from helibore.logs.curves import curves_of
+from helibore.logs.summary import WallSummary
+from helibore.samples.helix import helix_of
+from helibore.viewer.exports import curve_bytes
 from helibore.viewer.offline_rules import rules
 from helibore.viewer.page_files import page
 
@@ -71,7 +76,20 @@ SAME = {
     "two_arms.csv": "MD_m,RB_deg,CALX_mm,CALY_mm\n" + "".join(
         f"{at:.3f},{angle:.2f},{2 * radius:.1f},{219 if radius < 112 else ''}\n" for at, angle, radius in ROWS
     ),
+    "closed.csv": "depth_m,toolface_deg,radius_mm\n" + "".join(
+        f"{1000 + 0.05 * row:.2f},{37.0 * row % 360},{40 if row > 100 else 108 + row % 7}\n" for row in range(200)
+    ),
+    "limit.csv": "depth_m,toolface_deg,radius_mm\n" + "".join(
+        f"{1000 + 0.05 * row:.2f},{37.0 * row % 360},{150 if row > 160 else 108 + row % 7}\n" for row in range(200)
+    ),
 }  # fmt: skip
+FOUND = {
+    "closed.csv": [
+        "the arms close or open in 1 row, 1005.0 to 1005.0 m: left out",
+        "all arms are closed in 99 rows, 1005.0 to 1010.0 m: left out",
+    ],
+    "limit.csv": ["radius_mm stays at its limit in 39 rows, 1008.0 to 1010.0 m: left out"],
+}
 REFUSED = {
     "binary.las": ("\x00\x01\x02" * 50, "binary"),
     "empty.csv": ("\n\n", "empty"),
@@ -85,16 +103,6 @@ REFUSED = {
     "mean.csv": (table("depth_m toolface_deg cali_mm"), "a mean diameter has no direction"),
     "las3.las": (las().replace("VERS. 2.0", "VERS. 3.0"), "reads LAS 2"),
     "wrapped.las": (las().replace("WRAP. NO", "WRAP. YES"), "wrapped"),
-    "closed.csv": (
-        "depth_m,toolface_deg,radius_mm\n" + "".join(
-            f"{1000 + 0.05 * row:.2f},{37.0 * row % 360},{40 if row > 100 else 108 + row % 7}\n" for row in range(200)
-        ), "closed in 99 rows",
-    ),
-    "limit.csv": (
-        "depth_m,toolface_deg,radius_mm\n" + "".join(
-            f"{1000 + 0.05 * row:.2f},{37.0 * row % 360},{150 if row > 160 else 108 + row % 7}\n" for row in range(200)
-        ), "radius_mm stays at its limit",
-    ),
 }  # fmt: skip
 
 
@@ -107,11 +115,15 @@ def read_by_page(folder: Path, files: list[Path]) -> list[dict[str, Any]]:
     return [json.loads(line) for line in done.stdout.splitlines()]
 
 
-def sums(file: Path) -> dict[str, Any]:
+def opened(file: Path) -> hb.Wall:
+    if file.suffix == ".wall":
+        return hb.load(file, threads=1)
     with hb.open(file) as log:
-        wall = hb.reconstruct(log, bit_diameter=BIT, threads=1)
-    columns = {"radius": wall.radius, "nearest": wall.nearest, "measured": wall.measured.astype(np.uint8)}
-    return {name: hashlib.sha256(np.ascontiguousarray(of)).hexdigest() for name, of in columns.items()}
+        return hb.reconstruct(log, bit_diameter=BIT, threads=1)
+
+
+def digest(values: np.ndarray) -> str:
+    return hashlib.sha256(np.ascontiguousarray(values)).hexdigest()
 
 
 @needs_page
@@ -120,10 +132,39 @@ def test_the_page_rebuilds_the_wall_that_the_package_rebuilds_from_the_same_file
         (tmp_path / name).write_text(text)
     files = [*(tmp_path / name for name in SAME), EXAMPLES / "caliper.csv", EXAMPLES / "xy_caliper.csv"]
     files += [EXAMPLES / "turning_arm.las", EXAMPLES / "flaws" / "two_depths.csv"]
+    for name in ("caliper.csv", "xy_caliper.csv"):
+        opened(EXAMPLES / name).save(tmp_path / f"{name}.wall")
+        files.append(tmp_path / f"{name}.wall")
     found = read_by_page(tmp_path, files)
     assert len(found) == len(files)
     for file, one in zip(files, found, strict=True):
-        assert {name: one.get(name) for name in ("radius", "nearest", "measured")} == sums(file), (file.name, one)
+        wall = opened(file)
+        columns = {"radius": wall.radius, "nearest": wall.nearest, "measured": wall.measured.astype(np.uint8)}
+        wanted = {name: digest(values) for name, values in columns.items()}
+        assert {name: one.get(name) for name in wanted} == wanted, (file.name, one)
+        assert one["found"] == FOUND.get(file.name, []), file.name
+        logs = wall.logs()
+        low, high = helix_of(wall).ends(len(wall))
+        parts = [(low, high), (low + 0.31 * (high - low), low + 0.77 * (high - low))]
+        for (start, stop), summary in zip(parts, one["summaries"], strict=True):
+            compare(wall.summary(start=start, stop=stop), summary, few=logs.shape == "arms")
+        for curve in curves_of(logs):
+            if curve.name in one["curves"]:
+                *limits, bits = one["curves"][curve.name]
+                assert limits == pytest.approx(curve.ends()), (file.name, curve.name)
+                assert bits == digest(np.frombuffer(curve_bytes(curve), np.uint8)), (file.name, curve.name)
+        assert len(one["curves"]) >= 13
+
+
+def compare(wanted: WallSummary, found: dict[str, Any], few: bool) -> None:
+    """Compare the page's figures of a section with the summary of the package; those of few arms it does not state."""
+    names = ["start", "stop", "volume", "excess", "whole_turns", "incomplete_turns", "coverage", "without_radius"]
+    values = {name: float(getattr(wanted, name)) for name in (*names, "mean_diameter")}
+    for name in ("least_diameter", "greatest_diameter"):
+        values[name] = math.nan if few else getattr(wanted, name).value
+    for name, value in values.items():
+        expected = None if math.isnan(value) else pytest.approx(value, rel=1e-9, abs=1e-12)
+        assert found[name] == expected, name
 
 
 @needs_page
@@ -154,9 +195,9 @@ def test_the_page_is_small_and_can_ask_no_machine_for_anything() -> None:
     packed = re.search(r'id="parts">([^<]+)<', text)
     assert packed is not None
     enclosed = json.loads(gzip.decompress(base64.b64decode(packed[1])))
-    digest = base64.b64encode(hashlib.sha256(f"\n{enclosed['app']}".encode()).digest()).decode()
+    digest = base64.b64encode(hashlib.sha256(f"\n{enclosed['page']['app']}".encode()).digest()).decode()
     assert f"'sha256-{digest}'" in parts["script-src"]
-    assert f"'sha256-{digest}'" in enclosed["before"]
+    assert f"'sha256-{digest}'" in enclosed["page"]["before"]
 
 
 def test_the_command_writes_the_page_or_says_how_to_get_it(tmp_path: Path) -> None:

@@ -5,12 +5,29 @@ export const STRUCTS = {
   hb_settings: 'u size, i sectors, d bit_diameter, d pitch, d start_depth, d stop_depth, d start_toolface, l window, l most_vertices, d power, d max_distance, d tolerance, d angular_scale, d kriging_range, d nugget, i neighbors, i max_iterations, i estimator, i direct, i threads, i instruction_set, i sigma, i reserved',
   hb_wall_state: 'u size, i reserved, l vertices, l samples, l settled, d start_depth',
   hb_change: 'u size, i reserved, l ranges, l settled, l accepted, l redundant',
+  hb_path_settings: 'u size, i method, i reference, i reserved, d head_north, d head_east, d head_down, d extend',
+  hb_preparation: 'u size, i drop_closed, d bit_diameter, d spikes, i drop_saturated, i drop_spikes',
+  hb_prepared_state: 'u size, i reserved, l samples, l suspects, l no_depth, l no_toolface, l no_radius, l no_time, d repeats',
   hb_sigma_rule: 'u size, i reserved, d noise, d between, d scatter_power, d distance_power, d stretch, d reach',
 };
-export const COLUMNS = { depth: 0, toolface: 1, radius: 2, nearest: 3, support: 4 };
+export const COLUMNS = { depth: 0, toolface: 1, radius: 2, nearest: 3, support: 4, time: 7 };
+export const METHODS = ['minimum-curvature', 'radius-of-curvature'];
+export const REFERENCES = ['high-side', 'north', 'parallel-transport'];
+export const CAUSES = ['disagreement', 'closed', 'ramp', 'saturated', 'stuck', 'burst', 'jump'];
+// The columns of the logs, in order (TurnLogs of logs.hpp).
+export const LOGS = /** @type {const} */ ([
+  'coverage', 'mean', 'mean_square', 'smallest', 'largest', 'c1', 'c1_toolface', 'c2', 'least_diameter', 'diameter_0', 'diameter_90', 'centre_0', 'centre_90',
+  'inscribed_diameter', 'inscribed_0', 'inscribed_90', 'enclosing_diameter', 'rugosity',
+]);
 const WIDTHS = /** @type {Record<string, number>} */ ({ u: 4, i: 4, d: 8, l: 8 });
 
-/** @typedef {Record<string, number>} Fields */
+/**
+ * @typedef {Record<string, number>} Fields
+ * @typedef {{ startDepth: number, startToolface: number, pitch: number, sectors: number }} Helix
+ * @typedef {{ depth: Float64Array, toolface: Float64Array, time: Float64Array | null, radii: Float64Array[], sensors: { mounting: number, column: number }[] }} Rows
+ * @typedef {{ cause: string, column: number, first: number, stop: number, dropped: boolean, radius: number }} Suspect
+ * @typedef {{ state: Fields, suspects: Suspect[], depth: Float64Array, toolface: Float64Array, radius: Float64Array, time: Float64Array | null }} Prepared
+ */
 
 // An error of the core: a bad input, with place, value and rule, or no more memory.
 export class CoreError extends Error {}
@@ -110,6 +127,118 @@ export class Core {
     ]));
   }
 
+  // Return where a count stands: the room of an array that the library fills.
+  /** @param {(bytes: number) => number} reserve @param {number} count */
+  counted(reserve, count) {
+    const at = reserve(8);
+    this.view.setBigInt64(at, BigInt(count), true);
+    return at;
+  }
+
+  // Prepare the rows of a log by the defaults of the package, NaN where a value is missing; metres, degrees and seconds.
+  /** @param {Rows} rows @param {number} bit @returns {Prepared} */
+  prepare({ depth, toolface, time, radii, sensors }, bit) {
+    return this.within((reserve) => {
+      const rows = depth.length;
+      const settings = this.struct(reserve, 'hb_preparation');
+      this.call('hb_preparation_init', settings);
+      this.write(settings, 'hb_preparation', { bit_diameter: bit });
+      const columns = reserve(8 * rows * radii.length);
+      radii.forEach((values, at) => new Float64Array(this.c.memory.buffer, columns + 8 * rows * at, rows).set(values));
+      const [depths, toolfaces, times] = [depth, toolface, time].map((values) => (values ? this.copy(reserve, values) : 0));
+      const [offsets, mountings] = [() => 0, (/** @type {{ mounting: number }} */ { mounting }) => mounting].map((of) => this.copy(reserve, Float64Array.from(sensors, of)));
+      const places = reserve(4 * sensors.length);
+      new Int32Array(this.c.memory.buffer, places, sensors.length).set(sensors.map(({ column }) => column));
+      const out = reserve(8);
+      this.call('hb_prepare', settings, BigInt(rows), depths, toolfaces, times, radii.length, columns, sensors.length, offsets, mountings, places, out);
+      const handle = this.view.getBigInt64(out, true);
+      try {
+        const found = this.struct(reserve, 'hb_prepared_state');
+        this.call('hb_prepared_get', handle, found);
+        const state = this.read(found, 'hb_prepared_state');
+        const of = (/** @type {keyof typeof COLUMNS} */ name) => {
+          const at = reserve(8 * state.samples);
+          this.call('hb_prepared_samples', handle, COLUMNS[name], this.counted(reserve, state.samples), at);
+          return this.floats(at, state.samples);
+        };
+        return { state, suspects: this.suspects(reserve, handle, state.suspects), depth: of('depth'), toolface: of('toolface'), radius: of('radius'), time: time && of('time') };
+      } finally {
+        this.call('hb_close', handle);
+      }
+    });
+  }
+
+  /** @param {(bytes: number) => number} reserve @param {bigint} handle @param {number} count @returns {Suspect[]} */
+  suspects(reserve, handle, count) {
+    const [causes, columns, dropped] = [0, 1, 2].map(() => reserve(4 * count));
+    const [ends, radii] = [reserve(16 * count), reserve(8 * count)];
+    this.call('hb_prepared_suspects', handle, this.counted(reserve, count), causes, columns, 0, ends, dropped, radii);
+    const { view } = this;
+    return Array.from({ length: count }, (_, at) => ({
+      cause: CAUSES[view.getInt32(causes + 4 * at, true)], column: view.getInt32(columns + 4 * at, true), dropped: view.getInt32(dropped + 4 * at, true) === 1,
+      first: Number(view.getBigInt64(ends + 16 * at, true)), stop: Number(view.getBigInt64(ends + 16 * at + 8, true)), radius: view.getFloat64(radii + 8 * at, true),
+    }));
+  }
+
+  /** @param {string} name @param {...any} values */
+  callPage(name, ...values) {
+    if (this.c[name](...values)) throw new CoreError('the core refused what this page gave it: this is a bug in helibore');
+  }
+
+  // Return 1 for each measured vertex, 2 where the wall changes too much, else 0, by a rule of five numbers (MeasuredRule of logs.hpp).
+  /** @param {Helix} helix @param {{ depth: Float64Array, toolface: Float64Array, radius: Float64Array }} samples in order of depth @param {Float64Array} radius @param {number[]} rule */
+  measured({ startDepth, startToolface, pitch, sectors }, samples, radius, rule) {
+    return this.within((reserve) => {
+      const columns = [samples.depth, samples.toolface, samples.radius, radius].map((values) => this.copy(reserve, values));
+      const helix = this.copy(reserve, Float64Array.of(startDepth, startToolface, pitch));
+      const marks = reserve(radius.length);
+      this.callPage('page_measured', helix, sectors, radius.length, this.copy(reserve, Float64Array.from(rule)), samples.depth.length, ...columns, marks);
+      return new Uint8Array(this.c.memory.buffer, marks, radius.length).slice();
+    });
+  }
+
+  // Return the logs of each full turn, by the names of LOGS; `window`: turns over which rugosity is measured.
+  /** @param {Helix} helix @param {Float64Array} radius @param {number} window @returns {Record<typeof LOGS[number], Float64Array>} */
+  logs({ startToolface, sectors }, radius, window) {
+    const turns = Math.floor(radius.length / sectors);
+    return this.within((reserve) => {
+      const at = reserve(8 * turns * LOGS.length);
+      this.callPage('page_logs', startToolface, sectors, radius.length, this.copy(reserve, radius), window, at);
+      return /** @type {any} */ (Object.fromEntries(LOGS.map((name, column) => [name, this.floats(at + 8 * turns * column, turns)])));
+    });
+  }
+
+  // Return positions (north, east, down) and frames (nine numbers) of a path at some depths; `settings` lacks size.
+  /** @param {Fields} settings @param {{ depth: Float64Array, inclination: Float64Array, azimuth: Float64Array }} stations @param {Float64Array} depth */
+  alongPath(settings, { depth: at, inclination, azimuth }, depth) {
+    return this.within((reserve) => {
+      const how = this.struct(reserve, 'hb_path_settings');
+      this.call('hb_path_settings_init', how);
+      this.write(how, 'hb_path_settings', settings);
+      const out = reserve(8);
+      this.call('hb_path_create', how, BigInt(at.length), ...[at, inclination, azimuth].map((values) => this.copy(reserve, values)), out);
+      const path = this.view.getBigInt64(out, true);
+      const count = depth.length;
+      const [position, frame] = [reserve(24 * count), reserve(72 * count)];
+      try {
+        this.call('hb_path_read', path, BigInt(count), this.copy(reserve, depth), position, frame);
+      } finally {
+        this.call('hb_close', path);
+      }
+      return { position: this.floats(position, 3 * count), frame: this.floats(frame, 9 * count) };
+    });
+  }
+
+  // Return the words of an array of an archive; null if the bytes are not those of so many words.
+  /** @param {Uint8Array} bytes @param {number} count */
+  decompress(bytes, count) {
+    return this.within((reserve) => {
+      const [from, to] = [reserve(bytes.length), reserve(8 * count)];
+      new Uint8Array(this.c.memory.buffer, from, bytes.length).set(bytes);
+      return this.c.page_decompress(bytes.length, from, count, to) ? null : this.c.memory.buffer.slice(to, to + 8 * count);
+    });
+  }
+
   // Return a wall with these settings, the others as the library has them.
   /** @param {Fields} settings */
   wall(settings) {
@@ -154,6 +283,17 @@ export class Wall {
     });
   }
 
+  // Return a column of the samples, in order of depth.
+  /** @param {keyof typeof COLUMNS} name */
+  samples(name) {
+    const { core, state } = this;
+    return core.within((reserve) => {
+      const at = reserve(8 * state.samples);
+      core.call('hb_wall_samples', this.handle, COLUMNS[name], core.counted(reserve, state.samples), at);
+      return core.floats(at, state.samples);
+    });
+  }
+
   // Return one column of all vertices.
   /** @param {keyof typeof COLUMNS} name */
   column(name) {
@@ -173,29 +313,8 @@ export class Wall {
     const { vertices } = this.state;
     return core.within((reserve) => {
       const at = reserve(8 * vertices);
-      const count = reserve(8);
-      core.view.setBigInt64(count, BigInt(vertices), true);
-      core.call('hb_wall_sigma', this.handle, core.struct(reserve, 'hb_sigma_rule', rule), count, at);
+      core.call('hb_wall_sigma', this.handle, core.struct(reserve, 'hb_sigma_rule', rule), core.counted(reserve, vertices), at);
       return core.floats(at, vertices);
-    });
-  }
-
-  // Return 1 for each measured vertex, by a rule of five numbers (MeasuredRule of logs.hpp).
-  /** @param {number[]} rule */
-  measured(rule) {
-    const { core, settings, state } = this;
-    return core.within((reserve) => {
-      const places = [COLUMNS.depth, COLUMNS.toolface, COLUMNS.radius].map((column) => {
-        const at = reserve(8 * state.samples);
-        const count = reserve(8);
-        core.view.setBigInt64(count, BigInt(state.samples), true);
-        core.call('hb_wall_samples', this.handle, column, count, at);
-        return at;
-      });
-      const found = reserve(state.vertices);
-      const helix = core.copy(reserve, Float64Array.of(state.start_depth, settings.start_toolface, settings.pitch));
-      core.call('page_measured', helix, settings.sectors, state.vertices, core.copy(reserve, Float64Array.from(rule)), state.samples, ...places, core.copy(reserve, this.column('radius')), found);
-      return new Uint8Array(core.c.memory.buffer, found, state.vertices).slice();
     });
   }
 

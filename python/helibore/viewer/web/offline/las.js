@@ -1,7 +1,7 @@
 // LAS 2: the header by sections, the rows between blanks.
 
 import { Refusal, rules, unitOf } from './rules.js';
-import { columnsOf, readColumns, unique } from './table.js';
+import { readRows, rowsOf, unique } from './table.js';
 
 // MNEM.UNIT  VALUE : DESCRIPTION
 const ITEM = /^\s*([^.:]*?)\s*\.(\S*)(.*)$/;
@@ -64,12 +64,11 @@ export function readLas(text) {
   /** @type {string[]} */
   const remarks = [];
   skipNames(data, curves, remarks);
-  const columns = columnsOf(data.lines.join('\n'), data.line, names, null, true);
-  const read = readColumns(columns, names, false, nulls, remarks, true);
+  const read = readRows(data.lines.join('\n'), data.line, names, null, true, nulls, remarks);
   const channels = curves.map(({ unit, value, description }, at) => {
     const blank = /^[\d./]+$/.test(unit) && unitOf(`${unit} ${value.split(' ')[0]}`); // a blank in the unit: 0.1 in
     return { name: names[at], unit: blank ? `${unit} ${value.split(' ')[0]}` : unit, description, ...read[at] };
   });
   const header = Object.fromEntries(well.map((item) => [item.name.toUpperCase(), item.value]));
-  return { format: `LAS ${number.toFixed(1)}`, channels, rows: columns[0].length, index: names[0], remarks, header };
+  return { format: `LAS ${number.toFixed(1)}`, channels, rows: rowsOf(read), index: names[0], remarks, header };
 }

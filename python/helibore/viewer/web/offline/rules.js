@@ -1,8 +1,9 @@
-// The rules for names, units and missing values: the data that the package reads, too (tables.py puts it into the page).
+// The rules for names, units and missing values: the data that the package reads, too (offline_rules.py puts it into the page).
 
 /**
  * @typedef {{ role: string, names?: string[], pattern?: string, described?: string, never?: string, reference?: string, north?: string, angle?: number, arm?: string, reason?: string, unit_stated?: boolean, needs_toolface?: boolean }} NameRule
- * @typedef {{ names: { endings: string[], single: NameRule[], wall: NameRule[], sets: { names: string[][], step: number }[] }, units: Record<string, [string, number]>, roles: Record<string, string>, spellings: string[], ambiguous: string[], nulls: number[], null_texts: string[], small_bits: number[], large_bits: number[], likely_nulls: number[], sizes: [string, number][], measured: number[] }} Rules
+ * @typedef {{ columns: Record<string, string>, dips: string[], texts: string[], limits: Record<string, [number, number]>, classes: string[], place: string[], most: number, longest: number, formula: string, defaults: Record<string, any> }} PickRules
+ * @typedef {{ names: { endings: string[], single: NameRule[], wall: NameRule[], sets: { names: string[][], step: number }[] }, units: Record<string, [string, number]>, roles: Record<string, string>, spellings: string[], ambiguous: string[], nulls: number[], null_texts: string[], small_bits: number[], large_bits: number[], likely_nulls: number[], sizes: [string, number][], measured: number[], columns: [name: string, mnemonic: string, unit: string][], picks: PickRules, bases: Record<string, string> }} Rules
  */
 
 // A reason why a file is refused, with what to do.
@@ -18,6 +19,9 @@ export const setRules = (given) => {
 // Return what a unit measures (length, angle, time ...) and the factor to metres, degrees or seconds; null: not known.
 /** @param {string} unit @returns {[string, number] | null} */
 export const unitOf = (unit) => rules.units[unit.toLowerCase().replace(/[ _]/g, '')] ?? null;
+
+// Return twelve random letters; `crypto.randomUUID` is missing in a file that is opened from disk.
+export const randomKey = () => Array.from(crypto.getRandomValues(new Uint8Array(6)), (byte) => byte.toString(16).padStart(2, '0')).join('');
 
 const BRACKETED = /[[(]\s*([^[\]()]+?)\s*[\])]\s*$/;
 const NUMBER = /^[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?$/;

@@ -1,12 +1,12 @@
-// From channels with roles to the samples of a wall: units, checks for likely mistakes, and the default preparation. What the
-// package would drop or turn here, this page does not do: it refuses the file and names the command.
+// From channels with roles to the samples of a wall: units, checks for likely mistakes, and the core's default preparation. What
+// the package would do beyond that, such as turning by a survey, this page does not do: it refuses the file and names the command.
 
 import { Refusal, rules, unitOf } from './rules.js';
 
 /**
  * @typedef {import('./roles.js').Role} Role
  * @typedef {import('./table.js').LogSet} LogSet
- * @typedef {{ depth: Float64Array, toolface: Float64Array, radius: Float64Array, time: Float64Array | null, arms: number, left: Record<string, number>, reference: string | null, direction: boolean }} Samples
+ * @typedef {{ depth: Float64Array, toolface: Float64Array, radius: Float64Array, time: Float64Array | null, arms: number, left: Record<string, number>, found: string[], reference: string | null, direction: boolean }} Samples
  */
 
 export const WALL = ['radius', 'diameter'];
@@ -15,8 +15,32 @@ const FEW = 5;
 const COMMAND = 'helibore view FILE --bit-diameter SIZE';
 const INCH = () => rules.units.in[1];
 
-/** @param {ArrayLike<number>} values */
-const present = (values) => Float64Array.from(values).filter((value) => !Number.isNaN(value));
+// Return the values that are not missing.
+/** @param {Float64Array} values */
+function present(values) {
+  const found = new Float64Array(values.length);
+  let count = 0;
+  for (let at = 0; at < values.length; at++) if (!Number.isNaN(values[at])) found[count++] = values[at];
+  return found.subarray(0, count);
+}
+
+// Return the least and the greatest of the values that are not missing.
+/** @param {Float64Array} values */
+function extremes(values) {
+  let [low, high] = [Infinity, -Infinity];
+  for (let at = 0; at < values.length; at++) {
+    if (values[at] < low) low = values[at];
+    if (values[at] > high) high = values[at];
+  }
+  return [low, high];
+}
+
+// Return values evenly from all, enough for a median.
+/** @param {Float64Array} values */
+function someOf(values) {
+  const step = Math.max(1, Math.floor(values.length / MANY));
+  return Float64Array.from({ length: Math.ceil(values.length / step) }, (_, at) => values[at * step]);
+}
 
 // Return the median of values, which are sorted here.
 /** @param {Float64Array} values */
@@ -28,7 +52,7 @@ export function median(values) {
 
 // Return a channel in metres, degrees or seconds.
 /** @param {LogSet} set @param {Role} role */
-function column(set, { channel: name, role, unit }) {
+export function column(set, { channel: name, role, unit }) {
   const channel = set.channels.find((each) => each.name === name);
   const values = channel?.values;
   if (!channel || !values) throw new Refusal(`column ${name}: not every cell is a number`);
@@ -47,8 +71,7 @@ function column(set, { channel: name, role, unit }) {
 function checkLengths({ channel, role, unit, stated }, values, bit) {
   const found = present(values);
   if (!found.length) throw new Refusal(`column ${channel}: every value is missing`);
-  const step = found.length <= MANY ? 1 : Math.floor(found.length / MANY);
-  const middle = median(found.filter((_, at) => at % step === 0));
+  const middle = median(someOf(found));
   const scale = role === 'diameter' ? 2 : 1;
   const [low, high] = [0.02 * scale, scale];
   if (!(middle >= low && middle <= high)) {
@@ -70,13 +93,11 @@ function checkLengths({ channel, role, unit, stated }, values, bit) {
 function checkDepths({ channel, stated }, values, raw) {
   const found = present(values);
   if (found.length < 1) throw new Refusal(`column ${channel}: every value is missing`);
-  let [low, high] = [Infinity, -Infinity];
-  for (const value of raw) if (!Number.isNaN(value)) [low, high] = [Math.min(low, value), Math.max(high, value)];
-  for (const odd of [low, high]) {
+  for (const odd of extremes(raw)) {
+    if (!rules.likely_nulls.includes(odd)) continue;
     const others = raw.filter((value) => Number.isFinite(value) && value !== odd);
-    if (!rules.likely_nulls.includes(odd) || !others.length) continue;
-    const [least, most] = others.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [Infinity, -Infinity]);
-    if (!(odd >= 2 * least - most - 100 && odd <= 2 * most - least + 100)) throw new Refusal(`column ${channel}: ${odd} stands in some rows and may mean no value: helibore view FILE --set nulls=${odd}`);
+    const [least, most] = extremes(others);
+    if (others.length && !(odd >= 2 * least - most - 100 && odd <= 2 * most - least + 100)) throw new Refusal(`column ${channel}: ${odd} stands in some rows and may mean no value: helibore view FILE --set nulls=${odd}`);
   }
   if (found.length >= FEW && !stated && found.every((value) => value < 0)) throw new Refusal(`column ${channel}: negative throughout (elevations?); depth counts positive down the hole`);
 }
@@ -85,52 +106,26 @@ function checkDepths({ channel, stated }, values, raw) {
 function checkAngles({ channel, unit, stated }, values) {
   const found = present(values);
   if (!found.length) throw new Refusal(`column ${channel}: every value is missing`);
-  const [low, high] = found.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [Infinity, -Infinity]);
+  const [low, high] = extremes(found);
   if (low < -720 || high > 720) throw new Refusal(`column ${channel}: ${low < -720 ? low : high} degrees: an angle lies within -720 and 720`);
   if (low >= -Math.PI - 1e-3 && high <= 2 * Math.PI + 1e-3 && high - low > 3 && !stated && found.length >= 4 * FEW) throw new Refusal(`column ${channel}: values between ${low.toPrecision(3)} and ${high.toPrecision(3)} ${unit} look like radians; choose the unit below`);
 }
 
-// Return the runs of at least `least` rows for which `test` holds.
-/** @param {number} rows @param {(row: number) => boolean} test @param {number} least @returns {[number, number][]} */
-function runs(rows, test, least) {
-  /** @type {[number, number][]} */
-  const found = [];
-  let first = 0;
-  for (let row = 0; row <= rows; row++) {
-    if (row < rows && test(row)) continue;
-    if (row - first >= least) found.push([first, row]);
-    first = row + 1;
+// Return in words what the default preparation found, and what it left out.
+/** @param {Float64Array} depth @param {{ channel: string }[]} columns @param {import('./core.js').Suspect[]} suspects */
+function findings(depth, columns, suspects) {
+  /** @type {Record<string, string>} */
+  const said = { closed: 'all arms are closed', ramp: 'the arms close or open', saturated: 'stays at its limit', stuck: 'does not move while the other arms do', disagreement: 'differs from another arm that looks in the same direction' };
+  /** @type {Map<string, { rows: number, low: number, high: number, dropped: boolean }>} */
+  const found = new Map();
+  for (const { cause, column: number, first, stop, dropped } of suspects) {
+    if (!said[cause]) continue;
+    const name = cause === 'closed' || cause === 'ramp' || number < 0 ? said[cause] : `${columns[number].channel} ${said[cause]}`;
+    const at = found.get(name) ?? { rows: 0, low: Infinity, high: -Infinity, dropped: false };
+    for (let row = first; row < stop; row++) [at.low, at.high] = [Math.min(at.low, depth[row] || at.low), Math.max(at.high, depth[row] || at.high)];
+    found.set(name, { ...at, rows: at.rows + stop - first, dropped: at.dropped || dropped });
   }
-  return found;
-}
-
-// Refuse rows in which all arms are closed, and arms at their limit: the package drops them.
-/** @param {Float64Array} depth @param {{ channel: string, radius: Float64Array }[]} arms @param {number} bit */
-function refuseFlaws(depth, arms, bit) {
-  const rows = depth.length;
-  const largest = new Float64Array(rows).fill(NaN);
-  for (const { radius } of arms) for (let row = 0; row < rows; row++) if (!(radius[row] <= largest[row]) && !Number.isNaN(radius[row])) largest[row] = radius[row];
-  const known = present(largest);
-  if (known.length) {
-    const level = known.reduce((least, value) => Math.min(least, value), Infinity);
-    if (median(known) >= level + 0.01 && level + 0.01 <= bit / 2) {
-      for (const [first, last] of runs(rows, (row) => largest[row] <= level + 0.002, 3)) {
-        const at = present(depth.subarray(first, last)).toSorted();
-        const length = at.length ? at[at.length - 1] - at[0] : 0;
-        if (length >= 2 || (last - first >= 20 && length <= 0.01)) throw new Refusal(`all arms are closed in ${last - first} rows from ${depth[first].toFixed(1)} m on, which the command line drops: ${COMMAND}`);
-      }
-    }
-  }
-  for (const { channel, radius } of arms) {
-    const values = present(radius);
-    const limit = values.reduce((most, value) => Math.max(most, value), -Infinity);
-    const top = values.filter((value) => value >= limit - 1e-9).length;
-    const below = values.filter((value) => value < limit - 1e-9 && value > limit - 0.002).length;
-    if (2 * top > values.length || top < 5 * below) continue;
-    for (const [first, last] of runs(rows, (row) => radius[row] >= limit - 1e-9, 5)) {
-      if (Math.abs(depth[last - 1] - depth[first]) >= 0.5) throw new Refusal(`column ${channel} stays at its limit from ${depth[first].toFixed(1)} m on, which the command line drops: ${COMMAND}`);
-    }
-  }
+  return [...found].map(([name, { rows, low, high, dropped }]) => `${name} in ${rows.toLocaleString('en')} row${rows === 1 ? '' : 's'}${low <= high ? `, ${low.toFixed(1)} to ${high.toFixed(1)} m` : ''}: ${dropped ? 'left out' : 'kept'}`);
 }
 
 // Return the seconds since 1970 of dates, or null if they are no dates.
@@ -148,17 +143,9 @@ function secondsOf(texts) {
   return seconds;
 }
 
-/** @param {number} angle */
-function turned(angle) {
-  if (angle >= 0 && angle < 360) return angle;
-  const within = angle % 360;
-  const positive = within < 0 ? within + 360 : within;
-  return positive === 360 ? 0 : positive + 0;
-}
-
-// Return the samples for a bit diameter, metres; raise a Refusal where the package would do more than leave out rows.
-/** @param {LogSet} set @param {Role[]} roles @param {number} bit @returns {Samples} */
-export function samplesOf(set, roles, bit) {
+// Return the samples for a bit diameter, metres; raise a Refusal where the package would do more than its default preparation.
+/** @param {import('./core.js').Core} core @param {LogSet} set @param {Role[]} roles @param {number} bit @returns {Samples} */
+export function samplesOf(core, set, roles, bit) {
   /** @param {string} role */
   const one = (role) => roles.find((each) => each.role === role);
   const [depthRole, turning, timed, inclined, azimuth] = ['depth', 'toolface', 'time', 'inclination', 'azimuth'].map(one);
@@ -186,39 +173,17 @@ export function samplesOf(set, roles, bit) {
     const angle = arm.angle ?? 0;
     return arm.role === 'diameter' ? { channel: arm.channel, radius: values.map((value) => 0.5 * value), mountings: [angle, angle + 180] } : { channel: arm.channel, radius: values, mountings: [angle] };
   });
-  const directions = sensors.flatMap(({ mountings }) => mountings.map(turned));
-  if (new Set(directions).size < directions.length) throw new Refusal(`${sensors.map(({ channel }) => channel).join(', ')}: two of them look in one direction; give the role to one only`);
-  refuseFlaws(depth, sensors, bit);
   const timeTexts = timed && channelOf(timed).texts;
   if (timeTexts && set.channels.some(({ name, texts }) => texts && name.toUpperCase() === 'DATE' && name !== timed.channel)) throw new Refusal(`date and time stand in two columns: ${COMMAND}`);
   const firstText = timeTexts?.find((cell) => cell.trim())?.trim() ?? '';
   const time = !timed ? null : timeTexts ? secondsOf(timeTexts) : column(set, timed);
   if (timeTexts && !time && /^[-\d]{8,}|^\d{4}/.test(firstText)) throw new Refusal(`column ${timed.channel}: "${firstText.slice(0, 40)}" is no date that this page reads: ${COMMAND}`);
-  const width = directions.length;
-  const [depths, toolfaces, radii, times] = [0, 1, 2, 3].map(() => new Float64Array(set.rows * width));
-  const left = { depth: 0, toolface: 0, radius: 0, time: 0 };
-  const mounted = sensors.some(({ mountings }) => mountings.some(Boolean));
-  let kept = 0;
-  for (let row = 0; row < set.rows; row++) {
-    for (const { radius, mountings } of sensors) {
-      for (const mounting of mountings) {
-        if (Number.isNaN(depth[row])) left.depth++;
-        else if (Number.isNaN(toolface[row])) left.toolface++;
-        else if (Number.isNaN(radius[row])) left.radius++;
-        else if (time && Number.isNaN(time[row])) left.time++;
-        else {
-          depths[kept] = depth[row];
-          toolfaces[kept] = turned(mounted ? toolface[row] + mounting : toolface[row]);
-          radii[kept] = radius[row];
-          if (time) times[kept] = time[row];
-          kept++;
-        }
-      }
-    }
-  }
-  if (!kept) throw new Refusal('no row has depth, toolface and a radius');
+  const mounted = sensors.flatMap(({ mountings }, at) => mountings.map((mounting) => ({ mounting, column: at })));
+  const { state, suspects, ...samples } = core.prepare({ depth, toolface, time, radii: sensors.map(({ radius }) => radius), sensors: mounted }, bit);
+  if (!state.samples) throw new Refusal('no row has depth, toolface and a radius');
+  const left = { depth: state.no_depth, toolface: state.no_toolface, radius: state.no_radius, time: state.no_time };
   const reference = turning ? { 'high-side': 'high-side', north: 'north', 'horizontal-north': 'north' }[turning.reference] ?? null : null;
-  return { depth: depths.slice(0, kept), toolface: toolfaces.slice(0, kept), radius: radii.slice(0, kept), time: time && times.slice(0, kept), arms: width, left, reference, direction: Boolean(turning) };
+  return { ...samples, arms: mounted.length, left, found: findings(depth, sensors, suspects), reference, direction: Boolean(turning) };
 }
 
 // Return a guess of the bit diameter, metres, and how it was made.
@@ -232,7 +197,7 @@ export function guessBit(set, roles) {
   /** @type {number[]} */
   const low = [];
   for (const role of roles.filter(({ role: each, unit }) => WALL.includes(each) && unit)) {
-    const sorted = present(column(set, role)).toSorted();
+    const sorted = someOf(present(column(set, role))).sort();
     if (sorted.length) low.push(sorted[Math.floor(0.05 * sorted.length)] * (role.role === 'radius' ? 2 : 1));
   }
   if (!low.length) return null;

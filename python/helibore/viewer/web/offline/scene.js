@@ -1,6 +1,7 @@
-// The wall as an exported page holds it: handshake, state and the binary messages (helibore.viewer.html_export, protocol.py).
+// The wall as the page reads it: handshake, state and the binary messages (protocol.py).
 
-import { FIRST, FRAMES, HEAD, INTERPOLATED, NEAREST, NO_FIRST, RADIUS, STATE, SUPPORT_MASK, TEXEL, WRITE } from '../src/protocol.js';
+import { randomKey } from './rules.js';
+import { FIRST, FRAMES, HEAD, INTERPOLATED, NEAREST, NO_FIRST, RADIUS, STATE, SUPPORT_MASK, SURVEYED, TEXEL, WRITE } from '../src/protocol.js';
 
 const TURNS = 16; // turns of the wall in one ring of the overview
 const OVERVIEW_ROWS = 1024;
@@ -14,9 +15,11 @@ const FEW_TURNS = 50;
 const USUAL_LIMIT = 0.02; // metres
 
 /**
- * @typedef {{ radius: Float64Array, nearest: Float64Array, support: Float64Array, measured: Uint8Array }} Vertices
- * @typedef {{ well: string, basisText: string, reference: string | null, bit: number, startDepth: number, startToolface: number, pitch: number, sectors: number }} Shape
+ * @typedef {{ radius: Float64Array, nearest: Float64Array, support: Float64Array, marks: Uint8Array }} Vertices marks: 1 measured, 2 sampled only, 0 neither
+ * @typedef {{ well: string, basis: string, basisText: string, reference: string | null, bit: number, startDepth: number, startToolface: number, pitch: number, sectors: number }} Shape
  * @typedef {{ sectors: number, rows: number, texels: Uint16Array, size: number }} Grid
+ * @typedef {{ centre: Float64Array, directions: Float32Array, surveyed: boolean }} Frames high and right of each frame
+ * @typedef {{ hello: any, state: any, wall: Grid, over: Grid, frames: Frames, ends: number[] }} Scene
  */
 
 // Round halves to even, as NumPy does.
@@ -29,7 +32,7 @@ function rint(value) {
 
 // Return the texels of vertices: radius (0 if missing), first-pass radius, nearest distance, state.
 /** @param {Vertices} vertices @param {number} unit */
-function packed({ radius, nearest, support, measured }, unit) {
+function packed({ radius, nearest, support, marks }, unit) {
   const texels = new Uint16Array(TEXEL * radius.length);
   for (let k = 0; k < radius.length; k++) {
     const at = TEXEL * k;
@@ -37,7 +40,7 @@ function packed({ radius, nearest, support, measured }, unit) {
     const steps = there ? rint(radius[k] / unit) : 0;
     texels[at + RADIUS] = texels[at + FIRST] = there ? Math.min(Math.max(steps, 1), TOP) : 0;
     texels[at + NEAREST] = Number.isFinite(nearest[k]) ? Math.min(rint(nearest[k] / NEAREST_UNIT), TOP) : TOP;
-    texels[at + STATE] = Math.min(support[k], SUPPORT_MASK) | (steps > TOP ? CLIPPED : 0) | (there && !measured[k] ? INTERPOLATED : 0);
+    texels[at + STATE] = Math.min(support[k], SUPPORT_MASK) | (steps > TOP ? CLIPPED : 0) | (there && marks[k] !== 1 ? INTERPOLATED : 0);
   }
   return texels;
 }
@@ -74,37 +77,51 @@ function overviewOf({ sectors, texels, size }) {
   return { sectors: cells, rows: OVERVIEW_ROWS, texels: over, size: rings * cells };
 }
 
-/** @param {number} bytes @param {number[]} head type, level, mask, tile, first, count, total, sequence */
-function headed(bytes, [type, level, mask, tile, first, count, total, sequence]) {
+/** @param {number} bytes @param {number[]} head type, level, mask, tile, first, count, total */
+function headed(bytes, [type, level, mask, ...numbers]) {
   const message = new ArrayBuffer(HEAD + bytes);
   const view = new DataView(message);
   view.setUint8(0, type);
   view.setUint8(1, level);
   view.setUint16(2, mask, true);
-  [tile, first, count, total, sequence].forEach((value, at) => view.setUint32(4 + 4 * at, value, true));
+  numbers.forEach((value, at) => view.setUint32(4 + 4 * at, value, true));
   view.setFloat64(24, Date.now() / 1000, true);
   return message;
 }
 
-// A hole without a survey is straight and vertical, toolface 0 to the north.
-/** @param {number} first @param {number} stop @param {number} total @param {number} startDepth @param {number} step @param {number} sequence */
-function framesMessage(first, stop, total, startDepth, step, sequence) {
-  const count = stop - first;
-  const message = headed(48 * count, [FRAMES, 255, 0, 0, first, count, total, sequence]);
-  const centre = new Float64Array(message, HEAD, 3 * count);
-  const directions = new Float32Array(message, HEAD + 24 * count, 6 * count);
-  for (let i = 0; i < count; i++) {
-    centre[3 * i + 2] = startDepth + (first + i) * step;
-    directions[6 * i] = directions[6 * i + 4] = 1;
-  }
-  return message;
+// Return the depths at which the page wants frames of the path, up to the end of the last tile.
+/** @param {Pick<Scene, 'wall' | 'hello'>} scene */
+function frameDepths({ wall: { size, sectors, rows }, hello: { start_depth: startDepth, frame_step: step, levels: [{ pitch }] } }) {
+  const length = (Math.ceil(size / (rows * sectors)) * rows + 1) * Math.abs(pitch);
+  return Float64Array.from({ length: Math.ceil(length / FRAME_STEP) + 2 }, (_, at) => startDepth + at * step);
 }
 
-/** @param {Grid} grid @param {number} level @param {number} tile @param {number} sequence */
-function writeMessage({ texels, size, sectors, rows }, level, tile, sequence) {
+// Return the frames of the path, in messages. A hole without a survey is straight and vertical, toolface 0 to the north.
+/** @param {Scene} scene */
+export function framesMessages({ frames: { centre, directions, surveyed } }) {
+  const total = centre.length / 3;
+  /** @type {ArrayBuffer[]} */
+  const messages = [];
+  for (let first = 0; first < total; first += FRAMES_A_MESSAGE) {
+    const count = Math.min(total - first, FRAMES_A_MESSAGE);
+    const message = headed(48 * count, [FRAMES, 255, surveyed ? SURVEYED : 0, 0, first, count, total]);
+    new Float64Array(message, HEAD, 3 * count).set(centre.subarray(3 * first, 3 * (first + count)));
+    new Float32Array(message, HEAD + 24 * count, 6 * count).set(directions.subarray(6 * first, 6 * (first + count)));
+    messages.push(message);
+  }
+  return messages;
+}
+
+/** @param {Grid} grid */
+export const tilesOf = ({ size, sectors, rows }) => Math.ceil(size / (rows * sectors));
+
+// Return a tile of the wall (level 0) or of its overview (level 1) as a message.
+/** @param {Scene} scene @param {number} level @param {number} tile */
+export function tileMessage(scene, level, tile) {
+  const { texels, size, sectors, rows } = level ? scene.over : scene.wall;
   const begin = tile * rows * sectors;
   const count = Math.min(begin + rows * sectors + sectors + 1, size) - begin;
-  const message = headed(6 * count + 2 * (count % 2), [WRITE, level | NO_FIRST, 0, tile, 0, count, size, sequence]);
+  const message = headed(6 * count + 2 * (count % 2), [WRITE, level | NO_FIRST, 0, tile, 0, count, size]);
   const sent = new Uint16Array(message, HEAD);
   for (let k = 0; k < count; k++) {
     const at = TEXEL * (begin + k);
@@ -112,6 +129,13 @@ function writeMessage({ texels, size, sectors, rows }, level, tile, sequence) {
     sent[3 * k + 1] = texels[at + NEAREST];
     sent[3 * k + 2] = texels[at + STATE];
   }
+  return message;
+}
+
+// Return the message with its sequence number.
+/** @param {ArrayBuffer} message @param {number} sequence */
+export function numbered(message, sequence) {
+  new DataView(message).setUint32(20, sequence, true);
   return message;
 }
 
@@ -127,37 +151,52 @@ function symmetricLimit(values, unit) {
   return unit * power * ([1, 2, 3, 5, 10].find((step) => step * power >= reach * (1 - 1e-9)) ?? 10);
 }
 
-// Return what the page of a wall holds (`Contents` of exported.js); the messages are bytes.
-/** @param {Shape} shape @param {Vertices} vertices */
-export function sceneOf(shape, vertices) {
+/** @param {Float64Array} depths @returns {Frames} */
+function straight(depths) {
+  const centre = new Float64Array(3 * depths.length);
+  const directions = new Float32Array(6 * depths.length);
+  depths.forEach((depth, at) => {
+    centre[3 * at + 2] = depth;
+    directions[6 * at] = directions[6 * at + 4] = 1;
+  });
+  return { centre, directions, surveyed: false };
+}
+
+// Return frames along a path; beyond its ends they go straight on (feed.py).
+/** @param {import('./core.js').Core} core @param {import('./worker.js').Survey} survey @returns {(depths: Float64Array) => Frames} */
+export const framesAlong = (core, { settings, stations }) => (depths) => {
+  const [top, bottom] = [stations.depth[0], stations.depth[stations.depth.length - 1] + settings.extend];
+  const inside = depths.map((depth) => Math.min(Math.max(depth, top), bottom));
+  const { position, frame } = core.alongPath(settings, stations, inside);
+  const directions = new Float32Array(6 * depths.length);
+  depths.forEach((depth, at) => {
+    for (let axis = 0; axis < 3; axis++) position[3 * at + axis] += (depth - inside[at]) * frame[9 * at + 6 + axis];
+    directions.set(frame.subarray(9 * at, 9 * at + 6), 6 * at);
+  });
+  return { centre: position, directions, surveyed: true };
+};
+
+// Return the wall as the page shows it: handshake, state, the wall and its overview in texels.
+/** @param {Shape} shape @param {Vertices} vertices @param {(depths: Float64Array) => Frames} [frames] @returns {Scene} */
+export function sceneOf(shape, vertices, frames = straight) {
   const { sectors, bit, pitch, startDepth } = shape;
   const unit = bit <= 0.8 ? 1e-5 : 1e-4;
   const rows = 2 ** Math.max(2, Math.min(10, Math.trunc(Math.log2(TILE_VERTICES / sectors))));
   const size = vertices.radius.length;
   const wall = { sectors, rows, texels: packed(vertices, unit), size };
   const over = overviewOf(wall);
-  const step = Math.sign(pitch) * FRAME_STEP;
-  const tiles = Math.ceil(size / (rows * sectors));
-  const length = (tiles * rows + 1) * Math.abs(pitch);
-  const frames = Math.ceil(length / FRAME_STEP) + 2;
-  /** @type {ArrayBuffer[]} */
-  const messages = [];
-  for (let first = 0; first < frames; first += FRAMES_A_MESSAGE) messages.push(framesMessage(first, Math.min(frames, first + FRAMES_A_MESSAGE), frames, startDepth, step, messages.length + 1));
-  for (let tile = 0; tile < tiles; tile++) messages.push(writeMessage(wall, 0, tile, messages.length + 1));
-  for (let tile = 0; tile * over.rows * over.sectors < over.size; tile++) messages.push(writeMessage(over, 1, tile, messages.length + 1));
   const off = symmetricLimit(vertices.radius.map((radius) => radius - bit / 2), 1e-3);
   const limit = Math.max(off, size < FEW_TURNS * sectors ? USUAL_LIMIT : 0);
-  const end = startDepth + ((size - 1) * pitch) / sectors;
   const hello = {
-    type: 'handshake', version: 2, session: crypto.randomUUID(), well: shape.well, basis: 'azimuthal', basis_text: shape.basisText, reference: shape.reference, assumed: false,
+    type: 'handshake', version: 2, session: randomKey(), well: shape.well, basis: shape.basis, basis_text: shape.basisText, reference: shape.reference, assumed: false,
     bit_diameter: bit, start_depth: startDepth, start_toolface: shape.startToolface, vertices: size, radius_unit: unit, nearest_unit: NEAREST_UNIT,
     levels: [{ sectors, rows, pitch, rings: false }, { sectors: over.sectors, rows: over.rows, pitch: pitch * TURNS, rings: true }],
-    frame_step: step, template: null, attributes: [], picks_file: null, saves_picks: false, curves: [],
+    frame_step: Math.sign(pitch) * FRAME_STEP, template: null, attributes: [], picks_file: null, saves_picks: true, curves: [],
   };
   const state = {
     type: 'state', begun: true, bit_depth: null, hole_depth: null, newest: null, ended: true, sources: '', true_depth: null,
     ranges: { over: [-limit, limit], radius: [bit / 2 - limit, bit / 2 + limit], nearest: [0, symmetricLimit(vertices.nearest, 1e-3)] },
     zones: [], shape: 'wall', prints: false, alarms: [], lost: [], curves: [], curves_version: 0, now: null,
   };
-  return { contents: { hello, state, curves: {}, picks: [], made: Math.round(Date.now() / 100) / 10, address: '', hosted: false, history: { time: [], vertices: [], bit_depth: [] }, summary: null }, messages, ends: [startDepth, end] };
+  return { hello, state, wall, over, frames: frames(frameDepths({ wall, hello })), ends: [startDepth, startDepth + ((size - 1) * pitch) / sectors] };
 }

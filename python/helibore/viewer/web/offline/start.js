@@ -1,6 +1,6 @@
 // The page without a server: a file, its columns and their roles, then the wall in the shipped page, in a frame.
 //
-//   file -> worker: columns, roles -> the user: roles, units, bit size -> worker: wall, messages -> exported page in a frame
+//   file -> worker: columns, roles -> the user: roles, units, bit size -> worker: wall <-port-> page in a frame
 
 /** @typedef {import('./roles.js').Role} Role */
 
@@ -8,15 +8,17 @@
 const byId = (id) => /** @type {any} */ (document.getElementById(id));
 const CHOICES = ['none', 'depth', 'toolface', 'radius', 'diameter', 'time', 'inclination', 'azimuth', 'bit-diameter'];
 const WALLS = ['radius', 'diameter'];
-const CHUNK = 0x8000;
 
-/** @type {{ rules: import('./rules.js').Rules, before: string, app: string, after: string, worker: string, examples: Record<string, string> }} */
+const [PICKS, SETTINGS] = ['helibore picks ', 'helibore settings']; // names in the browser's storage
+const MOST_RECENT = 20;
+
+/** @type {{ rules: import('./rules.js').Rules, page: import('./served.js').PageParts, worker: string, examples: Record<string, string> }} */
 let parts;
 /** @type {Worker} */
 let worker;
 /** @type {Map<number, { resolve: (found: any) => void, reject: (error: Error) => void }>} */
 const waiting = new Map();
-/** @type {{ name: string, roles: Role[], well: string, rows: number, wall: string }} */
+/** @type {{ name: string, roles: Role[], well: string, mark: string }} */
 let log;
 let asked = 0;
 
@@ -46,16 +48,30 @@ function say(text) {
 async function take(name, bytes) {
   say('');
   byId('columns').hidden = true;
+  const size = bytes.byteLength;
   try {
     const { format, rows, remarks, roles, missing, bit, well } = await ask({ ask: 'read', name, bytes }, [bytes]);
-    log = { name, roles, well, rows, wall: '' };
+    log = { name, roles, well, mark: `${name} ${size}` };
+    const last = roles.length && (stored(SETTINGS) ?? []).find((/** @type {any} */ one) => one.columns === columnsOf(roles));
+    for (const role of last ? last.roles : []) Object.assign(roles.find((/** @type {Role} */ { channel }) => channel === role.channel), role);
     byId('fileName').textContent = name;
-    byId('what').textContent = `${format}, ${rows.toLocaleString('en')} rows, ${roles.length} columns`;
+    byId('what').textContent = roles.length ? `${format}, ${rows.toLocaleString('en')} rows, ${roles.length} columns` : format;
+    byId('table').hidden = !roles.length;
+    for (const id of ['bit', 'bitUnit']) /** @type {HTMLInputElement} */ (byId(id)).disabled = !roles.length;
+    byId('surveyOf').hidden = byId('surveyWhat').hidden = !roles.length;
+    byId('surveyWhat').textContent = NO_SURVEY;
+    /** @type {HTMLInputElement} */ (byId('survey')).value = '';
     byId('remarks').replaceChildren(...remarks.map((/** @type {string} */ text) => Object.assign(document.createElement('li'), { textContent: text })));
     byId('roles').replaceChildren(...roles.map((/** @type {Role} */ role) => rowOf(role, missing[role.channel], rows)));
     showBit(bit);
+    if (last) {
+      /** @type {HTMLInputElement} */ (byId('bit')).value = last.bit;
+      /** @type {HTMLSelectElement} */ (byId('bitUnit')).value = last.unit;
+      byId('bitWhy').textContent = 'as in the last file with these columns: check it';
+    }
     byId('columns').hidden = false;
-    byId(bit ? 'show' : 'bit').focus();
+    if (!roles.length) return void (await show()); // an archive says all itself
+    byId(bit || last ? 'show' : 'bit').focus();
   } catch (error) {
     say(`${name}: ${/** @type {Error} */ (error).message}.`);
   }
@@ -67,6 +83,21 @@ function showBit(bit) {
   /** @type {HTMLSelectElement} */ (unit).value = 'in';
   /** @type {HTMLInputElement} */ (byId('bit')).value = bit ? String(Number((bit.size / parts.rules.units.in[1]).toFixed(3))) : '';
   byId('bitWhy').textContent = bit ? `${bit.why}: check it` : 'of the section that the log covers';
+}
+
+const NO_SURVEY = 'if there is one: depth, inclination, azimuth';
+
+/** @param {File | undefined} file */
+async function takeSurvey(file) {
+  say('');
+  byId('surveyWhat').textContent = NO_SURVEY;
+  if (!file) return;
+  try {
+    const bytes = await file.arrayBuffer();
+    byId('surveyWhat').textContent = await ask({ ask: 'survey', name: file.name, bytes }, [bytes]);
+  } catch (error) {
+    say(`${/** @type {Error} */ (error).message}.`);
+  }
 }
 
 // One row of the table: the column, its role, its unit, and why.
@@ -115,49 +146,82 @@ async function rebit() {
   if (byId('bitWhy').textContent) showBit(await ask({ ask: 'bit', roles: log.roles }));
 }
 
-/** @param {ArrayBuffer} bytes */
-function base64(bytes) {
-  const all = new Uint8Array(bytes);
-  let text = '';
-  for (let at = 0; at < all.length; at += CHUNK) text += String.fromCharCode(...all.subarray(at, at + CHUNK));
-  return btoa(text);
-}
-
 async function show() {
   say('');
   const number = Number(/** @type {HTMLInputElement} */ (byId('bit')).value.trim().replace(',', '.'));
   const size = number * parts.rules.units[/** @type {HTMLSelectElement} */ (byId('bitUnit')).value][1];
   if (!(number > 0)) return say('Bit size: must be a number above 0, such as 8.5.');
   /** @type {HTMLButtonElement} */ (byId('show')).disabled = true;
+  const frame = frameOf(`Wall of ${log.name}`); // the page begins while the worker rebuilds
   try {
-    const { contents, messages, ends, left, kept, arms, between } = await ask({ ask: 'wall', roles: log.roles, bit: size, well: log.well });
-    const enclosed = JSON.stringify(contents).replaceAll('<', '\\u003c').slice(0, -1);
-    log.wall = `${parts.before}<script type="application/json" id="enclosed">${enclosed},"messages":[${messages.map((/** @type {ArrayBuffer} */ one) => `"${base64(one)}"`).join(',')}]}</script>\n<script type="module">\n${parts.app}</script>${parts.after}`;
+    const { ends, left, found, kept, arms, between } = await ask({ ask: 'wall', roles: log.roles, bit: size, well: log.well, picks: stored(PICKS + log.mark) ?? [] });
+    if (log.roles.length) remember(SETTINGS, [{ columns: columnsOf(log.roles), roles: log.roles.filter(({ stated }) => stated), bit: /** @type {HTMLInputElement} */ (byId('bit')).value, unit: /** @type {HTMLSelectElement} */ (byId('bitUnit')).value }, ...(stored(SETTINGS) ?? []).filter((/** @type {any} */ one) => one.columns !== columnsOf(log.roles))].slice(0, MOST_RECENT));
+    const { port1, port2 } = new MessageChannel();
+    await ask({ ask: 'serve', port: port2 }, [port2]);
+    frame.port(port1);
     const lost = Object.entries(left).filter(([, count]) => count).map(([name, count]) => `${Number(count).toLocaleString('en')} without ${name} left out`);
     const share = between > 0.005 ? [`${Math.round(100 * between)} % of the wall is interpolated${arms > 2 ? ' between the arms' : ''}, not measured`] : [];
-    byId('made').textContent = [log.name, `${kept.toLocaleString('en')} samples`, ...lost, ...share, ...(between > 0.1 && arms > 2 ? ['C1 and C2 of the interpolated wall, not of the arms'] : []), 'zones, volumes and surveys: helibore on the command line'].join(' · ');
+    byId('made').textContent = [log.name, `${kept.toLocaleString('en')} samples`, ...lost, ...found, ...share, ...(between > 0.1 && arms > 2 ? ['C1 and C2 of the interpolated wall, not of the arms'] : []), 'zones: helibore view FILE'].join(' · ');
     byId('made').title = `${byId('made').textContent}; ${ends.map((/** @type {number} */ end) => end.toFixed(2)).join(' to ')} m`;
-    // A frame of a blob has an address, in which the page keeps what it shows; a frame of `srcdoc` has none.
-    const frame = Object.assign(document.createElement('iframe'), { title: `Wall of ${log.name}`, src: URL.createObjectURL(new Blob([log.wall], { type: 'text/html' })) });
-    drop();
-    byId('wall').append(frame);
     byId('begin').hidden = true;
-    byId('wall').hidden = false;
+    byId('wall').classList.add('shown');
     frame.focus();
   } catch (error) {
+    drop();
     say(`${log.name}: ${/** @type {Error} */ (error).message}.`);
   }
   /** @type {HTMLButtonElement} */ (byId('show')).disabled = false;
   return undefined;
 }
 
-function save() {
-  const link = document.createElement('a');
-  link.href = URL.createObjectURL(new Blob([log.wall], { type: 'text/html' }));
-  link.download = `${log.name.replace(/\.[^.]*$/, '')}.html`;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+// Make the page of the wall in a frame; `port` gives it the worker's port as soon as it asks for one (host.js). A frame of a blob
+// has an address, in which the page keeps what it shows; a frame of `srcdoc` has none.
+/** @param {string} title */
+function frameOf(title) {
+  drop();
+  const { before, app, after } = parts.page;
+  const html = `${before}<script type="application/json" id="enclosed">{"hosted":true}</script>\n<script type="module">\n${app}</script>${after}`;
+  const frame = Object.assign(document.createElement('iframe'), { title, src: URL.createObjectURL(new Blob([html], { type: 'text/html' })) });
+  const ready = new Promise((resolve) => {
+    window.addEventListener('message', ({ source, data }) => source === frame.contentWindow && data === 'helibore' && resolve(undefined));
+  });
+  byId('wall').append(frame);
+  return { focus: () => frame.focus(), port: (/** @type {MessagePort} */ port) => ready.then(() => frame.contentWindow?.postMessage('helibore', '*', [port])) };
 }
+
+async function save() {
+  try {
+    const link = document.createElement('a');
+    link.href = URL.createObjectURL(await ask({ ask: 'save' }));
+    link.download = `${log.name.replace(/\.[^.]*$/, '')}.html`;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+  } catch (error) {
+    byId('made').textContent = `Not saved: ${/** @type {Error} */ (error).message}.`;
+  }
+}
+
+// What the browser keeps for this page; null where it keeps nothing, as in a private window.
+/** @param {string} name */
+function stored(name) {
+  try {
+    return JSON.parse(localStorage.getItem(name) ?? 'null');
+  } catch {
+    return null;
+  }
+}
+
+/** @param {string} name @param {any} value */
+function remember(name, value) {
+  try {
+    localStorage.setItem(name, JSON.stringify(value));
+  } catch {
+    byId('made').title = 'This browser keeps nothing for this page: save it, to keep the picks.';
+  }
+}
+
+/** @param {Role[]} roles */
+const columnsOf = (roles) => roles.map(({ channel }) => channel).join('|');
 
 // Close the frame, and free its bytes.
 function drop() {
@@ -167,7 +231,7 @@ function drop() {
 }
 
 function back() {
-  byId('wall').hidden = true;
+  byId('wall').classList.remove('shown');
   drop();
   byId('begin').hidden = false;
   byId('show').focus();
@@ -182,6 +246,9 @@ async function openFile(files) {
   await take(file.name, await file.arrayBuffer()).catch(() => say(`${file.name}: it could not be read from the disk.`));
 }
 
+/** @param {string} name @param {string} text */
+const takeExample = (name, text) => take(name, /** @type {ArrayBuffer} */ (new TextEncoder().encode(text).buffer));
+
 async function begin() {
   if (typeof WebAssembly === 'undefined' || typeof DecompressionStream === 'undefined' || typeof Worker === 'undefined') {
     byId('drop').hidden = true;
@@ -189,24 +256,28 @@ async function begin() {
   }
   parts = JSON.parse(new TextDecoder().decode(await unpacked('parts')));
   worker = new Worker(URL.createObjectURL(new Blob([parts.worker], { type: 'text/javascript' })));
-  worker.onmessage = ({ data: { id, found, refused } }) => {
+  worker.onmessage = ({ data: { id, found, refused, picks } }) => {
+    if (picks) return remember(PICKS + log.mark, picks);
     const { resolve, reject } = waiting.get(id) ?? {};
     waiting.delete(id);
     if (refused === undefined) resolve?.(found);
     else reject?.(new Error(refused));
+    return undefined;
   };
   worker.onerror = ({ message }) => {
     for (const { reject } of waiting.values()) reject(new Error(`the worker of this page failed (${message})`));
     waiting.clear();
   };
   const wasm = await unpacked('core');
-  const version = await ask({ ask: 'open', rules: parts.rules, wasm }, [wasm]);
-  byId('version').textContent = `helibore ${version}. On the command line it does all of this and more: surveys, images, zones, volumes, live wells.`;
+  const version = await ask({ ask: 'open', rules: parts.rules, page: parts.page, wasm }, [wasm]);
+  byId('version').textContent = `helibore ${version}. On the command line it does all of this and more: images, zones, uncertainty, live wells.`;
   byId('examples').replaceChildren(...Object.entries(parts.examples).map(([name, text]) => {
     const button = Object.assign(document.createElement('button'), { type: 'button', textContent: name });
-    button.onclick = () => take(name, /** @type {ArrayBuffer} */ (new TextEncoder().encode(text).buffer));
+    button.onclick = () => takeExample(name, text);
     return button;
   }));
+  const survey = /** @type {HTMLInputElement} */ (byId('survey'));
+  survey.onchange = () => takeSurvey(survey.files?.[0]);
   const input = /** @type {HTMLInputElement} */ (byId('file'));
   input.onchange = () => openFile(input.files).then(() => (input.value = ''));
   byId('bit').oninput = () => (byId('bitWhy').textContent = '');
@@ -224,9 +295,13 @@ async function begin() {
   window.addEventListener('drop', (event) => {
     event.preventDefault();
     byId('drop').classList.remove('over');
-    if (!byId('wall').hidden) back();
+    if (byId('begin').hidden) back();
     openFile(event.dataTransfer?.files);
   });
+  if (location.hash === '#demo') {
+    await takeExample(...Object.entries(parts.examples)[0]);
+    await show();
+  }
   return undefined;
 }
 

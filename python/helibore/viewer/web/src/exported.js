@@ -1,4 +1,5 @@
-// In an exported file there is no server: the messages that the file holds are played once.
+// In an exported file there is no server: the messages that the file holds are played once. A hosted page may hold none: it
+// waits for its host (host.js).
 
 import { decode, FRAMES } from './protocol.js';
 
@@ -15,6 +16,7 @@ export class Exported {
 
   /** @param {Contents} contents @param {Handlers} on */
   play({ hello, state, picks, messages }, on) {
+    if (!hello) return;
     on.status('live', '');
     on.handshake(hello);
     on.state(state);

@@ -617,11 +617,12 @@ export class App {
 
   /** @param {boolean} [on] */
   rig(on) {
+    if (byId('rigOpen').hidden) return this.notice('Rig mode is for a well that is being drilled: helibore live has it.', 6);
     this.view.toggleRig(RECENT * 1.15, on);
     if (this.store) this.follow(this.view.follow);
     writeRig(this);
     this.resize();
-    this.fit();
+    return this.fit();
   }
 
   /** @param {boolean} on */

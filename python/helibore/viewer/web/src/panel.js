@@ -221,11 +221,13 @@ export function sectionText(store, summary, units, zones, shown) {
   const newer = zones.some((zone) => zone.kind === 'washout' && zone.stop > stop && zone.start < shown && zone.stop > start);
   /** @type {[number, string][]} */
   const parts = [[number(coverage), ''], [1 - number(coverage) - number(without), ' interpolated'], [number(without), ' empty']];
+  /** @type {[string, string, string][]} */
+  const washing = washed === undefined ? [] : [['Washed out', washed === null ? '–' : newer ? '…' : `${showDepth(washed, units, 1)} of ${showDepth(whole, units, 1)}, ${showPercent(washed / whole)}`, MEANINGS.washed]];
   return [
     ['Measured', parts.filter(([share], i) => !i || share >= LEAST_SHARE).map(([share, of]) => showPercent(share) + of).join(', '), MEANINGS.measured],
     ['Volume', !counted ? '–' : unsure ? `about ${roughly(volume)} m³ in ${showDepth(counted, units, 1)}, no known uncertainty` : `${volume.toFixed(3)} m³ in ${showDepth(counted, units, 1)} of whole turns`, MEANINGS.volume],
     ['Over bit volume', unsure && excess !== null ? `about ${Math.round(100 * excess)} %` : showPercent(number(excess)), MEANINGS.volume],
-    ['Washed out', washed === null ? '–' : newer ? '…' : `${showDepth(washed, units, 1)} of ${showDepth(whole, units, 1)}, ${showPercent(washed / whole)}`, MEANINGS.washed],
+    ...washing,
   ];
 }
 

@@ -1,11 +1,12 @@
 // What the page without a server reads from files:  node offline_reads.mjs WASM RULES.json BIT FILE ...
-// Prints one JSON line a file: the SHA-256 of the radii and of the nearest distances, and the number of samples; or why the
-// file is refused.
+// Prints one JSON line a file: the SHA-256 of the radii and of the nearest distances, the number of samples, figures of the whole
+// and of a part, and curves; or why the file is refused.
 import { createHash } from 'node:crypto';
 import { readFileSync } from 'node:fs';
 import { Core } from '../offline/core.js';
 import { setRules } from '../offline/rules.js';
-import { read, rebuild } from '../offline/worker.js';
+import { curveBytes, summaryOf } from '../offline/figures.js';
+import { measure, read, rebuild, reopen } from '../offline/worker.js';
 
 const [wasm, rules, bit, ...files] = process.argv.slice(2);
 setRules(JSON.parse(readFileSync(rules, 'utf8')));
@@ -15,9 +16,14 @@ const sum = (values) => createHash('sha256').update(values).digest('hex');
 for (const file of files) {
   try {
     const bytes = readFileSync(file);
-    const { roles } = read(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength), file);
-    const { vertices, samples } = rebuild(core, roles, Number(bit));
-    console.log(JSON.stringify({ radius: sum(vertices.radius), nearest: sum(vertices.nearest), measured: sum(vertices.measured), samples: samples.radius.length, roles: roles.map(({ channel, role }) => [channel, role]) }));
+    const { roles } = read(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength), file, core);
+    const rebuilt = roles.length ? rebuild(core, roles, Number(bit)) : reopen(core);
+    const { vertices, kept, found } = rebuilt;
+    const figures = measure(core, rebuilt);
+    const [low, high] = figures.ends;
+    const summaries = [[-Infinity, Infinity], [low + 0.31 * (high - low), low + 0.77 * (high - low)]].map((ends) => summaryOf(figures, ...ends));
+    const curves = Object.fromEntries(figures.curves.map(({ name, low: from, high: to }) => [name, [from, to, sum(new Uint8Array(curveBytes(figures, name)))]]));
+    console.log(JSON.stringify({ radius: sum(vertices.radius), nearest: sum(vertices.nearest), measured: sum(vertices.marks.map((mark) => Number(mark === 1))), samples: kept, found, summaries, curves, roles: roles.map(({ channel, role }) => [channel, role]) }));
   } catch (error) {
     console.log(JSON.stringify({ refused: error.message, kind: error.constructor.name }));
   }

@@ -1,0 +1,164 @@
+// Figures of the turns of a wall: what the page reads of `Wall.summary` and `Wall.logs`, from the core's logs.
+
+import { Refusal, rules } from './rules.js';
+import { NEAREST, RADIUS, STATE, SUPPORT_MASK, TEXEL } from '../src/protocol.js';
+
+const MOST_ROWS = 2_000_000;
+const SEES_ALL_AROUND = 0.9;
+const COVERED = 0.9;
+const NEARLY_ALL = [0.2, 99.8];
+const LINES_A_CHUNK = 4096;
+// The logs that are those of the arms if a tool has few of them.
+const OF_ARMS = ['c1', 'c1_toolface', 'c2', 'least_diameter', 'ovality_api', 'ovality_dnv', 'out_of_roundness', 'inscribed_diameter', 'inscribed_0', 'inscribed_90', 'enclosing_diameter'];
+
+/**
+ * @typedef {{ name: string, unit: string, low: number, high: number, values: Float64Array }} Curve
+ * @typedef {{ depth: Float64Array, pitch: number, sectors: number, bit: number, ends: [number, number], start: number, radius: Float64Array, byArms: boolean, unmeasuredShape: boolean, columns: Record<string, Float64Array>, curves: Curve[] }} Figures
+ */
+
+// Return the number of turns in a window of this length, metres: odd, at least 3 (turn_logs.py).
+/** @param {number} length @param {number} pitch */
+export const windowTurns = (length, pitch) => Math.max(3, 2 * Math.round((length / Math.abs(pitch) - 1) / 2 - 1e-9) + 1);
+
+// Return the figures of the turns from the core's logs (turn_logs.py).
+/** @param {Record<string, Float64Array>} logs @param {Pick<import('./worker.js').Rebuilt, 'vertices' | 'helix' | 'bit' | 'basis' | 'arms'>} wall @returns {Figures} */
+export function figuresOf(logs, { vertices: { radius, nearest, marks }, helix: { sectors, pitch, startDepth: start }, bit, basis, arms }) {
+  const turns = logs.mean.length;
+  const each = (/** @type {(turn: number) => number} */ of) => Float64Array.from({ length: turns }, (_, turn) => of(turn));
+  const share = (/** @type {(mark: number) => boolean} */ counts) => each((turn) => {
+    let count = 0;
+    for (let k = turn * sectors; k < (turn + 1) * sectors; k++) if (counts(marks[k]) && Number.isFinite(radius[k])) count++;
+    return count / sectors;
+  });
+  const coverage = basis === 'azimuthal' ? share((mark) => mark === 1) : new Float64Array(turns).fill(NaN);
+  const depth = each((turn) => start + (turn * sectors + (sectors - 1) / 2) * (pitch / sectors));
+  const byArms = arms > 1 && turns > 0 && mean(share((mark) => mark > 0)) < SEES_ALL_AROUND;
+  /** @type {Record<string, Float64Array>} */
+  const columns = {
+    ...logs, depth, coverage,
+    equivalent_diameter: logs.mean_square.map((square) => 2 * Math.sqrt(square)),
+    ovality_api: each((turn) => (logs.c1[turn] - logs.least_diameter[turn]) / (logs.c1[turn] + logs.least_diameter[turn])),
+    ovality_dnv: each((turn) => (2 * (logs.c1[turn] - logs.least_diameter[turn])) / (logs.c1[turn] + logs.least_diameter[turn])),
+    out_of_roundness: each((turn) => logs.c1[turn] - logs.least_diameter[turn]),
+    volume: logs.mean_square.map((square) => Math.PI * square * Math.abs(pitch)),
+    excess: logs.mean_square.map((square) => square / (bit / 2) ** 2 - 1),
+    nearest: each((turn) => {
+      let most = NaN;
+      for (let k = turn * sectors; k < (turn + 1) * sectors; k++) if (!(nearest[k] <= most) && !Number.isNaN(nearest[k])) most = nearest[k];
+      return most;
+    }),
+  };
+  if (byArms) for (const name of OF_ARMS) delete columns[name];
+  const curves = rules.columns.flatMap(([name, mnemonic, unit]) => (name !== 'depth' && columns[name]?.some(Number.isFinite) ? [{ name: mnemonic, unit, values: columns[name], ...limitsOf(columns[name]) }] : []));
+  const last = start + ((radius.length - 1) * pitch) / sectors;
+  return {
+    depth, pitch, sectors, bit, start, radius, byArms, columns, curves, ends: [Math.min(start, last), Math.max(start, last)],
+    unmeasuredShape: byArms || mean(coverage) < COVERED,
+  };
+}
+
+/** @param {Float64Array} values */
+const mean = (values) => values.reduce((sum, value) => sum + value, 0) / values.length;
+
+// Return round ends of an axis for nearly all values (curves.py).
+/** @param {Float64Array} values */
+function limitsOf(values) {
+  const there = values.filter(Number.isFinite).sort();
+  const at = (/** @type {number} */ percent) => {
+    const place = (percent / 100) * (there.length - 1);
+    const below = there[Math.floor(place)];
+    return below + (place - Math.floor(place)) * ((there[Math.floor(place) + 1] ?? below) - below);
+  };
+  const [always, ...ends] = [50, ...NEARLY_ALL].map(at);
+  let [low, high] = ends;
+  if (low === high) [low, high] = [low, high].map((end, side) => end + (side - 0.5) * 0.01 * Math.max(Math.abs(end), 0.001));
+  const power = Math.floor(Math.log10((high - low) / 4));
+  const step = 10 ** power * /** @type {number} */ ([1, 2, 5, 10].find((mantissa) => 10 ** power * mantissa >= (high - low) / 5));
+  let [first, last] = [Math.floor(low / step), Math.ceil(high / step)];
+  if (always <= first * step + 0.05 * (high - low)) first--;
+  if (always >= last * step - 0.05 * (high - low)) last++;
+  return { low: Number((first * step).toPrecision(12)), high: Number((last * step).toPrecision(12)) };
+}
+
+// Return the share of each turn that lies between two depths; a turn ends where the next begins (summary.py).
+/** @param {Figures} figures @param {number} start @param {number} stop */
+function sharesInside({ depth, pitch, sectors, ends }, start, stop) {
+  const [from, to] = [start <= ends[0] ? -Infinity : start, stop >= ends[1] ? Infinity : stop];
+  return depth.map((middle) => {
+    const first = middle - (pitch * (sectors - 1)) / (2 * sectors);
+    const inside = (Math.min(Math.max(first, first + pitch), to) - Math.max(Math.min(first, first + pitch), from)) / Math.abs(pitch);
+    return Math.min(1, Math.max(0, Math.round(inside * 1e9) / 1e9));
+  });
+}
+
+// Return the figures of a section as the page shows them; a missing number is null. The length of washout needs the kinds of hole.
+/** @param {Figures} figures @param {number} from @param {number} to */
+export function summaryOf(figures, from, to) {
+  const { columns, depth, pitch, sectors, bit, ends, radius, unmeasuredShape, byArms, start: startDepth } = figures;
+  const [start, stop] = [from, to].map((end) => Math.min(Math.max(end, ends[0]), ends[1]));
+  const shares = sharesInside(figures, start, stop);
+  let [all, counted, square, volume, measured] = [0, 0, 0, 0, 0];
+  shares.forEach((share, turn) => {
+    all += share;
+    measured += share * columns.coverage[turn];
+    if (!Number.isFinite(columns.equivalent_diameter[turn])) return;
+    counted += share;
+    square += share * columns.equivalent_diameter[turn] ** 2;
+    volume += share * columns.volume[turn];
+  });
+  const middles = Array.from(depth.keys()).filter((turn) => depth[turn] >= start && depth[turn] <= stop);
+  const extreme = (/** @type {string} */ name, /** @type {(...values: number[]) => number} */ which) => (byArms ? NaN : middles.reduce((found, turn) => (Number.isNaN(columns[name][turn]) ? found : Number.isNaN(found) ? columns[name][turn] : which(found, columns[name][turn])), NaN));
+  const [first, last] = placesBetween(startDepth, pitch, sectors, radius.length, start, stop);
+  let without = 0;
+  for (let k = first; k < last; k++) if (Number.isNaN(radius[k])) without++;
+  const found = {
+    start, stop, volume, excess: square / counted / bit ** 2 - 1, whole_turns: counted * Math.abs(pitch), incomplete_turns: (all - counted) * Math.abs(pitch),
+    without_radius: without / (last - first), coverage: measured / all, mean_diameter: Math.sqrt(square / counted), least_diameter: extreme('least_diameter', Math.min), greatest_diameter: extreme('c1', Math.max),
+  };
+  return { ...Object.fromEntries(Object.entries(found).map(([name, value]) => [name, Number.isFinite(value) ? value : null])), unmeasured_shape: unmeasuredShape };
+}
+
+// Return the first vertex and the one after the last whose depths lie between two depths.
+/** @param {number} startDepth @param {number} pitch @param {number} sectors @param {number} size @param {number} start @param {number} stop @returns {[number, number]} */
+function placesBetween(startDepth, pitch, sectors, size, start, stop) {
+  const [low, high] = [start, stop].map((depth) => ((depth - startDepth) / pitch) * sectors).sort((a, b) => a - b);
+  const first = Math.max(0, Math.ceil(low - 1e-6));
+  return [first, Math.max(first, Math.min(size, Math.floor(high + 1e-6) + 1))];
+}
+
+// Return a curve for the page: its first depth, then depths relative to it, then values (exports.py).
+/** @param {Figures} figures @param {string} name */
+export function curveBytes({ curves, depth, pitch }, name) {
+  const curve = curves.find((one) => one.name === name);
+  if (!curve) throw new Refusal(`curve ${name.slice(0, 80)}: no curve has this name`);
+  const count = depth.length;
+  const bytes = new ArrayBuffer(8 + 8 * count);
+  const [rising, values] = pitch > 0 ? [depth, curve.values] : [depth.toReversed(), curve.values.toReversed()];
+  new Float64Array(bytes, 0, 1)[0] = rising[0] ?? 0;
+  new Float32Array(bytes, 8, count).set(rising.map((one) => one - rising[0]));
+  new Float32Array(bytes, 8 + 4 * count, count).set(values);
+  return bytes;
+}
+
+// Return the vertices between two depths as CSV (exports.py).
+/** @param {import('./scene.js').Scene} scene @param {number} start @param {number} stop */
+export function sectionCsv({ wall: { texels, sectors, size }, hello }, start, stop) {
+  const { start_depth: startDepth, start_toolface: startToolface, radius_unit: unit, nearest_unit: far, levels: [{ pitch }] } = hello;
+  const [first, last] = placesBetween(startDepth, pitch, sectors, size, start, stop);
+  if (last - first > MOST_ROWS) throw new Refusal(`${last - first} vertices: a section holds at most ${MOST_ROWS}; take a shorter section`);
+  const chunks = ['vertex,depth [m],toolface [deg],radius [m],first radius [m],nearest [m],support\r\n'];
+  /** @type {string[]} */
+  let lines = [];
+  for (let k = first; k < last; k++) {
+    const at = TEXEL * k;
+    const steps = texels[at + RADIUS];
+    const radius = steps ? (steps * unit).toFixed(5) : '';
+    const toolface = (startToolface + ((k % sectors) * 360) / sectors) % 360;
+    lines.push(`${k},${(startDepth + (k * pitch) / sectors).toFixed(5)},${toolface.toFixed(4)},${radius},${radius},${steps ? (texels[at + NEAREST] * far).toFixed(4) : ''},${texels[at + STATE] & SUPPORT_MASK}\r\n`);
+    if (lines.length === LINES_A_CHUNK || k === last - 1) {
+      chunks.push(lines.join(''));
+      lines = [];
+    }
+  }
+  return new Blob(chunks, { type: 'text/csv' });
+}

@@ -1,0 +1,122 @@
+"""The page without a server in a browser: it shows a wall, asks no machine, and lives on after bad input."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from locations import WEB
+from patience import PATIENCE
+from screen import NEEDS_BROWSER
+
+PAGE = WEB.parents[3] / "build" / "page" / "helibore.html"
+EXAMPLES = WEB.parents[3] / "examples" / "files"
+
+pytestmark = [
+    *NEEDS_BROWSER,
+    pytest.mark.skipif(not PAGE.exists(), reason="the page is not built: ./develop page builds it"),
+]
+
+
+def until(page: Any, condition: str) -> None:
+    """Wait for a condition; the page's policy forbids `wait_for_function`."""
+    end = time.monotonic() + PATIENCE
+    while not page.evaluate(f"Boolean({condition})"):
+        assert time.monotonic() < end, f"never: {condition}"
+        time.sleep(0.05)
+
+
+class Offline:
+    """The page in a tab of its own, with what it asked for and what went wrong."""
+
+    def __init__(self, browser: Any, address: str = "") -> None:
+        context = browser.contexts[0] if browser.contexts else browser.new_context()
+        self.page = context.new_page()
+        self.requests: list[str] = []
+        self.errors: list[str] = []
+        self.page.on("request", lambda request: self.requests.append(request.url))
+        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.on("console", lambda said: self.errors.append(said.text) if said.type == "error" else None)
+        self.page.goto(f"{PAGE.as_uri()}{address}")
+        until(self.page, "document.getElementById('version').textContent")
+
+    def open(self, file: Path) -> str:
+        """Open a file; return why the page refuses it, or ''."""
+        self.page.set_input_files("#file", str(file))
+        until(self.page, "['trouble', 'columns'].some((id) => !document.getElementById(id).hidden)")
+        return str(self.page.inner_text("#trouble")) if self.page.is_visible("#trouble") else ""
+
+    def wall(self) -> Any:
+        """The frame with the wall, once it has drawn."""
+        self.page.wait_for_selector("#wall.shown")
+        frame = self.page.frames[-1]
+        until(frame, "window.__wall?.ready")
+        return frame
+
+
+@pytest.fixture
+def offline(browser: Any) -> Iterator[Offline]:
+    one = Offline(browser)
+    yield one
+    one.page.close()
+
+
+def test_a_demo_by_address_shows_a_wall_with_its_figures_and_asks_no_machine(browser: Any) -> None:
+    one = Offline(browser, "#demo")
+    frame = one.wall()
+    until(frame, "document.getElementById('foot').innerText.includes('Volume')")
+    until(frame, "window.__wall.app.curves.offered.length > 15")
+    frame.evaluate("window.__wall.app.rig()")
+    assert "helibore live" in frame.inner_text("#notice")
+    assert not frame.evaluate("window.__wall.app.view.rig")
+    assert {url.split(":")[0] for url in one.requests} == {"file", "blob"}
+    assert one.errors == []
+    one.page.close()
+
+
+def test_bad_input_gets_one_sentence_and_the_page_lives(offline: Offline, tmp_path: Path) -> None:
+    bad = {"a.las": b"\0\1\2" * 99, "b.wall": b"PK\3\4" + bytes(60), "c.csv": b"depth_m,gamma_api\n1,2\n"}
+    for name, content in bad.items():
+        (tmp_path / name).write_bytes(content)
+    assert "binary" in offline.open(tmp_path / "a.las")
+    assert "truncated or damaged" in offline.open(tmp_path / "b.wall")
+    assert offline.open(tmp_path / "c.csv") == ""
+    offline.page.fill("#bit", "8.5")
+    offline.page.click("#show")
+    offline.page.wait_for_selector("#trouble:visible")
+    assert "radius or diameter" in offline.page.inner_text("#trouble")
+    assert offline.open(EXAMPLES / "xy_caliper.csv") == ""
+    offline.page.click("#show")
+    assert offline.wall().evaluate("window.__wall.app.store.end") > 0
+    assert offline.errors == []
+
+
+def test_downloads_and_picks_are_those_of_the_wall(offline: Offline, tmp_path: Path) -> None:
+    assert offline.open(EXAMPLES / "caliper.csv") == ""
+    offline.page.click("#show")
+    frame = offline.wall()
+    pick = {"key": "k1", "kind": "bed", "depth": 1500.5, "toolface": 90, "apparent_dip": 30, "radius": None}
+    frame.evaluate("(pick) => window.__wall.app.picking.change([{ key: pick.key, pick }])", pick)
+    until(frame, "!window.__wall.app.picking.unsaved.size")
+    table = frame.evaluate("fetch('api/picks.csv').then((answer) => answer.text())")
+    assert "bed,1500.5,90,30" in table
+    assert (
+        frame.evaluate(
+            "fetch('api/pick', { method: 'PUT', body: '{\"kind\": \"bed\"}' }).then((answer) => answer.status)"
+        )
+        == 400
+    )
+    rows = frame.evaluate("fetch('api/section.csv?start=-1e6&stop=1e6').then((answer) => answer.text())").splitlines()
+    assert len(rows) == 1 + frame.evaluate("window.__wall.app.store.levels[0].size")
+    with offline.page.expect_download() as download:
+        offline.page.click("#save")
+    saved = tmp_path / "saved.html"
+    download.value.save_as(saved)
+    offline.page.goto(saved.as_uri())
+    until(offline.page, "window.__wall?.ready")
+    assert offline.page.evaluate("window.__wall.app.picking.kept.length") == 1
+    assert offline.page.evaluate("window.__wall.app.summary.volume") > 0
+    assert offline.errors == []
