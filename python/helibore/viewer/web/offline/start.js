@@ -20,6 +20,8 @@ let worker;
 const waiting = new Map();
 /** @type {{ name: string, roles: Role[], well: string, mark: string }} */
 let log;
+/** @type {ReturnType<typeof frameOf> | null} */
+let next = null; // the frame of the wall that is shown next
 let asked = 0;
 
 /** @param {string} id */
@@ -70,6 +72,7 @@ async function take(name, bytes) {
       byId('bitWhy').textContent = 'as in the last file with these columns: check it';
     }
     byId('columns').hidden = false;
+    next ??= frameOf(); // the page begins while the user reads
     if (!roles.length) return void (await show()); // an archive says all itself
     byId(bit || last ? 'show' : 'bit').focus();
   } catch (error) {
@@ -152,7 +155,8 @@ async function show() {
   const size = number * parts.rules.units[/** @type {HTMLSelectElement} */ (byId('bitUnit')).value][1];
   if (!(number > 0)) return say('Bit size: must be a number above 0, such as 8.5.');
   /** @type {HTMLButtonElement} */ (byId('show')).disabled = true;
-  const frame = frameOf(`Wall of ${log.name}`); // the page begins while the worker rebuilds
+  const frame = (next ??= frameOf());
+  next = null;
   try {
     const { ends, left, found, kept, arms, between } = await ask({ ask: 'wall', roles: log.roles, bit: size, well: log.well, picks: stored(PICKS + log.mark) ?? [] });
     if (log.roles.length) remember(SETTINGS, [{ columns: columnsOf(log.roles), roles: log.roles.filter(({ stated }) => stated), bit: /** @type {HTMLInputElement} */ (byId('bit')).value, unit: /** @type {HTMLSelectElement} */ (byId('bitUnit')).value }, ...(stored(SETTINGS) ?? []).filter((/** @type {any} */ one) => one.columns !== columnsOf(log.roles))].slice(0, MOST_RECENT));
@@ -174,14 +178,13 @@ async function show() {
   return undefined;
 }
 
-// Make the page of the wall in a frame; `port` gives it the worker's port as soon as it asks for one (host.js). A frame of a blob
+// Make the page of a wall in a frame; `port` gives it the worker's port as soon as it asks for one (host.js). A frame of a blob
 // has an address, in which the page keeps what it shows; a frame of `srcdoc` has none.
-/** @param {string} title */
-function frameOf(title) {
+function frameOf() {
   drop();
   const { before, app, after } = parts.page;
   const html = `${before}<script type="application/json" id="enclosed">{"hosted":true}</script>\n<script type="module">\n${app}</script>${after}`;
-  const frame = Object.assign(document.createElement('iframe'), { title, src: URL.createObjectURL(new Blob([html], { type: 'text/html' })) });
+  const frame = Object.assign(document.createElement('iframe'), { title: 'Wall', src: URL.createObjectURL(new Blob([html], { type: 'text/html' })) });
   const ready = new Promise((resolve) => {
     window.addEventListener('message', ({ source, data }) => source === frame.contentWindow && data === 'helibore' && resolve(undefined));
   });
