@@ -12,6 +12,8 @@ from locations import WEB
 from patience import PATIENCE
 from screen import NEEDS_BROWSER
 
+import helibore as hb
+
 PAGE = WEB.parents[3] / "build" / "page" / "helibore.html"
 EXAMPLES = WEB.parents[3] / "examples" / "files"
 
@@ -102,7 +104,8 @@ def test_downloads_and_picks_are_those_of_the_wall(offline: Offline, tmp_path: P
     frame.evaluate("(pick) => window.__wall.app.picking.change([{ key: pick.key, pick }])", pick)
     until(frame, "!window.__wall.app.picking.unsaved.size")
     table = frame.evaluate("fetch('api/picks.csv').then((answer) => answer.text())")
-    assert "bed,1500.5,90,30" in table
+    (picked,) = hb.Picks.parse(table)
+    assert (picked.key, picked.kind, picked.depth, picked.apparent_dip) == ("k1", "bed", 1500.5, 30.0)
     assert (
         frame.evaluate(
             "fetch('api/pick', { method: 'PUT', body: '{\"kind\": \"bed\"}' }).then((answer) => answer.status)"
@@ -119,4 +122,27 @@ def test_downloads_and_picks_are_those_of_the_wall(offline: Offline, tmp_path: P
     until(offline.page, "window.__wall?.ready")
     assert offline.page.evaluate("window.__wall.app.picking.kept.length") == 1
     assert offline.page.evaluate("window.__wall.app.summary.volume") > 0
+    assert offline.errors == []
+
+
+def test_a_survey_places_the_wall_as_the_package_places_it(offline: Offline, tmp_path: Path) -> None:
+    stations = {"depth": [0.0, 900.0, 1800.0, 4000.0], "inclination": [2.0, 30.0, 55.0, 80.0]}
+    stations["azimuth"] = [10.0, 40.0, 45.0, 90.0]
+    rows = zip(*stations.values(), strict=True)
+    survey = tmp_path / "survey.csv"
+    survey.write_text("MD_m,INCL_deg,AZIM_deg\n" + "".join(f"{a},{b},{c}\n" for a, b, c in rows))
+    assert offline.open(EXAMPLES / "caliper.csv") == ""
+    offline.page.set_input_files("#survey", str(survey))
+    until(offline.page, "document.getElementById('surveyWhat').textContent.includes('stations')")
+    offline.page.click("#show")
+    frame = offline.wall()
+    until(frame, "window.__wall.app.path.surveyed")
+    at, centre, high, down = frame.evaluate(
+        "(({ store, path }) => [store.end, path.at(store.end).centre, path.at(store.end).high, path.tvd(store.end)])"
+        "(window.__wall.app)"
+    )
+    path = hb.Survey(*stations.values()).path()
+    assert centre == pytest.approx(path.position(at).tolist(), abs=2e-3)  # linear between frames two metres apart
+    assert high == pytest.approx(path.frame(at)[0].tolist(), abs=1e-4)
+    assert down == pytest.approx(path.position(at)[2], abs=2e-3)
     assert offline.errors == []
