@@ -156,6 +156,25 @@ def test_the_page_rebuilds_the_wall_that_the_package_rebuilds_from_the_same_file
         assert len(one["curves"]) >= 13
 
 
+@needs_page
+def test_an_archive_with_a_wrong_byte_is_refused_or_has_the_saved_wall(tmp_path: Path) -> None:
+    whole = tmp_path / "whole.wall"
+    opened(EXAMPLES / "xy_caliper.csv").save(whole)
+    content = whole.read_bytes()
+    files = [whole]
+    for at in range(1, len(content), len(content) // 40):
+        files.append(tmp_path / f"{at}.wall")
+        files[-1].write_bytes(content[:at] + bytes([content[at] ^ 0x10]) + content[at + 1 :])
+    right, *others = read_by_page(tmp_path, files)
+    assert "radius" in right
+    refused = [one["refused"] for one in others if "refused" in one]
+    assert all(one["kind"] == "Refusal" for one in others if "refused" in one)
+    assert any("another checksum" in text for text in refused)
+    for one in others:  # what the checksums do not cover says nothing of the wall
+        if "refused" not in one:
+            assert one == right
+
+
 def compare(wanted: WallSummary, found: dict[str, Any], few: bool) -> None:
     """Compare the page's figures of a section with the summary of the package; those of few arms it does not state."""
     names = ["start", "stop", "volume", "excess", "whole_turns", "incomplete_turns", "coverage", "without_radius"]
