@@ -56,6 +56,8 @@ def _rows(settings: Configuration, source: Source) -> Iterator[Row]:
         yield row(name, [item], *((_unit(entries["items"][name]), depth_unit, start) if depths else (_RIG[name],)))
     if number := source.pass_number:
         yield row("pass_number", [number], "")
+    for name, one in source.shown.items():
+        yield row(f"show {name}", [one.item], one.table.unit)
     if caliper:
         units = entries["caliper"]
         yield row("caliper toolface", caliper.toolface, units.get("toolface_unit"), "deg")

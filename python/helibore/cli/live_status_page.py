@@ -74,6 +74,9 @@ class Page:
         table.add_column(style="bold")
         bit, hole = (model.rig.tracks[name].value[-1:].tolist() for name in ("bit_depth", "hole_depth"))
         table.add_row("bit", f"{bit[0]:,.2f} m" if bit else "-", "hole", f"{hole[0]:,.2f} m" if hole else "-")
+        channels = [f"{one.name} {one.value:g} {one.unit}".strip() for one in model.channels.by_name.values()]
+        if channels:
+            table.add_row("rig", ", ".join(channels))
         for name, wall in server.live.layers.items():
             table.add_row(name, f"{len(wall):,} vertices", "samples", f"{wall.sample_count:,}")
         for run in list(model.passes.latest.values()):  # a copy, because other threads change the dict

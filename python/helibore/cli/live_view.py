@@ -14,26 +14,35 @@ from __future__ import annotations
 import contextlib
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from helibore.base.errors import InputError
 from helibore.base.identity import Access
+from helibore.base.utc_time import SECOND
+from helibore.live.ahead import TightAhead
 from helibore.live.alarms import Alarm, clock_text, is_connected
 from helibore.live.live import Live
 from helibore.live.model.update import Update
+from helibore.logs.curves import ScalarCurve
 from helibore.samples.helix import helix_of
 
 if TYPE_CHECKING:
     from helibore.base.arrays import Floats
     from helibore.trajectory.survey import Path
+    from helibore.viewer.channel_strip import ShownChannel
     from helibore.viewer.feed import Feed
 
 AHEAD = 100.0
 """Metres by which the shown path extends below the wall, so that the path covers the hole that is drilled next."""
 IMAGES_SECONDS = 1.0
 """Least seconds between two mappings of the images on the wall; all mappings take at most about 1/20 of the time."""
+CHANNELS_SECONDS, PICTURE_SECONDS = 5.0, 1.0
+"""Seconds between two updates of the curves of the rig's channels, and of their picture."""
+SHOWN_TIMES = 720
+"""The number of latest values by time that the picture shows of a channel: two hours."""
 
 
 class Window:
@@ -60,12 +69,14 @@ class Window:
         self._newest: float | None = None
         self._path_stop = float("inf")
         self._images: dict[str, int] = {}  # by image: how many of its rows the page shows
-        self._images_due = 0.0
+        self._images_due = self._channels_due = self._curves_due = 0.0
+        self._curves_size = self._curves_version = 0
         self._since: dict[str, tuple[str, str]] = {}  # by source: its state and since when; until the wall begins
 
     def follow(self, live: Live) -> None:
         """Make ``live`` the wall that the page shows."""
         self._live = live
+        self.scene.read_channels = self._read_channels
         self.connections.report = lambda text: live.report("connections", text)
 
     def show(self, update: Update) -> None:
@@ -77,10 +88,10 @@ class Window:
             if self._feed:
                 self._feed.update(change)
 
-    def refresh(self, states: Mapping[str, str], alarms: Sequence[Alarm] = ()) -> None:
+    def refresh(self, states: Mapping[str, str], alarms: Sequence[Alarm] = (), ahead: TightAhead | None = None) -> None:
         """Show the wall as soon as it has a vertex; update the bit, the path, the images, the sources and the alarms.
 
-        Call this a few times a second, with the state of each source.
+        Call this a few times a second, with the state of each source and what is tight ahead of the bit.
         """
         live = self._live
         if self._feed and live.model.layouts.keys() - self._images.keys():  # an unconfigured image has begun
@@ -92,6 +103,7 @@ class Window:
             self._path_moved = False
             self._feed.set_path(self._path())
         self._show_images()
+        self._show_channels()
         known = {} if self._newest is None else {"newest": self._newest}
         for name in ("bit_depth", "hole_depth"):
             if received := live.model.rig.tracks[name].value[-1:].tolist():
@@ -102,7 +114,8 @@ class Window:
         text = "; ".join(f"{name}: {state}" for name, state in states.items())
         if not self._feed:
             text = self._waiting_text(states, alarms, lost)
-        self.scene.update_state(**known, sources=text, alarms=tuple(map(str, alarms)), lost=lost)
+        self.scene.update_state(**known, sources=text, alarms=tuple(map(str, alarms)), lost=lost,
+                                ahead=asdict(ahead) if ahead else None)  # fmt: skip
 
     def dead_thread(self) -> str:
         """Return the name of a thread of the page that has ended; "" if all its threads are running."""
@@ -166,6 +179,33 @@ class Window:
                     self._feed.set_attribute(name, live.image(name).on(live.wall))
                     self._images[name] = rows
         self._images_due = time.monotonic() + max(IMAGES_SECONDS, 20 * (time.monotonic() - began))
+
+    def _show_channels(self) -> None:
+        """Show the rig's channels: a picture of them, and every `CHANNELS_SECONDS` their curves along the hole."""
+        channels = list(self._live.model.channels.by_name.values())
+        now = time.monotonic()
+        if not channels or now < self._channels_due:
+            return
+        self._channels_due = now + PICTURE_SECONDS
+        self.scene.update_state(channels=max(one.time for one in channels) // SECOND + 2)  # before a value: 1
+        if self._feed is None or now < self._curves_due:
+            return
+        self._curves_due = now + CHANNELS_SECONDS
+        curves = [ScalarCurve(one.name, one.unit, *one.by_depth(), one.limits) for one in channels]
+        curves = [curve for curve in curves if curve.values.size]
+        if (size := sum(curve.values.size for curve in curves)) != self._curves_size:
+            self._curves_size, self._curves_version = size, self._curves_version + 1
+            self.scene.set_curves(curves, self._curves_version)
+
+    def _read_channels(self) -> list[ShownChannel]:
+        from helibore.viewer.channel_strip import ShownChannel
+
+        now, found = self._live.model.clock.now, []
+        for one in list(self._live.model.channels.by_name.values()):
+            times, values = (column[-SHOWN_TIMES:].tolist() for column in one.by_time())
+            age = (now - one.time) / SECOND
+            found.append(ShownChannel(one.name, one.unit, one.value, age, one.beyond, times, values))
+        return found
 
     def _waiting_text(self, states: Mapping[str, str], alarms: Sequence[Alarm], lost: Sequence[str]) -> str:
         """Return lines on the states of the sources, the samples received, the alarms, and what to check."""

@@ -47,6 +47,8 @@ def metrics(server: Server, connections: Iterable[Connections] = ()) -> str:
     now = server.live.clock()[1]
     sampled = [((name,), (now - last) / 1e9) for name, last in sorted(server.alarms.sampled.items())]
     family("sample_age_seconds", "gauge", "Time since the last caliper sample.", sampled, "source")
+    shown = [((one.source, one.name), one.value) for one in list(model.channels.by_name.values())]
+    family("channel", "gauge", "Latest value of a channel of the rig.", shown, "source", "channel")
     counts, text = model.counts, "Samples whose depth is known, or will never be known."
     family("samples_received", "counter", text, [((), counts["received"])])
     family("samples_drawn", "counter", "Samples drawn in a layer.", [((), counts["drawn"])])

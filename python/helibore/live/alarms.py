@@ -34,6 +34,7 @@ import numpy as np
 from helibore.base.addresses import split_credentials
 from helibore.base.errors import InputError
 from helibore.base.utc_time import SECOND, utc
+from helibore.live.ahead import Ahead, TightAhead
 from helibore.live.live import Live
 from helibore.live.model.model import OUTSIDE, USABLE
 from helibore.live.model.update import Update
@@ -258,6 +259,8 @@ class Alarms:
         self._lines: queue.Queue[bytes] = queue.Queue(MOST_LINES)
         self._posting: tuple[float, list[http.client.HTTPConnection]] | None = None
         self._running: subprocess.Popen[bytes] | None = None
+        self.ahead = Ahead(live)
+        self._tight: TightAhead | None = None
         self._stopping = threading.Event()
         self._thread: threading.Thread | None = None
 
@@ -293,6 +296,7 @@ class Alarms:
                 self._held[key] = now, text
         found = {key: text for key, (at, text) in self._held.items() if now - at < HOLD * SECOND}
         found |= self._of_sources(now) | self._of_samples(now) | self._of_depth(now) | self._of_journal(now)
+        found |= self._of_ahead()
         try:
             os.close(os.open(os.devnull, os.O_RDONLY))
         except OSError as error:
@@ -304,6 +308,13 @@ class Alarms:
         for alarm in self.active:
             if alarm.rule != "failure" and (alarm.rule, alarm.source) not in found:
                 self._end(alarm, wall, f"after {(now - alarm.monotonic) / SECOND:.1f} s: ")
+
+    def _of_ahead(self) -> dict[tuple[str, str], str]:
+        """Return the text of the alarm ``tight_ahead``; at another place it ends, and begins with the next check."""
+        before, self._tight = self._tight, self.ahead.look()
+        if self._tight is None or (before and not self._tight.meets(before)):
+            return {}
+        return {("tight_ahead", ""): self._tight.text}
 
     def _hang_up(self) -> None:
         """End a request to the webhook that takes over SECONDS; urllib limits only the time for each piece of data."""
@@ -372,7 +383,7 @@ class Alarms:
     def _of_samples(self, now: int) -> dict[tuple[str, str], str]:
         """Return the text of each alarm about samples (``refused``, ``toolface``, ``missing``) that has a cause."""
         found: dict[tuple[str, str], str] = {}
-        found |= self._live.model.watch.active.copy()
+        found |= self._live.model.watch.active.copy() | self._live.model.channels.active.copy()
         for name, refused in self._refused.items():
             new = self._outcomes(name) - refused.before
             refused.before += new

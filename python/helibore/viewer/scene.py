@@ -28,6 +28,7 @@ from helibore.samples.caliper import BASIS_TEXT, Basis
 from helibore.settings.template import Template
 from helibore.trajectory.references import Reference
 from helibore.trajectory.survey import Path
+from helibore.viewer.channel_strip import ShownChannel
 from helibore.viewer.levels import Level, overview_of, refresh_overview
 from helibore.viewer.texels import FIRST, INTERPOLATED, RADIUS, RESCANNED, STATE, Vertices, pack_vertices
 
@@ -165,6 +166,9 @@ class RunState:
     # Warnings of the live feed, "rule source: cause"; a page shows each until its user silences it.
     alarms: tuple[str, ...] = ()
     lost: tuple[str, ...] = ()  # names of the sources that are not connected
+    channels: int = 0  # version of the picture of the rig's channels; 0: there are none
+    # Tight hole ahead of a bit that is tripped: distance, above, top, bottom, diameter; metres. None: none is known.
+    ahead: Mapping[str, Any] | None = None
 
 
 class History:
@@ -220,6 +224,8 @@ class Scene:
         Whether ``picks_file`` could be written when the viewer started; if not, picks are kept in the wall only.
     path
         The path of the wall, for the dips in ``picks_file``.
+    read_channels
+        A function that returns the channels of the rig.
     draw_pages
         A function that returns a section as a PDF. It takes the two depths, the units of the page and the scale (None:
         a scale that the function chooses). None: a page cannot print.
@@ -230,6 +236,7 @@ class Scene:
         self.on_change: Callable[[], None] = lambda: None
         self.listeners: list[Callable[[int, int, int], None]] = []
         self.summarize: Callable[[float, float], dict[str, Any]] | None = None
+        self.read_channels: Callable[[], list[ShownChannel]] = list
         self.draw_pages: Callable[[float, float, str, int | None], bytes] | None = None
         self.begun = False
         self.state = RunState()

@@ -6,6 +6,7 @@
     /api/summary                            volume, washout and gaps of a section
     /api/history                            the length of the wall over time
     /api/curve?name=                        a curve along the hole
+    /api/channels.svg?theme=                the channels of the rig and their lines by time
     /api/pick  /api/picks.csv               put or delete a pick; read or add a table of picks
     /api/export.html                        a section and the page, as one file
     /api/print.pdf                          a section as a PDF, if the scene has `Scene.draw_pages`
@@ -41,6 +42,7 @@ from helibore.base.limits import limit
 from helibore.logs.picks import Pick, Picks, pick_of
 from helibore.viewer import exports
 from helibore.viewer.access import AccessControl
+from helibore.viewer.channel_strip import channel_strip
 from helibore.viewer.client import Client
 from helibore.viewer.downloads import Downloads
 from helibore.viewer.html_export import html_export
@@ -90,6 +92,7 @@ class WebApp:
             "vertex/{k:int}": self.vertex,
             "section.csv": self.section,
             "curve": self.curve,
+            "channels.svg": self.channels,
             "summary": self.summary,
             "history": self.history,
             "export.html": self.export,
@@ -192,6 +195,11 @@ class WebApp:
         if curve is None:
             return PlainTextResponse(f"curve {name[:80]!r}: no curve has this name\n", 404)
         return Response(await asyncio.to_thread(exports.curve_bytes, curve), media_type="application/octet-stream")
+
+    async def channels(self, request: Request) -> Response:
+        theme = request.query_params.get("theme", "")
+        picture = await asyncio.to_thread(lambda: channel_strip(self.scene.read_channels(), theme))
+        return Response(picture, media_type="image/svg+xml")
 
     async def history(self, _: Request) -> Response:
         with self.scene.lock:

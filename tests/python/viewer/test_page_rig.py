@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import re
 import time
 from typing import Any
+from xml.etree import ElementTree
 
 import pytest
 from made_wall import MadeWall, gamma_and_resistivity
 from screen import NEEDS_BROWSER, Screen
 
 import helibore as hb
+from helibore.viewer.channel_strip import ShownChannel, channel_strip
 
 pytestmark = NEEDS_BROWSER
 
@@ -52,6 +55,43 @@ def test_digits_can_be_read_from_three_metres(browser: Any, bit: float, size: tu
         diameter = screen.evaluate("window.__wall.app.summary.mean_diameter")
         assert texts[2] == f"{1000 * diameter:.0f} mm"
         screen.close()
+
+
+def test_channels_of_the_rig_and_tight_hole_ahead_of_the_bit(browser: Any) -> None:
+    with hb.view(MadeWall(20_000)) as viewer:
+        scene, now = viewer.scene, time.time()
+        times = [now - 600 + 10 * step for step in range(60)]
+        values = [90.0 + step % 7 for step in range(60)]
+        scene.read_channels = lambda: [
+            ShownChannel("WOB", "kN", 96.2, 1.0, "high", times, values),
+            ShownChannel("<b>", "bar", -3.5, 700.0, "", [], []),
+        ]
+        tight = {"distance": 8.2, "above": True, "top": 1010.0, "bottom": 1011.5, "diameter": 0.2071}
+        scene.update_state(bit_depth=1033.4, newest=now, channels=7, ahead=tight)
+        screen = Screen(browser, viewer.url, "#md=1010&sec=10", drawn=False)
+        screen.keyboard.press("k")
+        screen.until("document.getElementById('rigChannels').naturalWidth > 0")
+        screen.settle()
+        cell = "['Head', '', 'More'].map((part) => document.getElementById('rigWorst' + part).textContent)"
+        assert screen.evaluate(cell) == ["Tight hole above the bit", "8.2 m", "1010.0–1011.5 m, passes 207 mm"]
+        shown = screen.evaluate("document.getElementById('rigChannels').getBoundingClientRect().height")
+        assert shown > 50
+        assert screen.evaluate(CLIPPED) == []
+        scene.update_state(channels=0, ahead=None)
+        screen.until("document.getElementById('rigChannels').hidden")
+        screen.until("document.getElementById('rigWorstHead').textContent.startsWith('Worst')")
+        screen.close()
+
+
+def test_the_picture_of_the_channels_has_their_values_and_names_as_text() -> None:
+    picture = channel_strip(
+        [ShownChannel("<b>", "bar", -3.5, 700.0, "low", [0.0, 10.0, 90.0], [1.0, 2.0, 1.0])], "dark"
+    )
+    root = ElementTree.fromstring(picture)
+    texts = ["".join(at.itertext()) for at in root.iter("{http://www.w3.org/2000/svg}text")]
+    assert texts == ["<b>, low, 12 min old", "−3.5 bar"]
+    (line,) = root.iter("{http://www.w3.org/2000/svg}path")
+    assert [part[0] for part in re.findall(r"[ML][^ML]+", line.attrib["d"])] == ["M", "L", "M"]  # a gap of 80 s
 
 
 def test_rig_mode_follows_and_survives_a_reload(browser: Any) -> None:

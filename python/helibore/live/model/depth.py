@@ -84,6 +84,12 @@ class RigHistory:
         """Use these rules and limits from now on."""
         self._rules, self._limits = rules, limits
 
+    @property
+    def on_bottom(self) -> bool:
+        """Whether the bit is on bottom, by the latest bit depth."""
+        latest = self._off_bottom.values[-1:]
+        return bool(len(latest) and not latest[0])
+
     def settle(self) -> None:
         """Decide the pass at each new bit depth entry; call this after all frames up to now are appended."""
         bit = self.tracks["bit_depth"]

@@ -66,6 +66,8 @@ class Reading:
         (n,) a row for each frame, with the pass number that applies to it.
     rig
         The rig quantities by name, (n,); NaN where a frame has no usable value.
+    shown
+        The channels of the rig by name, (n,); NaN where a frame has no value.
     samples
         (m,) a row for each triple of the caliper.
     images
@@ -78,6 +80,7 @@ class Reading:
 
     frames: Rows
     rig: dict[str, Floats] = field(default_factory=dict)
+    shown: dict[str, Floats] = field(default_factory=dict)
     samples: Rows = field(default_factory=lambda: np.empty(0, ROW))
     images: list[tuple[Image, Rows, Floats]] = field(default_factory=list)
     stations: Floats = field(default_factory=lambda: np.empty((0, 3)))
@@ -257,6 +260,7 @@ class SourceReader:
     def _fill(self, reading: Reading, values: Floats, states: Bytes, flags: Integers) -> None:
         """Set the rig quantities, pass numbers, triples and image rows that a table of values and states gives."""
         reading.rig = self._rig(values, reading)
+        reading.shown = {name: self._value(values, one.item) for name, one in self.source.shown.items()}
         reading.frames["number"] = self._pass_numbers(values, states, flags)
         self._triples(reading, values, states, flags)
         self._images(reading, values, states, flags)

@@ -35,6 +35,7 @@ from helibore.live.model.events import NEVER_DRAWN, Event, EventBook, Flag
 from helibore.live.model.image_rows import ImageRows
 from helibore.live.model.mapping import LARGEST_TOOLFACE, Chunk, Reading, SourceReader
 from helibore.live.model.pass_log import PassLog
+from helibore.live.model.rig_channels import RigChannels
 from helibore.live.model.sample_rows import ROW, frame_rows
 from helibore.live.model.stations import Stations
 from helibore.live.model.update import Update, joined
@@ -90,6 +91,8 @@ class Model:
         Whether a record was set aside because the memory was full. A replay with more memory can draw this record.
     set_aside
         The reason for each record that was set aside, by its number; at most MOST_SET_ASIDE records.
+    channels
+        The channels of the rig that are shown.
     last_seen
         Time of the last bytes of each source, ns of the model's clock.
     """
@@ -98,6 +101,7 @@ class Model:
         "samples", "image_rows", "stations", "layouts", "readers", "clock", "rig", "passes", "events", "counts",
         "outcomes", "records", "wall_time", "next_sequence", "last_seen", "set_aside", "_cell_counts", "_held",
         "_pending", "_held_rows", "_next_row", "_session", "_meaning", "_deepest", "watch",
+        "channels",
     )  # fmt: skip
 
     def __init__(
@@ -139,6 +143,7 @@ class Model:
         self.records = self.wall_time = self.next_sequence = 0
         self.set_aside: dict[int, str] = {}
         self.watch = Watch(self._watched)
+        self.channels = RigChannels(self._watched)
         self._frames: list[Frame] = []
         self._cell_counts: dict[str, dict[int, CellCounts]] = {name: {} for name in self.layers}
         self._set_limits()
@@ -268,6 +273,7 @@ class Model:
                 calipers[name] = WatchedCaliper(bit, caliper.offset, sensors)
         images = {one.name: name for name, source in self.configuration.sources.items() for one in source.images}
         self.watch.use(calipers, images, self.configuration.passes, self.configuration.depth.jump)
+        self.channels.use(self.configuration.sources, self.configuration.passes.on_bottom)
         size = self.layers["main"].settings
         for counts in self._cell_counts.values():
             for number in (0, *self.readers):  # 0: the host
@@ -315,6 +321,7 @@ class Model:
         self.rig.settle()
         frames, self._frames = self._frames, []
         self.watch.take(frames)
+        self.channels.take(frames)
         if parts := [part for part in (self._pending, *found) if len(part)]:
             self._pending = before = np.concatenate(parts) if len(parts) > 1 else parts[0]
             with self._set_aside(records[-1], f"{len(before)} samples and image rows"):
@@ -670,6 +677,9 @@ def _frames_of(reading: Reading, source: str) -> list[Frame]:
     for name, values in reading.rig.items():
         for place in np.flatnonzero(np.isfinite(values)).tolist():
             at(place).rig[name] = float(values[place])
+    for name, values in reading.shown.items():
+        for place in np.flatnonzero(np.isfinite(values)).tolist():
+            at(place).shown[name] = float(values[place])
     samples = reading.samples
     usable = np.isfinite(samples["toolface"]) & np.isfinite(samples["radius"])
     samples = samples[usable & ((samples["flags"] & int(UNUSABLE)) == 0)]

@@ -14,7 +14,7 @@ import math
 import statistics
 from collections import deque
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -69,7 +69,7 @@ class Frame:
     """What one frame of one source says: rig quantities, and the samples or rows that came with it.
 
     ``sensor``, ``depth``, ``toolface`` and ``radius`` have an entry for each sample with a value; ``depth`` may be NaN.
-    ``images`` has the names of the images with a row.
+    ``images`` has the names of the images with a row, ``shown`` the values of the channels of the rig.
     """
 
     order: int
@@ -82,6 +82,7 @@ class Frame:
     toolface: Floats | None = None
     radius: Floats | None = None
     images: tuple[str, ...] = ()
+    shown: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

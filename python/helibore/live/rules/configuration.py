@@ -184,6 +184,13 @@ class AlarmLimits(Declared):
     washout: Annotated[float | None, METRES, NOT_NEGATIVE,
         "Median diameter of a turn above the bit diameter. None: no alarm.",
     ] = None  # fmt: skip
+    ahead: Annotated[float | None, METRES, NOT_NEGATIVE,
+        "While the string is tripped, so much hole ahead of the bit is searched for tight hole: where ``body`` as wide "
+        "as the bit less ``tight`` does not pass. None: no search.",
+    ] = 30.0  # fmt: skip
+    body: Annotated[float, METRES, FINITE, at_least(0.01, "m"),
+        "Length of the rigid body whose lower end is the bit, for ``ahead``.",
+    ] = 0.3  # fmt: skip
     command: Annotated[tuple[str, ...], WORDS, "Command that gets each alarm as a line of JSON."] = ()
     environment: Annotated[tuple[str, ...], WORDS, "Variables that the command gets besides the usual ones."] = ()
     webhook: Annotated[str | None,
@@ -299,7 +306,8 @@ class Configuration(LiveTables):
         seen: dict[str, str] = {}
         for name, source in self.sources.items():
             place = f"source.{name}"
-            for key in [*(f"items.{key}" for key in source.rig), *(f"image.{one.name}" for one in source.images)]:
+            mapped = {"items": source.rig, "image": [one.name for one in source.images], "show": source.shown}
+            for key in [f"{table}.{key}" for table, keys in mapped.items() for key in keys]:
                 if key in seen:
                     raise InputError(f"{place}.{key}", f"is mapped by source.{seen[key]} already")
                 seen[key] = name

@@ -190,6 +190,41 @@ class NamedImage(LayoutTable):
 
 
 @dataclass(frozen=True, kw_only=True)
+class ShowTable(Declared):
+    """What channels of the rig of all kinds of sources share; they are shown and do not change the wall."""
+
+    unit: Annotated[str, "Unit of its values, as it comes."] = ""
+    limits: Annotated[tuple[float, ...], ALL_FINITE,
+        "Values at the left and the right edge of its curve. Empty: round numbers around its values.",
+    ] = ()  # fmt: skip
+    low: Annotated[float | None, FINITE, "A value below it begins the alarm ``low``. None: no alarm."] = None
+    high: Annotated[float | None, FINITE, "A value above it begins the alarm ``high``. None: no alarm."] = None
+
+    def _check(self) -> None:
+        if self.limits and len(set(self.limits)) != 2:
+            raise InputError("limits", "must be [left, right], two different numbers", repr(list(self.limits)))
+        if self.low is not None and self.high is not None and self.low >= self.high:
+            raise InputError("low", f"must be below high = {self.high:g}", f"{self.low:g}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class WitsShow(ShowTable):
+    """A channel of the rig that a WITS sender sends, ``[source.NAME.show.CHANNEL]``: ROP, WOB, torque, pressure."""
+
+    item: Annotated[str, CODE, "Item, four digits RRII in quotes."]
+
+
+@dataclass(frozen=True, kw_only=True)
+class NamedShow(ShowTable):
+    """A channel of the rig of a source whose values have names, ``[source.NAME.show.CHANNEL]``.
+
+    If the source sends the unit of each value, a value in another unit than ``unit`` is not read.
+    """
+
+    name: Annotated[str, TEXT, "Name of its values."]
+
+
+@dataclass(frozen=True, kw_only=True)
 class StationItems(Declared):
     """The items of a survey station, ``[source.NAME.survey]``."""
 
@@ -260,10 +295,14 @@ class WitsTable(SourceTable):
     caliper: Annotated[WitsCaliper | None, "Caliper."] = None
     image: Annotated[dict[str, WitsImage], "Images by their names."] = field(default_factory=dict)
     survey: Annotated[StationItems | None, "Items of a survey station."] = None
+    show: Annotated[dict[str, WitsShow], "Channels of the rig that are shown, by their names."] = field(
+        default_factory=dict
+    )
 
     def _check(self) -> None:
         super()._check()
-        check_names(self.image)
+        check_names(self.image, "image")
+        check_names(self.show, "show")
         place = self.place
         if place.kind == "listen" and not place.is_loopback and self.allow is None:
             rule = f"must be given: the addresses that may connect to a listener on {place.host}"
@@ -281,10 +320,14 @@ class NamedTable(SourceTable):
     items: Annotated[NamedRig, "Quantities of the rig."] = field(default_factory=NamedRig)
     caliper: Annotated[NamedCaliper | None, "Caliper."] = None
     image: Annotated[dict[str, NamedImage], "Images by their names."] = field(default_factory=dict)
+    show: Annotated[dict[str, NamedShow], "Channels of the rig that are shown, by their names."] = field(
+        default_factory=dict
+    )
 
     def _check(self) -> None:
         super()._check()
-        check_names(self.image)
+        check_names(self.image, "image")
+        check_names(self.show, "show")
 
     @property
     def index(self) -> str:
@@ -357,8 +400,8 @@ def check_user(user: str, password_env: str) -> None:
         raise InputError("", "user and password_env must both be set, or neither")
 
 
-def check_names(images: Mapping[str, object]) -> None:
-    """Raise InputError if an image's name cannot be the name of a file."""
-    for name in images:
+def check_names(tables: Mapping[str, object], what: str) -> None:
+    """Raise InputError if the name of an image or a channel cannot be the name of a file."""
+    for name in tables:
         if not can_be_file(name):
-            raise InputError(f"image.{name[:60]!r}", f"its name {RULE}")
+            raise InputError(f"{what}.{name[:60]!r}", f"its name {RULE}")

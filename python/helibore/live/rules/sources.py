@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import ipaddress
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self
 
@@ -26,6 +26,7 @@ from helibore.live.rules.source_tables import (
     CaliperTable,
     LengthItem,
     NamedTable,
+    ShowTable,
     SourceTable,
     StoreTable,
     WitsCaliper,
@@ -117,6 +118,14 @@ class Image:
 
 
 @dataclass(frozen=True)
+class Shown:
+    """A channel of the rig that is shown: its item, and its settings."""
+
+    item: Item
+    table: ShowTable
+
+
+@dataclass(frozen=True)
 class Source:
     """A source: its table, and what that means.
 
@@ -132,6 +141,8 @@ class Source:
         The items of the rig quantities, by their names.
     pass_number
         The item of the pass number.
+    shown
+        The channels of the rig that are shown, by their names.
     station
         The items of depth, inclination and azimuth of a survey station; empty if there are none.
     limits
@@ -152,6 +163,7 @@ class Source:
     station: list[Item]
     caliper: CaliperItems | None
     images: list[Image]
+    shown: dict[str, Shown] = field(default_factory=dict)
     limits: tuple[int, int, int] = (wits.LINE_LIMIT, wits.FRAME_LIMIT, wits.ITEM_LIMIT)
     message: tuple[bytes, float] | None = None
 
@@ -168,7 +180,8 @@ class Source:
     def mapped(self) -> list[str]:
         """The names of all items that are read, in the order of the settings."""
         number = [self.pass_number] if self.pass_number else []
-        return list(dict.fromkeys(item.name for item in (*self.rig.values(), *number, *self.measured)))
+        shown = [one.item for one in self.shown.values()]
+        return list(dict.fromkeys(item.name for item in (*self.rig.values(), *number, *self.measured, *shown)))
 
     @property
     def records(self) -> list[int]:
@@ -203,6 +216,8 @@ class Source:
                 "pass_number": self._recorded(number),
                 "pass_numbers": {"listed": list(self.pass_numbers.listed.items())},
             }
+        if self.shown:
+            meaning["show"] = {key: self._recorded(one.item) | asdict(one.table) for key, one in self.shown.items()}
         return meaning
 
     def with_meaning(self, recorded: dict[str, Any]) -> Self:
@@ -247,6 +262,7 @@ class WitsSource(Source):
                       length(of.depth) if of.depth else None, of.offset, of.latency, _layout(key, of, others))
                 for key, of in table.image.items()
             ],
+            shown={key: Shown(Item(of.item), of) for key, of in table.show.items()},
             limits=(table.line_limit, table.frame_limit, table.item_limit),
             message=messages.get(table.mode),
         )  # fmt: skip
@@ -302,13 +318,15 @@ class NamedSource(Source):
                   _layout(key, one, others))
             for key, one in table.image.items()
         ]  # fmt: skip
+        shown = {key: Shown(Item(one.name, unit=one.unit), one) for key, one in table.show.items()}
         places: list[tuple[str, Sequence[Item]]] = [(f"items.{key}", [one]) for key, one in rig.items()]
         places += [("items.pass_number", [number])] if number else []
         places += [(f"caliper.{key}", getattr(caliper, key)) for key in ("toolface", "radius", "depth") if caliper]
         places += [(f"image.{one.name}.sectors", one.sectors) for one in images]
+        places += [(f"show.{key}.name", [one.item]) for key, one in shown.items()]
         return cls(
             **_shared(name, table), rig=rig, pass_number=number, station=[], caliper=caliper, images=images,
-            curves=_curves(places), **cls.more(table),
+            shown=shown, curves=_curves(places), **cls.more(table),
         )  # fmt: skip
 
     @classmethod

@@ -13,9 +13,11 @@ const esbuild = await import(pathToFileURL(createRequire(join(modules, 'x.js')).
 
 mkdirSync(out, { recursive: true });
 const unindented = (file) => readFileSync(file, 'utf8').replace(/\n\s+/g, '\n');
-const shaders = { // their texts are strings, which esbuild keeps as they are, with their comments
+// The texts of shaders are strings, which esbuild keeps as they are: leave out comments, blanks and the zeros of 1.0 and 0.5.
+const shortened = (text) => text.replace(/ *\/\/.*/g, '').replace(/ *([*/=<>(){},;?:&|!]) */g, '$1').replace(/ ([-+]) (?![-+])/g, '$1').replace(/([;{},])\n+/g, '$1').replace(/\b(\d+\.)0\b/g, '$1').replace(/\b0(\.\d)/g, '$1');
+const shaders = {
   name: 'shaders',
-  setup: (build) => build.onLoad({ filter: /shaders\.js$/ }, ({ path }) => ({ contents: unindented(path).replace(/ *\/\/.*/g, '') })),
+  setup: (build) => build.onLoad({ filter: /shaders\.js$/ }, ({ path }) => ({ contents: shortened(unindented(path)) })),
 };
 await esbuild.build({
   entryPoints: [join(here, 'src', 'main.js')],

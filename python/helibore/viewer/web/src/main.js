@@ -71,6 +71,9 @@ export class App {
   newest = null;
   ended = false;
   shape = 'wall'; // whose diameters the zones are judged by: the wall's, or those of a tool with few arms
+  channels = 0; // version of the picture of the rig's channels; 0: there are none
+  /** @type {TightAhead | null} */
+  ahead = null; // tight hole ahead of a bit that is tripped
   prints = false; // whether the server prints sections
   /** @type {number | null} */
   opened = null; // the top of the section that a saved wall began with
@@ -252,8 +255,8 @@ export class App {
   }
 
   /** @param {State} state */
-  takeState({ begun, sources, bit_depth: bit, hole_depth: hole, newest, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false, shape = 'wall' }) {
-    Object.assign(this, { sources, lost, shape });
+  takeState({ begun, sources, bit_depth: bit, hole_depth: hole, newest, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false, shape = 'wall', channels = 0, ahead = null }) {
+    Object.assign(this, { sources, lost, shape, channels, ahead });
     if (!begun) this.alarms.feed = [...alarms].reverse();
     if (!begun) return this.say('waiting', `${this.store ? 'The server was started again; this is the picture from before. ' : ''}Waiting for the first samples.${sources ? `\n${sources}` : ''}`);
     this.alarms.take(this.zonesBefore, zones, !this.contents && !ended && (newest !== null || (this.lastWrite !== null && this.zones.length > 0)), alarms);

@@ -36,7 +36,7 @@ function cell(id, digits, unit, more) {
 
 /** @param {App} app */
 export function writeRig(app) {
-  const { view, store, path, bit, zones, summary, alarms } = app;
+  const { view, store, path, bit, summary } = app;
   byId('rig').hidden = !view.rig || !store;
   document.body.classList.toggle('rig', view.rig);
   byId('rigOpen').textContent = view.rig ? 'Desk' : 'Rig';
@@ -54,12 +54,13 @@ export function writeRig(app) {
   const measured = store.basis !== 'gauge' && summary?.mean_diameter;
   cell('rigSize', measured ? size(summary.mean_diameter) : '–', measured ? unit : '', measured
     ? `${size(summary.least_diameter)} to ${size(summary.greatest_diameter)}, bit ${size(2 * store.bitRadius)}` : `${store.basis === 'gauge' || summary ? 'not measured' : '…'}, bit ${size(2 * store.bitRadius)} ${unit}`);
-  const worst = worstOf(zones, [top, bottom]);
-  /** @type {string[]} */
-  const [number, inUnit = ''] = worst ? showSigned(worst.measure, view.units, unit === 'mm' ? 0 : 1).split(' ') : [store.basis === 'gauge' ? '–' : 'none', ''];
-  cell('rigWorst', number, inUnit, worst ? `${worst.kind} ${showSpan(worst.start, worst.stop, view.units)}` : store.basis === 'gauge' ? 'not measured' : 'no zone');
-  byId('rigMeasure').textContent = worst ? `, ${IN_WORDS[worst.kind]}` : '';
-  byId('rigWorstCell').className = worst ? (alarms.isNew(worst) ? 'new' : 'zone') : '';
+  const { ahead } = app;
+  if (ahead) {
+    const [name, place] = [`Tight hole ${ahead.above ? 'above' : 'below'} the bit`, showSpan(ahead.top, ahead.bottom, view.units)];
+    cell('rigWorst', depthNumber(ahead.distance, view.units, 1), depthUnit(view.units), `${place}, passes ${size(ahead.diameter)} ${unit}`);
+    byId('rigWorstHead').textContent = name;
+    byId('rigWorstCell').className = 'new';
+  } else writeWorst(app, [top, bottom]);
   const lag = bit === null ? NaN : (bit - store.end) * Math.sign(store.levels[0].pitch);
   cell('rigLag', Number.isFinite(lag) ? depthNumber(Math.max(0, lag), view.units, 1) : '–', Number.isFinite(lag) ? depthUnit(view.units) : '', `data end at ${showDepth(store.end, view.units, 1)}`);
   const [colour, text, word] = lampWords(app);
@@ -67,4 +68,20 @@ export function writeRig(app) {
   cell('rigAge', age, ageUnit, word ?? text.split(' · ')[0]);
   byId('rigLamp').className = colour;
   byId('rigLamp').textContent = SIGNS[colour] ?? '–';
+  const strip = /** @type {HTMLImageElement} */ (byId('rigChannels')); // the server draws it
+  strip.hidden = !app.channels;
+  const source = `api/channels.svg${location.search || '?'}&theme=${view.theme}&version=${app.channels}`;
+  if (app.channels && strip.getAttribute('src') !== source) strip.src = source;
+}
+
+// Write the worst zone between two depths.
+/** @param {App} app @param {number[]} ends */
+function writeWorst({ view, store, zones, alarms }, [top, bottom]) {
+  const { unit } = LENGTHS[view.units];
+  const worst = worstOf(zones, [top, bottom]);
+  /** @type {string[]} */
+  const [number, inUnit = ''] = worst ? showSigned(worst.measure, view.units, unit === 'mm' ? 0 : 1).split(' ') : [store.basis === 'gauge' ? '–' : 'none', ''];
+  cell('rigWorst', number, inUnit, worst ? `${worst.kind} ${showSpan(worst.start, worst.stop, view.units)}` : store.basis === 'gauge' ? 'not measured' : 'no zone');
+  byId('rigWorstHead').textContent = `Worst${worst ? `, ${IN_WORDS[worst.kind]}` : ''}, last ${showDepth(bottom - top, view.units, 0)}`;
+  byId('rigWorstCell').className = worst ? (alarms.isNew(worst) ? 'new' : 'zone') : '';
 }

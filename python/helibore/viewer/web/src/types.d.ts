@@ -103,7 +103,9 @@ interface Handshake {
   session: string; basis: string; basis_text: string; reference: string | null; assumed?: boolean; attributes: Attribute[]; radius_unit: number; nearest_unit: number; bit_diameter: number; start_depth: number;
   start_toolface: number; frame_step: number; vertices: number; well: string; template?: Template | null; curves?: string[]; picks_file?: string | null; saves_picks?: boolean; levels: { sectors: number; pitch: number; rows: number; rings?: boolean }[];
 }
+interface TightAhead { distance: number; above: boolean; top: number; bottom: number; diameter: number }
 interface State {
+  channels?: number; ahead?: TightAhead | null;
   begun: boolean; sources: string; bit_depth: number | null; hole_depth: number | null; newest: number | null; now: number; ended: boolean; true_depth: Vector | null; ranges: Record<string, Pair>;
   zones: Zone[]; curves?: [string, string, number, number, boolean][]; curves_version?: number; alarms?: string[]; lost?: string[]; prints?: boolean; shape?: string;
 }

@@ -1,0 +1,98 @@
+"""The channels of the rig in rig mode as one picture (SVG): latest value, and the line of the last two hours, of each.
+
++-----------+-----------+
+| WOB       | SPP, high |     the page shows it as an image, so that it stays small
+| 102.4 kN  | 231 bar   |
+| ~~--/\\~   | --__/~~   |
++-----------+-----------+
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from xml.sax.saxutils import escape
+
+from helibore.base.harmless import printable
+
+WIDTH, HEIGHT, GAP = 220, 96, 6
+"""Size of a cell and the space between two, in units of the picture."""
+LINE = 42, 90
+"""Top and bottom of the line in a cell."""
+LONGEST = 60.0
+"""Seconds between two values of a line from which on it has a gap."""
+OLD = 60.0
+"""Seconds from which on the age of a value is written."""
+COLOURS = {
+    "dark": {"panel": "#1d2328", "line": "#36404a", "ink": "#e6eaed", "soft": "#98a4ad"},
+    "light": {"panel": "#ffffff", "line": "#cfd5da", "ink": "#1b2126", "soft": "#5c6770"},
+}
+ALARM = {"panel": "#ff8a3c", "line": "#ff8a3c", "ink": "#16202a", "soft": "#16202a"}
+
+
+@dataclass(frozen=True)
+class ShownChannel:
+    """A channel: name, unit, latest value (NaN: none) and its age in seconds, alarm ("low", "high" or ""), line.
+
+    ``times`` are seconds, ``values`` the values at these times.
+    """
+
+    name: str
+    unit: str
+    value: float
+    age: float
+    beyond: str
+    times: Sequence[float]
+    values: Sequence[float]
+
+
+def channel_strip(channels: Sequence[ShownChannel], theme: str) -> str:
+    """Return the picture of the channels; ``theme`` is "dark" or "light"."""
+    ends = [time for one in channels for time in (*one.times[:1], *one.times[-1:])]
+    span = (min(ends), max(ends)) if ends else (0.0, 1.0)
+    width = len(channels) * (WIDTH + GAP) - GAP
+    cells = "".join(
+        f'<g transform="translate({place * (WIDTH + GAP)})">{_cell(one, span, COLOURS.get(theme, COLOURS["dark"]))}</g>'
+        for place, one in enumerate(channels)
+    )
+    font = 'font-family="DejaVu Sans, Segoe UI, sans-serif"'
+    return f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {HEIGHT}" {font}>{cells}</svg>'
+
+
+def _cell(one: ShownChannel, span: tuple[float, float], colours: dict[str, str]) -> str:
+    colours = ALARM if one.beyond else colours
+    head = ", ".join(part for part in (one.name, one.beyond, _age(one.age)) if part)
+    number = f"{one.value:.5g}".replace("-", "−") if math.isfinite(one.value) else "–"
+    small = f'<tspan font-size="13" font-weight="400"> {_text(one.unit)}</tspan>'
+    return (
+        f'<rect width="{WIDTH}" height="{HEIGHT}" fill="{colours["panel"]}" stroke="{colours["line"]}"/>'
+        f'<text x="8" y="15" font-size="12" fill="{colours["soft"]}">{_text(head)}</text>'
+        f'<text x="8" y="38" font-size="22" font-weight="700" fill="{colours["ink"]}">{number}{small}</text>'
+        f'<path d="{_line(one, span)}" fill="none" stroke="{colours["ink"]}" stroke-width="1.5"/>'
+    )
+
+
+def _line(one: ShownChannel, span: tuple[float, float]) -> str:
+    """Return the path of a line, which fills its part of the cell from its least to its greatest value."""
+    if not len(one.values):
+        return ""
+    low, high, (top, bottom) = min(one.values), max(one.values), LINE
+    scale = (bottom - top) / (high - low) if high > low else 0.0
+    wide = (WIDTH - 16) / max(span[1] - span[0], 1.0)
+    path, before = [], -math.inf
+    for time, value in zip(one.times, one.values, strict=True):
+        y = bottom - (value - low) * scale if scale else (top + bottom) / 2
+        path.append(f"{'M' if time - before > LONGEST else 'L'}{8 + (time - span[0]) * wide:.1f} {y:.1f}")
+        before = time
+    return "".join(path)
+
+
+def _age(seconds: float) -> str:
+    if not seconds > OLD:
+        return ""
+    return f"{seconds / 60:.0f} min old" if seconds < 5400 else f"{seconds / 3600:.0f} h old"
+
+
+def _text(text: str) -> str:
+    return escape(printable(text))

@@ -1,0 +1,104 @@
+"""Tight hole ahead of a bit that is tripped: where it is, when it is said, and when it is not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from live_wires import WALL, Clock
+
+from helibore import Live
+from helibore.live.alarms import Alarms
+from helibore.live.rules.configuration import parse
+from helibore.live.wire import wits
+
+RIG = '[source.rig]\naddress = "host"\nunits = "metric"\nitems = { bit_depth = "0108", hole_depth = "0110" }\n'
+TIGHT = (118.0, 119.0)
+
+
+class Trip:
+    """A hole of 218 mm from 110 to 125 m with a meter of 206 mm, and a bit that moves in it."""
+
+    def __init__(self, alarms: str = "tight = 0.006\n") -> None:
+        self.clock = Clock()
+        self.live = Live(parse(f"{WALL}[alarms]\n{alarms}{RIG}"), clock=self.clock)
+        draw = np.random.default_rng(4)
+        depth = np.sort(draw.uniform(110, 125, 9000))
+        radius = 0.109 - 0.006 * ((depth > TIGHT[0]) & (depth < TIGHT[1]))
+        self.live.append_samples(depth, draw.uniform(0, 360, 9000), radius)
+        self.alarms = Alarms(self.live, {"rig": "connected"})
+
+    def to(self, bit: float, hole: float = 130.0) -> None:
+        self.clock.step(5)
+        self.live.receive("rig", wits.frame([(108, f"{bit:.2f}"), (110, f"{hole:.2f}")]))
+        self.alarms.ahead._due = 0.0  # as if the last look had been long ago
+        self.alarms.check()
+
+    @property
+    def said(self) -> list[str]:
+        return [one.text for one in self.alarms.active if one.rule == "tight_ahead"]
+
+
+def test_pulling_out_says_what_lies_above_the_bit():
+    trip = Trip()
+    trip.to(130.0)
+    trip.to(129.5)
+    assert trip.said == []  # it has hardly moved
+    trip.to(127.0)
+    (text,) = trip.said
+    assert text.startswith("tight hole 8.1 m above the bit: from 118.0 to 118.9 m a body of 0.3 m at the bit with more")
+    found = trip.alarms.ahead.found
+    assert found is not None
+    assert (found.top, found.bottom) == pytest.approx(TIGHT, abs=0.15)
+    assert found.diameter == pytest.approx(0.206, abs=0.0005)
+    trip.to(121.0)
+    assert trip.said == [text]  # the alarm is the same, and the page has the distance of now
+    assert trip.alarms.ahead.found.distance == pytest.approx(2.0, abs=0.15)
+    trip.to(117.0)
+    assert trip.said == []
+
+
+def test_running_in_says_what_lies_below_the_bit():
+    trip = Trip()
+    for bit in (112.0, 114.0):
+        trip.to(bit)
+    assert trip.said[0].startswith("tight hole 4.0 m below the bit")
+    trip.to(118.5)
+    assert trip.alarms.ahead.found.distance == 0.0
+
+
+@pytest.mark.parametrize(
+    ("alarms", "path"),
+    [
+        ("tight = 0.006\nahead = 5.0\n", (130.0, 127.0)),
+        ("tight = 0.02\n", (130.0, 127.0)),
+        ("washout = 0.02\n", (130.0, 127.0)),
+        ("tight = 0.006\n", (112.0, 110.0)),
+    ],
+    ids=["too far", "not so tight", "no limit", "behind the bit"],
+)
+def test_no_alarm(alarms, path):
+    trip = Trip(alarms)
+    for bit in path:
+        trip.to(bit)
+    assert trip.said == []
+
+
+def test_on_bottom_nothing_is_ahead():
+    trip = Trip()
+    for bit in (116.0, 114.0):
+        trip.to(bit, hole=140.0)
+    trip.to(116.5, hole=140.0)
+    assert trip.said
+    trip.to(130.0, hole=130.1)
+    assert trip.said == []
+
+
+def test_a_long_body_is_stopped_earlier():
+    """A collar of 3 m behind the bit reaches the tight meter while the bit is below it."""
+    trip = Trip("tight = 0.006\nbody = 3.0\n")
+    for bit in (124.0, 121.9):
+        trip.to(bit)
+    assert trip.alarms.ahead.found is not None
+    assert trip.alarms.ahead.found.distance == pytest.approx(2.9, abs=0.2)
+    trip.to(118.0)
+    assert trip.said == []
