@@ -23,7 +23,7 @@ import os
 import secrets
 import threading
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import astuple, replace
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple, TypeVar
@@ -65,6 +65,8 @@ Read = TypeVar("Read")
 WINDOW_BYTES = 1 << 20
 OF_RECOVERY = "journal", "checkpoint"
 WINDOW_RECORDS = 8192
+VALUES_AT_ONCE = 10_000
+"""The most pushed values in a record."""
 LOG_AGAIN = 60.0
 """Seconds until the log writes another line about the same rule and source."""
 LOGGED_EACH = "alarm_", "address"
@@ -395,6 +397,47 @@ class Live:
             part = [values[start : start + step] for values in columns.values()]
             table = np.vstack([*part, *([] if time is not None else [np.full(len(part[0]), np.nan)])])
             merge(update, self._store(0, 0, table.tobytes(), journals.SAMPLES))
+        return update
+
+    def append_values(self, source: str, values: Mapping[str, npt.ArrayLike]) -> Update:
+        """Store and read values of a source whose address is ``values``: bit depth, hole depth, rotation and others.
+
+        Parameters
+        ----------
+        source
+            Name of the source.
+        values
+            By name, as the settings of the source have it: one value, or (n,) values in order of time, in the units of
+            the source; NaN where one is missing. They count from the time of this call.
+
+        Raises
+        ------
+        ValueError
+            If the source does not take values, the arrays differ in size, or a value is infinite; then nothing is
+            stored.
+        JournalFullError
+            If the values could not be stored.
+
+        Examples
+        --------
+        >>> live.append_values("rig", {"bit": 2010.4, "hole": 2010.4, "rpm": 120})  # doctest: +SKIP
+        """
+        number = self._number(source)
+        if self.configuration.source[source]["address"] != "values":
+            raise ValueError(f"source '{source}': append_values needs address = \"values\"")
+        columns: dict[str, Floats] = {}
+        for name, given in values.items():
+            first = next(iter(columns), name)
+            size = columns[first].size if columns else None
+            columns[name] = column(name, np.atleast_1d(numbers(given)), size, first)
+            if np.isinf(columns[name]).any():
+                raise ValueError(f"{name}: must be finite, or NaN where a value is missing")
+        table = [[None if value != value else value for value in of.tolist()] for of in columns.values()]
+        rows = [dict(zip(columns, row, strict=True)) for row in zip(*table, strict=True)]
+        update, step = Update(), max(VALUES_AT_ONCE // max(len(columns), 1), 1)
+        for start in range(0, len(rows), step):
+            line = json.dumps(rows[start : start + step]).encode() + b"\n"
+            merge(update, self._store(number, 1, line, journals.BYTES))
         return update
 
     def append_stations(self, depth: npt.ArrayLike, inclination: npt.ArrayLike, azimuth: npt.ArrayLike) -> Update:

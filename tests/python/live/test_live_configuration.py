@@ -338,9 +338,10 @@ def test_a_file_may_begin_with_a_byte_order_mark(tmp_path):
 
 def test_every_setting_of_the_page_is_read():
     page = (ROOT / "docs/live.md").read_text()
-    text, store, broker = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    text, values, store, broker = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     polled = parse(WALL + store).sources["store"]
     assert (len(polled.caliper.radius), len(polled.images[0].sectors), polled.address.port) == (2, 4, 443)
+    assert list(parse(WALL + values).sources["rig"].rig) == ["bit_depth", "hole_depth", "rotation"]
     sent = parse(WALL + broker).sources["broker"]
     assert (sent.address.kind, len(sent.caliper.depth), list(sent.rig)) == ("mqtts", 1, ["bit_depth", "rotation"])
     c = parse(text)

@@ -25,7 +25,7 @@ from helibore.settings.toml_reading import TomlSource, parse_setting, read_state
 
 SCALARS = (-1, 0, 2.5, 1e300, [1], "bad")
 LISTS = ([-1], [0.5], [[1]], ["bad"], [["bad", "bad"]], [1e300, 1e300])
-TEXTS = ("bad", "-1")
+TEXTS = ("bad", "-1", "")
 """Values of which a setting of a kind refuses one, unless it takes any text or table."""
 
 NEEDED = {
@@ -47,7 +47,7 @@ def error_of(call: Any, *arguments: Any) -> hb.InputError | None:
 def bad_value(member: Member) -> Any:
     """Return a value that a setting refuses; None if it takes what is tried."""
     tried = LISTS if member.kind is tuple else TEXTS if member.kind in (str, Path) else SCALARS
-    return next((value for value in tried if error_of(member.checked, value)), None)
+    return next((value for value in tried if value != member.default and error_of(member.checked, value)), None)
 
 
 def text_of(member: Member, value: Any) -> str:

@@ -17,7 +17,7 @@ from helibore.base.arrays import Floats
 from helibore.base.utc_time import SECOND
 from helibore.live.model.growing_array import GrowingArray
 from helibore.live.model.watch import Frame, Report
-from helibore.live.rules.sources import Shown, Source
+from helibore.live.rules.sources import RigShow, Source
 
 TIME, TIMES = 10 * SECOND, 8640
 """Nanoseconds of a mean by time, and the number of means that are kept: a day of them."""
@@ -76,7 +76,7 @@ class RigChannel:
 
     STATE = ("value", "time", "_by_time", "_by_depth", "_beyond", "_at")
 
-    def __init__(self, name: str, source: str, shown: Shown) -> None:
+    def __init__(self, name: str, source: str, shown: RigShow) -> None:
         self.name, self.source, self.shown = name, source, shown
         self.value, self.time = math.nan, -1
         self._by_time, self._by_depth = Means(), Means()

@@ -118,7 +118,7 @@ class Image:
 
 
 @dataclass(frozen=True)
-class Shown:
+class RigShow:
     """A channel of the rig that is shown: its item, and its settings."""
 
     item: Item
@@ -163,7 +163,7 @@ class Source:
     station: list[Item]
     caliper: CaliperItems | None
     images: list[Image]
-    shown: dict[str, Shown] = field(default_factory=dict)
+    shown: dict[str, RigShow] = field(default_factory=dict)
     limits: tuple[int, int, int] = (wits.LINE_LIMIT, wits.FRAME_LIMIT, wits.ITEM_LIMIT)
     message: tuple[bytes, float] | None = None
 
@@ -262,7 +262,7 @@ class WitsSource(Source):
                       length(of.depth) if of.depth else None, of.offset, of.latency, _layout(key, of, others))
                 for key, of in table.image.items()
             ],
-            shown={key: Shown(Item(of.item), of) for key, of in table.show.items()},
+            shown={key: RigShow(Item(of.item), of) for key, of in table.show.items()},
             limits=(table.line_limit, table.frame_limit, table.item_limit),
             message=messages.get(table.mode),
         )  # fmt: skip
@@ -318,7 +318,7 @@ class NamedSource(Source):
                   _layout(key, one, others))
             for key, one in table.image.items()
         ]  # fmt: skip
-        shown = {key: Shown(Item(one.name, unit=one.unit), one) for key, one in table.show.items()}
+        shown = {key: RigShow(Item(one.name, unit=one.unit), one) for key, one in table.show.items()}
         places: list[tuple[str, Sequence[Item]]] = [(f"items.{key}", [one]) for key, one in rig.items()]
         places += [("items.pass_number", [number])] if number else []
         places += [(f"caliper.{key}", getattr(caliper, key)) for key in ("toolface", "radius", "depth") if caliper]
