@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from helibore.cli.live_log import LogWriter
     from helibore.cli.live_view import Window
     from helibore.live.live import Live
+    from helibore.live.rules.configuration import Configuration
     from helibore.live.server import Server
 
 TICK = 0.25
@@ -104,6 +105,8 @@ def live(
                 serving.callback(window.close)
             server.start()
             serving.callback(server.stop)
+            if not quiet and not terminal_console().is_terminal:  # a terminal has the status page
+                _say_sources(settings, where)
             if metrics_port is not None:
                 pages = MetricsServer(server, metrics_port, allowed, window.connections if window else None)
                 pages.connections.report = functools.partial(running.report, "connections")
@@ -125,6 +128,14 @@ def _window(well: str, port: int, access: Access) -> Window:
     window = Window(well, access, port=port)
     _announce("the wall is shown at", window.url)
     return window
+
+
+def _say_sources(settings: Configuration, journal: Path) -> None:
+    """Print where each source is from now on."""
+    words = {"listen": "listens at", "host": "is pushed by the program:"}
+    for name, source in settings.sources.items():
+        echo(f"{name} {words.get(source.address.kind, 'is read from')} {settings.source[name]['address']}")
+    echo(f"the journal is {journal}")
 
 
 def _announce(text: str, url: str) -> None:

@@ -207,3 +207,13 @@ def test_the_log_file_has_every_kind_of_event_with_local_time_and_utc_and_is_rot
         assert utc.endswith("Z")
     assert "connected" not in result.output  # stderr has warnings only
     assert "stray_text" in result.output
+
+
+def test_without_a_terminal_the_command_says_where_its_sources_are(tmp_path):
+    (tmp_path / "rig.wits").write_bytes(b"".join(frames(3)))
+    (tmp_path / "rig.toml").write_text(configured(f"file://{tmp_path}/rig.wits"))
+    arguments = ["live", str(tmp_path / "rig.toml"), "--journal", str(tmp_path / "j")]
+    first, second, *_ = CliRunner().invoke(cli, arguments).stdout.splitlines()
+    assert first == f"mwd is read from file://{tmp_path}/rig.wits"
+    assert second == f"the journal is {tmp_path / 'j'}"
+    assert "is read from" not in CliRunner().invoke(cli, [*arguments, "-q"]).stdout
