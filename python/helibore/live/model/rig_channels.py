@@ -50,13 +50,6 @@ class Means:
             self._step, self._sum, self._count = step, 0.0, 0
         self._sum, self._count = self._sum + value, self._count + 1
 
-    def forget_from(self, step: int) -> None:
-        """Forget the means of ``step`` and of all later steps."""
-        kept = int(np.searchsorted(self._steps.values, step))
-        self._steps.values, self._means.values = self._steps.values[:kept].copy(), self._means.values[:kept].copy()
-        if self._step >= step:
-            self._step, self._sum, self._count = step - 1, 0.0, 0
-
     def columns(self) -> tuple[Floats, Floats]:
         """Return the middles of the steps that have ended, as a number of steps, and their means."""
         means = self._means.values
@@ -169,12 +162,6 @@ class RigChannels:
             new_hole = bottom if bottom - self._bit <= self._on_bottom else math.nan
             for name, value in frame.shown.items():
                 self._take(self.by_name[name], frame, value, new_hole)
-
-    def begin_hole(self, depth: float) -> None:
-        """Forget the values by depth below ``depth``, where another hole begins."""
-        for channel in self.by_name.values():
-            channel._by_depth.forget_from(math.floor(depth / DEPTH + 1e-6))
-        self._bit = self._hole = math.nan
 
     def _take(self, channel: RigChannel, frame: Frame, value: float, new_hole: float) -> None:
         channel.take(frame.time, value, new_hole)
