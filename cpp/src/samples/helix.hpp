@@ -25,9 +25,8 @@ struct Helix {
     Index sectors = 64;
     Index first = 0;  // number of vertex 0 on the whole helix, a multiple of `sectors`
 
-    double depth(Index k) const {
-        return start_depth + static_cast<double>(first + k) * pitch / static_cast<double>(sectors);
-    }
+    double depth(Index k) const { return depth_of(static_cast<double>(first + k)); }
+    double depth_of(double number) const { return start_depth + number * pitch / static_cast<double>(sectors); }
     double toolface(Index k) const {
         return wrap_toolface(start_toolface + static_cast<double>(k % sectors) * 360.0 / static_cast<double>(sectors));
     }

@@ -13,6 +13,7 @@ namespace helibore {
 namespace {
 
 constexpr Index chunks_a_thread = 16;
+constexpr Index depths_a_part = Index{1} << 20;
 constexpr Index blocks_a_thread = 64;  // least number of blocks; copying fewer is not worth the start of a thread
 
 std::size_t length_of(Range range) {
@@ -118,7 +119,12 @@ void Wall::State::read(Column column, Range range, double* into) const {
     const Index n = range.stop - range.start;
     switch (column) {
         case Column::depth:
-            for (Index i = 0; i < n; ++i) into[i] = helix.depth(range.start + i);
+            // Processors convert several whole numbers of 32 bits at once, but not of 64.
+            for (Index begin = 0; begin < n; begin += depths_a_part) {
+                const auto first = static_cast<double>(helix.first + range.start + begin);
+                const auto length = static_cast<std::int32_t>(std::min(depths_a_part, n - begin));
+                for (std::int32_t i = 0; i < length; ++i) into[begin + i] = helix.depth_of(first + i);
+            }
             return;
         case Column::toolface: {  // those of one turn, again and again
             const Index turn = std::min<Index>(n, helix.sectors);
@@ -136,8 +142,11 @@ void Wall::State::read(Column column, Range range, double* into) const {
             return vertices.copy(&Vertices::Block::support, range, into);
         case Column::iterations:
             return vertices.copy(&Vertices::Block::iterations, range, into);
-        case Column::provisional:
-            for (Index i = 0; i < n; ++i) into[i] = direct.stands_for(range.start + i) ? 1.0 : 0.0;
+        case Column::provisional: {
+            std::fill_n(into, n, 0.0);
+            const Range some = direct.among(range);
+            for (Index k = some.start; k < some.stop; ++k) into[k - range.start] = direct.stands_for(k) ? 1.0 : 0.0;
+        }
     }
 }
 
