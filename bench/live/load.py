@@ -60,7 +60,7 @@ RECORDER = """() => {
     const app = window.__wall?.app;
     const size = app?.store?.levels[0].size ?? 0;
     if (size > (seen.taken.at(-1)?.[1] ?? 0)) seen.taken.push([Date.now(), size]);
-    if (!waiting && size > (seen.drawn.at(-1)?.[1] ?? 0)) waiting = [size, app.frames, null];
+    if (!waiting && size > (seen.drawn.at(-1)?.[1] ?? 0)) waiting = [size, app.renderer.frames, null];
   }, 5);
   setInterval(() => {
     const { gpu, frames } = window.__wall?.app ?? {};

@@ -35,14 +35,14 @@ from helibore.viewer import Viewer
 PAN = """(frames) => new Promise((done) => {
   const { app } = window.__wall;
   const times = [];
-  app.draw = () => {
+  app.renderer.draw = () => {
     const began = performance.now();
-    Object.getPrototypeOf(app).draw.call(app);
+    Object.getPrototypeOf(app.renderer).draw.call(app.renderer);
     times.push(performance.now() - began);
   };
   const step = () => {
     if (times.length >= frames) {
-      delete app.draw;
+      delete app.renderer.draw;
       return done(times);
     }
     app.view.show(app.view.top - app.view.length / 100, app.view.length, app.store);
@@ -55,13 +55,13 @@ PAN = """(frames) => new Promise((done) => {
 # Resolves when the page has drawn a wall of `size` vertices or more and the GPU has finished.
 DRAWN = """(size) => new Promise((done) => {
   const { app } = window.__wall;
-  const gl = app.gpu.gl;
+  const gl = app.renderer.gpu.gl;
   const pixel = new Uint8Array(4);
   let frames = -1;
   const look = () => {
     if (app.store.levels[0].size >= size) {
-      if (frames < 0) frames = app.frames;
-      else if (app.frames > frames || !app.scheduled) {
+      if (frames < 0) frames = app.renderer.frames;
+      else if (app.renderer.frames > frames || !app.renderer.scheduled) {
         gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
         return done();
       }
@@ -167,7 +167,7 @@ def measure_panning(page: Any) -> None:
 def measure_hover(page: Any) -> None:
     """Move the pointer along the image of a page at rest, and print what the page draws in this time."""
     time.sleep(3)
-    image = page.evaluate("window.__wall.app.rects.image")
+    image = page.evaluate("window.__wall.app.renderer.rects.image")
     stage = page.evaluate("document.getElementById('stage').getBoundingClientRect().toJSON()")
     before = page.evaluate("[window.__wall.stats.pictures, window.__wall.stats.frames]")
     for step in range(20):

@@ -51,9 +51,10 @@ AT_REST = """(patience) => new Promise((done, failed) => {
   let before = null;
   let quiet = 0;
   const look = () => {
-    const now = JSON.stringify([window.__wall.stats, app.scheduled, app.summaryPending, Boolean(app.sharpening)]);
-    if (app.glow.ranges.length) { app.glow.ranges.length = 0; app.redraw(); }
-    quiet = now === before && !app.scheduled && !app.summaryPending && !app.sharpening ? quiet + 1 : 0;
+    const { renderer: { scheduled, sharpening }, figures: { pending } } = app;
+    const now = JSON.stringify([window.__wall.stats, scheduled, pending, Boolean(sharpening)]);
+    if (app.glow.ranges.length) { app.glow.ranges.length = 0; app.repaint(); }
+    quiet = now === before && !scheduled && !pending && !sharpening ? quiet + 1 : 0;
     before = now;
     if (quiet >= 4) done(true);
     else if (performance.now() > end) failed(new Error(`never at rest: ${now}`));
@@ -72,12 +73,12 @@ gl.getProgramParameter = (program, what) => what === gl.LINK_STATUS ? true : 0;
 # Draws at once and reads the WebGL canvas back, as RGBA bytes of a rectangle in CSS pixels.
 READ = """([name, strip]) => {
   const { app } = window.__wall;
-  const gl = app.gpu.gl;
-  app.gpu.draw(app.look());
-  const { left, top, width, height } = app.rects[name];
+  const gl = app.renderer.gpu.gl;
+  app.renderer.gpu.draw(app.renderer.look());
+  const { left, top, width, height } = app.renderer.rects[name];
   const h = Math.round(strip ?? height);
   const pixels = new Uint8Array(4 * Math.round(width) * h);
-  const y = Math.round(app.gpu.height - top - h);
+  const y = Math.round(app.renderer.gpu.height - top - h);
   gl.readPixels(Math.round(left), y, Math.round(width), h, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
   let text = '';
   for (const byte of pixels) text += String.fromCharCode(byte);
@@ -153,7 +154,7 @@ class Screen:
         """Move the pointer over the image track, shares of its width and height."""
         left, top, width, height = self.page.evaluate(
             "(({ left, top }, { image }) => [left + image.left, top + image.top, image.width, image.height])"
-            "(document.getElementById('stage').getBoundingClientRect(), window.__wall.app.rects)"
+            "(document.getElementById('stage').getBoundingClientRect(), window.__wall.app.renderer.rects)"
         )
         self.page.mouse.move(left + across * width, top + down * height)
         self.until("window.__wall.app.view.cursor")

@@ -100,7 +100,7 @@ def main(picture: str | None) -> None:
                 time.sleep(2)
                 page.screenshot(path=picture)
             before = inside.evaluate("window.__wall.app.view.top")
-            box = inside.evaluate("(({image}) => image)(window.__wall.app.rects)")
+            box = inside.evaluate("(({image}) => image)(window.__wall.app.renderer.rects)")
             ink = frame.locator("#ink")
             ink.hover(position={"x": box["left"] + 40, "y": box["top"] + 300})
             page.mouse.wheel(0, 400)

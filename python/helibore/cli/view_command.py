@@ -35,7 +35,7 @@ from helibore.cli.wall_options import (
     walls_beside,
 )
 from helibore.cli.zone_options import CRITERIA, HEADER, criteria_of
-from helibore.settings.output_settings import ViewSettings
+from helibore.settings.output_settings import PassageSettings, ViewSettings
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
 @click.command(
     cls=Sectioned,
     common=(*SHOWN, "scalar", "template", "beside", "picks", "header", "well", "host", "port", "token", "token_file",
-            "browser", "html", "sigma"),
+            "browser", "html", "body", "sigma"),
 )  # fmt: skip
 @section("Options", QUIET)
 @section(
@@ -63,6 +63,7 @@ if TYPE_CHECKING:
     *TOKEN,
     opt("--browser/--no-browser", "Open the page.", default=True),
     opt("--html", "Write the page with the whole wall as this file, which needs no server, and end.", type=FILE),
+    *options_of(PassageSettings, "body"),
     *options_of(ViewSettings, "sigma"),
 )
 @takes_a_wall
@@ -112,7 +113,7 @@ def view(**options: Any) -> None:
     with placing(run, path_options(run)):
         viewer = serve(
             wall, path=wall.path, attributes=attributes, curves=curves, picks_file=picks, template=template,
-            beside=beside, criteria=criteria, well=well, **serving,
+            beside=beside, criteria=criteria, string=options["body"], well=well, **serving,
         )  # fmt: skip
     drawing = {
         "title": well, "header": header, "scalars": curves, "template": template, "beside": beside,

@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     import tempfile
 
     from helibore.logs.zone_criteria import Criteria
+    from helibore.settings.output_settings import RigidBody
     from helibore.viewer.notebook_view import NotebookView
     from helibore.viewer.page_server import PageServer
     from helibore.wall.wall import Wall
@@ -176,6 +177,7 @@ def view(
     picks_file: str | os.PathLike[str] | None = None,
     beside: Mapping[str, Wall] | None = None,
     criteria: Criteria | None = None,
+    string: Iterable[RigidBody] = (),
     well: str = "",
     host: str = "127.0.0.1",
     port: int = 0,
@@ -207,10 +209,14 @@ def view(
         file's folder cannot be written, the page says so, and that its button *Download* saves the picks.
     beside
         Other walls by name (other wells, or passes of the same well). At the depths of `wall`, the page offers for
-        each of these walls radius minus bit radius as an image, in the colours of `wall`, and C1 and C2 as curves.
+        each of these walls radius minus bit radius as an image, in the colours of `wall`, its radius minus that of
+        `wall` as another, and C1 and C2 as curves.
         Without `template` the page begins with the radius images of `wall` and of the first three of these walls.
     criteria
         Criteria of the zones; None: the defaults of `Wall.zones`.
+    string
+        The rigid bodies of a string, as `Wall.passage` takes them. The page draws them in the hole with the bit, with
+        the clearance and its 95 % interval at the tightest place. They can be dragged.
     well
         The well's name, for the page.
     host, port
@@ -247,10 +253,12 @@ def view(
     curves = list(curves)
     if beside:
         others = [of_other(wall, name, other) for name, other in beside.items()]
-        values |= {key: one for key, one, _ in others}
-        curves += [curve for *_, own in others for curve in own]
-        template = template or _side_by_side([str(key.name) for key, *_ in others])
-    feed = Feed(wall, path=path, attributes=values, well=well, reference=reference, criteria=criteria)
+        values |= {key: one for columns, _ in others for key, one in columns.items()}
+        curves += [curve for _, own in others for curve in own]
+        template = template or _side_by_side([str(next(iter(columns)).name) for columns, _ in others])
+    feed = Feed(
+        wall, path=path, attributes=values, well=well, reference=reference, criteria=criteria, string=tuple(string)
+    )
     if isinstance(wall, Wall):
         feed.scene.picks = wall.picks
     feed.scene.picks_file = picks_file
@@ -275,19 +283,21 @@ def view(
     return viewer
 
 
-def of_other(wall: ViewedWall, name: str, other: Wall) -> tuple[Attribute, npt.ArrayLike, list[ScalarCurve]]:
-    """Return an attribute, its values at the vertices of ``wall``, and the curves C1 and C2 of ``other``.
+def of_other(wall: ViewedWall, name: str, other: Wall) -> tuple[dict[Attribute, npt.ArrayLike], list[ScalarCurve]]:
+    """Return values of ``other`` at the vertices of ``wall``, by attribute, and the curves C1 and C2 of ``other``.
 
-    A value is the radius of ``other`` minus the radius of its bit, in metres.
+    The first are its radii minus the radius of its bit, the second its radii minus those of ``wall``, both in metres.
     """
     first = first_vertex(wall)
     own = wall.vertices(first, first + len(wall))
     over = own.radius - 0.5 * wall.settings.bit_diameter
     limit = symmetric_limit(over, MILLIMETRE)  # the same limit, hence the same colours, for all walls
     attribute = Attribute(f"Over bit {name}", "m", -limit, limit, color_map="over-bit")
-    values = other.at(own.depth, own.toolface).radius - 0.5 * other.settings.bit_diameter
+    radius = other.at(own.depth, own.toolface).radius
+    values: dict[Attribute, npt.ArrayLike] = {attribute: radius - 0.5 * other.settings.bit_diameter}
+    values[Attribute(f"{name} less this", "m", color_map="difference")] = radius - own.radius
     curves = [replace(one, name=f"{one.name} {name}") for one in curves_of(other.logs()) if one.name in ("C1", "C2")]
-    return attribute, values, curves
+    return values, curves
 
 
 def _side_by_side(names: list[str]) -> Template:

@@ -5,14 +5,16 @@
 The producer only notes ranges, so ten appends between two reads cost one read and a fast producer never waits. A read
 copies what changed, `CHUNK` vertices at a time; then the thread sleeps for `READ_SECONDS`, or for as long as the read
 took if that is longer, which leaves half a core to the producer. After a change, another thread measures the turns,
-finds the zones of the wall and the vertices interpolated between arms. For a long wall that takes a second, and new
-vertices must not wait for it.
+finds the zones of the wall, the vertices interpolated between arms and how sure each radius is. For a long wall that
+takes a second, and new vertices must not wait for it.
 """
 
 from __future__ import annotations
 
 import atexit
 import math
+import pathlib
+import tempfile
 import threading
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -28,22 +30,27 @@ from helibore.base.colors import customary_map
 from helibore.base.errors import InputError
 from helibore.base.ranges import Range, union
 from helibore.base.units import MILLIMETRE
-from helibore.logs.curves import curves_of
+from helibore.logs.curves import ScalarCurve, curves_of
+from helibore.logs.passage import passage_of
 from helibore.logs.summary import summarize
 from helibore.logs.zone_criteria import Criteria, median_enlargement
 from helibore.logs.zones import Classification, classify
 from helibore.samples.helix import basis_of, basis_text_of, helix_of
+from helibore.settings.output_settings import RigidBody
 from helibore.trajectory.references import Reference, reference_assumed, reference_of
 from helibore.trajectory.survey import Path
 from helibore.trajectory.true_depth import true_depth
 from helibore.viewer.client import MOST_PENDING
-from helibore.viewer.scene import FRAME_STEP, Attribute, PathFrames, Scene, WallShape
+from helibore.viewer.scene import FRAME_STEP, MOST_POINTS, Attribute, History, PathFrames, Scene, WallShape
 from helibore.viewer.texels import Vertices
 
 CHUNK = 1 << 17  # vertices written at a time; in between, the server may send values to pages
 READ_SECONDS = 0.1  # least seconds of sleep after a read: a page gets at most ten updates a second of a growing hole
 ZONES_SECONDS = 2.0  # least seconds of sleep after a search for zones; the sleep is at least 50 times the search
 FEW_TURNS = 50  # turns; a shorter wall does not show which colours the whole hole needs
+FIRST_DATE = 1e8  # seconds: a smaller time counts from the start of the run, not from 1970
+MOST_BACK = 1.0  # metres that samples may lie above earlier ones, as those of several sensors do
+MOST_MESHED = 1_000_000  # vertices of a mesh that a page asks for
 USUAL_LIMIT = 0.02  # metres: with fewer turns, the colours reach at least this far below and above bit radius
 AHEAD = 100.0  # metres that a bit may be ahead of the wall and still have its true depth on the page
 
@@ -84,12 +91,13 @@ class Feed:
     def __init__(
         self, wall: ViewedWall, *, path: Path | None, attributes: Mapping[str | Attribute, npt.ArrayLike], well: str,
         scene: Scene | None = None, reference: Reference | None = None, criteria: Criteria | None = None,
-        alarmed: Mapping[str, float] | None = None,
+        alarmed: Mapping[str, float] | None = None, string: Sequence[RigidBody] = (),
     ) -> None:  # fmt: skip
         self.scene = scene or Scene()  # a scene that is served already: its pages wait for the wall to begin
         self.path = path
         self._wall = wall
         self._criteria = criteria  # of zones; None: the defaults of `Wall.zones`
+        self._string = tuple(string)  # rigid bodies whose clearance the page shows
         self._alarmed = alarmed or {}  # by kind: the limit of median diameter - bit beyond which turns are zones, too
         if len(wall) == 0:
             raise InputError("the wall has no vertex yet", "append samples first")
@@ -121,9 +129,14 @@ class Feed:
         self._young = False  # the wall was short when it was first shown
         self.scene.begin(self._shape)
         self.scene.summarize, self.scene.path = self._summarize, path
+        if hasattr(wall, "surface"):
+            self.scene.write_mesh = self._write_mesh
+            self.scene.update_state(meshes=True)
         self._extend_path()
         self._choose_ranges()
         self._read([(0, len(wall))], wall.settled - self._first)
+        if (grown := history_of(wall)) is not None:
+            self.scene.history = grown
 
     def start(self) -> None:
         """Start the threads that read what `update` notes and find the zones. Both threads end before Python ends."""
@@ -256,13 +269,15 @@ class Feed:
         with self._finding:
             found = self._classify(wall)
         measured = getattr(wall, "measured", None) if self._shape.basis == "azimuthal" else None
+        sigma = None if measured is None else _sigma_of(wall)
         if measured is not None:
-            self.scene.set_interpolated(np.isfinite(wall.radius) & ~measured)
+            self.scene.set_trust(np.isfinite(wall.radius) & ~measured, sigma)
+        clearance = self._clearance(wall, sigma)
         zones: list[dict[str, Any]] = []
         for zone in found.zones:
             place = {"kind": zone.kind, "start": round(zone.start, 3), "stop": round(zone.stop, 3)}
             size = {"measure": round(zone.measure, 5), "severity": round(zone.severity, 3)}
-            sure = {"confidence": round(zone.confidence, 3), "measured": round(zone.coverage, 3)}
+            sure = {"confidence": round(zone.confidence, 6), "measured": _share(zone.coverage)}
             side = {} if math.isnan(zone.toolface) else {"toolface": round(zone.toolface, 1)}
             zones.append(place | size | sure | side)
         zones = sorted(zones + list(self._alarmed_zones(wall, found)), key=lambda zone: float(zone["start"]))
@@ -271,7 +286,7 @@ class Feed:
                 self.scene.update_state(zones=tuple(zones))
             if len(found.logs):
                 self._logged += 1
-                self.scene.set_curves(curves_of(found.logs), self._logged)
+                self.scene.set_curves([*curves_of(found.logs), *clearance], self._logged)
                 self.scene.update_state(shape=found.logs.shape)
 
     def _alarmed_zones(self, wall: Any, found: Classification) -> Iterator[dict[str, Any]]:
@@ -289,8 +304,25 @@ class Feed:
                 turns = over[first:last][beyond[first:last]]
                 measure = float(turns.max() if kind == "washout" else turns.min())
                 size = {"measure": round(measure, 5), "severity": round(measure / limit, 3) if limit else 1.0}
-                sure = {"confidence": 1.0, "measured": round(float(found.logs.coverage[first:last].mean()), 3)}
+                sure = {"confidence": 1.0, "measured": _share(float(found.logs.coverage[first:last].mean()))}
                 yield {"kind": kind, "start": round(start, 3), "stop": round(stop, 3)} | size | sure
+
+    def _clearance(self, wall: Any, sigma: Floats | None) -> list[ScalarCurve]:
+        """Set the string of the scene's state; return its clearance at each depth of its lower end."""
+        if not self._string:
+            return []
+        bodies = [[body.diameter, body.length, body.position] for body in self._string]
+        try:
+            found = passage_of(wall, self._string, sigma)
+        except InputError as error:  # longer than the wall, or no shape was measured
+            self.scene.update_state(string={"bodies": bodies, "why": str(error)})
+            return []
+        self.scene.update_state(string={"bodies": bodies, "why": ""})
+        lower = found.depth + found.length / 2
+        columns = {"Clearance": found.clearance, "Clearance low": found.low, "Clearance high": found.high}
+        columns |= {"Tightest above bit": lower - found.contact_depth[:, 0]}
+        order = np.argsort(lower, kind="stable")
+        return [ScalarCurve(name, "m", lower[order], values[order]) for name, values in columns.items()]
 
     def _classify(self, wall: Any) -> Classification:
         """Measure the turns of a wall and find its zones."""
@@ -314,6 +346,16 @@ class Feed:
         values |= {name: getattr(summary, name).value for name in ("least_diameter", "greatest_diameter")}
         found: dict[str, Any] = {name: value if math.isfinite(value) else None for name, value in values.items()}
         return found | {"unmeasured_shape": zones.logs.unmeasured_shape}
+
+    def _write_mesh(self, start: float, stop: float) -> bytes:
+        """Return the surface between two depths as a GLB file; raise InputError if it is long or not in the wall."""
+        if (stop - start) / abs(self._shape.pitch) * self._shape.sectors > MOST_MESHED:
+            raise InputError("section", f"has more than {MOST_MESHED:,} vertices: show less, or use helibore mesh")
+        wall: Any = self._wall
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "section.glb"
+            wall.surface(self.path, start, stop).save(file)
+            return file.read_bytes()
 
     def _extend_path(self, *, again: bool = False) -> None:
         level = self.scene.levels[0]
@@ -358,6 +400,40 @@ class Feed:
 def first_vertex(wall: ViewedWall) -> int:
     """Return the number of a wall's first vertex: 0, or `Settings.first_vertex` of a part of a helix."""
     return int(getattr(wall.settings, "first_vertex", 0))
+
+
+def history_of(wall: Any) -> History | None:
+    """Return how long a wall was at the times of its samples; None without dates, or if it was measured again.
+
+    Where a later pass measured the hole again, the radii of an earlier moment are not those of the wall.
+    """
+    samples, helix = getattr(wall, "samples", None), helix_of(wall)
+    if samples is None or samples.time is None or not samples.time.size or helix.pitch < 0:
+        return None
+    order = np.argsort(samples.time, kind="stable")
+    time, depth = samples.time[order], samples.depth[order]
+    deepest = np.maximum.accumulate(depth)
+    if time[0] < FIRST_DATE or (deepest - depth).max() > MOST_BACK:
+        return None
+    vertices = np.clip((deepest - helix.start_depth) / helix.pitch * helix.sectors + 1, 1, len(wall)).astype(np.int64)
+    history = History()
+    for row in np.unique(np.linspace(0, time.size - 1, min(time.size, MOST_POINTS)).astype(np.int64)).tolist():
+        history.note(float(time[row]), int(vertices[row]), float(deepest[row]))
+    return history
+
+
+def _share(value: float) -> float | None:
+    """Return a share for JSON; None if it is not known, as of a wall whose shape is assumed."""
+    return round(value, 3) if math.isfinite(value) else None
+
+
+def _sigma_of(wall: Any) -> Floats | None:
+    """Return the standard uncertainty of each radius, metres; None for a wall that cannot state it."""
+    try:
+        sigma: Floats | None = getattr(wall, "sigma", None)
+    except InputError:  # too few samples, or the archive has none
+        return None
+    return sigma
 
 
 def frame_count(shape: WallShape, vertices: int, rows: int) -> int:

@@ -65,6 +65,9 @@ def html_export(
 def _curves(scene: Scene, address: str) -> list[str]:
     """Return the names of the curves that ``address`` shows, and of those from which the caliper track is drawn."""
     shown = parse_qs(address.removeprefix("#")).get("curves", [""])[0].split("~")
+    shown += (
+        [] if scene.state.string is None else ["Clearance", "Clearance low", "Clearance high", "Tightest above bit"]
+    )
     shown += ["DMIN", "C1", "C2", "C1TF"] if scene.state.shape == "arms" else []
     return [name for name in scene.curves if name in shown]
 

@@ -9,7 +9,7 @@ The overview (level 1) is a stack of rings, so a feature that goes straight arou
 for each sector. Cell (R, C) combines the vertices of eighth C in the turns R * TURNS to (R + 1) * TURNS - 1. It holds
 the mean radius and the mean of every attribute (missing values do not count). It also holds the largest distance to a
 sample and the smallest support of its vertices, because a mean would hide a vertex that few samples support. A cell
-counts as interpolated between arms if most of its vertices are.
+counts as interpolated between arms if most of its vertices are. Its uncertainty is the largest of its vertices.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 
 from helibore.base.arrays import Array, Floats, Mask, Unsigned16
-from helibore.viewer.texels import FIRST, INTERPOLATED, NEAREST, RADIUS, STATE, SUPPORT_MASK, TEXEL
+from helibore.viewer.texels import FIRST, INTERPOLATED, NEAREST, RADIUS, STATE, SUPPORT_MASK, TEXEL, UNCERTAINTY
 
 TURNS = 16  # turns of the wall in one ring of the overview
 OVERVIEW_ROWS = 1024  # rings in a tile of the overview
@@ -103,6 +103,7 @@ def refresh_overview(over: Level, wall: Level, start: int, stop: int) -> tuple[i
     between = (texels[:, STATE] & INTERPOLATED) > 0
     most = cells(np.add, np.where(between, 2.0, 0.0), 0.0) > cells(np.add, np.ones(len(between)), 0.0)
     over.texels[target, STATE][most] |= INTERPOLATED
+    over.texels[target, STATE] |= cells(np.maximum, texels[:, STATE] >> UNCERTAINTY, 0) << UNCERTAINTY
     for over_column, wall_column in zip(over.columns, wall.columns, strict=True):
         values = wall_column[part]
         over_column[target] = mean(values, np.isfinite(values), np.nan)

@@ -30,7 +30,18 @@ from helibore.trajectory.references import Reference
 from helibore.trajectory.survey import Path
 from helibore.viewer.channel_strip import ShownChannel
 from helibore.viewer.levels import Level, overview_of, refresh_overview
-from helibore.viewer.texels import FIRST, INTERPOLATED, RADIUS, RESCANNED, STATE, Vertices, pack_vertices
+from helibore.viewer.texels import (
+    FIRST,
+    INTERPOLATED,
+    RADIUS,
+    RESCANNED,
+    STATE,
+    TRUST,
+    UNCERTAINTY,
+    Vertices,
+    pack_trust,
+    pack_vertices,
+)
 
 MOST_POINTS = 4096  # most points of a history
 MAX_SECTORS = 2048  # the texture width that every WebGL 2 device offers
@@ -163,6 +174,9 @@ class RunState:
     zones: tuple[Mapping[str, Any], ...] = ()  # JSON objects, in order of depth
     shape: Shape = "wall"  # what gives the diameters from which zones follow: `helibore.logs.turn_logs.Logs.shape`
     prints: bool = False  # whether `Scene.draw_pages` is set
+    meshes: bool = False  # whether `Scene.write_mesh` is set
+    # A rigid string: its "bodies" (diameter, length, position, metres), and "why" its clearance is not known.
+    string: Mapping[str, Any] | None = None
     # Warnings of the live feed, "rule source: cause"; a page shows each until its user silences it.
     alarms: tuple[str, ...] = ()
     lost: tuple[str, ...] = ()  # names of the sources that are not connected
@@ -229,6 +243,8 @@ class Scene:
     draw_pages
         A function that returns a section as a PDF. It takes the two depths, the units of the page and the scale (None:
         a scale that the function chooses). None: a page cannot print.
+    write_mesh
+        A function that returns a section, between two depths, as a GLB file. None: a page offers no mesh.
     """
 
     def __init__(self) -> None:
@@ -238,6 +254,7 @@ class Scene:
         self.summarize: Callable[[float, float], dict[str, Any]] | None = None
         self.read_channels: Callable[[], list[ShownChannel]] = list
         self.draw_pages: Callable[[float, float, str, int | None], bytes] | None = None
+        self.write_mesh: Callable[[float, float], bytes] | None = None
         self.begun = False
         self.state = RunState()
         self.template: Template | None = None
@@ -258,7 +275,7 @@ class Scene:
             self.settled = 0
             self.history = History()
             self.curves = {}
-            self.state = replace(self.state, true_depth=None, ranges={}, zones=(), shape="wall", curves=())
+            self.state = replace(self.state, true_depth=None, ranges={}, zones=(), shape="wall", curves=(), string=None)
             self.begun = True
         self.on_change()
 
@@ -282,7 +299,7 @@ class Scene:
             before = level.size
             level.reserve(stop)
             self._keep_first_pass(level.texels[first:stop], texels, first)
-            texels[:, STATE] |= level.texels[first:stop, STATE] & INTERPOLATED
+            texels[:, STATE] |= level.texels[first:stop, STATE] & TRUST
             differs = _replace(level.texels[first:stop], texels, np.uint64)
             for column, attribute in zip(level.columns, self.shape.attributes, strict=True):
                 if attribute.name in attributes:
@@ -298,22 +315,26 @@ class Scene:
             self._notify(1, *refresh_overview(self.levels[1], level, start, stop))
         self.on_change()
 
-    def set_interpolated(self, interpolated: Mask) -> None:
-        """Set for the first n vertices of the wall, (n,), whether they are interpolated between arms.
+    def set_trust(self, interpolated: Mask, sigma: Floats | None = None) -> None:
+        """Set for the first n vertices of the wall, (n,), whether they are interpolated, and their uncertainty, metres.
 
-        Pages receive the range from the first vertex that differs to the last one.
+        The uncertainty of every vertex changes a little with every sample of a growing wall; a step of one level is
+        left out. Of each tile, pages receive the range from the first vertex that differs to the last one.
         """
         with self.lock:
             level = self.levels[0]
-            marks = np.where(interpolated[: level.size], INTERPOLATED, 0).astype(np.uint16)
+            marks = pack_trust(interpolated, sigma)[: level.size]
             state = level.texels[: len(marks), STATE]
-            changed = np.flatnonzero((state ^ marks) & INTERPOLATED)
+            before, after = ((bits >> UNCERTAINTY).astype(np.int8) for bits in (state, marks))
+            near = (abs(after - before) <= 1) & (before > 0) & (after > 0)
+            changed = np.flatnonzero(((state ^ marks) & INTERPOLATED > 0) | (before != after) & ~near)
             if not len(changed):
                 return
-            state[changed] ^= INTERPOLATED
-            start, stop = int(changed[0]), int(changed[-1]) + 1
-            self._notify(0, start, stop)
-            self._notify(1, *refresh_overview(self.levels[1], level, start, stop))
+            state[changed] = (state[changed] & ~np.uint16(TRUST)) | marks[changed]
+            for part in np.split(changed, np.flatnonzero(np.diff(changed // level.tile_size)) + 1):
+                self._notify(0, int(part[0]), int(part[-1]) + 1)
+            over = self.levels[1]
+            self._notify(1, *refresh_overview(over, level, int(changed[0]), int(changed[-1]) + 1))
         self.on_change()
 
     def set_frames(self, first: int, frames: PathFrames) -> None:

@@ -1,6 +1,9 @@
 """What the viewer keeps of a vertex: four 16-bit numbers, a texel of the page's textures.
 
 radius | radius of the first pass | distance to the nearest sample | state        radius 0: no sample within reach
+
+The highest four bits of the state are a level of the radius's uncertainty: 0 if it is not known, else the half-width of
+its 95 % interval is about `LEAST_UNCERTAINTY` 2^(level / 2).
 """
 
 from __future__ import annotations
@@ -10,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import Floats, Unsigned16, numbers
+from helibore.base.arrays import Floats, Mask, Unsigned16, numbers
 
 TEXEL = 4
 RADIUS, FIRST, NEAREST, STATE = range(TEXEL)
@@ -18,6 +21,11 @@ NEAREST_UNIT = 1e-4  # metres per step of a packed distance, 6.55 m at most
 SUPPORT_MASK = 0x00FF
 RESCANNED, PROVISIONAL, CLIPPED, INTERPOLATED = 0x0100, 0x0200, 0x0400, 0x0800
 TOP = 0xFFFF
+UNCERTAINTY = 12  # the first bit of the level
+MOST_UNCERTAIN = 15  # the highest level
+LEAST_UNCERTAINTY = 0.00025  # metres
+TRUST = INTERPOLATED | MOST_UNCERTAIN << UNCERTAINTY  # the bits of the state that say how sure a radius is
+NORMAL_95 = 1.96  # standard deviations to each side that enclose 95 %
 
 
 @dataclass(frozen=True)
@@ -53,6 +61,17 @@ def pack_vertices(vertices: Vertices, radius_unit: float) -> Unsigned16:
         state[numbers(vertices.provisional, np.bool_)] |= PROVISIONAL
     texels[:, STATE] = state
     return texels
+
+
+def pack_trust(interpolated: Mask, sigma: Floats | None) -> Unsigned16:
+    """Return the `TRUST` bits of vertices: whether each is interpolated, and its standard uncertainty, metres."""
+    bits = np.where(interpolated, INTERPOLATED, 0).astype(np.uint16)
+    if sigma is not None:
+        known = np.isfinite(sigma)
+        half_width = np.maximum(NORMAL_95 * np.where(known, sigma, 0.0), LEAST_UNCERTAINTY)
+        level = np.clip(np.rint(2 * np.log2(half_width / LEAST_UNCERTAINTY)), 1, MOST_UNCERTAIN).astype(np.uint16)
+        bits |= np.where(known, level << UNCERTAINTY, 0).astype(np.uint16)
+    return bits
 
 
 def radius_of(texels: Unsigned16, radius_unit: float, column: int = RADIUS) -> Floats:

@@ -10,6 +10,7 @@
     /api/pick  /api/picks.csv               put or delete a pick; read or add a table of picks
     /api/export.html                        a section and the page, as one file
     /api/print.pdf                          a section as a PDF, if the scene has `Scene.draw_pages`
+    /api/section.glb                        a section as a mesh, if the scene has `Scene.write_mesh`
     /healthz                                whether the server runs, and how many vertices and pages it has
 
 `AccessControl` checks every request. A page that is opened before the wall begins shows what the sources are doing; the
@@ -24,7 +25,7 @@ import gzip
 import hashlib
 import json
 import math
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, MutableMapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, Mapping, MutableMapping
 from typing import Any, Protocol
 from urllib.parse import quote
 
@@ -97,6 +98,7 @@ class WebApp:
             "history": self.history,
             "export.html": self.export,
             "print.pdf": self.print_section,
+            "section.glb": self.mesh_section,
         }
 
         def when_begun(endpoint: Endpoint) -> Endpoint:
@@ -281,21 +283,32 @@ class WebApp:
         if draw is None:
             return PlainTextResponse("this server cannot print\n", 404)
 
+        def write(start: float, stop: float) -> bytes:
+            return draw(start, stop, query.get("units", "mm"), exports.print_scale(query))
+
+        return await self.drawn(write, query, "application/pdf", _file_name("log", query, "pdf"))
+
+    async def mesh_section(self, request: Request) -> Response:
+        query, write = request.query_params, self.scene.write_mesh
+        if write is None:
+            return PlainTextResponse("this server has no wall to mesh\n", 404)
+        return await self.drawn(write, query, "model/gltf-binary", _file_name("section", query, "glb"))
+
+    async def drawn(
+        self, write: Callable[[float, float], bytes], query: Mapping[str, str], media_type: str, name: str
+    ) -> Response:
+        """Return what ``write`` makes of the section that the request states, as a file; see `Downloads.busy`."""
         if (busy := self.prints.busy()) is not None:
             return busy
         self.prints.running += 1
         try:
             start, stop = sorted(exports.section_ends(query))
-            scale = exports.print_scale(query)
-            body = await asyncio.to_thread(draw, start, stop, query.get("units", "mm"), scale)
+            body = await asyncio.to_thread(write, start, stop)
         except (ValueError, ImportError) as error:
             return PlainTextResponse(f"{error}\n", 400)
         finally:
             self.prints.running -= 1
-        name = _file_name("log", query, "pdf")
-        return Response(
-            body, media_type="application/pdf", headers={"content-disposition": f"attachment; filename={name}"}
-        )
+        return Response(body, media_type=media_type, headers={"content-disposition": f"attachment; filename={name}"})
 
 
 class _Connection:

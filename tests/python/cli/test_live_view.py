@@ -165,12 +165,13 @@ def test_a_live_image_is_coloured_on_an_open_page_and_its_sides_are_named(browse
         window.show(pushed(live, 100.0, 400))
         window.refresh({})
         screen = Screen(browser, window.url, "#sec=4&quantity=GR")
-        assert "GR" not in screen.evaluate("window.__wall.app.quantities.map(({ id }) => id)")
+        assert "GR" not in screen.evaluate("window.__wall.app.selection.quantities.map(({ id }) => id)")
         depth = 100.0 + 0.1 * np.arange(20)
         rows = np.add.outer(20.0 * (np.arange(20) % 5), 10.0 * np.arange(8.0))
         live.append_image("GR", depth, rows, "gAPI", origin="edge", reference="high-side")
         until(lambda: window.refresh({}) or "GR" in window.scene.state.ranges)
-        screen.until("window.__wall.app.quantity?.id === 'GR' && Number.isFinite(window.__wall.app.quantity.low)")
+        quantity = "window.__wall.app.selection.quantity"
+        screen.until(f"{quantity}?.id === 'GR' && Number.isFinite({quantity}.low)")
         screen.until("[...__wall.app.store.levels[0].tiles.values()].some((t) => t.columns[0]?.some(Number.isFinite))")
         screen.settle()
         texts = [label["text"] for label in screen.evaluate("document.getElementById('ink').labels")]
@@ -233,7 +234,7 @@ def test_a_played_rig_grows_on_the_page(tmp_path, browser):
         screen = Screen(browser, reported[0].replace("...", "s3"))
         first = screen.stats()["size"]
         screen.until(f"window.__wall.stats.size > {first} + 200")
-        assert screen.evaluate("window.__wall.app.quantities.find(({ id }) => id === 'GR').map") == "gamma"
+        assert screen.evaluate("window.__wall.app.selection.quantities.find(({ id }) => id === 'GR').map") == "gamma"
         screen.until("[...__wall.app.store.levels[0].tiles.values()].some((t) => t.columns[0]?.some(Number.isFinite))")
         bit, hole = screen.evaluate("[window.__wall.app.bitDepth, window.__wall.app.holeDepth]")
         assert 2000 < bit <= hole < 2004.1

@@ -5,6 +5,11 @@ from __future__ import annotations
 import itertools
 import math
 
+import numpy as np
+import pytest
+
+import helibore as hb
+from helibore.viewer.feed import history_of
 from helibore.viewer.scene import MOST_POINTS, History
 
 
@@ -35,3 +40,28 @@ def test_a_month_is_still_few_points_from_its_start_to_its_end() -> None:
     assert len(times) <= MOST_POINTS + 1
     assert (times[0], times[-1]) == (0.0, 30 * 86400 - 20.0)
     assert max(b - a for a, b in itertools.pairwise(times)) < 3000
+
+
+def drilled(start: float, back: float = 0.0) -> hb.Wall:
+    """Return ten metres drilled in 1,000 s; the last 2 s lie ``back`` metres above."""
+    time = np.arange(0.0, 1000.0, 0.2)
+    depth = 2000.0 + time / 100 - np.where(time > 998, back, 0.0)
+    caliper = hb.Caliper(depth, time * 400 % 360, 0.108 + 0 * depth, start + time)
+    return hb.reconstruct(caliper, bit_diameter=0.216)
+
+
+def test_a_saved_wall_was_as_long_as_its_samples_reached() -> None:
+    wall = drilled(1.7e9)
+    history = history_of(wall)
+    assert history is not None
+    columns = history.as_columns()
+    assert (columns["time"][0], columns["time"][-1]) == (1.7e9, pytest.approx(1.7e9 + 1000, abs=1))
+    assert columns["vertices"][-1] == pytest.approx(len(wall), abs=2)
+    at = int(np.searchsorted(columns["time"], 1.7e9 + 500))
+    assert wall.depth[columns["vertices"][at]] == pytest.approx(2005.0, abs=0.1)
+    assert columns["bit_depth"][at] == pytest.approx(2005.0, abs=0.1)
+
+
+@pytest.mark.parametrize("wall", [drilled(0.0), drilled(1.7e9, back=5.0)], ids=["no date", "a later pass"])
+def test_a_wall_whose_past_is_not_known_has_no_past(wall: hb.Wall) -> None:
+    assert history_of(wall) is None

@@ -71,7 +71,7 @@ def test_a_demo_by_address_shows_a_wall_with_its_figures_and_asks_no_machine(bro
     frame = one.wall()
     until(frame, "document.getElementById('foot').innerText.includes('Volume')")
     until(frame, "window.__wall.app.curves.offered.length > 15")
-    frame.evaluate("window.__wall.app.rig()")
+    frame.evaluate("window.__wall.app.selection.rig()")
     assert "helibore live" in frame.inner_text("#notice")
     assert not frame.evaluate("window.__wall.app.view.rig")
     assert {url.split(":")[0] for url in one.requests} == {"file", "blob"}
@@ -121,7 +121,7 @@ def test_downloads_and_picks_are_those_of_the_wall(offline: Offline, tmp_path: P
     offline.page.goto(saved.as_uri())
     until(offline.page, "window.__wall?.ready")
     assert offline.page.evaluate("window.__wall.app.picking.kept.length") == 1
-    assert offline.page.evaluate("window.__wall.app.summary.volume") > 0
+    assert offline.page.evaluate("window.__wall.app.figures.summary.volume") > 0
     assert offline.errors == []
 
 

@@ -33,7 +33,7 @@ def shown(browser: Any) -> Iterator[Any]:
 
 def test_hover_says_what_the_wall_says(shown: Any) -> None:
     shown.settle()
-    rect = shown.evaluate("window.__wall.app.rects.image")
+    rect = shown.evaluate("window.__wall.app.renderer.rects.image")
     stage = shown.evaluate("(({left, top}) => ({left, top}))(document.getElementById('stage').getBoundingClientRect())")
     wall = shown.wall
     for x, y in ((0.21, 0.3), (0.5, 0.52), (0.83, 0.9)):
@@ -42,7 +42,7 @@ def test_hover_says_what_the_wall_says(shown: Any) -> None:
         )
         shown.settle()
         cursor = shown.evaluate("window.__wall.app.view.cursor")
-        k = shown.evaluate("window.__wall.app.quad?.k ?? -1")
+        k = shown.evaluate("window.__wall.app.renderer.quad?.k ?? -1")
         text = shown.readout()
         assert text["MD"] == f"{cursor['depth']:.2f} m"
         if k < 0:
@@ -89,7 +89,7 @@ def test_tiles_join_without_a_crack(browser: Any) -> None:
 
 
 def test_new_quads_glow_and_cost_few_bytes(shown: Any) -> None:
-    shown.evaluate("window.__wall.app.follow(true)")
+    shown.evaluate("window.__wall.app.selection.follow(true)")
     shown.until("window.__wall.app.zones.length")
     shown.settle()
     before = shown.stats()["bytes"]
@@ -107,9 +107,9 @@ def test_looking_differently_sends_nothing(shown: Any) -> None:
     before = shown.stats()
     views = []
     for change in (
-        "setQuantity('RES')",
-        "setColours({map: 'cividis'})",
-        "setColours({dynamic: true})",
+        "selection.setQuantity('RES')",
+        "selection.setColours({map: 'cividis'})",
+        "selection.setColours({dynamic: true})",
         "view.choose({shape: 5, tube: 20, median: 3})",
         "view.choose({cut: 'north', units: 'in', theme: 'dark'})",
         "view.show(1008, 12, window.__wall.app.store)",
@@ -131,11 +131,11 @@ def test_nothing_is_asked_of_another_machine(shown: Any) -> None:
 def test_the_picture_comes_back_after_context_loss(shown: Any) -> None:
     shown.settle()
     before = shown.pixels("image"), shown.pixels("wall")
-    shown.evaluate("window.lose = window.__wall.app.gpu.gl.getExtension('WEBGL_lose_context')")
+    shown.evaluate("window.lose = window.__wall.app.renderer.gpu.gl.getExtension('WEBGL_lose_context')")
     shown.evaluate("window.lose.loseContext()")
-    shown.until("window.__wall.app.gpu.gl.isContextLost()")
+    shown.until("window.__wall.app.renderer.gpu.gl.isContextLost()")
     shown.evaluate("window.lose.restoreContext()")
-    shown.until("!window.__wall.app.gpu.gl.isContextLost()")
+    shown.until("!window.__wall.app.renderer.gpu.gl.isContextLost()")
     shown.settle()
     np.testing.assert_array_equal(shown.pixels("image"), before[0])
     np.testing.assert_array_equal(shown.pixels("wall"), before[1])

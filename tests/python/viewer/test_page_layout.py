@@ -27,7 +27,7 @@ VIEWS = [
 # Row by row of pixels of the ink canvas, in CSS pixels, the share of a column range that has a colour.
 ROWS_OF = """([name, rgb]) => {
   const canvas = document.getElementById('ink');
-  const { left, top, width, height } = window.__wall.app.rects[name];
+  const { left, top, width, height } = window.__wall.app.renderer.rects[name];
   const got = canvas.getContext('2d').getImageData(left, top, width, height).data;
   const rows = [];
   for (let y = 0; y < height; y++) {
@@ -42,7 +42,7 @@ ROWS_OF = """([name, rgb]) => {
 }"""
 # Row by row of pixels of a panel's ink, whether a pixel has a colour.
 INK_OF = """([name, rgb]) => {
-  const { left, top, width, height } = window.__wall.app.rects[name];
+  const { left, top, width, height } = window.__wall.app.renderer.rects[name];
   const got = document.getElementById('ink').getContext('2d').getImageData(left, top, width, height);
   const drawn = (i) => got.data[i + 3] > 200 && rgb.every((value, c) => Math.abs(got.data[i + c] - value) < 12);
   return Array.from({ length: got.height }, (_, y) =>
@@ -198,7 +198,7 @@ def test_beside_a_widened_image_the_words_on_the_hole_are_whole(
     address = f"#md=1012&sec=12&widths=image~2000&median=5&camera={camera}"
     screen = Screen(browser, viewer.url, address, size, drawn=False)
     screen.settle()
-    pane = screen.evaluate("window.__wall.app.rects.pane")
+    pane = screen.evaluate("window.__wall.app.renderer.rects.pane")
     controls = screen.evaluate(
         "document.getElementById('wallHead').getBoundingClientRect().bottom"
         " - document.getElementById('stage').getBoundingClientRect().top"
@@ -239,15 +239,17 @@ def test_a_jump_turns_the_side_of_a_zone_to_the_front_until_the_user_turns_the_h
     screen = Screen(browser, viewer.url, "#md=1012&sec=12&cut=north", (1366, 768))
     turn, kind = "window.__wall.app.view.turn", "zonesCard.querySelector('[aria-current]')?.innerText ?? ''"
     screen.until("window.__wall.app.zones.length")
-    screen.evaluate("window.__wall.app.gpu.draw = () => {}")  # the picture is looked at when a breakout is found
+    screen.evaluate(
+        "window.__wall.app.renderer.gpu.draw = () => {}"
+    )  # the picture is looked at when a breakout is found
     for _ in range(40):
         screen.keyboard.press("n")
         screen.settle()
         if "breakout" in screen.evaluate(kind):
             break
         assert screen.evaluate(turn) == 0, "a washout has no side"
-    screen.evaluate("delete window.__wall.app.gpu.draw")
-    wall = screen.evaluate("window.__wall.app.rects.wall")
+    screen.evaluate("delete window.__wall.app.renderer.gpu.draw")
+    wall = screen.evaluate("window.__wall.app.renderer.rects.wall")
     pixels = screen.pixels("wall")[..., :3].astype(int)
     cut = int(pixels.shape[1] / 2 - 4), int(pixels.shape[1] / 2 + 4)
     front = pixels[pixels.shape[0] // 2 - 4 : pixels.shape[0] // 2 + 4, cut[0] : cut[1]]
@@ -276,7 +278,7 @@ def test_a_jump_turns_the_side_of_a_zone_to_the_front_until_the_user_turns_the_h
 def test_the_same_depth_is_at_the_same_height_in_every_panel(browser: Any, viewer: Any, size: tuple[int, int]) -> None:
     screen = Screen(browser, viewer.url, "#md=1012&sec=24", size)
     screen.settle()
-    rect = screen.evaluate("window.__wall.app.rects.image")
+    rect = screen.evaluate("window.__wall.app.renderer.rects.image")
     place = {depth: (depth - 1000) / 24 * rect["height"] for depth in (1012.0, 1012.6)}
     image = screen.pixels("image")[..., :3].astype(int)
     scale = len(image) / rect["height"]
@@ -306,7 +308,7 @@ def test_the_ring_in_3d_is_at_the_cursors_depth(browser: Any, viewer: Any) -> No
     screen.point_at(0.4, 0.5)
     assert screen.stats()["pictures"] == before, "the cursor moves in the ink alone"
     ring = np.array(screen.evaluate(INK_OF, ["wall", CURSOR])) == 1
-    left, top = screen.evaluate("(({ left, top }) => [left, top])(window.__wall.app.rects.wall)")
+    left, top = screen.evaluate("(({ left, top }) => [left, top])(window.__wall.app.renderer.rects.wall)")
     for one in screen.evaluate("document.getElementById('ink').labels"):
         edges = [
             int(one[side] - start) for side, start in (("top", top), ("bottom", top), ("left", left), ("right", left))
@@ -316,15 +318,16 @@ def test_the_ring_in_3d_is_at_the_cursors_depth(browser: Any, viewer: Any) -> No
     assert ring.sum() > 8
     expected = screen.evaluate(
         "(() => { const { app } = window.__wall;"
-        " const [x, y] = app.gpu.project(app.path.at(app.view.cursor.depth), app.rects.wall);"
-        " return [x - app.rects.wall.left, y]; })()"
+        " const [x, y] = app.renderer.gpu.project(app.path.at(app.view.cursor.depth), app.renderer.rects.wall);"
+        " return [x - app.renderer.rects.wall.left, y]; })()"
     )
     rows, columns = np.nonzero(ring)
     size = screen.evaluate(
         "window.__wall.app.store.bitRadius * window.__wall.app.view.tubeFactor(window.__wall.app.store)"
     )
     metre = screen.evaluate(
-        "(() => { const { app } = window.__wall; const of = (d) => app.gpu.project(app.path.at(d), app.rects.wall);"
+        "(() => { const { path, renderer: { gpu, rects } } = window.__wall.app;"
+        " const of = (d) => gpu.project(path.at(d), rects.wall);"
         " const [a, b] = [of(1025), of(1035)]; return Math.hypot(a[0] - b[0], a[1] - b[1]) / 10; })()"
     )
     # Only the near half of the ring is seen: its middle is off the axis by less than the hole's radius.
@@ -362,7 +365,7 @@ def test_a_saved_wall_of_gauge_starts_with_colours_for_its_own_size(browser: Any
     with hb.view(wall) as viewer:
         screen = Screen(browser, viewer.url, "#md=1010&sec=15", drawn=False)
         screen.settle()
-        low, high = screen.evaluate("(({ low, high }) => [low, high])(window.__wall.app.quantity)")
+        low, high = screen.evaluate("(({ low, high }) => [low, high])(window.__wall.app.selection.quantity)")
         assert -0.0015 < low <= -0.0008
         assert 0.0008 <= high < 0.0015
         screen.close()

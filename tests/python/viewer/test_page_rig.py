@@ -39,7 +39,7 @@ def test_digits_can_be_read_from_three_metres(browser: Any, bit: float, size: tu
         viewer.scene.update_state(bit_depth=bit, hole_depth=bit + 40.5, newest=time.time())
         screen = Screen(browser, viewer.url, "#md=1010&sec=10", size, drawn=False)
         screen.keyboard.press("k")
-        screen.until("window.__wall.app.summary?.mean_diameter && window.__wall.app.zones.length")
+        screen.until("window.__wall.app.figures.summary?.mean_diameter && window.__wall.app.zones.length")
         screen.settle()
         cells = screen.evaluate(DIGITS)
         assert len(cells) == 6
@@ -52,7 +52,7 @@ def test_digits_can_be_read_from_three_metres(browser: Any, bit: float, size: tu
         assert texts[4] == f"{bit - screen.evaluate('window.__wall.app.store.end'):.1f} m"
         worst = screen.evaluate("window.__wall.app.zones.toSorted((a, b) => b.severity - a.severity)[0].measure")
         assert texts[3] == f"+{1000 * worst:.0f} mm"
-        diameter = screen.evaluate("window.__wall.app.summary.mean_diameter")
+        diameter = screen.evaluate("window.__wall.app.figures.summary.mean_diameter")
         assert texts[2] == f"{1000 * diameter:.0f} mm"
         screen.close()
 
@@ -158,7 +158,7 @@ def test_alarms_take_two_lines_and_turn_the_lamp_at_once(browser: Any) -> None:
         viewer.scene.update_state(bit_depth=1041.4, newest=time.time())
         screen = Screen(browser, viewer.url, "#md=1010&sec=10", (1366, 768), drawn=False)
         screen.keyboard.press("k")
-        screen.until("window.__wall.app.summary?.mean_diameter && window.__wall.app.zones.length")
+        screen.until("window.__wall.app.figures.summary?.mean_diameter && window.__wall.app.zones.length")
         ids = "['rigLamp', 'rigAgeMore', 'lamp', 'lampSign']"
         lamp = f"{ids}.map((id) => document.getElementById(id)).map((at, i) => i % 2 ? at.textContent : at.className)"
         screen.until("document.getElementById('rigLamp').className === 'live'")
@@ -202,7 +202,7 @@ def test_section_and_images_beside_survive_a_restart_in_rig_mode(browser: Any) -
         screen.keyboard.press("k")
         screen.settle()
         assert screen.evaluate("window.__wall.app.view.beside") == ["GR"]
-        assert screen.evaluate("'beside0' in window.__wall.app.rects")
+        assert screen.evaluate("'beside0' in window.__wall.app.renderer.rects")
         assert screen.evaluate("[window.__wall.app.view.top, window.__wall.app.view.bottom]") == pytest.approx(section)
         screen.close()
 
@@ -214,14 +214,14 @@ def test_rig_mode_for_less_than_a_frame_leaves_the_section_its_figures(browser: 
         screen.evaluate(  # a request of the section waits; rig mode comes and goes before the next picture
             """() => {
               const { app } = window.__wall;
-              app.schedule = () => {};
-              app.summarized = '';
-              app.summarize();
+              app.renderer.draw = () => {};
+              app.figures.asked = '';
+              app.figures.ask();
               app.view.rig = true;
-              setTimeout(() => { app.view.rig = false; delete app.schedule; app.redraw(); }, 1500);
+              setTimeout(() => { app.view.rig = false; delete app.renderer.draw; app.redraw(); }, 1500);
             }"""
         )
-        screen.until("!window.__wall.app.view.rig && !window.__wall.app.summaryPending")
+        screen.until("!window.__wall.app.view.rig && !window.__wall.app.figures.pending")
         screen.close()
 
 
@@ -241,8 +241,8 @@ def test_the_figures_reach_the_end_of_a_wall_that_stops_growing(browser: Any) ->
     wall = MadeWall(30_000)
     with hb.view(wall) as viewer:
         screen = Screen(browser, viewer.url, "#md=1055&sec=40", drawn=False)
-        screen.until("window.__wall.app.summary")
+        screen.until("window.__wall.app.figures.summary")
         viewer.update(wall.grow(12_800))
         end = wall.depth[-1]
-        screen.until(f"Math.abs(window.__wall.app.summary.stop - {end}) < 0.3")
+        screen.until(f"Math.abs(window.__wall.app.figures.summary.stop - {end}) < 0.3")
         screen.close()

@@ -42,17 +42,19 @@ def test_tabs_show_one_panel_each_within_the_screen(browser: Any, size: tuple[in
             assert at == tabs.setdefault("at", at), "the tabs stay where they are"
             assert screen.is_visible("#rigOpen") == (size[0] >= 600)
             assert screen.evaluate(OUTSIDE) == []
-            widths = screen.evaluate("(({ image, wall }) => [image.width, wall.width])(window.__wall.app.rects)")
+            widths = screen.evaluate(
+                "(({ image, wall }) => [image.width, wall.width])(window.__wall.app.renderer.rects)"
+            )
             assert (widths[0] > 150, widths[1] > 150) == (tab != "3d", tab == "3d")
             assert screen.touching("ink") == []
             assert screen.struck("ink") == []
             assert screen.cut_selects() == []
             letters = [one for one in screen.evaluate("ink.labels") if one["text"] in ("W", "B") and one["left"] < 80]
-            strip = screen.evaluate("(({ axis }) => [axis.left, axis.left + 14])(window.__wall.app.rects)")
+            strip = screen.evaluate("(({ axis }) => [axis.left, axis.left + 14])(window.__wall.app.renderer.rects)")
             assert all(strip[0] <= one["left"] and one["right"] <= strip[1] for one in letters)
             assert letters or tab not in ("log", "3d")
             if tab == "3d":
-                end = screen.evaluate("(({ wall }) => wall.left + wall.width)(window.__wall.app.rects)")
+                end = screen.evaluate("(({ wall }) => wall.left + wall.width)(window.__wall.app.renderer.rects)")
                 sizes = [one for one in screen.evaluate("ink.labels") if re.match("[WB] [+]", one["text"])]
                 assert sizes
                 assert all(one["left"] > end for one in sizes), "beside the hole, not on it"
@@ -62,7 +64,7 @@ def test_tabs_show_one_panel_each_within_the_screen(browser: Any, size: tuple[in
             texts = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
             assert tab not in ("log", "3d") or "Over bit radius [mm]" in texts
             if tab == "3d":
-                low, high = screen.evaluate("(({ low, high }) => [low, high])(window.__wall.app.quantity)")
+                low, high = screen.evaluate("(({ low, high }) => [low, high])(window.__wall.app.selection.quantity)")
                 assert {f"−{-1000 * low:g}", f"{1000 * high:g}"} <= set(texts), "its colour bar"
         screen.click("#tabs button[value='log']")
         screen.keyboard.press("ArrowDown")
@@ -81,7 +83,7 @@ def test_every_tab_is_about_the_section_of_the_log_at_any_scale(browser: Any, si
     with hb.view(MadeWall(64_000)) as viewer:
         screen = Screen(browser, viewer.url, "#md=1050", size, drawn=False)
         screen.settle()
-        assert screen.evaluate("window.__wall.app.paper") == 200
+        assert screen.evaluate("window.__wall.app.renderer.paper") == 200
         top, length = screen.evaluate(section)
         for tab in ("3d", "section", "zones", "section", "log"):
             screen.click(f"#tabs button[value='{tab}']")
@@ -89,7 +91,7 @@ def test_every_tab_is_about_the_section_of_the_log_at_any_scale(browser: Any, si
             assert screen.evaluate(section) == [top, length], tab
             if tab == "section":
                 assert screen.inner_text("#sectionTitle") == f"{top:.1f}–{top + length:.1f} m"
-        assert screen.evaluate("window.__wall.app.paper") == 200
+        assert screen.evaluate("window.__wall.app.renderer.paper") == 200
         screen.close()
         if size[0] >= 600:
             screen = Screen(browser, viewer.url, "#tab=section", size, drawn=False)
@@ -127,7 +129,7 @@ def test_a_tab_without_zones_says_so(browser: Any) -> None:
 
 @pytest.mark.parametrize("size", [(900, 700), (700, 600), (999, 800)])
 def test_a_low_window_gives_its_height_to_the_log(browser: Any, size: tuple[int, int]) -> None:
-    image = "window.__wall.app.rects.image.height"
+    image = "window.__wall.app.renderer.rects.image.height"
     with hb.view(MadeWall(30_000), path=curved_path()) as viewer:
         viewer.scene.update_state(prints=True)
         screen = Screen(browser, viewer.url, "#md=1020&sec=12", size, drawn=False)
@@ -150,7 +152,7 @@ FINGER = """(moves) => {
   const ink = document.getElementById('ink');
   const { left, top } = ink.getBoundingClientRect();
   ink.setPointerCapture = () => {};
-  const { image } = app.rects;
+  const { image } = app.renderer.rects;
   for (const [type, toolface, depth] of moves) {
     const turn = (((toolface - (app.path.dial(depth).up ?? 0)) % 360) + 360) % 360 / 360;
     const x = image.left + turn * image.width;
@@ -175,8 +177,8 @@ def test_a_finger_draws_a_sine_classes_deletes_and_restores_it(browser: Any, siz
         boxes = [screen.locator(button).bounding_box() for button in buttons]
         assert all(box["x"] >= 0 and box["x"] + box["width"] <= size[0] and box["height"] >= 44 for box in boxes)
         image = screen.evaluate(
-            "document.getElementById('stage').getBoundingClientRect().top + window.__wall.app.rects.image.top"
-            " + window.__wall.app.rects.image.height"
+            "document.getElementById('stage').getBoundingClientRect().top + window.__wall.app.renderer.rects.image.top"
+            " + window.__wall.app.renderer.rects.image.height"
         )
         assert all(image <= box["y"] and box["y"] + box["height"] <= size[1] for box in boxes), "below the image"
         crest, half, trough = (120.0, 1019.0), (210.0, 1020.0), (290.0, 1020.9)
@@ -259,10 +261,10 @@ def test_the_cursor_has_its_values_in_a_section_longer_than_the_tiles_that_are_h
 def test_4k_shows_more_in_larger_text_and_the_pointer_hits(browser: Any) -> None:
     with hb.view(MadeWall(30_000)) as viewer:
         screen = Screen(browser, viewer.url, "#md=1020&sec=20", (3840, 2160), drawn=False)
-        image = screen.evaluate("window.__wall.app.rects.image")
+        image = screen.evaluate("window.__wall.app.renderer.rects.image")
         stage = screen.evaluate("document.getElementById('stage').getBoundingClientRect().toJSON()")
         assert stage["width"] > 2800
-        assert screen.evaluate("window.__wall.app.rects.image.height") > 1000
+        assert screen.evaluate("window.__wall.app.renderer.rects.image.height") > 1000
         screen.mouse.move(
             stage["left"] + 1.75 * (image["left"] + image["width"] / 2),
             stage["top"] + 1.75 * (image["top"] + image["height"] / 2),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import math
 import re
@@ -27,7 +28,6 @@ from helibore.settings.template import Template, TemplateTrack
 pytestmark = NEEDS_BROWSER
 
 DIPS = "window.__wall.app.picking.planes().kept.map(({ dip, azimuth }) => [dip, azimuth])"
-GREY = [0x9A, 0xA3, 0xAA]
 
 
 @pytest.fixture(scope="module")
@@ -40,7 +40,7 @@ def viewer() -> Iterator[Any]:
 def place(screen: Screen, toolface: float, depth: float) -> tuple[float, float]:
     """Where a wall point is on the image track, in the window."""
     x, y = screen.evaluate(
-        "([toolface, depth]) => { const { app } = window.__wall; const { image } = app.rects;"
+        "([toolface, depth]) => { const { app } = window.__wall; const { image } = app.renderer.rects;"
         " const { left, top } = document.getElementById('stage').getBoundingClientRect();"
         " const dial = app.path.dial(depth); const zero = dial.up ?? 0;"
         " const turn = (((toolface - zero) % 360) + 360) % 360 / 360;"
@@ -135,15 +135,20 @@ def test_the_camera_inside_sees_the_wall_and_the_gap(browser: Any, viewer: Any) 
     screen.until("document.getElementById('camera').value === 'down'")
     screen.settle()
     inside = screen.pixels("wall")[80:-40, :, :3].astype(int)
-    nothing = (abs(inside - GREY).max(axis=-1) <= 2).mean()
-    assert 0.005 < nothing < 0.2, "the wall is all around; the gap and the far end are the grey of no data"
+    unlit = (inside.max(axis=-1) <= 12).mean()
+    assert 0.0005 < unlit < 0.1, "the wall is all around, the gap too; nothing is beyond the reach of the lamp"
+    rows, columns = np.indices(inside.shape[:2])
+    far = np.hypot(rows - inside.shape[0] / 2, columns - inside.shape[1] / 2)
+    light = [inside[(far > r) & (far < r + 20)].mean() for r in (30, 60, 150)]
+    assert light[0] < light[1] < light[2], "lit from the eye"
     labels = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
     assert any(text.startswith("inside, down   tube") for text in labels)
     assert "1012.0 m" in labels or "1012 m" in labels
     up = screen.evaluate(
         "(() => { const { app } = window.__wall; const d = app.view.top + 2;"
-        " const at = (t) => app.gpu.project({ centre: app.path.at(d).centre.map((x, i) => x"
-        "   + 0.1 * (Math.cos(t) * app.path.at(d).high[i] + Math.sin(t) * app.path.at(d).right[i])) }, app.rects.wall);"
+        " const { gpu, rects } = app.renderer;"
+        " const at = (t) => gpu.project({ centre: app.path.at(d).centre.map((x, i) => x"
+        "   + 0.1 * (Math.cos(t) * app.path.at(d).high[i] + Math.sin(t) * app.path.at(d).right[i])) }, rects.wall);"
         " const dial = app.path.dial(d).up * Math.PI / 180;"
         " return [at(dial), at(dial + Math.PI / 2), at(dial + Math.PI)]; })()"
     )
@@ -157,7 +162,20 @@ def test_the_camera_inside_sees_the_wall_and_the_gap(browser: Any, viewer: Any) 
     screen.mouse.move(*box)
     screen.mouse.wheel(0, 100)
     screen.until(f"window.__wall.app.view.top > {top + 0.1}")
-    screen.keyboard.press("i")
+    for key, way in (("ArrowUp", 1), ("ArrowDown", -1)):
+        top = screen.evaluate("window.__wall.app.view.top")
+        screen.keyboard.press(key)
+        assert (screen.evaluate("window.__wall.app.view.top") - top) * way == pytest.approx(0.15), "up: ahead"
+    assert screen.inner_text("#fly") == "Fly"
+    screen.keyboard.press("v")
+    assert screen.inner_text("#fly") == "Stop"
+    screen.until(f"window.__wall.app.view.top > {top + 0.5}")
+    screen.click("#fly")
+    assert screen.inner_text("#fly") == "Fly"
+    screen.keyboard.press("v")
+    screen.evaluate("window.__wall.app.view.choose({ camera: 'outside' })")
+    screen.until("document.getElementById('fly').textContent === 'Fly'")  # only inside
+    screen.evaluate("window.__wall.app.view.choose({ camera: 'up' })")
     screen.keyboard.press("i")
     screen.until("document.getElementById('camera').value === 'straight'")
     screen.close()
@@ -168,7 +186,7 @@ def test_an_address_shows_a_colleague_the_same_picture(browser: Any, viewer: Any
     first.settle()
     first.mouse.click(*place(first, 120, 1009.0))
     first.keyboard.press("s")
-    first.evaluate("window.__wall.app.setColours({ low: 2, high: 150, map: 'cividis', log: true })")
+    first.evaluate("window.__wall.app.selection.setColours({ low: 2, high: 150, map: 'cividis', log: true })")
     first.settle()
     address = first.address()
     second = Screen(browser, viewer.url, address)
@@ -307,7 +325,7 @@ def test_fingers_move_and_zoom_the_tracks(browser: Any, viewer: Any) -> None:
     )
     screen.evaluate(touch, [[["pointerdown", 1, 200, 400], ["pointermove", 1, 200, 300], ["pointerup", 1, 200, 300]]])
     moved = screen.evaluate("window.__wall.app.view.top")
-    height = screen.evaluate("window.__wall.app.rects.image.height")
+    height = screen.evaluate("window.__wall.app.renderer.rects.image.height")
     assert moved == pytest.approx(before["top"] + 100 * 10 / height, abs=0.02)
     fingers = [["pointerdown", 1, 200, 300], ["pointerdown", 2, 200, 400], ["pointermove", 2, 200, 600]]
     screen.evaluate(touch, [[*fingers, ["pointerup", 2, 200, 600], ["pointerup", 1, 200, 300]]])
@@ -427,14 +445,14 @@ def test_images_stand_side_by_side_at_the_scale_of_paper(browser: Any, viewer: A
     assert "beside=GR" in screen.address()
     head = screen.evaluate(
         "(({ left, top }, { beside0 }) => [left + beside0.left + 40, top + 12])"
-        "(document.getElementById('stage').getBoundingClientRect(), window.__wall.app.rects)"
+        "(document.getElementById('stage').getBoundingClientRect(), window.__wall.app.renderer.rects)"
     )
     screen.mouse.click(*head)
     screen.settle()
     assert screen.evaluate("[window.__wall.app.view.quantity, window.__wall.app.view.beside]") == ["GR", ["over"]]
     screen.page.select_option("#sectionLength", "1:200")
     screen.settle()
-    height = screen.evaluate("window.__wall.app.rects.image.height")
+    height = screen.evaluate("window.__wall.app.renderer.rects.image.height")
     assert screen.evaluate("window.__wall.app.view.length") == pytest.approx(height / 96 * 0.0254 * 200)
     assert screen.evaluate("document.getElementById('sectionLength').value") == "1:200"
     screen.close()
@@ -451,7 +469,7 @@ def test_curves_stand_beside_the_image_and_tracks_are_dragged_into_a_template(br
         screen.settle()
         assert screen.readout()["ROP"] == "12.25 m/h"
         assert screen.readout()["MD"] == f"{1012.25 / 0.3048:.2f} ft"
-        rects = "window.__wall.app.rects"
+        rects = "window.__wall.app.renderer.rects"
         assert screen.evaluate(f"[{rects}.curves.width, {rects}.curves.left < {rects}.image.left]") == [100, True]
         names = screen.evaluate("[...document.getElementById('curve').options].map(({ text }) => text)")
         assert {"Curves", "✓ ROP", "DEQ", "template …"} <= set(names)
@@ -493,7 +511,7 @@ def test_the_first_two_curves_of_files_are_shown_at_once_where_there_is_room(bro
             screen.until("window.__wall.app.curves.offered.length > 3")
             screen.settle()
             assert screen.evaluate("window.__wall.app.curves.shown.map(({ name }) => name)") == shown
-            assert screen.evaluate("window.__wall.app.rects.pane.width") >= 150
+            assert screen.evaluate("window.__wall.app.renderer.rects.pane.width") >= 150
             screen.close()
 
 
@@ -524,3 +542,77 @@ def test_a_depth_is_typed_the_next_class_is_beside_the_cursor_and_a_scale_surviv
         screen.page.reload()
         screen.until("window.__wall?.ready && document.getElementById('sectionLength').value === '1:200'")
         screen.close()
+
+
+def test_a_string_hangs_in_the_hole_and_is_dragged(browser: Any) -> None:
+    depth = np.arange(2000.0, 2016.0, 0.002)
+    radius = np.where(abs(depth - 2006) < 0.5, 0.104, 0.108)
+    wall = hb.reconstruct(hb.Caliper(depth, depth * 9000 % 360, radius), bit_diameter=0.216)
+    string = [hb.RigidBody(0.2, 1.0), hb.RigidBody(0.17, 2.0, 1.0)]
+    own = wall.passage(string, sigma=True)
+    with hb.view(wall, string=string) as viewer:
+        screen = Screen(browser, viewer.url, "#md=2008&sec=16&string=2010", (1366, 768), drawn=False)
+        screen.until("window.__wall.app.renderer.look().string?.clearance > 0")
+        screen.settle()
+
+        def clearance(at: float) -> str:
+            values = [np.interp(at, own.depth + 1.5, column) * 1000 for column in (own.clearance, own.low, own.high)]
+            return f"{values[0]:+.1f} mm ({values[1]:+.1f} to {values[2]:+.1f} mm, 95 %)".replace("-", "−")
+
+        assert screen.readout()["String to 2010.0 m"] == clearance(2010.0)
+        labels = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
+        assert clearance(2010.0) in labels
+        box = screen.evaluate(
+            "(({ left, top }, { wall }) => [left + wall.left + wall.width / 2, top + wall.top, wall.height / 16])"
+            "(document.getElementById('stage').getBoundingClientRect(), window.__wall.app.renderer.rects)"
+        )
+        screen.mouse.move(box[0], box[1] + 9.5 * box[2])
+        screen.mouse.down()
+        screen.mouse.move(box[0], box[1] + 6.5 * box[2], steps=4)
+        screen.mouse.up()
+        screen.settle()
+        dragged = screen.evaluate("window.__wall.app.view.string")
+        assert dragged == pytest.approx(2007.0, abs=0.05)
+        assert "string=2007" in screen.address()
+        tight = screen.readout()[f"String to {dragged:.1f} m"]
+        assert float(tight.split()[0]) < 9
+        assert screen.evaluate("window.__wall.app.view.middle") == pytest.approx(2008), "the log stays"
+        screen.mouse.click(box[0], box[1] + 6.5 * box[2])
+        screen.until("window.__wall.app.view.string === null")
+        viewer.scene.update_state(string={"bodies": [[0.2, 99.0, 0.0]], "why": "length: must be shorter"})
+        screen.until("window.__wall.app.string.why")
+        screen.settle()
+        assert "length: must be shorter" in screen.readout().values()
+        screen.close()
+
+
+def test_the_picture_on_the_stage_is_saved_as_it_is_seen(browser: Any, viewer: Any) -> None:
+    screen = Screen(browser, viewer.url, "#md=1010&sec=20")
+    screen.settle()
+    with screen.page.expect_download() as download:
+        screen.click("#png")
+    body = Path(download.value.path()).read_bytes()
+    assert body[:8] == b"\x89PNG\r\n\x1a\n"
+    assert download.value.suggested_filename.endswith("-1000.0-1020.0.png")
+    width, height = (int.from_bytes(body[at : at + 4], "big") for at in (16, 20))
+    assert [width, height - 26] == screen.evaluate("[stage.clientWidth, stage.clientHeight]")
+    colours = screen.evaluate(
+        """(base64) => new Promise((done) => {
+          const image = new Image();
+          image.onload = () => {
+            const canvas = document.createElement('canvas');
+            Object.assign(canvas, { width: image.width, height: image.height });
+            const ink = canvas.getContext('2d');
+            ink.drawImage(image, 0, 0);
+            const { left, top, width, height } = window.__wall.app.renderer.rects.image;
+            const { data } = ink.getImageData(left, top + 26, width, height);
+            const found = new Set();
+            for (let i = 0; i < data.length; i += 4) found.add(data[i] * 65536 + data[i + 1] * 256 + data[i + 2]);
+            done(found.size);
+          };
+          image.src = `data:image/png;base64,${base64}`;
+        })""",
+        base64.b64encode(body).decode(),
+    )
+    assert colours > 50, "the image is in it, not only the ink"
+    screen.close()

@@ -16,7 +16,7 @@ from helibore.wall.interpolation import on_quads
 
 pytestmark = NEEDS_BROWSER
 
-ENDS = "Object.fromEntries(window.__wall.app.quantities.map(({ id, low, high }) => [id, [low, high]]))"
+ENDS = "Object.fromEntries(window.__wall.app.selection.quantities.map(({ id, low, high }) => [id, [low, high]]))"
 
 
 # Pixels of the cross-section in the colour of the band and the cursor.
@@ -54,8 +54,8 @@ def test_of_a_gauge_hole_only_the_images_are_shown_as_measured(browser: Any) -> 
         texts = ink_texts(screen)
         assert "GR [gAPI]" in texts
         assert not [text for text in texts if text.startswith(("Caliper", "C1", "C2", "least", "bit ", "Over bit"))]
-        assert screen.evaluate("window.__wall.app.rects.caliper.width") == 0
-        assert screen.evaluate("window.__wall.app.quantities.map(({ id }) => id)") == ["GR"]
+        assert screen.evaluate("window.__wall.app.renderer.rects.caliper.width") == 0
+        assert screen.evaluate("window.__wall.app.selection.quantities.map(({ id }) => id)") == ["GR"]
         section = screen.inner_text("#section")
         assert section.split() == ["Hole", "size,", "volume,", "washout", "not", "measured"]
         values = screen.readout()
@@ -84,7 +84,7 @@ def test_an_image_measured_in_rows_is_drawn_in_rows_with_their_values(browser: A
             row = values[round((depth - 2000.0) / 0.1)]
             assert float(screen.readout()["GR"].split()[0]) == pytest.approx(row[int(toolface / 22.5)], abs=0.01)
         # Edges of rows lie in the middle of pixels.
-        length = 0.02 * screen.evaluate("window.__wall.app.rects.wall.height")
+        length = 0.02 * screen.evaluate("window.__wall.app.renderer.rects.wall.height")
         screen.evaluate(f"window.__wall.app.view.show({2015.04 + length / 2}, {length}, window.__wall.app.store)")
         screen.settle()
         hole = screen.pixels("wall").astype(int)[:, :, :3]
@@ -102,7 +102,7 @@ def test_the_range_of_what_is_in_view_is_chosen_and_said(browser: Any) -> None:
     with hb.view(wall) as viewer:
         screen = Screen(browser, viewer.url, "#md=2020&sec=30", drawn=False)
         screen.settle()
-        ends = "(({ low, high }) => [low, high])(window.__wall.app.look().quantity)"
+        ends = "(({ low, high }) => [low, high])(window.__wall.app.renderer.look().quantity)"
         whole = screen.evaluate(ends)
         assert "static" in ink_texts(screen)
         screen.click("#inView")
@@ -200,7 +200,7 @@ def test_a_measured_wall_has_no_banner_and_the_figures_of_its_summary(browser: A
     measured = with_gamma(hb.Caliper(depth, toolface, 0.5 * BIT + larger))
     with hb.view(measured) as viewer:
         screen = Screen(browser, viewer.url, "#md=2020&sec=20", drawn=False)
-        screen.until("window.__wall.app.summary && window.__wall.app.zones.length")
+        screen.until("window.__wall.app.figures.summary && window.__wall.app.zones.length")
         screen.settle()
         assert not screen.is_visible("#basis")
         summary = measured.summary(2010.0, 2030.0)
@@ -215,11 +215,12 @@ def test_a_measured_wall_has_no_banner_and_the_figures_of_its_summary(browser: A
         (zone,) = measured.zones().zones
         shown = screen.evaluate("window.__wall.app.zones")
         assert [(one["kind"], one["start"]) for one in shown] == [(zone.kind, pytest.approx(zone.start, abs=1e-3))]
-        row = ["W", "washout", f"{zone.start:.1f}–{zone.stop:.1f}", "+50", f"{shown[0]['severity']:.1f}×"]
+        assert zone.confidence_text == "99 %"
+        row = ["W", "washout", f"{zone.start:.1f}–{zone.stop:.1f}", "+50", "99 %"]
         assert screen.inner_text("#zones button").split("\n") == row
-        assert screen.inner_text("#zones div").split() == ["kind", "MD", "m", "mm", "limit"]
+        assert screen.inner_text("#zones div").split() == ["kind", "MD", "m", "mm", "sure"]
         assert screen.inner_text("#zonesTitle").lower() == "1 zone, worst first"
-        assert screen.get_attribute("#zones button", "title").startswith("washout: the extreme of C2 − bit in the zone")
+        assert screen.get_attribute("#zones button", "title").startswith("washout, 99 % sure, ")
         screen.evaluate("window.__wall.app.view.show(2000, 5, window.__wall.app.store)")
         screen.keyboard.press("n")
         cursor = screen.evaluate("window.__wall.app.view.cursor.depth")
@@ -239,7 +240,7 @@ def test_the_figures_of_a_growing_wall_stand_under_the_depths_that_they_are_of(b
     wall = MadeWall(64 * 150)
     with hb.view(wall) as viewer:
         screen = Screen(browser, viewer.url, "#md=1010&sec=30&follow=1", (1366, 768), drawn=False)
-        screen.until("window.__wall.app.summary")
+        screen.until("window.__wall.app.figures.summary")
         screen.settle()
         assert not screen.is_visible("#follow"), "nothing has come"
         assert "end of data, 1015.0 m" in ink_texts(screen)
@@ -355,7 +356,7 @@ def test_what_goes_straight_around_the_hole_is_level_from_afar(browser: Any) -> 
     with hb.view(wall) as viewer:
         screen = Screen(browser, viewer.url, "#md=2000&sec=1990")
         screen.settle()
-        assert screen.evaluate("window.__wall.app.look().imagePieces.every(({ tile }) => tile.level.rings)")
+        assert screen.evaluate("window.__wall.app.renderer.look().imagePieces.every(({ tile }) => tile.level.rings)")
         image = screen.pixels("image")[2:-2, 2:-2, :3].astype(int)
         washed = image[..., 0] - image[..., 2] > 40
         tops = np.argmax(washed, axis=0)
@@ -374,9 +375,9 @@ def test_what_lies_between_arms_is_hatched_and_not_counted_as_measured(browser: 
         screen = Screen(browser, viewer.url, "#md=2015&sec=10&at=2015_45", (1366, 700))
         screen.until("window.__wall.app.store.vertex(9608)?.state & 0x800")
         screen.settle()
-        screen.until("window.__wall.app.summary")
+        screen.until("window.__wall.app.figures.summary")
         assert "interpolated" in ink_texts(screen)
-        k = screen.evaluate("window.__wall.app.quad.k")
+        k = screen.evaluate("window.__wall.app.renderer.quad.k")
         assert wall.angular_gap[k] > 60
         assert screen.readout()["Samples used"] == "8 (interpolated)"
         assert f"{100 * wall.summary(2010, 2020).coverage:.1f} %" in screen.inner_text("#section")
@@ -456,7 +457,7 @@ def test_an_image_is_drawn_where_the_wall_has_no_radius(browser: Any, length: in
         assert values["Radius"] == "no data"
         k = screen.evaluate("window.__wall.app.store.levels[0].quadAt(1075, 90)")
         assert values["GR"] == f"{column[k]:.5g} gAPI"
-        rect = screen.evaluate("window.__wall.app.rects.image")
+        rect = screen.evaluate("window.__wall.app.renderer.rects.image")
 
         def grey(name: str, top: float, bottom: float) -> float:
             """The share of grey pixels between two depths."""

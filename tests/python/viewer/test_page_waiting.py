@@ -23,7 +23,7 @@ from helibore.viewer.page_server import PageServer  # noqa: E402
 from helibore.viewer.scene import Scene  # noqa: E402
 
 WORDS = "document.getElementById('connection').textContent"
-EYE = "window.__wall.app.gpu.outside.position"
+EYE = "window.__wall.app.renderer.gpu.outside.position"
 
 
 class Waiting(Screen):

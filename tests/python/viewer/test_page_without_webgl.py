@@ -14,7 +14,7 @@ pytestmark = NEEDS_BROWSER
 
 # The image track as it is on the 2-D canvas, RGBA bytes as base64.
 PLAIN = """(() => {
-  const { left, top, width, height } = window.__wall.app.rects.image;
+  const { left, top, width, height } = window.__wall.app.renderer.rects.image;
   const { data } = document.getElementById('ink').getContext('2d').getImageData(left, top, width, height);
   let text = '';
   for (const byte of data) text += String.fromCharCode(byte);
@@ -33,7 +33,7 @@ def test_without_webgl_the_image_is_still_there_and_the_same() -> None:
         for flags in (without, FLAGS):
             browser = playwright.chromium.launch(executable_path=CHROMIUM, args=flags)
             screen = Screen(browser, viewer.url, address)
-            screen.evaluate("window.__wall.app.setColours({ low: -0.002, high: 0.02 })")
+            screen.evaluate("window.__wall.app.selection.setColours({ low: -0.002, high: 0.02 })")
             screen.settle()
             if flags is without:
                 assert screen.evaluate("document.createElement('canvas').getContext('webgl2')") is None
@@ -45,7 +45,7 @@ def test_without_webgl_the_image_is_still_there_and_the_same() -> None:
                 pixels = np.frombuffer(base64.b64decode(got["text"]), np.uint8)
                 seen["plain"] = pixels.reshape(got["height"], got["width"], 4)[..., :3].astype(int)
                 hovered = screen.evaluate(
-                    "(({ image }) => [image.left + 99, image.top + 200])(window.__wall.app.rects)"
+                    "(({ image }) => [image.left + 99, image.top + 200])(window.__wall.app.renderer.rects)"
                 )
                 top = screen.evaluate("document.getElementById('stage').getBoundingClientRect().top")
                 screen.mouse.move(hovered[0], hovered[1] + top)

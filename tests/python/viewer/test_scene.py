@@ -9,8 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from page_protocol import Message, unpack
 
+import helibore as hb
 from helibore.viewer import Attribute, protocol
 from helibore.viewer.client import MOST_PENDING, Client
+from helibore.viewer.feed import Feed
 from helibore.viewer.levels import TURNS
 from helibore.viewer.protocol import BadMessageError, Subscription, read_subscription
 from helibore.viewer.scene import PathFrames, Scene, WallShape
@@ -18,14 +20,18 @@ from helibore.viewer.texels import (
     CLIPPED,
     FIRST,
     INTERPOLATED,
+    MOST_UNCERTAIN,
     NEAREST,
+    NORMAL_95,
     PROVISIONAL,
     RADIUS,
     RESCANNED,
     STATE,
     SUPPORT_MASK,
     TEXEL,
+    UNCERTAINTY,
     Vertices,
+    pack_trust,
     pack_vertices,
     radius_of,
 )
@@ -347,7 +353,7 @@ def test_only_vertices_whose_mark_changes_are_sent_again_as_interpolated() -> No
     marks = np.zeros(rows * K, bool)
     marks[3 * K : 30 * K] = True  # most of ring 0 (13 of 16 turns), 14 of 16 of ring 1
     marks[31 * K] = True
-    scene.set_interpolated(marks)
+    scene.set_trust(marks)
     sent = [message for message in page.drain() if message.level == 0]
     assert [(message.first, message.count) for message in sent] == [(3 * K, 28 * K + 1)]
     wall, over = scene.levels
@@ -355,7 +361,80 @@ def test_only_vertices_whose_mark_changes_are_sent_again_as_interpolated() -> No
     rings = (over.texels[: over.size, STATE] & INTERPOLATED > 0).reshape(4, -1)
     assert rings.all(axis=1).tolist() == [True, True, False, False]
     assert not rings[2:].any()
-    scene.set_interpolated(marks)
+    scene.set_trust(marks)
     assert page.drain() == []
     scene.write(4 * K, Vertices(np.full(K, 0.11)), {})
     assert (wall.texels[4 * K : 5 * K, STATE] & INTERPOLATED).all(), "a new radius keeps the mark"
+
+
+def test_the_uncertainty_of_a_radius_is_a_level_that_keeps_still_while_it_hardly_changes() -> None:
+    half_width = np.array([0.1, 0.5, 1.0, 4.0, 16.0, 200.0, np.nan]) / 1000
+    levels = pack_trust(np.zeros(7, bool), half_width / NORMAL_95) >> UNCERTAINTY
+    assert levels.tolist() == [1, 2, 4, 8, 12, MOST_UNCERTAIN, 0]
+    scene = begun()
+    rows = 2 * TURNS
+    scene.write(0, Vertices(np.full(rows * K, 0.1)), {})
+    page = Page(scene)
+    page.client.subscribe(Subscription(((0, 1),), 0, 0))
+    page.drain()
+    sigma = np.full(rows * K, 0.001 / NORMAL_95)
+    none = np.zeros(rows * K, bool)
+    scene.set_trust(none, sigma)
+    assert page.drain()
+    wall, over = scene.levels
+    assert set((wall.texels[: wall.size, STATE] >> UNCERTAINTY).tolist()) == {4}
+    scene.set_trust(none, 1.4 * sigma)
+    assert page.drain() == [], "one level"
+    sigma[K] *= 4
+    scene.set_trust(none, sigma)
+    assert [(message.first, message.count) for message in page.drain() if message.level == 0] == [(K, 1)]
+    assert int(over.texels[: over.size, STATE].max()) >> UNCERTAINTY == 8, "the largest of its vertices"
+
+
+def test_a_wall_says_how_sure_its_radii_and_its_zones_are() -> None:
+    depth = np.arange(2000.0, 2012.0, 0.002)
+    radius = np.where(abs(depth - 2006) < 1, 0.128, 0.108)
+    wall = hb.reconstruct(hb.Caliper(depth, depth * 9000 % 360, radius), bit_diameter=0.216)
+    feed = Feed(wall, path=None, attributes={}, well="")
+    feed.find_zones()
+    scene = feed.scene
+    (zone,), (own,) = scene.state.zones, wall.zones().zones
+    assert (zone["confidence"], zone["measured"]) == (round(own.confidence, 6), round(own.coverage, 3))
+    levels = scene.levels[0].texels[: len(wall), STATE] >> UNCERTAINTY
+    known = np.isfinite(wall.sigma)
+    assert known.mean() > 0.9
+    assert ((levels > 0) == known).all()
+
+
+def test_a_string_has_its_clearance_at_each_depth_of_its_lower_end() -> None:
+    depth = np.arange(2000.0, 2012.0, 0.002)
+    radius = np.where(abs(depth - 2006) < 0.5, 0.104, 0.108)
+    wall = hb.reconstruct(hb.Caliper(depth, depth * 9000 % 360, radius), bit_diameter=0.216)
+    string = (hb.RigidBody(0.2, 1.0), hb.RigidBody(0.17, 2.0, 1.0))
+    feed = Feed(wall, path=None, attributes={}, well="", string=string)
+    feed.find_zones()
+    scene = feed.scene
+    assert scene.state.string == {"bodies": [[0.2, 1.0, 0.0], [0.17, 2.0, 1.0]], "why": ""}
+    own = wall.passage(string, sigma=True)
+    lower = own.depth + 1.5
+    for name, values in (("Clearance", own.clearance), ("Clearance low", own.low), ("Clearance high", own.high)):
+        np.testing.assert_array_equal(scene.curves[name].depth, lower)
+        np.testing.assert_array_equal(scene.curves[name].values, values)
+    at = int(np.nanargmin(own.clearance))
+    assert own.clearance[at] == pytest.approx(0.008, abs=1e-3)
+    tightest = lower[at] - scene.curves["Tightest above bit"].values[at]
+    assert tightest == own.contact_depth[at, 0]
+    assert abs(tightest - 2006) < 0.7
+
+
+def test_a_string_longer_than_the_wall_is_drawn_and_says_why_it_has_no_clearance() -> None:
+    depth = np.arange(2000.0, 2004.0, 0.002)
+    wall = hb.reconstruct(hb.Caliper(depth, depth * 9000 % 360, 0.108 + 0 * depth), bit_diameter=0.216)
+    feed = Feed(wall, path=None, attributes={}, well="", string=[hb.RigidBody(0.2, 30.0)])
+    feed.find_zones()
+    state = feed.scene.state.string
+    assert state is not None
+    assert state["bodies"] == [[0.2, 30.0, 0.0]]
+    assert state["why"].startswith("length of the string = 30: must be shorter than the wall, ")
+    assert "Clearance" not in feed.scene.curves
+    assert "C1" in feed.scene.curves, "the rest is there"

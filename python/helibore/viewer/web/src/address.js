@@ -7,8 +7,8 @@ import { numbers } from './view.js';
 /** @param {number} value */
 const short = (value) => String(Number(value.toPrecision(5)));
 
-/** @param {Pick<App, 'view' | 'quantity' | 'notes'>} app */
-export function toAddress({ view, quantity, notes }) {
+/** @param {Pick<App, 'view' | 'selection' | 'notes'>} app */
+export function toAddress({ view, selection: { quantity }, notes }) {
   const parts = new URLSearchParams(view.toAddress().slice(1));
   if (quantity && Number.isFinite(quantity.low) && Number.isFinite(quantity.high)) {
     parts.set('range', `${short(quantity.low)}_${short(quantity.high)}`);

@@ -3,9 +3,9 @@
 // texts, and the second A silences the alarms.
 
 import { recall, remember } from './memory.js';
-import { byId } from './panel.js';
+import { byId } from './dom.js';
 import { showSigned, showSpan } from './units.js';
-import { IN_WORDS } from './zones.js';
+import { bySeverity, IN_WORDS, sureText } from './zones.js';
 
 const KEPT = 'helibore.alarms';
 const LINES = 2; // in rig mode
@@ -85,10 +85,10 @@ export class Alarms {
   // other new zones. If `short` is true, the texts are short.
   /** @param {Units} units @param {boolean} short @returns {string[]} */
   texts(units, short) {
-    const [worst, ...others] = [...this.zones].sort((a, b) => b.severity - a.severity);
+    const [worst, ...others] = bySeverity(this.zones);
     const more = others.length ? ` and ${others.length} more` : '';
     const place = worst && showSpan(worst.start, worst.stop, units);
-    const zone = !worst ? [] : short ? [`new ${worst.kind}${more}, ${place}`] : [`New ${worst.kind}${more}: ${showSigned(worst.measure, units, units === 'mm' ? 0 : 1)} ${IN_WORDS[worst.kind]} at ${place}`];
+    const zone = !worst ? [] : short ? [`new ${worst.kind}${more}, ${place}`] : [`New ${worst.kind}${more}: ${showSigned(worst.measure, units, units === 'mm' ? 0 : 1)} ${IN_WORDS[worst.kind]} at ${place}, ${sureText(worst)} sure`];
     return [...this.feed.filter((one) => !this.silenced.includes(one)).map((one) => (short ? shortOf(one) : one)), ...zone];
   }
 

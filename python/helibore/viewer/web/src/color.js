@@ -61,13 +61,17 @@ export function quantities(store) {
 /** @param {Quantity[]} all @param {string} id */
 export const quantityOf = (all, id) => all.find((quantity) => quantity.id === id) ?? all[0];
 
-// Take the ends of the colours that the server chose, unless the user or the address chose other ends.
+// Take the ends of the colours that the server chose, unless the user or the address chose other ends. Return whether an end changed.
 /** @param {Quantity[]} all @param {Record<string, Pair>} ranges */
 export function takeRanges(all, ranges) {
+  let changed = false;
   for (const quantity of all) {
-    const ends = ranges[quantity.id];
-    if (ends && !quantity.chosen) [quantity.low, quantity.high] = ends;
+    const ends = quantity.chosen ? null : ranges[quantity.id];
+    if (!ends || (ends[0] === quantity.low && ends[1] === quantity.high)) continue;
+    [quantity.low, quantity.high] = ends;
+    changed = true;
   }
+  return changed;
 }
 
 // Return a quantity's value at the vertex with place `at` in a tile; NaN if there is none. `pass` 'first' reads the first pass.

@@ -5,12 +5,13 @@ import { BAR, drawColourBar } from './color_bar.js';
 import { planeDepth } from './dips.js';
 import { columnScale } from './gpu.js';
 import { BOLD, fitting, HEAD, label, laneOf, PALETTES, SMALL, within, yOf } from './layout.js';
-import { byId } from './panel.js';
+import { byId } from './dom.js';
 import { CUTS, leftEdge } from './path.js';
+import { drawString } from './string.js';
 import { edges, hatched, line, OUTSIDE, sharp } from './strokes.js';
 import { outside } from './tracks.js';
 import { showSigned, unitOf } from './units.js';
-import { FRONT, LETTERS } from './zones.js';
+import { FRONT, LETTERS, mark } from './zones.js';
 
 /** @param {Ink} ink @param {Look} look */
 export function drawColumn(ink, look) {
@@ -25,15 +26,16 @@ export function drawColumn(ink, look) {
   for (const x of [middle - bit, middle + bit]) line(ink, x, rect.top, x, bottom, palette.ink, DASHES);
   if (bitDepth !== null && bitDepth > view.top && bitDepth < view.bottom) bitGlyph(ink, middle, yOf(view, rect, bitDepth), bit, Math.sign(store.levels[0].pitch), palette);
   const cursor = view.cursor ? yOf(view, rect, view.cursor.depth) : NaN;
-  for (const { kind, start, stop, measure } of zones) {
+  for (const zone of zones) {
+    const { kind, start, stop, measure } = zone;
     const [a, b] = [Math.max(rect.top, yOf(view, rect, start)), Math.min(bottom, yOf(view, rect, stop))];
     if (b <= a) continue;
-    ink.fillStyle = palette.zones[kind];
-    ink.fillRect(right - 7, a, 5, Math.max(2, b - a));
+    mark(ink, zone, right - 7, a, 5, Math.max(2, b - a), palette);
     const middleY = (a + b) / 2;
     const y = Math.abs(middleY - cursor) < 9 ? cursor - 10 : middleY; // a jump puts the cursor's line there
     if (!view.rig && y > rect.top + 8 && y < bottom - 8) label(ink, `${LETTERS[kind]} ${showSigned(measure, view.units, view.units === 'mm' ? 0 : 1).split(' ')[0]}`, right - 11, y, { colour: palette.ink, halo: palette.paper, align: 'right', font: BOLD, yields: true, margin: 3 });
   }
+  drawString(ink, look);
   edges(ink, sharp({ ...rect, width: right - rect.left }), palette.line);
   if (view.rig) return;
   heads(ink, look, middle, bit, palette);

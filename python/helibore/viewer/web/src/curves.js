@@ -4,7 +4,7 @@
 
 import { scaling } from './color.js';
 import { BOLD, fitting, label, PALETTES, SMALL, within, yOf } from './layout.js';
-import { byId, options } from './panel.js';
+import { byId, options } from './dom.js';
 import { save } from './saving.js';
 import { edges, line, sharp } from './strokes.js';
 import { toTemplate } from './template.js';
@@ -78,7 +78,10 @@ export class Curves {
     const names = (list) => list.map(({ name }) => name).join('\n');
     const same = names(curves) === names(this.offered);
     this.offered = curves;
-    if (!same) this.list();
+    if (!same) {
+      this.list();
+      this.app.repaint();
+    }
     for (const one of this.shown) this.ask(one);
   }
 
@@ -95,6 +98,14 @@ export class Curves {
     const depth = this.held.get(OF_ARMS[0])?.depth;
     if (depth && min && max && c2 && axis && [max, c2, axis].every(({ length }) => length === depth.length)) this.byArms = { depth, min, max, c2, axis };
     return this.byArms;
+  }
+
+  // Return the values of a curve that the page needs, once they have come.
+  /** @param {string} name */
+  need(name) {
+    const offer = this.offered.find((one) => one.name === name);
+    if (offer) this.ask(offer);
+    return this.held.get(name);
   }
 
   list() {

@@ -17,3 +17,17 @@ export const pen = (canvas) => /** @type {Ink} */ (canvas.getContext('2d', { wil
 // Pixels of a canvas per CSS pixel of its element: at most two, because nobody sees more pixels.
 /** @param {HTMLElement} element */
 export const pixelRatio = (element) => Math.min(window.devicePixelRatio * (element.currentCSSZoom ?? 1), 2);
+
+// Fit a canvas to its element and forget the texts and strokes of the last picture.
+/** @param {Canvas} canvas */
+export function sized(canvas) {
+  const ratio = pixelRatio(canvas);
+  const { clientWidth: width, clientHeight: height } = canvas;
+  const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
+  if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
+  const ink = pen(canvas);
+  canvas.labels = [];
+  canvas.strokes = [];
+  ink.setTransform(ratio, 0, 0, ratio, 0, 0);
+  return { ink, width, height };
+}

@@ -15,7 +15,7 @@ import { colourTexture, NO_COLUMN, NO_RANGE, TileTextures } from './textures.js'
 import { cross, dot, eastNorthUp, length, minus, normalised, plus, scaled } from './vectors.js';
 
 const FIELD_OF_VIEW = 34;
-const NO_WALL = 0x9aa3aa;
+const UNLIT = 0x08090b; // beyond the reach of the lamp
 const MOST_PICKED = 254; // most tiles of a picking picture: alpha is the number of the tile
 /** @type {Record<string, [string, string]>} */
 const PROGRAMS = {
@@ -56,9 +56,7 @@ export class Gpu {
 
   /** @param {number} width @param {number} height */
   resize(width, height) {
-    this.width = width;
-    this.height = height;
-    this.ratio = 0;
+    if (width !== this.width || height !== this.height) Object.assign(this, { width, height, ratio: 0 });
   }
 
   // Give the canvas its size in pixels; a coarse picture has half of these pixels in each direction.
@@ -80,7 +78,7 @@ export class Gpu {
     if (look.wallRect.width < 1) return undefined;
     if (look.view.camera === 'straight') return this.column(look);
     this.place(look);
-    this.begin(look.wallRect, look.view.camera === 'outside' ? null : NO_WALL); // a gap around the eye has the grey of no data
+    this.begin(look.wallRect, look.view.camera === 'outside' ? null : UNLIT);
     this.wall(look, 'wall');
     return this.bit(look);
   }
@@ -194,6 +192,7 @@ export class Gpu {
   wall(look, program) {
     const { store, path, view } = look;
     const tube = view.tubeFactor(store);
+    const inside = view.camera !== 'outside';
     const pixel = look.wallRect.height / (2 * this.camera.tangent);
     this.drawn = look.wallPieces.filter(({ tile }) => path.count > (tile.startDepth - path.startDepth) / path.step);
     if (program === 'pick') this.drawn = this.drawn.slice(0, MOST_PICKED);
@@ -216,7 +215,7 @@ export class Gpu {
         median: view.median,
         top: Math.max(a, view.top) - tile.startDepth,
         bottom: Math.min(b, view.bottom) - tile.startDepth,
-        lamp: view.camera === 'outside' ? 0 : view.length,
+        ...(inside ? { lamp: view.length, dark: false, colours: colourTexture(look.quantity.map) } : { lamp: 0 }), // the colour of the light page, as rock under a lamp
         number: index + 1,
         ...(program === 'pick' ? { imageRows: [0, 0] } : {}),
       });

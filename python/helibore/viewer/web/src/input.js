@@ -5,8 +5,10 @@ import { Orbit } from './camera.js';
 import { fitRange } from './color.js';
 import { depthAt, HEAD, imageRects, inside, movable, tracksEnd } from './layout.js';
 import { leftEdge } from './path.js';
-import { turnHead } from './inside.js';
-import { byId, tabs } from './panel.js';
+import { fly, isInside, STEP, toggleFlight, turnHead } from './inside.js';
+import { byId } from './dom.js';
+import { onString } from './string.js';
+import { tabs } from './panel.js';
 import { CLASSES } from './picking.js';
 
 const EDGE = 5; // pixels at the right edge of a head
@@ -31,14 +33,14 @@ export function bindTracks(app) {
   const ink = byId('ink');
   /** @type {Map<number, Pair>} */
   const pointers = new Map();
-  /** @type {{ head: { name: string, edge: boolean } | null, width: number, pick: Drag | null, x: number, y: number, top: number, moved: boolean, onMap: boolean, turn: number | null } | null} */
+  /** @type {{ string: number | null, head: { name: string, edge: boolean } | null, width: number, pick: Drag | null, x: number, y: number, top: number, moved: boolean, onMap: boolean, turn: number | null } | null} */
   let drag = null;
   const at = placeOf;
   ink.addEventListener('pointerdown', (event) => {
     const [x, y] = at(event);
     pointers.set(event.pointerId, [x, y]);
     ink.setPointerCapture(event.pointerId);
-    const head = headAt(app.rects, x, y);
+    const head = headAt(app.renderer.rects, x, y);
     if (pointers.size > 1) { // two fingers zoom: cancel what the first finger began
       app.picking.cancel();
       drag = null;
@@ -46,23 +48,26 @@ export function bindTracks(app) {
     }
     const { curve, crest } = precision(event);
     const aim = app.picking.on ? aimAt(app, x, y) : null;
-    drag = { head, width: head ? app.rects[head.name].width : 0, pick: aim && app.picking.grab(aim, reachOf(app, curve), (360 * crest) / app.rects.image.width, event.pointerType === 'touch'), x, y, top: app.view.top, moved: false, onMap: inside(app.rects.map, x, y), turn: app.straight && inside(app.rects.wall, x, y) ? app.view.turn : null };
-    if (drag.onMap && app.store) app.view.centre(app.map.depthAt(app.look(), y), app.store);
+    const depth = app.store ? depthAt(app.view, app.renderer.rects.axis, y) : NaN;
+    const string = app.renderer.straight && app.store && y > HEAD ? app.renderer.look() : null;
+    drag = { string: string && onString(string, x, depth) ? (string.string?.bottom ?? NaN) - depth : null, head, width: head ? app.renderer.rects[head.name].width : 0, pick: aim && app.picking.grab(aim, reachOf(app, curve), (360 * crest) / app.renderer.rects.image.width, event.pointerType === 'touch'), x, y, top: app.view.top, moved: false, onMap: inside(app.renderer.rects.map, x, y), turn: app.renderer.straight && inside(app.renderer.rects.wall, x, y) ? app.view.turn : null };
+    if (drag.onMap && app.store) app.view.centre(app.renderer.map.depthAt(app.renderer.look(), y), app.store);
   });
   ink.addEventListener('pointermove', (event) => {
     if (!app.store) return;
     const [x, y] = at(event);
     if (pointers.size === 2 && pointers.has(event.pointerId)) return pinch(app, pointers, event.pointerId, [x, y]);
     if (!drag || event.buttons === 0) {
-      const head = headAt(app.rects, x, y);
+      const head = headAt(app.renderer.rects, x, y);
       ink.style.cursor = head?.edge ? 'col-resize' : head ? 'grab' : '';
       return hover(app, x, y);
     }
     drag.moved ||= Math.hypot(x - drag.x, y - drag.y) > precision(event).click;
     if (!drag.moved) return undefined;
     if (drag.head) return drag.head.edge ? app.view.widen(drag.head.name, drag.width + x - drag.x) : undefined;
-    if (drag.onMap) return app.view.centre(app.map.depthAt(app.look(), y), app.store);
-    const perPixel = app.view.length / app.rects.image.height;
+    if (drag.onMap) return app.view.centre(app.renderer.map.depthAt(app.renderer.look(), y), app.store);
+    if (drag.string !== null) return app.view.choose({ string: depthAt(app.view, app.renderer.rects.axis, y) + drag.string });
+    const perPixel = app.view.length / app.renderer.rects.image.height;
     if (drag.pick) {
       const cursor = cursorAt(app, x, y);
       return cursor && app.picking.drag(drag.pick, { depth: cursor.depth, toolface: cursor.toolface ?? drag.pick.from.toolface });
@@ -99,14 +104,14 @@ function headAt(rects, x, y) {
 }
 
 /** @param {App} app @param {string} name @param {number} x */
-function reorder({ view, rects }, name, x) {
+function reorder({ view, renderer: { rects } }, name, x) {
   const others = movable(rects).filter((one) => one !== name);
   const at = others.filter((one) => rects[one].left + rects[one].width / 2 < x).length;
   view.arrange([...others.slice(0, at), name, ...others.slice(at)]);
 }
 
 /** @param {App} app @param {number} pixels */
-const reachOf = ({ view, rects }, pixels) => (pixels * view.length) / rects.image.height; // metres along the hole
+const reachOf = ({ view, renderer: { rects } }, pixels) => (pixels * view.length) / rects.image.height; // metres along the hole
 
 /** @param {App} app @param {number} x @param {number} y */
 function hover(app, x, y) {
@@ -114,8 +119,8 @@ function hover(app, x, y) {
   app.view.point(cursorAt(app, x, y));
 }
 
-/** @param {Pick<App, 'view' | 'rects' | 'path'>} app @param {number} x @param {number} y @returns {Cursor | null} */
-export function cursorAt({ view, rects, path }, x, y) {
+/** @param {Pick<App, 'view' | 'path'> & { renderer: { rects: Rects } }} app @param {number} x @param {number} y @returns {Cursor | null} */
+export function cursorAt({ view, renderer: { rects }, path }, x, y) {
   const tracks = { ...rects.axis, width: tracksEnd(rects) - rects.axis.left };
   if (!inside(tracks, x, y)) return null;
   const depth = depthAt(view, rects.axis, y);
@@ -128,15 +133,16 @@ export function cursorAt({ view, rects, path }, x, y) {
 // Return the cursor if it is on an image, else null.
 /** @param {App} app @param {number} x @param {number} y @returns {Aim | null} */
 function aimAt(app, x, y) {
-  const track = Object.keys(app.rects).find((name) => /^(image|beside)/.test(name) && inside(app.rects[name], x, y));
+  const track = Object.keys(app.renderer.rects).find((name) => /^(image|beside)/.test(name) && inside(app.renderer.rects[name], x, y));
   const cursor = track ? /** @type {Aim | null} */ (cursorAt(app, x, y)) : null;
-  return cursor && { ...cursor, image: (track === 'image' ? app.quantity : app.besides[Number(track?.slice(6))])?.name };
+  return cursor && { ...cursor, image: (track === 'image' ? app.selection.quantity : app.selection.besides[Number(track?.slice(6))])?.name };
 }
 
 /** @param {App} app @param {number} x @param {number} y @param {number} reach */
 function clickAt(app, x, y, reach) {
-  const head = app.besides.findIndex((_, i) => y < HEAD && inside({ ...app.rects[`beside${i}`], top: 0 }, x, y));
-  if (head >= 0) return app.setQuantity(app.besides[head].id);
+  const head = app.selection.besides.findIndex((_, i) => y < HEAD && inside({ ...app.renderer.rects[`beside${i}`], top: 0 }, x, y));
+  if (head >= 0) return app.selection.setQuantity(app.selection.besides[head].id);
+  if (app.view.string !== null && app.renderer.straight && onString(app.renderer.look(), x, depthAt(app.view, app.renderer.rects.axis, y))) return app.view.choose({ string: null }); // back to the bit
   const cursor = cursorAt(app, x, y);
   const aim = app.picking.on ? aimAt(app, x, y) : null;
   if (aim) app.picking.click(aim, reach);
@@ -147,10 +153,10 @@ function clickAt(app, x, y, reach) {
 function wheel(app, event) {
   if (!app.store) return;
   event.preventDefault();
-  const { view, store, rects } = app;
+  const { view, store, renderer: { rects } } = app;
   const steps = event.deltaY / (event.deltaMode === 1 ? 3 : 100);
   if (event.ctrlKey || event.metaKey) view.zoom(1.25 ** steps, depthAt(view, rects.image, placeOf(event)[1]), store);
-  else view.show(view.top + steps * view.length * 0.1, view.length, store);
+  else view.show(view.top + steps * view.length * (isInside(view) && event.currentTarget === byId('orbit') ? STEP : 0.1), view.length, store);
 }
 
 /** @param {App} app @param {Map<number, Pair>} pointers @param {number} id @param {Pair} now */
@@ -159,7 +165,7 @@ function pinch(app, pointers, id, now) {
     const [a, b] = [...pointers.values()];
     return [Math.abs(a[1] - b[1]) + 40, (a[1] + b[1]) / 2];
   };
-  const { view, rects, store } = app;
+  const { view, store, renderer: { rects } } = app;
   const [before, from] = apart();
   pointers.set(id, now);
   const [after, middle] = apart();
@@ -170,20 +176,21 @@ function pinch(app, pointers, id, now) {
 /** @param {App} app @param {Gpu} gpu */
 export function bindOrbit(app, gpu) {
   const pane = byId('orbit');
-  const controls = new Orbit(pane, gpu.outside, app.redraw);
+  const controls = new Orbit(pane, gpu.outside, app.repaint);
   /** @type {Pair | null} */
   let waiting = null;
   pane.addEventListener('wheel', (event) => app.view.camera !== 'outside' && wheel(app, event), { passive: false });
   pane.addEventListener('pointermove', (event) => {
     if (event.buttons && app.view.camera !== 'outside') {
-      turnHead(gpu.head, event.movementX, event.movementY);
-      app.redraw();
+      if (controls.fingers.size > 1) fly(app, (20 * event.movementY) / pane.clientHeight);
+      else turnHead(gpu.head, event.movementX, event.movementY);
+      app.repaint();
     }
     if (event.buttons || app.view.pinned || !app.store) return;
     const place = placeOf(event);
     if (!waiting) {
       setTimeout(() => {
-        if (waiting) app.pickAt(...waiting);
+        if (waiting) app.renderer.pickAt(...waiting);
         waiting = null;
       }, 60);
     }
@@ -195,7 +202,7 @@ export function bindOrbit(app, gpu) {
   pane.addEventListener('pointerup', (event) => {
     const [x, y] = placeOf(event);
     if (!pressed || Math.hypot(x - pressed[0], y - pressed[1]) > precision(event).click || event.button !== 0) return;
-    app.pickAt(...pressed, true);
+    app.renderer.pickAt(...pressed, true);
   });
   return controls;
 }
@@ -207,27 +214,28 @@ export function bindControls(app) {
   const on = (id, event, act) => byId(id).addEventListener(event, () => act(byId(id)));
   for (const id of /** @type {const} */ (['cut', 'pass', 'units', 'camera'])) on(id, 'change', ({ value }) => view.choose({ [id]: value }));
   for (const id of /** @type {const} */ (['tube', 'shape', 'median'])) on(id, 'change', ({ value }) => view.choose({ [id]: Number(value) }));
-  on('pass', 'change', ({ value }) => value === 'change' && app.setQuantity('change'));
-  on('sectionLength', 'change', ({ value }) => app.setLength(value));
-  on('goTo', 'change', ({ valueAsNumber }) => app.goTo(valueAsNumber));
-  on('follow', 'click', () => app.follow(!view.follow));
-  on('rigOpen', 'click', () => app.rig());
+  on('pass', 'change', ({ value }) => value === 'change' && app.selection.setQuantity('change'));
+  on('sectionLength', 'change', ({ value }) => app.selection.setLength(value));
+  on('goTo', 'change', ({ valueAsNumber }) => app.selection.goTo(valueAsNumber));
+  on('follow', 'click', () => app.selection.follow(!view.follow));
+  on('rigOpen', 'click', () => app.selection.rig());
   on('menu', 'click', () => openMenu(!byId('bar').classList.contains('open')));
   for (const id of /** @type {const} */ (['dipOpen', 'rigOpen', 'replayOpen', 'theme', 'keys'])) on(id, 'click', () => openMenu(false));
   for (const tab of tabs()) tab.addEventListener('click', () => view.choose({ tab: tab.value }));
   on('theme', 'click', () => view.toggleTheme());
-  on('fit', 'click', () => app.fit());
+  on('fit', 'click', () => app.renderer.fit());
+  on('fly', 'click', () => toggleFlight(app));
   on('keys', 'click', openHelp);
-  on('copy', 'click', () => app.copy());
-  on('pin', 'click', () => app.keepSection());
-  on('quantity', 'change', ({ value }) => app.setQuantity(value));
-  on('map', 'change', ({ value: map }) => app.setColours({ map }));
-  on('log', 'change', ({ checked: log }) => app.setColours({ log }));
-  on('dynamic', 'change', ({ checked: dynamic }) => app.setColours({ dynamic, inView: false }));
-  on('inView', 'change', ({ checked: inView }) => app.setColours({ inView, dynamic: false }));
-  on('beside', 'click', () => app.keepBeside());
-  on('percentile', 'click', () => app.setColours({ ...fitRange(app.quantity, app.histogram.sorted), inView: false }));
-  for (const end of /** @type {const} */ (['low', 'high'])) on(end, 'change', ({ value }) => app.setEnd(end, Number(value)));
+  on('copy', 'click', () => app.selection.copy());
+  on('pin', 'click', () => app.selection.keepSection());
+  on('quantity', 'change', ({ value }) => app.selection.setQuantity(value));
+  on('map', 'change', ({ value: map }) => app.selection.setColours({ map }));
+  on('log', 'change', ({ checked: log }) => app.selection.setColours({ log }));
+  on('dynamic', 'change', ({ checked: dynamic }) => app.selection.setColours({ dynamic, inView: false }));
+  on('inView', 'change', ({ checked: inView }) => app.selection.setColours({ inView, dynamic: false }));
+  on('beside', 'click', () => app.selection.keepBeside());
+  on('percentile', 'click', () => app.selection.setColours({ ...fitRange(app.selection.quantity, app.renderer.histogram.sorted), inView: false }));
+  for (const end of /** @type {const} */ (['low', 'high'])) on(end, 'change', ({ value }) => app.selection.setEnd(end, Number(value)));
   bindHistogram(app);
 }
 
@@ -239,11 +247,11 @@ function openMenu(open) {
 
 /** @param {App} app */
 function bindHistogram(app) {
-  const canvas = app.histogram.canvas;
+  const canvas = app.renderer.histogram.canvas;
   /** @type {End | null} */
   let end = null;
   canvas.addEventListener('pointerdown', (event) => {
-    const { quantity, histogram } = app;
+    const { selection: { quantity }, renderer: { histogram } } = app;
     if (!app.store || quantity.dynamic || quantity.inView) return;
     /** @param {End} name */
     const away = (name) => Math.abs(histogram.x(quantity[name], quantity) - placeOf(event)[0]);
@@ -252,9 +260,9 @@ function bindHistogram(app) {
   });
   canvas.addEventListener('pointermove', (event) => {
     if (!end) return;
-    const value = app.histogram.value(placeOf(event)[0], app.quantity);
-    const { low, high } = app.quantity;
-    if (end === 'low' ? value < high : value > low) app.setColours({ [end]: value });
+    const value = app.renderer.histogram.value(placeOf(event)[0], app.selection.quantity);
+    const { low, high } = app.selection.quantity;
+    if (end === 'low' ? value < high : value > low) app.selection.setColours({ [end]: value });
   });
   canvas.addEventListener('pointerup', () => (end = null));
 }
@@ -279,7 +287,7 @@ export function bindKeys(app) {
     }
     const name = event.key.length === 1 ? event.key.toLowerCase() : event.key; // caps lock or not
     if (typing || event.ctrlKey || event.metaKey || event.altKey || !(app.store || BEFORE.includes(name))) return;
-    const act = KEYS[name] ?? (/^[1-9]$/.test(event.key) ? () => (app.picking.on ? app.picking.setClass(CLASSES[Number(event.key) - 1]) : app.setQuantity(app.quantities[Number(event.key) - 1]?.id)) : null);
+    const act = KEYS[name] ?? (/^[1-9]$/.test(event.key) ? () => (app.picking.on ? app.picking.setClass(CLASSES[Number(event.key) - 1]) : app.selection.setQuantity(app.selection.quantities[Number(event.key) - 1]?.id)) : null);
     if (!act || (/^(Enter| )$/.test(event.key) && /^(BUTTON|SUMMARY|A)$/.test(tagName))) return;
     event.preventDefault();
     act(app);
@@ -291,34 +299,36 @@ const along = (share) => ({ view, store }) => view.show(view.top + share * view.
 const BEFORE = ['k', 't', '?']; // keys that act before there is a wall
 /** @type {Record<string, (app: App) => unknown>} */
 const KEYS = {
-  f: (app) => app.follow(true),
-  ' ': (app) => app.follow(!app.view.follow),
+  f: (app) => app.selection.follow(true),
+  ' ': (app) => app.selection.follow(!app.view.follow),
   '[': ({ view, store }) => view.zoom(1 / 1.5, view.middle, store),
   ']': ({ view, store }) => view.zoom(1.5, view.middle, store),
-  ArrowUp: (app) => app.step(-app.view.length / 200, 0),
-  ArrowDown: (app) => app.step(app.view.length / 200, 0),
-  ArrowLeft: (app) => app.step(0, -360 / app.store.levels[0].sectors),
-  ArrowRight: (app) => app.step(0, 360 / app.store.levels[0].sectors),
+  ArrowUp: (app) => (isInside(app.view) ? fly(app, 1) : app.selection.step(-app.view.length / 200, 0)),
+  ArrowDown: (app) => (isInside(app.view) ? fly(app, -1) : app.selection.step(app.view.length / 200, 0)),
+  v: (app) => isInside(app.view) && toggleFlight(app),
+  ArrowLeft: (app) => app.selection.step(0, -360 / app.store.levels[0].sectors),
+  ArrowRight: (app) => app.selection.step(0, 360 / app.store.levels[0].sectors),
   Home: ({ view, store }) => view.show(store.span[0], view.length, store),
   End: ({ view, store }) => view.show(store.span[1] - view.length, view.length, store),
   '+': ({ view, store }) => view.zoom(1 / 1.5, view.cursor?.depth ?? view.middle, store),
   '-': ({ view, store }) => view.zoom(1.5, view.cursor?.depth ?? view.middle, store),
   PageUp: along(-0.9),
   PageDown: along(0.9),
-  h: (app) => app.fit(),
+  h: (app) => app.renderer.fit(),
   i: ({ view }) => view.nextCamera(),
   t: ({ view }) => view.toggleTheme(),
-  c: (app) => app.copy(),
+  c: (app) => app.selection.copy(),
   r: (app) => app.replay.toggle(),
   d: (app) => app.picking.toggle(),
   b: (app) => app.notes.open(),
-  e: (app) => app.keepBeside(),
-  k: (app) => app.rig(),
+  e: (app) => app.selection.keepBeside(),
+  x: (app) => app.selection.blink(),
+  k: (app) => app.selection.rig(),
   a: (app) => app.alarms.silence(),
   g: () => byId('goTo').select(),
-  n: (app) => app.jump(1),
-  p: (app) => app.jump(-1),
-  s: (app) => app.keepSection(),
+  n: (app) => app.selection.jump(1),
+  p: (app) => app.selection.jump(-1),
+  s: (app) => app.selection.keepSection(),
   Enter: (app) => app.picking.keep(),
   Backspace: (app) => (app.picking.selected ? app.picking.remove() : app.picking.undo()),
   Delete: (app) => app.picking.remove(),

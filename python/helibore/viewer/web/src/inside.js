@@ -1,14 +1,16 @@
 // The borehole camera: the eye is on the hole's axis at one end of the section and looks along the axis. The top of the
-// picture is up or, in a vertical hole, toolface 0. The wheel moves the section and so the eye; a drag turns the head.
+// picture is up or, in a vertical hole, toolface 0. A drag turns the head. The eye moves along the path like a train on rails, and
+// the section with it: by wheel, arrow keys or two fingers, or by itself (V).
 
-import { HEAD, label, PALETTES, SMALL, BOLD } from './layout.js';
+import { byId } from './dom.js';
+import { BOLD, HEAD, inside, label, PALETTES, SMALL } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
 import { wallPoint } from './dips.js';
 import { eastNorthUp, minus, plus } from './vectors.js';
 import { LENGTHS, showDepth } from './units.js';
 import { ticks } from './view.js';
 
-export const WIDE = 75; // degrees of view
+export const WIDE = 62; // degrees of view
 const FARTHEST = 1.2; // radians that the head turns at most
 
 /** @param {Camera} camera @param {Gpu} gpu @param {Look} look @param {{ left: number, raised: number }} head */
@@ -32,7 +34,39 @@ export function turnHead(head, dx, dy) {
   head.raised = within(head.raised + 0.004 * dy);
 }
 
-// Draw rings at round depths, each with its depth above it, and on the nearest ring the letters of the sides.
+const SPEED = 0.2; // of the section in a second
+export const STEP = 0.025; // of the section, by a key or a notch of the wheel
+
+// Move the eye by `steps` in its direction of view; return whether it moved.
+/** @param {App} app @param {number} steps */
+export function fly({ view, store }, steps) {
+  const { top } = view;
+  view.show(top + (view.camera === 'up' ? -1 : 1) * STEP * steps * view.length, view.length, store);
+  return view.top !== top;
+}
+
+// Fly until the end of the wall, or until this is called again.
+/** @param {App} app */
+export function toggleFlight(app) {
+  const button = byId('fly');
+  const on = button.classList.toggle('on');
+  button.textContent = on ? 'Stop' : 'Fly';
+  let before = performance.now();
+  const next = () => {
+    const now = performance.now();
+    const seconds = Math.min(0.25, (now - before) / 1000);
+    before = now;
+    if (!button.classList.contains('on')) return;
+    if (isInside(app.view) && (seconds === 0 || fly(app, (SPEED / STEP) * seconds))) requestAnimationFrame(next);
+    else toggleFlight(app);
+  };
+  if (on) requestAnimationFrame(next);
+}
+
+/** @param {View} view */
+export const isInside = ({ camera }) => camera === 'down' || camera === 'up';
+
+// Draw rings at round depths, each with its depth above it, and on one of them the letters of the sides.
 /** @param {Ink} ink @param {Look} look @param {Gpu} gpu */
 export function drawInsideInk(ink, look, gpu) {
   const { view, path, store, rects } = look;
@@ -44,13 +78,14 @@ export function drawInsideInk(ink, look, gpu) {
   const ahead = values.filter((depth) => Math.abs(depth - eye) > near).sort((a, b) => Math.abs(a - eye) - Math.abs(b - eye));
   /** @param {number} depth @param {number} toolface @param {number} [out] */
   const at = (depth, toolface, out = 1) => gpu.project({ centre: wallPoint(path, { depth, toolface, radius: out * radius }) }, rects.wall);
-  ahead.forEach((depth, nearest) => {
+  let lettered = false; // on the nearest ring that is seen whole
+  for (const depth of ahead) {
     ring(ink, (toolface) => at(depth, toolface), palette);
     const zero = path.dial(depth).up ?? 0;
     const top = at(depth, zero, 0.94);
     if (top) label(ink, showDepth(depth, view.units, digits), top[0], top[1], { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL, yields: true, margin: 3 });
-    if (nearest === 0) letters(ink, look, depth, at, palette);
-  });
+    lettered ||= letters(ink, look, depth, at, palette);
+  }
 }
 
 /** @param {Ink} ink @param {(toolface: number) => Pair | null} at @param {Palette} palette */
@@ -70,12 +105,12 @@ function ring(ink, at, palette) {
 }
 
 /** @param {Ink} ink @param {Look} look @param {number} depth @param {(depth: number, toolface: number, out?: number) => Pair | null} at @param {Palette} palette */
-function letters(ink, { view, path }, depth, at, palette) {
+function letters(ink, { view, path, rects }, depth, at, palette) {
   const { letters: names } = CUTS[view.cut];
   const { toolface, known } = leftEdge(path, view.cut, depth);
-  if (!known) return;
-  names.slice(0, 4).forEach((name, i) => {
-    const place = at(depth, toolface + 90 * i, 0.8);
-    if (place) label(ink, name, place[0], place[1], { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD, yields: true });
-  });
+  const { left, width, top, height } = rects.wall;
+  const places = known ? names.slice(0, 4).map((_, i) => at(depth, toolface + 90 * i, 0.8)) : [];
+  if (!places.length || !places.every((place) => place && inside({ left: left + 12, width: width - 24, top: top + 12, height: height - 24 }, ...place))) return false;
+  places.forEach((place, i) => place && label(ink, names[i], ...place, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD, yields: true }));
+  return true;
 }

@@ -2,7 +2,7 @@
 // as long as the feed has an alarm, silenced or not, and "lost" as long as a source is not connected.
 
 import { shortOf } from './alarms.js';
-import { byId } from './panel.js';
+import { byId } from './dom.js';
 import { showAge, showClock, showDepth, showSpan } from './units.js';
 import { zoneAt, zoneText } from './zones.js';
 
@@ -67,7 +67,7 @@ function behind(store, bitDepth, units) {
 
 // Return the values at the cursor in words, for screen readers.
 /** @param {App} app */
-export function spokenText({ view, read, zones }) {
+export function spokenText({ view, selection: { read }, zones }) {
   const values = Object.fromEntries(read);
   const zone = zoneAt(zones, view.cursor?.depth);
   return `${values.MD}, over bit ${values['Over bit radius']}${zone ? `, ${zoneText(zone, view.units)}` : ''}`;

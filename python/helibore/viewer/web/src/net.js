@@ -5,7 +5,7 @@ import { symbol } from './dip_ink.js';
 import { wrap360 } from './helix.js';
 import { label, PALETTES, SMALL } from './layout.js';
 import { BREAKOUT } from './picking.js';
-import { sized } from './polar.js';
+import { sized } from './device.js';
 
 const RAD = Math.PI / 180;
 const SECTOR = 15; // degrees of the rose

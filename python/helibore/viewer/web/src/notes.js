@@ -2,7 +2,7 @@
 // hold the notes; the server does not.
 
 import { BOLD, fitting, label, PALETTES, yOf } from './layout.js';
-import { byId } from './panel.js';
+import { byId } from './dom.js';
 import { line } from './strokes.js';
 import { showDepth } from './units.js';
 
@@ -24,7 +24,7 @@ export class Notes {
   }
 
   open() {
-    const { view, rects } = this.app;
+    const { view, renderer: { rects } } = this.app;
     const depth = view.cursor?.depth ?? view.middle;
     const near = (NEAR / rects.image.height) * view.length;
     this.at = this.kept.find((note) => Math.abs(note.depth - depth) < near) ?? { depth, text: '' };

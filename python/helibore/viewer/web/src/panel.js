@@ -1,18 +1,18 @@
 // The controls and read-outs around the stage: what the HTML shows and what the user sets in it.
 
 import { MAPS, fitRange, histogram, scaling, valuesInView } from './color.js';
+import { sized } from './device.js';
+import { byId, options, write } from './dom.js';
+import { isInside } from './inside.js';
 import { inkOn, PALETTES } from './layout.js';
 import { recall, remember } from './memory.js';
 import { CUTS } from './path.js';
-import { sized } from './polar.js';
-import { CLIPPED, INTERPOLATED, PROVISIONAL, RESCANNED, SUPPORT_MASK } from './protocol.js';
+import { CLIPPED, INTERPOLATED, PROVISIONAL, RESCANNED, SUPPORT_MASK, uncertaintyOf } from './protocol.js';
 import { scaleLength } from './tracks.js';
-import { LENGTHS, scaleOf, showAngle, showDepth, showLength, showPercent, showQuantity, showSigned, showSpan, showValue, unitOf } from './units.js';
+import { LENGTHS, scaleOf, showAngle, showDepth, showLength, showPercent, showQuantity, showShare, showSigned, showSpan, showValue, unitOf } from './units.js';
 import { CAMERAS } from './view.js';
-import { bySeverity, LETTERS, MEASURES, zoneAt, zoneText } from './zones.js';
+import { bySeverity, isSure, LETTERS, MEASURES, sentence, sureText, zoneAt, zoneText } from './zones.js';
 
-/** @template {string} Id @param {Id} id */
-export const byId = (id) => /** @type {ElementOf<Id>} */ (/** @type {unknown} */ (document.getElementById(id)));
 const SECTIONS = [2, 5, 10, 20, 30, 50, 100, 200, 500, 1000, 2000, 5000, 10000];
 const SCALES = [20, 50, 100, 200, 500, 1000];
 const TUBES = [0, 1, 2, 5, 10, 20, 50, 100, 200];
@@ -54,25 +54,6 @@ export function nameCuts({ surveyed, reference, assumed }, chosen) {
   }
   if (named.includes(CUTS[chosen].reference)) return chosen;
   return named[0] === 'north' ? 'north' : 'top';
-}
-
-/** @param {string} id @param {Choice[]} pairs */
-export function options(id, pairs) {
-  byId(id).replaceChildren(...pairs.map(([value, text]) => new Option(text, String(value))));
-}
-
-// Write pairs of name and text to a list; a third text is the tooltip of both.
-/** @param {string} id @param {string[][]} pairs */
-export function write(id, pairs) {
-  const list = byId(id);
-  if (list.children.length !== 2 * pairs.length) {
-    list.replaceChildren(...pairs.flatMap(() => ['dt', 'dd'].flatMap((name) => [document.createElement(name), ' ']))); // copied text keeps its words apart
-  }
-  pairs.forEach(([name, text, title = ''], i) => [name, text].forEach((words, j) => {
-    const at = /** @type {HTMLElement} */ (list.children[2 * i + j]);
-    if (at.textContent !== words) at.textContent = words;
-    if (at.title !== title) at.title = title;
-  }));
 }
 
 /** @param {View} view */
@@ -118,7 +99,9 @@ export function printScale({ length }, image) {
 /** @param {View} view @param {Quantity} quantity @param {Rect} image */
 export function reflect(view, quantity, image) {
   for (const id of /** @type {const} */ (['cut', 'pass', 'units', 'median', 'camera', 'tube', 'shape'])) byId(id).value = String(view[id]);
-  for (const part of [byId('tube'), byId('fit')]) part.hidden = view.camera === 'straight';
+  byId('tube').hidden = view.camera === 'straight';
+  byId('fit').hidden = view.camera !== 'outside';
+  byId('fly').hidden = !isInside(view);
   const paper = paperScale(view, image);
   const { depth } = LENGTHS[view.units];
   sections(depth);
@@ -167,6 +150,7 @@ export function readout({ store, view, path, quad }) {
     [`From high side / north${path.assumed ? ', assumed' : ''}`, `${around(dial.up)} / ${around(dial.north)}`],
     ...(store.basis === 'gauge' ? [['Radius', 'not measured']] : [
       ['Radius', quad ? showLength(quad.radius, units) : cursor && cursor.toolface !== null ? 'no data' : '–'],
+      ...(state >> 12 ? [['Radius, 95 %', `± ${showLength(uncertaintyOf(state), units, units === 'mm' ? 1 : 2)}`]] : []),
       ['Over bit radius', showSigned(quad ? quad.radius - store.bitRadius : NaN, units)],
       ['Since first pass', quad && state & RESCANNED ? showSigned(quad.radius - quad.first, units) : '–'],
       ['Nearest sample', showLength(quad?.nearest ?? NaN, units, units === 'mm' ? 1 : 3)],
@@ -190,7 +174,7 @@ export function writeBrief({ view, zones, path, store }, read, figures) {
   const over = store.basis === 'gauge' ? store.attributes.slice(0, 3).map(({ name }) => [name, name]) : [['Over bit', 'Over bit radius']];
   const tvd = path.tvd(depth);
   write('briefMore', [
-    ...figures.filter(([name]) => /^C\d/.test(name)).map(([name, size]) => [name.slice(0, 2), size === '–' ? 'no data' : size]),
+    ...figures.filter(([name]) => /^C\d(?! −)/.test(name)).map(([name, size]) => [name.slice(0, 2), size === '–' ? 'no data' : size]),
     ...over.map(([name, of]) => [name, values[of] === '–' ? lacks : values[of]]),
     ['TVD', Number.isNaN(tvd) ? path.whyNoTvd(depth) || (path.surveyed ? 'not known' : 'no survey') : showDepth(tvd, view.units)],
   ]);
@@ -262,8 +246,8 @@ export function listZones(zones, view, alarms, show, none) {
 /** @param {Units} units */
 function headOf(units) {
   const head = document.createElement('div');
-  head.title = 'The extreme in the zone, and how many times its limit it is; a depth that is not in view is grey';
-  head.append(...['', 'kind', `MD ${LENGTHS[units].depth.unit}`, LENGTHS[units].unit, 'limit'].map((text) => Object.assign(document.createElement('span'), { textContent: text })));
+  head.title = 'The extreme in the zone, and how probable its kind is; worst first, by the extreme over its limit times the probability. A depth that is not in view is grey';
+  head.append(...['', 'kind', `MD ${LENGTHS[units].depth.unit}`, LENGTHS[units].unit, 'sure'].map((text) => Object.assign(document.createElement('span'), { textContent: text })));
   return head;
 }
 
@@ -271,12 +255,13 @@ function headOf(units) {
 function rowOf(zone, { units, theme }, isNew, show) {
   const row = document.createElement('button');
   row.type = 'button';
-  row.title = `${zone.kind}: the extreme of ${MEASURES[zone.kind]} in the zone (N, P: next, previous)`;
+  row.title = `${sentence(zone)}${zone.measured === null ? '' : `, ${showShare(zone.measured)} of its turns measured`}: the extreme of ${MEASURES[zone.kind]} in the zone, ${zone.severity.toFixed(1)} times its limit (N, P: next, previous)`;
   row.classList.toggle('new', isNew);
-  const texts = [LETTERS[zone.kind], `${isNew ? 'new ' : ''}${zone.kind}`, showSpan(zone.start, zone.stop, units).replace(/ .*/, ''), showSigned(zone.measure, units, units === 'mm' ? 0 : 1).replace(/ .*/, ''), `${zone.severity.toFixed(1)}×`];
+  const texts = [LETTERS[zone.kind], `${isNew ? 'new ' : ''}${zone.kind}`, showSpan(zone.start, zone.stop, units).replace(/ .*/, ''), showSigned(zone.measure, units, units === 'mm' ? 0 : 1).replace(/ .*/, ''), sureText(zone)];
   row.append(...texts.map((text) => Object.assign(document.createElement('span'), { textContent: text })));
   const colour = PALETTES[theme].zones[zone.kind];
-  Object.assign(/** @type {HTMLElement} */ (row.firstChild).style, { background: colour, color: inkOn(colour) });
+  const style = isSure(zone) ? { background: colour, color: inkOn(colour) } : { outline: `2px solid ${colour}`, outlineOffset: '-2px', color: 'var(--ink)' };
+  Object.assign(/** @type {HTMLElement} */ (row.firstChild).style, style);
   row.addEventListener('click', () => show(zone));
   return row;
 }
@@ -298,13 +283,15 @@ function countHidden() {
 
 // Set the links that download the section; they are hidden in an exported file, which has no server.
 /** @param {App} app @param {string} address */
-export function links({ view, store, contents, prints, rects }, address) {
+export function links({ view, store, contents, prints, meshes, renderer: { rects } }, address) {
   byId('csv').hidden = byId('export').hidden = contents !== null;
+  byId('glb').hidden = !meshes || contents !== null;
   byId('print').hidden = byId('printAll').hidden = byId('dipPrint').hidden = !prints || contents !== null;
   const query = new URLSearchParams(location.search); // the token
   query.set('start', view.top.toFixed(3));
   query.set('stop', view.bottom.toFixed(3));
   byId('csv').href = `api/section.csv?${query}`;
+  byId('glb').href = `api/section.glb?${query}`;
   const scale = printScale(view, rects.image);
   const look = `units=${view.units}&scale=${scale}`;
   byId('print').href = `api/print.pdf?${query}&${look}`;

@@ -7,7 +7,7 @@
 import definition from '../../../base/color_maps.json' with { type: 'json' };
 import { messageOf } from './errors.js';
 import { fitPlane, planeDepth, planeOf } from './dips.js';
-import { byId, options } from './panel.js';
+import { byId, options } from './dom.js';
 import { download } from './saving.js';
 import { LENGTHS, depthUnit, showAngle, showDepth, showLength, showSpan } from './units.js';
 
@@ -117,6 +117,7 @@ export class Picking {
   receive(picks) {
     this.served = new Map(picks.map((pick) => [pick.key, pick]));
     this.show();
+    this.app.repaint();
     this.app.openSaved();
     this.sendUnsaved();
   }
@@ -164,7 +165,7 @@ export class Picking {
       this.app.view.release();
       this.app.view.choose({ follow: false, tab: 'log' });
     }
-    this.app.resize();
+    this.app.repaint();
   }
 
   // Deselect the pick, or drop the points of the next pick; if there is neither, end picking.
@@ -344,7 +345,7 @@ export class Picking {
     }
     this.show();
     this.sendUnsaved();
-    this.app.resize();
+    this.app.repaint();
   }
 
   // Take back the last point, or the last change of a pick.

@@ -5,20 +5,19 @@
 // the shape's exaggeration, and the picture states it.
 
 import { lookup, themed } from './color.js';
-import { pen, pixelRatio } from './device.js';
+import { sized } from './device.js';
 import { ACROSS } from './caliper.js';
 import { rowAt } from './curves.js';
-import { BOLD, FONT, fitting, label, PALETTES, SMALL } from './layout.js';
+import { BOLD, fitting, label, PALETTES, SMALL } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
-import { attributeOf, measure, turn, unmeasured } from './turns.js';
+import { measure, turn, uncertainties, unmeasured } from './turns.js';
 import { niceStep } from './lod.js';
 import { wrap360 } from './helix.js';
 import { line } from './strokes.js';
-import { LENGTHS, showSigned } from './units.js';
+import { LENGTHS, showShare, showSigned } from './units.js';
 import { FIRST, RADIUS } from './protocol.js';
-import { MEASURES, zoneAt } from './zones.js';
+import { MEASURES, sentence, zoneAt } from './zones.js';
 
-const CERTAIN = 1.96; // standard deviations that enclose 95 %
 const EDGE = 16; // pixels around the outer ring, for the letters
 const ANGLES = 31; // pixels at the two sides of the outer ring, if angles are there in place of letters
 const ROOM = 60; // pixels: a smaller outer ring has no room for the names of the diameters
@@ -28,7 +27,7 @@ const PALE = 0.4; // of a colour where the wall is interpolated
 // The middle of the picture, the outer ring around it, and the room at its sides, in pixels.
 /** @typedef {{ x: number, y: number, reach: number, side: number }} Middle */
 
-// Return the turn at a depth: {k, radii, sigma, between, measured, level}, from the wall; without radii if the page has not
+// Return the turn at a depth: {k, radii, sure, between, measured, level}, from the wall; without radii if the page has not
 // received that part of the wall. If `arms` is given, the diameters are those of the arms.
 /** @param {Store} store @param {View} view @param {number} depth @param {Arms | null} arms */
 export function turnAt(store, view, depth, arms) {
@@ -41,7 +40,7 @@ export function turnAt(store, view, depth, arms) {
     const maxAt = Math.round((wrap360(arms.axis[row] - level.toolface(k)) / 360) * radii.length) % radii.length || 0;
     Object.assign(measured, { min: arms.min[row], c1: arms.max[row], c2: arms.c2[row], maxAt });
   }
-  return { k, radii, sigma: attributeOf(store, level, k, 'sigma'), between: unmeasured(level, k), measured, level };
+  return { k, radii, sure: uncertainties(store, level, k), between: unmeasured(level, k), measured, level };
 }
 
 // Return the direction on the dial, clockwise from the top of the picture, of the j-th vertex of a turn.
@@ -170,13 +169,13 @@ function outline(ink, found, place, colour, lineWidth) {
 
 // Draw the band in which the wall lies with a probability of 95 %: one piece for each sector, so that a gap stays a gap.
 /** @param {Ink} ink @param {Turn} turn @param {Placing} place @param {string} colour */
-function band(ink, { radii, sigma }, place, colour) {
+function band(ink, { radii, sure }, place, colour) {
   ink.fillStyle = colour;
   ink.globalAlpha = 0.3;
   ink.beginPath();
   radii.forEach((_, a) => {
     const b = (a + 1) % radii.length;
-    const ends = [a, b].map((i) => [radii[i] - CERTAIN * sigma[i], radii[i] + CERTAIN * sigma[i]]);
+    const ends = [a, b].map((i) => [radii[i] - sure[i], radii[i] + sure[i]]);
     if (ends.flat().some(Number.isNaN)) return;
     ink.moveTo(...place(ends[0][0], a));
     ink.lineTo(...place(ends[0][1], a));
@@ -233,6 +232,7 @@ export function turnText(look, found, show) {
   const depth = cursor?.depth ?? middle;
   const zone = zoneAt(look.zones, depth);
   const { measured } = found;
+  const share = showShare(1 - found.between.reduce((sum, one) => sum + one, 0) / found.between.length);
   /** @param {number} j */
   const axis = (j) => `${(dial(look, depth, found, j) % 180).toFixed(0)}°`;
   const of = look.arms ? ' of arms' : '';
@@ -242,29 +242,14 @@ export function turnText(look, found, show) {
     [`C2${of}`, show(measured.c2)],
     ['Least', show(Number.isNaN(measured.c1) ? NaN : measured.min)],
     ['Area diameter', show(equivalent)],
-    ...certainty(found.sigma, show),
-    ['Turn measured', `${(100 * (1 - found.between.reduce((sum, one) => sum + one, 0) / found.between.length)).toFixed(0)} %`],
-    zone ? [`Zone: ${zone.kind}, ${MEASURES[zone.kind]}`, showSigned(zone.measure, units, units === 'mm' ? 0 : 1)] : ['Zone', 'none'],
+    ...certainty(found.sure, show),
+    ...(zone ? [['Zone', `${sentence(zone)}, ${share} of the turn measured`.replaceAll(' %', '\u00a0%')], [MEASURES[zone.kind], showSigned(zone.measure, units, units === 'mm' ? 0 : 1)]] : [['Turn measured', share], ['Zone', 'none']]),
   ];
 }
 
 // Return the 95 % uncertainty of a radius, the mean over the turn, as a row of text; no row if it is not known.
-/** @param {Float64Array} sigma @param {(metres: number, digits?: number) => string} show */
-function certainty(sigma, show) {
-  const known = sigma.filter((one) => !Number.isNaN(one));
-  return known.length ? [['Radius, 95 %', `± ${show((CERTAIN * known.reduce((sum, one) => sum + one, 0)) / known.length)}`]] : [];
-}
-
-/** @param {Canvas} canvas */
-export function sized(canvas) {
-  const ratio = pixelRatio(canvas);
-  const { clientWidth: width, clientHeight: height } = canvas;
-  const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
-  if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
-  const ink = pen(canvas);
-  canvas.labels = [];
-  canvas.strokes = [];
-  ink.setTransform(ratio, 0, 0, ratio, 0, 0);
-  ink.font = FONT;
-  return { ink, width, height };
+/** @param {Float64Array} sure @param {(metres: number, digits?: number) => string} show */
+function certainty(sure, show) {
+  const known = sure.filter((one) => !Number.isNaN(one));
+  return known.length ? [['Radius, 95 %', `± ${show(known.reduce((sum, one) => sum + one, 0) / known.length)}`]] : [];
 }

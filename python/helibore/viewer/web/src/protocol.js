@@ -15,6 +15,9 @@ export const TEXEL = 4;
 export const [RADIUS, FIRST, NEAREST, STATE] = [0, 1, 2, 3];
 export const SUPPORT_MASK = 0x00ff;
 export const [RESCANNED, PROVISIONAL, CLIPPED, INTERPOLATED] = [0x0100, 0x0200, 0x0400, 0x0800];
+// Return the half-width of the 95 % interval of a radius, metres, from its state; NaN if it is not known (texels.py).
+/** @param {number} state */
+export const uncertaintyOf = (state) => (state >> 12 ? 0.00025 * 2 ** ((state >> 12) / 2) : NaN);
 
 /** @param {number} mask */
 export const attributesIn = (mask) => {

@@ -2,7 +2,7 @@
 // how many vertices the wall had (scene.py). The page shows that many, with the radii of the first pass, and the bit at
 // its depth of that moment. Radii of passes between the first and the latest are not kept.
 
-import { byId } from './panel.js';
+import { byId } from './dom.js';
 import { showClock } from './units.js';
 
 const RUN = 20; // seconds to play all of it
@@ -49,7 +49,7 @@ export class Replay {
 
   async open() {
     const points = this.app.contents?.history ?? (await fetchHistory());
-    if (points.time.length < 2) return this.app.notice('Nothing to replay: this wall has not grown since the viewer started.', 6);
+    if (points.time.length < 2) return this.app.notice('Nothing to replay: this wall has not grown since the viewer started, and its samples do not say when they were measured, or measured the hole again.', 6);
     this.points = points;
     this.pass = this.app.view.pass;
     this.app.view.choose({ pass: 'first' });
@@ -68,7 +68,7 @@ export class Replay {
     byId('moment').value = String(moment);
     byId('momentText').textContent = `as at ${showClock(moment)}`;
     if (app.view.follow) app.view.followEnd(app.store, this.past.bitDepth);
-    app.redraw();
+    app.repaint();
   }
 
   /** @param {boolean} on */
@@ -95,6 +95,7 @@ export class Replay {
     if (!this.past) return;
     this.past = null;
     this.app.store.limit(Infinity);
+    this.app.repaint();
     if (this.app.view.follow) this.app.view.followEnd(this.app.store, this.app.bit);
     this.app.view.choose(this.app.view.pass === 'first' ? { pass: this.pass } : {});
   }

@@ -2,9 +2,10 @@
 // view follows the bit until the mode is left; the address holds the mode, so a reload keeps it.
 
 import { ageOf, lampWords, SIGNS } from './lamp.js';
-import { byId } from './panel.js';
+import { byId } from './dom.js';
+import { hung, shortText } from './string.js';
 import { depthNumber, depthUnit, LENGTHS, showAge, showDepth, showSigned, showSpan } from './units.js';
-import { bySeverity, IN_WORDS } from './zones.js';
+import { bySeverity, IN_WORDS, sureText } from './zones.js';
 
 export const RECENT = 30; // metres of hole that "last" means, if the wall is that long
 
@@ -36,7 +37,7 @@ function cell(id, digits, unit, more) {
 
 /** @param {App} app */
 export function writeRig(app) {
-  const { view, store, path, bit, summary } = app;
+  const { view, store, path, bit, figures: { summary } } = app;
   byId('rig').hidden = !view.rig || !store;
   document.body.classList.toggle('rig', view.rig);
   byId('rigOpen').textContent = view.rig ? 'Desk' : 'Rig';
@@ -46,9 +47,10 @@ export function writeRig(app) {
   const { scale, unit } = LENGTHS[view.units];
   /** @param {number | null | undefined} metres */
   const size = (metres) => (typeof metres === 'number' && Number.isFinite(metres) ? (metres * scale).toFixed(unit === 'mm' ? 0 : 2) : '–');
+  const string = hung(app);
   const tvd = path.tvd(bit ?? NaN);
   const whyNot = path.whyNoTvd(bit ?? NaN);
-  cell('rigBit', bit === null ? '–' : depthNumber(bit, view.units, 1), bit === null ? '' : depthUnit(view.units), bit === null ? 'no bit depth received' : Number.isFinite(tvd) ? `TVD ${showDepth(tvd, view.units, 1)}` : whyNot ? `TVD: ${whyNot}` : 'MD');
+  cell('rigBit', bit === null ? '–' : depthNumber(bit, view.units, 1), bit === null ? '' : depthUnit(view.units), bit === null ? 'no bit depth received' : string ? `string ${shortText(string, view.units)}` : Number.isFinite(tvd) ? `TVD ${showDepth(tvd, view.units, 1)}` : whyNot ? `TVD: ${whyNot}` : 'MD');
   const { holeDepth: hole } = app;
   cell('rigHole', hole === null ? '–' : depthNumber(hole, view.units, 1), hole === null ? '' : depthUnit(view.units), hole === null ? 'no hole depth received' : 'MD');
   const measured = store.basis !== 'gauge' && summary?.mean_diameter;
@@ -82,6 +84,6 @@ function writeWorst({ view, store, zones, alarms }, [top, bottom]) {
   /** @type {string[]} */
   const [number, inUnit = ''] = worst ? showSigned(worst.measure, view.units, unit === 'mm' ? 0 : 1).split(' ') : [store.basis === 'gauge' ? '–' : 'none', ''];
   cell('rigWorst', number, inUnit, worst ? `${worst.kind} ${showSpan(worst.start, worst.stop, view.units)}` : store.basis === 'gauge' ? 'not measured' : 'no zone');
-  byId('rigWorstHead').textContent = `Worst${worst ? `, ${IN_WORDS[worst.kind]}` : ''}, last ${showDepth(bottom - top, view.units, 0)}`;
+  byId('rigWorstHead').textContent = worst ? `Worst, ${IN_WORDS[worst.kind]}, ${sureText(worst)} sure` : `Worst, last ${showDepth(bottom - top, view.units, 0)}`;
   byId('rigWorstCell').className = worst ? (alarms.isNew(worst) ? 'new' : 'zone') : '';
 }

@@ -89,11 +89,15 @@ vec3 dotted(vec3 colour, int k) {
   bool dot = (texel(k).w & 0x200u) != 0u && (int(gl_FragCoord.x) & 3) < 2 && (int(gl_FragCoord.y) & 3) < 2;
   return dot ? mix(colour, vec3(dark ? 0.0 : 1.0), 0.7) : colour;
 }
-// Where the wall is interpolated between arms, the colour fades, and sparse lines run across the direction of those of no data.
+// How far a radius is in doubt, 0 to 1: its 95 % interval is within 1 mm to each side, or 16 mm and more.
+float doubt(uint state) { return clamp(float(state >> 12) / 8.0 - 0.5, 0.0, 1.0); }
+// Colours fade with the doubt. Where the wall is interpolated, sparse lines run across the direction of those of no data, too.
 vec3 interpolated(vec3 colour, int k) {
-  if (mode == 5 || (texel(k).w & 0x800u) == 0u) return colour;
-  bool line = mod(gl_FragCoord.x + gl_FragCoord.y, 10.0) < 1.3;
-  return line ? vec3(dark ? 0.46 : 0.55) : mix(colour, dark ? vec3(0.12, 0.15, 0.18) : vec3(0.96), 0.55);
+  if (mode == 5) return colour;
+  uint state = texel(k).w;
+  bool between = (state & 0x800u) != 0u;
+  if (between && mod(gl_FragCoord.x + gl_FragCoord.y, 10.0) < 1.3) return vec3(dark ? 0.46 : 0.55);
+  return mix(colour, dark ? vec3(0.12, 0.15, 0.18) : vec3(0.96), between ? 0.55 : 0.6 * doubt(state));
 }
 vec3 glowing(vec3 colour, int k) {
   for (int i = 0; i < 8; i++) {
@@ -129,14 +133,19 @@ float smoothRadius(int k) {
   order(z, a); order(e, w); order(z, e); order(a, w); // drop the least and the greatest, then the middle of three
   return max(min(a, c), min(max(a, c), e));
 }
+// Returns the slopes of the wall around and along the hole at a vertex, on a wall whose shape is exaggerated.
+vec2 slopes(int k, float R) {
+  float before = radiusAt(k - 1), after = radiusAt(k + 1), above = radiusAt(k - K), below = radiusAt(k + K);
+  return shape * vec2(before < 0.0 || after < 0.0 ? 0.0 : (after - before) * float(K) / 12.566 / R, above < 0.0 || below < 0.0 ? 0.0 : (below - above) / (2.0 * pitch));
+}
 float exaggerated(float r) { return max(r < 0.0 ? bitRadius : bitRadius + (r - bitRadius) * shape, 0.1 * bitRadius); }
 `;
 
 export const WALL_VERTEX = /* glsl */ `${COMMON}${RADII}
 uniform mat4 modelViewMatrix, projectionMatrix;
-uniform float tube;
+uniform float tube, lamp;
 out vec2 grid;
-out vec3 seen;
+out vec3 seen, normal, outwards; // as the camera sees them; outwards is the normal of a round, smooth hole
 out float depthHere;
 
 void main() {
@@ -145,14 +154,19 @@ void main() {
   int at = rings ? row * K + col % K : row * K + col;
   float r = smoothRadius(at);
   if (rings && r < 0.0) r = radiusAt(at - K); // the far edge of the last ring
-  float R = exaggerated(r) * tube;
+  float R = exaggerated(r);
   float turn = float(row) + slope() * float(col) / float(K);
   float toolface = startToolface + 6.283185307179586 * float(col) / float(K);
   depthHere = turn * pitch;
   vec3 centre = frame(0, depthHere).xyz;
   vec3 high = normalize(frame(1, depthHere).xyz);
   vec3 right = normalize(frame(2, depthHere).xyz);
-  vec4 seenAt = modelViewMatrix * vec4(centre + R * (cos(toolface) * high + sin(toolface) * right), 1.0);
+  vec3 out1 = cos(toolface) * high + sin(toolface) * right;
+  vec2 slant = clamp(slopes(at, R) * vec2(1.0, tube) * (lamp > 0.0 ? 2.0 : 1.0), -1.5, 1.5); // the lamp shows the texture of a wall, too
+  mat3 turned = mat3(modelViewMatrix);
+  outwards = turned * out1;
+  normal = turned * (out1 - slant.x * (cos(toolface) * right - sin(toolface) * high) - slant.y * cross(high, right));
+  vec4 seenAt = modelViewMatrix * vec4(centre + R * tube * out1, 1.0);
   grid = vec2(float(col), float(row));
   seen = seenAt.xyz;
   gl_Position = projectionMatrix * seenAt;
@@ -170,7 +184,7 @@ int quad(float depth) {
 
 const QUAD = /* glsl */ `
 in vec2 grid;
-in vec3 seen;
+in vec3 seen, normal, outwards;
 in float depthHere;
 uniform float top, bottom;    // ends of the shown part of the tile, metres from its start
 ${CELL}`;
@@ -181,13 +195,27 @@ out vec4 colour;
 void main() {
   if (depthHere < top || depthHere > bottom) discard;
   int k = quad(depthHere);
-  if (missing(k)) discard;
-  vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
-  float facing = abs(dot(normal, normalize(seen)));
-  float light = 0.75 * facing + 0.25 * max(0.0, dot(normal * sign(normal.z), normalize(vec3(-0.5, 0.6, 0.6))));
+  bool gap = missing(k);
+  if (gap && (lamp == 0.0 || k + (rings ? 0 : K + 1) >= size)) discard;
+  uint state = texel(k).w;
+  bool between = mode != 5 && (state & 0x800u) != 0u;
+  float unsure = gap || mode == 5 ? 0.0 : between ? 0.8 : doubt(state);
+  ivec2 screen = ivec2(gl_FragCoord.xy); // what is in doubt is seen through from outside: so many of eight pixels are left out
+  if (lamp == 0.0 && float((screen.x * 3 + screen.y * 5) & 7) < 5.0 * unsure - 0.5) discard;
   float v = value(k);
-  vec3 base = lit(known(v) ? interpolated(colourOf(v, k / K), k) : nothing(), light);
-  if (lamp > 0.0) base *= exp(-0.9 * length(seen) / lamp);
+  vec3 plain = vec3(dark ? 0.24 : 0.80);
+  vec3 base = mix(gap || !known(v) ? plain : colourOf(v, k / K), plain, 0.6 * unsure);
+  if (gap || between || !known(v)) { // stripes on the wall, dense where there is no data
+    float at = (grid.x / float(K) * 24.0 + (between && !gap ? 1.0 : -1.0) * depthHere / (0.2618 * bitRadius)) * (between && !gap ? 1.0 : 2.0);
+    float wide = fwidth(at), stripe = smoothstep(0.3 + wide, 0.3, abs(fract(at) - 0.5) + 0.1);
+    base = mix(base, plain * 0.6, (between && !gap ? 0.35 : 0.8) * (1.0 - stripe) * smoothstep(0.7, 0.2, wide));
+  }
+  float facing = abs(dot(normalize(normal), normalize(seen)));
+  if (lamp > 0.0) { // compared with a smooth hole, so that the relief is seen as far as the light reaches
+    float relief = facing / max(abs(dot(normalize(outwards), normalize(seen))), 0.04);
+    float far = 2.0 * length(seen) / lamp;
+    base *= vec3(1.0, 0.97, 0.91) * clamp(0.8 * pow(relief, 0.75), 0.1, 1.2) * (1.08 / (1.0 + 1.4 * far * far));
+  } else base = lit(base, 0.75 * facing + 0.25 * max(0.0, dot(normalize(normal) * sign(normal.z), normalize(vec3(-0.5, 0.6, 0.6)))));
   colour = vec4(glowing(dotted(base, k), k), 1.0);
 }
 `;
@@ -209,13 +237,11 @@ void main() {
   float r = smoothRadius(at);
   if (rings && r < 0.0) r = radiusAt(at - K);
   float R = exaggerated(r);
-  float before = radiusAt(at - 1), after = radiusAt(at + 1), above = radiusAt(at - K), below = radiusAt(at + K);
-  float around = before < 0.0 || after < 0.0 ? 0.0 : shape * (after - before) * float(K) / 12.566 / R;
-  float along = above < 0.0 || below < 0.0 ? 0.0 : shape * relief * (below - above) / (2.0 * pitch);
+  vec2 slant = slopes(at, R) * vec2(1.0, relief);
   depthHere = (float(row) + slope() * float(col) / float(K)) * pitch;
   float turn = startToolface + 6.283185307179586 * float(col) / float(K) - frame(reference, depthHere).w - offset;
   side = -vec2(cos(turn), sin(turn));
-  vec3 normal = normalize(vec3(side.x + around * side.y, -along, side.y - around * side.x)); // right, down, towards the eye
+  vec3 normal = normalize(vec3(side.x + slant.x * side.y, -slant.y, side.y - slant.x * side.x)); // right, down, towards the eye
   light = max(0.0, dot(side.y < 0.0 ? -0.6 * normal : normal, normalize(vec3(-0.35, -0.5, 0.8)))); // the inside is dimmer
   grid = vec2(float(col), float(row));
   gl_Position = vec4(side.x * R * across, 1.0 - 2.0 * (depthHere - viewTop) / viewLength, -0.5 * side.y * min(1.0, R * across), 1.0);

@@ -8,7 +8,7 @@ const text = (name) => JSON.stringify(name); // a TOML string has the escapes of
 
 // Return the tracks of the page as TOML.
 /** @param {App} app */
-export function toTemplate({ view, rects, quantity, besides, curves, paper }) {
+export function toTemplate({ view, renderer: { rects, paper }, selection: { quantity, besides }, curves }) {
   const images = [quantity, ...besides];
   const lines = [`unit = "${view.units}"`, ...(paper ? [`scale = ${paper}`] : [])];
   for (const name of movable(rects)) {

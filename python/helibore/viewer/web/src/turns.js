@@ -7,9 +7,10 @@
 // A turn with a missing radius has no area, no C1 and no C2, and no diameter at that sector; nothing is filled in. Volumes and
 // zones of the wall come from the server.
 
-import { FIRST, INTERPOLATED, RADIUS, STATE, TEXEL } from './protocol.js';
+import { FIRST, INTERPOLATED, RADIUS, STATE, TEXEL, uncertaintyOf } from './protocol.js';
 
 const TAU = 2 * Math.PI;
+const CERTAIN = 1.96; // standard deviations that enclose 95 %
 
 // Return {min, max, c1, c2, maxAt, area, radiusMin, radiusMax, share} of evenly spaced radii (NaN: missing). `maxAt` is the
 // index of the largest diameter, `share` the share of the radii that are not missing.
@@ -63,13 +64,15 @@ export function turn(store, level, k, column = RADIUS) {
   return radii;
 }
 
-// Return the values of an attribute on the quads of the turn that begins at vertex k; NaN where there is no value.
-/** @param {Store} store @param {Level} level @param {number} k @param {string} name */
-export function attributeOf(store, level, k, name) {
-  const bit = store.attributes.findIndex((one) => one.name === name);
+// Return the half-widths of the 95 % intervals of the radii of the turn that begins at vertex k: from the wall's attribute sigma, or
+// else by their levels; NaN where they are not known.
+/** @param {Store} store @param {Level} level @param {number} k */
+export function uncertainties(store, level, k) {
+  const bit = store.attributes.findIndex((one) => one.name === 'sigma');
   return Float64Array.from({ length: level.sectors }, (_, j) => {
     const { tile, at } = level.locate(k + j);
-    return tile?.columns[bit]?.[at] ?? NaN;
+    const sigma = tile?.columns[bit]?.[at];
+    return sigma === undefined ? uncertaintyOf(tile?.texels[TEXEL * at + STATE] ?? 0) : CERTAIN * sigma;
   });
 }
 

@@ -60,7 +60,11 @@ interface Cursor { depth: number; toolface: number | null }
 interface Aim { depth: number; toolface: number; image?: string } // a cursor on the image of this name
 interface Note { depth: number; text: string }
 type ZoneKind = 'washout' | 'breakout' | 'key seat' | 'undergauge';
-interface Zone { kind: ZoneKind; start: number; stop: number; measure: number; severity: number; toolface?: number } // toolface: axis of a breakout, side of a key seat
+interface Zone { kind: ZoneKind; start: number; stop: number; measure: number; severity: number; confidence: number; measured: number | null; toolface?: number } // toolface: axis of a breakout, side of a key seat
+// A string of rigid bodies, and where it hangs.
+type RigidBody = [diameter: number, length: number, position: number];
+interface RigidString { bodies: RigidBody[]; why: string }
+interface Hung extends RigidString { bottom: number; clearance: number; low: number; high: number; tightest: number }
 interface MapRow { means: (number | undefined)[]; between: boolean[]; most: number; lacks: boolean }
 interface Strip { version: number; id: string; pass: Pass; values: Float32Array; enlarged: Float32Array; lacks: Uint8Array }
 interface RowFigures { version: number; values: Float64Array }
@@ -68,12 +72,12 @@ interface TileTurns { version: number; min: Float64Array; max: Float64Array; c2:
 interface Profile { min: Float32Array; max: Float32Array; c2: Float32Array; seen: Uint8Array; between: Uint8Array }
 interface Measured { min: number; max: number; c1: number; c2: number; maxAt: number; area: number; radiusMin: number; radiusMax: number; share: number }
 type Placing = (radius: number, sector: number) => Pair;
-interface Turn { k: number; radii: Float64Array; sigma: Float64Array; between: Uint8Array; measured: Measured; level: Level }
+interface Turn { k: number; radii: Float64Array; sure: Float64Array; between: Uint8Array; measured: Measured; level: Level }
 
 // What one frame shows; `quantity` is the one that was asked for, with the ends of its colours in this frame.
 interface Look {
   store: Store; view: View; path: Path; rects: Rects; bitDepth: number | null; asked: Quantity; quantity: Quantity; imagePieces: Piece[]; wallPieces: Piece[];
-  imageRect: Rect; wallRect: Rect; background: number; dark: boolean; notes: Note[]; zones: Zone[]; growing: boolean; arms: Arms | null; over: Quantity; glow: (tile: Tile) => number[][];
+  imageRect: Rect; wallRect: Rect; background: number; dark: boolean; notes: Note[]; zones: Zone[]; growing: boolean; arms: Arms | null; string: Hung | null; over: Quantity; glow: (tile: Tile) => number[][];
 }
 interface Looks extends Look { images: Look[] } // the first image, and those beside it
 
@@ -107,7 +111,7 @@ interface TightAhead { distance: number; above: boolean; top: number; bottom: nu
 interface State {
   channels?: number; ahead?: TightAhead | null;
   begun: boolean; sources: string; bit_depth: number | null; hole_depth: number | null; newest: number | null; now: number; ended: boolean; true_depth: Vector | null; ranges: Record<string, Pair>;
-  zones: Zone[]; curves?: [string, string, number, number, boolean][]; curves_version?: number; alarms?: string[]; lost?: string[]; prints?: boolean; shape?: string;
+  zones: Zone[]; curves?: [string, string, number, number, boolean][]; curves_version?: number; alarms?: string[]; lost?: string[]; prints?: boolean; meshes?: boolean; shape?: string; string?: RigidString | null;
 }
 interface Message { type: number; live: boolean; level: number; mask: number; tile: number; first: number; count: number; total: number; sequence: number; time: number }
 interface Write extends Message { type: 1; texels: Uint16Array; columns: { attribute: number; values: Float32Array }[] }
@@ -138,7 +142,7 @@ type Elements = Ids<'gl' | 'histogram' | 'ink' | 'net' | 'polar', Canvas>
   & Ids<'camera' | 'curve' | 'cut' | 'map' | 'median' | 'pass' | 'pickClass' | 'quantity' | 'sectionLength' | 'shape' | 'tube' | 'units', HTMLSelectElement>
   & Ids<'dipFile' | 'dynamic' | 'goTo' | 'high' | 'inView' | 'log' | 'low' | 'moment' | 'noteText', HTMLInputElement>
   & Ids<'dipKeep' | 'dipRedo' | 'dipRemove' | 'dipUndo', HTMLButtonElement>
-  & Ids<'csv' | 'export' | 'print' | 'printAll', HTMLAnchorElement>
+  & Ids<'csv' | 'export' | 'glb' | 'png' | 'print' | 'printAll', HTMLAnchorElement>
   & Ids<'colour', HTMLDetailsElement>
   & Ids<'help' | 'note', HTMLDialogElement>;
 type ElementOf<Id extends string> = Id extends keyof Elements ? Elements[Id] : HTMLElement;

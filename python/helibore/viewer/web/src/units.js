@@ -61,6 +61,10 @@ export const showPercent = (share) => {
   return `${share < 0 && Number(text) ? '−' : ''}${text} %`;
 };
 
+// Return a share as whole per cent; only all of it is 100 %, only nothing is 0 %.
+/** @param {number} share */
+export const showShare = (share) => `${share >= 1 ? 100 : share > 0 ? Math.min(99, Math.max(1, Math.round(100 * share))) : 0} %`;
+
 /** @param {number} seconds */
 export const showAge = (seconds) => {
   if (!Number.isFinite(seconds)) return '–';

@@ -31,12 +31,15 @@ class Settings {
   turn = 0; // degrees that the straightened hole is turned, so that more of it is at the right
   turned = false; // whether the user turned the hole by hand
   tab = 'log'; // the open tab of a narrow screen
+  string = /** @type {number | null} */ (null); // depth to which the string was dragged; null: it hangs with the bit
   rig = false; // large digits; follows the bit, whatever the user does
 }
 const DEFAULTS = new Settings();
-const CHOICES = /** @type {const} */ (['quantity', 'cut', 'units', 'pass', 'tube', 'shape', 'median', 'camera', 'turn', 'tab']);
+const CHOICES = /** @type {const} */ (['quantity', 'cut', 'units', 'pass', 'tube', 'shape', 'median', 'camera', 'turn', 'tab', 'string']);
 const LISTS = /** @type {const} */ (['beside', 'curves', 'order']);
 const SWITCHES = /** @type {const} */ (['follow', 'rig']);
+
+const INK = ['cursor', 'pinned', 'pins', 'follow', 'string']; // what the WebGL picture does not show
 
 // Numbers of an address.
 /** @param {string | null} text */
@@ -65,10 +68,12 @@ export class View extends Settings {
   /** @type {string[]} */
   order = []; // of the tracks, where the user changed it
 
-  /** @param {() => void} redraw */
-  constructor(redraw) {
+  // `redraw` is called when the cursor changes, `repaint` when the picture does.
+  /** @param {() => void} redraw @param {() => void} repaint */
+  constructor(redraw, repaint = redraw) {
     super();
     this.redraw = redraw;
+    this.repaint = repaint;
   }
 
   get bottom() {
@@ -82,8 +87,10 @@ export class View extends Settings {
   // The only way to change a view; the actions below use it. In rig mode the view follows, whatever the user does.
   /** @param {Partial<View>} changes */
   #change(changes) {
+    const names = /** @type {(keyof View)[]} */ (Object.keys(changes)).filter((name) => this[name] !== changes[name]);
     Object.assign(this, changes, this.rig && changes.rig !== false ? { follow: true } : {});
-    this.redraw();
+    if (names.every((name) => INK.includes(name))) this.redraw();
+    else this.repaint();
   }
 
   // Choose settings: units, theme, what is coloured, exaggerations ...
@@ -258,6 +265,7 @@ export class View extends Settings {
       tube: number('tube', 0, 1000),
       shape: number('shape', 0, 100),
       turn: number('turn', 0, 360),
+      string: number('string', -1e5, 1e6),
       median: [1, 3, 5].includes(number('median', 1, 5) ?? 0) ? number('median', 1, 5) : null,
       cut: among('cut', /** @type {Cut[]} */ (Object.keys(CUTS))),
       units: among('units', /** @type {Units[]} */ (Object.keys(LENGTHS))),

@@ -4,11 +4,12 @@ import { BAR, drawColourBar } from './color_bar.js';
 import { wallPoint } from './dips.js';
 import { drawInsideInk } from './inside.js';
 import { BOLD, FONT, HEAD, label, PALETTES, SMALL } from './layout.js';
-import { line } from './strokes.js';
+import { edges, line } from './strokes.js';
 import { turn } from './turns.js';
 import { LENGTHS, showDepth } from './units.js';
 import { dot, eastNorthUp, minus } from './vectors.js';
 import { CAMERAS, ticks } from './view.js';
+import { isSure } from './zones.js';
 
 // The arms of the compass: name, and direction (east, north, up).
 /** @type {[string, number[]][]} */
@@ -26,7 +27,10 @@ export function drawWallInk(ink, look, gpu, calipers) {
   ink.clip();
   if (view.camera === 'outside') outsideInk(ink, look, gpu, calipers, palette);
   else drawInsideInk(ink, look, gpu);
-  if (path.surveyed && view.camera === 'outside') compass(ink, gpu, rect, palette);
+  if (path.surveyed && view.camera === 'outside') {
+    compass(ink, gpu, rect, palette);
+    if (rect.width > 300) plan(ink, look, palette);
+  }
   const words = [`tube × ${tube}`, `shape × ${view.shape || 1} about the bit radius`];
   if (view.median > 1) words.push(`median of ${view.median} turns`);
   if (!path.surveyed) words.unshift('no survey: drawn vertical');
@@ -80,12 +84,13 @@ function outsideInk(ink, look, gpu, calipers, palette) {
 /** @param {Ink} ink @param {Look} look @param {Gpu} gpu @param {Palette} palette */
 function zonesBeside(ink, { view, path, store, rects, zones }, gpu, palette) {
   const beside = -1.25 * store.bitRadius * view.tubeFactor(store);
-  for (const { kind, start, stop } of zones) {
+  for (const zone of zones) {
+    const { kind, start, stop } = zone;
     const depths = [Math.max(start, view.top), Math.min(stop, view.bottom)];
     if (depths[1] <= depths[0]) continue;
     const ends = depths.map((depth) => path.at(depth)).map((frame) => gpu.project(frame, rects.wall, gpu.aside(frame, beside)));
     if (!ends[0] || !ends[1]) continue;
-    line(ink, ...ends[0], ...ends[1], palette.zones[kind], [], 5);
+    line(ink, ...ends[0], ...ends[1], palette.zones[kind], [], isSure(zone) ? 5 : 2);
   }
 }
 
@@ -130,6 +135,43 @@ function compass(ink, gpu, rect, palette) {
     const far = 26 + 10 / Math.hypot(dx, dy); // ten pixels past the tip, however short the arm is seen
     if (Math.hypot(dx, dy) > 0.25 && clear) label(ink, name, x + far * dx, y - far * dy, { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL });
   }
+}
+
+const PLAN = 92; // pixels of its side
+
+// Draw the whole path seen from above, north up, with the section and the cursor on it.
+/** @param {Ink} ink @param {Look} look @param {Palette} palette */
+function plan(ink, { view, path, store, rects }, palette) {
+  const [shallow, deep] = store.span;
+  const along = Array.from({ length: 61 }, (_, i) => shallow + ((deep - shallow) * i) / 60);
+  /** @param {number} depth */
+  const place = (depth) => path.at(depth).centre;
+  const all = along.map(place);
+  const [[n0, n1], [e0, e1]] = [0, 1].map((axis) => [Math.min(...all.map((at) => at[axis])), Math.max(...all.map((at) => at[axis]))]);
+  const size = Math.max(n1 - n0, e1 - e0);
+  if (size < 1) return; // vertical
+  const [left, top] = [rects.wall.left + 10, HEAD + 26];
+  /** @param {number} depth @returns {Pair} */
+  const at = (depth) => {
+    const [north, east] = place(depth);
+    return [left + PLAN / 2 + ((east - (e0 + e1) / 2) / size) * (PLAN - 16), top + PLAN / 2 - ((north - (n0 + n1) / 2) / size) * (PLAN - 16)];
+  };
+  edges(ink, { left, top, width: PLAN, height: PLAN }, palette.line);
+  label(ink, `plan, N up, ${showDepth(size, view.units, 0)}`, left, top - 8, { colour: palette.soft, halo: palette.paper, font: SMALL });
+  const shown = along.filter((depth) => depth > view.top && depth < view.bottom);
+  const ends = [view.top, view.bottom].map((depth) => Math.min(deep, Math.max(shallow, depth)));
+  for (const [depths, colour, width] of /** @type {[number[], string, number][]} */ ([[along, palette.soft, 1.4], [[ends[0], ...shown, ends[1]], palette.ink, 4]])) {
+    ink.beginPath();
+    for (const depth of depths) ink.lineTo(...at(depth));
+    ink.strokeStyle = colour;
+    ink.lineWidth = width;
+    ink.stroke();
+  }
+  if (!view.cursor) return;
+  ink.fillStyle = palette.pin;
+  ink.beginPath();
+  ink.arc(...at(view.cursor.depth), 4, 0, 7);
+  ink.fill();
 }
 
 // Draw a line at the cursor's depth around the visible side of the wall.

@@ -1,6 +1,7 @@
 // Zones of the wall as the server found them (washout, breakout, key seat, undergauge): strips, list, and jumps by severity.
 
 import { inkOn, label, SMALL_BOLD } from './layout.js';
+import { edges } from './strokes.js';
 import { showSigned } from './units.js';
 
 export const LETTERS = { washout: 'W', breakout: 'B', 'key seat': 'K', undergauge: 'U' };
@@ -11,9 +12,18 @@ export const IN_WORDS = { washout: 'over bit', breakout: 'out of round', 'key se
 const NEAR = 1e-6;
 export const FRONT = 270; // degrees from the left edge of the image to the front of the straightened hole that is not turned
 
-// Return the zones, worst first.
+// A zone is drawn solid if its kind is sure, else hollow, as on prints. No kind is certain.
+const SURE = 0.8;
+/** @param {Zone} zone */
+export const isSure = ({ confidence }) => confidence >= SURE;
+/** @param {Zone} zone */
+export const sureText = ({ confidence }) => `${Math.min(99, Math.round(100 * confidence))} %`;
+/** @param {Zone} zone */
+export const sentence = (zone) => `${zone.kind}, ${sureText(zone)} sure`;
+
+// Return the zones, worst first: by severity times the probability of their kind.
 /** @param {Zone[]} zones */
-export const bySeverity = (zones) => [...zones].sort((a, b) => b.severity - a.severity || a.start - b.start);
+export const bySeverity = (zones) => [...zones].sort((a, b) => b.severity * b.confidence - a.severity * a.confidence || a.start - b.start);
 
 // Return a test whether `depth` is the middle of a zone, where a jump to the zone puts the cursor.
 /** @param {number} depth @returns {(zone: Zone) => boolean} */
@@ -49,29 +59,31 @@ export function turnTowards({ kind, toolface }, left, before) {
 }
 
 /** @param {Zone | null} zone @param {Units} units */
-export const zoneText = (zone, units) => (zone ? `${zone.kind} ${showSigned(zone.measure, units, units === 'mm' ? 0 : 1)}` : 'none');
+export const zoneText = (zone, units) => (zone ? `${zone.kind} ${showSigned(zone.measure, units, units === 'mm' ? 0 : 1)}, ${sureText(zone)} sure` : 'none');
 
 export const STRIP = 14; // pixels of the strip beside the depths: as wide as the widest letter
 
 // Draw a strip of all zones, `width` wide from `left`; `y` maps a depth to pixels; the strip lies between the pixels `ends`.
-/** @param {Ink} ink @param {Zone[]} zones @param {(depth: number) => number} y @param {number} left @param {number} width @param {Pair} ends @param {Palette} palette @param {typeof fill} [draw] */
-export function drawZones(ink, zones, y, left, width, [top, bottom], palette, draw = fill) {
-  for (const { kind, start, stop } of zones) {
-    const a = Math.max(top, y(start));
-    const b = Math.min(bottom, Math.max(y(stop), a + 2));
-    if (b <= a) continue;
-    draw(ink, kind, left, a, width, b - a, palette);
+/** @param {Ink} ink @param {Zone[]} zones @param {(depth: number) => number} y @param {number} left @param {number} width @param {Pair} ends @param {Palette} palette @param {typeof mark} [draw] */
+export function drawZones(ink, zones, y, left, width, [top, bottom], palette, draw = mark) {
+  for (const zone of zones) {
+    const a = Math.max(top, y(zone.start));
+    const b = Math.min(bottom, Math.max(y(zone.stop), a + 2));
+    if (b > a) draw(ink, zone, left, a, width, b - a, palette);
   }
 }
 
-/** @param {Ink} ink @param {ZoneKind} kind @param {number} left @param {number} top @param {number} width @param {number} height @param {Palette} palette */
-function fill(ink, kind, left, top, width, height, palette) {
-  ink.fillStyle = palette.zones[kind];
-  ink.fillRect(left, top, width, height);
+// Draw the mark of a zone: solid or hollow.
+/** @param {Ink} ink @param {Zone} zone @param {number} left @param {number} top @param {number} width @param {number} height @param {Palette} palette */
+export function mark(ink, zone, left, top, width, height, palette) {
+  ink.fillStyle = palette.zones[zone.kind];
+  if (isSure(zone)) return ink.fillRect(left, top, width, height);
+  const thick = Math.min(2, width / 3);
+  return edges(ink, { left: left + thick / 2, top: top + thick / 2, width: width - thick, height: Math.max(0, height - thick) }, palette.zones[zone.kind], thick);
 }
 
 // Draw the letters of the strip beside the depths, if there is room; they give way to other texts.
 /** @param {Ink} ink @param {Zone[]} zones @param {(depth: number) => number} y @param {number} left @param {Pair} ends @param {Palette} palette */
-export const letterZones = (ink, zones, y, left, ends, palette) => drawZones(ink, zones, y, left, STRIP, ends, palette, (_, kind, x, top, wide, tall) => {
-  if (tall > 16) label(ink, LETTERS[kind], x + wide / 2, top + tall / 2, { colour: inkOn(palette.zones[kind]), align: 'center', font: SMALL_BOLD, yields: true });
+export const letterZones = (ink, zones, y, left, ends, palette) => drawZones(ink, zones, y, left, STRIP, ends, palette, (_, zone, x, top, wide, tall) => {
+  if (tall > 16) label(ink, LETTERS[zone.kind], x + wide / 2, top + tall / 2, { colour: isSure(zone) ? inkOn(palette.zones[zone.kind]) : palette.ink, align: 'center', font: SMALL_BOLD, yields: true });
 });

@@ -3,7 +3,7 @@ import test from 'node:test';
 import { few, newZones, shortOf } from '../src/alarms.js';
 import { recent, worstOf } from '../src/rig.js';
 
-const zone = (kind, start, stop, severity = 1) => ({ kind, start, stop, severity, measure: 0.01 });
+const zone = (kind, start, stop, severity = 1) => ({ kind, start, stop, severity, measure: 0.01, confidence: 0.9 });
 
 test('a zone is new if none of its kind lay there before; one that grows is not', () => {
   const before = [zone('washout', 10, 12), zone('breakout', 20, 25)];

@@ -27,8 +27,8 @@ test('a curve is linear between its rows and has no value in gaps', () => {
 test('a template is what the page shows, and gives it back', () => {
   const rect = (left, width) => ({ left, width });
   const page = {
-    view: { units: 'ft' }, paper: 200, quantity: { id: 'GR' }, besides: [{ id: 'over' }, { id: 'a "b"' }], curves: { shown: [{ name: 'ROP' }, { name: 'DEQ' }] },
-    rects: { map: rect(0, 50), axis: rect(50, 70), beside0: rect(130, 100), image: rect(240, 200.4), caliper: rect(0, 0), curves: rect(450, 90), beside1: rect(550, 80), pane: rect(700, 300), wall: rect(700, 200) },
+    view: { units: 'ft' }, selection: { quantity: { id: 'GR' }, besides: [{ id: 'over' }, { id: 'a "b"' }] }, curves: { shown: [{ name: 'ROP' }, { name: 'DEQ' }] },
+    renderer: { paper: 200, rects: { map: rect(0, 50), axis: rect(50, 70), beside0: rect(130, 100), image: rect(240, 200.4), caliper: rect(0, 0), curves: rect(450, 90), beside1: rect(550, 80), pane: rect(700, 300), wall: rect(700, 200) } },
   };
   const text = toTemplate(page);
   assert.match(text, /^unit = "ft"\nscale = 200\n\n\[\[track\]\]\nkind = "image"\nname = "Radius"\nwidth = 100\n/);

@@ -143,7 +143,7 @@ function picking(more = {}) {
   globalThis.document = { getElementById: () => ({ addEventListener() {}, replaceChildren() {}, classList: { toggle() {} } }) };
   globalThis.Option = class {};
   const sent = [];
-  const app = { path: path(20, 0), store: { span: [1000, 1030], attributes: [], bitRadius: 0.1, quad: () => ({ radius: 0.1 }), levels: [{ quadAt: () => 0 }] }, contents: {}, redraw() {}, resize() {}, openSaved() {}, view: { units: 'mm', set() {} }, notice: (text) => sent.push(text), ...more };
+  const app = { path: path(20, 0), store: { span: [1000, 1030], attributes: [], bitRadius: 0.1, quad: () => ({ radius: 0.1 }), levels: [{ quadAt: () => 0 }] }, contents: {}, redraw() {}, repaint() {}, openSaved() {}, view: { units: 'mm', set() {} }, notice: (text) => sent.push(text), ...more };
   return { made: new Picking(app), sent };
 }
 
@@ -266,7 +266,7 @@ test('the wheel moves the log, and the cursor is at the depth that is then under
   globalThis.document = { getElementById: () => canvas };
   const track = (left, width) => ({ left, top: 80, width, height: 400 });
   const view = { top: 1000, length: 20, cut: 'top', pinned: false, cursor: null, get bottom() { return this.top + this.length; }, show(top) { this.top = top; }, point(cursor) { this.cursor = cursor; } };
-  bindTracks({ view, store: {}, path: path(20, 0), rects: { map: track(4, 50), axis: track(60, 60), image: track(130, 200), pane: track(340, 100), wall: track(340, 100) }, picking: { on: false } });
+  bindTracks({ view, store: {}, path: path(20, 0), renderer: { rects: { map: track(4, 50), axis: track(60, 60), image: track(130, 200), pane: track(340, 100), wall: track(340, 100) } }, picking: { on: false } });
   const wheel = () => listeners.wheel({ currentTarget: canvas, clientX: 230, clientY: 280, deltaY: 100, deltaMode: 0, preventDefault() {} });
   wheel();
   assert.deepEqual([view.top, view.cursor.depth], [1002, 1012]);

@@ -3,7 +3,7 @@ import { test } from 'node:test';
 import { Helix } from '../src/helix.js';
 import { coverage, Store } from '../src/tiles.js';
 import { beyondEnds, quantities, takeRanges, valueAt, fitRange, percentile, dynamicRange, histogram, lookup, MAPS } from '../src/color.js';
-import { attributeOf, measure, tileTurns } from '../src/turns.js';
+import { measure, tileTurns, uncertainties } from '../src/turns.js';
 
 const K = 8;
 const ROWS = 4;
@@ -57,13 +57,17 @@ test('a read-out is the wall’s own value, and needs all four corners', () => {
   assert.notEqual(made.quad(6), null);
 });
 
-test('a turn has the values of an attribute by its name, and none where its tile is not here or nothing came', () => {
+test('a turn has its uncertainty from sigma, else from the levels of its vertices, and none where its tile is not here', () => {
   const made = store({ attributes: [{ name: 'GR' }, { name: 'sigma' }] });
   fill(made, 0, () => 10000, 0, [(k) => k, (k) => (k === 3 ? NaN : k / 1024)]);
   const wall = made.levels[0];
-  assert.deepEqual([...attributeOf(made, wall, 1, 'sigma')], [1, 2, NaN, 4, 5, 6, 7, 8].map((k) => k / 1024));
-  assert.ok(attributeOf(made, wall, 1, 'ROP').every(Number.isNaN));
-  assert.ok(attributeOf(made, wall, K * ROWS, 'sigma').every(Number.isNaN), 'its tile is not here');
+  assert.deepEqual([...uncertainties(made, wall, 1)], [1, 2, NaN, 4, 5, 6, 7, 8].map((k) => 1.96 * (k / 1024)));
+  assert.ok(uncertainties(made, wall, K * ROWS).every(Number.isNaN), 'its tile is not here');
+  const plain = store();
+  fill(plain, 0, () => 10000);
+  assert.ok(uncertainties(plain, plain.levels[0], 1).every(Number.isNaN), 'level 0: not known');
+  plain.levels[0].tiles.get(0).texels.fill(4 << 12);
+  assert.ok(uncertainties(plain, plain.levels[0], 1).every((half) => half === 0.001));
 });
 
 test('the last quads of a tile read the halo, not the next tile', () => {

@@ -2,16 +2,25 @@
 
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { bySeverity, jump, turnTowards, zoneAt, zoneText } from '../src/zones.js';
+import { bySeverity, isSure, jump, turnTowards, zoneAt, zoneText } from '../src/zones.js';
 
 const ZONES = [
-  { kind: 'breakout', start: 10, stop: 12, measure: 0.03, severity: 1.2 },
-  { kind: 'washout', start: 20, stop: 23, measure: 0.07, severity: 5.5 },
-  { kind: 'undergauge', start: 30, stop: 31, measure: -0.01, severity: 1.6 },
+  { kind: 'breakout', start: 10, stop: 12, measure: 0.03, severity: 1.2, confidence: 1 },
+  { kind: 'washout', start: 20, stop: 23, measure: 0.07, severity: 5.5, confidence: 1 },
+  { kind: 'undergauge', start: 30, stop: 31, measure: -0.01, severity: 1.6, confidence: 1 },
 ];
 
 test('the worst zone comes first', () => {
   assert.deepEqual(bySeverity(ZONES).map(({ start }) => start), [20, 30, 10]);
+});
+
+test('a zone counts as much as its kind is probable, and says so', () => {
+  const [breakout, washout, tight] = ZONES;
+  const unsure = { ...washout, confidence: 0.2 };
+  assert.deepEqual(bySeverity([breakout, unsure, tight]).map(({ kind }) => kind), ['undergauge', 'breakout', 'washout']);
+  assert.deepEqual([0.8, 0.79].map((confidence) => isSure({ ...washout, confidence })), [true, false]);
+  assert.equal(zoneText({ ...washout, confidence: 0.968 }, 'mm'), 'washout +70 mm, 97 % sure');
+  assert.equal(zoneText({ ...washout, confidence: 1 }, 'mm'), 'washout +70 mm, 99 % sure', 'no kind is certain');
 });
 
 test('next and previous go by severity, from the worst, and around', () => {
@@ -24,7 +33,7 @@ test('next and previous go by severity, from the worst, and around', () => {
 });
 
 test('of several zones at a depth, the one that a jump went to counts, else the worst', () => {
-  const both = [...ZONES, { kind: 'breakout', start: 18, stop: 26, measure: 0.02, severity: 1.1 }];
+  const both = [...ZONES, { kind: 'breakout', start: 18, stop: 26, measure: 0.02, severity: 1.1, confidence: 1 }];
   assert.equal(zoneAt(both, 22.5).kind, 'washout');
   assert.equal(zoneAt(both, 22).kind, 'breakout');
 });
@@ -32,7 +41,7 @@ test('of several zones at a depth, the one that a jump went to counts, else the 
 test('a zone has a half-open range of depth, and a text with its sign', () => {
   assert.equal(zoneAt(ZONES, 10).kind, 'breakout');
   assert.equal(zoneAt(ZONES, 12), null);
-  assert.equal(zoneText(zoneAt(ZONES, 30.5), 'mm'), 'undergauge −10 mm');
+  assert.equal(zoneText(zoneAt(ZONES, 30.5), 'mm'), 'undergauge −10 mm, 99 % sure');
   assert.equal(zoneText(null, 'in'), 'none');
 });
 

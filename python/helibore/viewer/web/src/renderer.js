@@ -1,0 +1,303 @@
+// Draws the page on demand. Two events lead to a frame: `redraw`, after which the tracks' ink and the panels differ (the cursor
+// moved), and `repaint`, after which the WebGL picture and the places of the tracks may differ, too. A page at rest draws nothing.
+
+import { looked, toAddress } from './address.js';
+import { drawCaliper } from './caliper.js';
+import { fitRange, quantityOf, valuesInView } from './color.js';
+import { drawColumn } from './column.js';
+import { sized } from './device.js';
+import { drawDips, drawLegend, drawNext, drawPoints } from './dip_ink.js';
+import { byId, write } from './dom.js';
+import { messageOf } from './errors.js';
+import { Gpu } from './gpu.js';
+import { bindOrbit } from './input.js';
+import { lamp, spokenText } from './lamp.js';
+import { FONT, HEAD, imageRects, layout, PALETTES } from './layout.js';
+import { DepthMap } from './map.js';
+import { drawNet } from './net.js';
+import { drawNotes } from './notes.js';
+import { applyTheme, Histogram, links, listZones, paperScale, readout, reflect, writeBrief } from './panel.js';
+import { PlainImage } from './plain_image.js';
+import { drawPolar, turnAt, turnText } from './polar.js';
+import { writeRig } from './rig.js';
+import { NARROW, PHONE } from './selection.js';
+import { hung, stringRows } from './string.js';
+import { edges, sharp } from './strokes.js';
+import { coverage } from './tiles.js';
+import { drawAxis, drawAxisLabels, drawCursor, drawImageHead, drawOutside } from './tracks.js';
+import { showDepth, showLength } from './units.js';
+import { drawWallInk } from './wall_ink.js';
+
+export const FINE_TILES = 64; // a longer section is drawn from the overview
+const UNSEEN = 250; // milliseconds that a change outside the section may wait for a frame
+const SLOW = 40; // milliseconds: a picture that takes longer is drawn coarse while it moves
+const MOVING = 200; // milliseconds: a picture moves if the next one follows within this and twice the time to draw it
+const START = ['Pick dips (D), then drag along a bed on the image. Help (?) has the steps.', 'Pick dips (D); Help (?) has the steps'];
+export const seconds = () => performance.now() / 1000;
+
+export class Renderer {
+  frames = 0;
+  /** @type {number | null} */
+  firstPicture = null;
+  scheduled = false;
+  fitted = false;
+  stale = true; // the WebGL canvas shows something else
+  paintedAt = 0;
+  rects = /** @type {Rects} */ (/** @type {unknown} */ (null));
+  /** @type {Quad | null} */
+  quad = null; // under the cursor
+  /** @type {Gpu | null} */
+  gpu = null; // null without WebGL 2
+  /** @type {import('./camera.js').Orbit | null} */
+  controls = null;
+  /** @type {number | undefined} */
+  sharpening = undefined; // timer of a sharp picture after a coarse one
+  /** @type {Record<'unseen' | 'glowing' | 'addressing', number | undefined>} */
+  timers = { unseen: undefined, glowing: undefined, addressing: undefined };
+
+  /** @param {App} app */
+  constructor(app) {
+    this.app = app;
+    this.redraw = () => {
+      if (this.scheduled) return;
+      this.scheduled = true;
+      requestAnimationFrame(() => {
+        this.scheduled = false;
+        this.draw();
+      });
+    };
+    this.repaint = () => {
+      this.stale = true;
+      this.redraw();
+    };
+    this.map = new DepthMap();
+    this.histogram = new Histogram(byId('histogram'), this.redraw);
+  }
+
+  // A tile has changed.
+  /** @param {Tile} tile */
+  changed(tile) {
+    if (this.rects && this.look().imagePieces.some((piece) => piece.tile === tile)) this.repaint();
+    else this.timers.unseen ??= setTimeout(this.redraw, UNSEEN); // mostly the map: every write changes the overview
+  }
+
+  openGpu() {
+    try {
+      this.gpu = new Gpu(byId('gl'));
+      this.controls = bindOrbit(this.app, this.gpu);
+      byId('gl').addEventListener('webglcontextrestored', this.repaint);
+    } catch (error) {
+      this.plain = new PlainImage();
+      this.app.notice(`This browser offers no WebGL 2, so there is no 3-D view and the image is drawn without it. (${messageOf(error)})`);
+    }
+  }
+
+  // What the places of the panels depend on, besides the size of the stage.
+  /** @returns {Arrangement} */
+  get arrangement() {
+    const { app: { view, store, picking, curves, selection }, straight } = this;
+    const dips = picking.shown && (picking.on || !PHONE.matches || store.basis === 'gauge'); // a phone has room for the caliper or the dips
+    return { dips, measured: store?.basis !== 'gauge', rig: view.rig, straight, outside: Boolean(this.gpu) && !straight, curves: curves.shown.length, chosen: view.widths, order: view.order, beside: PHONE.matches || view.rig ? 0 : selection.besides.length, tab: NARROW.matches && !view.rig ? view.tab : null };
+  }
+
+  // Whether the hole is drawn straightened, with the same depth axis as the tracks.
+  get straight() {
+    return this.app.view.camera === 'straight' && Boolean(this.gpu);
+  }
+
+  // The scale of paper of the tracks, if it is one of those offered.
+  get paper() {
+    return paperScale(this.app.view, this.rects.image);
+  }
+
+  // Everything that one frame shows; drawing does not change it.
+  /** @returns {Looks} */
+  look() {
+    const { app, rects } = this;
+    const { store, view, path, selection, bit: bitDepth } = app;
+    const { quantity } = selection;
+    const { top, bottom } = view;
+    const turns = (bottom - top) / Math.abs(store.levels[0].pitch);
+    const tiles = turns / store.levels[0].rows;
+    const pieces = coverage(store, top, bottom, tiles <= FINE_TILES && turns <= 16 * rects.image.height);
+    const now = seconds();
+    /** @type {Look} */
+    const made = {
+      store, view, path, rects, bitDepth, asked: quantity, quantity,
+      imagePieces: pieces,
+      wallPieces: pieces,
+      imageRect: rects.image,
+      wallRect: rects.wall,
+      background: PALETTES[view.theme].background,
+      dark: view.theme === 'dark',
+      notes: app.notes.kept,
+      zones: app.zones,
+      growing: app.growing,
+      arms: app.curves.arms,
+      string: hung(app),
+      over: quantityOf(selection.quantities, 'over'),
+      glow: (tile) => (app.replay.past ? [] : app.glow.on(tile, now)),
+    };
+    /** @type {Look[]} */
+    const beside = selection.besides.map((one, i) => ({ ...made, asked: one, quantity: one, imageRect: rects[`beside${i}`], rects: { ...rects, image: rects[`beside${i}`], caliper: { ...rects.caliper, width: 0 } } }));
+    const images = [made, ...beside.filter(({ imageRect }) => imageRect)].map((one) => (one.asked.inView ? { ...one, quantity: { ...one.asked, ...fitRange(one.asked, valuesInView(one, one.asked)) } } : one));
+    return { ...images[0], images };
+  }
+
+  draw() {
+    const { app, gpu, timers } = this;
+    applyTheme(app.view);
+    if (!app.store || !app.path.count || !this.rects) return writeRig(app);
+    const began = performance.now();
+    clearTimeout(timers.unseen);
+    timers.unseen = undefined;
+    app.ask();
+    if (this.controls) this.controls.enabled = app.view.camera === 'outside';
+    if (this.stale) this.arrange();
+    if (!this.fitted) this.fit();
+    const look = this.look();
+    if (gpu && this.stale) this.paint(gpu, look);
+    this.stale = false;
+    this.drawInk(look);
+    this.drawPanels(look);
+    this.frames++;
+    if (this.firstPicture === null && look.imagePieces.length) this.firstPicture = performance.now();
+    if (app.glow.fade(seconds())) this.glowOn(began);
+    clearTimeout(timers.addressing);
+    timers.addressing = setTimeout(() => (app.notebook ? app.notebook.look(looked(app)) : history.replaceState(null, '', toAddress(app))), 400);
+    return undefined;
+  }
+
+  // Draw the WebGL canvas. On a slow machine the picture is coarse while it moves.
+  /** @param {Gpu} gpu @param {Looks} look */
+  paint(gpu, look) {
+    const began = performance.now();
+    const coarse = gpu.cost > SLOW && began - this.paintedAt < MOVING + 2 * gpu.cost && !this.app.glow.ranges.length && gpu.stats.pictures > 2;
+    this.paintedAt = began;
+    clearTimeout(this.sharpening);
+    this.sharpening = coarse ? setTimeout(() => this.sharpen(), MOVING + Math.min(gpu.cost, 1000)) : undefined;
+    gpu.draw(look, coarse);
+    if (!coarse) gpu.whenDrawn(() => (gpu.cost = performance.now() - began));
+  }
+
+  sharpen() {
+    this.paintedAt = 0;
+    this.sharpening = undefined;
+    this.repaint();
+  }
+
+  // Fading takes at most a quarter of the time, so that new values need not wait for it.
+  /** @param {number} began */
+  glowOn(began) {
+    clearTimeout(this.timers.glowing);
+    const later = () => {
+      clearTimeout(this.timers.glowing);
+      this.timers.glowing = setTimeout(this.repaint, Math.max(200, 4 * (performance.now() - began)));
+    };
+    if (this.gpu) this.gpu.whenDrawn(later);
+    else later();
+  }
+
+  /** @param {Looks} look */
+  drawInk(look) {
+    const { app: { picking, curves, view }, rects, gpu, straight } = this;
+    const { ink, width, height } = sized(byId('ink'));
+    ink.clearRect(0, 0, width, height);
+    ink.font = FONT;
+    if (rects.image.width) for (const one of look.images) this.plain?.draw(ink, one);
+    drawAxis(ink, look);
+    if (rects.image.width) for (const one of look.images) drawImageHead(ink, one);
+    const calipers = drawCaliper(ink, look);
+    if (rects.curves) curves.draw(ink, look);
+    drawOutside(ink, look);
+    this.map.draw(ink, look, picking.kept);
+    const planes = picking.planes();
+    drawDips(ink, look, planes, gpu);
+    drawLegend(ink, look, planes, picking.on ? [] : NARROW.matches ? ['☰ has Pick dips and Help'] : START);
+    if (rects.image.width) drawNotes(ink, look);
+    if (picking.on) for (const one of look.images) drawPoints(ink, one, picking.points);
+    picking.write(planes);
+    byId('netSection').hidden = !picking.kept.length;
+    if (byId('net').clientHeight) byId('netText').textContent = drawNet(byId('net'), look, planes);
+    drawCursor(ink, look);
+    if (picking.on && !picking.selected) drawNext(ink, look, picking.kind);
+    drawAxisLabels(ink, look);
+    if (straight && rects.wall.width) drawColumn(ink, look);
+    else if (gpu && rects.wall.width && !straight) drawWallInk(ink, look, gpu, calipers);
+    for (const one of imageRects(rects)) if (one.width) edges(ink, sharp(one, -1), PALETTES[view.theme].line);
+  }
+
+  /** @param {Look} look */
+  drawPanels(look) {
+    const { app } = this;
+    const { view, store, path, selection, figures: section, alarms } = app;
+    const { cursor } = view;
+    const wall = store.levels[0];
+    const k = cursor && cursor.toolface !== null ? wall.quadAt(cursor.depth, cursor.toolface) : -1;
+    const covered = cursor !== null && cursor.toolface !== null;
+    this.quad = covered ? store.quad(k) : null;
+    selection.read = readout({ store, view, path, quad: this.quad });
+    selection.read.push(...app.curves.readout(cursor?.depth ?? view.middle), ...stringRows(look.string, view.units));
+    write('readout', cursor || !NARROW.matches ? selection.read : selection.read.filter(([, text]) => !/^[–/ ]*$/.test(text))); // on a touch screen nothing hovers: empty values are left out
+    if (selection.toSay && (!covered || wall.locate(k).tile)) {
+      selection.toSay = false;
+      byId('spoken').textContent = spokenText(app);
+    }
+    byId('follow').hidden = !look.growing;
+    byId('readTitle').textContent = view.pinned ? 'Cursor (held)' : cursor ? 'Cursor' : 'Middle of the log';
+    const turned = turnAt(store, view, cursor?.depth ?? view.middle, look.arms);
+    const figures = turnText(look, turned, (m, digits) => showLength(m, view.units, digits ?? (view.units === 'mm' ? 1 : 3)));
+    byId('crossTitle').textContent = `Cross-section at ${showDepth(cursor?.depth ?? view.middle, view.units)}`;
+    if (byId('polar').clientHeight) drawPolar(byId('polar'), look, turned, look.over);
+    write('turn', figures);
+    if (NARROW.matches) writeBrief(look, selection.read, store.basis === 'azimuthal' ? figures : []);
+    section.ask();
+    section.write();
+    alarms.write(view);
+    listZones(app.zones, view, alarms, (zone) => selection.showZone(zone), app.noZone);
+    if (byId('histogram').clientHeight) this.histogram.draw(look);
+    reflect(view, look.quantity, this.rects.image);
+    links(app, toAddress(app));
+    lamp(app);
+  }
+
+  // Lay the tracks out anew. If the size of the window changed, they keep a scale of paper; a change of tab keeps the section.
+  arrange() {
+    const { app: { store, view, selection }, arrangement } = this;
+    const { tab } = arrangement;
+    const sameTab = document.body.dataset.tab === (tab ?? '');
+    const paper = store && this.rects && !view.rig && sameTab && tab !== 'section' && tab !== 'zones' ? this.paper : undefined;
+    document.body.dataset.tab = tab ?? '';
+    const { clientWidth: width, clientHeight: height } = byId('stage');
+    this.rects = layout(width, height, arrangement);
+    this.gpu?.resize(width, height);
+    const { pane: wall } = this.rects;
+    byId('orbit').hidden = this.straight;
+    Object.assign(byId('orbit').style, { left: `${wall.left}px`, top: `${HEAD - 24}px`, width: `${wall.width}px`, height: `${height - HEAD + 24}px` });
+    Object.assign(byId('wallHead').style, { left: `${wall.left}px`, width: `${wall.width}px` });
+    Object.assign(byId('replay').style, { left: `${wall.left + 90}px`, width: `${wall.width - 100}px` });
+    Object.assign(byId('notice').style, { left: `${wall.left + 10}px`, maxWidth: `${wall.width - 20}px` });
+    if (paper && paper !== this.paper) selection.setLength(`1:${paper}`); // a scale of paper stays
+  }
+
+  // Look at the whole section from the side, a little from above, in whatever direction the hole runs.
+  fit() {
+    const { gpu, controls, app: { path, view, store } } = this;
+    if (!path?.count || !gpu || !controls) return;
+    gpu.lookAtSection(view.length, path.at(view.middle), view.tubeFactor(store) * store.bitRadius, this.rects.wall);
+    Object.assign(gpu.head, { left: 0, raised: 0 });
+    controls.target = [0, 0, 0];
+    this.fitted = true;
+    this.repaint();
+  }
+
+  /** @param {number} x @param {number} y @param {boolean} [hold] */
+  pickAt(x, y, hold = false) {
+    const { view } = this.app;
+    const found = this.gpu?.pick(this.look(), x, y + HEAD - 24);
+    if (!found) return view.point(null, false);
+    const { level } = found.tile;
+    const k = found.tile.index * level.tileSize + found.at + 0.5 * (level.sectors + 1);
+    return view.point({ depth: level.depth(k), toolface: level.toolface(found.at + 0.5) }, hold);
+  }
+}
