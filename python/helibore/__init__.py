@@ -26,6 +26,7 @@ if TYPE_CHECKING:  # the same names as below
     from helibore.channels.opening import open as open  # noqa: A004
     from helibore.files.exchange_writing import save_trace as save_trace
     from helibore.files.exchange_writing import save_wellcad as save_wellcad
+    from helibore.files.well_tops import read_intervals as read_intervals
     from helibore.images.image_breakouts import ImageBreakouts as ImageBreakouts
     from helibore.images.sector_image import SectorImage as SectorImage
     from helibore.live.live import Live as Live
@@ -34,6 +35,8 @@ if TYPE_CHECKING:  # the same names as below
     from helibore.logs.annulus import Annulus as Annulus
     from helibore.logs.cement_sheet import CementSection as CementSection
     from helibore.logs.cement_sheet import CementSheet as CementSheet
+    from helibore.logs.intervals import Interval as Interval
+    from helibore.logs.intervals import IntervalTable as IntervalTable
     from helibore.logs.passage import Drift as Drift
     from helibore.logs.passage import Passage as Passage
     from helibore.logs.passage import TightSpot as TightSpot
@@ -83,6 +86,7 @@ _load, _, __all__ = lazy_loader.attach(
         "channels.log_set": ["LogFile", "LogSet"],
         "channels.opening": ["open"],
         "files.exchange_writing": ["save_trace", "save_wellcad"],
+        "files.well_tops": ["read_intervals"],
         "images.image_breakouts": ["ImageBreakouts"],
         "images.sector_image": ["SectorImage"],
         "live.live": ["Live"],
@@ -90,6 +94,7 @@ _load, _, __all__ = lazy_loader.attach(
         "live.model.update": ["Update"],
         "logs.annulus": ["Annulus"],
         "logs.cement_sheet": ["CementSection", "CementSheet"],
+        "logs.intervals": ["Interval", "IntervalTable"],
         "logs.passage": ["Drift", "Passage", "TightSpot"],
         "logs.picks": ["Pick", "Picks"],
         "logs.stress": ["HorizontalStress", "horizontal_stress", "stress_of_picks", "stress_of_zones"],

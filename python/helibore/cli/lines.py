@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from helibore.images.image_breakouts import ImageBreakouts
     from helibore.live.live import Live
     from helibore.logs.annulus import Annulus
+    from helibore.logs.intervals import IntervalTable
     from helibore.logs.summary import Extreme, WallSummary
     from helibore.logs.turn_logs import Logs
     from helibore.logs.zones import Classification
@@ -116,6 +117,33 @@ def sigma_lines(rows: Logs) -> Lines:
     elif rows.shape == "arms":
         why = "the hole between the arms is not sampled"
     return [("missing", f"{missing:,} of {len(rows):,} rows have no sigma" + (f": {why}" if missing else ""))]
+
+
+MOST_INTERVALS = 12
+"""Most intervals that the terminal lists."""
+
+
+def interval_lines(found: IntervalTable) -> Lines:
+    """Return a line on each interval of a wall: depths, mean diameter, volume, measured share, metres by kind."""
+    lines: Lines = []
+    for row in found.intervals[:MOST_INTERVALS]:
+        one, summary = row.interval, row.summary
+        bottom = f"to {one.stop:.2f} m" if math.isfinite(one.stop) else "m to the bottom"
+        text = f"{one.name}, {one.start:.2f} {bottom}: "
+        if summary is None:
+            lines.append(("", f"{text}not logged"))
+            continue
+        size = "no whole turn"
+        if summary.whole_turns:
+            sigma = f" ± {row.volume_sigma:.3f}" if math.isfinite(row.volume_sigma) else ""
+            size = f"mean {size_text(summary.mean_diameter)}, {summary.volume:,.3f}{sigma} m³"
+            size += f" ({100 * summary.excess:+.1f} %)"
+        kinds = "".join(f", {metres:,.1f} m {kind}" for kind, metres in summary.kinds.items())
+        share = f", {100 * summary.coverage:.0f} % measured" if math.isfinite(summary.coverage) else ""
+        lines.append(("", f"{text}{size}{share}{kinds}"))
+    if len(found.intervals) > MOST_INTERVALS:
+        lines.append(("", f"and {len(found.intervals) - MOST_INTERVALS} more"))
+    return [("intervals", lines[0][1]), *lines[1:]] if lines else []
 
 
 def annulus_lines(annuli: Iterable[Annulus]) -> Lines:

@@ -16,8 +16,16 @@ import click
 from helibore.base.decimals import DECIMALS
 from helibore.base.errors import InputError
 from helibore.cli.declared_options import options_of
-from helibore.cli.lines import annulus_lines, breakout_line, row_line, sigma_lines, summary_lines, zone_lines
-from helibore.cli.outputs import OUTPUT, QUIET, check_folder, own_options, save_lines
+from helibore.cli.lines import (
+    annulus_lines,
+    breakout_line,
+    interval_lines,
+    row_line,
+    sigma_lines,
+    summary_lines,
+    zone_lines,
+)
+from helibore.cli.outputs import OUTPUT, QUIET, check_file, check_folder, own_options, save_lines
 from helibore.cli.quantities import FILE, across_and_along, facts_in, split_pair
 from helibore.cli.sections import Sectioned, opt, opts, section
 from helibore.cli.terminal import Terminal
@@ -43,11 +51,17 @@ NAMED = (
 )
 """Options of every table of a wall: the names of the well, and the unit."""
 
+COMMON = (
+    *SHOWN, "step", "sigma", "by_sector", "casing", "drift", "well", "header", "unit", "zones", "breakouts",
+    "interval_table",
+)  # fmt: skip
+"""Parameters that have an option of their own in ``logs``."""
+
 
 @click.command(
     "logs",
     cls=Sectioned,
-    common=(*SHOWN, "step", "sigma", "by_sector", "casing", "drift", "well", "header", "unit", "zones", "breakouts"),
+    common=COMMON,
 )
 @section("Options", OUTPUT("Logs to write: .las, .csv, .parquet or .dlis."), QUIET)
 @section(
@@ -61,6 +75,7 @@ NAMED = (
         type=FILE),
     *CRITERIA,
     IMAGE_CRITERIA,
+    opt("--interval-table", "Table of diameters, volumes and kinds by interval to write (.csv).", type=FILE),
     opts("--breakouts", "Table to write of the breakouts (dark, opposite sectors) of an image.", metavar="IMAGE=FILE"),
 )  # fmt: skip
 @takes_a_wall
@@ -78,17 +93,21 @@ def logs(**options: Any) -> None:
     from helibore.base.tables import LogColumn
     from helibore.files.log_writing import check_format, save_table
     from helibore.logs.image_means import image_means
+    from helibore.logs.intervals import interval_table
     from helibore.logs.summary import summarize
 
-    output, zones_file = options["output"], options["zones"]
+    output, zones_file, by_interval = options["output"], options["zones"], options["interval_table"]
     pairs = [split_pair("breakouts", text, "IMAGE=FILE") for text in options["breakouts"]]
     images = {name: Path(file) for name, file in pairs}
     tables = [output, *([zones_file] if zones_file else []), *images.values()]
     for file in tables:
         check_format(file)
         check_folder(file)
+    if by_interval:
+        check_file(by_interval, (".csv",))
+        tables.append(by_interval)
     if len({file.resolve() for file in tables}) < len(tables):
-        raise click.UsageError("--output, --zones and --breakouts: the files must differ")
+        raise click.UsageError("--output, --zones, --breakouts and --interval-table: the files must differ")
     terminal = Terminal(options["quiet"])
     run = open_run(options, terminal, tables)
     options = own_options(run, "logs", options)
@@ -105,7 +124,9 @@ def logs(**options: Any) -> None:
         annuli = [measured.rows.annulus(size) for size in options["casing"]]
         dark = [wall.images[name].breakouts(ImageCriteria(**options["image_criteria"])) for name in images]
         images_by_turn = _by_sector(wall, options) if options["by_sector"] else []
-        summary = summarize(wall._state(), options["start_depth"], options["stop_depth"], zones=measured.zones)
+        summary = summarize(wall._state(), options["start_depth"], options["stop_depth"], zones=measured.found)
+    if by_interval and not wall.intervals:
+        raise InputError("intervals", "the wall has none: name a file of tops", setting="intervals.file")
     columns = [*measured.columns, *(column for each in annuli for column in each.columns())]
     if annuli:
         text, rows = "Volume of the hole from the deepest row up to this one", measured.rows
@@ -123,7 +144,10 @@ def logs(**options: Any) -> None:
     if zones_file and measured.zones:
         work.append((zones_file, measured.zones.table()))
     work += [(file, each.table()) for file, each in zip(images.values(), dark, strict=True)]
+    intervals = interval_table(wall._state(), wall.intervals, measured.found) if wall.intervals else None
     with terminal.stage("save", f"Writing {output.name}"):
+        if by_interval and intervals:
+            intervals.save(by_interval, options["unit"])
         for file, table in work:
             save_table(in_unit(table, options["unit"]), file, header=header)
         saved = save_lines(run, output, "logs", options, tables[1:])
@@ -132,6 +156,7 @@ def logs(**options: Any) -> None:
         row_line(measured.rows),
         *sigma_lines(measured.rows),
         *summary_lines(summary),
+        *(interval_lines(intervals) if intervals else []),
         *annulus_lines(measured.turns.annulus(size) for size in options["casing"]),
         *(zone_lines(measured.zones, summary, options["unit"]) if measured.zones else []),
         *(breakout_line(each) for each in dark),
@@ -215,11 +240,12 @@ def in_unit(table: LogTable, unit: str) -> LogTable:
 class _Measured(NamedTuple):
     """The zones and logs of a wall.
 
-    ``zones`` are the zones of the whole wall; None if the wall's shape was not measured. ``turns`` are the turns
-    between --from and --to. ``rows`` are the rows to write: these turns, or steps of depth. ``columns`` are added to
-    the rows: the class of hole, if a row is a turn and there are zones.
+    ``found`` are the zones of the whole wall, ``zones`` the same, or None if its shape was not measured. ``turns`` are
+    the turns between --from and --to. ``rows`` are the rows to write: these turns, or steps of depth. ``columns`` are
+    added to the rows: the class of hole, if a row is a turn and there are zones.
     """
 
+    found: Classification
     zones: Classification | None
     turns: Logs
     rows: Logs
@@ -259,13 +285,14 @@ def _measured(wall: Wall, options: dict[str, Any], reference: Any) -> _Measured:
         )
         raise InputError("--from and --to", f"no full turn of the wall lies between them; {ends}")
     turns = every.between(options["start_depth"], options["stop_depth"])
-    zones = classify(wall, criteria, every) if shaped else None
+    found = classify(wall, criteria, every)
+    zones = found if shaped else None
     if options["step"] is None:
         classes = [replace(of, values=of.values[inside]) for of in ([zones.column()] if zones else [])]
-        return _Measured(zones, turns, turns, classes)
+        return _Measured(found, zones, turns, turns, classes)
     rows = turns.by_step(options["step"])
     if not len(rows):
         ends = f"{turns.depth.min():g} to {turns.depth.max():g} m"
         rule = f"the turns, {ends}, must reach from one multiple of the step to the next"
         raise InputError("step", rule, f"{options['step']:g}")
-    return _Measured(zones, turns, rows, [])
+    return _Measured(found, zones, turns, rows, [])

@@ -27,7 +27,10 @@ if TYPE_CHECKING:
 
 QUIET = opt("-q --quiet", "Print nothing but errors.", is_flag=True)
 
-NOT_RECORDED = ("source", "output", "centres", "zones", "breakouts", "rose", "quiet", "help", "settings", "column")
+NOT_RECORDED = (
+    "source", "output", "centres", "zones", "breakouts", "interval_table", "rose", "quiet", "help", "settings",
+    "column",
+)  # fmt: skip
 """A command's own options that do not change the bytes of its output; a project does not record them."""
 TABLES = ("header", "zones", "image_zones", "print", "look", "logs", "passage", "stress", "cement", "mesh", "view")
 """Tables of a project that say what an output holds."""

@@ -77,6 +77,9 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--gauge", "Gauge hole in place of SOURCE, which only carries images.", is_flag=True),
         opts("--image", "Image FILE:CHANNEL:ORIGIN[:REFERENCE]; ORIGIN, centre or edge of sector 1, lies at toolface 0 "
              "of REFERENCE, north or high-side.  [the wall's reference]", metavar="IMAGE"),
+        opt("--intervals", "Formation tops or intervals (CSV, Petrel).  [those of the archive]", type=FILE),
+        opt("--intervals-well", "Well whose tops are read.  [that of the header, or the only one]"),
+        opt("--intervals-unit", "Unit of their depths.  [as the file states it]"),
         opt("--from start_depth", "Start depth.  [top of the wall]", type=LENGTH),
         opt("--to stop_depth", "Stop depth.  [bottom of the wall]", type=LENGTH),
     ),
@@ -122,14 +125,18 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
 }  # fmt: skip
 """Every option of a wall, by section of the help."""
 
-ANYWHERE = ("image", "header_lines", "start_depth", "stop_depth", "threads")
+ANYWHERE = (
+    "image", "intervals", "intervals_well", "intervals_unit", "header_lines", "start_depth", "stop_depth", "threads",
+)  # fmt: skip
 """Options that also go with an archive, although it has its own settings of the wall."""
 
 
 INTERVAL = ("start_depth", "stop_depth")
 """Options of the interval: of the wall, if it is made from samples; else of what is shown."""
 
-SHOWN = ("bit_diameter", "survey", "column", "maps", "image", "average", "gauge", "start_depth", "stop_depth")
+SHOWN = (
+    "bit_diameter", "survey", "column", "maps", "image", "intervals", "average", "gauge", "start_depth", "stop_depth",
+)  # fmt: skip
 """Parameters of a wall that have an option of their own in every command that shows a wall."""
 
 MADE = (
@@ -383,7 +390,7 @@ def _opened(options: dict[str, Any], project: Path | None) -> Run:
 
 def _over(options: dict[str, Any]) -> dict[str, Any]:
     """Return what the command line states and counts over a project, by key."""
-    from helibore.runs.project import Input
+    from helibore.runs.project import Input, IntervalInput
     from helibore.settings.column_settings import Columns
 
     given = {name: options[name] for name in options if _given(name)}
@@ -399,6 +406,11 @@ def _over(options: dict[str, Any]) -> dict[str, Any]:
         over["survey"] = Input(options["survey"], set=options["survey_set"], map=options["survey_map"])
     if options["track"] is not None:
         over["track"] = Input(options["track"], map=options["track_map"])
+    if options["intervals"] is not None:
+        named = {name: options[f"intervals_{name}"] for name in ("well", "unit")}
+        over["intervals"] = IntervalInput(options["intervals"], **named)
+    elif over_named := {name: given[f"intervals_{name}"] for name in ("well", "unit") if f"intervals_{name}" in given}:
+        over["intervals"] = over_named
     return over
 
 

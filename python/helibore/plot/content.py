@@ -40,6 +40,7 @@ from helibore.plot.tracks import (
     CaliperTrack,
     DepthTrack,
     ImageTrack,
+    IntervalTrack,
     PlacedTrack,
     ScalarTrack,
     Shown,
@@ -142,10 +143,10 @@ class Content:
     def summary(self, start: float | None = None, stop: float | None = None) -> WallSummary:
         """Return the summary of the interval, or of a part of it."""
         ends = (self.top if start is None else start, self.bottom if stop is None else stop)
-        return summarize(self._state, *ends, zones=self.zones)
+        return summarize(self.state, *ends, zones=self.zones)
 
     @cached_property
-    def _state(self) -> WallState:
+    def state(self) -> WallState:
         """The wall as `WallState`, whose samples are thus copied only once."""
         return self.wall._state()
 
@@ -181,6 +182,8 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     tracks: list[PlacedTrack] = [
         DepthTrack(scale, true_depth(wall.path, drawing.elevation), zones.zones, drawing.depth_unit)
     ]
+    if wall.intervals:
+        tracks.append(IntervalTrack(wall.intervals, top, bottom))
     others = [_Other.of(name, one) for name, one in drawing.beside.items()]
     limits = _diameter_limits([(wall, turns), *((one.wall, one.turns) for one in others)], top, bottom, drawing)
     if wall.basis != "gauge":
@@ -240,10 +243,10 @@ def _logged(logs: Logs) -> list[ScalarCurve]:
 def _arranged(
     template: Template, tracks: list[PlacedTrack], curves: Sequence[ScalarCurve], top: float, bottom: float
 ) -> list[PlacedTrack]:
-    """Return the first of ``tracks`` (depth), then the tracks of a template for which the wall has values."""
+    """Return the tracks of depths and intervals, then the tracks of a template for which the wall has values."""
     images = {track.shown.name: track for track in tracks if isinstance(track, ImageTrack)}
     by_name = {curve.name: curve for curve in reversed(curves)}
-    arranged = tracks[:1]
+    arranged: list[PlacedTrack] = [track for track in tracks if isinstance(track, DepthTrack | IntervalTrack)]
     for wanted in template.track:
         found: list[PlacedTrack] = []
         if wanted.kind == "image":

@@ -23,6 +23,7 @@ from helibore.base.atomic_file import write_whole
 from helibore.base.colors import DIP_TITLES
 from helibore.base.harmless import in_html
 from helibore.base.units import size_text
+from helibore.logs.intervals import interval_table
 from helibore.logs.picks import BREAKOUT
 from helibore.logs.summary import WallSummary
 from helibore.logs.turn_logs import NO_UNCERTAINTY, TOOLFACE_0
@@ -119,6 +120,7 @@ def page(wall: Wall, messages: Sequence[tuple[str, str]] = (), **options: Any) -
         ("summary", "Summary", warned + _summary(content)),
         ("pictures", "Pictures", _pictures(content)),
         ("diameters", "Diameters and volumes", _diameters(content)),
+        *([("intervals", "Intervals", _intervals(content))] if wall.intervals else []),
         ("zones", "Zones", _zones(zones, content)),
         ("picks", "Picks", _picks(content)),
         ("quality", "Data quality", _quality(content, messages)),
@@ -246,6 +248,16 @@ def _diameters(content: Content) -> str:
     )
     unsure = f"<p>{sentence(NO_UNCERTAINTY)}</p>" if content.zones.logs.unmeasured_shape else ""
     return table(head, rows) + f"<p>{note}</p>{unsure}"
+
+
+def _intervals(content: Content) -> str:
+    """Return what was measured in each interval of the wall, as HTML."""
+    drawing = content.drawing
+    rows = interval_table(content.state, content.wall.intervals, content.zones).rows(drawing.unit)
+    filled = [at for at, cells in enumerate(zip(*rows[1:], strict=True)) if at < 4 or any(cells)]
+    head, *rest = [[row[at] for at in filled] for row in rows]
+    note = "Numbers are those of the part that the log reaches; an interval without any has none."
+    return f"<p>{note}</p>" + table([name.replace("_", " ").capitalize() for name in head], rest)
 
 
 def _zones(zones: Classification | None, content: Content) -> str:

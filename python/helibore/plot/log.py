@@ -20,7 +20,7 @@ from helibore.plot.cross_sections import HEIGHT, WIDTH, draw_section, key_text, 
 from helibore.plot.paper import FAINT, INK, SMALL, USUAL, Sheet
 from helibore.plot.print_header import draw_footer, draw_header, footer_height, header_height
 from helibore.plot.solid import draw_solid
-from helibore.plot.tracks import HEAD, Stretch
+from helibore.plot.tracks import HEAD, Stretch, tops_across
 from helibore.plot.zone_list import draw_zones, zone_list_height
 
 if TYPE_CHECKING:
@@ -176,6 +176,7 @@ def draw_tracks(sheet: Sheet, content: Content, top: float, bottom: float, y: fl
         track.head(sheet, x, y)
         sheet.box(x, y, track.width, HEAD)
         axes = track.draw(sheet, x, stretch)
+        tops_across(axes, content.wall.intervals, stretch)
         if first is not None:
             axes.sharey(first)
         first = first or axes

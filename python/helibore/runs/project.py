@@ -61,7 +61,7 @@ from helibore.settings.zone_settings import ImageCriteria, ZoneSettings
 SOURCES = ("caliper", "average", "archive", "gauge")
 """Keys of the sources of a wall; each run has exactly one of them."""
 
-FILES = ("caliper", "average", "archive", "image", "scalar", "track", "survey")
+FILES = ("caliper", "average", "archive", "image", "scalar", "intervals", "track", "survey")
 """Keys of a project that name files."""
 
 SHOWN = ("header", "zones", "image_zones", "print", "look", "logs", "passage")
@@ -113,6 +113,21 @@ class ScalarInput(Declared):
 
 
 @dataclass(frozen=True)
+class IntervalInput(Declared):
+    """A table of formation tops or intervals."""
+
+    file: Annotated[Path, "File, relative to the project."]
+    blake2b: Annotated[str, "Checksum of its bytes, in hexadecimal."] = ""
+    well: Annotated[str | None, "Well whose rows are read. None: that of the header, or the only one of the file."] = (
+        None
+    )
+    unit: Annotated[str | None, "Unit of the depths. None: that which the file states."] = None
+
+
+AnyInput = Input | ImageInput | ScalarInput | IntervalInput
+
+
+@dataclass(frozen=True)
 class Output(Declared):
     """The file that was written."""
 
@@ -138,6 +153,7 @@ class Project(Declared):
     survey: Annotated[Input | None, "Survey. None: the hole is straight and vertical."] = None
     image: Annotated[tuple[ImageInput, ...], "Images."] = ()
     scalar: Annotated[tuple[ScalarInput, ...], "Curves of a print or report."] = ()
+    intervals: Annotated[IntervalInput | None, "Formation tops or intervals. None: those of the archive."] = None
     columns: Annotated[Columns, "Columns of the files."] = field(default_factory=Columns)
     reading: Annotated[ReadingSettings, "How files are read."] = field(default_factory=ReadingSettings)
     echo: Annotated[Echo | None, "How travel times become radii."] = None
@@ -168,20 +184,20 @@ class Project(Declared):
         if (self.wall is None) != (self.archive is not None):
             raise InputError("wall", "must be left out for an archive" if self.archive else "is missing")
 
-    def files(self, key: str) -> tuple[Input | ImageInput | ScalarInput, ...]:
+    def files(self, key: str) -> tuple[AnyInput, ...]:
         """Return the files of one of `FILES`, in order."""
         value = getattr(self, key)
         return value if isinstance(value, tuple) else () if value is None else (value,)
 
     @property
-    def inputs(self) -> tuple[Input | ImageInput | ScalarInput, ...]:
+    def inputs(self) -> tuple[AnyInput, ...]:
         """Every file that the run reads, except role maps."""
         return tuple(one for key in FILES for one in self.files(key))
 
     @property
-    def shown(self) -> tuple[Input | ImageInput | ScalarInput, ...]:
-        """The files whose values are shown, without survey and track; picks are saved beside the first of them."""
-        return tuple(one for key in FILES[:-2] for one in self.files(key))
+    def shown(self) -> tuple[AnyInput, ...]:
+        """The files whose values are shown: all but intervals, track and survey; picks are beside the first."""
+        return tuple(one for key in FILES[:-3] for one in self.files(key))
 
 
 def project_file(output: str | os.PathLike[str]) -> Path:

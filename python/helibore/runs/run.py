@@ -37,6 +37,7 @@ from helibore.channels.opening import open_file
 from helibore.channels.role_map import parse_options, read_map
 from helibore.channels.roles import RoleMap, guess
 from helibore.files.input_file import ReadOptions
+from helibore.files.well_tops import read_tops
 from helibore.images.sector_image import SectorImage
 from helibore.preparation.prepare import Preparation, Prepared, Track, prepare
 from helibore.preparation.readings import Readings
@@ -206,7 +207,7 @@ def open_run(project: Project, files: OpenFiles | None = None, keys: Collection[
     than the project states, or lacks a channel. What an archive keeps counts where the project states nothing.
     """
     files = files or OpenFiles(project.nulls, reading=project.reading)
-    lines = {one.file: one.header_line for one in project.inputs if one.header_line}
+    lines = {one.file: line for one in project.inputs if (line := getattr(one, "header_line", None))}
     files.header_lines = lines | files.header_lines
     _check_sums(project, files, keys)
     if project.archive is not None and "archive" in keys:
@@ -377,8 +378,19 @@ def build_wall(
         north = north_of(run.files.log_set(survey), survey.roles)
         run.wall.made_from["survey"] = {"name": survey.file.name, "north": north, **_norths(settings.preparation)}
     run.wall.path = run.path
+    run.messages += _add_intervals(run)
     run.messages += add_images(run.wall, images)
     return run
+
+
+def _add_intervals(run: Run) -> list[tuple[str, str]]:
+    """Give the wall the intervals of the run's file, if it has one; return lines on what was read."""
+    one = run.settings.intervals
+    if one is None:
+        return []
+    found = read_tops(one.file, one.well, one.unit, stated_header(run).get("well", ""))
+    run.wall.intervals = found.intervals
+    return [("intervals", f"{len(found.intervals)} of {one.file.name}: {', '.join(found.remarks)}")]
 
 
 def _norths(preparation: Preparation) -> dict[str, float]:

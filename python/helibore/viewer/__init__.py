@@ -260,7 +260,7 @@ def view(
         wall, path=path, attributes=values, well=well, reference=reference, criteria=criteria, string=tuple(string)
     )
     if isinstance(wall, Wall):
-        feed.scene.picks = wall.picks
+        feed.scene.picks, feed.scene.intervals = wall.picks, wall.intervals
     feed.scene.picks_file = picks_file
     feed.scene.saves_picks = picks_file is None or can_save(picks_file)
     feed.scene.set_curves(curves)

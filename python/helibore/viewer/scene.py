@@ -22,6 +22,7 @@ from helibore.base.colors import check_map, customary_map
 from helibore.base.errors import InputError
 from helibore.base.harmless import printable
 from helibore.logs.curves import ScalarCurve
+from helibore.logs.intervals import Interval
 from helibore.logs.picks import Picks
 from helibore.logs.turn_logs import Shape
 from helibore.samples.caliper import BASIS_TEXT, Basis
@@ -232,6 +233,8 @@ class Scene:
     ----------
     picks
         The picks of the wall; `change_picks` changes them for a page.
+    intervals
+        Named intervals of the hole, such as formations; a page gets them when it connects.
     picks_file
         File to which `change_picks` saves the picks; None: they are not saved.
     saves_picks
@@ -260,6 +263,7 @@ class Scene:
         self.template: Template | None = None
         self.curves: dict[str, ScalarCurve] = {}
         self.picks = Picks()
+        self.intervals: tuple[Interval, ...] = ()
         self.picks_file: str | os.PathLike[str] | None = None
         self.saves_picks = True
         self.path: Path | None = None
@@ -396,6 +400,7 @@ class Scene:
             copy.shape, copy.session, copy.frames, copy.settled = self.shape, self.session, self.frames, self.settled
             copy.history, copy.state, copy.summarize = self.history.frozen_copy(), self.state, self.summarize
             copy.picks, copy.curves, copy.template = Picks(self.picks), dict(self.curves), self.template
+            copy.intervals = self.intervals
         copy.begun = True
         return copy
 

@@ -149,12 +149,19 @@ def _contents(wall: WallColumns) -> tuple[Arrays, dict[str, Any]]:
         "images": images,
         "attributes": attributes,
         "made_from": wall.made_from,
+        **_intervals(wall),
     }
 
 
 def _settings(settings: Settings) -> dict[str, Any]:
     """Return the settings by name, without a covariance that is not set: an archive older than it keeps its bytes."""
     return {name: value for name, value in asdict(settings).items() if name != "covariance" or value is not None}
+
+
+def _intervals(wall: WallColumns) -> dict[str, Any]:
+    """Return the named intervals; {} without any: an archive older than they are keeps its bytes."""
+    named = [[one.name, one.start, None if math.isinf(one.stop) else one.stop] for one in wall.intervals]
+    return {"intervals": named} if named else {}
 
 
 def _or_null(number: float) -> float | None:

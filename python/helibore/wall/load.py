@@ -19,6 +19,7 @@ from helibore import _core
 from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.images.sector_image import SectorImage
+from helibore.logs.intervals import Interval
 from helibore.logs.picks import ENDING as PICKS
 from helibore.logs.picks import Picks
 from helibore.samples.caliper import Caliper
@@ -44,9 +45,9 @@ def load(filename: str | os.PathLike[str], threads: int | None = None, recompute
     Returns
     -------
     Wall
-        The wall with the settings, basis, samples, vertices, ``path``, ``images``, ``attributes`` and ``made_from`` of
-        the saved wall, and with the ``picks`` of FILENAME.picks.csv if that file exists. Later appends give exactly
-        the same numbers as they would on the saved wall.
+        The wall with the settings, basis, samples, vertices, ``path``, ``images``, ``attributes``, ``intervals`` and
+        ``made_from`` of the saved wall, and with the ``picks`` of FILENAME.picks.csv if that file exists. Later appends
+        give exactly the same numbers as they would on the saved wall.
 
     Raises
     ------
@@ -93,7 +94,10 @@ def _wall(members: Members, threads: int | None, recompute: bool) -> Wall:
         if row["unit"] is not None:
             units[row["name"]] = row["unit"]
     arms = Caliper(**columns) if columns else None
-    wall.__setstate__((samples, arms, path, images, attributes, units, contents["made_from"], ()))
+    intervals = [
+        Interval(name, start, math.inf if stop is None else stop) for name, start, stop in contents.get("intervals", ())
+    ]
+    wall.__setstate__((samples, arms, path, images, attributes, units, contents["made_from"], (), intervals))
     if not recompute:
         _require_same(wall, saved, contents)
     return wall

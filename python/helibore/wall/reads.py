@@ -30,6 +30,7 @@ from helibore.wall.wall_columns import MEASURED, WallColumns
 if TYPE_CHECKING:
     from xarray import Dataset
 
+    from helibore.logs.intervals import IntervalTable
     from helibore.logs.passage import Drift, Passage
     from helibore.logs.summary import WallSummary
     from helibore.logs.turn_logs import Logs
@@ -218,10 +219,10 @@ class WallReads:
     def save(self, filename: str | os.PathLike[str]) -> None:
         """Write the wall to an archive, whole or not at all; `helibore.load` reopens it.
 
-        The archive holds settings, samples, vertices, `path`, `images`, `attributes` and `made_from`. The reopened wall
-        equals this wall in every bit, also after further appends. `helibore.wall.archive` describes the file. `picks`,
-        if there are any, are written to FILENAME.picks.csv, which `helibore.load` also reads; a wall without picks does
-        not change such a file.
+        The archive holds settings, samples, vertices, `path`, `images`, `attributes`, `intervals` and `made_from`. The
+        reopened wall equals this wall in every bit, also after further appends. `helibore.wall.archive` describes the
+        file. `picks`, if there are any, are written to FILENAME.picks.csv, which `helibore.load` also reads; a wall
+        without picks does not change such a file.
 
         Parameters
         ----------
@@ -260,6 +261,24 @@ class WallReads:
         state = self._state()
         known = self._sigma_of(state) if sigma else None
         return turn_logs(state, None, rugosity_window, threads, known, caliper_accuracy=caliper_accuracy)
+
+    def interval_table(self, criteria: Criteria | None = None, *, sigma: bool = False) -> IntervalTable:
+        """Return diameters, volume, measured share and metres by kind in each of `intervals`.
+
+        Parameters
+        ----------
+        criteria
+            Criteria of the kinds of hole; None: the defaults.
+        sigma
+            Whether the volumes have an uncertainty; this raises an InputError as `sigma` does.
+        """
+        from helibore.logs.intervals import interval_table
+        from helibore.logs.turn_logs import turn_logs
+        from helibore.logs.zones import classify
+
+        state = self._state()
+        logs = turn_logs(state, sigma=self._sigma_of(state) if sigma else None)
+        return interval_table(state, state.intervals, classify(state, criteria, logs))
 
     def drift(self, length: float | str, *, sigma: bool = False) -> Drift:
         """Return the greatest diameter of a rigid cylinder at each turn, in three dimensions along `path`.

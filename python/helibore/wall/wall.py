@@ -24,6 +24,7 @@ from helibore.base.arrays import Array, Floats, Integers32, Mask, sample_columns
 from helibore.base.errors import InputError
 from helibore.base.thread_count import thread_count
 from helibore.images.sector_image import SectorImage, SectorImages
+from helibore.logs.intervals import Interval, checked_intervals
 from helibore.logs.picks import Pick, Picks
 from helibore.mesh.attributes import WallAttributes
 from helibore.samples.caliper import Basis, Caliper, basis_text, check_basis
@@ -91,6 +92,7 @@ class Wall(WallReads):
         self._arms: list[Caliper] = []
         self._path: Path | None = None
         self._images, self._picks = SectorImages(), Picks()
+        self._intervals: tuple[Interval, ...] = ()
         self._made_from: dict[str, Any] = {}
         self._attributes = self._no_attributes()
 
@@ -309,13 +311,21 @@ class Wall(WallReads):
     def _contents(self) -> tuple[Any, ...]:
         state = self._state()
         attributes = {name: (state.attributes.start_depth(name), of) for name, of in state.attributes.items()}
-        placing = (state.path, state.images, attributes, state.attributes.units, state.made_from, list(state.picks))
+        placing = (
+            state.path,
+            state.images,
+            attributes,
+            state.attributes.units,
+            state.made_from,
+            list(state.picks),
+            state.intervals,
+        )
         empty = partial(Wall, threads=self._threads, basis=self._basis, **vars(self._settings))
         return empty, (state.sample_columns, state.arms, *placing)
 
     def __setstate__(self, state: tuple[Any, ...]) -> None:
         """Restore a wall from an archive or a pickle: compute the vertices again from the samples."""
-        samples, arms, self.path, self.images, attributes, units, self.made_from, self.picks = state
+        samples, arms, self.path, self.images, attributes, units, self.made_from, self.picks, self.intervals = state
         if samples:
             self.append(*samples)
         if arms is not None:
@@ -398,6 +408,18 @@ class Wall(WallReads):
                 raise InputError(f"picks[{number}]", "must be a Pick", type(pick).__name__)
         self._picks = new
 
+    @property
+    def intervals(self) -> tuple[Interval, ...]:
+        """Named intervals of the hole, such as formations, by depth; prints and pages show their tops.
+
+        Assign several `Interval`, as `helibore.read_intervals` returns them; raises InputError on any other value.
+        """
+        return self._intervals
+
+    @intervals.setter
+    def intervals(self, intervals: Iterable[Interval]) -> None:
+        self._intervals = checked_intervals(intervals)
+
     def _state(self, samples: bool | None = True) -> WallState:
         core = self._core
         with self._growing:  # other threads may set images meanwhile: each step here copies a whole dict or list
@@ -408,7 +430,7 @@ class Wall(WallReads):
                 core.radius(), core.nearest(), core.support(), core.iterations(), columns,
                 self._path, dict(self._images.data), self._attributes.frozen(), _copied(self._made_from),
                 self.arms if with_samples else None, core.sums() if with_samples and self._settings.sigma else (),
-                self._threads, Picks(self._picks),
+                self._threads, Picks(self._picks), self._intervals,
             )  # fmt: skip
         arrays: tuple[Array, ...] = (state.radius, state.nearest, state.support, state.iterations)
         for array in (*arrays, *columns, *state.sums):

@@ -13,6 +13,7 @@ from helibore import _core
 from helibore.base.arrays import Bytes, Floats, Integers32, Mask
 from helibore.base.thread_count import thread_count
 from helibore.images.sector_image import SectorImage
+from helibore.logs.intervals import Interval
 from helibore.logs.picks import Picks
 from helibore.mesh.attributes import WallAttributes
 from helibore.samples.caliper import Basis, Caliper
@@ -36,7 +37,7 @@ errors of measured vertices are below 1.6 mm, a quarter of the smallest limit of
 
 @dataclass(frozen=True, eq=False, repr=False)
 class WallColumns:
-    """Copies of a wall's arrays at one moment, and of its path, images, attributes and picks, named as in `Wall`.
+    """Copies of a wall's arrays at one moment, and of its path, images, picks and so on, named as in `Wall`.
 
     ``sample_columns`` are depth, toolface, radius and, if samples have times, time; () if they were not copied.
     ``sums`` holds for each vertex the sums from which its uncertainty is computed; () without `Settings.sigma`.
@@ -59,6 +60,7 @@ class WallColumns:
     sums: tuple[Floats, ...] = ()
     threads: int | None = None
     picks: Picks = field(default_factory=Picks)
+    intervals: tuple[Interval, ...] = ()
 
     @cached_property
     def angular_gap(self) -> Floats:

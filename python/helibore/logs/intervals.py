@@ -1,0 +1,178 @@
+"""Named intervals of a hole, such as formations, and what a wall measures in each.
+
+    wall.intervals = hb.read_intervals("tops.csv")     a formation reaches from its top to the next top
+    wall.interval_table().save("formations.csv")       a row an interval, with the numbers of `Wall.summary`
+
+Archives keep the intervals; prints, reports and the viewer's page show their tops.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from helibore.base import units
+from helibore.base.atomic_file import write_whole
+from helibore.base.decimals import DECIMALS
+from helibore.base.errors import InputError, check_ending
+from helibore.base.harmless import HIDDEN, cell, printable
+from helibore.logs.summary import WallSummary, summarize
+from helibore.logs.zones import KINDS, Classification
+from helibore.samples.helix import WallLike, helix_of
+
+LONGEST_NAME = 80
+MOST = 1000
+"""Most intervals of a wall."""
+
+
+@dataclass(frozen=True)
+class Interval:
+    """A named interval of a hole: a formation from its top to the next, a section, a perforated interval.
+
+    Attributes
+    ----------
+    name
+        At most 80 characters.
+    start, stop
+        Measured depths, metres. ``stop`` is infinite where no deeper top is known.
+    """
+
+    name: str
+    start: float
+    stop: float = math.inf
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not 0 < len(self.name.strip()) <= LONGEST_NAME:
+            raise InputError("name", f"must be a text of 1 to {LONGEST_NAME} characters", repr(self.name))
+        if HIDDEN.search(self.name):
+            rule = "must not hold control characters, marks that turn text around or halves of surrogate pairs"
+            raise InputError("name", rule, printable(self.name))
+        for end in ("start", "stop"):
+            vars(self)[end] = float(getattr(self, end))
+        if not (math.isfinite(self.start) and self.start <= self.stop):
+            rule = "start must be finite, and stop not above it"
+            raise InputError(f"interval {self.name!r}", rule, f"{self.start:g} to {self.stop:g} m")
+
+
+def intervals_of_tops(tops: Iterable[tuple[str, float]]) -> tuple[Interval, ...]:
+    """Return the intervals between tops, by depth: each reaches to the next deeper top, the last one to infinity.
+
+    Of tops at one depth, all but the last have no length: such a formation is missing in this well.
+    """
+    ordered = sorted(tops, key=lambda top: top[1])
+    ends = [depth for _, depth in ordered[1:]] + [math.inf]
+    return tuple(Interval(name, depth, end) for (name, depth), end in zip(ordered, ends, strict=True))
+
+
+def checked_intervals(intervals: Iterable[Interval]) -> tuple[Interval, ...]:
+    """Return intervals sorted by depth; refuse any other value."""
+    if isinstance(intervals, str) or not isinstance(intervals, Iterable):
+        raise InputError("intervals", "must be a list of Interval", type(intervals).__name__)
+    found = tuple(intervals)
+    for number, one in enumerate(found):
+        if not isinstance(one, Interval):
+            raise InputError(f"intervals[{number}]", "must be an Interval", type(one).__name__)
+    if len(found) > MOST:
+        raise InputError("intervals", f"must be at most {MOST}", str(len(found)))
+    return tuple(sorted(found, key=lambda one: (one.start, one.stop)))
+
+
+class IntervalRow(NamedTuple):
+    """What a wall measures in an interval.
+
+    Attributes
+    ----------
+    interval
+        The interval.
+    summary
+        Numbers of the part of it that the wall reaches; None if the wall reaches no part.
+    volume_sigma
+        Upper limit of the standard uncertainty of the volume, m3: the sum of those of the turns. NaN if not known.
+    """
+
+    interval: Interval
+    summary: WallSummary | None
+    volume_sigma: float
+
+
+@dataclass(frozen=True)
+class IntervalTable:
+    """What a wall measures in each of its intervals; made by `Wall.interval_table`.
+
+    Attributes
+    ----------
+    intervals
+        A row for each interval, by depth: ``interval``, ``summary`` and ``volume_sigma``.
+    """
+
+    intervals: tuple[IntervalRow, ...]
+
+    def rows(self, unit: str = "m") -> list[list[str]]:
+        """Return rows of text, of which the first has the names of the columns.
+
+        Parameters
+        ----------
+        unit
+            Of diameters: ``"m"``, ``"mm"`` or ``"in"``; ``"ft"``: inches, and feet for depths. Volumes are m3.
+        """
+        across, along = ("in", "ft") if unit == "ft" else (unit, "m")
+        head = [
+            "INTERVAL", f"TOP ({along})", f"BOTTOM ({along})", f"LOGGED ({along})", f"DMEAN ({across})",
+            f"DLEAST ({across})", f"DGREATEST ({across})", f"DINSC ({across})", "VOL (m3)", "VOL_SIGMA (m3)",
+            "EXCESS (%)", "COVER (%)", *(f"{kind.upper().replace(' ', '_')} ({along})" for kind in KINDS[1:]),
+        ]  # fmt: skip
+
+        def length(value: float, to: str, decimals: int = 2) -> str:
+            return _text(value / units.factor(to, units.LENGTH), decimals)
+
+        rows = [head]
+        for of, found, sigma in self.intervals:
+            row = [cell(of.name), length(of.start, along), length(of.stop, along)]
+            if found is None:
+                rows.append([*row, "0.00", *[""] * (len(head) - 4)])
+                continue
+            sizes = (
+                found.mean_diameter, found.least_diameter.value, found.greatest_diameter.value,
+                found.inscribed_diameter.value,
+            )  # fmt: skip
+            whole = found.whole_turns > 0
+            row.append(length(found.whole_turns + found.incomplete_turns, along))
+            row += [length(size, across, DECIMALS[across]) for size in sizes]
+            row += [_text(found.volume if whole else math.nan, 4), _text(sigma, 4), _text(100 * found.excess, 2)]
+            row.append(_text(100 * found.coverage, 1))
+            shaped = found.basis == "azimuthal"
+            row += [length(found.kinds.get(kind, 0.0), along) if shaped else "" for kind in KINDS[1:]]
+            rows.append(row)
+        return rows
+
+    def save(self, filename: str | os.PathLike[str], unit: str = "m") -> None:
+        """Write `rows` to a CSV file, whole or not at all; ``filename`` ends in .csv, ``unit`` is that of `rows`."""
+        check_ending(filename, (".csv",))
+        text = io.StringIO()
+        csv.writer(text, lineterminator="\n").writerows(self.rows(unit))
+        write_whole(filename, lambda file: file.write(text.getvalue().encode()))
+
+
+def _text(value: float, decimals: int) -> str:
+    return f"{value:.{decimals}f}" if math.isfinite(value) else ""
+
+
+def interval_table(wall: WallLike, intervals: Sequence[Interval], zones: Classification) -> IntervalTable:
+    """Return what a wall measures in each interval, as `Wall.interval_table` does; ``zones`` are those of the wall."""
+    logs = zones.logs
+    top, bottom = helix_of(wall).ends(len(wall.radius)) if len(wall.radius) else (math.nan, math.nan)
+    rows = []
+    for one in checked_intervals(intervals):
+        start, stop = max(one.start, top), min(one.stop, bottom)
+        if not start < stop:
+            rows.append(IntervalRow(one, None, math.nan))
+            continue
+        found = summarize(wall, start, stop, zones=zones)
+        uncertain = logs.volume_sigma[logs.rows_between(start, stop)]
+        rows.append(IntervalRow(one, found, float(uncertain.sum()) if uncertain.size else math.nan))
+    return IntervalTable(tuple(rows))
