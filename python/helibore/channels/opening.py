@@ -22,6 +22,7 @@ def open(  # noqa: A001
     encoding: str | None = None,
     decimal: str | None = None,
     salvage: bool = False,
+    strict: bool = False,
 ) -> LogFile:
     """Open a log file of any format, or a data frame; the content of a file decides the format, not its name.
 
@@ -43,6 +44,8 @@ def open(  # noqa: A001
     salvage
         Whether a truncated or damaged DLIS, gzipped, text or table file gives what lies before the damage; a remark
         states what is lost.
+    strict
+        Whether a file of which only a part can be read is refused. Without it, a remark names the rest.
 
     Returns
     -------
@@ -69,7 +72,7 @@ def open(  # noqa: A001
     """
     nulls = tuple(float(null) for null in nulls)
     if isinstance(path, str | PathLike):
-        return open_file(Path(path), ReadOptions(nulls, header_line, encoding, decimal, salvage))
+        return open_file(Path(path), ReadOptions(nulls, header_line, encoding, decimal, salvage, strict))
     from helibore.files.data_frame import read_frame
 
     return _with_images(read_frame(path, nulls))

@@ -29,10 +29,11 @@ from helibore.cli.terminal import echo
 @click.option("--encoding", help="Encoding of a text, such as cp1251.  [UTF-8, or else Windows-1252]")
 @click.option("--decimal", type=click.Choice([".", ","]), help="Decimal mark of the numbers.  [the cells decide]")
 @click.option("--salvage", is_flag=True, help="Read what lies before the damage of a cut file.")
+@click.option("--strict", is_flag=True, help="Refuse a file of which only a part can be read.")
 @click.option("--toml", is_flag=True, help="Print only the role map, as TOML; a file with it can be given to --map.")
 def inspect(
     file: Path, map_file: Path | None, sets: tuple[str, ...], header_line: int | None, encoding: str | None,
-    decimal: str | None, salvage: bool, toml: bool,
+    decimal: str | None, salvage: bool, strict: bool, toml: bool,
 ) -> None:  # fmt: skip
     """List the channels of FILE, their units, ranges, missing values, and the role that each channel gets.
 
@@ -49,7 +50,7 @@ def inspect(
     from helibore.cli.set_names import set_names
     from helibore.files.input_file import ReadOptions
 
-    with open_file(file, ReadOptions(NULLS, header_line, encoding, decimal, salvage)) as opened:
+    with open_file(file, ReadOptions(NULLS, header_line, encoding, decimal, salvage, strict)) as opened:
         names = set_names(opened, sets) if sets else [each.name for each in opened.sets]
         mapped = None
         if map_file:

@@ -90,7 +90,6 @@ def logs(**options: Any) -> None:
     (CLASS). Each image of the wall has a column with its mean around the hole. Every file states bit size, windows,
     definitions and criteria. The file well.las.toml beside well.las repeats the run.
     """
-    from helibore.base.tables import LogColumn
     from helibore.files.log_writing import check_format, save_table
     from helibore.logs.image_means import image_means
     from helibore.logs.intervals import interval_table
@@ -129,8 +128,7 @@ def logs(**options: Any) -> None:
         raise InputError("intervals", "the wall has none: name a file of tops", setting="intervals.file")
     columns = [*measured.columns, *(column for each in annuli for column in each.columns())]
     if annuli:
-        text, rows = "Volume of the hole from the deepest row up to this one", measured.rows
-        columns.append(LogColumn("IHV", "m3", text, rows.integrated_volume))
+        columns += measured.rows.integrated_columns()
     columns += [wall.drift(length).column(measured.rows) for length in options["drift"]]
     columns += image_means(measured.rows, wall.images)
     facts = measured.zones.criteria.facts() if measured.zones else {}

@@ -72,7 +72,7 @@ takes_a_drawing = section(
     BESIDE,
     picks_option(exists=True),
     SCALE,
-    *options_of(PrintTable, "unit", "curves", "left", "images", "elevation"),
+    *options_of(PrintTable, "unit", "curves", "left", "images", "elevation", "ticks", "casing"),
     LOOK,
     *options_of(PrintTable, "polar", "no_polar"),
     *CRITERIA,

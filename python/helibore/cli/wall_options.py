@@ -28,6 +28,7 @@ from helibore.cli.sections import COLUMN, SETTING, Command, SectionOption, opt, 
 from helibore.cli.set_names import set_names
 from helibore.settings.declared import members
 from helibore.settings.header_settings import Header
+from helibore.settings.interval_settings import IntervalInput
 from helibore.settings.path_settings import PathSettings
 from helibore.settings.preparation_settings import Echo, Preparation
 from helibore.settings.print_settings import PrintTable
@@ -78,8 +79,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opts("--image", "Image FILE:CHANNEL:ORIGIN[:REFERENCE]; ORIGIN, centre or edge of sector 1, lies at toolface 0 "
              "of REFERENCE, north or high-side.  [the wall's reference]", metavar="IMAGE"),
         opt("--intervals", "Formation tops or intervals (CSV, Petrel).  [those of the archive]", type=FILE),
-        opt("--intervals-well", "Well whose tops are read.  [that of the header, or the only one]"),
-        opt("--intervals-unit", "Unit of their depths.  [as the file states it]"),
+        *(_renamed(option_of(members(IntervalInput)[name]), f"intervals_{name}") for name in ("well", "unit")),
         opt("--from start_depth", "Start depth.  [top of the wall]", type=LENGTH),
         opt("--to stop_depth", "Stop depth.  [bottom of the wall]", type=LENGTH),
     ),
@@ -390,7 +390,7 @@ def _opened(options: dict[str, Any], project: Path | None) -> Run:
 
 def _over(options: dict[str, Any]) -> dict[str, Any]:
     """Return what the command line states and counts over a project, by key."""
-    from helibore.runs.project import Input, IntervalInput
+    from helibore.runs.project import Input
     from helibore.settings.column_settings import Columns
 
     given = {name: options[name] for name in options if _given(name)}

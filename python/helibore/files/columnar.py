@@ -22,7 +22,7 @@ from helibore.base.limits import check_limit, check_unpacked
 from helibore.base.zip_errors import DAMAGED_ZIP
 from helibore.files.headings import unit_in_name
 from helibore.files.input_file import InputFile
-from helibore.files.raw_set import Channel, RawFile, RawSet, SectorAxis, unique
+from helibore.files.raw_set import Channel, Loss, RawFile, RawSet, SectorAxis, unique
 
 OWN_UNITS = {
     "depth": "m", "toolface": "deg", "radius": "m", "diameter": "m", "time": "s", "inclination": "deg",
@@ -151,7 +151,7 @@ def read_npz(source: InputFile) -> RawFile:
         axis = _axis_beside(array, rows, arrays)
         is_axis = array.ndim == 1 and any(other.shape == (rows, array.size) for other in arrays.values())
         if array.ndim not in (1, 2) or array.dtype.kind not in "fiuUSbM" or not (len(array) == rows or is_axis):
-            remarks.append(f"{name}: shape {array.shape} of {array.dtype} does not fit {rows} rows; left out")
+            remarks.append(Loss(f"{name}: shape {array.shape} of {array.dtype} does not fit {rows} rows; left out"))
             continue
         unit = unit_in_name(name) or ("" if array.dtype.kind in "USM" else own_unit(name, remarks))
         channels.append(Channel(name, unit, "", array, source.nulls, axis, nan_is_missing=False))

@@ -23,7 +23,7 @@ from helibore.base.limits import check_unpacked
 from helibore.files.dlis_records import has_texts, rows_of
 from helibore.files.headings import is_number
 from helibore.files.input_file import SALVAGE, InputFile
-from helibore.files.raw_set import Channel, RawFile, RawSet, SectorAxis, readable_sets, unique
+from helibore.files.raw_set import Channel, Loss, RawFile, RawSet, SectorAxis, readable_sets, unique
 
 WALKED = 1 << 20
 """A frame whose rows would have less than half this many bytes, and less than half of the file's, is walked."""
@@ -51,7 +51,7 @@ def read(source: InputFile) -> RawFile:
     for one in sets:
         one.remarks.extend(sorted(warned))
         if lost:
-            one.remarks.append(f"salvaged: {one.rows} rows lie before the damage; what follows it is lost")
+            one.remarks.append(Loss(f"salvaged: {one.rows} rows lie before the damage; what follows it is lost"))
     return RawFile("DLIS", sets, logical_files.close)
 
 

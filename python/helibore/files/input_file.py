@@ -164,6 +164,8 @@ class ReadOptions:
         The decimal mark of numbers, "." or ",". None: the cells decide.
     salvage
         Whether a truncated or damaged file gives what can be read of it, with a remark on what is lost.
+    strict
+        Whether a file of which only a part can be read is an error; else the part is read, with a remark.
 
     Raises
     ------
@@ -176,6 +178,7 @@ class ReadOptions:
     encoding: str | None = None
     decimal: str | None = None
     salvage: bool = False
+    strict: bool = False
 
     def __post_init__(self) -> None:
         if self.decimal not in (None, ".", ","):

@@ -21,7 +21,7 @@ import numpy as np
 from helibore.base.arrays import Array
 from helibore.files.headings import unit_in_name
 from helibore.files.input_file import InputFile, decode, read_exactly
-from helibore.files.raw_set import Channel, RawFile, RawSet, readable_sets, unique
+from helibore.files.raw_set import Channel, Loss, RawFile, RawSet, readable_sets, unique
 
 SIZE_LIMIT = 1 << 28
 """Largest JSON text (bytes) that is read; the parser needs about ten times its size in memory."""
@@ -177,7 +177,7 @@ def _well(source: InputFile, name: str, well: Any) -> RawSet:
     for label, cells in lists.items():
         if len(cells) != rows:
             first = next(iter(lists))
-            remarks.append(f"{label}: {len(cells)} values where {first} has {rows}; the channel is left out")
+            remarks.append(Loss(f"{label}: {len(cells)} values where {first} has {rows}; the channel is left out"))
             continue
         unit = header.get(WELL_UNITS[label], "") if label in WELL_UNITS else unit_in_name(label)
         channels.append(Channel(label, unit, "", _column(source, label, {}, cells), source.nulls))

@@ -27,7 +27,7 @@ from helibore.files.headings import is_number
 from helibore.files.input_file import InputFile
 from helibore.files.number_rows import read_rows
 from helibore.files.number_spellings import read_spellings
-from helibore.files.raw_set import Channel, RawFile, RawSet, SectorAxis, readable_sets, unique
+from helibore.files.raw_set import Channel, Loss, RawFile, RawSet, SectorAxis, readable_sets, unique
 
 # MNEM.UNIT  VALUE : DESCRIPTION {FORMAT} | ASSOCIATION          (LAS 3.0 file structure, pages 8 to 10)
 ITEM = re.compile(r"^\s*(?P<name>[^.:]*?)\s*\.(?P<unit>\S*)(?P<rest>.*)$")
@@ -258,7 +258,7 @@ def _lasio_items(
             rule = f"the header is damaged: {line.strip()[:40]!r} is no item of ~{section.kind}"
             if letter != "P":
                 raise source.error(rule, number) from error
-            remarks.append(f"line {number}: {rule}; it is left out")
+            remarks.append(Loss(f"line {number}: {rule}; it is left out"))
     return items
 
 

@@ -23,7 +23,7 @@ from helibore._core import read_number_rows
 from helibore.base.arrays import Array
 from helibore.files.headings import to_float
 from helibore.files.input_file import SALVAGE, file_error
-from helibore.files.raw_set import EXACT
+from helibore.files.raw_set import EXACT, Loss
 
 NULL_TEXTS = (
     "", "-", "--", "null", "NULL", "Null", "(null)", "(NULL)", "n/a", "N/A", "#N/A", "na", "NA", "None", "none",
@@ -93,7 +93,7 @@ def read_rows(
     if salvage and len(kept) > 1 and not wrapped:
         cells = [len(split_cells(line, delimiter)) for line in (kept[0], kept[-1])]
         if cells[1] < cells[0] or kept[-1].count('"') % 2:
-            remarks.append(f"salvaged: the last row, line {line_of(len(kept) - 1)}, is cut and left out")
+            remarks.append(Loss(f"salvaged: the last row, line {line_of(len(kept) - 1)}, is cut and left out"))
             del kept[-1]
     if not kept:
         raise file_error(path, "no rows below the header", max(1, first_line - 1))

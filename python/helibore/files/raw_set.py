@@ -194,6 +194,12 @@ def unique(names: list[str]) -> list[str]:
     return result
 
 
+class Loss(str):
+    """A remark on a part of a file that cannot be read; with ``strict``, it is an error."""
+
+    __slots__ = ()
+
+
 @dataclass(eq=False, repr=False)
 class RawSet:
     """Channels with one index: a LAS data section, a DLIS frame, a WITSML log or trajectory, a table.
@@ -323,5 +329,5 @@ def readable_sets(readers: Iterable[Callable[[], RawSet]]) -> list[RawSet]:
     if errors and not sets:
         raise errors[0]
     for each in sets:
-        each.remarks.extend(f"another set is left out: {error}" for error in errors)
+        each.remarks.extend(Loss(f"another set is left out: {error}") for error in errors)
     return sets

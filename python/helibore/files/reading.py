@@ -7,7 +7,7 @@ from pathlib import Path
 
 from helibore.base.errors import InputError, require_library
 from helibore.files.input_file import InputFile, ReadOptions, find_format
-from helibore.files.raw_set import RawFile
+from helibore.files.raw_set import Loss, RawFile
 
 READERS = {
     "csv": ("delimited", "read"), "xlsx": ("spreadsheet", "read"), "las": ("las", "read"), "dlis": ("dlis", "read"),
@@ -53,7 +53,11 @@ def read_file(path: Path, options: ReadOptions, of_many: bool = False) -> RawFil
     module, reader = READERS[name]
     file: RawFile = getattr(import_module(f"helibore.files.{module}"), reader)(source)
     for each in file.sets:
-        each.remarks.extend(sorted(source.lost))
+        each.remarks.extend(map(Loss, sorted(source.lost)))
     if not file.sets:
         raise source.error(f"{file.format}: holds no channels")
+    losses = [remark for each in file.sets for remark in each.remarks if isinstance(remark, Loss)]
+    if options.strict and losses:
+        file.close()
+        raise InputError(path.name, f"only a part can be read: {losses[0]}", setting="reading.strict")
     return file

@@ -21,7 +21,7 @@ from helibore.base.zip_errors import DAMAGED_ZIP
 from helibore.files.headings import is_number, is_units_row, unit_in_name
 from helibore.files.input_file import InputFile, zip_pieces
 from helibore.files.number_rows import column_of
-from helibore.files.raw_set import Channel, RawFile, RawSet, readable_sets, unique
+from helibore.files.raw_set import Channel, Loss, RawFile, RawSet, readable_sets, unique
 
 REFERENCE = re.compile(rb"""\sr\s*=\s*["']\s*([A-Za-z]*)([0-9]*)""")
 """The position that a row or a cell states, ``r="B7"``; also any text that looks like one, which does no harm."""
@@ -142,7 +142,7 @@ def _sheet(source: InputFile, name: str, sheet: list[list[Any]]) -> RawSet:
         raise source.error("no rows below the header", f"sheet {name}, line {start}")
     remarks = []
     if any(any(row[:width]) for row in rows[stop:]):
-        remarks.append(f"sheet {name}: line {stop + 1} is empty: the rows below it are left out")
+        remarks.append(Loss(f"sheet {name}: line {stop + 1} is empty: the rows below it are left out"))
     channels = []
     for at, label in enumerate(unique(titles)):
         unit = units[at] if units else unit_in_name(titles[at])

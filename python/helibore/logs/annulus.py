@@ -112,7 +112,9 @@ class Annulus:
         casing = f"a casing of {size_text(self.casing)}; {size} in the name is its size in mm"
         return [
             LogColumn(f"AVOL_{size}", "m3", f"Annular volume in this row around {casing}", self.volume),
-            LogColumn(f"ASUM_{size}", "m3", f"Annular volume from the bottom around {casing}", self.from_bottom, 4),
+            LogColumn(
+                f"ASUM_{size}", "m3", f"Annular volume from the bottom (ICV) around {casing}", self.from_bottom, 4
+            ),
             LogColumn(f"CLEAR_{size}", "m", f"Inscribed circle less {casing}", self.clearance),
         ]
 

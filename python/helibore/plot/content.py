@@ -22,12 +22,15 @@ from helibore.base.arrays import Floats
 from helibore.base.color_limits import over_bit
 from helibore.base.colors import ColorScale, customary_map
 from helibore.base.errors import InputError
+from helibore.base.units import size_text
 from helibore.images.normalization import image_scale, sliding_window
 from helibore.images.sector_image import SectorImage
 from helibore.logs.curves import ScalarCurve, curves_of, nice_limits
 from helibore.logs.picks import PLANES
 from helibore.logs.summary import WallSummary, summarize
-from helibore.logs.turn_logs import Logs
+from helibore.logs.turn_logs import Logs, turn_logs
+from helibore.logs.volume_ticks import VolumeTicks, volume_ticks
+from helibore.logs.zones import classify
 from helibore.plot.cross_sections import CrossSection, sections_at, telling_depths
 from helibore.plot.depth_scales import FEET, METRES, DepthUnit, Lines, usual_depth_scale
 from helibore.plot.diameters import diameters
@@ -157,6 +160,25 @@ class Content:
         return "" if self.interpolated is None else f"interpolated{between}"
 
     @property
+    def ticks_text(self) -> str:
+        """The words for the ticks of volume: totals, uncertainty, measured share; "" without ticks."""
+        texts = []
+        for track in self.tracks:
+            for ticks, right in track.ticks if isinstance(track, CaliperTrack) else ():
+                name = f"annulus of {size_text(self.drawing.casing or 0.0)}, right" if right else "hole, left"
+                sigma = f" ± {ticks.sigma:.3f}" if math.isfinite(ticks.sigma) else ""
+                lost = f", without {ticks.missing:.1f} m" if ticks.missing else ""
+                texts.append(f"{name}: {ticks.total:,.3f}{sigma} m³{lost}")
+                share = f"{100 * ticks.coverage:.1f} % measured"
+        if not texts:
+            return ""
+        logs = self.zones.logs
+        deepest = self.drawing.depth_unit.text(float(logs.depth.max()) + 0.5 * logs.height)
+        unsure = " (± at most one standard uncertainty)" if " ± " in texts[0] else ""
+        up = f"each {self.drawing.ticks:g} m³ from {deepest} {self.drawing.depth_unit.name} up"
+        return f"Ticks {up}; {'; '.join(texts)}{unsure}; {share}"
+
+    @property
     def letters(self) -> str:
         """A letter for each cross section, from A."""
         return ascii_uppercase[: len(self.sections)]
@@ -172,7 +194,7 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
         raise InputError("a picture needs a full turn of the wall", f"it has {len(wall)} vertices")
     top, bottom = _interval(wall, drawing)
     scale = drawing.scale or usual_depth_scale(bottom - top)
-    zones = wall.zones(drawing.criteria)
+    zones = classify(state := wall._state(), drawing.criteria, turn_logs(state, sigma=_sigma(wall)))
     turns = diameters(wall, zones.logs)
     reference = _reference(wall, drawing)
     images = _images(wall, drawing, reference)
@@ -187,7 +209,9 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     others = [_Other.of(name, one) for name, one in drawing.beside.items()]
     limits = _diameter_limits([(wall, turns), *((one.wall, one.turns) for one in others)], top, bottom, drawing)
     if wall.basis != "gauge":
-        tracks.append(_caliper(wall, turns, limits, drawing, reference))
+        caliper = _caliper(wall, turns, limits, drawing, reference)
+        caliper.ticks = _ticks(zones.logs, drawing)
+        tracks.append(caliper)
     scalars = [ScalarTrack(curve, top, bottom) for curve in drawing.scalars]
     picks = [pick for pick in wall.picks if top <= pick.depth <= bottom]
     dips: list[PlacedTrack] = (
@@ -388,16 +412,35 @@ def _radius(wall: Wall, look: Look, top: float, bottom: float, unit: str) -> tup
     return Shown(RADIUS_TITLE, unit, scale, remark, False, *_count_beyond(over[inside], scale.low, scale.high)), over
 
 
+def _sigma(wall: Wall) -> Floats | None:
+    """Return the standard uncertainty of each radius, in the last turn that of the turn before; None: not known."""
+    if "sigma" not in wall.attributes:
+        return None
+    sigma = np.full(len(wall), np.nan)
+    of_quads = wall.attributes.whole("sigma", wall.start_depth, max(len(wall) - wall.settings.sectors - 1, 0))
+    sigma[: of_quads.size] = of_quads
+    last = len(wall) - of_quads.size  # about a turn, which has no quads
+    sigma[of_quads.size :] = np.resize(sigma[: of_quads.size][-wall.settings.sectors :], last)
+    return sigma
+
+
+def _ticks(logs: Logs, drawing: Drawing) -> list[tuple[VolumeTicks, bool]]:
+    """Return the ticks of the volumes of hole and annulus, from the deepest turn of the wall up."""
+    if drawing.ticks is None or not len(logs):
+        return []
+    both = [(volume_ticks(logs, drawing.ticks), False)]
+    return [*both, (volume_ticks(logs, drawing.ticks, drawing.casing), True)] if drawing.casing else both
+
+
 def _uncertainty(wall: Wall, top: float, bottom: float, unit: str) -> tuple[Shown, Floats] | None:
     """Return how the uncertainty is shown, and half the 95 % interval of each radius by vertex, in ``unit``.
 
     Return None if the wall has no attribute ``sigma``, or if ``sigma`` has no value.
     """
-    if "sigma" not in wall.attributes:
+    sigma = _sigma(wall)
+    if sigma is None:
         return None
-    of_quads = wall.attributes.whole("sigma", wall.start_depth, max(len(wall) - wall.settings.sectors - 1, 0))
-    half = np.full(len(wall), np.nan)
-    half[: of_quads.size] = NORMAL_95 / LENGTHS[unit] * of_quads
+    half = NORMAL_95 / LENGTHS[unit] * sigma
     if not np.isfinite(half).any():
         return None
     part = 10 if unit == "mm" else 100

@@ -247,7 +247,8 @@ def _diameters(content: Content) -> str:
         "All these numbers come from whole turns: those without a missing radius, measured or interpolated."
     )
     unsure = f"<p>{sentence(NO_UNCERTAINTY)}</p>" if content.zones.logs.unmeasured_shape else ""
-    return table(head, rows) + f"<p>{note}</p>{unsure}"
+    ticks = f"<p>{in_html(content.ticks_text)}.</p>" if content.ticks_text else ""
+    return table(head, rows) + f"<p>{note}</p>{ticks}{unsure}"
 
 
 def _intervals(content: Content) -> str:

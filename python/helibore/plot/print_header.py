@@ -157,8 +157,13 @@ def _kinds(content: Content) -> tuple[list[str], list[str]]:
 
 def footer_height(content: Content) -> float:
     """Return the height of the foot from its upper line to the margin, millimetres."""
-    rows = (content.wall.basis == "azimuthal", content.zones.logs.unmeasured_shape, *map(bool, _kinds(content)))
-    return 10.0 + ROW * sum(rows)
+    rows = (
+        content.wall.basis == "azimuthal",
+        content.zones.logs.unmeasured_shape,
+        content.ticks_text,
+        *_kinds(content),
+    )
+    return 10.0 + ROW * sum(map(bool, rows))
 
 
 def draw_footer(sheet: Sheet, content: Content, x: float, bottom: float, page: str = "", part: str = "") -> None:
@@ -180,6 +185,9 @@ def draw_footer(sheet: Sheet, content: Content, x: float, bottom: float, page: s
     if content.zones.logs.unmeasured_shape:
         y += ROW
         sheet.text(x, y, sentence(NO_UNCERTAINTY), SMALL, within=sheet.width - 2 * x)
+    if content.ticks_text:
+        y += ROW
+        sheet.text(x, y, content.ticks_text, SMALL, within=sheet.width - 2 * x)
     for name, kinds in (("Zones", zones), ("Picks", picks)):
         if not kinds:
             continue

@@ -24,10 +24,11 @@ from helibore.base.units import INCH, MILLIMETRE
 from helibore.images.sector_image import SectorImage
 from helibore.logs.curves import ScalarCurve
 from helibore.logs.intervals import Interval
+from helibore.logs.volume_ticks import VolumeTicks
 from helibore.logs.zones import Zone
 from helibore.plot.depth_scales import METRES, DepthUnit, Lines, length_text
 from helibore.plot.diameters import Diameters, thinned
-from helibore.plot.paper import FAINT, FONT, INK, RULE, SMALL, USUAL, Sheet
+from helibore.plot.paper import FAINT, FONT, INK, LEAST, RULE, SMALL, USUAL, Sheet
 from helibore.plot.raster import Grid, unroll_image, unroll_wall
 from helibore.plot.shading import HATCH_BYTES
 from helibore.samples.caliper import Basis
@@ -263,6 +264,7 @@ class CaliperTrack:
         self.bit = bit_diameter / LENGTHS[unit]
         self.curves = curves if basis == "azimuthal" else ()
         sides = SIDES[reference]
+        self.ticks: list[tuple[VolumeTicks, bool]] = []  # and whether they stand at the right edge
         self.names = {"D0": f"{sides[0]}–{sides[2]}", "D90": f"{sides[1]}–{sides[3]}"}
 
     def head(self, sheet: Sheet, x: float, y: float) -> None:
@@ -322,6 +324,8 @@ class CaliperTrack:
         self._draw_missing(axes, sheet, stretch)
         axes.set_xlim(*self.limits)
         depth_lines(axes, stretch)
+        for ticks, right in self.ticks:
+            _draw_ticks(axes, ticks, stretch, right)
         return axes
 
     def _draw_missing(self, axes: Axes, sheet: Sheet, stretch: Stretch) -> None:
@@ -337,6 +341,20 @@ class CaliperTrack:
 
             box = (*self.limits, stretch.bottom, stretch.top)
             axes.imshow(grey, extent=box, aspect="auto", cmap=ListedColormap([GREY]), interpolation="nearest", zorder=3)
+
+
+def _draw_ticks(axes: Axes, ticks: VolumeTicks, stretch: Stretch, right: bool) -> None:
+    """Draw ticks of volume at an edge of a track; every tenth is long and has its volume."""
+    edge, inward = (1.0, -1.0) if right else (0.0, 1.0)
+    across = axes.get_yaxis_transform()
+    look: dict[str, Any] = {"ha": "right" if right else "left", "va": "bottom", "size": LEAST, "family": FONT}
+    for number, depth in enumerate(ticks.depth.tolist(), 1):
+        if stretch.top < depth <= stretch.bottom:
+            long = number % 10 == 0
+            ends = edge, edge + inward * (0.1 if long else 0.04)
+            axes.hlines(depth, *ends, color=INK, linewidth=0.8 if long else 0.6, transform=across, zorder=7)
+            if long:
+                axes.text(ends[0] + 0.01 * inward, depth, f"{number * ticks.every:g}", transform=across, **look)
 
 
 class ScalarTrack:

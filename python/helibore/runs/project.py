@@ -43,6 +43,7 @@ from helibore.settings.cement_settings import CementTable
 from helibore.settings.column_settings import Columns
 from helibore.settings.declared import FINITE, METRES, Declared, Stated
 from helibore.settings.header_settings import Header
+from helibore.settings.interval_settings import IntervalInput
 from helibore.settings.output_settings import (
     LogSettings,
     MeshSettings,
@@ -110,18 +111,6 @@ class ScalarInput(Declared):
     name: Annotated[str, "Channel."]
     blake2b: Annotated[str, "Checksum of the file's bytes, in hexadecimal."] = ""
     header_line: Annotated[int | None, "Line of a table's column names. None: helibore finds it."] = None
-
-
-@dataclass(frozen=True)
-class IntervalInput(Declared):
-    """A table of formation tops or intervals."""
-
-    file: Annotated[Path, "File, relative to the project."]
-    blake2b: Annotated[str, "Checksum of its bytes, in hexadecimal."] = ""
-    well: Annotated[str | None, "Well whose rows are read. None: that of the header, or the only one of the file."] = (
-        None
-    )
-    unit: Annotated[str | None, "Unit of the depths. None: that which the file states."] = None
 
 
 AnyInput = Input | ImageInput | ScalarInput | IntervalInput

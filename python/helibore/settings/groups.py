@@ -7,6 +7,7 @@ from typing import Any
 from helibore.settings.cement_settings import CementTable
 from helibore.settings.column_settings import Columns
 from helibore.settings.header_settings import Header
+from helibore.settings.interval_settings import IntervalInput
 from helibore.settings.output_settings import (
     LogSettings,
     MeshSettings,
@@ -31,6 +32,7 @@ KINDS: tuple[type[Any], ...] = (
     Preparation,
     Echo,
     PathSettings,
+    IntervalInput,
     Settings,
     ZoneSettings,
     ImageCriteria,

@@ -9,7 +9,18 @@ from string import ascii_uppercase
 from typing import Annotated, Any, Literal
 
 from helibore.base.errors import InputError
-from helibore.settings.declared import DEGREES, FINITE, METRES, POSITIVE, Declared, Formerly, Option, Rule, within
+from helibore.settings.declared import (
+    DEGREES,
+    FINITE,
+    INCHES,
+    METRES,
+    POSITIVE,
+    Declared,
+    Formerly,
+    Option,
+    Rule,
+    within,
+)
 from helibore.settings.template import SizeUnit
 
 MOST_SECTIONS = len(ascii_uppercase)
@@ -49,6 +60,12 @@ class PrintSettings(Declared, group="print"):
         Option("the 12 m with most relief", metavar="FROM,TO"),
         "Interval of the 3-D view. None: the 12 m with most relief, or no body if calipers did not measure all around; "
         "empty: no body.",
+    ] = None  # fmt: skip
+    ticks: Annotated[float | None, POSITIVE, Option("none", metavar="M3"),
+        "Volume between the ticks of integrated hole volume (IHV), m3, beside the calipers; every tenth is long.",
+    ] = None  # fmt: skip
+    casing: Annotated[float | None, INCHES, POSITIVE, Option("none", metavar="LENGTH"),
+        "Outer diameter of a casing, for ticks of its annulus (ICV), which need `ticks`.",
     ] = None  # fmt: skip
     dpi: Annotated[int, within(30, 1200), Option(), "Pixels an inch."] = 150
     elevation: Annotated[float | None, METRES, FINITE, Option("depths below the zero of the wall"),

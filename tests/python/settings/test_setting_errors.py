@@ -32,6 +32,7 @@ NEEDED = {
     "wall": {"bit_diameter": 0.2},
     "echo": {"velocity": 1500, "tool_radius": 0.05},
     "cement": {"casing": 0.17, "shoe": 1000},
+    "intervals": {"file": "tops.csv"},
 }
 """Settings without a default."""
 
