@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 
 PAGES = (".html", ".htm")
 COMMON = (
-    *SHOWN, "beside", "scalar", "picks", "header", "template", "scale", "unit", "curves", "left", "look", "polar",
+    *SHOWN, "beside", "scalar", "picks", "header", "template", "scale", "unit", "curves", "look", "polar",
     "no_polar", "body", "no_body", "sigma", "dpi",
 )  # fmt: skip
 """Parameters that have an option of their own in ``plot`` and ``report``."""

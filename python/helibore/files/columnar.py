@@ -48,7 +48,7 @@ def read_parquet(source: InputFile) -> RawFile:
     if not rows or not names:
         raise source.error("Parquet without rows" if names else "Parquet without columns")
     channels = []
-    remarks = []
+    remarks: list[str] = []
     stated = [(key.decode(errors="replace"), text) for key, text in (schema.metadata or {}).items()]
     header = {key: text.decode(errors="replace") for key, text in stated if key not in ("ARROW:schema", "pandas")}
     for position, name in enumerate(names):
@@ -146,7 +146,7 @@ def read_npz(source: InputFile) -> RawFile:
     images = [shape[0] for shape in shapes if len(shape) == 2]
     rows = Counter(images or [shape[0] for shape in shapes]).most_common(1)[0][0]
     channels = []
-    remarks = []
+    remarks: list[str] = []
     for name, array in arrays.items():
         axis = _axis_beside(array, rows, arrays)
         is_axis = array.ndim == 1 and any(other.shape == (rows, array.size) for other in arrays.values())

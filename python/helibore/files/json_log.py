@@ -173,7 +173,7 @@ def _well(source: InputFile, name: str, well: Any) -> RawSet:
     if not rows:
         raise source.error(f"well {name!r}: no rows")
     channels = []
-    remarks = []
+    remarks: list[str] = []
     for label, cells in lists.items():
         if len(cells) != rows:
             first = next(iter(lists))

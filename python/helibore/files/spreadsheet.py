@@ -140,7 +140,7 @@ def _sheet(source: InputFile, name: str, sheet: list[list[Any]]) -> RawSet:
     stop = next((at for at in range(start, len(rows)) if not any(rows[at][:width])), len(rows))
     if stop == start:
         raise source.error("no rows below the header", f"sheet {name}, line {start}")
-    remarks = []
+    remarks: list[str] = []
     if any(any(row[:width]) for row in rows[stop:]):
         remarks.append(Loss(f"sheet {name}: line {stop + 1} is empty: the rows below it are left out"))
     channels = []

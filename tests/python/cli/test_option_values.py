@@ -93,7 +93,7 @@ def test_options_of_a_drawing_are_arguments_of_the_plot(monkeypatch: pytest.Monk
         raise hb.InputError("log", "not drawn")
 
     monkeypatch.setattr("helibore.plot.pages", pages)
-    given = ("--paper", "a3", "--curves", "D0", "--curves", "C2", "--left", "180", "--polar", "1001m", "--polar",
+    given = ("--paper", "a3", "--curves", "D0", "--curves", "C2", "-s", "print.left=180", "--polar", "1001m", "--polar",
              "1002m", "--body", "1001m,1002m", "--look", "GR=window:2m", "--look", "RES=linear")  # fmt: skip
     result = run("plot", *SOURCE, *given, "-o", "w.pdf")
     assert result.stderr == "helibore: log: not drawn\n"
