@@ -27,6 +27,8 @@ Lines = list[tuple[str, str]]
 
 def summary_lines(found: WallSummary, cells: str = "") -> Lines:
     """Return the lines on a wall or a part of it; ``cells`` is a text on the number of cells of the written mesh."""
+    from helibore.logs.turn_logs import RANGED
+
     helix = f"{found.sectors} sectors, pitch {found.pitch:g} m: {found.vertices:,} vertices"
     samples = f", from {found.samples:,} samples" if found.samples else ""
     lines = [("wall", f"{found.start:.2f} to {found.stop:.2f} m, {helix}{cells}{samples}")]
@@ -39,12 +41,13 @@ def summary_lines(found: WallSummary, cells: str = "") -> Lines:
         lines.append(("diameter", "missing: no turn has all its radii"))
     else:
         lines += [
-            ("diameter", f"mean      {_size(found.mean_diameter, found)}, by volume"),
+            ("diameter", f"mean      {_mean(found)}, by volume"),
             ("", f"least     {_extreme(found.least_diameter, found)}"),
             ("", f"greatest  {_extreme(found.greatest_diameter, found)}"),
             *(_shape_lines(found) if found.basis == "azimuthal" else []),
-            ("volume", f"{_volume(found.volume)} over {found.whole_turns:,.1f} m of whole turns, "
-             f"{100 * found.excess:+.1f} % against the bit"),
+            ("volume", f"{found.volume_text() if found.ranged else _volume(found.volume)} over "
+             f"{found.whole_turns:,.1f} m of whole turns, {found.excess_text()} against the bit"),
+            *([("", RANGED)] if found.ranged else []),
         ]  # fmt: skip
     if found.incomplete_turns:
         lines.append(("", f"{found.incomplete_turns:,.1f} m of turns miss at least one radius and are not counted"))
@@ -88,6 +91,13 @@ def _shape_lines(found: WallSummary) -> Lines:
 def _size(size: float, found: WallSummary) -> str:
     over = (size - found.bit_diameter) / INCH
     return f"{size / INCH:7.3f} in ({size * 1e3:6.1f} mm), {over:+.3f} in against the bit"
+
+
+def _mean(found: WallSummary) -> str:
+    if not found.ranged:
+        return _size(found.mean_diameter, found)
+    inches = " to ".join(f"{size / INCH:.2f}" for size in found.mean_diameter_range)
+    return f"{inches} in ({' to '.join(f'{size * 1e3:.0f}' for size in found.mean_diameter_range)} mm)"
 
 
 def _extreme(extreme: Extreme, found: WallSummary) -> str:

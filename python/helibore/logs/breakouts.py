@@ -35,13 +35,15 @@ def rows(radius: Floats, turns: Integers, sectors: int) -> Floats:
 def sections(logs: Logs, turns: Integers, radius: Floats, start: float) -> tuple[Floats, Floats]:
     """Return each vertex's height over the unworn circle, metres, and direction from its centre, degrees.
 
-    Both are (turns, sectors).
+    Both are (turns, sectors). A turn without an unworn circle has that of the bit about the axis.
     """
     toolface = np.radians(start + np.arange(logs.sectors) * (360 / logs.sectors))
     around = rows(radius, turns, logs.sectors)
-    x = around * np.cos(toolface) - logs.unworn_0[turns, None]
-    y = around * np.sin(toolface) - logs.unworn_90[turns, None]
-    return np.hypot(x, y) - logs.unworn_diameter[turns, None] / 2, np.degrees(np.arctan2(y, x))
+    known = np.isfinite(logs.unworn_diameter[turns])
+    centre_0, centre_90 = (np.where(known, of[turns], 0.0)[:, None] for of in (logs.unworn_0, logs.unworn_90))
+    diameter = np.where(known, logs.unworn_diameter[turns], logs.bit_diameter)[:, None]
+    x, y = around * np.cos(toolface) - centre_0, around * np.sin(toolface) - centre_90
+    return np.hypot(x, y) - diameter / 2, np.degrees(np.arctan2(y, x))
 
 
 def lobes_of(

@@ -15,14 +15,16 @@ are right.
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
-from helibore.base.arrays import Floats, Integers
+from helibore.base.arrays import Floats, Integers, Mask, runs_of
 from helibore.base.units import INCH
-from helibore.logs.turn_logs import PARTS
 from helibore.settings.zone_settings import CRITERIA_BIT, Criteria
 
+PARTS = 32
+"""Parts of a turn in a section."""
 ROUGH = 1.6e-3
 """Metres; standard deviation of a part of the wall from a section of the library."""
 OFFSET = 7e-3
@@ -39,7 +41,31 @@ RESEMBLES = 0.35
 """Nor is a kind sure if the nearest section differs by more than this share of the zone's own rms, and not in small."""
 PRIOR = (0.4, 0.15, 0.15, 0.15, 0.15)
 """Prior of gauge, washout, breakout, key seat and undergauge hole, where turns meet a criterion."""
+WINDOWS = (0.1, 0.3, 0.5)
+"""Lengths of the windows that a chain along the hole takes turns together in, metres."""
+SEEN = 14
+"""Mean number of parts that a window must see; else it is longer, up to the last of `WINDOWS`."""
+STAYS, CHANGES = 0.8, 0.1
+"""Probability that the section stays the same over a metre, and that it keeps its kind if it changes."""
+TEMPER = 0.7
+"""Power of the evidence of a window, since windows differ from the library alike."""
+ALONG_PRIOR = (0.62, 0.1, 0.1, 0.09, 0.09)
+"""Prior of the kinds along the hole; `PRIOR` is that of turns which meet a criterion."""
+_BLOCK, _BESIDE = 400, 20  # windows at once, and how many beside them count
 _FINE = 6 * PARTS  # toolfaces at which a section of the library is drawn
+
+
+class Along(NamedTuple):
+    """What the chain finds along a hole.
+
+    ``kinds``: (turns, 5) probability of each kind. ``seen``: (turns,) parts that samples see around a turn.
+    ``square``, ``square_sigma``: (turns,) mean squared radius, m2, and its standard deviation among likely sections.
+    """
+
+    kinds: Floats
+    seen: Integers
+    square: Floats
+    square_sigma: Floats
 
 
 def kind_probabilities(sections: Floats, bit_diameter: float, criteria: Criteria, even: bool) -> tuple[Floats, bool]:
@@ -59,13 +85,9 @@ def kind_probabilities(sections: Floats, bit_diameter: float, criteria: Criteria
     even
         Whether the tool measures diameters, whose two ends have equal radii.
     """
-    shapes, kind = _library(bit_diameter, criteria, even)
-    known = np.isfinite(sections)
-    used = known.sum(axis=1)
-    weight = known * (np.minimum(1.0, EFFECTIVE / np.maximum(used, 1)) / ROUGH**2)[:, None]
-    square = _squares(np.where(known, sections, 0.0), weight, shapes)
+    shapes, kind, _ = _library(bit_diameter, criteria, even)
+    square, count = _compared(sections, shapes)
     best = square.min(axis=1, keepdims=True)
-    count = np.minimum(used, EFFECTIVE)
     terms = [np.log(prior) - count * np.log(scale) - best[:, 0] / (2 * scale**2) for scale, prior in SCALES.items()]
     highest = np.max(terms, axis=0)
     likelihood = np.zeros_like(square)
@@ -79,10 +101,101 @@ def kind_probabilities(sections: Floats, bit_diameter: float, criteria: Criteria
     misfit = square / np.maximum(count, 1)[:, None]
     if misfit[:, kind == 0].min(axis=1).mean() > EXPLAINED**2:
         total[0] = -np.inf
-    own = np.sum(weight * np.where(known, sections, 0.0) ** 2, axis=1) / np.maximum(count, 1)
-    explained = misfit.min(axis=1).mean() <= max(EXPLAINED**2, RESEMBLES**2 * own.mean())
+    own = np.nanmean(sections**2) / ROUGH**2
+    explained = misfit.min(axis=1).mean() <= max(EXPLAINED**2, RESEMBLES**2 * own)
     odds = np.exp(total - total.max())
     return odds / odds.sum(), bool(explained)
+
+
+def kinds_along(
+    sections: Floats, height: float, bit_diameter: float, criteria: Criteria, even: bool, wanted: Mask
+) -> Along:
+    """Return the probability of each kind and the likely size along a hole.
+
+    It is for tools that have few samples a turn. Turns are taken together in windows. A chain carries the section of
+    the library along the hole: from one window to the next it stays, changes within its kind, or becomes any section
+    (`STAYS`, `CHANGES`), so that windows which see other parts of one shape add up. Parameters as of
+    `kind_probabilities`; ``height`` is that of a turn, metres. Only the turns ``wanted``, (turns,), have values, which
+    windows beside them decide as well; the others are NaN.
+    """
+    turns, gathered = _windows(sections, height)
+    steps = len(gathered)
+    likely = np.full((steps, len(PRIOR) + 2), np.nan)
+    needed = np.pad(wanted, (0, steps * turns - len(wanted))).reshape(steps, turns).any(axis=1)
+    for first, last in runs_of(np.convolve(needed, np.ones(2 * _BESIDE + 1), "same") > 0):
+        for start in range(first, last, _BLOCK):
+            stop = min(start + _BLOCK, last)
+            low, high = max(start - _BESIDE, 0), min(stop + _BESIDE, steps)
+            chained = _chained(gathered[low:high], turns * height, *_library(bit_diameter, criteria, even))
+            likely[start:stop] = chained[start - low : stop - low]
+    likely[~needed] = np.nan
+    seen = np.isfinite(gathered).sum(axis=1)
+    every = np.repeat(likely, turns, axis=0)[: len(sections)]
+    kinds, square, variance = every[:, :-2], every[:, -2], every[:, -1] - every[:, -2] ** 2
+    return Along(kinds, np.repeat(seen, turns)[: len(sections)], square, np.sqrt(np.maximum(variance, 0)))
+
+
+def _windows(sections: Floats, height: float) -> tuple[int, Floats]:
+    """Return the turns of a window and the mean section of each: the shortest windows that see `SEEN` parts or more."""
+    known = np.isfinite(sections)
+    for length in WINDOWS:
+        turns = max(1, round(length / height))
+        steps = -(-len(sections) // turns)
+        more = ((0, steps * turns - len(sections)), (0, 0))
+        count = np.pad(known, more).reshape(steps, turns, PARTS).sum(axis=1)
+        if (count > 0).sum(axis=1).mean() >= SEEN:
+            break
+    total = np.pad(np.where(known, sections, 0.0), more).reshape(steps, turns, PARTS).sum(axis=1)
+    return turns, np.divide(total, count, out=np.full(total.shape, np.nan), where=count > 0)
+
+
+def _chained(sections: Floats, step: float, shapes: Floats, kind: Integers, size: Floats) -> Floats:
+    """Return what is known in windows of the length ``step``, metres, (windows, 7).
+
+    It is the probability of each kind, then the means of the squared radius and of its square.
+    """
+    square, count = _compared(sections, shapes)
+    evidence = np.full(square.shape, -np.inf)
+    for scale, share in SCALES.items():
+        term = square / (-2 * scale**2)
+        term += (np.log(share) - count * np.log(scale))[:, None]
+        np.maximum(evidence, term, out=evidence)
+    evidence -= evidence.max(axis=1, keepdims=True)
+    evidence *= TEMPER
+    np.exp(evidence, out=evidence)
+    within = 1 / np.bincount(kind, minlength=len(PRIOR))[kind]
+    prior = np.array(ALONG_PRIOR)[kind] * within
+    of_kind = (kind[:, None] == np.arange(len(PRIOR))).astype(np.float64)
+    stays, changes = STAYS**step, (1 - STAYS**step) * CHANGES
+    leaves = 1 - stays - changes
+    forward = evidence  # becomes the probability of each section, given the windows up to this one
+    given = evidence.copy()
+    for row in range(len(forward)):
+        if row:
+            before = forward[row - 1]
+            moved = stays * before + changes * (before @ of_kind)[kind] * within + leaves * prior
+        else:
+            moved = prior
+        forward[row] *= moved
+        forward[row] /= forward[row].sum()
+    wanted = np.column_stack([of_kind, size, size**2])
+    likely = np.empty((len(forward), wanted.shape[1]))
+    after = np.ones(len(kind))
+    for row in range(len(forward) - 1, -1, -1):
+        both = forward[row] * after
+        likely[row] = (both @ wanted) / both.sum()
+        after *= given[row]
+        after = stays * after + changes * ((after * within) @ of_kind)[kind] + leaves * (prior @ after)
+        after /= after.max()
+    return likely
+
+
+def _compared(sections: Floats, shapes: Floats) -> tuple[Floats, Floats]:
+    """Return chi^2 of each section with each shape, and how many independent parts each section has."""
+    known = np.isfinite(sections)
+    used = known.sum(axis=1)
+    weight = known * (np.minimum(1.0, EFFECTIVE / np.maximum(used, 1)) / ROUGH**2)[:, None]
+    return _squares(np.where(known, sections, 0.0), weight, shapes), np.minimum(used, EFFECTIVE)
 
 
 def _squares(section: Floats, weight: Floats, shapes: Floats) -> Floats:
@@ -99,8 +212,8 @@ def _squares(section: Floats, weight: Floats, shapes: Floats) -> Floats:
 
 
 @lru_cache(maxsize=4)
-def _library(bit_diameter: float, criteria: Criteria, even: bool) -> tuple[Floats, Integers]:
-    """Return sections, (m, PARTS), radius less half the bit diameter in metres, and their kinds."""
+def _library(bit_diameter: float, criteria: Criteria, even: bool) -> tuple[Floats, Integers, Floats]:
+    """Return sections, (m, PARTS), radius less half the bit diameter in metres, their kinds and mean squared radii."""
     fine, lower, higher = _drawn(bit_diameter)
     diameter = bit_diameter + fine[:, : _FINE // 2] + fine[:, _FINE // 2 :]
     row, largest = np.arange(len(fine)), diameter.argmax(axis=1)
@@ -118,7 +231,8 @@ def _library(bit_diameter: float, criteria: Criteria, even: bool) -> tuple[Float
     part = (np.arange(_FINE) * PARTS + _FINE // 2) // _FINE % PARTS
     into = (part[:, None] == np.arange(PARTS)).astype(np.float64)
     shapes = fine @ (into / into.sum(axis=0))
-    return (shapes + np.roll(shapes, PARTS // 2, axis=1)) / 2 if even else shapes, kind
+    size = np.mean((bit_diameter / 2 + fine) ** 2, axis=1)
+    return (shapes + np.roll(shapes, PARTS // 2, axis=1)) / 2 if even else shapes, kind, size
 
 
 def _drawn(bit_diameter: float) -> tuple[Floats, Floats, Floats]:

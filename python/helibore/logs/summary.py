@@ -59,6 +59,9 @@ class WallSummary:
         Samples beyond the last vertex count if they lie within the distance to the next vertex.
     mean_diameter
         Diameter of the cylinder with the same volume.
+    mean_diameter_range
+        The least and the greatest value that it likely has, by `Logs.diameter_range`. Both equal ``mean_diameter`` if
+        no turn of the wall has few samples.
     least_diameter, greatest_diameter
         Diameters through the axis of the hole; each is an `Extreme` with its depth. Those of a tool with few arms are
         the extremes of turns, not of single readings: `Logs.arm_diameter`.
@@ -102,6 +105,7 @@ class WallSummary:
     vertices: int
     samples: int
     mean_diameter: float
+    mean_diameter_range: tuple[float, float]
     least_diameter: Extreme
     greatest_diameter: Extreme
     inscribed_diameter: Extreme
@@ -124,17 +128,45 @@ class WallSummary:
     nearest_half: float
     nearest_most: float
 
+    @property
+    def ranged(self) -> bool:
+        """Whether amounts are ranges, because the wall is interpolated where turns have few samples."""
+        return self.mean_diameter_range[1] > self.mean_diameter_range[0]
+
+    @property
+    def volume_range(self) -> tuple[float, float]:
+        """The least and the greatest likely `volume`, cubic metres."""
+        low, high = (self.volume * (size / self.mean_diameter) ** 2 for size in self.mean_diameter_range)
+        return low, high
+
+    @property
+    def excess_range(self) -> tuple[float, float]:
+        """The least and the greatest likely `excess`."""
+        low, high = ((size / self.bit_diameter) ** 2 - 1 for size in self.mean_diameter_range)
+        return low, high
+
+    def excess_text(self) -> str:
+        """Return the excess in percent as text: a range where amounts are ranges."""
+        if not self.ranged:
+            return f"{100 * self.excess:+.1f} %"
+        low, high = (round(100 * end) for end in self.excess_range)
+        return f"{low:+d} to {high:+d} %"
+
+    def volume_text(self) -> str:
+        """Return the volume in cubic metres as text: a range where amounts are ranges."""
+        return "{:,.2f} to {:,.2f} m³".format(*self.volume_range) if self.ranged else f"{self.volume:,.3f} m³"
+
     def numbers(self) -> dict[str, str]:
         """Return the numbers for a notebook card, as texts by name; missing numbers are left out."""
-        volume = f"{self.volume:.3f} m³ over {self.whole_turns:.1f} m of whole turns"
+        volume = f"{self.volume_text()} over {self.whole_turns:.1f} m of whole turns"
         numbers = {
             "depth": f"{self.start:.2f} to {self.stop:.2f} m",
             "basis": self.basis_text,
             "bit": size_text(self.bit_diameter),
-            "mean diameter": size_text(self.mean_diameter),
+            "mean diameter": " to ".join(map(size_text, self.mean_diameter_range[: 1 + self.ranged])),
             "least diameter": self.least_diameter.text(),
             "greatest diameter": self.greatest_diameter.text(),
-            "volume": f"{volume}, {100 * self.excess:+.1f} % against the bit",
+            "volume": f"{volume}, {self.excess_text()} against the bit",
             "washed out": f"{self.washed_out:.1f} m",
             "measured": f"{100 * self.coverage:.0f} % of the turns",
             "vertices, samples": f"{self.vertices}, {self.samples}",
@@ -190,6 +222,10 @@ def summarize(
     full = np.isfinite(turns.equivalent_diameter)
     counted = float(share[full].sum())
     mean_square = float((share * turns.equivalent_diameter**2)[full].sum()) / counted if counted else math.nan
+    ends_of_mean = [
+        math.sqrt(float((share * end**2)[full].sum()) / counted) if counted else math.nan
+        for end in turns.diameter_range
+    ]
     metres = {kind: float(share[zones.kind == code].sum()) * height for code, kind in enumerate(KINDS) if code}
     nearest: Floats | None = getattr(wall, "nearest", None)
 
@@ -209,6 +245,7 @@ def summarize(
         vertices=vertices,
         samples=_sample_count(wall, *_sample_interval(helix, ends, start, stop)),
         mean_diameter=math.sqrt(mean_square),
+        mean_diameter_range=(ends_of_mean[0], ends_of_mean[1]),
         least_diameter=_extreme(logs, logs.least_diameter, np.nanargmin),
         greatest_diameter=_extreme(logs, logs.c1, np.nanargmax),
         inscribed_diameter=_extreme(logs, logs.inscribed_diameter, np.nanargmin),

@@ -19,13 +19,14 @@ import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
-from helibore.base.arrays import Floats, Mask, column
+from helibore.base.arrays import Floats, Mask, column, runs_of
 from helibore.base.errors import InputError, check_not_negative
 from helibore.base.notebook import card, curve_picture
 from helibore.base.tables import LogColumn, LogImage, LogTable, Tabular
@@ -34,10 +35,12 @@ from helibore.logs.annulus import Annulus, annulus
 from helibore.logs.arms import arm_diameters
 from helibore.logs.cement_sheet import CementSheet, MeasuredHole, cement_sheet
 from helibore.logs.depth_steps import by_step
+from helibore.logs.likely_kinds import PARTS, Along, kinds_along
 from helibore.logs.log_columns import COLUMNS
 from helibore.samples.caliper import Basis, Caliper
 from helibore.samples.helix import WallLike, basis_of, basis_text_of, whole_helix
 from helibore.settings.cement_settings import CementJob
+from helibore.settings.zone_settings import Criteria
 from helibore.trajectory.references import reference_assumed, reference_of
 from helibore.trajectory.survey import Path
 from helibore.trajectory.true_depth import true_depth
@@ -55,10 +58,15 @@ COVERED = 0.9
 """If the mean coverage is less, a warning says that the wall is interpolated."""
 ARM_MEAN = "mean over the row and of all passes"
 NO_UNCERTAINTY = (
-    "volumes (hole, excess over the bit, annulus, cement) and mean diameters have no known uncertainty where the wall "
-    "is interpolated, not measured"
+    "columns of mean diameter and volume, annulus and cement have no known uncertainty where the wall is interpolated, "
+    "not measured"
 )
 """What terminal, files, reports and prints state on a wall that is partly interpolated."""
+RANGED = (
+    "mean diameters, volumes and excess are ranges with a probability of 95 % where turns have few samples: the hole "
+    "there is that of known sections which fit the samples of many turns"
+)
+"""What terminal and report state where `Logs.diameter_range` is a range."""
 LARGE = 1.85
 """If the median diameter is more than this multiple of bit size, bit size or units are probably wrong."""
 SMALL = 0.1
@@ -71,8 +79,10 @@ ALIKE_AROUND = 30.0
 """Degrees around the hole over which the errors of a wall are alike (``python -m bench.accuracy.amounts``)."""
 LEAST_SAMPLED = 0.9
 """Least share of a turn's vertices with a sigma at which its mean diameter has one."""
-PARTS = 32
-"""Parts of a turn in `Logs.section`."""
+SPARSE = 0.3
+"""Metres along the hole from which on turns with few samples are taken together."""
+SIZE_ROUGH = 1.8e-3
+"""Metres; standard deviation of the equivalent diameter of a hole from that of its likely section."""
 RUGOSITY_WINDOW = 1.0
 """Metres of hole that rugosity is measured over by default."""
 
@@ -182,6 +192,8 @@ class Logs(Tabular):
         (turns, 32) mean radius of the samples in each of 32 parts of the turn, metres; part p is around the toolface
         p 360 / 32. NaN: no sample. If the wall has no samples: of its vertices. A step has none. Kinds are compared
         with it.
+    turns
+        Logs of the turns that steps are made from; None: the rows are turns.
     path
         Path of the wall: `table` has TVD, INCL and AZIM along it.
     """
@@ -242,6 +254,7 @@ class Logs(Tabular):
     caliper_accuracy: float = 0.0
     section: Sections = field(default_factory=lambda: np.empty((0, PARTS)))
     path: Path | None = None
+    turns: Logs | None = None
 
     def __len__(self) -> int:
         """Return the number of rows."""
@@ -252,6 +265,59 @@ class Logs(Tabular):
         """Standard uncertainty of `volume`, (rows,) float64, m3, as `diameter_sigma`."""
         uncertain: Floats = 0.5 * np.pi * self.height * self.equivalent_diameter * self.diameter_sigma
         return uncertain
+
+    @cached_property
+    def sparse(self) -> Mask:
+        """(turns,) bool: whether fewer than half of the `section` has a sample, over 0.3 m of hole or more."""
+        few: Mask = np.isfinite(self.section).sum(axis=1) < PARTS / 2
+        for first, stop in runs_of(few):
+            if (stop - first) * self.height < SPARSE - 1e-9 and stop - first < len(self):
+                few[first:stop] = False
+        return few
+
+    def along(self, criteria: Criteria | None = None) -> Along | None:
+        """Return what the samples of all turns make likely where turns are `sparse`; None if no turn is."""
+        if self.basis != "azimuthal" or not self.sparse.any():
+            return None
+        own = criteria is None or criteria == Criteria()
+        return self._along if own else self._chained(criteria or Criteria())
+
+    @cached_property
+    def _along(self) -> Along:
+        return self._chained(Criteria())
+
+    def _chained(self, criteria: Criteria) -> Along:
+        even = self.shape == "arms" and not np.any(self.uneven > 0)
+        sections = self.section - self.bit_diameter / 2
+        return kinds_along(sections, self.height, self.bit_diameter, criteria, even, self.sparse)
+
+    @cached_property
+    def diameter_range(self) -> tuple[Floats, Floats]:
+        """Least and greatest likely equivalent diameter, (rows,) float64 each, metres, with a probability of 95 %.
+
+        Where turns have few samples (`sparse`), the sections that fit the samples of many turns give it, since the
+        interpolated wall may be far too wide there or too narrow. Elsewhere both are `equivalent_diameter`.
+        """
+        if self.turns is not None:
+            return self._range_of_steps(self.turns)
+        found = self.along()
+        if found is None:
+            return self.equivalent_diameter, self.equivalent_diameter
+        size = 2 * np.sqrt(found.square)
+        spread = 1.96 * np.hypot(2 * found.square_sigma / size, SIZE_ROUGH)
+        low, high = (np.where(self.sparse, end, self.equivalent_diameter) for end in (size - spread, size + spread))
+        return low, high
+
+    def _range_of_steps(self, turns: Logs) -> tuple[Floats, Floats]:
+        """Return `diameter_range` of steps: the errors of a step's turns are alike."""
+        order = np.argsort(turns.depth, kind="stable")
+        at = turns.depth[order]
+        ends = [np.searchsorted(at, self.depth + side * self.height / 2) for side in (-1, 1)]
+        found = []
+        for of_turns in turns.diameter_range:
+            total = np.append(0.0, np.cumsum(of_turns[order] ** 2))
+            found.append(np.sqrt((total[ends[1]] - total[ends[0]]) / np.maximum(ends[1] - ends[0], 1)))
+        return found[0], found[1]
 
     @property
     def integrated_volume(self) -> Floats:
@@ -304,7 +370,7 @@ class Logs(Tabular):
                 "step", f"these logs already have steps of {self.step:g} m; start from the logs with one row per turn"
             )
         columns = by_step(vars(self), self.pitch, self.bit_diameter, step)
-        return replace(self, step=float(step), section=np.empty((0, PARTS)), **columns)
+        return replace(self, step=float(step), section=np.empty((0, PARTS)), turns=self, **columns)
 
     def between(self, top: float | None, bottom: float | None) -> Logs:
         """Return the rows whose depth lies in [top, bottom], metres, without copying them; None: no limit."""

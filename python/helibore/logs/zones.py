@@ -31,8 +31,8 @@ from helibore.base.errors import InputError, check_choice
 from helibore.base.notebook import card, curve_picture
 from helibore.base.tables import LogColumn, LogTable, Tabular, columns_of
 from helibore.logs.breakouts import axes_of_arms, lobes_of, lobes_of_arms
-from helibore.logs.likely_kinds import kind_probabilities
-from helibore.logs.turn_logs import PARTS, Logs, turn_logs
+from helibore.logs.likely_kinds import PARTS, kind_probabilities
+from helibore.logs.turn_logs import Logs, turn_logs
 from helibore.logs.zone_criteria import MEASURES, Criteria, washed_out
 from helibore.samples.helix import WallLike
 
@@ -62,6 +62,8 @@ NOT_GAUGE = 0.05
 """Probability of gauge below which a run of turns is a zone, whatever its kind."""
 LEAST_SAMPLED = 0.5
 """A wall shows no kind where less than this share of a turn has samples near. Arms measure diameters without it."""
+LEAST_SEEN = 6
+"""Least parts of `PARTS` that samples must see around a turn for it to have a kind, unless arms measure diameters."""
 TOGETHER = 0.25
 """Metres along the hole, above and below a turn with few samples, whose samples make its section."""
 COMPARED = 6
@@ -278,6 +280,10 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
     start = float(wall.settings.start_toolface)
     lower, higher = _lobe_heights(logs)
     fits = _kinds(logs, criteria, lower, higher)
+    sparse, along = logs.sparse, _along(logs, criteria)
+    if len(along):
+        fits = np.where(sparse, _likeliest(logs, along), fits)
+        higher = np.where(sparse & np.isnan(logs.lobe1_height), logs.c1 - logs.bit_diameter, higher)
     under, elongation = logs.least_diameter - logs.bit_diameter, logs.c1 - logs.c2
     measures = {WASHOUT: logs.c2 - logs.bit_diameter, BREAKOUT: elongation, KEY_SEAT: higher, UNDERGAUGE: under}
     kind = np.where(fits == NO_KIND, NO_KIND, GAUGE).astype(np.int8)
@@ -291,6 +297,8 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
             sections = _sections(logs, inside[np.unique(np.linspace(0, inside.size - 1, COMPARED).astype(int))])
             even = _measures_diameters(logs, inside)
             likely, sound = kind_probabilities(sections, logs.bit_diameter, criteria, even)
+            if len(along) and sparse[inside].mean() > 0.5:
+                likely = np.nanmean(along[inside], axis=0)
             if likely[code] < LIKELY and likely[GAUGE] > NOT_GAUGE:
                 continue
             confidence = max(float(likely[code]), LIKELY) if sound else LIKELY
@@ -302,6 +310,22 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
 
 def _measures_diameters(logs: Logs, turns: Integers) -> bool:
     return logs.shape == "arms" and not np.any(logs.uneven[turns] > 0)
+
+
+def _along(logs: Logs, criteria: Criteria) -> Floats:
+    """Return the probabilities of kinds where turns have few samples, (turns, 5), else NaN; (0, 5): no turn is such."""
+    along = logs.along(criteria)
+    if along is None:
+        return np.empty((0, len(KINDS)))
+    seen = (along.seen >= LEAST_SEEN)[:, None] | (logs.shape == "arms")
+    return np.where(seen, along.kinds, np.nan)
+
+
+def _likeliest(logs: Logs, along: Floats) -> Integers8:
+    """Return the most probable kind of each turn."""
+    missing = np.isnan(logs.c1) | np.isnan(logs.c2) | np.isnan(along[:, GAUGE])
+    likeliest: Integers8 = np.where(missing, NO_KIND, np.nan_to_num(along).argmax(axis=1)).astype(np.int8)
+    return likeliest
 
 
 def _sections(logs: Logs, turns: Integers) -> Floats:

@@ -26,7 +26,7 @@ from helibore.base.units import size_text
 from helibore.logs.intervals import interval_table
 from helibore.logs.picks import BREAKOUT
 from helibore.logs.summary import WallSummary
-from helibore.logs.turn_logs import NO_UNCERTAINTY, TOOLFACE_0
+from helibore.logs.turn_logs import NO_UNCERTAINTY, RANGED, TOOLFACE_0
 from helibore.logs.zone_criteria import MEASURES
 from helibore.logs.zones import SIZES
 from helibore.plot.content import Drawing, content_of
@@ -196,13 +196,14 @@ def _summary(content: Content) -> str:
     depths = content.drawing.depth_unit.name
     if summary.whole_turns and wall.basis != "gauge":
         ends = [in_unit(extreme.value, content) for extreme in (summary.least_diameter, summary.greatest_diameter)]
-        sizes = f"{size_text(summary.mean_diameter)} mean, {ends[0]} to {ends[1]} {content.drawing.size_unit} across"
+        mean = " to ".join(map(size_text, summary.mean_diameter_range[: 1 + summary.ranged]))
+        sizes = f"{mean} mean, {ends[0]} to {ends[1]} {content.drawing.size_unit} across"
         volume = (
-            f"{summary.volume:,.3f} m³ over {in_depth_unit(summary.whole_turns, content, 1)} {depths} of whole turns"
+            f"{summary.volume_text()} over {in_depth_unit(summary.whole_turns, content, 1)} {depths} of whole turns"
         )
         rows += [
             ("Diameter", sizes),
-            ("Hole volume", f"{volume}; {100 * summary.excess:+.1f} % against bit size"),
+            ("Hole volume", f"{volume}; {summary.excess_text()} against bit size"),
         ]
     if wall.basis == "azimuthal":
         axis = summary.breakout_axis
@@ -236,16 +237,23 @@ def _diameters(content: Content) -> str:
             "Volume [m³]", "Excess [%]", "Whole turns [%]")  # fmt: skip
     rows = []
     for row in intervals(content):
-        lengths = (row.mean_diameter, row.least_diameter.value, row.greatest_diameter.value)
-        volume = row.volume if row.whole_turns else math.nan
+        lengths = (row.least_diameter.value, row.greatest_diameter.value)
+        has = row.whole_turns > 0
+        volumes, excesses = (row.volume_range, row.excess_range) if row.ranged else ((row.volume,), (row.excess,))
+        of_row = [in_unit(size, content) for size in row.mean_diameter_range[: 1 + row.ranged]]
+        decimals = (2, 0) if row.ranged else (4, 1)
         share = 100 * row.whole_turns / max(row.whole_turns + row.incomplete_turns, 1e-9)
-        rest = [number(volume, 4), number(100 * row.excess, 1), number(share, 1)]
+        volume = " to ".join(number(each, decimals[0]) for each in volumes) if has else ""
+        excess = " to ".join(number(100 * each, decimals[1]) for each in excesses) if has else ""
+        rest = [volume, excess, number(share, 1)]
         ends = (in_depth_unit(row.start, content), in_depth_unit(row.stop, content))
-        rows.append([*ends, *(in_unit(size, content) for size in lengths), *rest])
+        rows.append([*ends, " to ".join(of_row) if has else "", *(in_unit(size, content) for size in lengths), *rest])
     note = (
         "Mean: diameter of the cylinder with the same volume. Least and greatest: diameters through the hole's axis. "
         "All these numbers come from whole turns: those without a missing radius, measured or interpolated."
     )
+    if content.zones.logs.sparse.any():
+        note += f" {sentence(RANGED)}"
     unsure = f"<p>{sentence(NO_UNCERTAINTY)}</p>" if content.zones.logs.unmeasured_shape else ""
     ticks = f"<p>{in_html(content.ticks_text)}.</p>" if content.ticks_text else ""
     return table(head, rows) + f"<p>{note}</p>{ticks}{unsure}"

@@ -31,7 +31,8 @@ from helibore.channels.channel_readings import readings
 from helibore.channels.log_set import LogSet
 from helibore.files.columnar import parquet_values
 from helibore.files.raw_set import Channel
-from helibore.logs.turn_logs import COLUMN_NAMES, PARTS, RUGOSITY_WINDOW, Logs, turn_logs, window_turns
+from helibore.logs.likely_kinds import PARTS
+from helibore.logs.turn_logs import COLUMN_NAMES, RUGOSITY_WINDOW, Logs, turn_logs, window_turns
 from helibore.preparation.conditioning import in_range
 from helibore.preparation.prepare import Prepared
 from helibore.preparation.sensors import observe_by_depth

@@ -281,6 +281,20 @@ def test_bad_input_is_named(call: Any, place: str, golden: Golden) -> None:
         call()
 
 
+def test_few_samples_a_turn_show_a_key_seat_by_all_of_its_turns() -> None:
+    """Two samples a turn at any toolface, as by telemetry: no turn has a shape of its own."""
+    random = np.random.default_rng(3)
+    depth, toolface = np.sort(random.uniform(1000, 1012, 240)), random.uniform(0, 360, 240)
+    away = np.abs((toolface - 200 + 180) % 360 - 180)
+    slot = 0.025 * np.maximum(1 - (away / 45) ** 2, 0) * ((depth > 1004) & (depth < 1008))
+    wall = hb.reconstruct(hb.Caliper(depth, toolface, BIT / 2 + slot), bit_diameter=BIT)
+    found = wall.zones()
+    (zone,) = found.zones
+    assert (zone.kind, zone.sure) == ("key seat", True)
+    assert (zone.start, zone.stop) == pytest.approx((1004, 1008), abs=0.6)
+    assert {0} <= set(found.kind[:30].tolist()) <= {-1, 0}
+
+
 @pytest.mark.parametrize("arms", [(92,), (0, 90, 180, 270)])
 def test_where_turning_stops_in_a_breakout_no_zone_is_invented(arms: tuple[int, ...]) -> None:
     """The wall between is interpolated; it once was a washout of 47 mm."""
@@ -289,9 +303,28 @@ def test_where_turning_stops_in_a_breakout_no_zone_is_invented(arms: tuple[int, 
     fixed = np.asarray(arms)[random.integers(0, len(arms), still.size)] + random.uniform(-3, 3, still.size)
     depth, toolface = np.r_[turning, still], np.r_[random.uniform(0, 360, turning.size), fixed] % 360
     wall = hb.reconstruct(hb.Caliper(depth, toolface, hole.radius(depth, toolface)), bit_diameter=BIT)
-    (zone,) = wall.zones().zones
+    found = wall.zones()
+    (zone,) = found.zones
     assert (zone.kind, zone.stop) == ("breakout", pytest.approx(2120.1, abs=0.15))
-    assert wall.zones().kind[-20:].tolist() == [-1] * 20
+    assert found.kind[-20:].tolist() == [-1] * 20
+    logs = found.logs
+    still = logs.depth > 2120.3
+    around = np.arange(0, 360, 1.0)
+    true = [2 * np.sqrt(np.mean(hole.radius(np.full(360, at), around) ** 2)) for at in logs.depth[still]]
+    low, high = (end[still] for end in logs.diameter_range)
+    assert ((low <= true) & (true <= high)).mean() > 0.9
+    width = high - low
+    assert width[0] < 0.012, "the turns above show the shape"
+    assert width[-1] > width[0], "and show it less, the farther they are"
+    assert np.abs(logs.equivalent_diameter[still] - true).max() > 0.01, "the interpolated wall is wrong by more"
+    turning = logs.depth < 2119.5
+    np.testing.assert_array_equal(logs.diameter_range[0][turning], logs.equivalent_diameter[turning])
+    summary = summarize(wall, 2120.5, 2122.5, zones=found)
+    assert summary.ranged
+    assert summary.mean_diameter_range[0] <= 0.226 <= summary.mean_diameter_range[1]
+    assert summarize(wall, 2117.5, 2119.0, zones=found).excess_text().count("to") == 0
+    steps = logs.by_step(1.0)
+    assert steps.diameter_range[0][-2] <= 0.226 <= steps.diameter_range[1][-2]
 
 
 def test_a_tool_off_centre_sees_no_key_seat_and_a_true_one_is_likely() -> None:
@@ -325,8 +358,8 @@ def test_probabilities_sum_to_one_and_do_not_depend_on_the_direction(turn: int, 
     np.testing.assert_allclose(turned, likely, atol=1e-6)
 
 
-@pytest.mark.parametrize("arms", [4, 32])
-def test_what_no_gauge_section_explains_is_a_zone(arms: int) -> None:
+@pytest.mark.parametrize(("arms", "kind"), [(4, "breakout"), (32, "undergauge")])
+def test_what_no_gauge_section_explains_is_a_zone(arms: int, kind: str) -> None:
     """An oval of 72 mm, of which the library of sections has nothing like."""
     depth = np.repeat(np.arange(2000, 2010, 0.05), arms)
     around = np.array([0, 60, 180, 240]) if arms == 4 else np.arange(arms) * 360 / arms
@@ -335,9 +368,9 @@ def test_what_no_gauge_section_explains_is_a_zone(arms: int) -> None:
     arm = np.tile(np.arange(arms) % 2, depth.size // arms) if arms == 4 else None
     wall = hb.reconstruct(hb.Caliper(depth, toolface, radius, arm=arm), bit_diameter=0.2159)
     zones = wall.zones()
-    assert [zone.kind for zone in zones.zones if zone.start < 2005 < zone.stop] == ["undergauge"]
-    assert zones.of("undergauge")[0].confidence == 0.5
-    assert not zones.of("undergauge")[0].sure
+    assert [zone.kind for zone in zones.zones if zone.start < 2005 < zone.stop] == [kind]
+    assert zones.of(kind)[0].confidence == 0.5
+    assert not zones.of(kind)[0].sure
     (label, text), *_ = zone_lines(zones, wall.summary(), "m")
     assert label == "zones"
     assert "not sure" in text
