@@ -101,7 +101,7 @@ def kind_probabilities(sections: Floats, bit_diameter: float, criteria: Criteria
     misfit = square / np.maximum(count, 1)[:, None]
     if misfit[:, kind == 0].min(axis=1).mean() > EXPLAINED**2:
         total[0] = -np.inf
-    own = np.nanmean(sections**2) / ROUGH**2
+    own = np.nansum(sections**2) / max(np.isfinite(sections).sum(), 1) / ROUGH**2
     explained = misfit.min(axis=1).mean() <= max(EXPLAINED**2, RESEMBLES**2 * own)
     odds = np.exp(total - total.max())
     return odds / odds.sum(), bool(explained)
