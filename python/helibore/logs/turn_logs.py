@@ -276,7 +276,13 @@ class Logs(Tabular):
         return few
 
     def along(self, criteria: Criteria | None = None) -> Along | None:
-        """Return what the samples of all turns make likely where turns are `sparse`; None if no turn is."""
+        """Return what the samples of all turns make likely where turns are `sparse`; None if no turn is.
+
+        Parameters
+        ----------
+        criteria
+            They say of which kind each section of the library is; None: the defaults.
+        """
         if self.basis != "azimuthal" or not self.sparse.any():
             return None
         own = criteria is None or criteria == Criteria()
