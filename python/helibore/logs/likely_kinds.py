@@ -49,7 +49,7 @@ STAYS, CHANGES = 0.8, 0.1
 """Probability that the section stays the same over a metre, and that it keeps its kind if it changes."""
 TEMPER = 0.7
 """Power of the evidence of a window, since windows differ from the library alike."""
-ALONG_PRIOR = (0.62, 0.1, 0.1, 0.09, 0.09)
+ALONG_PRIOR = (0.68, 0.1, 0.1, 0.06, 0.06)
 """Prior of the kinds along the hole; `PRIOR` is that of turns which meet a criterion."""
 _BLOCK, _BESIDE = 400, 20  # windows at once, and how many beside them count
 _FINE = 6 * PARTS  # toolfaces at which a section of the library is drawn
