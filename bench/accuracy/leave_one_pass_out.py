@@ -88,7 +88,7 @@ def score(depth, toolface, radius, passes, classes, left_out):
     odd = np.floor(depth / BLOCK) % 2 == 1
     for block in (odd, ~odd):
         known, scored = ~mine | ~block, mine & block
-        moved = depth + find_shifts(depth[known], radius[known], passes[known]).at(passes)
+        moved = depth + find_shifts(depth[known], toolface[known], radius[known], passes[known]).at(passes, depth)
         errors[1, scored] = predict(moved, toolface, radius, ~mine, scored) - radius[scored]
         for row, arms in enumerate(classes, start=2):
             known_columns = (column[known] for column in (moved, toolface, radius, passes, arms))
@@ -116,8 +116,8 @@ def main() -> int:
         print(f"{path}: there is no such file; give its path", file=sys.stderr)
         return 2
     depth, toolface, radius, passes, arm, side = read(path)
-    shifts = find_shifts(depth, radius, passes)
-    bias = find_bias(depth + shifts.at(passes), toolface, radius, passes, arm)
+    shifts = find_shifts(depth, toolface, radius, passes)
+    bias = find_bias(depth + shifts.at(passes, depth), toolface, radius, passes, arm)
     names = ("others", "own", "best", "raw", "shift", "bias", "sides")
     print("pass  samples  shift m  bias mm |" + "".join(f"{name:>8s}" for name in names) + "   mm, median")
     medians, means, unseen = [], [], 0

@@ -2,9 +2,9 @@
 
 A tool that passes an interval more than once measures one wall, with three errors::
 
-    radius = wall(depth + shift[pass], toolface) + by_pass[pass] + by_arm[arm] + noise
+    radius = wall(depth + shift[pass](depth), toolface) + by_pass[pass] + by_arm[arm] + noise
 
-``shifts`` finds the first error, and ``biases`` the other two. Stretching of depths within a pass is not supported.
+``shifts`` finds the first error, which may vary along the hole, and ``biases`` the other two.
 """
 
 from __future__ import annotations

@@ -85,7 +85,7 @@ class Prepared:
     centres, centre_depth
         The tool's centre in each of t turns, and the mean depth of these turns, (t,) m.
     shifts
-        The shift of each pass.
+        The depth function of each pass.
     bias
         The bias of each arm or pass.
     earlier
@@ -505,8 +505,9 @@ class _Pipeline:
             self.report.append(("shift", f"pass {one}: {shift:+.3f} m, as given"))
         if self.settings.find_shifts:
             held = [one for one, _ in self.settings.shifts]
-            found = self.shifts = find_shifts(depth, self.samples.radius, number, held=held)
-            depth = depth + found.at(number)
+            samples = self.samples
+            found = self.shifts = find_shifts(depth, samples.toolface, samples.radius, number, held=held)
+            depth = depth + found.at(number, depth)
             self.report += [("shift", line) for line in found.lines()]
         self.samples = replace(self.samples, depth=depth)
 

@@ -1,244 +1,312 @@
-r"""Find the depth shift of each pass by correlating its median radius along the hole with that of the other passes.
+r"""Find the depth shift of each pass along the hole by what the other passes saw.
 
-    radius       _/\__/\_____     pass, moved by the trial shift       correlation(shift) has its peak
-    less trend     _/\__/\____    the others                           at the shift to be added to its depths
+    depth of the hole = depth + shift(depth)     constant, stretched (a cable), in steps, or to and fro (yo-yo, heave)
 
-All arms of a pass count alike, so a pass in which the tool lay rotated still matches. Only differences can be found, so
-the mean of the shifts that are found is set to 0, unless some passes are held (not shifted). A hole whose shape
-repeats along it (a spiral, regular ledges) matches at several shifts; if another peak of the correlation is nearly as
-high as the best, no shift is found. Stretching within a pass is not supported.
+The others are a field of radii with an uncertainty (``fields``), and the shift is a path through how well the readings
+of the pass fit it (``depth_paths``). Only differences can be found: the mean of the shifts that are found is set to 0,
+unless some passes are held (not shifted). A pass is left where it is if it overlaps the others by too little, if its
+shift is not known to 0.12 m in half of its rows, or if the hole repeats itself, so that another shift fits nearly as
+well. Where the shift of a row is not known, it is taken from the rows around, and its deviation says so.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import Floats, Integers, Mask, finite_column, whole_column
+from helibore.base.arrays import Floats, Integers, Mask, finite_column, runs_of, whole_column
 from helibore.base.errors import InputError
 from helibore.preparation.biases import rows_of
+from helibore.preparation.depth_paths import (
+    APART,
+    FINEST,
+    GRID,
+    STEP,
+    DepthPath,
+    find_path,
+)
+from helibore.preparation.fields import Field, RowsOfPass, fit, in_rows, seen_by_all
 
-__all__ = ["Shifts", "find_shifts"]
+__all__ = ["DepthFunction", "Shifts", "find_shifts"]
 
-_STEP = 0.05  # m between trial shifts; the best shift is refined by a parabola
-_LIMIT = 2.0  # m: the largest trial shift
-_TREND = 10.0  # m: length of the running mean that is subtracted first, and least overlap of two passes
-_LEAST = 0.4  # least correlation: with less, a pass is not shifted
-_WIDEST_GAP = 1.0  # m: longest gap between samples of one pass across which its profile is interpolated
-_ROUNDS = 5
-_VALLEY = 0.7  # the best peak ends where the curve falls to this share of the best correlation
-_GRID = 0.2  # steps: the error of a shift due to the grid and its linear interpolation
-_RIVAL = 0.9  # the shift is ambiguous if a second peak is higher than this share of the best correlation
+_CELL = 0.05  # m: height of a row of readings; more if the passes have more than `_MOST_ROWS` of these
+_MOST_ROWS = 20_000
+_OVERLAP = 10.0  # m: least overlap of a pass with the others
+_RIVAL = 0.8  # another shift is a rival if it gains more than this share of what the found one gains
+_AT_ONCE = 4  # most passes in place with which a pass is matched, those that it overlaps most
+_REPORTED = 0.01  # share of the rows whose shift is not known, from which a pass is reported
+_REPEATED = 0.6  # correlation of a hole with itself, moved, from which it repeats itself
+_LEAST_GAIN = 4.0  # logarithm of the likelihood that the found shift must gain over a rival: odds of 50
+
+
+@dataclass(frozen=True)
+class DepthFunction:
+    """The shift of one pass along the hole, linear between k depths of the pass, metres."""
+
+    depth: Floats = field(default_factory=lambda: np.zeros(1))  # of the pass, (k,), rising
+    shift: Floats = field(default_factory=lambda: np.zeros(1))  # to add to these depths, (k,)
+    sigma: Floats = field(default_factory=lambda: np.full(1, np.nan))  # deviation of the shift, (k,); 0: held
+    known: Mask = field(default_factory=lambda: np.zeros(1, dtype=bool))  # whether the shift is known to 0.12 m, (k,)
+    found: bool = False  # False: the pass is not shifted
+    reason: str = ""  # why it is not
+    second: float = np.nan  # shift of the second-best match
+    second_share: float = np.nan  # what that gains, as a share of what the best gains
+    before: float = np.nan  # median difference of the readings from the others, unshifted
+    after: float = np.nan  # and shifted
 
 
 @dataclass(frozen=True)
 class Shifts:
-    """The depth shift of each of p passes; columns are (p,), metres."""
+    """The depth function of each of p passes, sorted by number."""
 
-    passes: Integers  # numbers of the passes, sorted
-    shift: Floats  # to add to the depths of the pass; 0 for a held pass and where no shift was found
-    correlation: Floats  # with the other passes at the shift; 1 for a held pass, NaN if less than 10 m overlap
-    before: Floats  # the correlation if all passes but this one are shifted; 1 for a held pass
-    found: Mask  # whether the pass is held, or the correlation has one clear peak of at least 0.4 within 2 m
-    sigma: Floats  # standard deviation of the shift, from the peak's curvature; 0 for a held pass, NaN without a peak
-    second: Floats  # shift at the second-best peak of the correlation; NaN where there is none
-    second_correlation: Floats  # the correlation at this second-best peak
+    passes: Integers
+    functions: tuple[DepthFunction, ...]
 
-    def at(self, pass_number: npt.ArrayLike) -> Floats:
+    @property
+    def shift(self) -> Floats:
+        """The mean shift of each pass, (p,) m."""
+        return np.array([each.shift.mean() for each in self.functions])
+
+    @property
+    def sigma(self) -> Floats:
+        """The median deviation of the shift of each pass, (p,) m; 0 for a held pass, NaN where none was found."""
+        return np.array([np.median(each.sigma) for each in self.functions])
+
+    @property
+    def found(self) -> Mask:
+        """Whether each pass is held or was shifted, (p,)."""
+        return np.array([each.found for each in self.functions], dtype=bool)
+
+    def at(self, pass_number: npt.ArrayLike, depth: npt.ArrayLike) -> Floats:
         """Return the shift of each sample, (n,) m, new, to add to the depth. Raises InputError for an unknown pass."""
-        return self.shift[rows_of("pass_number", whole_column("pass_number", pass_number), self.passes)]
+        number = whole_column("pass_number", pass_number)
+        where = finite_column("depth", depth, number.size, "pass_number")
+        row = rows_of("pass_number", number, self.passes)
+        shift = np.empty(where.size)
+        for index, each in enumerate(self.functions):
+            mine = row == index
+            shift[mine] = np.interp(where[mine], each.depth, each.shift)
+        return shift
 
     def lines(self) -> list[str]:
-        """Return a sentence for each pass that was not held."""
+        """Return sentences for each pass that was not held."""
         lines = []
-        for row, number in enumerate(self.passes):
-            if self.sigma[row] == 0:
+        for number, each in zip(self.passes.tolist(), self.functions, strict=True):
+            if each.found and (each.sigma == 0).all():
                 continue
-            before, after, second = self.before[row], self.correlation[row], self.second_correlation[row]
-            text = "left where it is: no clear match"
-            rival = "" if np.isnan(second) else f"{self.second[row]:+.3f} m with correlation {second:.2f}"
-            if self.found[row]:
-                text = (
-                    f"{self.shift[row]:+.3f} +- {self.sigma[row]:.3f} m found, correlation with the others "
-                    f"{before:.2f} before, {after:.2f} after{'; second best ' if rival else ''}{rival}"
+            lines.append(f"pass {number}: {_sentence(each) if each.found else f'left where it is: {each.reason}'}")
+            if each.found and np.mean(~each.known) > _REPORTED:
+                runs = sorted(runs_of(~each.known), key=lambda run: each.depth[run[0]] - each.depth[run[1] - 1])
+                first, stop = runs[0]
+                share, top, end = 100 * np.mean(~each.known), each.depth[first], each.depth[stop - 1]
+                lines.append(
+                    f"pass {number}: its shift is not known to {APART:g} m in {share:.0f} % of its rows, most of all "
+                    f"from {top:.1f} to {end:.1f} m: taken from the rows around"
                 )
-            elif rival and second > _RIVAL * after:
-                text += f", since the hole repeats itself (correlation {after:.2f}, and {rival})"
-            lines.append(f"pass {number}: {text}")
         return lines
+
+
+def _sentence(each: DepthFunction) -> str:
+    least, most, sigma = each.shift.min(), each.shift.max(), np.median(each.sigma)
+    varies = f", from {least:+.3f} to {most:+.3f} m" if most - least > 2 * sigma else ""
+    second = f"; second best {each.second:+.2f} m away, with {each.second_share:.2f} of the gain"
+    if np.isnan(each.before):
+        return f"{each.shift.mean():+.3f} m; the other passes were matched to it"
+    return (
+        f"{each.shift.mean():+.3f} +- {sigma:.3f} m found{varies}; the readings differ from the others by "
+        f"{1e3 * each.before:.2f} mm before, {1e3 * each.after:.2f} mm after (median)"
+        f"{'' if np.isnan(each.second) else second}"
+    )
 
 
 def find_shifts(
     depth: npt.ArrayLike,
+    toolface: npt.ArrayLike,
     radius: npt.ArrayLike,
     pass_number: npt.ArrayLike,
     *,
     held: Sequence[int] = (),
 ) -> Shifts:
-    """Find the depth shift of each pass.
+    """Find the depth shift of each pass as a function of depth.
 
     Parameters
     ----------
-    depth, radius, pass_number
-        Metres, metres, whole numbers, (n,), finite, in any order.
+    depth, toolface, radius, pass_number
+        Metres, degrees, metres, whole numbers, (n,), finite, in any order.
     held
-        Passes that are not shifted. The other passes are first shifted to match the held ones. Then each of them is
-        shifted to match the mean of all other passes, held or not. This is repeated until the shifts no longer change,
-        at most until 5 rounds are done.
+        Passes that are not shifted; the others are shifted to match them. Without held passes, the pass that covers
+        most is the first to match. Each next pass is matched to the four passes in place that it overlaps most; a pass
+        that is refused is matched once more when all others are in place.
     """
     where = finite_column("depth", depth)
+    angle = finite_column("toolface", toolface, where.size, "depth")
     distance = finite_column("radius", radius, where.size, "depth")
     number = whole_column("pass_number", pass_number, where.size, "depth")
     passes, row = np.unique(number, return_inverse=True)
     for one in held:
         if one not in passes:
             raise InputError("held", f"is not among the passes {passes.tolist()}", str(one))
-    count = passes.size
-    shift, found = np.zeros(count), np.zeros(count, dtype=bool)
-    best, before, sigma, second, second_best = np.full((5, count), np.nan)
-    result = Shifts(passes, shift, best, before, found, sigma, second, second_best)
-    if count == 0:
-        return result
-    grid = np.arange(int(np.ptp(where) / _STEP) + 2)
-    profiles = [_profile((where[row == i] - where.min()) / _STEP, distance[row == i], grid) for i in range(count)]
-    most, enough = round(_LIMIT / _STEP), round(_TREND / _STEP)
-    fixed = np.isin(passes, held)
-    for turn in range(_ROUNDS):
-        first = turn == 0 and fixed.any()
-        start = shift.copy()
-        placed = np.stack([_moved(p, s / _STEP) for p, s in zip(profiles, shift, strict=True)])
-        for i in np.flatnonzero(~fixed):
-            others = placed[fixed] if first else np.delete(placed, i, axis=0)
-            curve, overlap = _correlations(profiles[i], _mean(others), 2 * most, enough)
-            peak = _peak(curve, most, overlap)
-            shift[i], sigma[i], second[i] = peak.shift * _STEP, peak.sigma * _STEP, peak.second * _STEP
-            best[i], second_best[i], found[i] = peak.correlation, peak.second_correlation, peak.found
-            placed[i] = _moved(profiles[i], peak.shift)
-        if not fixed.any():
-            second -= _center(shift, found)
-        if not first and np.abs(shift - start).max() < 0.01 * _STEP:
-            break
-    found[fixed], best[fixed], before[fixed] = True, 1.0, 1.0
-    sigma[fixed] = 0.0
-    # Ambiguity is judged last: while some passes are out of place, each of them makes a peak of its own.
-    found &= ~(second_best > _RIVAL * best)
-    shift[~found] = 0.0
-    if not fixed.any():
-        second -= _center(shift, found)
-    placed = np.stack([_moved(p, s / _STEP) for p, s in zip(profiles, shift, strict=True)])
-    for i in np.flatnonzero(~fixed):
-        before[i] = _correlations(profiles[i], _mean(np.delete(placed, i, axis=0)), 0, enough)[0][0]
-    return result
+    samples = [(where[row == i], angle[row == i], distance[row == i]) for i in range(passes.size)]
+    functions = _Matching(samples, np.isin(passes, held)).run()
+    if not any(one in held for one in passes):
+        functions = _centred(functions)
+    return Shifts(passes, tuple(functions))
 
 
-def _center(shift: Floats, found: Mask) -> float:
-    """Subtract the mean of the found shifts from each found shift, in place, and return this mean."""
-    mean = float(shift[found].mean()) if found.any() else 0.0
-    shift[found] -= mean
-    return mean
+def _centred(functions: list[DepthFunction]) -> list[DepthFunction]:
+    """Return the functions less the mean of those found."""
+    found = [each.shift.mean() for each in functions if each.found]
+    mean = float(np.mean(found)) if len(found) > 1 else 0.0
+    return [replace(each, shift=each.shift - mean) if each.found else each for each in functions]
 
 
-def _profile(place: Floats, radius: Floats, grid: Integers) -> Floats:
-    """Return the median radius in each grid step, less its running mean; NaN beyond the samples and in wide gaps.
+class _Matching:
+    """Passes that are matched one after the other with those already in place."""
 
-    ``place`` is the depth of each sample in grid steps.
-    """
-    row = np.round(place)
-    order = np.lexsort((radius, row))
-    cells, first, count = np.unique(row[order], return_index=True, return_counts=True)
-    at = np.add.reduceat(place[order], first) / count if cells.size else cells
-    level = 0.5 * (radius[order[first + (count - 1) // 2]] + radius[order[first + count // 2]])
-    profile = np.interp(grid, at, level, left=np.nan, right=np.nan)
-    if at.size > 1:
-        after = np.clip(np.searchsorted(at, grid), 1, at.size - 1)
-        profile[(at[after] - at[after - 1]) * _STEP > _WIDEST_GAP] = np.nan
-    known = np.isfinite(profile)
-    half = round(0.5 * _TREND / _STEP)
-    first, last = np.maximum(grid - half, 0), np.minimum(grid + half + 1, grid.size)
-    sums = np.concatenate([[0.0], np.cumsum(np.where(known, profile, 0.0))])
-    counts = np.concatenate([[0], np.cumsum(known)])
-    smooth: Floats = (sums[last] - sums[first]) / np.maximum(counts[last] - counts[first], 1)
-    detrended: Floats = profile - smooth
-    return detrended
+    def __init__(self, samples: list[tuple[Floats, Floats, Floats]], held: Mask) -> None:
+        self.held = held
+        self.ends = [(float(depth.min()), float(depth.max())) for depth, _, _ in samples]
+        length = max((bottom - top for top, bottom in self.ends), default=0.0)
+        self.rows = [in_rows(*each, max(_CELL, length / _MOST_ROWS)) for each in samples]
+        self.fits: dict[int, tuple[Field, RowsOfPass]] = {}
+        self.functions = [DepthFunction() for _ in samples]
+        self.bias = np.zeros(len(samples))
+
+    def run(self) -> list[DepthFunction]:
+        first = np.flatnonzero(self.held).tolist()
+        if not first and self.rows:
+            first = [int(np.argmax([bottom - top for top, bottom in self.ends]))]
+        for index in first:
+            sigma = np.full(2, 0.0 if self.held[index] else FINEST)
+            known = np.ones(2, dtype=bool)
+            self.functions[index] = DepthFunction(np.array(self.ends[index]), np.zeros(2), sigma, known, True)
+        placed, left = list(first), [index for index in range(len(self.rows)) if index not in first]
+        tried_with = {}  # how many passes were in place
+        while left:
+            index = max(left, key=lambda one: max(self._overlap(one, other) for other in placed))
+            left.remove(index)
+            tried_with[index] = len(placed)
+            self._match(index, placed)
+        for index, count in tried_with.items():
+            if not self.functions[index].found and len(placed) > count:
+                self._match(index, placed)
+        if len(placed) == 1 and not self.held.any():
+            self.functions[first[0]] = DepthFunction(reason="no other pass matches it")
+        return self.functions
+
+    def _overlap(self, index: int, other: int) -> float:
+        """Return the length in which a pass overlaps one in place, metres."""
+        (top, bottom), function = self.ends[index], self.functions[other]
+        above, below = (end + float(np.interp(end, function.depth, function.shift)) for end in self.ends[other])
+        return min(bottom, below) - max(top, above)
+
+    def _fitted(self, index: int) -> tuple[Field, RowsOfPass]:
+        if index not in self.fits:
+            self.fits[index] = fit(self.rows[index])
+        return self.fits[index]
+
+    def _placed(self, index: int) -> Field:
+        """Return the field of a pass in place, at depths of the hole and less the bias of the pass."""
+        field, function = self._fitted(index)[0], self.functions[index]
+        moved = field.depth + np.interp(field.depth, function.depth, function.shift)
+        mean = field.mean - self.bias[index] * (np.arange(field.prior.size) == 0)
+        return replace(field, depth=np.maximum.accumulate(moved + 1e-9 * np.arange(moved.size)), mean=mean)
+
+    def _match(self, index: int, placed: list[int]) -> None:
+        self.functions[index] = self._matched(index, placed)
+        if self.functions[index].found:
+            placed.append(index)
+
+    def _matched(self, index: int, placed: list[int]) -> DepthFunction:
+        overlaps = {other: max(self._overlap(index, other), 0.0) for other in placed}
+        most = sorted(placed, key=lambda other: -overlaps[other])[:_AT_ONCE]
+        if overlaps[most[0]] < _OVERLAP:
+            overlap = f"{overlaps[most[0]]:.1f} m, less than {_OVERLAP:g} m"
+            return DepthFunction(reason=f"it overlaps the others by {overlap}")
+        others = [other for other in most if overlaps[other] >= _OVERLAP]
+        theirs = [self._placed(other) for other in others]
+        mine, rows = self._fitted(index)
+        path = find_path(rows, theirs, mine.noise)
+        found = _judged(rows, theirs, path)
+        if not found.found:
+            return found
+        self.bias[index] = path.bias
+        own = np.zeros(found.depth.size)
+        for other, seen in zip(others, theirs, strict=True):
+            sigma = np.interp(self.rows[other].depth, self.functions[other].depth, self.functions[other].sigma)
+            own += np.square(np.interp(found.depth + found.shift, seen.depth, sigma)) / len(others)
+        return replace(found, sigma=np.sqrt(np.square(found.sigma) + np.where(own > FINEST**2, own, 0.0)))
 
 
-def _moved(profile: Floats, steps: float) -> Floats:
-    grid = np.arange(profile.size, dtype=np.float64)
-    return np.interp(grid - steps, grid, profile, left=np.nan, right=np.nan)
+def _judged(rows: RowsOfPass, theirs: list[Field], path: DepthPath) -> DepthFunction:
+    """Return the depth function of a path, or one that says why it is refused."""
+    where = rows.depth + path.shift
+    inside = np.any([(where >= each.depth[0]) & (where <= each.depth[-1]) for each in theirs], axis=0)
+    if not inside.any():
+        return DepthFunction(reason="none of its readings lies where the others have some")
+    known = path.known & inside
+    second, share, gain_of = _rival(path)
+    repeats = _repeats(theirs[0])
+    design = rows.design()
+    before, after = (
+        float(np.nanmedian(np.abs(rows.radius - path.bias - seen_by_all(theirs, at[:, None], design)[0][:, 0])[inside]))
+        for at in (rows.depth, where)
+    )
+    result = DepthFunction(second=second, second_share=share, before=before, after=after)
+    lead = (1 - share) * max(gain_of, 0.0)
+    if share > _RIVAL and gain_of > _LEAST_GAIN:
+        by = f"moved by {second:+.2f} m more it matches nearly as well ({share:.2f} of the gain of {gain_of:.0f})"
+        return replace(result, reason=f"no clear match, since {by}")
+    if lead < _LEAST_GAIN:
+        over = "shifts far from it" if np.isnan(second) else f"a shift that is {second:+.2f} m more"
+        by = f"the best shift gains only {lead:.1f} over {over}, less than {_LEAST_GAIN:g}"
+        return replace(result, reason=f"no clear match, since {by} (logarithm of the likelihood)")
+    if repeats > _REPEATED:
+        return replace(result, reason=f"no clear match, since the hole repeats itself (correlation {repeats:.2f})")
+    if known.sum() < 0.5 * inside.sum():
+        part = f"its shift is known to {APART:g} m in {100 * known.sum() / max(inside.sum(), 1):.0f} % of its rows"
+        return replace(result, reason=f"no clear match: {part}")
+    shift = np.interp(rows.depth, rows.depth[known], path.shift[known])
+    beyond = np.abs(shift - path.shift)
+    sigma = np.where(known, path.sigma, np.hypot(path.sigma, beyond))
+    return replace(result, depth=rows.depth, shift=shift, sigma=sigma, known=known, found=True)
 
 
-def _mean(profiles: Floats) -> Floats:
-    known = np.isfinite(profiles)
-    count = known.sum(axis=0)
-    total = np.where(known, profiles, 0.0).sum(axis=0)
-    return np.where(count > 0, total / np.maximum(count, 1), np.nan)
+def _rival(path: DepthPath) -> tuple[float, float, float]:
+    """Return the second-best constant offset from the path, its share of the gain, and the gain of the path."""
+    at = np.round((path.shift - GRID[0]) / STEP).astype(np.int64)
+    away = np.arange(-GRID.size + 1, GRID.size)
+    score = np.full(away.size, np.nan)
+    for index, one in enumerate(away.tolist()):
+        there = (at + one >= 0) & (at + one < GRID.size)
+        if there.sum() >= 0.5 * at.size:
+            score[index] = path.fits[np.flatnonzero(there), at[there] + one].sum() / there.mean()
+    level = np.nanmedian(score)
+    gain = score - level
+    middle = GRID.size - 1
+    low = np.flatnonzero(~(gain > 0.5 * gain[middle]))
+    first, last = low[low < middle].max(initial=-1), low[low > middle].min(initial=gain.size)
+    beyond = np.where((away + middle > first) & (away + middle < last), np.nan, gain)
+    if np.isnan(beyond).all():
+        return np.nan, 0.0, float(gain[middle])
+    rival = int(np.nanargmax(beyond))
+    share = float(beyond[rival] / gain[middle]) if gain[middle] > 0 else 1.0
+    return float(away[rival] * STEP), share, float(gain[middle])
 
 
-def _correlations(profile: Floats, others: Floats, most: int, enough: int) -> tuple[Floats, Integers]:
-    """Return Pearson's correlation of two profiles, and the number of steps that overlap, (2 most + 1,) each.
-
-    There is one value of each for every shift from -most to most grid steps. Where fewer than ``enough`` steps overlap,
-    or a profile is constant, the correlation is NaN.
-    """
-    curve = np.full(2 * most + 1, np.nan)
-    overlap = np.zeros(2 * most + 1, dtype=np.int64)
-    for lag in range(max(-most, 1 - profile.size), min(most, profile.size - 1) + 1):
-        mine = profile[max(0, -lag) : profile.size - max(0, lag)]
-        theirs = others[max(0, lag) : others.size - max(0, -lag)]
-        both = np.isfinite(mine) & np.isfinite(theirs)
-        overlap[lag + most] = np.count_nonzero(both)
-        if overlap[lag + most] >= enough:
-            a, b = mine[both] - mine[both].mean(), theirs[both] - theirs[both].mean()
-            power = float((a @ a) * (b @ b))
-            curve[lag + most] = a @ b / np.sqrt(power) if power > 0 else np.nan
-    return curve, overlap
-
-
-class _Peak(NamedTuple):
-    """The best peak of a correlation curve, and the second best: shifts and deviation in grid steps, and correlations.
-
-    ``found`` is whether there is such a peak; if not, only ``correlation`` may be known.
-    """
-
-    shift: float = 0.0
-    sigma: float = np.nan
-    correlation: float = np.nan
-    second: float = np.nan
-    second_correlation: float = np.nan
-    found: bool = False
-
-
-def _peak(curve: Floats, most: int, overlap: Integers) -> _Peak:
-    """Return the highest peak of the correlation ``curve`` within ``most`` steps of its middle, and the second best.
-
-    The peak is the top of a parabola through three steps. The variance of its shift is (1 - c^2) / (n c |c''|) plus the
-    square of `_GRID`; c is the correlation, and n the number of independent steps of overlap, one step in four.
-    """
-    middle = curve.size // 2
-    inside = curve[middle - most : middle + most + 1]
-    if np.isnan(inside).all():
-        return _Peak()
-    top = int(np.nanargmax(inside)) + middle - most
-    height = float(curve[top])
-    if abs(top - middle) == most or not height >= _LEAST or np.isnan(curve[[top - 1, top + 1]]).any():
-        return _Peak(correlation=height)
-    left, right = curve[top - 1], curve[top + 1]
-    bend = left - 2.0 * height + right
-    if not bend < 0:
-        return _Peak(correlation=height)
-    aside = float(0.5 * (left - right) / bend)
-    height = min(float(height - 0.25 * (left - right) * aside), 1.0)
-    sigma = float(np.sqrt((1.0 - height**2) / (0.25 * overlap[top] * height * -bend) + _GRID**2))
-    peaks = np.flatnonzero((curve[1:-1] >= curve[:-2]) & (curve[1:-1] >= curve[2:])) + 1
-    low = np.flatnonzero(~(curve > _VALLEY * height))  # where the best peak ends
-    begin, end = low[low < top].max(initial=-1), low[low > top].min(initial=curve.size)
-    peaks = peaks[(peaks <= begin) | (peaks >= end)]
-    second, second_height = np.nan, np.nan
-    if peaks.size:
-        rival = int(peaks[np.argmax(curve[peaks])])
-        second, second_height = float(rival - middle), float(curve[rival])
-    return _Peak(top - middle + aside, sigma, height, second, second_height, True)
+def _repeats(theirs: Field) -> float:
+    """Return the highest correlation of a field with itself, moved by up to 4.4 m, beyond where it falls below 0.5."""
+    grid = np.arange(theirs.depth[0], theirs.depth[-1], _CELL)
+    values = np.stack([np.interp(grid, theirs.depth, each) for each in theirs.mean.T], axis=1)
+    values -= values.mean(axis=0)
+    lags = range(min(round(2 * GRID[-1] / _CELL), grid.size // 2))
+    curve = []
+    for lag in lags:
+        one, other = values[: grid.size - lag], values[lag:]
+        power = float(np.square(one).sum() * np.square(other).sum())
+        curve.append(float((one * other).sum()) / np.sqrt(power) if power > 0 else 0.0)
+    low = np.flatnonzero(np.array(curve) < 0.5)
+    return max(curve[int(low[0]) :], default=0.0) if low.size else 0.0

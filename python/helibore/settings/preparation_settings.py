@@ -100,8 +100,8 @@ class Preparation(Declared, group="preparation"):
         "Add a length to a pass's depths, such as 3=-0.2m. In Python (pass, metres) pairs.",
     ] = ()  # fmt: skip
     find_shifts: Annotated[bool, Option(),
-        "Find each pass's depth shift from the overlap. A shift that ``shifts`` sets is not found. Without given "
-        "shifts, the mean of the shifts that are found is 0.",
+        "Find each pass's depth shift from the overlap, as a function of depth: a constant, stretch, steps. A "
+        "shift that ``shifts`` sets is not found. Without given shifts, the mean of the shifts that are found is 0.",
     ] = False  # fmt: skip
     bias: Annotated[Literal["none", "arm", "side"], Option(),
         "Subtract the bias of each pass and arm; with side, a separate bias for each side of the hole. Biases are "

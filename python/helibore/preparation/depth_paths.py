@@ -1,0 +1,178 @@
+r"""Find the shift of a pass as a function of depth: the likeliest smooth path through how well each shift fits.
+
+    shift  |....__..            each row of the pass has a likelihood for each shift on a grid; the shift wanders from
+           |__/....\__          row to row, and may jump. A forward and a backward pass give its distribution at each
+           +---------- depth    row. How much it wanders is chosen by the evidence; a constant shift wanders hardly.
+
+Readings follow Student's t about the field of the other passes. Neighbouring readings err together, so the logarithm of
+the likelihood is divided by the geometric mean of two numbers: how much more the slope of the fit over whole stretches
+varies than if readings erred alone, and how much more the differences from the field do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from helibore.base.arrays import Floats, Mask
+from helibore.preparation.fields import FREEDOM, HARMONICS, Field, RowsOfPass, seen_by_all
+
+MOST = 2.2
+"""Largest shift, metres."""
+STEP = 0.02
+"""Metres between trial shifts."""
+GRID = np.arange(-round(MOST / STEP), round(MOST / STEP) + 1) * STEP
+APART = 0.12
+"""Metres; a shift is known if it lies within this with a probability of 98 %."""
+
+FINEST = STEP / np.sqrt(12.0)
+"""Metres: least deviation of a shift, which may lie anywhere between two trial shifts."""
+
+_WANDERS = (0.0003, 0.001, 0.003, 0.01, 0.03, 0.1)  # metres in 5 cm of depth
+_JUMP = 1e-12  # probability of a jump from one row to the next; a true step pays it back over the rows that follow
+_ROWS_AT_ONCE = 256
+_STRETCH = 2.0  # metres, in which readings err together
+
+
+@dataclass(frozen=True)
+class DepthPath:
+    """The shift of each of m rows, metres, and how it was found."""
+
+    shift: Floats  # (m,)
+    sigma: Floats  # (m,)
+    known: Mask  # (m,): within 0.12 m
+    fits: Floats  # logarithm of the likelihood of each shift in each row, divided as above, (m, shifts)
+    bias: float  # m: how much more the readings are than the fields
+
+
+def find_path(rows: RowsOfPass, fields: Sequence[Field], noise: float) -> DepthPath:
+    """Return the path that a pass takes through the fields of others.
+
+    Parameters
+    ----------
+    rows
+        The readings of the pass.
+    fields
+        What the others saw, less their biases.
+    noise
+        Metres, of a reading of the pass.
+    """
+    bias, divisor = 0.0, 4.0
+    wanders: tuple[float, ...] = _WANDERS
+    for _ in range(2):
+        raw = _fits(rows, fields, bias, noise)
+        probability, wander = _probabilities(rows.depth, raw / divisor, wanders)
+        shift = probability @ GRID
+        excess = _excess(rows.depth, raw, shift)
+        mean, variance, _ = seen_by_all(fields, (rows.depth + shift)[:, None], rows.design())
+        off = rows.radius - mean[:, 0]
+        bias = float(np.nanmedian(off))
+        noise *= max(1.0, 1.4826 * float(np.nanmedian(np.abs(off - bias) / np.sqrt(variance[:, 0] + noise**2))))
+        together = _together(rows, (off - bias) / np.sqrt(variance[:, 0] + noise**2))
+        divisor = float(np.sqrt(max(excess, 1.0) * together))
+        at = _WANDERS.index(wander)
+        wanders = _WANDERS[max(at - 1, 0) : at + 2]
+    probability, _ = _probabilities(rows.depth, raw / divisor, wanders)
+    shift = probability @ GRID
+    away = GRID - shift[:, None]
+    sigma = np.hypot(np.sqrt((probability * np.square(away)).sum(axis=1)), FINEST)
+    known = (sigma < APART) & ((probability * (np.abs(away) > APART)).sum(axis=1) < 0.02)
+    return DepthPath(shift, sigma, known, raw / divisor, bias)
+
+
+def _student(off: Floats, variance: Floats) -> Floats:
+    """Return the logarithm of the density of each difference, 0 where there is none."""
+    return np.nan_to_num(
+        -0.5 * (FREEDOM + 1) * np.log1p(np.square(off) / (FREEDOM * variance)) - 0.5 * np.log(variance)
+    )
+
+
+def _fits(rows: RowsOfPass, fields: Sequence[Field], bias: float, noise: float) -> Floats:
+    """Return the logarithm of the likelihood of each shift in each row, less its mean.
+
+    A row from which a shift may lead to where the field is not known says nothing: another shift would fit by chance.
+    """
+    fits = np.empty((rows.depth.size, GRID.size))
+    design = rows.design()
+    for start in range(0, rows.depth.size, _ROWS_AT_ONCE):
+        some = slice(start, start + _ROWS_AT_ONCE)
+        mean, variance, known = seen_by_all(fields, rows.depth[some, None] + GRID, design[some])
+        off = rows.radius[some, None] - bias - mean
+        one = np.where(np.isnan(off), 0.0, _student(off, variance + noise**2)).sum(axis=2)
+        fits[some] = np.where(known.all(axis=1, keepdims=True), one - one.mean(axis=1, keepdims=True), 0.0)
+    return fits
+
+
+def _excess(depth: Floats, fits: Floats, shift: Floats) -> float:
+    """Return how much more the slope of the fits varies over stretches than their curvature at the path, or the slopes
+    of the rows, say; these are the same if readings err alone, and where two shifts fit alike there is no curvature."""
+    at = np.clip(np.round((shift - GRID[0]) / STEP).astype(np.int64), 2, GRID.size - 3)
+    row = np.arange(at.size)
+    above, here, below = fits[row, at - 2], fits[row, at], fits[row, at + 2]
+    slope, bend = (below - above) / (4 * STEP), -(below - 2 * here + above) / (2 * STEP) ** 2
+    stretch = np.unique(np.floor(depth / _STRETCH), return_inverse=True)[1]
+    return float(np.square(np.bincount(stretch, slope)).sum() / max(bend.sum(), np.square(slope).sum(), 1e-9))
+
+
+def _together(rows: RowsOfPass, off: Floats) -> float:
+    """Return how much more the waves in the differences of whole stretches vary than if readings erred alone."""
+    stretch = np.unique(np.floor(rows.depth / _STRETCH), return_inverse=True)[1]
+    known = rows.known
+    scaled = np.where(known, np.clip(off, -4.0, 4.0), 0.0)
+    each = max(float(np.square(scaled).sum()), 1e-9)
+    waves = (np.exp(1j * n * rows.angle) * scaled for n in range(HARMONICS + 1))
+    sums = [wave.sum(axis=1) for wave in waves]
+    power = [np.square(np.bincount(stretch, wave.real)) + np.square(np.bincount(stretch, wave.imag)) for wave in sums]
+    return max(1.0, max(float(of.sum()) for of in power) / each)
+
+
+def _probabilities(depth: Floats, fits: Floats, wanders: tuple[float, ...]) -> tuple[Floats, float]:
+    """Return the probability of each shift in each row, for the wander with the most evidence, and this wander."""
+    likelihood = np.exp(fits - fits.max(axis=1, keepdims=True))
+    gaps = np.maximum(np.round(np.diff(depth) / (0.25 * 0.05)), 1.0)
+    best, chosen, most = np.empty(0), wanders[0], -np.inf
+    for wander in wanders:
+        forward, evidence = _forward(likelihood, gaps, wander)
+        if evidence > most:
+            best, chosen, most = forward, wander, evidence
+    backward = np.ones(GRID.size)
+    kernels = _kernels(gaps, chosen)
+    for row in range(depth.size - 2, -1, -1):
+        backward = _moved(backward * likelihood[row + 1], kernels[gaps[row]])
+        backward /= backward.sum()
+        best[row] *= backward
+    best /= best.sum(axis=1, keepdims=True)
+    return best, chosen
+
+
+def _forward(likelihood: Floats, gaps: Floats, wander: float) -> tuple[Floats, float]:
+    forward, kernels, evidence = np.empty(likelihood.shape), _kernels(gaps, wander), 0.0
+    belief = np.full(GRID.size, 1.0 / GRID.size)
+    for row in range(len(likelihood)):
+        if row:
+            belief = _moved(belief, kernels[gaps[row - 1]])
+        belief = belief * likelihood[row]
+        total = belief.sum()
+        evidence += np.log(total)
+        belief = forward[row] = belief / total
+    return forward, float(evidence)
+
+
+def _moved(belief: Floats, kernel: Floats) -> Floats:
+    spread: Floats = (1 - _JUMP) * np.convolve(belief, kernel, "same") + _JUMP / GRID.size * belief.sum()
+    return spread
+
+
+def _kernels(gaps: Floats, wander: float) -> dict[float, Floats]:
+    """Return for each distance between rows, in quarters of 5 cm, how a shift spreads over it."""
+    kernels = {}
+    for gap in np.unique(gaps).tolist():
+        variance = np.square(wander / STEP) * gap / 4
+        wide = min(int(np.ceil(4 * np.sqrt(variance))), GRID.size // 2)
+        kernel = np.exp(-0.5 * np.square(np.arange(-wide, wide + 1)) / variance)
+        if variance < 0.5:
+            kernel = np.array([variance / 2, 1 - variance, variance / 2])
+        kernels[gap] = kernel / kernel.sum()
+    return kernels
