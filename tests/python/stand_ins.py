@@ -15,6 +15,7 @@ INCH = 0.0254
 
 def write_stand_ins(folder: Path) -> None:
     """Write every file that the blocks of the pages read and do not make."""
+    (folder / "tops.csv").write_text("name,md_m\nUpper sand,2000\nLower sand,2005\n")
     wireline_caliper(folder / "volve_F-12_2010_pfcs_xy_caliper.csv.gz")
     density_and_gamma(folder / "P11-A-02.las")
     four_images(folder / "15_9-F-15_D.json")

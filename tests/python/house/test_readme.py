@@ -132,8 +132,10 @@ def run_shell(block: Block, known: set[tuple[str, ...]]) -> None:
 def frames_of_a_rig() -> bytes:
     """What a rig sends, and beside it the configurations that the page of live data names."""
     rig = Rig("em", 2500.0, 2501.0, 0.0)
+    pushed = '[source.rig]\naddress = "values"\nunits = "metric"\n'
+    pushed += "".join(f'show.{name.upper()} = {{ name = "{name}", unit = "m" }}\n' for name in ("bit", "hole", "rpm"))
     for name in ("rig.toml", "corrected.toml"):
-        Path(name).write_text(rig.configuration("host").replace("[source.rig]", "[source.mwd]"))
+        Path(name).write_text(rig.configuration("host").replace("[source.rig]", "[source.mwd]") + pushed)
     return b"".join(frame for _, frame in rig.frames())
 
 
