@@ -94,10 +94,7 @@ def _size(size: float, found: WallSummary) -> str:
 
 
 def _mean(found: WallSummary) -> str:
-    if not found.ranged:
-        return _size(found.mean_diameter, found)
-    inches = " to ".join(f"{size / INCH:.2f}" for size in found.mean_diameter_range)
-    return f"{inches} in ({' to '.join(f'{size * 1e3:.0f}' for size in found.mean_diameter_range)} mm)"
+    return found.mean_text() if found.ranged else _size(found.mean_diameter, found)
 
 
 def _extreme(extreme: Extreme, found: WallSummary) -> str:

@@ -113,7 +113,7 @@ def view(**options: Any) -> None:
     with placing(run, path_options(run)):
         viewer = serve(
             wall, path=wall.path, attributes=attributes, curves=curves, picks_file=picks, template=template,
-            beside=beside, criteria=criteria, string=options["body"], well=well, **serving,
+            beside=beside, criteria=criteria, string=options["body"] or (), well=well, **serving,
         )  # fmt: skip
     drawing = {
         "title": well, "header": header, "scalars": curves, "template": template, "beside": beside,

@@ -24,7 +24,7 @@ from helibore.base.errors import InputError
 from helibore.base.notebook import card
 from helibore.base.percentiles import percentiles
 from helibore.base.ranges import pieces
-from helibore.base.units import size_text
+from helibore.base.units import INCH, MILLIMETRE, size_text
 from helibore.logs.turn_logs import Logs, Shape
 from helibore.logs.zone_criteria import Criteria
 from helibore.logs.zones import KINDS, Classification, classify
@@ -156,6 +156,14 @@ class WallSummary:
         """Return the volume in cubic metres as text: a range where amounts are ranges."""
         return "{:,.2f} to {:,.2f} m³".format(*self.volume_range) if self.ranged else f"{self.volume:,.3f} m³"
 
+    def mean_text(self) -> str:
+        """Return the mean diameter in inches and millimetres as text: a range where amounts are ranges."""
+        if not self.ranged:
+            return size_text(self.mean_diameter)
+        inches, millimetres = (" to ".join(f"{size / unit:.{digits}f}" for size in self.mean_diameter_range)
+                               for unit, digits in ((INCH, 2), (MILLIMETRE, 0)))  # fmt: skip
+        return f"{inches} in ({millimetres} mm)"
+
     def numbers(self) -> dict[str, str]:
         """Return the numbers for a notebook card, as texts by name; missing numbers are left out."""
         volume = f"{self.volume_text()} over {self.whole_turns:.1f} m of whole turns"
@@ -163,7 +171,7 @@ class WallSummary:
             "depth": f"{self.start:.2f} to {self.stop:.2f} m",
             "basis": self.basis_text,
             "bit": size_text(self.bit_diameter),
-            "mean diameter": " to ".join(map(size_text, self.mean_diameter_range[: 1 + self.ranged])),
+            "mean diameter": self.mean_text(),
             "least diameter": self.least_diameter.text(),
             "greatest diameter": self.greatest_diameter.text(),
             "volume": f"{volume}, {self.excess_text()} against the bit",

@@ -194,7 +194,7 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
         raise InputError("a picture needs a full turn of the wall", f"it has {len(wall)} vertices")
     top, bottom = _interval(wall, drawing)
     scale = drawing.scale or usual_depth_scale(bottom - top)
-    zones = classify(state := wall._state(), drawing.criteria, turn_logs(state, sigma=_sigma(wall)))
+    zones = classify(state := wall._state(), drawing.criteria, turn_logs(state, sigma=_sigma(wall, last_turn=True)))
     turns = diameters(wall, zones.logs)
     reference = _reference(wall, drawing)
     images = _images(wall, drawing, reference)
@@ -412,15 +412,19 @@ def _radius(wall: Wall, look: Look, top: float, bottom: float, unit: str) -> tup
     return Shown(RADIUS_TITLE, unit, scale, remark, False, *_count_beyond(over[inside], scale.low, scale.high)), over
 
 
-def _sigma(wall: Wall) -> Floats | None:
-    """Return the standard uncertainty of each radius, in the last turn that of the turn before; None: not known."""
+def _sigma(wall: Wall, last_turn: bool = False) -> Floats | None:
+    """Return the standard uncertainty of each radius, by its quad; None: not known.
+
+    The last turn has no quads: its values are NaN, or, for sums, those of the turn before.
+    """
     if "sigma" not in wall.attributes:
         return None
     sigma = np.full(len(wall), np.nan)
     of_quads = wall.attributes.whole("sigma", wall.start_depth, max(len(wall) - wall.settings.sectors - 1, 0))
     sigma[: of_quads.size] = of_quads
-    last = len(wall) - of_quads.size  # about a turn, which has no quads
-    sigma[of_quads.size :] = np.resize(sigma[: of_quads.size][-wall.settings.sectors :], last)
+    if last_turn and of_quads.size:
+        before = of_quads[-wall.settings.sectors :]
+        sigma[of_quads.size :] = np.resize(before, len(wall) - of_quads.size)
     return sigma
 
 

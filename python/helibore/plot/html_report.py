@@ -22,7 +22,6 @@ from helibore.base.arrays import runs_of
 from helibore.base.atomic_file import write_whole
 from helibore.base.colors import DIP_TITLES
 from helibore.base.harmless import in_html
-from helibore.base.units import size_text
 from helibore.logs.intervals import interval_table
 from helibore.logs.picks import BREAKOUT
 from helibore.logs.summary import WallSummary
@@ -75,6 +74,7 @@ nav a { color: inherit; margin-right: 1.2em; } footer { color: #5d6b77; font-siz
   figure::before { content: "Scroll sideways \\2192"; position: sticky; left: 0; color: #5d6b77; font-size: .8rem; }
   nav a { display: inline-block; padding: .3rem 0; } tbody th { width: auto; } }
 @media screen and (max-width: 480px) { body { padding: 0 2mm; } table { font-size: .7rem; }
+  #diameters td { white-space: normal; }
   th, td, thead th, td.number { padding: .25rem .1rem; } thead th { font-size: .62rem; }
   td:first-child, #zones td:last-child { white-space: normal; } }
 @page { size: A4; margin: 12mm 0; }
@@ -196,7 +196,7 @@ def _summary(content: Content) -> str:
     depths = content.drawing.depth_unit.name
     if summary.whole_turns and wall.basis != "gauge":
         ends = [in_unit(extreme.value, content) for extreme in (summary.least_diameter, summary.greatest_diameter)]
-        mean = " to ".join(map(size_text, summary.mean_diameter_range[: 1 + summary.ranged]))
+        mean = summary.mean_text()
         sizes = f"{mean} mean, {ends[0]} to {ends[1]} {content.drawing.size_unit} across"
         volume = (
             f"{summary.volume_text()} over {in_depth_unit(summary.whole_turns, content, 1)} {depths} of whole turns"

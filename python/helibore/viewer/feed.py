@@ -345,6 +345,8 @@ class Feed:
         values = {name: float(getattr(summary, name)) for name in (*names, "coverage", "mean_diameter")}
         values |= {name: getattr(summary, name).value for name in ("least_diameter", "greatest_diameter")}
         found: dict[str, Any] = {name: value if math.isfinite(value) else None for name, value in values.items()}
+        if summary.ranged:  # numbers would be surer than the samples
+            found |= {"volume_text": summary.volume_text(), "excess_text": summary.excess_text()}
         return found | {"unmeasured_shape": zones.logs.unmeasured_shape}
 
     def _write_mesh(self, start: float, stop: float) -> bytes:

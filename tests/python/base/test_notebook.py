@@ -67,7 +67,7 @@ def test_zones_say_how_many_and_which_is_worst():
     zones = everything()["zones"]
     html, worst = zones._repr_html_(), max(zones.zones, key=lambda zone: zone.severity)
     assert f"{len(zones.of('washout'))} zone, {sum(zone.length for zone in zones.of('washout')):.1f} m" in html
-    assert f"{worst.kind} {worst.start:.2f} to {worst.stop:.2f} m" in html
+    assert f"{worst.kind} ({worst.confidence_text}) {worst.start:.2f} to {worst.stop:.2f} m" in html
 
 
 def test_the_wall_says_what_its_summary_says():

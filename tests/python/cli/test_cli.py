@@ -361,9 +361,9 @@ def test_f12(tmp_path: Path) -> None:
     with gzip.open(F12, "rt") as file:
         rows = [row for row in csv.DictReader(file) if 3080 <= float(row["md_m"]) <= 3240]
     of_the_file = np.mean([[float(row["pfc1_x_in"]), float(row["pfc2_y_in"])] for row in rows])
-    printed = re.search(r"mean +([\d.]+) in", result.output)
+    printed = re.search(r"mean +([\d.]+) to ([\d.]+) in", result.output)  # turns have few samples
     assert printed is not None
-    assert abs(float(printed[1]) - of_the_file) < 0.05
+    assert float(printed[1]) < of_the_file < float(printed[2]) < float(printed[1]) + 0.2
     scene = trimesh.load_scene(mesh)
     points = scene.to_geometry().vertices  # east, up, -north of a straight vertical hole
     assert abs(2 * np.hypot(points[:, 0], points[:, 2]).mean() / 0.0254 - of_the_file) < 0.05

@@ -197,7 +197,7 @@ const roughly = (value) => String(Number(value.toPrecision(2)));
 export function sectionText(store, summary, units, zones, shown) {
   if (store.basis === 'gauge') return [['Hole size, volume, washout', 'not measured']];
   if (!summary) return [['Section', '…']];
-  const { start, stop, volume, excess, coverage, whole_turns: counted, incomplete_turns: others, washed_out: washed, without_radius: without, unmeasured_shape: unsure } = summary;
+  const { start, stop, volume, excess, coverage, whole_turns: counted, incomplete_turns: others, washed_out: washed, without_radius: without, unmeasured_shape: unsure, volume_text: volumeText, excess_text: excessText } = summary;
   /** @param {number | null} value */
   const number = (value) => value ?? NaN;
   const whole = counted + others;
@@ -209,8 +209,8 @@ export function sectionText(store, summary, units, zones, shown) {
   const washing = washed === undefined ? [] : [['Washed out', washed === null ? '–' : newer ? '…' : `${showDepth(washed, units, 1)} of ${showDepth(whole, units, 1)}, ${showPercent(washed / whole)}`, MEANINGS.washed]];
   return [
     ['Measured', parts.filter(([share], i) => !i || share >= LEAST_SHARE).map(([share, of]) => showPercent(share) + of).join(', '), MEANINGS.measured],
-    ['Volume', !counted ? '–' : unsure ? `about ${roughly(volume)} m³ in ${showDepth(counted, units, 1)}, no known uncertainty` : `${volume.toFixed(3)} m³ in ${showDepth(counted, units, 1)} of whole turns`, MEANINGS.volume],
-    ['Over bit volume', unsure && excess !== null ? `about ${Math.round(100 * excess)} %` : showPercent(number(excess)), MEANINGS.volume],
+    ['Volume', !counted ? '–' : volumeText ? `${volumeText} in ${showDepth(counted, units, 1)} of whole turns` : unsure ? `about ${roughly(volume)} m³ in ${showDepth(counted, units, 1)}, no known uncertainty` : `${volume.toFixed(3)} m³ in ${showDepth(counted, units, 1)} of whole turns`, MEANINGS.volume],
+    ['Over bit volume', excessText ?? (unsure && excess !== null ? `about ${Math.round(100 * excess)} %` : showPercent(number(excess))), MEANINGS.volume],
     ...washing,
   ];
 }

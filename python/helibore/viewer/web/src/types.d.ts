@@ -126,7 +126,7 @@ interface Handlers {
 interface Template { scale?: number; unit: Units; track: { kind: string; name: string; names: string[]; width: number | null }[] }
 interface Summary {
   start: number; stop: number; // the depths that the figures are of
-  volume: number; excess: number | null; coverage: number | null; whole_turns: number; incomplete_turns: number; washed_out?: number | null; without_radius: number | null;
+  volume: number; excess: number | null; coverage: number | null; whole_turns: number; incomplete_turns: number; washed_out?: number | null; without_radius: number | null; volume_text?: string; excess_text?: string;
   mean_diameter: number; least_diameter: number; greatest_diameter: number;
   unmeasured_shape: boolean; // mostly interpolated, by a tool with few arms or a sparse one
 }
