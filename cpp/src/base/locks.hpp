@@ -5,6 +5,7 @@
 #include <mutex>
 
 #ifdef __unix__
+#include <sched.h>
 #include <unistd.h>
 #endif
 
@@ -23,17 +24,24 @@ class CallLock {
     // `object` is the name of the object in errors, such as "wall".
     explicit CallLock(const char* object) : object_(object) {}
 
+    // The holder says its process before its thread. In a process that was never forked, all holders have its number.
+    // In a forked one, a holder that has said nothing yet is most likely of this process, and about to say it.
     void lock() {
-        if (!mutex_.try_lock()) {
-            if (thread_ == this_thread())
+        for (int tries = 0; !mutex_.try_lock(); ++tries) {
+            const void* holder = thread_;
+            if (holder == this_thread())
                 throw InputError(std::string("this ") + object_, "is being appended to or read in this thread");
-            if (process_ != this_process())
+            if (process_ == this_process()) {
+                mutex_.lock();
+                break;
+            }
+            if (holder || tries == most_tries)
                 throw InputError(std::string("this ") + object_,
                                  "was in use by another thread when this process was forked");
-            mutex_.lock();
+            let_others_run();
         }
-        thread_ = this_thread();
         process_ = this_process();
+        thread_ = this_thread();
     }
     void unlock() {
         thread_ = nullptr;
@@ -41,6 +49,7 @@ class CallLock {
     }
 
   private:
+    static constexpr int most_tries = 100'000;
     static const void* this_thread() { return &runner_of_this_thread(); }
     static int this_process() {
 #ifdef __unix__
@@ -50,9 +59,15 @@ class CallLock {
 #endif
     }
 
+    static void let_others_run() {
+#ifdef __unix__
+        sched_yield();
+#endif
+    }
+
     std::mutex mutex_;
     std::atomic<const void*> thread_{nullptr};
-    std::atomic<int> process_{0};
+    std::atomic<int> process_{this_process()};
     const char* object_;
 };
 
