@@ -12,7 +12,7 @@ length, volume and coverage.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -149,19 +149,20 @@ class WallSummary:
         """Return the excess in percent as text: a range where amounts are ranges."""
         if not self.ranged:
             return f"{100 * self.excess:+.1f} %"
-        low, high = (round(100 * end) for end in self.excess_range)
-        return f"{low:+d} to {high:+d} %"
+        return f"{_span(f'{round(100 * end):+d}' for end in self.excess_range)} %"
 
     def volume_text(self) -> str:
         """Return the volume in cubic metres as text: a range where amounts are ranges."""
-        return "{:,.2f} to {:,.2f} m³".format(*self.volume_range) if self.ranged else f"{self.volume:,.3f} m³"
+        return f"{_span(f'{end:,.2f}' for end in self.volume_range)} m³" if self.ranged else f"{self.volume:,.3f} m³"
 
     def mean_text(self) -> str:
         """Return the mean diameter in inches and millimetres as text: a range where amounts are ranges."""
         if not self.ranged:
             return size_text(self.mean_diameter)
-        inches, millimetres = (" to ".join(f"{size / unit:.{digits}f}" for size in self.mean_diameter_range)
-                               for unit, digits in ((INCH, 2), (MILLIMETRE, 0)))  # fmt: skip
+        inches, millimetres = (
+            _span(f"{size / unit:.{digits}f}" for size in self.mean_diameter_range)
+            for unit, digits in ((INCH, 2), (MILLIMETRE, 0))
+        )
         return f"{inches} in ({millimetres} mm)"
 
     def numbers(self) -> dict[str, str]:
@@ -184,6 +185,11 @@ class WallSummary:
 
     def _repr_html_(self) -> str:
         return card("Wall summary", self.numbers(), "")
+
+
+def _span(ends: Iterable[str]) -> str:
+    """Return both ends of a range as one text, or the one that they are where they are written alike."""
+    return " to ".join(dict.fromkeys(ends))
 
 
 def summarize(

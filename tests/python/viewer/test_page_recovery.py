@@ -89,7 +89,7 @@ def test_a_hidden_page_catches_up_at_once() -> None:
     wall = MadeWall(40_000)
     with hb.view(wall, path=curved_path()) as viewer, Tabs(viewer.url) as page:
         until(lambda: page.evaluate("Boolean(window.__wall?.ready)"))
-        until(lambda: page.evaluate("(({ scheduled, summary }) => !scheduled && summary !== null)(window.__wall.app)"))
+        until(lambda: page.evaluate("window.__wall.app.figures.summary !== null"))
         until(lambda: page.evaluate("!window.__wall.app.figures.pending && !window.__wall.app.renderer.scheduled"))
         page.evaluate(
             "(() => { window.asked = 0; const ask = window.requestAnimationFrame.bind(window);"
@@ -108,7 +108,7 @@ def test_a_hidden_page_catches_up_at_once() -> None:
                 and viewer.scene.state.curves[0]["version"] == viewer._feed._logged
             )
         )
-        version = viewer._feed._logged
+        version = sum(row["version"] for row in viewer.scene.state.curves)
         until(lambda: page.evaluate("window.__wall.app.curves.offered[0]?.version") == version)
         assert page.evaluate("window.__wall.stats.frames") == before["frames"], "nothing is drawn for nobody"
         assert page.evaluate("window.asked") == 1, "one frame waits, however much has arrived"

@@ -437,7 +437,8 @@ def test_the_cross_section_has_a_band_that_encloses_95_percent(browser: Any) -> 
             k = screen.evaluate("window.__wall.app.store.levels[0].turnAt(2010)")
             screen.close()
         mean = 1.96e3 * np.nanmean(sigma[k : k + wall.settings.sectors])
-        assert f"± {mean:.1f} mm" in text
+        shown = float(re.search(r"Radius, 95 %\n± ([\d.]+) mm", text)[1])
+        assert shown == pytest.approx(mean, abs=0.05 if came_with_it else 0.1 * mean)  # else in sixteen steps
         assert mean > 0.5
         assert band > 500
 
