@@ -60,7 +60,7 @@ def ordinary(seed: int) -> Radius:
 
 def periodic(kind: str, seed: int) -> Radius:
     rng = np.random.default_rng([seed, 12])
-    pitch, size, begin, lobes = (
+    pitch, size, begin, waves = (
         rng.uniform(0.5, 2.5),
         rng.uniform(0.001, 0.005),
         rng.uniform(0, 6.28),
@@ -70,7 +70,7 @@ def periodic(kind: str, seed: int) -> Radius:
         return lambda depth, angle: 0.109 + size * np.cos(2 * np.pi * depth / pitch) + 0 * angle
     if kind == "ledges":
         return lambda depth, angle: 0.109 + size * (depth % pitch < 0.4 * pitch) + 0 * angle
-    of = 1 if kind == "spiral" else lobes
+    of = 1 if kind == "spiral" else waves
     return lambda depth, angle: 0.109 + size * np.cos(of * (np.radians(angle) - 2 * np.pi * depth / pitch) - begin)
 
 

@@ -331,26 +331,27 @@ class Logs(Tabular):
 
         Rows without a volume count as 0.
         """
-        return self._from_bottom(self.volume)
+        return self._from_bottom(np.nan_to_num(self.volume))
 
     def _from_bottom(self, values: Floats) -> Floats:
         upwards = np.argsort(self.depth, kind="stable")[::-1]
         summed = np.empty_like(values)
-        summed[upwards] = np.nancumsum(values[upwards])
+        summed[upwards] = np.cumsum(values[upwards])
         return summed
 
     def integrated_columns(self) -> list[LogColumn]:
         """Return volume of the hole from the deepest row up, its measured share and upper limit of sigma as columns."""
         rows = self._from_bottom(np.ones(len(self)))
         up = "from the deepest row up to this one"
-        share = self._from_bottom(self.coverage) / rows
+        share = self._from_bottom(np.nan_to_num(self.coverage)) / rows
         found = [
             LogColumn("IHV", "m3", f"Volume of the hole {up}", self.integrated_volume),
             LogColumn("IHV_COVER", "", f"Share of the hole {up} that is measured", share),
         ]
         if self.with_sigma:
-            text = f"Upper limit of the standard uncertainty of IHV, rows with one {up}"
-            found.append(LogColumn("IHV_SIGMA", "m3", text, self._from_bottom(self.volume_sigma)))
+            text = f"Upper limit of the standard uncertainty of IHV, {up}"
+            sigma = np.where(np.isfinite(self.volume), self.volume_sigma, 0.0)  # NaN stays: a volume of unknown sigma
+            found.append(LogColumn("IHV_SIGMA", "m3", text, self._from_bottom(sigma)))
         return found
 
     @property

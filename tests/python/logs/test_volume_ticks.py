@@ -5,7 +5,9 @@ from __future__ import annotations
 import copy
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from command import run
 from test_intervals import BIT, LOWER, STEP, UPPER, made
 
 import helibore as hb
+from helibore.base.arrays import Floats
 from helibore.logs.volume_ticks import volume_ticks
 from helibore.plot.content import Drawing, content_of
 
@@ -76,3 +79,25 @@ def test_a_page_and_a_log_have_the_totals(tmp_path: Path, monkeypatch: pytest.Mo
         assert np.all(np.diff(ihv) > 0)
         assert np.all(np.diff(sigma) >= 0)
         assert log.numbers("IHV_COVER").min() == pytest.approx(1.0)
+
+
+def test_the_integrated_volume_has_no_sigma_above_a_turn_whose_volume_has_none() -> None:
+    logs = made().logs()
+    middle = len(logs) // 2
+    unknown = np.arange(len(logs)) == middle
+    below = logs.depth > logs.depth[middle]
+
+    def integrated(**changed: Any) -> dict[str, Floats]:
+        columns = replace(
+            logs, diameter_sigma=np.where(unknown, np.nan, 1e-4), with_sigma=True, **changed
+        ).integrated_columns()
+        return {column.mnemonic: np.asarray(column.values) for column in columns}
+
+    given = integrated()
+    assert np.isfinite(given["IHV"]).all()
+    assert np.isnan(given["IHV_SIGMA"][~below]).all()
+    by_hand = 0.5 * math.pi * logs.height * 1e-4 * logs.equivalent_diameter[below].sum()
+    assert given["IHV_SIGMA"][below].max() == pytest.approx(by_hand)
+    given = integrated(volume=np.where(below, logs.volume, np.nan))  # turns without a volume add none
+    assert given["IHV_SIGMA"].max() == pytest.approx(by_hand)
+    assert np.isfinite(given["IHV_SIGMA"]).all()
