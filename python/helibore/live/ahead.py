@@ -4,7 +4,7 @@
                    ----#-------bit   "tight hole 8.2 m above the bit"
 
 The body is rigid and straight, and its lower end is the bit. Its greatest diameter is that of `Wall.drift`, of the part
-of the wall that lies ahead; hole without a sample near it is unknown, and never tight.
+of the wall that lies ahead; hole that `Wall.sampled` does not count is unknown, and never tight.
 """
 
 from __future__ import annotations
@@ -15,17 +15,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from helibore.base.arrays import Floats, Mask
 from helibore.live.live import Live
 from helibore.logs.passage import drift_of
 from helibore.samples.helix import helix_of
-from helibore.settings.wall_settings import Settings
-from helibore.trajectory.survey import Path
+from helibore.wall.state import WallState
+from helibore.wall.wall_columns import NEAR_DEPTH
 
 MOVED = 1.0
 """Metres that the bit must move in one direction until what lies there is looked at."""
-NEAR = 0.15
-"""Metres up to which a vertex must have a sample; otherwise the hole is unknown there."""
 SHARE = 20.0
 """Looking takes at most one part in so many of the time."""
 
@@ -56,17 +53,6 @@ class TightAhead:
     def meets(self, other: TightAhead) -> bool:
         """Return whether ``other`` is the same tight hole, as the bit comes nearer to it."""
         return self.top < other.bottom and other.top < self.bottom
-
-
-@dataclass(frozen=True)
-class _Stretch:
-    """A part of a wall, as `drift_of` reads it."""
-
-    settings: Settings
-    start_depth: float
-    radius: Floats
-    measured: Mask
-    path: Path | None
 
 
 class Ahead:
@@ -131,20 +117,30 @@ class Ahead:
         text = f"tight hole {where}: from {top:.1f} to {bottom:.1f} m {size} ({bit_size})"
         return TightAhead(round(distance, 2), self._up, round(top, 2), round(bottom, 2), round(least, 4), text)
 
-    def _stretch(self, top: float, bottom: float) -> _Stretch | None:
-        """Return the whole turns of the wall between two depths."""
-        wall = self._live.wall
-        count = len(wall)
+    def _stretch(self, top: float, bottom: float) -> WallState | None:
+        """Return the whole turns of the wall between two depths, with the samples that decide what is sampled there."""
+        wall = self._live.wall._state()
+        count = wall.radius.size
         helix = helix_of(wall)
         part = helix.between(top, bottom, count)
         first, stop = (-(-end // helix.sectors) * helix.sectors for end in (part.start, part.stop))
         stop = min(stop, count // helix.sectors * helix.sectors)
         if stop <= first:
             return None
-        columns = wall.vertices(first, stop)
+        depth, reach = wall.sample_columns[0], max(NEAR_DEPTH, wall.settings.gap_reach)
+        near = slice(*np.searchsorted(depth, (top - reach, bottom + reach)).tolist())  # samples are sorted by depth
         path = self._live.model.stations.reaching(bottom)
         start = float(wall.start_depth) + first * helix.pitch / helix.sectors
         path = path if path is not None and path.start_depth <= min(top, start) else None
-        settings = replace(wall.settings, start_depth=start)
-        measured = np.isfinite(columns.radius) & (columns.nearest <= NEAR)
-        return _Stretch(settings, start, columns.radius, measured, path)
+        return replace(
+            wall,
+            settings=replace(wall.settings, start_depth=start),
+            start_depth=start,
+            radius=wall.radius[first:stop],
+            nearest=wall.nearest[first:stop],
+            support=wall.support[first:stop],
+            iterations=wall.iterations[first:stop],
+            sample_columns=tuple(column[near] for column in wall.sample_columns),
+            path=path,
+            sums=(),
+        )

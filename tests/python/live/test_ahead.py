@@ -102,3 +102,17 @@ def test_a_long_body_is_stopped_earlier():
     assert trip.alarms.ahead.found.distance == pytest.approx(2.9, abs=0.2)
     trip.to(118.0)
     assert trip.said == []
+
+
+def test_the_stretch_has_the_mask_of_the_wall():
+    """What is cut out counts as sampled what the whole wall counts, and has the wall's bits."""
+    trip = Trip()
+    wall, ahead = trip.live.wall, trip.alarms.ahead
+    stretch = ahead._stretch(115.0, 119.5)
+    assert stretch is not None
+    first = round((stretch.start_depth - wall.start_depth) / wall.settings.pitch) * wall.settings.sectors
+    part = slice(first, first + len(stretch.radius))
+    assert np.array_equal(stretch.radius, wall.radius[part], equal_nan=True)
+    assert np.array_equal(stretch.sampled, wall.sampled[part])
+    assert 0 < np.count_nonzero(stretch.sampled)
+    assert stretch.sample_count < wall.sample_count / 2
