@@ -14,7 +14,7 @@ import math
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
-from itertools import pairwise
+from itertools import pairwise, repeat
 from typing import TYPE_CHECKING, Any
 
 from helibore._core import __version__
@@ -34,12 +34,12 @@ from helibore.plot.diameters import Diameters
 from helibore.plot.log import pages_of
 from helibore.plot.paper import MM, rendered
 from helibore.plot.print_header import HEADER, facts, measured_text, sentence, toolface_text
-from helibore.plot.tracks import LENGTHS
+from helibore.plot.tracks import LENGTHS, LETTERS, zone_look
 from helibore.plot.zone_list import criteria_text
 from helibore.trajectory.references import reference_assumed
 
 if TYPE_CHECKING:
-    from helibore.logs.zones import Classification
+    from helibore.logs.zones import Classification, Zone
     from helibore.plot.content import Content
     from helibore.wall.wall import Wall
 
@@ -67,7 +67,9 @@ tbody th { font-weight: 400; color: #5d6b77; width: 26%; }
 thead th, td.number { padding: .25rem .3rem; }
 td { white-space: nowrap; } tbody th + td { white-space: normal; overflow-wrap: anywhere; }
 #zones td:first-child { white-space: normal; }
-td.missing { background: #b0b0b0; } figure { margin: 0 -5mm; } img { max-width: 100%; display: block; }
+td.missing { background: #b0b0b0; } b.sign { display: inline-block; width: 1.3em; border: 2px solid;
+  text-align: center; line-height: 1.2; print-color-adjust: exact; -webkit-print-color-adjust: exact; }
+ figure { margin: 0 -5mm; } img { max-width: 100%; display: block; }
 nav a { color: inherit; margin-right: 1.2em; } footer { color: #5d6b77; font-size: .8rem; margin-top: 2rem; }
 @media screen and (max-width: 700px) { body { padding: 0 3mm; margin: 1rem auto; } figure { margin: 0; }
   section, figure { overflow-x: auto; } img { max-width: none; width: 760px !important; }
@@ -138,20 +140,24 @@ def page(wall: Wall, messages: Sequence[tuple[str, str]] = (), **options: Any) -
     )
 
 
-def table(head: Sequence[str], rows: Iterable[Sequence[str]], numbers: bool = True) -> str:
-    """Return a table of texts as HTML; with ``numbers``, all columns but the first are set flush right."""
+def table(
+    head: Sequence[str], rows: Iterable[Sequence[str]], numbers: bool = True, signs: Iterable[str] = repeat("")
+) -> str:
+    """Return a table of texts as HTML; with ``numbers``, all columns but the first are set flush right.
 
-    def cells(tag: str, row: Sequence[str]) -> str:
+    ``signs`` is HTML before the first text of each row.
+    """
+
+    def cells(tag: str, row: Sequence[str], sign: str = "") -> str:
         found = []
         for at, text in enumerate(row):
             kinds = ["number"] * (numbers and at > 0) + ["missing"] * (tag == "td" and not text)
             name = f' class="{" ".join(kinds)}"' if kinds else ""
-            found.append(f"<{tag}{name}>{in_html(text)}</{tag}>")
+            found.append(f"<{tag}{name}>{'' if at else sign}{in_html(text)}</{tag}>")
         return f"<tr>{''.join(found)}</tr>"
 
-    return (
-        f"<table><thead>{cells('th', head)}</thead><tbody>{''.join(cells('td', row) for row in rows)}</tbody></table>"
-    )
+    body = "".join(cells("td", row, sign) for row, sign in zip(rows, signs, strict=False))
+    return f"<table><thead>{cells('th', head)}</thead><tbody>{body}</tbody></table>"
 
 
 def pairs(rows: Iterable[tuple[str, str]]) -> str:
@@ -203,7 +209,7 @@ def _summary(content: Content) -> str:
         )
         rows += [
             ("Diameter", sizes),
-            ("Hole volume", f"{volume}; {summary.excess_text()} against bit size"),
+            ("Hole volume", f"{volume}; {summary.excess_text()} against the bit"),
         ]
     if wall.basis == "azimuthal":
         axis = summary.breakout_axis
@@ -294,7 +300,14 @@ def _zones(zones: Classification | None, content: Content) -> str:
         measure = f"{MEASURES[zone.kind].replace(' - ', ' − ')} {in_unit(zone.measure, content, 2)} {unit}"
         rows.append([f"{zone.kind} {sure}, {measure}, {zone.severity:.1f} ×, {peak}", *ends, *sizes, *angles])
     note = " ".join(f"{name.capitalize()}: {text}." for name, text in SIZES.items()).replace(" - ", " − ")
-    return f"<p>Worst first, by severity. {note} {_toolface(content)} {criteria}</p>" + table(head, rows)
+    text = f"<p>Worst first, by severity. {note} {_toolface(content)} {criteria}</p>"
+    return text + table(head, rows, signs=map(_sign, found))
+
+
+def _sign(zone: Zone) -> str:
+    """Return the sign of a zone as HTML: its letter on its colour, or in a frame of its colour if it is not sure."""
+    face, edge, ink = zone_look(zone.kind, zone.sure)
+    return f'<b class="sign" style="background:{face};color:{ink};border-color:{edge}">{LETTERS[zone.kind]}</b> '
 
 
 def _toolface(content: Content) -> str:

@@ -79,7 +79,7 @@ def test_one_number(seed: int) -> None:
         assert excess == f"{100 * viewed.excess:+.1f} %"
     assert f"over {viewed.whole_turns:,.1f} m of whole turns" in rows["Hole volume"]
     assert f"over {summary.whole_turns:,.1f} m of whole turns" in lines
-    assert f"{excess} against bit size" in rows["Hole volume"]
+    assert f"{excess} against the bit" in rows["Hole volume"]
     sizes = numbers(rows["Diameter"])
     mean = re.search(r"mean +(.*?), by volume", lines)[1]
     same = len(numbers(mean)) if summary.ranged else 2  # of a range, all numbers

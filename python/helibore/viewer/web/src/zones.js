@@ -6,7 +6,7 @@ import { showSigned } from './units.js';
 
 export const LETTERS = { washout: 'W', breakout: 'B', 'key seat': 'K', undergauge: 'U' };
 // The quantity whose extreme in a zone is `measure`, in short.
-export const MEASURES = { washout: 'C2 − bit', breakout: 'C1 − C2', 'key seat': 'height', undergauge: 'least − bit' };
+export const MEASURES = { washout: 'C2 − bit', breakout: 'C1 − C2', 'key seat': 'height', undergauge: 'least diameter − bit' };
 // The same in a driller's words, in rig mode and in alarms.
 export const IN_WORDS = { washout: 'over bit', breakout: 'out of round', 'key seat': 'slot depth', undergauge: 'under bit' };
 const NEAR = 1e-6;
