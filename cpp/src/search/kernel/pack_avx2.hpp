@@ -46,6 +46,11 @@ struct Avx2Pack {
         return {_mm256_cmp_pd(x.a, y.a, _CMP_LE_OQ), _mm256_cmp_pd(x.b, y.b, _CMP_LE_OQ)};
     }
     static Mask both(Mask x, Mask y) { return {_mm256_and_pd(x.a, y.a), _mm256_and_pd(x.b, y.b)}; }
+    static int count_at_most(const double* keys, int n, double x) {
+        int count = 0;
+        for (int i = 0; i < n; i += 8) count += __builtin_popcount(bits(less_equal(load(keys + i), Avx2Pack(x))));
+        return count;
+    }
     static unsigned bits(Mask m) {
         return static_cast<unsigned>(_mm256_movemask_pd(m.a)) | static_cast<unsigned>(_mm256_movemask_pd(m.b)) << 4;
     }

@@ -33,6 +33,11 @@ struct Avx512Pack {
     static Mask less(Avx512Pack a, Avx512Pack b) { return _mm512_cmp_pd_mask(a.v, b.v, _CMP_LT_OQ); }
     static Mask less_equal(Avx512Pack a, Avx512Pack b) { return _mm512_cmp_pd_mask(a.v, b.v, _CMP_LE_OQ); }
     static Mask both(Mask a, Mask b) { return static_cast<Mask>(a & b); }
+    static int count_at_most(const double* keys, int n, double x) {
+        int count = 0;
+        for (int i = 0; i < n; i += 8) count += __builtin_popcount(bits(less_equal(load(keys + i), Avx512Pack(x))));
+        return count;
+    }
     static unsigned bits(Mask a) { return a; }
     static Avx512Pack blend(Mask m, Avx512Pack yes, Avx512Pack no) { return _mm512_mask_blend_pd(m, no.v, yes.v); }
 

@@ -57,11 +57,27 @@ struct PlainNarrow {
 
     static PlainNarrow load(const float* p) { return {vector_at<Float4>(p), vector_at<Float4>(p + 4)}; }
     void store(float* p) const { __builtin_memcpy(p, v, sizeof v); }
+    // Returns how many of the first n keys are at most x; keys may be read up to the next multiple of sixteen.
+    static int count_at_most(const float* keys, int n, float x) {
+        const Float4 most{x, x, x, x};
+        Int4 count[4] = {};
+        for (int i = 0; i < n; i += 16)
+            for (int j = 0; j < 4; ++j) count[j] -= bits_as<Int4>(vector_at<Float4>(keys + i + 4 * j) <= most);
+        const Int4 all = count[0] + count[1] + (count[2] + count[3]);
+        return all[0] + all[1] + all[2] + all[3];
+    }
     unsigned at_most(float x) const {
         const PlainNarrow most(x);
+#ifdef __SSE2__
+        const auto four = [&](int i) {
+            return static_cast<unsigned>(_mm_movemask_ps(bits_as<Float4>(v[i] <= most.v[i])));
+        };
+        return four(0) | four(1) << 4;
+#else
         const Int4 bits = (bits_as<Int4>(v[0] <= most.v[0]) & Int4{1, 2, 4, 8}) |
                           (bits_as<Int4>(v[1] <= most.v[1]) & Int4{16, 32, 64, 128});
         return static_cast<unsigned>(bits[0] | bits[1] | bits[2] | bits[3]);
+#endif
     }
     static PlainNarrow each_vertex(PlainNarrow x) { return x; }
     static PlainNarrow each_candidate(const float* p) { return PlainNarrow(*p); }
@@ -170,10 +186,24 @@ struct PlainPack {
     static Mask both(Mask x, Mask y) {
         return test([&](int i) { return x.m[i] & y.m[i]; });
     }
+    // As PlainNarrow::count_at_most; keys may be read up to the next multiple of eight.
+    static int count_at_most(const double* keys, int n, double x) {
+        const Double2 most{x, x};
+        Long2 count[4] = {};
+        for (int i = 0; i < n; i += 8)
+            for (int j = 0; j < 4; ++j) count[j] -= bits_as<Long2>(vector_at<Double2>(keys + i + 2 * j) <= most);
+        const Long2 all = count[0] + count[1] + (count[2] + count[3]);
+        return static_cast<int>(all[0] + all[1]);
+    }
     static unsigned bits(Mask x) {
+#ifdef __SSE2__
+        const auto two = [&](int i) { return static_cast<unsigned>(_mm_movemask_pd(bits_as<Double2>(x.m[i]))); };
+        return two(0) | two(1) << 2 | two(2) << 4 | two(3) << 6;
+#else
         const Long2 all =
             (x.m[0] & Long2{1, 2}) | (x.m[1] & Long2{4, 8}) | (x.m[2] & Long2{16, 32}) | (x.m[3] & Long2{64, 128});
         return static_cast<unsigned>(all[0] | all[1]);
+#endif
     }
     static PlainPack blend(Mask m, PlainPack yes, PlainPack no) {
         return each([&](int i) { return m.m[i] ? yes.v[i] : no.v[i]; });

@@ -21,6 +21,12 @@ struct X86Narrow {
 
     static X86Narrow load(const float* p) { return _mm256_loadu_ps(p); }
     void store(float* p) const { _mm256_storeu_ps(p, v); }
+    static int count_at_most(const float* keys, int n, float x) {
+        int count = 0;
+        for (int i = 0; i < n; i += 16)
+            count += __builtin_popcount(load(keys + i).at_most(x) | load(keys + i + 8).at_most(x) << 8);
+        return count;
+    }
     unsigned at_most(float x) const {
         return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(v, _mm256_set1_ps(x), _CMP_LE_OQ)));
     }
@@ -58,6 +64,11 @@ struct X86NarrowPair {
 
     static X86NarrowPair load(const float* p) { return _mm512_loadu_ps(p); }
     void store(float* p) const { _mm512_storeu_ps(p, v); }
+    static int count_at_most(const float* keys, int n, float x) {
+        int count = 0;
+        for (int i = 0; i < n; i += 16) count += __builtin_popcount(load(keys + i).at_most(x));
+        return count;
+    }
     unsigned at_most(float x) const { return _mm512_cmp_ps_mask(v, _mm512_set1_ps(x), _CMP_LE_OQ); }
     static X86NarrowPair each_vertex(X86Narrow x) {
         const __m512i twice = _mm512_setr_epi32(0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7);

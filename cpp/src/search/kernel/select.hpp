@@ -246,11 +246,7 @@ class Nearest {
         const int n = static_cast<int>(last - first), wanted = rules_.neighbors;
         const float nearest = fill_keys(g, lane, scale, first, n);
         const int least = wanted + 1 + wanted / 16, most = wanted + 6 + wanted / 8;
-        const auto passing = [&](float at_most) {
-            int count = 0;
-            for (int i = 0; i < n; i += 16) count += __builtin_popcount(passed(i, at_most));
-            return count;
-        };
+        const auto passing = [&](float at_most) { return Floats::count_at_most(keys_, n, at_most); };
         if (!(guess_ > 0.0f)) {  // the first guess assumes that the candidates are spread evenly in the box
             const double area = scale * (box_.across < 180.0 ? box_.across : 180.0) * box_.along * 4.0;
             const double square = area * most / (3.0 * static_cast<double>(list_.count + 1));
@@ -335,12 +331,7 @@ class Nearest {
             within += __builtin_popcount(P::bits(reached));
         }
         const int wanted = rules_.neighbors;
-        const auto passing = [&](double at_most) {
-            int count = 0;
-            for (int i = 0; i < m; i += lanes)
-                count += __builtin_popcount(P::bits(P::less_equal(P::load(exact_ + i), P(at_most))));
-            return count;
-        };
+        const auto passing = [&](double at_most) { return P::count_at_most(exact_, m, at_most); };
         double cut = missing_square;
         if (within > wanted) {
             const double low = extreme(least, true) * (1.0 - 1e-15), high = extreme(greatest, false);
