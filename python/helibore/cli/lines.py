@@ -55,12 +55,12 @@ def summary_lines(found: WallSummary, cells: str = "") -> Lines:
     if not math.isnan(found.nearest_half):
         half, most = found.nearest_half * 1e3, found.nearest_most * 1e3
         lines.append(("", f"nearest sample: at most {half:.0f} mm for half of the vertices, {most:.0f} mm for 99 %"))
-    return [*lines, *trust_lines(found)]
+    return [*lines, *trust_lines(found.warnings)]
 
 
-def trust_lines(found: WallSummary) -> Lines:
-    """Return the warnings of a summary as lines, for example that a tool with few arms measured the wall."""
-    return [("warning", text) for text in found.warnings]
+def trust_lines(warnings: Iterable[str]) -> Lines:
+    """Return the warnings of a summary or of logs as lines, as that a tool with few arms measured the wall."""
+    return [("warning", text) for text in warnings]
 
 
 def counts_line(live: Live) -> str:

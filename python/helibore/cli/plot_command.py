@@ -195,7 +195,7 @@ def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Ru
 
 def _trust(run: Run, options: dict[str, Any]) -> Lines:
     """Return the warnings on the wall for the terminal; a report has the same warnings in its summary."""
-    return trust_lines(run.wall.summary(options["start_depth"], options["stop_depth"]))
+    return trust_lines(run.wall.logs().between(options["start_depth"], options["stop_depth"]).warnings())
 
 
 def _drop_looks(looks: dict[str, Look], known: set[str]) -> Lines:

@@ -102,7 +102,9 @@ def view(**options: Any) -> None:
     run.messages.append(("picks", where_saved(picks)))
     header = header_of(run, options)
     well = header.pop("well", run.name)
-    terminal.summary([*run.messages, *trust_lines(wall.summary(options["start_depth"], options["stop_depth"]))])
+    terminal.summary(
+        [*run.messages, *trust_lines(wall.summary(options["start_depth"], options["stop_depth"]).warnings)]
+    )
     with terminal.stage("images", "Mapping images"):
         attributes = attributes_of(wall)
     serving = {name: options[name] for name in ("host", "port", "browser")} | {"reference": run.reference}

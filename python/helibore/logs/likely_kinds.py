@@ -266,7 +266,8 @@ def _drawn(bit_diameter: float) -> tuple[Floats, Floats, Floats]:
             left = np.maximum(pipe**2 - (centre * np.sin(angle)) ** 2, 0)
             reach = np.where((left > 0) & (np.cos(angle) > 0), centre * np.cos(angle) + np.sqrt(left), 0)
             turned.append((np.maximum(reach - bit, 0), 0.0, deep))
-    turns = range(0, _FINE, _FINE // PARTS)
-    every = rounded + [(np.roll(shape, turn), low, high) for shape, low, high in turned for turn in turns]
-    shapes, lower, higher = zip(*every, strict=True)
-    return mm * np.array(shapes), mm * np.array(lower), mm * np.array(higher)
+    turns = (np.arange(_FINE) - np.arange(0, _FINE, _FINE // PARTS)[:, None]) % _FINE
+    shapes, lower, higher = (np.array(column) for column in zip(*rounded, *turned, strict=True))
+    every = np.concatenate([shapes[: len(rounded)], shapes[len(rounded) :, turns].reshape(-1, _FINE)])
+    times = np.repeat([1, len(turns)], [len(rounded), len(turned)])
+    return mm * every, mm * np.repeat(lower, times), mm * np.repeat(higher, times)

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
     from helibore.wall.wall import Wall
 
+_Draw = Callable[[Sheet, Content, float, float], None]
 MARGIN, GAP = 10.0, 2.0
 """Millimetres around the sheet, and between tracks."""
 PAPERS = {"a4": (210.0, 297.0), "a3": (297.0, 420.0)}
@@ -37,8 +38,8 @@ STUB = 40.0
 """Least length of the log on the last page, millimetres."""
 LEAST_LENGTH = 1.0
 """Least length of the log on any page, millimetres."""
-BODY = 130.0
-"""Height of a shaded body, millimetres."""
+BODY, LEAST_BODY, MOST_BODY = 130.0, 90.0, 215.0
+"""Height of a shaded body on a sheet; on pages its least and most height, as it takes what is left; millimetres."""
 OVERVIEW_BODY, LEAST, TIES = 96.0, 130.0, 10.0
 """Millimetres of an overview: width of its body, least height, and width of the lines from the tracks to the body."""
 
@@ -69,14 +70,14 @@ def log(wall: Wall, **options: Any) -> Figure:
     content = content_of(wall, Drawing(**options))
     length = content.paper_length()
     tail = _tail(content, _width(content))
-    below = GAP + sum(needed for needed, _ in tail) + footer_height(content)
+    below = GAP + sum(usual for _, usual, _, _ in tail) + footer_height(content)
     height = MARGIN + header_height(content) + HEAD + length + below + MARGIN
     sheet = Sheet(_width(content), height, content.drawing.dpi)
     draw_header(sheet, content, MARGIN, MARGIN, sheet.width - 2 * MARGIN)
     y = draw_tracks(sheet, content, content.top, content.bottom, MARGIN + header_height(content))
-    for needed, draw in tail:
-        draw(sheet, content, y + GAP)
-        y += needed
+    for _, usual, _, draw in tail:
+        draw(sheet, content, y + GAP, usual)
+        y += usual
     draw_footer(
         sheet, content, MARGIN, height - MARGIN, part=content.drawing.depth_unit.ends(content.top, content.bottom)
     )
@@ -127,14 +128,15 @@ def pages_of(content: Content, paper: str | tuple[float, float]) -> list[Figure]
             y += header_height(content)
         y = draw_tracks(sheets[-1], content, top, bottom, y)
         ends.append(content.drawing.depth_unit.ends(top, bottom))
-    for needed, draw in _tail(content, width):
-        if y + GAP + needed > free:  # this part does not fit on the page: a new page
-            longest = needed + 2 * MARGIN + footer_height(content)
+    for least, _, most, draw in _tail(content, width):
+        if y + GAP + least > free:  # this part does not fit on the page: a new page
+            longest = least + 2 * MARGIN + footer_height(content)
             sheets.append(Sheet(width, max(height, longest), content.drawing.dpi))
             ends.append("")
             y = MARGIN - GAP
-        draw(sheets[-1], content, y + GAP)
-        y += needed
+        taken = min(max(free - y - GAP, least), most)
+        draw(sheets[-1], content, y + GAP, taken)
+        y += taken
     for number, (sheet, part) in enumerate(zip(sheets, ends, strict=True), 1):
         draw_footer(sheet, content, MARGIN, sheet.height - MARGIN, f"page {number} of {len(sheets)}", part)
     return [sheet.figure for sheet in sheets]
@@ -215,25 +217,28 @@ def _sections_across(width: float) -> int:
     return max(int((width - 2 * MARGIN + 2.0) // WIDTH), 1)
 
 
-def _tail(content: Content, width: float) -> list[tuple[float, Callable[[Sheet, Content, float], None]]]:
-    """Return the parts below the tracks: the height of each in millimetres, and the function that draws it."""
-    parts: list[tuple[float, Callable[[Sheet, Content, float], None]]] = []
+def _tail(content: Content, width: float) -> list[tuple[float, float, float, _Draw]]:
+    """Return the parts below the tracks: the least, usual and greatest height of each, millimetres, and what draws it.
+
+    The function that draws a part takes the millimetres from the top, and the height that the part has.
+    """
+    parts: list[tuple[float, float, float, _Draw]] = []
     zones = zone_list_height(content)
     if zones:
-        parts.append((zones + 2.0, _draw_zones))
+        parts.append((zones + 2.0,) * 3 + (_draw_zones,))
     if content.sections:
         rows = math.ceil(len(content.sections) / _sections_across(width))
-        parts.append((rows * HEIGHT + 8.0, _draw_sections))
+        parts.append((rows * HEIGHT + 8.0,) * 3 + (_draw_sections,))
     if content.stretched is not None:
-        parts.append((BODY + 6.0, _draw_bodies))
+        parts.append((LEAST_BODY + 6.0, BODY + 6.0, MOST_BODY + 6.0, _draw_bodies))
     return parts
 
 
-def _draw_zones(sheet: Sheet, content: Content, y: float) -> None:
+def _draw_zones(sheet: Sheet, content: Content, y: float, _: float) -> None:
     draw_zones(sheet, content, MARGIN, y + 1.0, sheet.width - 2 * MARGIN)
 
 
-def _draw_sections(sheet: Sheet, content: Content, y: float) -> None:
+def _draw_sections(sheet: Sheet, content: Content, y: float, _: float) -> None:
     """Draw the cross sections in rows, below a line that explains them."""
     drawing, settings = content.drawing, content.wall.settings
     key = key_text(settings.bit_diameter, drawing.size_unit, settings.pitch, bool(content.hatching))
@@ -246,11 +251,11 @@ def _draw_sections(sheet: Sheet, content: Content, y: float) -> None:
         draw_section(sheet, *place, section, letter, look)
 
 
-def _draw_bodies(sheet: Sheet, content: Content, y: float) -> None:
+def _draw_bodies(sheet: Sheet, content: Content, y: float, height: float) -> None:
     """Draw the shaded body, once in each of its colours."""
     width = (sheet.width - 2 * MARGIN) / max(len(content.bodies), 2)
     for index, body in enumerate(content.bodies):
-        _draw_body(sheet, (MARGIN + index * width, y + 3.0, width - 4.0, BODY), content, body)
+        _draw_body(sheet, (MARGIN + index * width, y + 3.0, width - 4.0, height - 6.0), content, body)
 
 
 def _draw_body(sheet: Sheet, box: tuple[float, float, float, float], content: Content, body: Body) -> Axes:

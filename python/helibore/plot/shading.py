@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from helibore.base.arrays import Floats, Floats32
+from helibore.base.arrays import Floats, Floats32, Integers
 
 HATCH_BYTES = (33, 48, 61)
 """Red, green and blue of the lines that hatch what is interpolated, not measured."""
@@ -125,22 +125,24 @@ def _resample(values: Floats, sectors: int, turn: Floats, around: Floats) -> Flo
     """
     turns = values.shape[0] // sectors
     grid = values[: turns * sectors].reshape(turns, sectors, -1).astype(np.float32)
-    by_column = np.empty((grid.shape[2], turn.size, sectors), dtype=np.float32)
-    for j in range(sectors):
-        by_column[:, :, j] = (_spline(turn - j / sectors, turns, wrap=False) @ grid[:, j]).T
-    return by_column @ _spline(around * sectors, sectors, wrap=True).T
+    column = np.arange(sectors)
+    low, weights = _spline(turn[:, None] - column / sectors)
+    by_column = sum(
+        weight[..., None] * grid[np.clip(low + step, 0, turns - 1), column] for step, weight in enumerate(weights, -1)
+    )
+    low, weights = _spline(around * sectors)
+    across = np.zeros((sectors, around.size), dtype=np.float32)
+    for step, weight in enumerate(weights, -1):
+        across[(low + step) % sectors, np.arange(around.size)] += weight
+    return np.moveaxis(by_column, 2, 0) @ across
 
 
-def _spline(at: Floats, count: int, wrap: bool) -> Floats32:
-    """Return weights (len(at), count) of a cubic B-spline at fractional indices, which wrap or stop at the ends."""
+def _spline(at: Floats) -> tuple[Integers, tuple[Floats32, ...]]:
+    """Return the integers below fractional indices, and the weights of a cubic B-spline at the four next to them."""
     low = np.floor(at).astype(np.int64)
     t = at - low
     weights = ((1 - t) ** 3, 3 * t**3 - 6 * t**2 + 4, -3 * t**3 + 3 * t**2 + 3 * t + 1, t**3)
-    matrix = np.zeros((at.size, count), dtype=np.float32)
-    for step, weight in enumerate(weights, start=-1):
-        index = (low + step) % count if wrap else np.clip(low + step, 0, count - 1)
-        np.add.at(matrix, (np.arange(at.size), index), weight / 6.0)
-    return matrix
+    return low, tuple((weight / 6.0).astype(np.float32) for weight in weights)
 
 
 def _normals(x: Floats32, y: Floats32, z: Floats32) -> Floats32:

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from helibore.base.colors import ColorScale
     from helibore.wall.wall import Wall
 
+FINE = 130.0
+"""Millimetres; a taller body has larger pixels, so that it does not take longer to draw."""
 LENGTH = 12.0
 """Metres of hole in a body, unless another length is given."""
 STEPS = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0)
@@ -130,16 +132,18 @@ def draw_solid(
     colors[gone] = GREY
     largest = settings.start_toolface + 360.0 / sectors * int(np.argmax(body.reshape(-1, sectors).mean(axis=0)))
     tube, shape = exaggeration(one, bit)
+    fine = min(1.0, FINE / height)
     view = View(
         facing=float((largest + 50.0) % 360.0), tube=tube, shape=shape,
-        width=sheet.pixels(width - 14.0), height=sheet.pixels(height - 10.0), hatch=max(sheet.pixels(HATCH), 2),
+        width=round(fine * sheet.pixels(width - 14.0)), height=round(fine * sheet.pixels(height - 10.0)),
+        hatch=max(round(fine * sheet.pixels(HATCH)), 2),
     )  # fmt: skip
     start = (wall.start_depth + one.first // sectors * settings.pitch, settings.start_toolface)
     between = None if interpolated is None else interpolated[one.first : one.first + flat.size]
     picture = shade(body, colors, sectors, settings.pitch, start, bit, view, between)
     axes = sheet.axes(x + 14.0, y + 10.0, width - 14.0, height - 10.0)
     edges = (picture.left, picture.right, picture.bottom, picture.top)
-    axes.imshow(picture.pixels, extent=edges, aspect="auto", interpolation="nearest")
+    axes.imshow(picture.pixels, extent=edges, aspect="auto", interpolation="none")
     _draw_depth_axis(axes, one, unit)
     ends = " to ".join(f"{depth / unit.metres:.0f}" for depth in one.depth)
     title = f"{ends} {unit.name}, coloured by {name}"

@@ -68,6 +68,8 @@ CURVES: dict[str, dict[str, Any]] = {
     "D90": {"color": "#7a2a80", "dashes": (2.0, 1.0)},
 }
 """The lines of the diameters: C1 and C2 have one colour, D0 and D90 another; the second of each pair is dashed."""
+LEAST_LINE: dict[str, Any] = {"color": "#7d8894", "linewidth": 0.5}
+"""The line of the least diameter, which fills blue to bit size."""
 
 
 @dataclass(frozen=True)
@@ -273,9 +275,12 @@ class CaliperTrack:
         head_title(sheet, x, y + 2.5, self.width, title)
         sheet.line((x, x + self.width), (y + HEAD - 0.2, y + HEAD - 0.2), color=INK)
         row = y + 6.3
-        self._key(sheet, x + 1, row, f"bit size {length_text(self.bit, self.unit)}", color=INK, dashes=(4, 2))
+        bit = f"bit size {length_text(self.bit, self.unit)}"
+        self._key(sheet, x + 1, row, bit, 17.0 if self.basis == "azimuthal" else 31.0, color=INK, dashes=(4, 2))
+        if self.basis == "azimuthal":
+            self._key(sheet, x + 27, row, "least", 5.8, 4.0, **LEAST_LINE)
         row += 3.5
-        self._key(sheet, x + 1, row, "by area", color=AREA)
+        self._key(sheet, x + 1, row, "by area", 12.0, color=AREA)
         self._fill_key(sheet, x + 21, row, "under", "under bit")
         if self.curves:
             row += 3.5
@@ -291,9 +296,9 @@ class CaliperTrack:
         sheet.text(x + 0.6, y + HEAD - 2.2, low, SMALL)
         sheet.text(x + self.width - 0.6, y + HEAD - 2.2, high, SMALL, ha="right")
 
-    def _key(self, sheet: Sheet, x: float, row: float, text: str, **look: Any) -> None:
-        sheet.line((x, x + 6), (row, row), linewidth=0.9, **look)
-        sheet.text(x + 7.2, row, text, SMALL, within=self.width - 9)
+    def _key(self, sheet: Sheet, x: float, row: float, text: str, room: float, long: float = 6.0, **look: Any) -> None:
+        sheet.line((x, x + long), (row, row), **{"linewidth": 0.9, **look})
+        sheet.text(x + long + 1.2, row, text, SMALL, within=room)
 
     def _fill_key(self, sheet: Sheet, x: float, row: float, fill: str, text: str) -> None:
         sheet.box(x, row - 1.1, 3, 2.2, facecolor=FILL_COLORS[fill], edgecolor=RULE, linewidth=0.3)
@@ -316,7 +321,7 @@ class CaliperTrack:
         ):
             axes.fill_betweenx(turns.depth, left, right, facecolor=FILL_COLORS[fill], linewidth=0)
         if self.basis == "azimuthal":
-            axes.fill_betweenx(turns.depth, least, greatest, facecolor="none", edgecolor=RULE, linewidth=0.35)
+            axes.plot(least, turns.depth, **LEAST_LINE)
         for name in self.curves:
             axes.plot(getattr(turns, name.lower()) / scale, turns.depth, linewidth=0.8, **CURVES[name])
         axes.plot(area, turns.depth, color=AREA, linewidth=0.8)
@@ -340,7 +345,7 @@ class CaliperTrack:
             from matplotlib.colors import ListedColormap
 
             box = (*self.limits, stretch.bottom, stretch.top)
-            axes.imshow(grey, extent=box, aspect="auto", cmap=ListedColormap([GREY]), interpolation="nearest", zorder=3)
+            axes.imshow(grey, extent=box, aspect="auto", cmap=ListedColormap([GREY]), interpolation="none", zorder=3)
 
 
 def _draw_ticks(axes: Axes, ticks: VolumeTicks, stretch: Stretch, right: bool) -> None:
@@ -484,7 +489,7 @@ class ImageTrack:
             along = np.add.outer(np.arange(grid.rows), np.arange(grid.columns)) % sheet.pixels(HATCH)
             colors[between & np.isfinite(pixels) & (along < max(sheet.pixels(0.2), 1))] = HATCH_BYTES
         box = (0.0, 360.0, stretch.bottom, stretch.top)
-        axes.imshow(colors, extent=box, aspect="auto", interpolation="nearest", origin="upper")
+        axes.imshow(colors, extent=box, aspect="auto", interpolation="none", origin="upper")
         for quarter in (90, 180, 270):
             axes.axvline(quarter, color="white", linewidth=0.35, alpha=0.5)
         axes.set_xlim(0, 360)

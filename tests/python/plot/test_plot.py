@@ -183,8 +183,8 @@ def test_the_caliper_track_draws_the_pairs_that_are_asked_for(
     axes = tracks_of(figure)[1]
     turns = measured(wall)
     lines = [line for line in axes.lines if len(line.get_xdata()) == turns.depth.size]
-    assert len(lines) == len(names) + 1
-    for name, line in zip([*names, "area"], lines, strict=True):
+    assert len(lines) == len(names) + 2
+    for name, line in zip(["least", *names, "area"], lines, strict=True):
         np.testing.assert_array_equal(line.get_xdata(), getattr(turns, name) / 0.001)
         np.testing.assert_array_equal(line.get_ydata(), turns.depth)
     words = [text.get_text() for text in texts(figure)]
@@ -714,3 +714,28 @@ def test_a_wall_that_came_with_its_uncertainty_shows_half_the_interval(wall: hb.
 
 def _sure(track: object) -> bool:
     return isinstance(track, ImageTrack) and track.shown.name == "Radius, 95 %"
+
+
+@pytest.mark.parametrize("curves", [("C1", "C2"), ("C1", "C2", "D0", "D90")])
+def test_every_line_of_the_caliper_track_has_its_key(wall: hb.Wall, curves: tuple[str, ...]) -> None:
+    figure = plot.log(wall, curves=curves, polar=(), body=(), dpi=60)
+    caliper = tracks_of(figure)[1]
+    drawn = {line.get_color() for line in caliper.lines if len(set(line.get_xdata())) > 2}
+    keys = {line.get_color() for line in figure.lines + figure.artists if hasattr(line, "get_xdata")}
+    assert len(drawn) == 2 + len(curves) // 2, "by area, least, and each pair"
+    assert drawn <= keys
+    filled = [part for part in caliper.collections if part.get_facecolor().size]
+    assert not [part for part in filled if np.any(part.get_linewidth())], "a fill has no edge that looks like a curve"
+    words = [text.get_text() for text in texts(figure)]
+    assert {"by area", "least", *({"C1", "C2"} & set(curves))} <= set(words)
+    assert_readable(figure)
+
+
+@pytest.mark.parametrize("scale", [40, 50, 60, 70, 80])
+def test_the_bodies_take_what_the_last_page_has_left(wall: hb.Wall, scale: int) -> None:
+    last = plot.pages(wall, scale=scale, polar=(), dpi=40)[-1]
+    bodies = [axes.get_position().height * 297 for axes in last.axes if axes.images and axes.get_ylim()[0] < 2040]
+    tall = [height for height in bodies if 79 < height < 206]
+    lowest = min(axes.get_position().y0 for axes in last.axes) * 297
+    assert len(tall) >= 1
+    assert lowest < 297 / 3, "the last page is filled"
