@@ -56,6 +56,9 @@ the bit size."""
 PICK_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINITION["picks"].items()}
 """Colours of the classes of picks, on a light ground."""
 
+TOP_COLOR: str = f"#{_DEFINITION['tops'][0]}"
+"""Colour of the tops of named intervals, on a light ground."""
+
 DIP_TITLES: dict[str, str] = {kind: _DEFINITION["dips"][kind] for kind in ("true", "apparent")}
 """Titles of true dips, and of apparent dips, which are relative to the hole; the page and prints show them."""
 

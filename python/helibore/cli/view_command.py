@@ -41,12 +41,13 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from helibore.runs.run import Run
+    from helibore.trajectory.survey import Path as HolePath
     from helibore.wall.wall import Wall
 
 
 @click.command(
     cls=Sectioned,
-    common=(*SHOWN, "scalar", "template", "beside", "picks", "header", "well", "host", "port", "token", "token_file",
+    common=(*SHOWN, "scalar", "template", "beside", "plan", "picks", "header", "well", "host", "port", "token", "token_file",
             "browser", "html", "body", "sigma"),
 )  # fmt: skip
 @section("Options", QUIET)
@@ -55,6 +56,7 @@ if TYPE_CHECKING:
     SCALAR,
     TEMPLATE,
     BESIDE,
+    opt("--plan", "Survey file of the planned path, from the same first depth as --survey.", type=FILE),
     picks_option(exists=False),
     HEADER,
     *CRITERIA,
@@ -115,7 +117,8 @@ def view(**options: Any) -> None:
     with placing(run, path_options(run)):
         viewer = serve(
             wall, path=wall.path, attributes=attributes, curves=curves, picks_file=picks, template=template,
-            beside=beside, criteria=criteria, string=options["body"] or (), well=well, **serving,
+            plan=planned(options["plan"], wall.path), beside=beside, criteria=criteria,
+            string=options["body"] or (), well=well, **serving,
         )  # fmt: skip
     drawing = {
         "title": well, "header": header, "scalars": curves, "template": template, "beside": beside,
@@ -179,6 +182,22 @@ def path_options(run: Run) -> str:
     if path.stop_depth < wall.depth.max():
         options.append(f"-s path.extend={math.ceil(100 * (wall.depth.max() - path.survey_depth)) / 100:.10g}m")
     return f" ({' '.join(options)})" if options else ""
+
+
+def planned(file: Path | None, path: HolePath | None) -> HolePath | None:
+    """Return the planned path in a survey file; it begins where the surveyed path begins."""
+    if file is None:
+        return None
+    if path is None:
+        raise click.UsageError("--plan: needs --survey")
+    from helibore.channels.opening import open as open_log
+
+    with open_log(file) as log:
+        plan = log.survey()
+    if abs(plan.depth[0] - path.start_depth) > 0.01:
+        rule = f"must begin at {path.start_depth:.10g} m, where the survey of the hole begins"
+        raise InputError(f"{file}: first station", rule, f"{plan.depth[0]:.10g} m")
+    return plan.path(head=path.head)
 
 
 def check_page() -> None:

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from helibore.base.arrays import Floats
-from helibore.base.colors import FILL_COLORS, MISSING, ZONE_COLORS, ColorScale, ink_on
+from helibore.base.colors import FILL_COLORS, MISSING, TOP_COLOR, ZONE_COLORS, ColorScale, ink_on
 from helibore.base.errors import InputError
 from helibore.base.units import INCH, MILLIMETRE
 from helibore.images.sector_image import SectorImage
@@ -53,8 +53,8 @@ SCALAR = "#1d6b3a"
 HATCH = 1.4
 """Distance between the lines that hatch interpolated values, millimetres."""
 AREA = "#b3261e"
-TOP_LINE, INTERVAL_FILLS = "#1b5e20", ("#f3f6ef", "#ffffff")
-"""Colours of the tops, and of every other interval."""
+INTERVAL_FILLS = ("#f3f6ef", "#ffffff")
+"""Colours of every other interval."""
 LETTERS = {"washout": "W", "breakout": "B", "key seat": "K", "undergauge": "U"}
 """Letters of the kinds of zones, beside their colours."""
 STRIP = 0.2
@@ -209,7 +209,7 @@ class IntervalTrack:
             if place + 1.3 * along > stretch.bottom:
                 continue
             down = stretch.y + (place - stretch.top) / along
-            sheet.text(x + 0.8, down, one.name, SMALL, within=self.width - 1.6, color=TOP_LINE)
+            sheet.text(x + 0.8, down, one.name, SMALL, within=self.width - 1.6, color=TOP_COLOR)
             free = place + along
         return axes
 
@@ -218,7 +218,7 @@ def tops_across(axes: Axes, intervals: Sequence[Interval], stretch: Stretch) -> 
     """Draw a line at each end of an interval across a track."""
     for depth in {end for one in intervals for end in (one.start, one.stop)}:
         if stretch.top < depth < stretch.bottom:
-            axes.axhline(depth, color=TOP_LINE, linewidth=0.9, zorder=6)
+            axes.axhline(depth, color=TOP_COLOR, linewidth=0.9, zorder=6)
 
 
 class CaliperTrack:

@@ -49,6 +49,8 @@ if TYPE_CHECKING:
     from helibore.viewer.page_server import PageServer
     from helibore.wall.wall import Wall
 
+MOST_PLANNED = 500
+"""Points of a planned path that a page gets."""
 __all__ = ["Attribute", "Viewer", "attributes_of", "view"]
 
 
@@ -170,6 +172,7 @@ def view(
     wall: ViewedWall,
     *,
     path: Path | None = None,
+    plan: Path | None = None,
     attributes: Mapping[str | Attribute, npt.ArrayLike] | None = None,
     curves: Iterable[ScalarCurve] = (),
     template: Template | None = None,
@@ -193,6 +196,8 @@ def view(
         A `helibore.Wall`. The viewer reads it and never changes it.
     path
         The `helibore.Path` of the hole; None: the page draws the hole straight down.
+    plan
+        The `helibore.Path` as it was planned: a dashed line beside the hole, and in its plan.
     attributes
         Values to colour by, one for each quad or vertex (quad k begins at vertex k), by name or by `Attribute`; at most
         16. None: the images and attributes of the wall.
@@ -261,6 +266,8 @@ def view(
     )
     if isinstance(wall, Wall):
         feed.scene.picks, feed.scene.intervals = wall.picks, wall.intervals
+    if plan is not None:
+        feed.scene.plan = plan.position(np.linspace(plan.start_depth, plan.stop_depth, MOST_PLANNED))
     feed.scene.picks_file = picks_file
     feed.scene.saves_picks = picks_file is None or can_save(picks_file)
     feed.scene.set_curves(curves)

@@ -235,6 +235,8 @@ class Scene:
         The picks of the wall; `change_picks` changes them for a page.
     intervals
         Named intervals of the hole, such as formations; a page gets them when it connects.
+    plan
+        Points of the planned path, (n, 3): north, east, down, metres; (0, 3): there is none.
     picks_file
         File to which `change_picks` saves the picks; None: they are not saved.
     saves_picks
@@ -264,6 +266,7 @@ class Scene:
         self.curves: dict[str, ScalarCurve] = {}
         self.picks = Picks()
         self.intervals: tuple[Interval, ...] = ()
+        self.plan: Floats = np.zeros((0, 3))
         self.picks_file: str | os.PathLike[str] | None = None
         self.saves_picks = True
         self.path: Path | None = None
@@ -400,7 +403,7 @@ class Scene:
             copy.shape, copy.session, copy.frames, copy.settled = self.shape, self.session, self.frames, self.settled
             copy.history, copy.state, copy.summarize = self.history.frozen_copy(), self.state, self.summarize
             copy.picks, copy.curves, copy.template = Picks(self.picks), dict(self.curves), self.template
-            copy.intervals = self.intervals
+            copy.intervals, copy.plan = self.intervals, self.plan
         copy.begun = True
         return copy
 

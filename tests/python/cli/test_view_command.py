@@ -342,3 +342,18 @@ def test_without_the_page_it_says_how_to_get_it(
     (tmp_path / "no-page.txt").write_text("Node.js 18 or newer and npm were not there\n")
     with golden.raises():
         command.check_page()
+
+
+def test_a_planned_path_begins_where_the_survey_begins(caliper: Path, tmp_path: Path) -> None:
+    for name, first in (("survey", 400), ("plan", 400), ("other", 390)):
+        (tmp_path / f"{name}.csv").write_text(
+            f"depth_m,inclination_deg,azimuth_deg\n{first},10,20\n600,14,{len(name)}\n"
+        )
+    made = (str(caliper), *BIT, "--survey", str(tmp_path / "survey.csv"), "--html", str(tmp_path / "w.html"))
+    found = run(*made, "--plan", str(tmp_path / "plan.csv"))
+    assert found.exit_code == 0, found.output
+    points = json.loads(re.search(r'"plan": ?(\[\[.*?\]\])', (tmp_path / "w.html").read_text())[1])  # type: ignore[index]
+    assert points[0] == [0, 0, 0]
+    assert points[-1][2] == pytest.approx(200 * np.cos(np.radians(12)), abs=0.5)
+    found = run(*made, "--plan", str(tmp_path / "other.csv"))
+    assert (found.exit_code, "first station = 390 m" in found.output, "400 m" in found.output) == (2, True, True)

@@ -616,3 +616,49 @@ def test_the_picture_on_the_stage_is_saved_as_it_is_seen(browser: Any, viewer: A
     )
     assert colours > 50, "the image is in it, not only the ink"
     screen.close()
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_tops_cross_all_tracks_and_the_plan_runs_beside_the_hole(browser: Any, theme: str) -> None:
+    depth = np.arange(2000.0, 2040.0, 0.01)
+    path = hb.Survey([1900.0, 2100.0], [30.0, 40.0], [40.0, 60.0]).path()
+    plan = hb.Survey([1900.0, 2100.0], [30.0, 40.0], [40.0, 50.0]).path()
+    wall = hb.reconstruct(
+        hb.Caliper(depth, depth * 3600 % 360, np.full(depth.size, 0.11)), bit_diameter=0.216, sectors=32
+    )
+    wall.intervals = [
+        hb.Interval("Heather", 1990.0, 2012.0),
+        hb.Interval("Hugin", 2012.0, 2025.5),
+        hb.Interval("Sleipner", 2025.5),
+    ]
+    with hb.view(wall, path=path, plan=plan) as viewer:
+        screen = Screen(browser, viewer.url, f"#md=2020&sec=20&theme={theme}", (1366, 768), drawn=False)
+        screen.settle()
+        y = "(({ view, renderer }) => renderer.rects.axis.top + (%f - view.top) / 20 * renderer.rects.axis.height)"
+        y += "(window.__wall.app)"
+        labels = screen.evaluate("document.getElementById('ink').labels")
+        tops = {one["text"]: one["top"] for one in labels if one["text"] in ("Heather", "Hugin", "Sleipner")}
+        for name, depth_of in (("Heather", 2010.0), ("Hugin", 2012.0), ("Sleipner", 2025.5)):
+            assert 0 < tops[name] - screen.evaluate(y % depth_of) < 14, "the name stands under its top, or in view"
+        strokes = screen.evaluate("document.getElementById('ink').strokes")
+        right = screen.evaluate("(({ wall }) => wall.left + wall.width)(window.__wall.app.renderer.rects)")
+        for top in (2012.0, 2025.5):
+            level = screen.evaluate(y % top)
+            across = [
+                line for line in strokes if abs(line[1] - level) < 1 and line[1] == line[3] and line[2] >= right - 1
+            ]
+            assert across, "a line from the depths to the end of the last track"
+        screen.evaluate("window.__wall.app.view.point({ depth: 2013, toolface: 10 }, true)")
+        screen.settle()
+        assert screen.readout()["Interval"] == "Hugin"
+        screen.evaluate("window.__wall.app.view.choose({ camera: 'outside' })")
+        screen.settle()
+        assert any(one["text"] == "Hugin –" for one in screen.evaluate("document.getElementById('ink').labels"))
+        shown = screen.evaluate("window.__wall.app.store.plan")
+        assert np.abs(np.array(shown[-1]) - plan.position([2100.0])[0]).max() < 0.01
+        picture = "document.getElementById('ink').toDataURL()"
+        with_plan = screen.evaluate(picture)
+        screen.evaluate("(window.__wall.app.store.plan = [], window.__wall.app.redraw())")
+        screen.settle()
+        assert screen.evaluate(picture) != with_plan
+        screen.close()

@@ -88,11 +88,11 @@ export const depthAt = (view, rect, y) => view.top + ((y - rect.top) / rect.heig
 /** @param {Pick<View, 'top' | 'bottom'>} view @param {Pick<Rect, 'top' | 'height'>} rect @param {number} depth */
 export const yOf = (view, rect, depth) => rect.top + ((depth - view.top) / (view.bottom - view.top)) * rect.height;
 
-/** @type {(dark: 0 | 1) => Pick<Palette, 'zones' | 'fills' | 'picks'>} */
+/** @type {(dark: 0 | 1) => Pick<Palette, 'zones' | 'fills' | 'picks' | 'top'>} */
 const colours = (dark) => {
   /** @template {string} Kind @param {Record<Kind, string[]>} kinds @returns {Record<Kind, string>} */
   const of = (kinds) => /** @type {Record<Kind, string>} */ (Object.fromEntries(Object.keys(kinds).map((kind) => [kind, `#${kinds[/** @type {Kind} */ (kind)][dark]}`])));
-  return { zones: of(definition.zones), fills: of(definition.fills), picks: of(definition.picks) };
+  return { zones: of(definition.zones), fills: of(definition.fills), picks: of(definition.picks), top: `#${definition.tops[dark]}` };
 };
 
 /** @type {Record<Theme, Palette>} */

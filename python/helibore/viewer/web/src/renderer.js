@@ -24,6 +24,7 @@ import { NARROW, PHONE } from './selection.js';
 import { hung, stringRows } from './string.js';
 import { edges, sharp } from './strokes.js';
 import { coverage } from './tiles.js';
+import { drawTops, intervalAt } from './tops.js';
 import { drawAxis, drawAxisLabels, drawCursor, drawImageHead, drawOutside } from './tracks.js';
 import { showDepth, showLength } from './units.js';
 import { drawWallInk } from './wall_ink.js';
@@ -131,6 +132,7 @@ export class Renderer {
       background: PALETTES[view.theme].background,
       dark: view.theme === 'dark',
       notes: app.notes.kept,
+      intervals: store.intervals,
       zones: app.zones,
       growing: app.growing,
       arms: app.curves.arms,
@@ -210,6 +212,7 @@ export class Renderer {
     const calipers = drawCaliper(ink, look);
     if (rects.curves) curves.draw(ink, look);
     drawOutside(ink, look);
+    drawTops(ink, look);
     this.map.draw(ink, look, picking.kept);
     const planes = picking.planes();
     drawDips(ink, look, planes, gpu);
@@ -237,6 +240,8 @@ export class Renderer {
     const covered = cursor !== null && cursor.toolface !== null;
     this.quad = covered ? store.quad(k) : null;
     selection.read = readout({ store, view, path, quad: this.quad });
+    const interval = intervalAt(store.intervals, cursor?.depth ?? view.middle);
+    if (interval) selection.read.push(['Interval', interval]);
     selection.read.push(...app.curves.readout(cursor?.depth ?? view.middle), ...stringRows(look.string, view.units));
     write('readout', cursor || !NARROW.matches ? selection.read : selection.read.filter(([, text]) => !/^[–/ ]*$/.test(text))); // on a touch screen nothing hovers: empty values are left out
     if (selection.toSay && (!covered || wall.locate(k).tile)) {

@@ -98,6 +98,8 @@ export class Store {
     this.session = handshake.session;
     this.basis = handshake.basis;
     this.attributes = handshake.attributes;
+    this.intervals = handshake.intervals ?? [];
+    this.plan = handshake.plan ?? [];
     this.radiusUnit = handshake.radius_unit;
     this.nearestUnit = handshake.nearest_unit;
     this.bitRadius = handshake.bit_diameter / 2;

@@ -41,7 +41,7 @@ interface Arrangement {
 }
 interface Palette {
   background: number; paper: string; panel: string; ink: string; soft: string; line: string; grid: string; cursor: string; pin: string; min: string; max: string;
-  hatch: string; zones: Record<ZoneKind, string>; fills: Record<'over' | 'partly over' | 'under', string>; picks: Record<PlaneKind | 'breakout', string>;
+  hatch: string; top: string; zones: Record<ZoneKind, string>; fills: Record<'over' | 'partly over' | 'under', string>; picks: Record<PlaneKind | 'breakout', string>;
 }
 
 // The wall.
@@ -77,7 +77,7 @@ interface Turn { k: number; radii: Float64Array; sure: Float64Array; between: Ui
 // What one frame shows; `quantity` is the one that was asked for, with the ends of its colours in this frame.
 interface Look {
   store: Store; view: View; path: Path; rects: Rects; bitDepth: number | null; asked: Quantity; quantity: Quantity; imagePieces: Piece[]; wallPieces: Piece[];
-  imageRect: Rect; wallRect: Rect; background: number; dark: boolean; notes: Note[]; zones: Zone[]; growing: boolean; arms: Arms | null; string: Hung | null; over: Quantity; glow: (tile: Tile) => number[][];
+  imageRect: Rect; wallRect: Rect; background: number; dark: boolean; notes: Note[]; intervals: NamedInterval[]; zones: Zone[]; growing: boolean; arms: Arms | null; string: Hung | null; over: Quantity; glow: (tile: Tile) => number[][];
 }
 interface Looks extends Look { images: Look[] } // the first image, and those beside it
 
@@ -103,7 +103,9 @@ interface Arms { depth: Float64Array; min: Float32Array; max: Float32Array; c2: 
 interface CurveValues { depth: Float64Array; values: Float32Array; step: number }
 
 // Messages.
+type NamedInterval = [name: string, start: number, stop: number | null];
 interface Handshake {
+  intervals?: NamedInterval[]; plan?: number[][];
   session: string; basis: string; basis_text: string; reference: string | null; assumed?: boolean; attributes: Attribute[]; radius_unit: number; nearest_unit: number; bit_diameter: number; start_depth: number;
   start_toolface: number; frame_step: number; vertices: number; well: string; template?: Template | null; curves?: string[]; picks_file?: string | null; saves_picks?: boolean; levels: { sectors: number; pitch: number; rows: number; rings?: boolean }[];
 }

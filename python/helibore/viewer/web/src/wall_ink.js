@@ -3,7 +3,7 @@
 import { BAR, drawColourBar } from './color_bar.js';
 import { wallPoint } from './dips.js';
 import { drawInsideInk } from './inside.js';
-import { BOLD, FONT, HEAD, label, PALETTES, SMALL } from './layout.js';
+import { BOLD, FONT, HEAD, label, PALETTES, SMALL, SMALL_BOLD } from './layout.js';
 import { edges, line } from './strokes.js';
 import { turn } from './turns.js';
 import { LENGTHS, showDepth } from './units.js';
@@ -77,7 +77,35 @@ function outsideInk(ink, look, gpu, calipers, palette) {
     if (level) line(ink, at[0], at[1] - 6, at[0], at[1] + 2, palette.soft);
     else line(ink, at[0] - 2, at[1], at[0] + 6, at[1], palette.soft);
   }
+  for (const [name, start] of look.intervals) {
+    const at = start > view.top && start < view.bottom && gpu.project(path.at(start), rect, gpu.aside(path.at(start), -beside));
+    if (at) label(ink, `${name} –`, at[0] - 6, at[1], { colour: palette.top, halo: palette.paper, align: 'right', font: SMALL_BOLD, yields: true });
+  }
+  dashed(ink, planAlong(look).map((centre) => gpu.project({ centre }, rect)), palette.max);
   cursorLabel(ink, look, gpu, beside, palette);
+}
+
+// Draw the planned path.
+/** @param {Ink} ink @param {(number[] | null)[]} points @param {string} colour */
+function dashed(ink, points, colour) {
+  ink.beginPath();
+  for (const point of points) if (point) ink.lineTo(point[0], point[1]);
+  ink.strokeStyle = colour;
+  ink.lineWidth = 2;
+  ink.setLineDash([7, 4]);
+  ink.stroke();
+  ink.setLineDash([]);
+}
+
+// Return the points of the planned path beside the section, and one at each side.
+/** @param {Look} look */
+function planAlong({ view, path, store: { plan } }) {
+  const [a, b] = [view.top, view.bottom].map((depth) => {
+    const { centre } = path.at(depth);
+    const away = plan.map((point) => Math.hypot(...minus(point, centre)));
+    return away.indexOf(Math.min(...away));
+  });
+  return plan.slice(Math.max(0, Math.min(a, b) - 1), Math.max(a, b) + 2);
 }
 
 // Draw a stroke beside the hole along every zone in view.
@@ -146,16 +174,17 @@ function plan(ink, { view, path, store, rects }, palette) {
   const along = Array.from({ length: 61 }, (_, i) => shallow + ((deep - shallow) * i) / 60);
   /** @param {number} depth */
   const place = (depth) => path.at(depth).centre;
-  const all = along.map(place);
+  const all = [...along.map(place), ...store.plan];
   const [[n0, n1], [e0, e1]] = [0, 1].map((axis) => [Math.min(...all.map((at) => at[axis])), Math.max(...all.map((at) => at[axis]))]);
   const size = Math.max(n1 - n0, e1 - e0);
   if (size < 1) return; // vertical
   const [left, top] = [rects.wall.left + 10, HEAD + 26];
-  /** @param {number} depth @returns {Pair} */
-  const at = (depth) => {
-    const [north, east] = place(depth);
-    return [left + PLAN / 2 + ((east - (e0 + e1) / 2) / size) * (PLAN - 16), top + PLAN / 2 - ((north - (n0 + n1) / 2) / size) * (PLAN - 16)];
-  };
+  /** @param {number[]} centre @returns {Pair} */
+  const spot = ([north, east]) => [left + PLAN / 2 + ((east - (e0 + e1) / 2) / size) * (PLAN - 16), top + PLAN / 2 - ((north - (n0 + n1) / 2) / size) * (PLAN - 16)];
+  /** @param {number} depth */
+  const at = (depth) => spot(place(depth));
+  ink.fillStyle = `${palette.paper}cc`;
+  ink.fillRect(left, top - 16, PLAN, PLAN + 16);
   edges(ink, { left, top, width: PLAN, height: PLAN }, palette.line);
   label(ink, `plan, N up, ${showDepth(size, view.units, 0)}`, left, top - 8, { colour: palette.soft, halo: palette.paper, font: SMALL });
   const shown = along.filter((depth) => depth > view.top && depth < view.bottom);
@@ -167,6 +196,7 @@ function plan(ink, { view, path, store, rects }, palette) {
     ink.lineWidth = width;
     ink.stroke();
   }
+  dashed(ink, store.plan.map(spot), palette.max);
   if (!view.cursor) return;
   ink.fillStyle = palette.pin;
   ink.beginPath();
