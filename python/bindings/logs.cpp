@@ -1,5 +1,6 @@
 // helibore._core: turn_columns, which returns the logs of turns as a dictionary of columns, and angular_gaps.
 #include "helibore/logs.hpp"
+#include "helibore/kinds.hpp"
 #include "helibore/passage.hpp"
 #include "helibore/unworn.hpp"
 
@@ -127,6 +128,21 @@ py::array_t<std::uint8_t> measured(const std::tuple<double, double, double, Inde
     return py::array_t<std::uint8_t>(static_cast<py::ssize_t>(found.size()), found.data());
 }
 
+py::tuple likely_along(const Column& windows, const Column& sections, const std::array<Index, hole_kinds>& counts,
+                       const Column& size, const std::array<double, hole_kinds>& prior,
+                       const std::array<double, 6>& given, const std::array<std::array<double, 2>, 4>& scales,
+                       int threads) {
+    const auto& [stays, changes, rough, offset, effective, temper] = given;
+    const ChainRule rule{stays, changes, prior, rough, offset, effective, temper, scales};
+    LikelyAlong found;
+    {
+        const WithoutGil released;
+        found = helibore::likely_along(span_of(windows), {span_of(sections), counts, span_of(size)}, rule, threads);
+    }
+    return py::make_tuple(array_of(std::move(found.kinds)), array_of(std::move(found.size)),
+                          array_of(std::move(found.size_square)));
+}
+
 }  // namespace
 
 void register_logs(py::module_& m) {
@@ -138,6 +154,8 @@ void register_logs(py::module_& m) {
           py::arg("counts"), py::arg("sigma"), py::arg("threads"));
     m.def("angular_gaps", &angular_gaps, py::arg("helix"), py::arg("count"), py::arg("depth"), py::arg("toolface"),
           py::arg("reach"), py::arg("threads"));
+    m.def("likely_along", &likely_along, py::arg("windows"), py::arg("sections"), py::arg("counts"), py::arg("size"),
+          py::arg("prior"), py::arg("rule"), py::arg("scales"), py::arg("threads"));
     m.def("measured", &measured, py::arg("helix"), py::arg("count"), py::arg("depth"), py::arg("toolface"),
           py::arg("of_samples"), py::arg("of_vertices"), py::arg("rule"), py::arg("threads"));
 }

@@ -113,6 +113,16 @@ def turn_columns(
 def unworn_columns(
     radius: Floats, sectors: int, start_toolface: float, bit_diameter: float, counts: Floats, threads: int
 ) -> dict[str, Floats]: ...
+def likely_along(
+    windows: Floats,
+    sections: Floats,
+    counts: tuple[int, int, int, int, int],
+    size: Floats,
+    prior: tuple[float, float, float, float, float],
+    rule: tuple[float, float, float, float, float, float],
+    scales: list[tuple[float, float]],
+    threads: int,
+) -> tuple[Floats, Floats, Floats]: ...
 def passage_columns(
     helix: _Helix,
     radius: Floats,

@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from helibore import _core
 from helibore.base.arrays import Floats, Integers, Mask, runs_of
 from helibore.base.units import INCH
 from helibore.settings.zone_settings import CRITERIA_BIT, Criteria
@@ -108,7 +109,13 @@ def kind_probabilities(sections: Floats, bit_diameter: float, criteria: Criteria
 
 
 def kinds_along(
-    sections: Floats, height: float, bit_diameter: float, criteria: Criteria, even: bool, wanted: Mask
+    sections: Floats,
+    height: float,
+    bit_diameter: float,
+    criteria: Criteria,
+    even: bool,
+    wanted: Mask,
+    threads: int,
 ) -> Along:
     """Return the probability of each kind and the likely size along a hole.
 
@@ -121,12 +128,13 @@ def kinds_along(
     turns, gathered = _windows(sections, height)
     steps = len(gathered)
     likely = np.full((steps, len(PRIOR) + 2), np.nan)
+    library = _library(bit_diameter, criteria, even)
     needed = np.pad(wanted, (0, steps * turns - len(wanted))).reshape(steps, turns).any(axis=1)
     for first, last in runs_of(np.convolve(needed, np.ones(2 * _BESIDE + 1), "same") > 0):
         for start in range(first, last, _BLOCK):
             stop = min(start + _BLOCK, last)
             low, high = max(start - _BESIDE, 0), min(stop + _BESIDE, steps)
-            chained = _chained(gathered[low:high], turns * height, *_library(bit_diameter, criteria, even))
+            chained = _chained(gathered[low:high], turns * height, *library, threads)
             likely[start:stop] = chained[start - low : stop - low]
     likely[~needed] = np.nan
     seen = np.isfinite(gathered).sum(axis=1)
@@ -149,45 +157,21 @@ def _windows(sections: Floats, height: float) -> tuple[int, Floats]:
     return turns, np.divide(total, count, out=np.full(total.shape, np.nan), where=count > 0)
 
 
-def _chained(sections: Floats, step: float, shapes: Floats, kind: Integers, size: Floats) -> Floats:
+def _chained(windows: Floats, step: float, shapes: Floats, kind: Integers, size: Floats, threads: int) -> Floats:
     """Return what is known in windows of the length ``step``, metres, (windows, 7).
 
     It is the probability of each kind, then the means of the squared radius and of its square.
     """
-    square, count = _compared(sections, shapes)
-    evidence = np.full(square.shape, -np.inf)
-    for scale, share in SCALES.items():
-        term = square / (-2 * scale**2)
-        term += (np.log(share) - count * np.log(scale))[:, None]
-        np.maximum(evidence, term, out=evidence)
-    evidence -= evidence.max(axis=1, keepdims=True)
-    evidence *= TEMPER
-    np.exp(evidence, out=evidence)
-    within = 1 / np.bincount(kind, minlength=len(PRIOR))[kind]
-    prior = np.array(ALONG_PRIOR)[kind] * within
-    of_kind = (kind[:, None] == np.arange(len(PRIOR))).astype(np.float64)
-    stays, changes = STAYS**step, (1 - STAYS**step) * CHANGES
-    leaves = 1 - stays - changes
-    forward = evidence  # becomes the probability of each section, given the windows up to this one
-    given = evidence.copy()
-    for row in range(len(forward)):
-        if row:
-            before = forward[row - 1]
-            moved = stays * before + changes * (before @ of_kind)[kind] * within + leaves * prior
-        else:
-            moved = prior
-        forward[row] *= moved
-        forward[row] /= forward[row].sum()
-    wanted = np.column_stack([of_kind, size, size**2])
-    likely = np.empty((len(forward), wanted.shape[1]))
-    after = np.ones(len(kind))
-    for row in range(len(forward) - 1, -1, -1):
-        both = forward[row] * after
-        likely[row] = (both @ wanted) / both.sum()
-        after *= given[row]
-        after = stays * after + changes * ((after * within) @ of_kind)[kind] + leaves * (prior @ after)
-        after /= after.max()
-    return likely
+    order = np.argsort(kind, kind="stable")
+    a, b, c, d, e = np.bincount(kind, minlength=len(PRIOR)).tolist()
+    stays = STAYS**step
+    middle = float(size.mean())  # the core has floats: those near 0 are finer
+    kinds, mean, square = _core.likely_along(
+        windows.ravel(), shapes[order].ravel(), (a, b, c, d, e), size[order] - middle,
+        ALONG_PRIOR, (stays, (1 - stays) * CHANGES, ROUGH, OFFSET, EFFECTIVE, TEMPER), list(SCALES.items()), threads,
+    )  # fmt: skip
+    off = [middle + mean, square + 2 * middle * mean + middle**2]
+    return np.column_stack([kinds.reshape(len(windows), len(PRIOR)), *off])
 
 
 def _compared(sections: Floats, shapes: Floats) -> tuple[Floats, Floats]:

@@ -295,7 +295,7 @@ class Logs(Tabular):
     def _chained(self, criteria: Criteria) -> Along:
         even = self.shape == "arms" and not np.any(self.uneven > 0)
         sections = self.section - self.bit_diameter / 2
-        return kinds_along(sections, self.height, self.bit_diameter, criteria, even, self.sparse)
+        return kinds_along(sections, self.height, self.bit_diameter, criteria, even, self.sparse, thread_count(None))
 
     @cached_property
     def diameter_range(self) -> tuple[Floats, Floats]:

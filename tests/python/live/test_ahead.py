@@ -114,5 +114,5 @@ def test_the_stretch_has_the_mask_of_the_wall():
     part = slice(first, first + len(stretch.radius))
     assert np.array_equal(stretch.radius, wall.radius[part], equal_nan=True)
     assert np.array_equal(stretch.sampled, wall.sampled[part])
-    assert 0 < np.count_nonzero(stretch.sampled)
+    assert np.count_nonzero(stretch.sampled) > 0
     assert stretch.sample_count < wall.sample_count / 2

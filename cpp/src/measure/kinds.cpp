@@ -1,0 +1,286 @@
+// Windows are compared in floats, eight sections at a time. Sections of one kind stand together, so that the sum over a
+// kind is one over neighbours; each kind ends with sections that do not count, up to a whole number of eights.
+#include "helibore/kinds.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "base/degrees.hpp"
+#include "base/messages.hpp"
+#include "base/threads.hpp"
+
+namespace helibore {
+
+namespace {
+
+constexpr std::size_t at_once = 8;
+constexpr Index batch = 16;  // windows that are compared with a section while it is in the cache
+
+struct Scale {
+    float log_prior, log_scale, half_inverse_square;
+};
+using Scales = std::array<Scale, 4>;
+
+Scales scales_of(const ChainRule& rule) {
+    Scales out{};
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        const auto [scale, prior] = rule.scales[i];
+        out[i] = {static_cast<float>(std::log(prior)), static_cast<float>(std::log(scale)),
+                  static_cast<float>(0.5 / (scale * scale))};
+    }
+    return out;
+}
+
+// Four numbers: vectors of GCC and Clang, which become SSE2, NEON or WebAssembly's simd128.
+using Float4 = float __attribute__((vector_size(16)));
+using Int4 = std::int32_t __attribute__((vector_size(16)));
+
+inline Float4 four(float x) {
+    return Float4{x, x, x, x};
+}
+inline Float4 four_at(const float* p) {
+    Float4 x;
+    std::memcpy(&x, p, sizeof x);
+    return x;
+}
+inline void put(Float4 x, float* p) {
+    std::memcpy(p, &x, sizeof x);
+}
+inline Float4 greater(Float4 x, Float4 y) {
+    return x > y ? x : y;
+}
+
+// Returns e^x for x in [-60, 0], within 2e-7 of itself.
+inline Float4 exponential(Float4 x) {
+    constexpr float whole = 0x1.8p23f;
+    const Float4 n = (x * 1.44269504f + whole) - whole, r = (x - n * 0.693359375f) + n * 2.12194440e-4f;
+    const Float4 high = 8.33345205e-3f + r * 1.39819994e-3f;
+    const Float4 of = 1.0f + r * (1.0f + r * (0.5f + r * (1.66666657e-1f + r * (4.16657962e-2f + r * high))));
+    return of * reinterpret_cast<Float4>((__builtin_convertvector(n, Int4) + 127) << 23);
+}
+
+// The library in the order of kinds. Sections of eight stand part by part: [eight][part][of eight].
+struct Sections {
+    std::vector<float> of, size, counts;               // counts: 1, or 0 for what fills up an eight
+    std::array<std::size_t, hole_kinds + 1> starts{};  // of the kinds
+    std::array<float, hole_kinds> each{};              // 1 / number of sections of the kind
+
+    std::size_t count() const { return size.size(); }
+};
+
+Sections arranged(const SectionLibrary& library) {
+    Index count = 0;
+    for (std::size_t kind = 0; kind < hole_kinds; ++kind) {
+        require(library.counts[kind] >= 0, entry_name("counts", static_cast<Index>(kind)), library.counts[kind],
+                "must be 0 or more");
+        count += library.counts[kind];
+    }
+    require(count >= 1, "counts", count, "must be 1 or more in all");
+    require_length("size", library.size.size(), static_cast<std::size_t>(count), "counts");
+    require_length("sections", library.sections.size(), section_parts * library.size.size(), "32 times counts");
+    require_finite("sections", library.sections);
+    require_finite("size", library.size);
+    Sections out;
+    std::size_t row = 0;
+    for (std::size_t kind = 0; kind < hole_kinds; ++kind) {
+        const auto number = static_cast<std::size_t>(library.counts[kind]);
+        const std::size_t start = out.starts[kind], stop = start + (number + at_once - 1) / at_once * at_once;
+        out.starts[kind + 1] = stop;
+        out.each[kind] = number > 0 ? 1.0f / static_cast<float>(number) : 0.0f;
+        out.size.resize(stop), out.counts.resize(stop), out.of.resize(stop * section_parts);
+        for (std::size_t place = start; place < start + number; ++place, ++row) {
+            out.size[place] = static_cast<float>(library.size[row]);
+            out.counts[place] = 1.0f;
+            float* const eight = &out.of[place / at_once * at_once * section_parts];
+            for (std::size_t part = 0; part < section_parts; ++part)
+                eight[part * at_once + place % at_once] =
+                    static_cast<float>(library.sections[row * section_parts + part]);
+        }
+    }
+    return out;
+}
+
+// What a window sees: the parts with samples, and the three linear forms of their differences from a section,
+//     chi^2 = w sum t^2 - (sum u t)^2 - (sum v t)^2
+// The last two are what the tool's offset explains.
+struct Window {
+    int seen = 0;
+    float weight = 0.0f, independent = 0.0f;
+    struct Part {
+        std::uint32_t number;
+        float length, u, v;
+    } parts[section_parts];
+};
+
+Window window_of(const double* section, const ChainRule& rule) {
+    Window out;
+    for (std::size_t part = 0; part < section_parts; ++part) out.seen += std::isnan(section[part]) ? 0 : 1;
+    if (out.seen == 0) return out;
+    const double independent = std::min(static_cast<double>(out.seen), rule.effective);
+    const double weight = independent / out.seen / (rule.rough * rule.rough);
+    double xx = 1.0 / (rule.offset * rule.offset), yy = xx, xy = 0.0;
+    int at = 0;
+    for (std::size_t part = 0; part < section_parts; ++part) {
+        if (std::isnan(section[part])) continue;
+        const SineCosine of = sine_cosine(static_cast<double>(part) * 360.0 / section_parts);
+        xx += weight * of.cosine * of.cosine, yy += weight * of.sine * of.sine, xy += weight * of.cosine * of.sine;
+    }
+    const double along = 1.0 / std::sqrt(xx), turned = xy / xx, across = 1.0 / std::sqrt(yy - xy * turned);
+    for (std::size_t part = 0; part < section_parts; ++part) {
+        if (std::isnan(section[part])) continue;
+        const SineCosine of = sine_cosine(static_cast<double>(part) * 360.0 / section_parts);
+        out.parts[at++] = {static_cast<std::uint32_t>(part), static_cast<float>(std::clamp(section[part], -1e6, 1e6)),
+                           static_cast<float>(weight * of.cosine * along),
+                           static_cast<float>(weight * (of.sine - turned * of.cosine) * across)};
+    }
+    out.weight = static_cast<float>(weight), out.independent = static_cast<float>(independent);
+    return out;
+}
+
+// Writes the log of the evidence that a window gives for eight sections: the greatest among the scales.
+inline void compare(const Window& window, const Scales& scales, const float* eight, float* log_evidence) {
+    Float4 square[2] = {}, u[2] = {}, v[2] = {};
+    for (int i = 0; i < window.seen; ++i) {
+        const Window::Part& part = window.parts[i];
+        for (const std::size_t half : {0U, 1U}) {
+            const Float4 off = part.length - four_at(eight + part.number * at_once + 4 * half);
+            square[half] += off * off, u[half] += part.u * off, v[half] += part.v * off;
+        }
+    }
+    for (const std::size_t half : {0U, 1U}) {
+        const Float4 least = window.weight * square[half] - u[half] * u[half] - v[half] * v[half];
+        Float4 greatest = four(-std::numeric_limits<float>::max());
+        for (const Scale& scale : scales)
+            greatest = greater(
+                scale.log_prior - window.independent * scale.log_scale - scale.half_inverse_square * least, greatest);
+        put(greatest, log_evidence + 4 * half);
+    }
+}
+
+// Makes the logs of a row the evidence: 1 for the section that fits best, to the power `temper`.
+void temper_row(float* row, const Sections& library, float temper) {
+    Float4 most = four(-std::numeric_limits<float>::max());
+    for (std::size_t i = 0; i < library.count(); i += 4)
+        most = greater(four_at(&library.counts[i]) > 0.0f ? four_at(row + i) : most, most);
+    const float greatest = std::max(std::max(most[0], most[1]), std::max(most[2], most[3]));
+    for (std::size_t i = 0; i < library.count(); i += 4) {
+        const Float4 x = (four_at(row + i) - greatest) * temper;
+        const Float4 within = x < 0.0f ? greater(x, four(-60.0f)) : four(0.0f);
+        put(exponential(within) * four_at(&library.counts[i]), row + i);
+    }
+}
+
+// Returns the sum of four sums, in an order of its own.
+inline double all_of(Float4 sums) {
+    return (static_cast<double>(sums[0]) + static_cast<double>(sums[1])) +
+           (static_cast<double>(sums[2]) + static_cast<double>(sums[3]));
+}
+
+using OfKinds = std::array<double, hole_kinds>;
+
+double sum_of(const OfKinds& kinds) {
+    double all = 0.0;
+    for (const double of : kinds) all += of;
+    return all;
+}
+
+// Multiplies each row by the probability of its sections given the rows before: F = evidence (stays F' + what moves).
+// The sum of a row is not 1: the next row divides by it.
+void go_forward(std::vector<float>& forward, std::size_t rows, const Sections& library, const ChainRule& rule) {
+    const double leaves = 1.0 - rule.stays - rule.changes;
+    OfKinds sums{};
+    for (std::size_t row = 0; row < rows; ++row) {
+        float* const now = &forward[row * library.count()];
+        const float* const before = now - library.count();
+        const double all = sum_of(sums);
+        const auto stays = static_cast<float>(row > 0 ? rule.stays / all : 0.0);
+        for (std::size_t kind = 0; kind < hole_kinds; ++kind) {
+            const double moves =
+                row > 0 ? rule.changes * sums[kind] / all + leaves * rule.prior[kind] : rule.prior[kind];
+            const auto moved = static_cast<float>(moves * static_cast<double>(library.each[kind]));
+            Float4 sum = {};
+            for (std::size_t i = library.starts[kind]; i < library.starts[kind + 1]; i += 4) {
+                const Float4 from = row > 0 ? stays * four_at(before + i) + moved : four(moved);
+                const Float4 of = four_at(now + i) * from;
+                put(of, now + i);
+                sum += of;
+            }
+            sums[kind] = all_of(sum);
+        }
+    }
+}
+
+// Goes back from the last row, and writes what is likely in each.
+void go_back(const std::vector<float>& evidence, const std::vector<float>& forward, std::size_t rows,
+             const Sections& library, const ChainRule& rule, LikelyAlong& out) {
+    const double leaves = 1.0 - rule.stays - rule.changes;
+    std::vector<float> after(library.count(), 1.0f);
+    for (std::size_t row = rows; row-- > 0;) {
+        const float *const now = &forward[row * library.count()], *const given = &evidence[row * library.count()];
+        OfKinds likely{}, beyond{};
+        double size = 0.0, square = 0.0;
+        for (std::size_t kind = 0; kind < hole_kinds; ++kind) {
+            Float4 of_kind = {}, of_size = {}, of_square = {}, of_after = {};
+            for (std::size_t i = library.starts[kind]; i < library.starts[kind + 1]; i += 4) {
+                const Float4 later = four_at(&after[i]), both = four_at(now + i) * later;
+                const Float4 sized = both * four_at(&library.size[i]), next = later * four_at(given + i);
+                of_kind += both, of_size += sized, of_square += sized * four_at(&library.size[i]), of_after += next;
+                put(next, &after[i]);
+            }
+            likely[kind] = all_of(of_kind), beyond[kind] = all_of(of_after);
+            size += all_of(of_size), square += all_of(of_square);
+        }
+        const double all = sum_of(likely);
+        for (std::size_t kind = 0; kind < hole_kinds; ++kind) out.kinds[row * hole_kinds + kind] = likely[kind] / all;
+        out.size[row] = size / all, out.size_square[row] = square / all;
+        double from_any = 0.0;
+        for (std::size_t kind = 0; kind < hole_kinds; ++kind)
+            from_any += rule.prior[kind] * static_cast<double>(library.each[kind]) * beyond[kind];
+        const double scale = sum_of(beyond);
+        const auto stays = static_cast<float>(rule.stays / scale);
+        for (std::size_t kind = 0; kind < hole_kinds; ++kind) {
+            const double moves =
+                rule.changes * static_cast<double>(library.each[kind]) * beyond[kind] + leaves * from_any;
+            const auto moved = static_cast<float>(moves / scale);
+            for (std::size_t i = library.starts[kind]; i < library.starts[kind + 1]; i += 4)
+                put(stays * four_at(&after[i]) + moved, &after[i]);
+        }
+    }
+}
+
+}  // namespace
+
+LikelyAlong likely_along(std::span<const double> windows, const SectionLibrary& library, const ChainRule& rule,
+                         int threads) {
+    const StandardArithmetic standard;
+    require_threads(threads);
+    const std::size_t rows = windows.size() / section_parts;
+    require(windows.size() == rows * section_parts, "windows", static_cast<Index>(windows.size()),
+            "must be 32 lengths for each window");
+    require(rule.stays >= 0.0 && rule.changes >= 0.0 && rule.stays + rule.changes < 1.0, "stays + changes",
+            rule.stays + rule.changes, "must be probabilities whose sum is below 1");
+    const Sections sections = arranged(library);
+    const Scales scales = scales_of(rule);
+    std::vector<float> evidence(rows * sections.count());
+    const auto temper = static_cast<float>(rule.temper);
+    for_each_range(threads, static_cast<Index>(rows), batch, [&](int, Range range) {
+        std::vector<Window> some;
+        for (Index row = range.start; row < range.stop; ++row)
+            some.push_back(window_of(&windows[static_cast<std::size_t>(row) * section_parts], rule));
+        for (std::size_t i = 0; i < sections.count(); i += at_once)
+            for (Index row = range.start; row < range.stop; ++row)
+                compare(some[static_cast<std::size_t>(row - range.start)], scales, &sections.of[i * section_parts],
+                        &evidence[static_cast<std::size_t>(row) * sections.count() + i]);
+        for (Index row = range.start; row < range.stop; ++row)
+            temper_row(&evidence[static_cast<std::size_t>(row) * sections.count()], sections, temper);
+    });
+    std::vector<float> forward = evidence;
+    go_forward(forward, rows, sections, rule);
+    LikelyAlong out{std::vector<double>(rows * hole_kinds), std::vector<double>(rows), std::vector<double>(rows)};
+    go_back(evidence, forward, rows, sections, rule, out);
+    return out;
+}
+
+}  // namespace helibore
