@@ -338,12 +338,18 @@ def test_a_file_may_begin_with_a_byte_order_mark(tmp_path):
 
 def test_every_setting_of_the_page_is_read():
     page = (ROOT / "docs/live.md").read_text()
-    text, values, store, broker = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    text, values, store, broker, server = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     polled = parse(WALL + store).sources["store"]
     assert (len(polled.caliper.radius), len(polled.images[0].sectors), polled.address.port) == (2, 4, 443)
     assert list(parse(WALL + values).sources["rig"].rig) == ["bit_depth", "hole_depth", "rotation"]
     sent = parse(WALL + broker).sources["broker"]
     assert (sent.address.kind, len(sent.caliper.depth), list(sent.rig)) == ("mqtts", 1, ["bit_depth", "rotation"])
+    streamed = parse(WALL + server).sources["server"]
+    assert (streamed.address.kind, streamed.table.index, list(streamed.rig)) == (
+        "wss",
+        "depth",
+        ["bit_depth", "rotation"],
+    )
     c = parse(text)
     assert set(c.sources) == {"rig", "mwd"}
     assert len(c.sources["mwd"].caliper.radius) == 30

@@ -29,7 +29,6 @@ from helibore.live.wire import witsml
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?")
 BLOCK = 1024
 """Number of rows that are split into cells at a time."""
-MOST_UNITS = 1000
 STANDS = 300.0
 """Seconds for which a log by time may answer without a new row."""
 BEHIND = 6
@@ -48,8 +47,8 @@ class StoreReader(NamedReader):
     """
 
     STATE = (
-        *NamedReader.STATE, "_frames", "last", "_last_key", "_nulls", "_bad_units", "_reported_jump", "_reported_index",
-        "_grew", "_behind",
+        *NamedReader.STATE, "_frames", "last", "_last_key", "_nulls", "_reported_jump", "_reported_index", "_grew",
+        "_behind",
     )  # fmt: skip
     message, word, nothing = "row", "curve", "answers come, and none of them can be read"
 
@@ -60,7 +59,6 @@ class StoreReader(NamedReader):
         self.last: tuple[str, str] | None = None
         self._last_key = -np.inf
         self._nulls = source.nulls
-        self._bad_units: set[tuple[str, str]] = set()
         self._reported_jump = self._reported_index = -np.inf
         self._grew = -1  # model time of the latest answer with a new row
         self._behind = 0  # answers in a row whose rows all lie at or before the last index
@@ -238,18 +236,6 @@ class StoreReader(NamedReader):
                 cells = [row[at].strip() for row in rows]
                 values[block, column], states[block, column] = self._cells(mnemonic, scale, cells, numbers[block], wall)
 
-    def _scale(self, curve: Item, unit: str, wall: int) -> float | None:
-        """Return the scale of a curve; None if its unit is wrong. An event reports each wrong unit of a curve once."""
-        try:
-            if curve.unit and unit.strip() and unit.strip().casefold() != curve.unit.casefold():
-                raise ValueError(f"unit '{unit}': the configuration says '{curve.unit}'")
-            return units.factor(unit, curve.kind) if curve.kind else 1.0
-        except ValueError as error:
-            if (curve.name, unit) not in self._bad_units and len(self._bad_units) < MOST_UNITS:
-                self._bad_units.add((curve.name, unit))
-                self._report(wall, "unit", f"curve {curve.name}: {error}: not read")
-            return None
-
     def _cells(
         self, mnemonic: str, scale: float | None, cells: list[str], numbers: list[int], wall: int
     ) -> tuple[Floats, Integers]:
@@ -273,13 +259,6 @@ class StoreReader(NamedReader):
 
         self._events.report_rows(bad, describe)
         return values, states
-
-    def _unmeasured(self, states: Bytes) -> None:
-        """Mark the index, if it is the depth, as absent in rows without a caliper value: these rows give no triple."""
-        caliper, place = self.source.caliper, self._column.get(INDEX)
-        if caliper and place is not None:
-            spoken = self._places([*caliper.toolface, *caliper.radius])[0]
-            states[(states[:, spoken] == ABSENT).all(axis=1), place] = ABSENT
 
     def _trajectory(
         self, stations: list[tuple[tuple[str, str], ...]], stamp: tuple[int, int, int]

@@ -268,7 +268,7 @@ class StoreLink(Link):
                 self._answering = True
                 if response.status_code != 200:
                     refused = f"answered {response.status_code}"
-                    wait = _retry_after(response.headers.get("retry-after", ""))
+                    wait = retry_after(response.headers.get("retry-after", ""))
                     if response.status_code in (401, 403):
                         denied = AccessDeniedError(f"{host}: {refused}: the user or the password is wrong")
                 elif response.headers.get("content-encoding", "identity") != "identity":
@@ -298,7 +298,7 @@ class StoreLink(Link):
         return bytes(body), "refused" if refused else "whole", denied or failure
 
 
-def _retry_after(text: str) -> float:
+def retry_after(text: str) -> float:
     """Return the seconds, at most LONGEST_RETRY, for which a header Retry-After asks to wait; 0 if it is not valid."""
     if text.strip().isdigit():
         return min(float(text), LONGEST_RETRY)
