@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from helibore.trajectory.survey import Path
     from helibore.viewer.channel_strip import ShownChannel
     from helibore.viewer.feed import Feed
+    from helibore.wall.wall import Wall
 
 AHEAD = 100.0
 """Metres by which the shown path extends below the wall, so that the path covers the hole that is drilled next."""
@@ -65,6 +66,7 @@ class Window:
         self._well = well
         self._live: Live
         self._feed: Feed | None = None
+        self._shown: Wall | None = None
         self._path_moved = True
         self._newest: float | None = None
         self._path_stop = float("inf")
@@ -83,9 +85,9 @@ class Window:
         """Pass the changes of ``update`` to the page's thread, and return at once."""
         if update.path_from is not None:
             self._path_moved = True
-        if change := update.changes.get("main"):
+        if change := update.changes.get(self._live.model.main):
             self._newest = time.time()
-            if self._feed:
+            if self._feed and self._shown is self._live.wall:
                 self._feed.update(change)
 
     def refresh(self, states: Mapping[str, str], alarms: Sequence[Alarm] = (), ahead: TightAhead | None = None) -> None:
@@ -94,7 +96,8 @@ class Window:
         Call this a few times a second, with the state of each source and what is tight ahead of the bit.
         """
         live = self._live
-        if self._feed and live.model.layouts.keys() - self._images.keys():  # an unconfigured image has begun
+        unknown = live.model.layouts.keys() - self._images.keys()  # an image that is not configured has begun
+        if self._feed and (unknown or self._shown is not live.wall):  # or another hole
             self._feed.close()
             self._feed = None
         if self._feed is None and len(live.wall):
@@ -146,6 +149,7 @@ class Window:
 
         self._path_moved = False
         live = self._live
+        self._shown = live.wall
         self._images = dict.fromkeys(live.model.layouts, 0)
         configured = [image for source in live.configuration.sources.values() for image in source.images]
         units = {image.name: image.unit for image in configured} | {name: of.unit for name, of in live.images.items()}
@@ -155,7 +159,7 @@ class Window:
         }
         reference = next((layout.reference for layout in live.model.layouts.values()), None)  # the same for all images
         feed = Feed(
-            live.wall,
+            self._shown,
             path=self._path(),
             attributes=attributes,
             well=self._well,

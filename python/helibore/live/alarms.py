@@ -278,7 +278,7 @@ class Alarms:
 
     def changed(self, update: Update) -> None:
         """Remember which vertices of the wall changed, if an alarm needs them; the drawing thread calls this."""
-        change = update.changes.get("main")
+        change = update.changes.get(self._live.model.main)
         if change and (self._limits.tight is not None or self._limits.washout is not None):
             self._changed.extend((int(start), int(stop)) for start, stop in change.ranges)
 

@@ -44,6 +44,8 @@ class FrozenCopy:
         Survey stations (n, 3): depth m, inclination and azimuth deg; and the path through them, as `Live.path`.
     passes, events
         As `Live.passes`, and one event for each rule of each source.
+    main
+        Name of the wall of the hole that is drilled now.
     left_out
         One text, with the reason, for each image that ``images`` lacks, because its name is not allowed in a file name,
         and for each image that is on no wall, because `SectorImage` refuses it. There is no text for an image that is
@@ -59,6 +61,7 @@ class FrozenCopy:
     passes: list[Pass]
     events: list[Event]
     left_out: list[str]
+    main: str = "main"
 
 
 def frozen_copy(live: Live) -> FrozenCopy:
@@ -86,14 +89,14 @@ def _copied(live: Live) -> tuple[FrozenCopy, dict[str, Rows]]:
     """Return the copy without images, and by name the rows of each image; rows never change after they arrive."""
     model = live.model
     walls = {
-        name: replace(wall._state(), path=live.path, images={}, made_from={"configuration": model.stretches})
+        name: replace(wall._state(), path=model.path_of(name), images={}, made_from={"configuration": model.stretches})
         for name, wall in live.layers.items()
         if len(wall)
     }
     images = {name: ((*image.so_far()[1:], image.step), image.unit, model.layouts.get(name))
               for name, image in live.images.items() if len(image)}  # fmt: skip
     of = FrozenCopy(model.wall_time, model.records, walls, {}, model.stations.rows(), live.path, live.passes,
-               model.events.latest, [])  # fmt: skip
+               model.events.latest, [], model.main)  # fmt: skip
     return of, images
 
 

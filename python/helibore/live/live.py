@@ -277,12 +277,12 @@ class Live:
 
     @property
     def wall(self) -> Wall:
-        """The wall of layer ``main``."""
-        return self.model.layers["main"]
+        """The wall of layer ``main`` in the hole that is drilled now."""
+        return self.model.layers[self.model.main]
 
     @property
     def layers(self) -> dict[str, Wall]:
-        """The wall of each layer of the configuration."""
+        """The wall of each layer of the configuration; a hole that `[hole]` began has its own."""
         return self.model.layers
 
     @property

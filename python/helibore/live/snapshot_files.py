@@ -124,8 +124,8 @@ def _write(of: FrozenCopy, target: Path, logs: str) -> None:
         _table(target / "events.csv", heads, (
             [event.source, event.rule, event.count, *_place(event), *_place(event.newest)] for event in of.events
         ))  # fmt: skip
-    if "main" in of.walls:
-        _mesh(of.walls["main"], of, target)
+    if of.main in of.walls:
+        _mesh(of.walls[of.main], of, target)
 
 
 def _mesh(wall: WallState, of: FrozenCopy, target: Path) -> None:

@@ -84,6 +84,10 @@ class RigHistory:
         """Use these rules and limits from now on."""
         self._rules, self._limits = rules, limits
 
+    def begin_hole(self) -> None:
+        """Forget how deep the hole was, because another hole begins."""
+        self._deepest = self._hole = -np.inf
+
     @property
     def on_bottom(self) -> bool:
         """Whether the bit is on bottom, by the latest bit depth."""

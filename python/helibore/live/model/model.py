@@ -40,12 +40,13 @@ from helibore.live.model.sample_rows import ROW, frame_rows
 from helibore.live.model.stations import Stations
 from helibore.live.model.update import Update, joined
 from helibore.live.model.watch import Frame, Watch, WatchedCaliper
-from helibore.live.rules.configuration import Configuration
+from helibore.live.rules.configuration import Configuration, HoleTable
 from helibore.live.rules.kinds import kind_of
 from helibore.live.rules.layout import Layout
 from helibore.live.rules.pass_rules import PASSES, layer_of
 from helibore.live.rules.sources import Source
 from helibore.samples.caliper import LARGEST_RADIUS
+from helibore.trajectory.survey import Path
 from helibore.wall.state import WallState
 from helibore.wall.wall import Wall
 
@@ -65,7 +66,11 @@ class Model:
     Attributes
     ----------
     layers
-        A wall for each layer of the configuration; ``layers["main"]`` is the wall.
+        A wall for each layer of the configuration in each hole, by its name; ``layers[main]`` is the wall.
+    main
+        Name of the layer ``main`` in the hole that is drilled now.
+    left
+        Stations of the other holes, by the name of their layer ``main``.
     images, stations
         The rows of each image by its name; the survey stations.
     layouts
@@ -101,7 +106,7 @@ class Model:
         "samples", "image_rows", "stations", "layouts", "readers", "clock", "rig", "passes", "events", "counts",
         "outcomes", "records", "wall_time", "next_sequence", "last_seen", "set_aside", "_cell_counts", "_held",
         "_pending", "_held_rows", "_next_row", "_session", "_meaning", "_deepest", "watch",
-        "channels",
+        "channels", "left",
     )  # fmt: skip
 
     def __init__(
@@ -115,6 +120,10 @@ class Model:
         self.counts: Counter[str] = Counter()
         self.outcomes: Counter[tuple[str, str]] = Counter()
         self.layers = {name: Wall(**configuration.wall) for name in configuration.layers}
+        self._first_hole, self.main = configuration.hole.name, "main"
+        self._drawn_layers = {name: name for name in configuration.layers}  # in the hole that is drilled now
+        self._hole_of = dict.fromkeys(configuration.layers, "main")
+        self.left: dict[str, Stations] = {}
         self.stations = Stations(configuration.path, configuration.depth)
         self.images: dict[str, ImageRows] = {}
         self.numbers = dict(numbers or {name: number for number, name in enumerate(sorted(configuration.sources), 1)})
@@ -175,6 +184,11 @@ class Model:
         """Return the rows of an image; if there are none yet, make an empty `ImageRows`."""
         return self.images.setdefault(name, ImageRows(sectors, unit, self.configuration.samples.image_step))
 
+    def path_of(self, layer: str) -> Path | None:
+        """Return the path of the hole of a layer; None while there is no survey of it."""
+        hole = self._hole_of[layer]
+        return (self.stations if hole == self.main else self.left[hole]).path
+
     @property
     def waiting(self) -> int:
         """Number of samples and image rows whose depth is not known yet."""
@@ -207,10 +221,11 @@ class Model:
         if self.follows and header.get("meaning", self._meaning) != self._meaning:
             self._meaning = header["meaning"]
             with self._set_aside(record, "session header"):
-                now = configuration_of(header)
+                now, before = configuration_of(header), self.configuration.hole
                 if now.meaning() != self.configuration.meaning():
                     self.reconfigure(now, utc(int(record["wall"])), int(record["sequence"]))
                     self._report(record, "configuration", "another configuration applies from here on")
+                    self._report_hole(record, before, now.hole)
         session = str(header.get("session", ""))
         if session and session == self._session:
             return  # the same session goes on in a new segment, or with another configuration
@@ -223,6 +238,15 @@ class Model:
                 f"the wall clock is {behind / SECOND:.3f} s behind the last session; sample times do not go back",
             )
 
+    def _report_hole(self, record: np.void, before: HoleTable, now: HoleTable) -> None:
+        if now.name != before.name:
+            shared = "" if now.kickoff is None else f", which leaves the hole before at {now.kickoff:g} m"
+            text = f"hole {now.name or 'without a name'}{shared}: later samples are drawn in the wall {self.main}"
+            self._report(record, "hole", text)
+        if now.shift != before.shift:
+            text = f"depths that come are shifted by {now.shift:+g} m from here on, {before.shift:+g} m before"
+            self._report(record, "shift", text)
+
     def reconfigure(self, configuration: Configuration, since: str, sequence: int) -> None:
         """Read all later records with another configuration; walls, images and path stay.
 
@@ -230,6 +254,9 @@ class Model:
         checked with ``session_header.py`` that the journal can change to this configuration.
         """
         before, self.configuration = self.configuration, configuration
+        if configuration.hole.name != before.hole.name:
+            self._begin_hole(configuration.hole)
+        self.watch.shift(configuration.hole.shift - before.hole.shift)
         self.stretches.append({"utc": since, "record": str(sequence), "configuration": configuration.text,
                                "meaning": configuration.meaning()})  # fmt: skip
         for name, source in sorted(configuration.sources.items()):
@@ -258,6 +285,34 @@ class Model:
             self.layouts[image.name] = image.layout
         self._set_limits()
 
+    def _begin_hole(self, hole: HoleTable) -> None:
+        """Draw all later samples in other walls: those of an earlier hole, or new ones with what is above the kickoff.
+
+        Walls that no sample comes to any more stay as they are.
+        """
+        names = {name: name if hole.name == self._first_hole else hole.layer(name) for name in self._drawn_layers}
+        new = {}
+        for name, layer in names.items():
+            if layer in self.layers:
+                continue
+            wall = new[layer] = Wall(**self.configuration.wall)
+            before = self.layers[self._drawn_layers[name]]
+            if hole.kickoff is not None and before.sample_count:
+                columns = before._state().sample_columns
+                wall.append(*(column[columns[0] <= hole.kickoff] for column in columns))
+            self._takes[layer], self._cell_counts[layer] = self._takes[name], {}
+            self._hole_of[layer] = names["main"]
+        self.layers = {**self.layers, **new}  # another dictionary: other threads go through the old one
+        self.left[self.main], stations = self.stations, self.left.pop(names["main"], None)
+        if stations is None:
+            stations = Stations(self.configuration.path, self.configuration.depth)
+            if hole.kickoff is not None:
+                columns = self.stations.columns
+                stations.columns = tuple(column[columns[0] <= hole.kickoff] for column in columns)
+        self.stations, self._drawn_layers, self.main = stations, names, names["main"]
+        self.watch.begin_hole(hole.kickoff)
+        self.rig.begin_hole()
+
     def _set_limits(self) -> None:
         """Set what a new configuration changes: longest latency (never shorter), image step, samples near a vertex."""
         latencies = [image.latency for image in self._image_list]
@@ -274,7 +329,7 @@ class Model:
         images = {one.name: name for name, source in self.configuration.sources.items() for one in source.images}
         self.watch.use(calipers, images, self.configuration.passes, self.configuration.depth.jump)
         self.channels.use(self.configuration.sources, self.configuration.passes.on_bottom)
-        size = self.layers["main"].settings
+        size = self.layers[self.main].settings
         for counts in self._cell_counts.values():
             for number in (0, *self.readers):  # 0: the host
                 counts.setdefault(number, CellCounts(size.sectors, size.pitch)).set_most(
@@ -377,6 +432,8 @@ class Model:
     def _use(self, reading: Reading, reader: SourceReader, update: Update) -> list[Rows]:
         """Add rig quantities to tracks and stations to the path; return triples and image rows as pending rows."""
         self.counts["keep_alives"] += reading.keep_alives
+        if shift := self.configuration.hole.shift:
+            _shift(reading, shift)
         self._frames += _frames_of(reading, reader.source.name)
         for name, values in reading.rig.items():
             self.rig.tracks[name].append(reading.frames["time"], reading.frames["received"], values)
@@ -555,7 +612,7 @@ class Model:
         time = (rows["time"] - self.clock.began) / SECOND
         drawn = np.zeros(len(rows), bool)
         gaps, outside = [], []
-        for name in self.layers:
+        for name in self._drawn_layers.values():
             chosen = self._takes[name].chosen(kind, rows["number"])
             if not chosen.any():
                 continue
@@ -659,6 +716,16 @@ class Model:
             values = np.array([held[row] for row in rows["row"][good].tolist()])
             start, stop = self.images[name].append(depth[good], values)
             update.images[name] = (update.images.get(name, (start, 0))[0], stop)
+
+
+def _shift(reading: Reading, shift: float) -> None:
+    """Add a length to the depths of a reading, but for those of stations."""
+    for name in ("bit_depth", "hole_depth"):
+        if name in reading.rig:
+            reading.rig[name] = reading.rig[name] + shift
+    reading.samples["depth"] += shift
+    for _, rows, _ in reading.images:
+        rows["depth"] += shift
 
 
 def _frames_of(reading: Reading, source: str) -> list[Frame]:

@@ -49,6 +49,8 @@ FITS, DOES_NOT, RELIEF = 0.82, 0.35, 0.0007
 """Correlation at the best lag, correlation without a lag; least standard deviation of a profile, metres."""
 TRIES, SAME_LAG = 4, 3
 """Number of tries in a row that must find one lag, within this many rows."""
+OF_WALL = "another_hole", "wall_nearer", "wall_farther", "depth_slipped"
+"""The rules of this file."""
 CELL = np.dtype([("at", "i4", (3,)), ("sum", "f8"), ("count", "i4"), ("value", "f4", (2,))])
 """Three latest steps with samples, the newest first; sum and number of the newest; means of the two before it."""
 
@@ -89,6 +91,17 @@ class WallMemory:
         self._slipped = False
         self._lags: list[int] = []
         self._cache: dict[int, Floats] = {}  # values of before, by row: they stay for a step of time
+
+    def begin_hole(self, kickoff: float | None) -> None:
+        """Forget what was measured below ``kickoff``, or everywhere if it is None."""
+        first = 0 if kickoff is None else math.floor(kickoff / ROW)
+        self._blocks = {} if kickoff is None else {at: of for at, of in self._blocks.items() if at * BLOCK <= first}
+        if (last := self._blocks.get(first // BLOCK)) is not None:
+            last[first % BLOCK :] = np.zeros(1, CELL)
+        self.passed.clear()
+        self._profile.clear()
+        self._found, self._lags, self._sum, self._count = [], [], 0.0, 0
+        self._lasts, self._slipped, self._cache = "", False, {}
 
     def take(self, columns: tuple[Integers, Integers, Floats, Floats, Floats], fell: list[int], say: Say) -> None:
         """Take samples in order of arrival: wall clock time, model time, depth, toolface and radius.
@@ -209,16 +222,16 @@ class WallMemory:
         evidence = f"{what}, in the median of {samples} samples in {len(by_sector)} of {SECTORS} directions"
         if fallen:
             self._lasts = "another_hole"
-            cause = "the hole depth fell before: this is another hole; begin another journal for it"
+            cause = "the hole depth fell before: this is another hole; set hole.name and hole.kickoff"
         elif nearer:
             self._lasts = "wall_nearer"
             cause = (
-                "another hole, or other settings of the sensor (measures, radius_unit); or the formation creeps, and "
-                "nothing is wrong"
+                "another hole (hole.name), or other settings of the sensor (measures, radius_unit); or the formation "
+                "creeps, and nothing is wrong"
             )
         else:
             self._lasts = "wall_farther"
-            cause = "it washed out or was reamed wider; or this is another hole"
+            cause = "it washed out or was reamed wider; or this is another hole (hole.name)"
         say(wall, self._lasts, f"{evidence}: {cause}", self._lasts != "wall_farther")
 
     def _judge_depth(self, wall: int, say: Say) -> None:
@@ -251,7 +264,7 @@ class WallMemory:
             text = (
                 f"the wall from {numbers[0] * ROW:.1f} to {(numbers[-1] + 1) * ROW:.1f} m fits what was measured "
                 f"before {lag * ROW:+.1f} m from there (correlation {there:.2f}; {here:.2f} where it is drawn): the "
-                "depth slipped; or the hole repeats itself; correct the depth, or set depth items or offset"
+                f"depth slipped; or the hole repeats itself; add {lag * ROW:+.1f} m to hole.shift, or correct the depth"
             )
             say(wall, "depth_slipped", text, True)
 

@@ -21,7 +21,7 @@ import numpy as np
 from helibore.base import units
 from helibore.base.arrays import Floats, Integers
 from helibore.base.utc_time import SECOND
-from helibore.live.model.wall_watch import WallMemory
+from helibore.live.model.wall_watch import OF_WALL, WallMemory
 from helibore.live.rules.pass_rules import PassRules
 
 Report = Callable[[int, str, str, str], None]
@@ -220,6 +220,20 @@ class Watch:
         self._walls = {name: self._walls.get(name, WallMemory()) for name in calipers}
         self.active = {key: of for key, of in self.active.items() if key[1] in self._quiet and key[1] not in changed}
 
+    def begin_hole(self, kickoff: float | None) -> None:
+        """Forget the depth of the hole, and below ``kickoff`` (None: everywhere) its wall: another hole begins."""
+        self._hole = self._deepest = self._first_hole = self._before_fall = math.nan
+        self._fell, self._lower, self._bit = [], [], []
+        for memory in self._walls.values():
+            memory.begin_hole(kickoff)
+        self.active = {key: text for key, text in self.active.items() if key[0] not in OF_WALL}
+
+    def shift(self, length: float) -> None:
+        """Shift the known depths of bit and hole, because all later depths are shifted."""
+        self._bit = [(time, depth + length, wall, source) for time, depth, wall, source in self._bit]
+        self._hole, self._deepest = self._hole + length, self._deepest + length
+        self._before_fall += length
+
     def take(self, frames: list[Frame]) -> None:
         """Take frames in any order of one window of the journal; windows must come in order."""
         frames.sort(key=lambda frame: frame.order)
@@ -284,7 +298,7 @@ class Watch:
         if len(self._lower) == HOLE_FRAMES:
             text = (
                 f"the hole depth fell from {self._hole:.2f} m to {hole:.2f} m: another hole (a sidetrack), or a "
-                "corrected depth; for another hole, begin another journal"
+                "corrected depth; for another hole, set hole.name and hole.kickoff; for a corrected depth, hole.shift"
             )
             self._report(frame.wall, "hole_falls", frame.source, text)
             if len(self._fell) % 2 == 0:
@@ -324,7 +338,7 @@ class Watch:
         if length > max(allowed, SLACK) and length <= self._jump:
             text = (
                 f"the bit depth stepped by {d2 - d1:+.2f} m to {d2:.2f} m in {step:.3g} s, faster than a string moves: "
-                "a corrected or wrong depth; samples from here on lie at the new depth"
+                "a corrected or wrong depth; samples from here on lie at the new depth, unless hole.shift sets it right"
             )
             self._report(wall, "depth_step", source, text)
 

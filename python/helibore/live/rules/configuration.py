@@ -101,6 +101,31 @@ class SamplesTable(Declared):
 
 
 @dataclass(frozen=True, kw_only=True)
+class HoleTable(Declared):
+    """The hole that is drilled now, ``[hole]``; a reload (SIGHUP) or a restart may change it; the journal has each."""
+
+    name: Annotated[str,
+        "Name of the hole. Another name begins another hole: walls of this name, which leave the walls before as they "
+        "are. The name of an earlier hole goes back to it; the first hole has none, or that of the first file.",
+    ] = ""  # fmt: skip
+    kickoff: Annotated[float | None, METRES, NOT_NEGATIVE,
+        "Depth at which the hole leaves the one before: above, both have the same samples. None: they share nothing.",
+    ] = None  # fmt: skip
+    shift: Annotated[float, METRES, within(-1000, 1000, "m"),
+        "Length that is added to every depth that sources send from here on, but for survey stations: a corrected "
+        "tally, or a slipped depth that is set right.",
+    ] = 0.0  # fmt: skip
+
+    def _check(self) -> None:
+        if self.kickoff is not None and not self.name:
+            raise InputError("kickoff", "needs the name of the hole that begins there", f"{self.kickoff:g}")
+
+    def layer(self, name: str) -> str:
+        """Return the name of the wall that is the layer ``name`` in this hole."""
+        return self.name if name == "main" else f"{self.name}-{name}"
+
+
+@dataclass(frozen=True, kw_only=True)
 class JournalTable(Declared):
     """Where and how every byte is stored, ``[journal]``."""
 
@@ -226,6 +251,7 @@ class LiveTables(Declared):
     )
     depth: Annotated[DepthLimits, "Limits of depths."] = field(default_factory=DepthLimits)
     samples: Annotated[SamplesTable, "Limits that bound the memory."] = field(default_factory=SamplesTable)
+    hole: Annotated[HoleTable, "The hole that is drilled now."] = field(default_factory=HoleTable)
     journal: Annotated[JournalTable, "Where every byte is stored."] = field(default_factory=JournalTable)
     snapshot: Annotated[SnapshotTable, "Exports of the live wall."] = field(default_factory=SnapshotTable)
     alarms: Annotated[AlarmLimits, "When an alarm begins, and who receives it."] = field(default_factory=AlarmLimits)
@@ -250,6 +276,8 @@ class Configuration(LiveTables):
         """Return as JSON the settings that affect the wall (not those of transport, journal, alarms ...)."""
         tables = {name: asdict(getattr(self, name)) for name in ("passes", "path", "depth", "samples")}
         meaning: dict[str, Any] = {"wall": self.wall, "layers": self.layers, **tables}
+        if self.hole != HoleTable():  # otherwise as journals that were begun before the table existed
+            meaning["hole"] = asdict(self.hole)
         meaning["sources"] = {name: source.meaning() for name, source in self.sources.items()}
         return json.dumps(meaning, sort_keys=True, default=asdict)
 
@@ -259,7 +287,7 @@ class Configuration(LiveTables):
         A recorded default counts, even if this version has another default.
         """
         recorded = BEFORE_THEY_EXISTED | json.loads(meaning)
-        known = {"wall", "path", "layers", "passes", "depth", "samples"} & recorded.keys()
+        known = {"wall", "path", "layers", "passes", "depth", "samples", "hole"} & recorded.keys()
         values = {name: with_values(getattr(self, name), recorded[name]) for name in known}
         sources = {
             name: source.with_meaning(recorded["sources"].get(name, {})) for name, source in self.sources.items()
@@ -295,6 +323,14 @@ class Configuration(LiveTables):
         or an image has no depth of its own.
         """
         start = self.wall["start_depth"]
+        if self.hole.name:
+            walls = {self.hole.layer(name): passes for name, passes in self.layers.items()}
+            if walls.keys() & self.layers.keys():
+                raise InputError("hole.name", "must differ from the names of the layers", repr(self.hole.name))
+            try:
+                check_layers(walls)
+            except InputError as error:
+                raise InputError("hole.name", error.rule, repr(self.hole.name)) from error
         if self.depth.outside(np.array(start)):
             raise InputError("wall.start_depth", self.depth.rule(), f"{start:g}")
         try:
