@@ -10,8 +10,9 @@ filled, else hollow. A run of turns whose kind is less likely than `LIKELY` and 
 is certainly not gauge but resembles no section of the library, or several kinds alike, has the confidence `LIKELY`: the
 criteria alone say its kind.
 
-A zone states the extremes of its turns, so that ENLARGE is the value that the logs have at the depth PEAK. Zones are
-sorted by severity: the extreme of the length that the criterion limits, divided by this limit.
+A zone states the extremes of its turns, so that ENLARGE is the value that the logs have at the depth PEAK. Its severity
+is the extreme of the length that the criterion limits, divided by this limit. Lists are sorted by severity times
+confidence.
 
 ``breakouts`` finds the azimuth and opening of lobes. Stress is not computed.
 """
@@ -178,9 +179,12 @@ class Classification(Tabular):
         return tuple(zone for zone in self.zones if zone.kind == kind)
 
     def by_severity(self, start: float = -math.inf, stop: float = math.inf) -> list[Zone]:
-        """Return the zones between ``start`` and ``stop``, metres, the most severe first, equal severities by depth."""
+        """Return the zones between ``start`` and ``stop``, metres, by severity times confidence, the greatest first.
+
+        Equal ones are in the order of depth.
+        """
         inside = (zone for zone in self.zones if zone.stop > start and zone.start < stop)
-        return sorted(inside, key=lambda zone: (-zone.severity, zone.start))
+        return sorted(inside, key=lambda zone: (-zone.severity * zone.confidence, zone.start))
 
     def breakout_axis(self) -> Axes:
         """Return mean axis and spread of all breakouts, weighted by length; NaN if there are no breakouts."""

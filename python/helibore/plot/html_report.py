@@ -300,7 +300,7 @@ def _zones(zones: Classification | None, content: Content) -> str:
         measure = f"{MEASURES[zone.kind].replace(' - ', ' − ')} {in_unit(zone.measure, content, 2)} {unit}"
         rows.append([f"{zone.kind} {sure}, {measure}, {zone.severity:.1f} ×, {peak}", *ends, *sizes, *angles])
     note = " ".join(f"{name.capitalize()}: {text}." for name, text in SIZES.items()).replace(" - ", " − ")
-    text = f"<p>Worst first, by severity. {note} {_toolface(content)} {criteria}</p>"
+    text = f"<p>Worst first, by severity times confidence. {note} {_toolface(content)} {criteria}</p>"
     return text + table(head, rows, signs=map(_sign, found))
 
 

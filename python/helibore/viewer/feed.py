@@ -34,7 +34,7 @@ from helibore.logs.curves import ScalarCurve, curves_of
 from helibore.logs.passage import passage_of
 from helibore.logs.summary import summarize
 from helibore.logs.zone_criteria import Criteria, median_enlargement
-from helibore.logs.zones import Classification, classify
+from helibore.logs.zones import LIKELY, Classification, classify
 from helibore.samples.helix import basis_of, basis_text_of, helix_of
 from helibore.settings.output_settings import RigidBody
 from helibore.trajectory.references import Reference, reference_assumed, reference_of
@@ -304,7 +304,7 @@ class Feed:
                 turns = over[first:last][beyond[first:last]]
                 measure = float(turns.max() if kind == "washout" else turns.min())
                 size = {"measure": round(measure, 5), "severity": round(measure / limit, 3) if limit else 1.0}
-                sure = {"confidence": 1.0, "measured": _share(float(found.logs.coverage[first:last].mean()))}
+                sure = {"confidence": LIKELY, "measured": _share(float(found.logs.coverage[first:last].mean()))}
                 yield {"kind": kind, "start": round(start, 3), "stop": round(stop, 3)} | size | sure
 
     def _clearance(self, wall: Any, sigma: Floats | None) -> list[ScalarCurve]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -105,6 +106,9 @@ def test_the_extreme_of_what_the_criterion_limits_orders_the_zones_and_the_media
     limits = found.criteria.limits()
     assert [zone.severity for zone in found.zones] == [zone.measure / limits[zone.kind] for zone in found.zones]
     assert found.by_severity() == [washout, seated, tight, breakout]
+    unsure = Classification(found.logs, found.kind, (replace(washout, confidence=0.5), seated), found.criteria)
+    assert unsure.by_severity() == [seated, unsure.zones[0]]  # washout is worse, but it is hardly more than a guess
+    assert washout.severity * 0.5 < seated.severity * seated.confidence
     table = found.table()
     for name in ("MEASURE", "MEDIAN", "SEVERITY", "ENLARGE", "ELONG"):
         attribute = {"ENLARGE": "enlargement", "ELONG": "elongation"}.get(name, name.lower())

@@ -592,7 +592,9 @@ def test_zones_are_listed_worst_first_and_every_page_says_whose_it_is(wall: hb.W
     figures = plot.pages(wall, title="A well", unit="mm", body=(), dpi=50)
     zones = wall.zones()
     worst = zones.by_severity()
-    assert [zone.severity for zone in worst] == sorted((zone.severity for zone in zones.zones), reverse=True)
+    assert [of.severity * of.confidence for of in worst] == sorted(
+        (of.severity * of.confidence for of in zones.zones), reverse=True
+    )
     assert zones.by_severity(stop=worst[0].start) == [one for one in worst if one.start < worst[0].start]
     (listed,) = [figure for figure in figures if "Zones, worst first" in [text.get_text() for text in figure.texts]]
     words = [text.get_text() for text in listed.texts]
