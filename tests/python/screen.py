@@ -11,7 +11,9 @@ from __future__ import annotations
 import base64
 import importlib.util
 import itertools
+import os
 import shutil
+import signal
 import subprocess
 import tempfile
 import time
@@ -104,8 +106,13 @@ class Chromium:
     def __init__(self) -> None:
         self._folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
         own = ["--remote-debugging-port=0", f"--user-data-dir={self._folder.name}", "about:blank"]
-        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
-        self._process = subprocess.Popen([str(CHROMIUM), *FLAGS, *own], **quiet)  # type: ignore[call-overload]
+        # A session of its own: Debian's program is a script, whose end would not end the browser.
+        self._process = subprocess.Popen(
+            [str(CHROMIUM), *FLAGS, *own],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
         said = Path(self._folder.name) / "DevToolsActivePort"
         end = time.monotonic() + PATIENCE
         while not (said.exists() and len(said.read_text().split()) == 2):
@@ -114,7 +121,7 @@ class Chromium:
         self.address = f"http://127.0.0.1:{said.read_text().split()[0]}"
 
     def close(self) -> None:
-        self._process.terminate()
+        os.killpg(self._process.pid, signal.SIGTERM)
         self._process.wait(PATIENCE)
         self._folder.cleanup()
 
