@@ -43,7 +43,7 @@ from helibore.settings.cement_settings import CementTable
 from helibore.settings.column_settings import Columns
 from helibore.settings.declared import FINITE, METRES, Declared, Stated
 from helibore.settings.header_settings import Header
-from helibore.settings.interval_settings import IntervalInput
+from helibore.settings.interval_settings import CHECKSUM, IntervalInput
 from helibore.settings.output_settings import (
     LogSettings,
     MeshSettings,
@@ -74,7 +74,7 @@ class Input(Declared):
     """A file that is read, and the role of every channel that is used."""
 
     file: Annotated[Path, "File, relative to the project."]
-    blake2b: Annotated[str, "Checksum of its bytes, in hexadecimal; a file with other bytes is refused."] = ""
+    blake2b: Annotated[str, CHECKSUM, "Checksum of its bytes, in hexadecimal; a file with other bytes is refused."] = ""
     set: Annotated[str | None, "Set of the file. None: its only set."] = None
     channel: Annotated[tuple[Role, ...], "Roles of the channels. None: they are guessed."] = ()
     header_line: Annotated[int | None, "Line of a table's column names. None: helibore finds it."] = None
@@ -96,7 +96,7 @@ class ImageInput(Declared):
     file: Annotated[Path, "File, relative to the project."]
     name: Annotated[str, "Channel."]
     origin: Annotated[Origin, "What of sector 1 lies at toolface 0."]
-    blake2b: Annotated[str, "Checksum of the file's bytes, in hexadecimal."] = ""
+    blake2b: Annotated[str, CHECKSUM, "Checksum of the file's bytes, in hexadecimal."] = ""
     reference: Annotated[Literal["high-side", "north"] | None,
         "What its toolfaces count from. None: from the reference of the wall.",
     ] = None  # fmt: skip
@@ -109,7 +109,7 @@ class ScalarInput(Declared):
 
     file: Annotated[Path, "File, relative to the project."]
     name: Annotated[str, "Channel."]
-    blake2b: Annotated[str, "Checksum of the file's bytes, in hexadecimal."] = ""
+    blake2b: Annotated[str, CHECKSUM, "Checksum of the file's bytes, in hexadecimal."] = ""
     header_line: Annotated[int | None, "Line of a table's column names. None: helibore finds it."] = None
 
 
@@ -121,7 +121,7 @@ class Output(Declared):
     """The file that was written."""
 
     file: Annotated[Path, "File, relative to the project."]
-    blake2b: Annotated[str, "Checksum of its bytes, in hexadecimal."]
+    blake2b: Annotated[str, CHECKSUM, "Checksum of its bytes, in hexadecimal."]
 
 
 @dataclass(frozen=True, kw_only=True)
