@@ -79,6 +79,15 @@ REASONS = {
     OUTSIDE: "before the start of the wall",
 }
 """The reason in words for each outcome of a sample that is refused."""
+SETTINGS = {
+    "NULL": "the names in caliper, nulls",
+    "INVALID": "the names in caliper and their units",
+    "RANGE": "caliper.radius_range, caliper.radius_unit, caliper.measures, depth.depth_range",
+    "DUPLICATE": "the sender",
+    "NO_DEPTH": "items.bit_depth, passes.max_depth_gap",
+    OUTSIDE: "wall.start_depth",
+}
+"""What to check for each of these reasons."""
 
 
 def local(wall: int) -> datetime.datetime:
@@ -396,7 +405,8 @@ class Alarms:
                 refused.last, refused.reasons = now, refused.reasons + new
             if refused.reasons and refused.last - refused.first > self._limits.refused * SECOND:
                 why = ", ".join(f"{count:,} {REASONS[reason]}" for reason, count in refused.reasons.most_common())
-                found["refused", name] = f"no sample was usable for {self._limits.refused:g} s: {why}"
+                check = SETTINGS[refused.reasons.most_common(1)[0][0]]
+                found["refused", name] = f"no sample was usable for {self._limits.refused:g} s: {why}; check {check}"
         for reader in list(self._live.model.readers.values()):
             name = reader.source.name
             if reader.seems_radians:
@@ -427,7 +437,10 @@ class Alarms:
         if model.counts["received"] != self._received:
             self._received, self._sampled = model.counts["received"], now
         if now - self._moved > limit and now - self._sampled < limit:
-            return {("standing", ""): f"samples come, and depth has not changed for {self._limits.standing:g} s"}
+            text = f"samples come, and depth has not changed for {self._limits.standing:g} s"
+            return {
+                ("standing", ""): f"{text}: the depth is stuck (items.bit_depth), or the tool measures at one place"
+            }
         return {}
 
     def _of_journal(self, now: int) -> dict[tuple[str, str], str]:

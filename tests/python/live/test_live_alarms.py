@@ -134,7 +134,10 @@ def test_samples_that_are_all_refused_are_an_alarm_until_one_is_usable():
     assert rules(alarms) == []
     send(1, -9999)
     assert rules(alarms) == [("refused", "mwd")]
-    expected = "no sample was usable for 30 s: 4 depth or radius out of range, 1 no value"
+    expected = (
+        "no sample was usable for 30 s: 4 depth or radius out of range, 1 no value; check caliper.radius_range, "
+        "caliper.radius_unit, caliper.measures, depth.depth_range"
+    )
     assert texts(live)["alarm_refused"] == expected
     send(1, 110)
     assert rules(alarms) == []

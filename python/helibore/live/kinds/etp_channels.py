@@ -273,7 +273,8 @@ class EtpReader(NamedReader):
         if self._behind >= BEHIND and lasting and "behind" not in self.doubts:
             text = (
                 f"{self._behind} values in a row lie at or before the last index of their channels, as {name} at "
-                f"{index:.12g}, and were not read: the server's clock or depth was set back, or an index was far ahead"
+                f"{index:.12g}, and were not read: the server's clock or depth was set back, an index was far "
+                "ahead, or its channels are others (uris)"
             )
             self.doubts["behind"] = text
             self._report(stamp[2], "behind", text)

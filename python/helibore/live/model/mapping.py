@@ -535,7 +535,7 @@ class SourceReader:
         half = np.pi + 0.005  # senders round their values
         one_turn = (low >= 0 and high <= 2 * half) or (low >= -half and high <= half)
         if len(self._toolfaces) == FIRST_TOOLFACES and self._seem_tenths(low, high):
-            rule = "it seems that they are tenths of a degree: map an item in degrees, or correct the sender"
+            rule = "it seems that they are tenths of a degree: map an item in degrees (caliper.toolface)"
             self.seems_radians = f"the first {FIRST_TOOLFACES} toolfaces lie from {low:g} to {high:g}: {rule}"
             at = int(frame[rows[-1]])
             self._events.report(self._of_frame(reading, at, "toolface", self.seems_radians))

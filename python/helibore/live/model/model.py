@@ -54,6 +54,8 @@ LATEST = 4e9
 """Seconds. A sample is wrong if its time differs from the start of 1970 by more than this, as in the year 2097."""
 MOST_SET_ASIDE = 10_000
 """The model keeps the numbers and reasons of at most this many records that were set aside."""
+AFTER_FRAMES = (1 << 20) - 1
+"""The place of a record of bytes among its frames."""
 UNUSABLE = Flag.NULL | Flag.INVALID | Flag.DUPLICATE | Flag.LATE
 """Flags of triples that the watch does not take."""
 USABLE, OUTSIDE = "usable", "outside"
@@ -411,6 +413,13 @@ class Model:
                 texts = [] if closing else [payloads[row] for row in some.tolist()]
                 order = records["sequence"][some].astype(np.int64)
                 chunk = Chunk(number, texts, times[some], order, records["wall"][some], closing)
+                if "bit_depth" in reader.source.rig and not closing:
+                    self._frames += [
+                        Frame(at + AFTER_FRAMES, time, wall, name, {}, only_bytes=True)
+                        for at, time, wall in zip(
+                            (order << 20).tolist(), chunk.time.tolist(), chunk.wall.tolist(), strict=True
+                        )
+                    ]
                 with self._set_aside(records[some[0]], f"{len(some)} packets", name):
                     for reading in reader.read(chunk):
                         found += self._use(reading, reader, update)

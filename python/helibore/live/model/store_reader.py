@@ -152,7 +152,9 @@ class StoreReader(NamedReader):
         if stamp[0] - self._grew > STANDS * SECOND:
             last = self.last[0] if self.last else ""
             text = f"the log by time answers, and no row after {last} came for {STANDS:g} s"
-            self.doubts["no_rows"] = f"{text}: what writes it may be dead, or its clock was set back"
+            self.doubts["no_rows"] = (
+                f"{text}: what writes it may be dead, its clock was set back, or it is another log (log)"
+            )
             self._report(stamp[2], "no_rows", self.doubts["no_rows"])
 
     def _watch_rows(self, log: witsml.LogRows, numbers: list[int], before: float, stamp: tuple[int, int, int]) -> None:
@@ -167,7 +169,9 @@ class StoreReader(NamedReader):
             text = f"{len(log.rows)} rows from {first} on lie at or before the last index, and were not read"
             self._report(stamp[2], "behind", text)
             if self._behind >= BEHIND:
-                self.doubts["behind"] = f"{BEHIND} answers: {text}: the sender's clock or time zone was set back"
+                self.doubts["behind"] = (
+                    f"{BEHIND} answers: {text}: the clock or zone of the sender was set back, or it is another log (log)"
+                )
 
     def _new_rows(self, log: witsml.LogRows, wall: int) -> list[int]:
         """Return the numbers, from 1, of the rows after the last index, and update the last index.

@@ -33,6 +33,8 @@ WIRED, QUIET_TELEMETRY = 2.0, 330.0
 """Seconds between samples up to which a tool is wired; by mud pulse, a downlink can silence a tool for 303 s."""
 LEAST_DRILLED, LONGEST_STAND = 0.1, 60.0
 """Metres that must be drilled without a sample, and the seconds that count of a stand on bottom without drilling."""
+NO_DEPTH, NO_DEPTH_GAPS = 60.0, 25.0
+"""Seconds in which a source sends and none of its bit depths can be used: at least, and in usual intervals."""
 KNOWN_GAPS = 10
 """The number of gaps between samples from which their median counts."""
 LONGEST_STEP = 30.0
@@ -69,7 +71,8 @@ class Frame:
     """What one frame of one source says: rig quantities, and the samples or rows that came with it.
 
     ``sensor``, ``depth``, ``toolface`` and ``radius`` have an entry for each sample with a value; ``depth`` may be NaN.
-    ``images`` has the names of the images with a row, ``shown`` the values of the channels of the rig.
+    ``images`` has the names of the images with a row, ``shown`` the values of the channels of the rig. ``only_bytes``:
+    it stands for a record of the source of the bit depth, after all frames of this record.
     """
 
     order: int
@@ -83,6 +86,7 @@ class Frame:
     radius: Floats | None = None
     images: tuple[str, ...] = ()
     shown: dict[str, float] = field(default_factory=dict)
+    only_bytes: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,7 +134,8 @@ class Quiet:
             return ""
         self.lasts = True
         came = f"{self.drilled:.1f} m drilled; before that, one every {usual:.3g} s"
-        return f"no sample in {self.seconds:.0f} s on bottom, {came}: the tool may be dead"
+        cause = "the tool may be dead, or what it sends has other names (caliper)"
+        return f"no sample in {self.seconds:.0f} s on bottom, {came}: {cause}"
 
 
 @dataclass
@@ -187,7 +192,7 @@ class Watch:
 
     STATE = (
         "active", "_bit", "_hole", "_deepest", "_rpm", "_first_hole", "_intervals", "_lower", "_quiet", "_calipers",
-        "_walls", "_fell", "_before_fall",
+        "_walls", "_fell", "_before_fall", "_sends", "_without",
     )  # fmt: skip
 
     def __init__(self, report: Report) -> None:
@@ -204,6 +209,8 @@ class Watch:
         self._walls: dict[str, WallMemory] = {}
         self._fell: list[int] = []  # model times at which the hole depth fell, and was reached again, in turn
         self._before_fall = math.nan
+        self._sends = -1  # time of the latest bytes of the source of the bit depth
+        self._without = 0.0  # seconds in which it has sent since its latest bit depth
 
     def use(
         self, calipers: Mapping[str, WatchedCaliper], images: Mapping[str, str], rules: PassRules, jump: float
@@ -218,7 +225,8 @@ class Watch:
             self._first_hole = self._hole if self._hole == self._hole else self._deepest
         self._calipers = {name: self._calipers.get(name, CaliperWatch()) for name in calipers}
         self._walls = {name: self._walls.get(name, WallMemory()) for name in calipers}
-        self.active = {key: of for key, of in self.active.items() if key[1] in self._quiet and key[1] not in changed}
+        self.active = {key: of for key, of in self.active.items()
+                       if key[0] == "no_depth" or (key[1] in self._quiet and key[1] not in changed)}  # fmt: skip
 
     def begin_hole(self, kickoff: float | None) -> None:
         """Forget the depth of the hole, and below ``kickoff`` (None: everywhere) its wall: another hole begins."""
@@ -240,6 +248,8 @@ class Watch:
         for frame in frames:
             if frame.rig:
                 self._take_rig(frame)
+            if frame.only_bytes:
+                self._count_without(frame)
             if frame.radius is not None and len(frame.radius):
                 self._came(frame.source, frame.time)
                 self._take_samples(frame)
@@ -285,7 +295,23 @@ class Watch:
             self._deepest = max(self._deepest, bit) if self._deepest == self._deepest else bit
             bottom = self._hole if self._hole == self._hole else self._deepest
             self._first_hole = bottom if self._first_hole != self._first_hole else self._first_hole
+            self._without = 0.0
+            self.active.pop(("no_depth", frame.source), None)
             self._take_bit(frame, bit, bottom, max(bottom - before, 0.0) if before == before else 0.0)
+
+    def _count_without(self, frame: Frame) -> None:
+        """Report that the source of the bit depth sends, and that no bit depth comes any more."""
+        self._without += min((frame.time - self._sends) / SECOND, LONGEST_STEP) if self._sends >= 0 else 0.0
+        self._sends = frame.time
+        if len(self._intervals) < KNOWN_GAPS or ("no_depth", frame.source) in self.active:
+            return
+        usual = statistics.median(self._intervals)
+        if self._without > max(NO_DEPTH, NO_DEPTH_GAPS * usual):
+            text = (
+                f"no bit depth in {self._without:.0f} s in which bytes came; before that, one every {usual:.3g} s: it "
+                "has another name or unit (items.bit_depth), what comes cannot be read, or only keep-alives come"
+            )
+            self._begin(frame, "no_depth", frame.source, text)
 
     def _take_hole(self, frame: Frame, hole: float) -> None:
         """Report a hole depth that falls: HOLE_FRAMES frames in a row are HOLE_FALLS lower than the deepest one."""
@@ -387,7 +413,8 @@ class Watch:
             key = "stays", frame.source
             if equal:
                 name = f"radius {sensor + 1}" if many else "the radius"
-                text = f"{name} stays at {1e3 * channel.value:.2f} mm, {equal} times in a row: a sensor that is stuck"
+                text = f"{name} stays at {1e3 * channel.value:.2f} mm, {equal} times in a row: a sensor that is stuck, "
+                text += "or a channel with few digits (caliper.radius)"
                 self._begin(frame, *key, text)
             elif key in self.active and not any(each.lasts for each in watch.channels.values()):
                 del self.active[key]
@@ -413,7 +440,8 @@ class Watch:
                 odd = sensor
                 text = (
                     f"radius {sensor + 1} has the median {1e3 * median:.1f} mm of {SENSORS} samples while the string "
-                    f"turns, the others {1e3 * middle:.1f} mm: a sensor that is stuck, worn or not calibrated"
+                    f"turns, the others {1e3 * middle:.1f} mm: a sensor that is stuck, worn or not calibrated, or not "
+                    "one of this tool (caliper.radius)"
                 )
         if odd >= 0 and odd != watch.odd:
             self._begin(frame, *key, text)
@@ -447,7 +475,9 @@ class Watch:
             span = float(around.max() - around.min())
             unit = "radians" if 4 < span <= 6.4 else "tens of degrees" if 25 < span <= 36.5 else ""
             seems = f"it seems that they are {unit} (toolface_unit)"
-            cause = seems if unit else "the toolface is stuck, or the rotation is wrong"
+            cause = (
+                seems if unit else "the toolface is stuck (caliper.toolface), or the rotation is wrong (items.rotation)"
+            )
             text = (
                 f"{TOOLFACES} toolfaces lie within {span:.3g} deg around {middle % 360:.3g} deg, although the string "
                 f"turns with {rpm:.0f} rpm: {cause}"
