@@ -170,7 +170,7 @@ class StoreReader(NamedReader):
             self._report(stamp[2], "behind", text)
             if self._behind >= BEHIND:
                 self.doubts["behind"] = (
-                    f"{BEHIND} answers: {text}: the clock or zone of the sender was set back, or it is another log (log)"
+                    f"{BEHIND} answers: {text}: the clock or zone of the sender went back, or the log is another (log)"
                 )
 
     def _new_rows(self, log: witsml.LogRows, wall: int) -> list[int]:
