@@ -4,7 +4,8 @@
                    ----#-------bit   "tight hole 8.2 m above the bit"
 
 The body is rigid and straight, and its lower end is the bit. Its greatest diameter is that of `Wall.drift`, of the part
-of the wall that lies ahead; hole that `Wall.sampled` does not count is unknown, and never tight.
+of the wall that lies ahead; hole that is not sampled counts as open. So what is said to be tight is tight, whatever
+lies between the samples, also where a telemetry tool measured only a few places of each turn.
 """
 
 from __future__ import annotations
@@ -100,7 +101,7 @@ class Ahead:
         height = len(stretch.radius) // stretch.settings.sectors * abs(stretch.settings.pitch)
         if body > height:
             return None
-        drift = drift_of(stretch, body)
+        drift = drift_of(stretch, body, upper_limit=True)
         limit = self._live.model.configuration.wall["bit_diameter"] - tight
         nearest = None
         for spot in drift.tight(limit):

@@ -33,6 +33,8 @@ from helibore.trajectory.survey import Path, core_path
 
 MANDRELS = {"api-casing": 0.152, "api-large-casing": 0.305, "api-tubing": 1.067}
 """Lengths of the drift mandrels of API 5CT, metres: casing up to 8 5/8 in, casing from 9 5/8 in, tubing."""
+OPEN = 1.0
+"""Metres: radius of hole that counts as wide open."""
 RIGID = "rigid, straight bodies on one axis; unknown where a vertex beside a body is not measured"
 
 
@@ -224,19 +226,25 @@ def passage_of(wall: WallLike, string: Iterable[RigidBody], sigma: Floats | None
     return Passage(**_solved(wall, bodies, sigma))
 
 
-def drift_of(wall: WallLike, length: float | str, sigma: Floats | None = None) -> Drift:
-    """Return the greatest diameter of a rigid cylinder, as `Wall.drift` does."""
+def drift_of(wall: WallLike, length: float | str, sigma: Floats | None = None, *, upper_limit: bool = False) -> Drift:
+    """Return the greatest diameter of a rigid cylinder, as `Wall.drift` does.
+
+    With ``upper_limit``, hole that is not sampled counts as wide open. Then the result is known everywhere, and a
+    thicker cylinder does not pass, whatever the hole is between the samples; whether this one passes is not known.
+    """
     if isinstance(length, str):
         if length not in MANDRELS:
             raise InputError("length", f"must be metres or one of {', '.join(MANDRELS)}", repr(length))
         length = MANDRELS[length]
-    found = _solved(wall, (RigidBody(0.0, float(length)),), sigma)
+    found = _solved(wall, (RigidBody(0.0, float(length)),), sigma, upper_limit)
     for name in ("clearance", "low", "high"):
         found[name] = np.maximum(found[name], 0.0)
     return Drift(**found)
 
 
-def _solved(wall: WallLike, string: Sequence[RigidBody], sigma: Floats | None) -> dict[str, Any]:
+def _solved(
+    wall: WallLike, string: Sequence[RigidBody], sigma: Floats | None, upper_limit: bool = False
+) -> dict[str, Any]:
     if basis_of(wall) != "azimuthal":
         raise InputError("passage", f"needs a shape that was measured; this wall: {basis_text_of(wall)}")
     helix, radius = whole_helix(wall), column("radius", wall.radius)
@@ -250,6 +258,8 @@ def _solved(wall: WallLike, string: Sequence[RigidBody], sigma: Floats | None) -
     middle = length / 2
     bodies = [(middle - body.position - body.length, middle - body.position, body.diameter) for body in string]
     sampled: Mask | None = getattr(wall, "sampled", getattr(wall, "measured", None))
+    if upper_limit and sampled is not None:
+        radius, sampled = np.where(sampled, radius, OPEN), None
     counts = np.empty(0) if sampled is None else sampled.astype(np.float64)
     errors = np.empty(0) if sigma is None else column("sigma", sigma, radius.size, "radius")
     threads = thread_count(getattr(wall, "threads", None))

@@ -18,13 +18,13 @@ TIGHT = (118.0, 119.0)
 class Trip:
     """A hole of 218 mm from 110 to 125 m with a meter of 206 mm, and a bit that moves in it."""
 
-    def __init__(self, alarms: str = "tight = 0.006\n") -> None:
+    def __init__(self, alarms: str = "tight = 0.006\n", samples: int = 9000) -> None:
         self.clock = Clock()
         self.live = Live(parse(f"{WALL}[alarms]\n{alarms}{RIG}"), clock=self.clock)
         draw = np.random.default_rng(4)
-        depth = np.sort(draw.uniform(110, 125, 9000))
+        depth = np.sort(draw.uniform(110, 125, samples))
         radius = 0.109 - 0.006 * ((depth > TIGHT[0]) & (depth < TIGHT[1]))
-        self.live.append_samples(depth, draw.uniform(0, 360, 9000), radius)
+        self.live.append_samples(depth, draw.uniform(0, 360, samples), radius)
         self.alarms = Alarms(self.live, {"rig": "connected"})
 
     def to(self, bit: float, hole: float = 130.0) -> None:
@@ -116,3 +116,27 @@ def test_the_stretch_has_the_mask_of_the_wall():
     assert np.array_equal(stretch.sampled, wall.sampled[part])
     assert np.count_nonzero(stretch.sampled) > 0
     assert stretch.sample_count < wall.sample_count / 2
+
+
+@pytest.mark.parametrize("samples", [300, 600, 1200])
+def test_few_samples_are_enough_to_say_that_a_meter_is_tight(samples):
+    """20 to 80 samples a metre: `Wall.drift` knows nothing there, but those samples alone stop the body."""
+    trip = Trip(samples=samples)
+    wall = trip.live.wall
+    assert np.isnan(wall.drift(0.3).diameter).mean() > 0.5
+    trip.to(129.5)
+    trip.to(127.0)
+    (text,) = trip.said
+    assert "tight hole" in text
+    found = trip.alarms.ahead.found
+    assert found is not None
+    assert TIGHT[0] - 0.3 < found.top < found.bottom < TIGHT[1] + 0.3
+    assert found.diameter > 0.2055  # it is not said to be tighter than it is
+
+
+@pytest.mark.parametrize("samples", [300, 1200, 9000])
+def test_quiet_hole_of_few_samples_is_not_tight(samples):
+    trip = Trip(alarms="tight = 0.006\n", samples=samples)
+    trip.to(117.0)
+    trip.to(113.0)  # above the tight meter
+    assert trip.said == []

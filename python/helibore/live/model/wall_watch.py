@@ -47,6 +47,8 @@ SMOOTH = 2 * AROUND + 1
 """Number of rows of which a profile takes the mean."""
 FITS, DOES_NOT, RELIEF = 0.82, 0.35, 0.0007
 """Correlation at the best lag, correlation without a lag; least standard deviation of a profile, metres."""
+NEARER_ROWS = 0.15
+"""Share of the rows of a profile that must be nearer than before, by half of its relief: a hole that grew has none."""
 TRIES, SAME_LAG = 4, 3
 """Number of tries in a row that must find one lag, within this many rows."""
 OF_WALL = "another_hole", "wall_nearer", "wall_farther", "depth_slipped"
@@ -242,11 +244,13 @@ class WallMemory:
             return
         radius = np.convolve([new[row] for row in numbers.tolist()], np.ones(SMOOTH) / SMOOTH, "valid")
         numbers = numbers[SMOOTH // 2 : -(SMOOTH // 2)]
-        here = _correlation(radius, self._means(numbers))
+        before = self._means(numbers)
+        here = _correlation(radius, before)
         if here > FITS and self._slipped:
             self._slipped = False
             say(wall, "depth_slipped", "", False)
-        if self._slipped or not here < DOES_NOT:
+        nearer = np.count_nonzero(radius - before < -radius.std() / 2)
+        if self._slipped or not here < DOES_NOT or nearer < NEARER_ROWS * len(radius):
             self._lags = []
             return
         first = int(numbers[0]) - LAGS
