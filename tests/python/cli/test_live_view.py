@@ -91,6 +91,26 @@ def test_the_page_waits_for_the_first_vertex_and_follows_the_wall_and_the_path()
 
 
 @pytest.mark.usefixtures("needs_page")
+def test_the_page_goes_on_with_another_hole():
+    from helibore.cli.live_view import Window
+
+    with Window("well-7") as window:
+        live = hb.Live(parse(HOST))
+        window.follow(live)
+        window.show(pushed(live, 100.0, 1000))
+        window.refresh({})
+        until(lambda: health(window.url)["vertices"] == len(live.wall))
+        mother = len(live.wall)
+        window.show(live.reconfigure(parse(HOST + '[hole]\nname = "ST1"\nkickoff = 102.0\n')))
+        assert 0 < len(live.wall) < mother
+        window.show(pushed(live, 102.0, 100))  # before the page knows of the hole
+        window.refresh({})
+        until(lambda: health(window.url)["vertices"] == len(live.wall) < mother)
+        window.show(pushed(live, 102.5, 2000))
+        until(lambda: health(window.url)["vertices"] == len(live.wall) > mother)
+
+
+@pytest.mark.usefixtures("needs_page")
 def test_the_page_knows_at_once_which_sources_are_not_connected():
     from helibore.cli.live_view import Window
 
