@@ -228,8 +228,8 @@ class WallMemory:
         elif nearer:
             self._lasts = "wall_nearer"
             cause = (
-                "another hole (hole.name), or other settings of the sensor (measures, radius_unit); or the formation "
-                "creeps, and nothing is wrong"
+                "another hole (hole.name), a slipped depth (hole.shift), or other settings of the sensor (measures, "
+                "radius_unit); or the formation creeps, and nothing is wrong"
             )
         else:
             self._lasts = "wall_farther"

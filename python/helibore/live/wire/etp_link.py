@@ -140,22 +140,25 @@ def _schema(text: str, known: set[str]) -> Any:
 
 
 @cache
-def _parsed(name: str) -> Any:
+def _avro() -> Any:
     import fastavro
 
-    return fastavro.parse_schema(_schema(name, set()))
+    return fastavro
+
+
+@cache
+def _parsed(name: str) -> Any:
+    return _avro().parse_schema(_schema(name, set()))
 
 
 def encoded(name: str, body: dict[str, Any], number: int, answers: int = 0, flags: int = FINAL) -> bytes:
     """Return a message: its header and its body."""
-    import fastavro
-
     out = io.BytesIO()
     protocol, kind = NUMBERS[name]
     header = {"protocol": protocol, "messageType": kind, "correlationId": answers, "messageId": number,
               "messageFlags": flags}  # fmt: skip
-    fastavro.schemaless_writer(out, _parsed("MessageHeader"), header)
-    fastavro.schemaless_writer(out, _parsed(name), body)
+    _avro().schemaless_writer(out, _parsed("MessageHeader"), header)
+    _avro().schemaless_writer(out, _parsed(name), body)
     return out.getvalue()
 
 
@@ -167,18 +170,16 @@ def decoded(message: bytes) -> tuple[str, dict[str, Any], dict[str, Any]]:
     ValueError
         If the message is damaged, or compressed.
     """
-    import fastavro
-
     stream = io.BytesIO(message)
     try:
-        header: dict[str, Any] = fastavro.schemaless_reader(stream, _parsed("MessageHeader"))
+        header: dict[str, Any] = _avro().schemaless_reader(stream, _parsed("MessageHeader"))
         number = header["protocol"], header["messageType"]
         name = MESSAGES.get(number, MESSAGES.get((CORE, header["messageType"]), "") if number[1] >= 1000 else "")
         if header["messageFlags"] & COMPRESSED and name:
             raise ValueError("it is compressed, and no compression was agreed")
         if header["messageFlags"] & EXTENDED:
-            fastavro.schemaless_reader(stream, _parsed("MessageHeaderExtension"))
-        body: dict[str, Any] = fastavro.schemaless_reader(stream, _parsed(name)) if name else {}
+            _avro().schemaless_reader(stream, _parsed("MessageHeaderExtension"))
+        body: dict[str, Any] = _avro().schemaless_reader(stream, _parsed(name)) if name else {}
     except ValueError as error:
         raise ValueError(f"not a message of ETP 1.2: {error}") from None
     except Exception as error:  # the decoder raises errors of all kinds
@@ -386,8 +387,9 @@ class EtpOpener(Opener):
             import websockets.exceptions
             import websockets.sync.client
         logging.getLogger("websockets.client").setLevel(logging.WARNING)  # below, it logs headers with the secret
-        self._client, self._errors = websockets.sync.client, websockets.exceptions
-        self.closed = websockets.exceptions.ConnectionClosed
+        self._client: Any = websockets.sync.client
+        self._errors: Any = websockets.exceptions
+        self.closed: Any = websockets.exceptions.ConnectionClosed
         self.address, self.uris, self.names, self.most_bytes, self.position = address, uris, names, most_bytes, position
         self.redactor = Redactor(secret)
         self.proof = "token_env" if secret and not secret[0] else "user or password_env"
