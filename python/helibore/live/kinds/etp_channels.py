@@ -117,7 +117,7 @@ class EtpReader(NamedReader):
 
     def __init__(self, source: EtpSource, events: EventBook, limits: DepthLimits) -> None:
         super().__init__(source, events, limits)
-        self._table = source.table
+        self._stated = source.table
         self._items = {curve.name: curve for curve in source.curves}
         self._begun = b""
         self._channels: dict[int, tuple[str, float, str]] = {}  # by number in the session: name, scale of index, unit
@@ -199,13 +199,13 @@ class EtpReader(NamedReader):
         if name not in self._items or any(name == known for known, *_ in self._channels.values()):
             return
         index = channel["indexes"][0] if channel["indexes"] else {"indexKind": "none", "direction": "", "uom": ""}
-        wanted, scale = INDEX_KIND[self._table.index], MICROSECOND
+        wanted, scale = INDEX_KIND[self._stated.index], MICROSECOND
         if index["indexKind"] != wanted or index["direction"] != "Increasing":
             found = f"{index['direction']} {index['indexKind']}"
             rule = f"must be Increasing {wanted} (ordered_by): not read"
             self._report(wall, "index", f"channel {name}: its index is {found}: {rule}")
             return
-        if self._table.index == "depth":
+        if self._stated.index == "depth":
             known = self._scale(Item(f"index of {name}", kind=units.LENGTH), index["uom"], wall)
             if known is None:
                 return
@@ -239,9 +239,10 @@ class EtpReader(NamedReader):
         """Return the rule that an index breaks, or "" if it breaks none."""
         if not isinstance(index, (int, float)) or not math.isfinite(index):
             return "must be a finite number"
-        if self._table.index == "time":
+        if self._stated.index == "time":
             return "is in the future" if index * scale > wall / 1e9 + FUTURE else ""
-        return self._limits.rule() if self._limits.outside(np.array(index * scale)) else ""
+        least, most = self._limits.depth_range
+        return "" if least <= index * scale <= most else self._limits.rule()
 
     def _is_new(self, name: str, index: float, live: bool, stamp: tuple[int, int, int]) -> bool:
         """Return whether a value counts, and move the last index or the gap of its channel."""
@@ -283,7 +284,7 @@ class EtpReader(NamedReader):
         """Return the rows that every channel has reached, or that have waited long enough, in order of their index."""
         last = self.position()
         reached = min((last[name] * of for name, of, _ in self._channels.values() if name in last), default=-math.inf)
-        oldest = stamp[0] - int(self._table.wait * SECOND)
+        oldest = stamp[0] - int(self._stated.wait * SECOND)
         keys: list[float] = []
         while self._waiting:
             key = self._waiting[0]
@@ -291,7 +292,7 @@ class EtpReader(NamedReader):
                 break
             keys.append(heapq.heappop(self._waiting))
         rows = [self._rows.pop(key)[1] for key in keys]
-        if self._table.index == "time":
+        if self._stated.index == "time":
             late = [place for place, key in enumerate(keys) if key < self._read_to]
             for place in late:
                 self._leave_out_late(rows[place], stamp[2])
@@ -302,7 +303,7 @@ class EtpReader(NamedReader):
         time, order, wall = (np.full(len(rows), value, np.int64) for value in stamp)
         reading = Reading(frame_rows(time, order + number, wall, number + 1, self._connection))
         scales = {name: self._scale(self._items[name], unit, stamp[2]) for name, _, unit in self._channels.values()}
-        self._read_named(rows, reading, scales, np.array(keys) if self._table.index == "depth" else None)
+        self._read_named(rows, reading, scales, np.array(keys) if self._stated.index == "depth" else None)
         return reading
 
     def _leave_out_late(self, row: dict[str, object], wall: int) -> None:

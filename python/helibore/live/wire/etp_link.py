@@ -306,7 +306,7 @@ class EtpLink(Link):
             listed = ", ".join(sorted(there)[:20]) or "none"
             raise OSError(f"{self.peer}: uris: no channel is one that the settings name; its channels: {listed}")
         known = self._opener.position() or {}
-        channels = {}
+        channels: dict[str, dict[str, Any]] = {}
         for name, one in self._metadata.items():
             first = one["indexes"][0]["interval"]["startIndex"] if one["indexes"] else {"item": None}
             if name in known:
