@@ -81,11 +81,13 @@ def decode(message: bytes) -> tuple[str, dict[str, Any], int]:
 class Server:
     """Serves ``count`` values of each channel, which a test or the time increases."""
 
-    def __init__(self, port: int = 0, *, token: str = "", user: str = "", backfills: bool = True) -> None:
+    def __init__(self, port: int = 0, *, token: str = "", user: str = "", backfills: bool = True,
+                 version: str = SUBPROTOCOL) -> None:  # fmt: skip
         self.count, self.first = 0, 0
         self.names, self.units = list(NAMES), list(UNITS)
         self.index_kind, self.direction = "MeasuredDepth", "Increasing"
         self.token, self.backfills, self.user = token, backfills, user
+        self.status, self.wait = 0, ""  # that answer each connection
         self.refuse = ""  # text of a ProtocolException that answers RequestSession
         self.protocols = [21]
         self.damaged: set[int] = set()
@@ -93,7 +95,7 @@ class Server:
         self.asked: list[str] = []
         self.sent = 0
         self._stop = threading.Event()
-        self._serving = serve(self._serve, "127.0.0.1", port, subprotocols=[SUBPROTOCOL], process_request=self._admit,
+        self._serving = serve(self._serve, "127.0.0.1", port, subprotocols=[version], process_request=self._admit,
                               compression=None)  # fmt: skip
         self.port = self._serving.socket.getsockname()[1]
         self._thread = threading.Thread(target=self._serving.serve_forever, daemon=True)
@@ -105,6 +107,11 @@ class Server:
 
     def _admit(self, connection: Any, request: Any) -> Any:
         self.asked.append(request.headers.get("Authorization", ""))
+        if self.status:
+            answer = connection.respond(self.status, "no\n")
+            if self.wait:
+                answer.headers["Retry-After"] = self.wait
+            return answer
         if self.token and self.asked[-1] != f"Bearer {self.token}":
             return connection.respond(401, "no\n")
         return None

@@ -261,7 +261,37 @@ def test_what_a_server_refuses_names_the_setting(server, tmp_path, monkeypatch, 
         assert "secret-words" not in str(running.reported())
 
 
-def test_a_server_that_is_not_there_and_one_of_another_protocol_are_named(tmp_path):
+def test_a_server_of_another_version_is_named(tmp_path):
+    server = Server(version="energistics-tp")
+    try:
+        with Running(settings(server), tmp_path) as running:
+            until(lambda: running.count("link", "rig"))
+            assert any("address: " in line and "ETP 1.2" in line for line in running.reported())
+    finally:
+        server.stop()
+
+
+def test_a_server_that_asks_to_wait_is_left_alone(server, tmp_path):
+    server.status, server.wait = 429, "3600"
+    with Running(settings(server), tmp_path) as running:
+        until(lambda: running.server.states["rig"].endswith("asked to wait for 3600 s"))
+        time.sleep(1.0)
+        assert len(server.asked) == 1
+        assert running.count("link", "rig") == 1
+
+
+@pytest.mark.parametrize("status", [404, 500])
+def test_a_server_that_fails_is_asked_once_in_each_wait(server, tmp_path, status):
+    server.status = status
+    with Running(settings(server), tmp_path) as running:
+        until(lambda: running.count("link", "rig") >= 1)
+        time.sleep(1.0)
+        assert len(server.asked) <= 3
+        assert any(f"answered {status}" in line for line in running.reported())
+        assert any("address" in line for line in running.reported()) == (status == 404)
+
+
+def test_a_server_that_is_not_there_is_named(tmp_path):
     with Running(SETTINGS.replace("PORT", str(free_port())), tmp_path / "a") as running:
         until(lambda: running.count("link", "rig"))
         assert running.server.states["rig"].startswith("waiting to connect")

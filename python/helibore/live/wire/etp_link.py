@@ -36,6 +36,8 @@ KEEP_ALIVE = 15.0
 CORE, SUBSCRIBE = 0, 21
 FINAL, COMPRESSED, EXTENDED = 0x02, 0x08, 0x20
 """Flags of a message: the last of several; a compressed body; a longer header."""
+OTHER_SERVER = 400, 404, 405, 426, 501
+"""Answers to a request for a WebSocket from servers that have none of ETP 1.2 at this path."""
 NO_ACCESS = 10, 27
 """Codes of a ProtocolException: the authorization expired, or is required."""
 Positions = Callable[[], dict[str, float] | None]
@@ -418,6 +420,8 @@ class EtpOpener(Opener):
             if status in (401, 403):
                 raise AccessDeniedError(f"{name}: answered {status}: {self.proof}") from None
             text = f"{name}: answered {status}"
+            if status in OTHER_SERVER:
+                text += f": address: it may be another path, or speak no ETP 1.2 ({VERSION})"
             raise (BusyError(f"{text}: asked to wait for {wait:g} s", wait) if wait else OSError(text)) from None
         except self._errors.WebSocketException as error:  # its text may repeat what the server sent
             raise OSError(f"{name}: address: no WebSocket of ETP 1.2: {type(error).__name__}") from None
