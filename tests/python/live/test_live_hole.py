@@ -105,6 +105,28 @@ def test_a_replay_and_a_restart_have_the_same_holes(sidetracked, checkpoint):
         assert restarted.wall.sample_count == live.wall.sample_count + 50
 
 
+def test_a_replay_with_another_configuration_keeps_the_holes(sidetracked):
+    live, _, folder = sidetracked
+    live.close()
+    again = Live.replay(folder, parse(MOTHER.replace("0.216", "0.215")))
+    assert {*again.layers} == {"main", "ream", "ST1", "ST1-ream"}
+    for name in ("main", "ST1"):
+        assert np.array_equal(again.layers[name].samples.depth, live.layers[name].samples.depth)
+    one = Live.replay(folder, parse(MOTHER + "[hole]\nshift = 1.0\n"))
+    assert {*one.layers} == {"main", "ream"}
+    assert one.wall.samples.depth.max() == pytest.approx(108.99)
+
+
+def test_a_journal_whose_first_hole_has_a_name_is_replayed_with_another_configuration(tmp_path):
+    clock = Clock()
+    with Live(parse(MOTHER + '[hole]\nname = "A"\n'), tmp_path, clock=clock) as live:
+        sent(live, clock, 100.5, 102.0, 108)
+        assert {*live.layers} == {"main", "ream"}
+    again = Live.replay(tmp_path, parse(MOTHER))
+    assert {*again.layers} == {"main", "ream"}
+    assert same(again, live)
+
+
 def test_the_first_hole_can_be_gone_back_to(sidetracked):
     live, clock, folder = sidetracked
     live.reconfigure(parse(MOTHER))

@@ -122,7 +122,7 @@ class Model:
         self.counts: Counter[str] = Counter()
         self.outcomes: Counter[tuple[str, str]] = Counter()
         self.layers = {name: Wall(**configuration.wall) for name in configuration.layers}
-        self._first_hole, self.main = configuration.hole.name, "main"
+        self._given_hole, self._first_hole, self.main = configuration.hole, configuration.hole.name, "main"
         self._drawn_layers = {name: name for name in configuration.layers}  # in the hole that is drilled now
         self._hole_of = dict.fromkeys(configuration.layers, "main")
         self.left: dict[str, Stations] = {}
@@ -220,10 +220,14 @@ class Model:
         header: dict[str, str] = {}
         with self._set_aside(record, "session header"):
             header = read_header(payload)
-        if self.follows and header.get("meaning", self._meaning) != self._meaning:
+        if self._reads(header) and header.get("meaning", self._meaning) != self._meaning:
             self._meaning = header["meaning"]
             with self._set_aside(record, "session header"):
                 now, before = configuration_of(header), self.configuration.hole
+                if not self.follows:
+                    if not self._session:  # the first header of the journal
+                        self._first_hole = now.hole.name
+                    now = replace(self.configuration, hole=now.hole)
                 if now.meaning() != self.configuration.meaning():
                     self.reconfigure(now, utc(int(record["wall"])), int(record["sequence"]))
                     self._report(record, "configuration", "another configuration applies from here on")
@@ -239,6 +243,13 @@ class Model:
                 "clock",
                 f"the wall clock is {behind / SECOND:.3f} s behind the last session; sample times do not go back",
             )
+
+    def _reads(self, header: dict[str, str]) -> bool:
+        """Return whether a session header changes the configuration, or at least the hole.
+
+        A replay with a configuration of its own goes through the holes of the journal, unless it states a hole.
+        """
+        return self.follows or (self._given_hole == HoleTable() and bool(header.get("configuration")))
 
     def _report_hole(self, record: np.void, before: HoleTable, now: HoleTable) -> None:
         if now.name != before.name:
@@ -256,7 +267,7 @@ class Model:
         checked with ``session_header.py`` that the journal can change to this configuration.
         """
         before, self.configuration = self.configuration, configuration
-        if configuration.hole.name != before.hole.name:
+        if self.main != ("main" if configuration.hole.name == self._first_hole else configuration.hole.name):
             self._begin_hole(configuration.hole)
         self.watch.shift(configuration.hole.shift - before.hole.shift)
         self.stretches.append({"utc": since, "record": str(sequence), "configuration": configuration.text,
