@@ -128,19 +128,52 @@ py::array_t<std::uint8_t> measured(const std::tuple<double, double, double, Inde
     return py::array_t<std::uint8_t>(static_cast<py::ssize_t>(found.size()), found.data());
 }
 
-py::tuple likely_along(const Column& windows, const Column& sections, const std::array<Index, hole_kinds>& counts,
-                       const Column& size, const std::array<double, hole_kinds>& prior,
-                       const std::array<double, 6>& given, const std::array<std::array<double, 2>, 4>& scales,
-                       int threads) {
-    const auto& [stays, changes, rough, offset, effective, temper] = given;
-    const ChainRule rule{stays, changes, prior, rough, offset, effective, temper, scales};
+// The library as Python keeps it: sections, counts, size, weight.
+using GivenLibrary = std::tuple<Column, std::array<Index, hole_kinds>, Column, Column>;
+// rough, offset, effective, scales
+using GivenLikeness = std::tuple<double, double, double, std::array<std::array<double, 2>, 4>>;
+using GivenPrior = std::array<double, hole_kinds>;
+
+SectionLibrary library_of(const GivenLibrary& given) {
+    const auto& [sections, counts, size, weight] = given;
+    return {span_of(sections), counts, span_of(size), span_of(weight)};
+}
+
+LikenessRule likeness_of(const GivenLikeness& given) {
+    const auto& [rough, offset, effective, scales] = given;
+    return {rough, offset, effective, scales};
+}
+
+py::tuple section_library(double bit_diameter, const std::array<double, 5>& criteria, bool even) {
+    const auto& [elongation, washout, key_seat, undergauge, symmetry] = criteria;
+    DrawnSections drawn =
+        helibore::section_library(bit_diameter, {elongation, washout, key_seat, undergauge, symmetry}, even);
+    return py::make_tuple(array_of(std::move(drawn.sections)), drawn.counts, array_of(std::move(drawn.size)),
+                          array_of(std::move(drawn.weight)));
+}
+
+py::tuple likely_along(const Column& windows, const GivenLibrary& library, const GivenPrior& prior,
+                       const std::array<double, 3>& chain, const GivenLikeness& likeness, int threads) {
+    const auto& [stays, changes, temper] = chain;
+    const ChainRule rule{stays, changes, temper, prior, likeness_of(likeness)};
     LikelyAlong found;
     {
         const WithoutGil released;
-        found = helibore::likely_along(span_of(windows), {span_of(sections), counts, span_of(size)}, rule, threads);
+        found = helibore::likely_along(span_of(windows), library_of(library), rule, threads);
     }
     return py::make_tuple(array_of(std::move(found.kinds)), array_of(std::move(found.size)),
                           array_of(std::move(found.size_square)));
+}
+
+py::tuple likely_kind(const Column& sections, const GivenLibrary& library, const GivenPrior& prior,
+                      const std::array<double, 2>& zone, const GivenLikeness& likeness) {
+    const ZoneRule rule{zone[0], zone[1], prior, likeness_of(likeness)};
+    LikelyKind found;
+    {
+        const WithoutGil released;
+        found = helibore::likely_kind(span_of(sections), library_of(library), rule);
+    }
+    return py::make_tuple(found.kinds, found.sound);
 }
 
 }  // namespace
@@ -154,8 +187,11 @@ void register_logs(py::module_& m) {
           py::arg("counts"), py::arg("sigma"), py::arg("threads"));
     m.def("angular_gaps", &angular_gaps, py::arg("helix"), py::arg("count"), py::arg("depth"), py::arg("toolface"),
           py::arg("reach"), py::arg("threads"));
-    m.def("likely_along", &likely_along, py::arg("windows"), py::arg("sections"), py::arg("counts"), py::arg("size"),
-          py::arg("prior"), py::arg("rule"), py::arg("scales"), py::arg("threads"));
+    m.def("section_library", &section_library, py::arg("bit_diameter"), py::arg("criteria"), py::arg("even"));
+    m.def("likely_along", &likely_along, py::arg("windows"), py::arg("library"), py::arg("prior"), py::arg("chain"),
+          py::arg("likeness"), py::arg("threads"));
+    m.def("likely_kind", &likely_kind, py::arg("sections"), py::arg("library"), py::arg("prior"), py::arg("zone"),
+          py::arg("likeness"));
     m.def("measured", &measured, py::arg("helix"), py::arg("count"), py::arg("depth"), py::arg("toolface"),
           py::arg("of_samples"), py::arg("of_vertices"), py::arg("rule"), py::arg("threads"));
 }

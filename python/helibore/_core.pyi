@@ -113,16 +113,23 @@ def turn_columns(
 def unworn_columns(
     radius: Floats, sectors: int, start_toolface: float, bit_diameter: float, counts: Floats, threads: int
 ) -> dict[str, Floats]: ...
+
+Library = tuple[Floats, tuple[int, int, int, int, int], Floats, Floats]
+_OfKinds = tuple[float, float, float, float, float]
+_Likeness = tuple[float, float, float, list[tuple[float, float]]]
+
+def section_library(bit_diameter: float, criteria: _OfKinds, even: bool) -> Library: ...
 def likely_along(
     windows: Floats,
-    sections: Floats,
-    counts: tuple[int, int, int, int, int],
-    size: Floats,
-    prior: tuple[float, float, float, float, float],
-    rule: tuple[float, float, float, float, float, float],
-    scales: list[tuple[float, float]],
+    library: Library,
+    prior: _OfKinds,
+    chain: tuple[float, float, float],
+    likeness: _Likeness,
     threads: int,
 ) -> tuple[Floats, Floats, Floats]: ...
+def likely_kind(
+    sections: Floats, library: Library, prior: _OfKinds, zone: tuple[float, float], likeness: _Likeness
+) -> tuple[list[float], bool]: ...
 def passage_columns(
     helix: _Helix,
     radius: Floats,

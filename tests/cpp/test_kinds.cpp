@@ -3,6 +3,7 @@
 #include <limits>
 #include <vector>
 
+#include "base/exponential.hpp"
 #include "check.hpp"
 #include "helibore/error.hpp"
 #include "helibore/kinds.hpp"
@@ -11,20 +12,18 @@ using namespace helibore;
 
 namespace {
 
-const ChainRule rule{.stays = 0.9,
-                     .changes = 0.01,
-                     .prior = {0.6, 0.1, 0.1, 0.1, 0.1},
-                     .rough = 1.6e-3,
-                     .offset = 7e-3,
-                     .effective = 24.0,
-                     .temper = 0.7,
-                     .scales = {{{1.0, 0.5}, {1.6, 0.3}, {2.6, 0.15}, {4.2, 0.05}}}};
+const LikenessRule likeness{
+    .rough = 1.6e-3, .offset = 7e-3, .effective = 24.0, .scales = {{{1.0, 0.5}, {1.6, 0.3}, {2.6, 0.15}, {4.2, 0.05}}}};
+const ChainRule rule{
+    .stays = 0.9, .changes = 0.01, .temper = 0.7, .prior = {0.6, 0.1, 0.1, 0.1, 0.1}, .likeness = likeness};
+const ZoneRule zone_rule{
+    .explained = 2.6, .resembles = 0.35, .prior = {0.4, 0.15, 0.15, 0.15, 0.15}, .likeness = likeness};
 
 // A gauge section and a round one that is 20 mm wider.
 struct Two {
     std::vector<double> sections = std::vector<double>(2 * section_parts), size{0.0, 0.02};
     Two() { std::fill(sections.begin() + section_parts, sections.end(), 0.02); }
-    SectionLibrary library() const { return {sections, {1, 1, 0, 0, 0}, size}; }
+    SectionLibrary library() const { return {sections, {1, 1, 0, 0, 0}, size, {}}; }
 };
 
 void finds_the_wide_hole() {
@@ -68,6 +67,46 @@ void refused() {
     sure.stays = 1.0;
     CHECK_THROWS(InputError, "stays + changes = 1.01: must be probabilities whose sum is below 1",
                  likely_along({}, two.library(), sure));
+    const std::vector<double> weight{1.0, 0.0};
+    SectionLibrary weighed = two.library();
+    weighed.weight = weight;
+    CHECK_THROWS(InputError, "weight[1] = 0: must be finite and above 0", likely_along({}, weighed, rule));
+    CHECK_THROWS(InputError, "sections = 0: must be 32 lengths for each of one or more sections",
+                 likely_kind({}, two.library(), zone_rule));
+    CHECK_THROWS(InputError, "bit_diameter = 0: must be finite and above 0", section_library(0.0, {}, false));
+}
+
+// A section that stands for two is as good as that section twice.
+void a_weight_is_a_number_of_sections() {
+    const Two two;
+    std::vector<double> thrice = two.sections, size{0.0, 0.02, 0.02};
+    thrice.insert(thrice.end(), two.sections.begin() + section_parts, two.sections.end());
+    thrice.insert(thrice.end(), section_parts, 0.01);
+    size.push_back(0.01);
+    std::vector<double> twice = two.sections;
+    twice.insert(twice.end(), section_parts, 0.01);
+    const std::vector<double> twice_size{0.0, 0.02, 0.01}, weight{1.0, 2.0, 1.0};
+    const SectionLibrary a{thrice, {1, 3, 0, 0, 0}, size, {}}, b{twice, {1, 2, 0, 0, 0}, twice_size, weight};
+    std::vector<double> windows(20 * section_parts, std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t row = 0; row < 20; ++row) windows[row * section_parts + row % 7] = 0.012;
+    const LikelyAlong all = likely_along(windows, a, rule), few = likely_along(windows, b, rule);
+    for (std::size_t row = 0; row < 20; ++row) {
+        CHECK(std::abs(all.kinds[row * hole_kinds] - few.kinds[row * hole_kinds]) < 1e-6);
+        CHECK(std::abs(all.size[row] - few.size[row]) < 1e-6);
+    }
+    const LikelyKind of_all = likely_kind(windows, a, zone_rule), of_few = likely_kind(windows, b, zone_rule);
+    for (std::size_t kind = 0; kind < hole_kinds; ++kind)
+        CHECK(std::abs(of_all.kinds[kind] - of_few.kinds[kind]) < 1e-12);
+    CHECK(of_all.sound == of_few.sound);
+}
+
+void exponentials() {
+    for (double x = -690.0; x < 690.0; x += 0.37) {
+        CHECK(std::abs(exponential(x) / std::exp(x) - 1.0) < 4e-16);
+        CHECK(std::abs(logarithm(std::exp(x)) - std::log(std::exp(x))) <= 2e-16 * std::abs(x));
+    }
+    CHECK(exponential(0.0) == 1.0 && logarithm(1.0) == 0.0);
+    CHECK(exponential(-std::numeric_limits<double>::infinity()) == 0.0);
 }
 
 }  // namespace
@@ -76,5 +115,7 @@ int main() {
     finds_the_wide_hole();
     extremes();
     refused();
+    a_weight_is_a_number_of_sections();
+    exponentials();
     return 0;
 }

@@ -26,14 +26,37 @@ struct SectionLibrary {
     std::span<const double> sections;        // section_parts for each, in the order of kinds
     std::array<Index, hole_kinds> counts{};  // of sections of each kind
     std::span<const double> size;            // of each section: a number whose mean is wanted
+    std::span<const double> weight;          // how many sections each stands for, above 0; empty: 1
+};
+
+// Limits by which a section is of a kind, as a turn is: metres, but for `symmetry`, a share.
+struct KindCriteria {
+    double elongation, washout, key_seat, undergauge, symmetry;
+};
+
+struct DrawnSections {
+    std::vector<double> sections, size, weight;  // size: mean squared radius, m2
+    std::array<Index, hole_kinds> counts{};
+
+    SectionLibrary library() const { return {sections, counts, size, weight}; }
+};
+
+// Draws round, oval and lobed sections of many sizes, widths and directions, and slots of pipes, for a bit. Kinds:
+// gauge, washout, breakout, key seat, undergauge. `even`: as a tool sees them that measures diameters. A section that
+// equals itself turned by 180 degrees is there once for both. Throws InputError if the bit has no size.
+DrawnSections section_library(double bit_diameter, const KindCriteria& criteria, bool even);
+
+struct LikenessRule {
+    double rough, offset;  // standard deviation of a part of the wall, and of the tool's centre, metres
+    double effective;      // most parts of a section that count
+    std::array<std::array<double, 2>, 4> scales;  // the hole differs so many times `rough` from the library; its prior
 };
 
 struct ChainRule {
     double stays, changes;                 // probability that the section stays the same, that it changes in its kind
+    double temper;                         // power of a window's evidence
     std::array<double, hole_kinds> prior;  // probability of each kind without a sample
-    double rough, offset;                  // standard deviation of a part of the wall, of the tool's centre, metres
-    double effective, temper;              // most parts of a window that count; power of its evidence
-    std::array<std::array<double, 2>, 4> scales;  // the hole differs so many times `rough` from the library; its prior
+    LikenessRule likeness;
 };
 
 // One row for each window.
@@ -47,5 +70,21 @@ struct LikelyAlong {
 // there are no sections.
 LikelyAlong likely_along(std::span<const double> windows, const SectionLibrary& library, const ChainRule& rule,
                          int threads = 1);
+
+struct ZoneRule {
+    double explained;  // the hole may be gauge if a gauge section lies within so many times `rough`, rms
+    double resembles;  // no kind is sound if all sections differ by more than this share of the zone's own rms
+    std::array<double, hole_kinds> prior;  // above 0
+    LikenessRule likeness;
+};
+
+struct LikelyKind {
+    std::array<double, hole_kinds> kinds{};  // probabilities
+    bool sound = false;                      // whether a section of the library resembles the zone
+};
+
+// The kind of a zone, from one or more sections of its turns; NaN where no sample lies. Throws InputError as
+// likely_along does, and if there is no section.
+LikelyKind likely_kind(std::span<const double> sections, const SectionLibrary& library, const ZoneRule& rule);
 
 }  // namespace helibore

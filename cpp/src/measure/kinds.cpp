@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/degrees.hpp"
+#include "base/exponential.hpp"
 #include "base/messages.hpp"
 #include "base/threads.hpp"
 
@@ -23,11 +24,11 @@ struct Scale {
 };
 using Scales = std::array<Scale, 4>;
 
-Scales scales_of(const ChainRule& rule) {
+Scales scales_of(const LikenessRule& rule) {
     Scales out{};
     for (std::size_t i = 0; i < out.size(); ++i) {
         const auto [scale, prior] = rule.scales[i];
-        out[i] = {static_cast<float>(std::log(prior)), static_cast<float>(std::log(scale)),
+        out[i] = {static_cast<float>(logarithm(prior)), static_cast<float>(logarithm(scale)),
                   static_cast<float>(0.5 / (scale * scale))};
     }
     return out;
@@ -53,7 +54,7 @@ inline Float4 greater(Float4 x, Float4 y) {
 }
 
 // Returns e^x for x in [-60, 0], within 2e-7 of itself.
-inline Float4 exponential(Float4 x) {
+inline Float4 exponentials(Float4 x) {
     constexpr float whole = 0x1.8p23f;
     const Float4 n = (x * 1.44269504f + whole) - whole, r = (x - n * 0.693359375f) + n * 2.12194440e-4f;
     const Float4 high = 8.33345205e-3f + r * 1.39819994e-3f;
@@ -63,14 +64,15 @@ inline Float4 exponential(Float4 x) {
 
 // The library in the order of kinds. Sections of eight stand part by part: [eight][part][of eight].
 struct Sections {
-    std::vector<float> of, size, counts;               // counts: 1, or 0 for what fills up an eight
+    std::vector<float> of, size, weight;               // weight: 0 for what fills up an eight
     std::array<std::size_t, hole_kinds + 1> starts{};  // of the kinds
-    std::array<float, hole_kinds> each{};              // 1 / number of sections of the kind
+    std::array<float, hole_kinds> each{};              // 1 / sum of the weights of the kind
 
     std::size_t count() const { return size.size(); }
 };
 
-Sections arranged(const SectionLibrary& library) {
+// Checks the library, and returns the number of its sections.
+std::size_t checked_count(const SectionLibrary& library) {
     Index count = 0;
     for (std::size_t kind = 0; kind < hole_kinds; ++kind) {
         require(library.counts[kind] >= 0, entry_name("counts", static_cast<Index>(kind)), library.counts[kind],
@@ -82,22 +84,38 @@ Sections arranged(const SectionLibrary& library) {
     require_length("sections", library.sections.size(), section_parts * library.size.size(), "32 times counts");
     require_finite("sections", library.sections);
     require_finite("size", library.size);
+    if (library.weight.empty()) return library.size.size();
+    require_length("weight", library.weight.size(), library.size.size(), "counts");
+    for (std::size_t i = 0; i < library.weight.size(); ++i)
+        require(std::isfinite(library.weight[i]) && library.weight[i] > 0.0,
+                entry_name("weight", static_cast<Index>(i)), library.weight[i], "must be finite and above 0");
+    return library.size.size();
+}
+
+double weight_of(const SectionLibrary& library, std::size_t row) {
+    return library.weight.empty() ? 1.0 : library.weight[row];
+}
+
+Sections arranged(const SectionLibrary& library) {
+    checked_count(library);
     Sections out;
     std::size_t row = 0;
     for (std::size_t kind = 0; kind < hole_kinds; ++kind) {
         const auto number = static_cast<std::size_t>(library.counts[kind]);
         const std::size_t start = out.starts[kind], stop = start + (number + at_once - 1) / at_once * at_once;
         out.starts[kind + 1] = stop;
-        out.each[kind] = number > 0 ? 1.0f / static_cast<float>(number) : 0.0f;
-        out.size.resize(stop), out.counts.resize(stop), out.of.resize(stop * section_parts);
+        out.size.resize(stop), out.weight.resize(stop), out.of.resize(stop * section_parts);
+        double all = 0.0;
         for (std::size_t place = start; place < start + number; ++place, ++row) {
             out.size[place] = static_cast<float>(library.size[row]);
-            out.counts[place] = 1.0f;
+            out.weight[place] = static_cast<float>(weight_of(library, row));
+            all += weight_of(library, row);
             float* const eight = &out.of[place / at_once * at_once * section_parts];
             for (std::size_t part = 0; part < section_parts; ++part)
                 eight[part * at_once + place % at_once] =
                     static_cast<float>(library.sections[row * section_parts + part]);
         }
+        out.each[kind] = number > 0 ? static_cast<float>(1.0 / all) : 0.0f;
     }
     return out;
 }
@@ -105,17 +123,20 @@ Sections arranged(const SectionLibrary& library) {
 // What a window sees: the parts with samples, and the three linear forms of their differences from a section,
 //     chi^2 = w sum t^2 - (sum u t)^2 - (sum v t)^2
 // The last two are what the tool's offset explains.
-struct Window {
+template <class Real>
+struct WindowOf {
     int seen = 0;
-    float weight = 0.0f, independent = 0.0f;
+    Real weight{}, independent{};
     struct Part {
         std::uint32_t number;
-        float length, u, v;
+        Real length, u, v;
     } parts[section_parts];
 };
+using Window = WindowOf<float>;
 
-Window window_of(const double* section, const ChainRule& rule) {
-    Window out;
+template <class Real>
+WindowOf<Real> window_of(const double* section, const LikenessRule& rule) {
+    WindowOf<Real> out;
     for (std::size_t part = 0; part < section_parts; ++part) out.seen += std::isnan(section[part]) ? 0 : 1;
     if (out.seen == 0) return out;
     const double independent = std::min(static_cast<double>(out.seen), rule.effective);
@@ -131,11 +152,11 @@ Window window_of(const double* section, const ChainRule& rule) {
     for (std::size_t part = 0; part < section_parts; ++part) {
         if (std::isnan(section[part])) continue;
         const SineCosine of = sine_cosine(static_cast<double>(part) * 360.0 / section_parts);
-        out.parts[at++] = {static_cast<std::uint32_t>(part), static_cast<float>(std::clamp(section[part], -1e6, 1e6)),
-                           static_cast<float>(weight * of.cosine * along),
-                           static_cast<float>(weight * (of.sine - turned * of.cosine) * across)};
+        out.parts[at++] = {static_cast<std::uint32_t>(part), static_cast<Real>(std::clamp(section[part], -1e6, 1e6)),
+                           static_cast<Real>(weight * of.cosine * along),
+                           static_cast<Real>(weight * (of.sine - turned * of.cosine) * across)};
     }
-    out.weight = static_cast<float>(weight), out.independent = static_cast<float>(independent);
+    out.weight = static_cast<Real>(weight), out.independent = static_cast<Real>(independent);
     return out;
 }
 
@@ -163,12 +184,12 @@ inline void compare(const Window& window, const Scales& scales, const float* eig
 void temper_row(float* row, const Sections& library, float temper) {
     Float4 most = four(-std::numeric_limits<float>::max());
     for (std::size_t i = 0; i < library.count(); i += 4)
-        most = greater(four_at(&library.counts[i]) > 0.0f ? four_at(row + i) : most, most);
+        most = greater(four_at(&library.weight[i]) > 0.0f ? four_at(row + i) : most, most);
     const float greatest = std::max(std::max(most[0], most[1]), std::max(most[2], most[3]));
     for (std::size_t i = 0; i < library.count(); i += 4) {
         const Float4 x = (four_at(row + i) - greatest) * temper;
         const Float4 within = x < 0.0f ? greater(x, four(-60.0f)) : four(0.0f);
-        put(exponential(within) * four_at(&library.counts[i]), row + i);
+        put(four_at(&library.weight[i]) > 0.0f ? exponentials(within) : four(0.0f), row + i);
     }
 }
 
@@ -202,7 +223,8 @@ void go_forward(std::vector<float>& forward, std::size_t rows, const Sections& l
             const auto moved = static_cast<float>(moves * static_cast<double>(library.each[kind]));
             Float4 sum = {};
             for (std::size_t i = library.starts[kind]; i < library.starts[kind + 1]; i += 4) {
-                const Float4 from = row > 0 ? stays * four_at(before + i) + moved : four(moved);
+                const Float4 entering = moved * four_at(&library.weight[i]);
+                const Float4 from = row > 0 ? stays * four_at(before + i) + entering : entering;
                 const Float4 of = four_at(now + i) * from;
                 put(of, now + i);
                 sum += of;
@@ -226,7 +248,8 @@ void go_back(const std::vector<float>& evidence, const std::vector<float>& forwa
             for (std::size_t i = library.starts[kind]; i < library.starts[kind + 1]; i += 4) {
                 const Float4 later = four_at(&after[i]), both = four_at(now + i) * later;
                 const Float4 sized = both * four_at(&library.size[i]), next = later * four_at(given + i);
-                of_kind += both, of_size += sized, of_square += sized * four_at(&library.size[i]), of_after += next;
+                of_kind += both, of_size += sized, of_square += sized * four_at(&library.size[i]);
+                of_after += next * four_at(&library.weight[i]);
                 put(next, &after[i]);
             }
             likely[kind] = all_of(of_kind), beyond[kind] = all_of(of_after);
@@ -250,6 +273,57 @@ void go_back(const std::vector<float>& evidence, const std::vector<float>& forwa
     }
 }
 
+// Writes chi^2 of a window and each section. Four sections at a time do not wait for each other's sums.
+void compare_all(const WindowOf<double>& window, std::span<const double> sections, std::vector<double>& squares) {
+    constexpr std::size_t some = 4;
+    for (std::size_t first = 0; first < squares.size(); first += some) {
+        std::array<const double*, some> section{};
+        for (std::size_t k = 0; k < some; ++k)
+            section[k] = &sections[std::min(first + k, squares.size() - 1) * section_parts];
+        std::array<double, some> square{}, u{}, v{};
+        for (int i = 0; i < window.seen; ++i) {
+            const WindowOf<double>::Part& part = window.parts[i];
+            for (std::size_t k = 0; k < some; ++k) {
+                const double off = part.length - section[k][part.number];
+                square[k] += off * off, u[k] += part.u * off, v[k] += part.v * off;
+            }
+        }
+        for (std::size_t k = 0; k < some && first + k < squares.size(); ++k)
+            squares[first + k] = window.weight * square[k] - u[k] * u[k] - v[k] * v[k];
+    }
+}
+
+// Adds the log of the mean evidence of each kind, of all scales. The greatest term is 1 at the best section.
+void add_evidence(const std::vector<double>& squares, double best, double independent, const SectionLibrary& library,
+                  const LikenessRule& rule, std::array<double, hole_kinds>& evidence) {
+    constexpr double least = 1e-300, absent = -700.0, negligible = -40.0;
+    std::array<double, 4> terms{}, rates{};
+    for (std::size_t i = 0; i < terms.size(); ++i) {
+        const auto [scale, prior] = rule.scales[i];
+        rates[i] = 0.5 / (scale * scale);
+        terms[i] = logarithm(prior) - independent * logarithm(scale) - best * rates[i];
+    }
+    const double greatest = *std::ranges::max_element(terms);
+    const auto log_of = [&](double square, std::size_t scale) {
+        return terms[scale] - greatest + (best - square) * rates[scale];
+    };
+    std::size_t start = 0;
+    for (std::size_t kind = 0; kind < hole_kinds; ++kind) {
+        const std::size_t stop = start + static_cast<std::size_t>(library.counts[kind]);
+        double nearest = std::numeric_limits<double>::infinity(), most = -nearest, likely = 0.0, weights = 0.0;
+        for (std::size_t row = start; row < stop; ++row) nearest = std::min(nearest, squares[row]);
+        for (std::size_t i = 0; i < terms.size(); ++i) most = std::max(most, log_of(nearest, i));
+        for (std::size_t row = start; row < stop; ++row) {
+            double of = 0.0;
+            for (std::size_t i = 0; i < terms.size(); ++i)
+                if (const double log = log_of(squares[row], i); log > most + negligible) of += exponential(log);
+            likely += weight_of(library, row) * of, weights += weight_of(library, row);
+        }
+        evidence[kind] += weights > 0.0 ? logarithm(std::max(likely / weights, least)) : absent;
+        start = stop;
+    }
+}
+
 }  // namespace
 
 LikelyAlong likely_along(std::span<const double> windows, const SectionLibrary& library, const ChainRule& rule,
@@ -262,13 +336,13 @@ LikelyAlong likely_along(std::span<const double> windows, const SectionLibrary& 
     require(rule.stays >= 0.0 && rule.changes >= 0.0 && rule.stays + rule.changes < 1.0, "stays + changes",
             rule.stays + rule.changes, "must be probabilities whose sum is below 1");
     const Sections sections = arranged(library);
-    const Scales scales = scales_of(rule);
+    const Scales scales = scales_of(rule.likeness);
     std::vector<float> evidence(rows * sections.count());
     const auto temper = static_cast<float>(rule.temper);
     for_each_range(threads, static_cast<Index>(rows), batch, [&](int, Range range) {
         std::vector<Window> some;
         for (Index row = range.start; row < range.stop; ++row)
-            some.push_back(window_of(&windows[static_cast<std::size_t>(row) * section_parts], rule));
+            some.push_back(window_of<float>(&windows[static_cast<std::size_t>(row) * section_parts], rule.likeness));
         for (std::size_t i = 0; i < sections.count(); i += at_once)
             for (Index row = range.start; row < range.stop; ++row)
                 compare(some[static_cast<std::size_t>(row - range.start)], scales, &sections.of[i * section_parts],
@@ -280,6 +354,43 @@ LikelyAlong likely_along(std::span<const double> windows, const SectionLibrary& 
     go_forward(forward, rows, sections, rule);
     LikelyAlong out{std::vector<double>(rows * hole_kinds), std::vector<double>(rows), std::vector<double>(rows)};
     go_back(evidence, forward, rows, sections, rule, out);
+    return out;
+}
+
+LikelyKind likely_kind(std::span<const double> sections, const SectionLibrary& library, const ZoneRule& rule) {
+    const StandardArithmetic standard;
+    const std::size_t rows = sections.size() / section_parts, count = checked_count(library);
+    require(rows > 0 && sections.size() == rows * section_parts, "sections", static_cast<Index>(sections.size()),
+            "must be 32 lengths for each of one or more sections");
+    std::array<double, hole_kinds> evidence{};
+    double of_gauge = 0.0, of_any = 0.0, own = 0.0;
+    Index seen = 0;
+    std::vector<double> squares(count);
+    for (std::size_t row = 0; row < rows; ++row) {
+        const WindowOf<double> window = window_of<double>(&sections[row * section_parts], rule.likeness);
+        for (int i = 0; i < window.seen; ++i) own += window.parts[i].length * window.parts[i].length;
+        seen += window.seen;
+        compare_all(window, library.sections, squares);
+        const auto gauge = squares.begin() + library.counts[0];
+        const double best = *std::ranges::min_element(squares), counted = std::max(window.independent, 1.0);
+        of_any += best / counted / static_cast<double>(rows);
+        of_gauge += gauge == squares.begin()
+                        ? std::numeric_limits<double>::infinity()
+                        : *std::min_element(squares.begin(), gauge) / counted / static_cast<double>(rows);
+        add_evidence(squares, best, window.independent, library, rule.likeness, evidence);
+    }
+    std::array<double, hole_kinds> total{};
+    for (std::size_t kind = 0; kind < hole_kinds; ++kind)
+        total[kind] = logarithm(rule.prior[kind]) + evidence[kind] / static_cast<double>(rows);
+    const double explained = rule.explained * rule.explained;
+    if (of_gauge > explained) total[0] = -std::numeric_limits<double>::infinity();
+    const double most = *std::ranges::max_element(total);
+    LikelyKind out;
+    for (std::size_t kind = 0; kind < hole_kinds; ++kind) out.kinds[kind] = exponential(total[kind] - most);
+    const double all = sum_of(out.kinds);
+    for (double& kind : out.kinds) kind /= all;
+    own /= static_cast<double>(std::max(seen, Index{1})) * rule.likeness.rough * rule.likeness.rough;
+    out.sound = of_any <= std::max(explained, rule.resembles * rule.resembles * own);
     return out;
 }
 

@@ -1,33 +1,60 @@
-"""The chain of sections along a hole against transition matrices and least squares, section by section."""
+"""The chain along a hole against matrices of transition; the library and the kind of a zone against NumPy.
+
+Each section is compared by least squares.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from helibore import _core
-from helibore.base.arrays import Floats
+from helibore.base.arrays import Floats, Integers
 from helibore.base.errors import InputError
-from helibore.logs.likely_kinds import ALONG_PRIOR, EFFECTIVE, OFFSET, PARTS, ROUGH, SCALES, TEMPER
+from helibore.base.units import INCH
+from helibore.logs.likely_kinds import (
+    ALONG_PRIOR,
+    EFFECTIVE,
+    EXPLAINED,
+    LIKENESS,
+    OFFSET,
+    PARTS,
+    PRIOR,
+    RESEMBLES,
+    ROUGH,
+    SCALES,
+    TEMPER,
+    kind_probabilities,
+)  # fmt: skip
+from helibore.settings.zone_settings import CRITERIA_BIT, Criteria
 
 STAYS, CHANGES = 0.7, 0.05
-RULE = (STAYS, CHANGES, ROUGH, OFFSET, EFFECTIVE, TEMPER)
+CHAIN = (STAYS, CHANGES, TEMPER)
+FINE = 6 * PARTS  # toolfaces at which a section of the library is drawn
+BIT = 0.2159
 
 
-def evidence(window: Floats, section: Floats) -> float:
-    """Return the log of the evidence of a window for a section, by least squares over the offset of the tool."""
+def square_of(window: Floats, section: Floats) -> tuple[float, float]:
+    """Return chi^2 of a window and a section, by least squares over the tool's offset, and the parts that count."""
     seen = np.flatnonzero(np.isfinite(window))
     if not seen.size:
-        return 0.0
+        return 0.0, 0.0
     count = min(seen.size, EFFECTIVE)
     root = np.sqrt(count / seen.size) / ROUGH
     angle = seen * 2 * np.pi / PARTS
     rows = np.vstack([root * np.column_stack([np.cos(angle), np.sin(angle)]), np.eye(2) / OFFSET])
     off = np.append(root * (window - section)[seen], [0.0, 0.0])
     left = off - rows @ np.linalg.lstsq(rows, off, rcond=None)[0]
-    square = left @ left
+    return left @ left, count
+
+
+def evidence(window: Floats, section: Floats) -> float:
+    """Return the log of the evidence of a window for a section."""
+    square, count = square_of(window, section)
+    if not count:
+        return 0.0
     return max(np.log(share) - count * np.log(scale) - square / (2 * scale**2) for scale, share in SCALES.items())
 
 
@@ -51,9 +78,8 @@ def reference(windows: Floats, sections: Floats, kind: Floats, size: Floats) -> 
 
 def core(windows: Floats, sections: Floats, kind: Floats, size: Floats, threads: int = 1) -> tuple[Floats, ...]:
     a, b, c, d, e = np.bincount(kind, minlength=5).tolist()
-    kinds, mean, square = _core.likely_along(
-        windows.ravel(), sections.ravel(), (a, b, c, d, e), size, ALONG_PRIOR, RULE, list(SCALES.items()), threads
-    )
+    library = (sections.ravel(), (a, b, c, d, e), size, np.ones(size.size))
+    kinds, mean, square = _core.likely_along(windows.ravel(), library, ALONG_PRIOR, CHAIN, LIKENESS, threads)
     return kinds.reshape(-1, 5), mean, square
 
 
@@ -66,6 +92,143 @@ def made(seed: int, counts: tuple[int, ...], steps: int, seen: float) -> tuple[F
     return windows, sections, kind, rng.normal(0, 1e-3, kind.size)
 
 
+def library(bit: float, criteria: Criteria, even: bool) -> tuple[Floats, Integers, Floats]:
+    """Return all sections in all directions, their kinds and mean squared radii."""
+    fine, lower, higher = drawn(bit)
+    diameter = bit + fine[:, : FINE // 2] + fine[:, FINE // 2 :]
+    row, largest = np.arange(len(fine)), diameter.argmax(axis=1)
+    c1, c2 = diameter[row, largest], diameter[row, (largest + FINE // 4) % (FINE // 2)]
+    both = (lower > 0) & (2 * lower >= criteria.symmetry * (lower + higher))
+    kind = np.zeros(len(fine), dtype=np.int64)
+    kind[both & (c1 - c2 >= criteria.elongation)] = 2
+    kind[~both & (higher >= criteria.key_seat)] = 3
+    kind[c2 - bit >= criteria.washout] = 1
+    kind[diameter.min(axis=1) < bit - criteria.undergauge] = 4
+    first = len(kind) % PARTS  # after the round ones, each section comes in all directions
+    kind[first:] = np.repeat(kind[first::PARTS], PARTS)
+    part = (np.arange(FINE) * PARTS + FINE // 2) // FINE % PARTS
+    into = (part[:, None] == np.arange(PARTS)).astype(np.float64)
+    shapes = fine @ (into / into.sum(axis=0))
+    size = np.mean((bit / 2 + fine) ** 2, axis=1)
+    return (shapes + np.roll(shapes, PARTS // 2, axis=1)) / 2 if even else shapes, kind, size
+
+
+def drawn(bit_diameter: float) -> tuple[Floats, Floats, Floats]:
+    """Return radii less half the bit diameter, (m, FINE), and the heights of the lower and the higher lobe, metres."""
+    mm = 1e-3 * bit_diameter / CRITERIA_BIT
+    degrees = np.arange(FINE) * 360 / FINE
+    angle = np.radians(degrees)
+    away = np.abs((degrees + 180) % 360 - 180)
+    rounded = [(np.full(FINE, size), 0.0, 0.0) for size in
+               (-11, -8, -6, -4.5, -2.5, -1.2, 0, 1.2, 2.5, 4, 8, 11, 15, 20, 27, 36, 48)]  # fmt: skip
+    turned = [(size + half * np.cos(2 * angle), 0.0, 0.0) for size in (0, 2) for half in (1.5, 3, 4.5)]
+    turned += [(size + 2 * np.cos(2 * angle), 0.0, 0.0) for size in (-8, -5)]
+    turned += [
+        (size * (1 + share * np.cos(waves * angle)), 0.0, 0.0)
+        for size in (9, 14, 21, 30) for waves in (2, 3) for share in (0.15, 0.3)
+    ]  # fmt: skip
+    for wide in (30, 45, 65):
+        smooth = np.cos(np.radians(np.minimum(90 * away / wide, 90))) ** 2
+        for lobe in (smooth, np.clip(2.2 * (1 - away / wide), 0, 1)):
+            for base in (0, 1.5):
+                for high in (5, 9, 14, 19, 26, 35):
+                    turned += [
+                        (base + high * (lobe + share * np.roll(lobe, FINE // 2)), share * high, high)
+                        for share in (0.65, 1)
+                    ]
+                turned += [(base + high * lobe, 0.0, high) for high in (3.5, 5, 8, 12, 18, 26, 36)]
+    bit = 500 * CRITERIA_BIT
+    for pipe in (1750 * INCH, 2500 * INCH, 3250 * INCH):  # radius, mm
+        for deep in (5, 9, 14, 20, 28, 38):
+            centre = bit + deep - pipe
+            left = np.maximum(pipe**2 - (centre * np.sin(angle)) ** 2, 0)
+            reach = np.where((left > 0) & (np.cos(angle) > 0), centre * np.cos(angle) + np.sqrt(left), 0)
+            turned.append((np.maximum(reach - bit, 0), 0.0, deep))
+    turns = (np.arange(FINE) - np.arange(0, FINE, FINE // PARTS)[:, None]) % FINE
+    shapes, lower, higher = (np.array(column) for column in zip(*rounded, *turned, strict=True))
+    every = np.concatenate([shapes[: len(rounded)], shapes[len(rounded) :, turns].reshape(-1, FINE)])
+    times = np.repeat([1, len(turns)], [len(rounded), len(turned)])
+    return mm * every, mm * np.repeat(lower, times), mm * np.repeat(higher, times)
+
+
+def squares_of(sections: Floats, shapes: Floats) -> tuple[Floats, Floats]:
+    """Return `square_of` for all sections and shapes: what least squares leave, by a matrix that projects."""
+    squares, counts = np.empty((len(sections), len(shapes))), np.empty(len(sections))
+    for row, section in enumerate(sections):
+        seen = np.flatnonzero(np.isfinite(section))
+        counts[row] = min(seen.size, EFFECTIVE)
+        root = np.sqrt(counts[row] / seen.size) / ROUGH
+        angle = seen * 2 * np.pi / PARTS
+        offsets = np.vstack([root * np.column_stack([np.cos(angle), np.sin(angle)]), np.eye(2) / OFFSET])
+        off = np.column_stack([root * (section - shapes)[:, seen], np.zeros((len(shapes), 2))])
+        left = off - off @ offsets @ np.linalg.pinv(offsets)
+        squares[row] = (left * left).sum(axis=1)
+    return squares, counts
+
+
+@pytest.mark.parametrize("even", [False, True])
+@pytest.mark.parametrize("bit", [BIT, 0.104])
+@pytest.mark.parametrize("limits", [{}, {"elongation": 0.01, "washout": 0.03, "key_seat": 0.02, "undergauge": 0.001}])
+def test_the_library_is_the_one_drawn_with_numpy(bit, limits, even):
+    criteria = Criteria(**limits)
+    sections, counts, size, weight = _core.section_library(
+        bit,
+        (criteria.elongation, criteria.washout, criteria.key_seat, criteria.undergauge, criteria.symmetry),
+        even,
+    )
+    sections, kind = sections.reshape(-1, PARTS), np.repeat(np.arange(5), counts)
+    opposite = np.roll(sections[weight == 2], PARTS // 2, axis=1)
+    np.testing.assert_array_equal(opposite, sections[weight == 2])
+    assert not even or ((weight == 2) | (np.ptp(sections, axis=1) == 0)).all()
+    every, kinds, sizes = library(bit, criteria, even)
+    assert np.bincount(kind, weight, 5).tolist() == np.bincount(kinds, minlength=5).tolist()
+    for code in range(5):  # the same sections, in an order of their own
+        found, wanted = (
+            np.unique(np.column_stack([of, of_size]).round(9), axis=0)
+            for of, of_size in (
+                (sections[kind == code], size[kind == code]), (every[kinds == code], sizes[kinds == code]),
+            )
+        )  # fmt: skip
+        assert abs(len(found) - len(wanted)) <= 0.02 * len(wanted)  # rounding may part two equal sections
+        for a, b in ((found, wanted), (wanted, found)):
+            nearest = [np.abs(b - row).max(axis=1).min() for row in a[:: max(len(a) // 60, 1)]]
+            assert max(nearest, default=0.0) < 2e-9
+
+
+@pytest.mark.parametrize("even", [False, True])
+@pytest.mark.parametrize("seed", range(6))
+def test_the_kind_of_a_zone_is_that_of_numpy(even, seed):
+    criteria = Criteria()
+    every, kinds, _ = library(BIT, criteria, even)
+    rng = np.random.default_rng(seed)
+    sections = every[rng.integers(len(every))] + rng.normal(0, 0.002 * (1 + 3 * (seed == 5)), (3, PARTS))
+    sections[rng.random(sections.shape) > (0.2, 0.5, 1.0)[seed % 3]] = np.nan
+    squares, counts = squares_of(sections, every)
+    terms = np.array([np.log(share) - counts * np.log(scale) - squares.min(axis=1) / (2 * scale**2)
+                      for scale, share in SCALES.items()])  # fmt: skip
+    likely = sum(
+        np.exp(term - terms.max(axis=0))[:, None] * np.exp((squares.min(axis=1)[:, None] - squares) / (2 * scale**2))
+        for term, scale in zip(terms, SCALES, strict=True)
+    )
+    of_kinds = np.array([likely[:, kinds == code].mean(axis=1) for code in range(5)])
+    total = np.log(PRIOR) + np.log(np.maximum(of_kinds, 1e-300)).mean(axis=1)
+    misfit = squares / counts[:, None]
+    if misfit[:, kinds == 0].min(axis=1).mean() > EXPLAINED**2:
+        total[0] = -np.inf
+    odds = np.exp(total - total.max())
+    found, sound = kind_probabilities(sections, BIT, criteria, even)
+    np.testing.assert_allclose(found, odds / odds.sum(), atol=1e-9)
+    own = np.nanmean(sections**2) / ROUGH**2
+    assert sound == (misfit.min(axis=1).mean() <= max(EXPLAINED**2, RESEMBLES**2 * own))
+
+
+def test_a_zone_that_nothing_resembles_has_no_sound_kind():
+    far = np.where(np.arange(PARTS) % 2, 0.06, -0.06)[None, :]
+    assert not kind_probabilities(far, BIT, Criteria(), False)[1]
+    assert kind_probabilities(np.full((1, PARTS), 0.001), BIT, Criteria(), False)[1]
+
+
+@settings(max_examples=40)
 @given(
     st.integers(0, 2**32), st.tuples(*[st.integers(0, 11)] * 5).filter(any), st.integers(1, 40), st.floats(0, 1)
 )  # fmt: skip
