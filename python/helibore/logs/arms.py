@@ -21,6 +21,7 @@ from helibore.samples.caliper import Caliper
 FEW_ARMS = 8
 """A tool with few arms measures at most this many diameters; a tool with more diameters measures all around."""
 _SAME_AXIS = 1e-3  # degrees, to which toolfaces are rounded to compare them
+_DIRECTIONS = round(360 / _SAME_AXIS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,10 +98,10 @@ def _pairs(arms: Caliper) -> tuple[Integers, Floats, Floats, Floats, Floats]:
     numbers.
     """
     assert arms.arm is not None
-    turn, half = round(360 / _SAME_AXIS), round(180 / _SAME_AXIS)
-    toolface = np.rint(np.mod(arms.toolface, 360.0) / _SAME_AXIS).astype(np.int64) % turn
+    half = _DIRECTIONS // 2
+    toolface = np.rint(np.mod(arms.toolface, 360.0) / _SAME_AXIS).astype(np.int64) % _DIRECTIONS
     time = np.zeros(len(arms)) if arms.time is None else arms.time
-    order = np.lexsort((toolface, toolface % half, time, arms.depth))
+    order = _by_place(arms.depth, time, toolface % half * 2 + toolface // half)
     depth, time, toolface = arms.depth[order], time[order], toolface[order]
     other = (np.diff(depth) != 0) | (np.diff(time) != 0) | (np.diff(toolface) != 0)
     start = np.flatnonzero(np.concatenate([[True], other])[: order.size])
@@ -112,10 +113,24 @@ def _pairs(arms: Caliper) -> tuple[Integers, Floats, Floats, Floats, Floats]:
     second = first + 1
     axis = toolface[first] % half
     pair = np.minimum(number[first], number[second])
-    if np.unique(axis).size < np.unique(pair).size:  # arms share an axis, and one is missing in places
+    if np.count_nonzero(np.bincount(axis)) < np.unique(pair).size:  # arms share an axis, and one is missing in places
         pair = axis
     off = np.abs(radius[first] - radius[second])
     return pair, depth[first], radius[first] + radius[second], np.multiply(axis, _SAME_AXIS), off
+
+
+def _by_place(depth: Floats, time: Floats, direction: Integers) -> Integers:
+    """Return the order by depth, then time, then direction, which is a whole number below `_DIRECTIONS`.
+
+    The samples of a wall have the first two orders already; then one sort of nearly sorted numbers is enough.
+    """
+    deeper, later = np.diff(depth), np.diff(time)
+    if ((deeper < 0) | ((deeper == 0) & (later < 0))).any():
+        found: Integers = np.lexsort((direction, time, depth))
+        return found
+    place = np.concatenate([[0], np.cumsum((deeper != 0) | (later != 0))])[: depth.size]
+    order: Integers = np.argsort(place * _DIRECTIONS + direction, kind="stable")
+    return order
 
 
 def _means(at: Floats, columns: Floats, depth: Floats, height: float, reach: float) -> Floats:

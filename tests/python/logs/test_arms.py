@@ -12,10 +12,13 @@ from typing import Any
 import numpy as np
 import pytest
 from golden_texts import Golden
+from hypothesis import given
+from hypothesis import strategies as st
 from locations import SHARED
 
 import helibore as hb
 from helibore.files.facts import read_facts
+from helibore.logs.arms import _by_place
 from helibore.logs.turn_logs import NO_UNCERTAINTY
 from helibore.plot.diameters import diameters
 from helibore.simulation.hole import Breakout, Hole, Washout
@@ -305,3 +308,12 @@ def test_two_diameters_over_one_direction_show_no_side(alone: int) -> None:
     assert len(logs.arm_diameter) == 2
     np.testing.assert_allclose(logs.uneven, 0.0, atol=1e-12)
     assert "key seat" not in [zone.kind for zone in wall.zones().zones]
+
+
+@pytest.mark.parametrize("sort", [False, True])
+@given(st.lists(st.tuples(st.integers(0, 3), st.integers(0, 2), st.integers(0, 359_999)), max_size=30))
+def test_samples_are_in_the_order_of_depth_time_and_direction(sort: bool, places: list[tuple[int, int, int]]) -> None:
+    places = sorted(places, key=lambda place: place[:2]) if sort else places
+    depth, time, direction = np.array(places, dtype=np.int64).reshape(-1, 3).T
+    found = _by_place(depth.astype(float), time.astype(float), direction)
+    assert found.tolist() == sorted(range(len(places)), key=places.__getitem__)
