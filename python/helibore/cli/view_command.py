@@ -47,8 +47,8 @@ if TYPE_CHECKING:
 
 @click.command(
     cls=Sectioned,
-    common=(*SHOWN, "scalar", "template", "beside", "plan", "picks", "header", "well", "host", "port", "token", "token_file",
-            "browser", "html", "body", "sigma"),
+    common=(*SHOWN, "scalar", "template", "beside", "plan", "picks", "header", "well", "host", "port", "token",
+            "token_file", "browser", "html", "body", "sigma"),
 )  # fmt: skip
 @section("Options", QUIET)
 @section(
