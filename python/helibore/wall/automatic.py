@@ -1,9 +1,11 @@
 """``estimator="automatic"``: the cheapest estimator whose expected error is near the best.
 
-A covariance is fitted to the samples (`helibore.wall.covariance`). It gives the expected error, at random places of the
-wall, of any weighted mean of samples: of inverse distance, of kriging with several settings, and of kriging with near
-and far neighbours. The cheapest estimator within 3 % of the best is taken. Unlike samples that are left out, places
-between the arms of a tool need no sample to be judged.
+A covariance is fitted to the samples (`helibore.wall.covariance`). The expected errors of inverse distance, of kriging
+with several settings, and of kriging with near and far neighbours are compared. Where a tool measures all around the
+hole, samples that are left out show the errors, whatever the hole is like: the choice is that of `helibore.wall.tune`,
+unless near and far neighbours are certainly better. Between the arms of a tool there are no such samples. There the
+covariance gives the expected error, at random places of the wall, of any weighted mean of samples; the cheapest
+estimator within 3 % of the best is taken.
 """
 
 from __future__ import annotations
@@ -15,18 +17,31 @@ from typing import Any
 import numpy as np
 
 from helibore.base.arrays import Floats, Integers
+from helibore.base.thread_count import thread_count
 from helibore.samples.caliper import Caliper
 from helibore.settings.wall_settings import Settings
+from helibore.wall.continuation import leaves_most_unmeasured
 from helibore.wall.covariance import FEWEST, Covariance, Term, content_seed, fit_covariance
-from helibore.wall.estimates import Columns, find_kriging_range, in_depth_order
-from helibore.wall.near_and_far import Places
+from helibore.wall.estimates import (
+    FEWEST_SAMPLES,
+    Columns,
+    choose_left_out,
+    estimate_left_out,
+    find_kriging_range,
+    in_depth_order,
+)
+from helibore.wall.near_and_far import Places, estimate_near_and_far
+from helibore.wall.tune import compared, tuning_of
 
 NEAR_BEST = 1.03
 """An estimator whose expected error is at most this multiple of the best may be taken."""
+CERTAIN = 1.0
+"""Standard errors by which near and far neighbours must be better at samples that are left out."""
 NEIGHBORS = 16
 """Neighbours of kriging, and of each of the three sets of near and far neighbours."""
 _ANGULAR_SCALES, _NUGGETS = (1.0, 2.0, 4.0, 8.0), (0.003, 0.02, 0.1, 0.4, 4.0)
 _PLACES = 80
+_LEFT_OUT = 300
 _LONGEST = 60.0  # metres: the greatest distance that is found
 LABELS = {
     "inverse-distance": "inverse distance",
@@ -80,13 +95,15 @@ def choose(caliper: Caliper, settings: Settings) -> Choice:
     covariance = fit_covariance(samples)
     if covariance is None:
         return Choice(simple, {}, "all radii are equal")
+    full = near_and_far(covariance, settings)
+    if samples[0].size >= FEWEST_SAMPLES and not leaves_most_unmeasured(samples, simple):
+        return _by_samples_left_out(samples, simple, full, covariance.noise)
     depth = samples[0]
     rng = np.random.default_rng(content_seed(samples))
     places = list(
         zip(rng.uniform(depth[0], depth[-1], _PLACES).tolist(), rng.uniform(0.0, 360.0, _PLACES).tolist(), strict=True)
     )
     kriged, of_kriging = _best_kriging(samples, covariance, simple, places)
-    full = near_and_far(covariance, settings)
     of_full = Places(samples, covariance, NEIGHBORS, _limit(full))
     errors = {
         "inverse-distance": _expected(_inverse_distance(samples, covariance, simple, places)),
@@ -96,6 +113,25 @@ def choose(caliper: Caliper, settings: Settings) -> Choice:
     best = min(errors.values())
     chosen = next(name for name, error in errors.items() if error <= NEAR_BEST * best)
     return Choice({"inverse-distance": simple, "kriging": kriged, "near-and-far": full}[chosen], errors)
+
+
+def _by_samples_left_out(samples: Columns, simple: Settings, full: Settings, noise: float) -> Choice:
+    """Choose as `helibore.wall.tune` does, then near and far neighbours if they are certainly better.
+
+    The errors are those at samples that are left out with an empty box around them, less the variance of noise.
+    """
+    seed = content_seed(samples)
+    tuned = tuning_of(samples, simple, seed).best.settings
+    rows, boxes = choose_left_out(samples, simple, _LEFT_OUT, seed, "to choose")
+    found = [estimate_left_out(samples, rows, of, boxes, thread_count(None)).radius for of in (tuned, simple)]
+    found.append(estimate_near_and_far(samples, rows, full, boxes)[:, 0])
+    off = [of - samples[2][rows] for of in found]
+    of_tuned, of_simple, of_full = compared([tuned, simple, full], [off, off], samples[0][rows])
+    errors = {
+        of.settings.estimator: float(np.sqrt(max(of.box**2 - noise, 0.01 * noise)))
+        for of in (of_simple, of_tuned, of_full)
+    }
+    return Choice(full if of_full.gain_box > CERTAIN else tuned, errors)
 
 
 def near_and_far(covariance: Covariance, settings: Settings) -> Settings:

@@ -54,12 +54,7 @@ def find_continuation(samples: Columns, settings: Settings, seed: int) -> tuple[
         Log-likelihood of the best long covariance less that of the best short one, nats a block; NaN if they were not
         compared.
     """
-    depth, toolface, radius = samples
-    turns = max(_POSITIONS // settings.sectors, 1)
-    spread = Helix(depth[0], 0.0, max(float(np.ptp(depth)), 1e-6) / turns, settings.sectors)
-    count = turns * settings.sectors
-    gaps = _core.angular_gaps(spread, count, depth, toolface, settings.gap_reach, thread_count(None))
-    if np.mean(gaps > settings.largest_gap) <= MOST_UNMEASURED or np.ptp(radius) < 1e-9:
+    if not leaves_most_unmeasured(samples, settings) or np.ptp(samples[2]) < 1e-9:
         return None, np.nan
     likelihoods = dict(_likelihoods(samples, np.random.default_rng(seed)))
     long = [key for key in likelihoods if key[0] in LONG and key[1] >= LEAST_LONG_RANGE]
@@ -73,6 +68,16 @@ def find_continuation(samples: Columns, settings: Settings, seed: int) -> tuple[
         max_distance=reach,
     )  # fmt: skip
     return (found if gain > LEAST_GAIN else None), gain
+
+
+def leaves_most_unmeasured(samples: Columns, settings: Settings) -> bool:
+    """Return whether most of each turn has no sample within ``gap_reach`` and half the ``largest_gap``."""
+    depth, toolface, _ = samples
+    turns = max(_POSITIONS // settings.sectors, 1)
+    spread = Helix(depth[0], 0.0, max(float(np.ptp(depth)), 1e-6) / turns, settings.sectors)
+    count = turns * settings.sectors
+    gaps = _core.angular_gaps(spread, count, depth, toolface, settings.gap_reach, thread_count(None))
+    return bool(np.mean(gaps > settings.largest_gap) > MOST_UNMEASURED)
 
 
 def _likelihoods(samples: Columns, rng: np.random.Generator) -> Iterator[tuple[tuple[float, float, float], float]]:

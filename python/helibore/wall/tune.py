@@ -233,6 +233,11 @@ def cross_validate(wall: Wall, targets: int = 1000, threads: int | None = None) 
     return _tuning(in_depth_order(wall.samples), wall.settings, {}, targets, thread_count(threads), 0, FEW_BOXES)
 
 
+def tuning_of(samples: Columns, settings: Settings, seed: int, targets: int = 2000) -> Tuning:
+    """Return what `tune` finds for samples in the order of depth and settings that it may change."""
+    return _tuning(samples, settings, {}, targets, thread_count(None), seed, boxes=targets)
+
+
 def _tuning(
     samples: Columns, settings: Settings, fixed: dict[str, Any], targets: int, threads: int, seed: int, boxes: int
 ) -> Tuning:
@@ -241,7 +246,7 @@ def _tuning(
     kinds: tuple[Boxes | None, ...] = (None, around)
     if settings.estimator == "near-and-far":
         own = [[estimate_near_and_far(samples, rows, settings, each)[:, 0] - radius[rows]] for each in kinds]
-        candidates = _compared([settings], own, depth[rows])
+        candidates = compared([settings], own, depth[rows])
         return Tuning(candidates[0], candidates, rows.size)
     ranges: dict[float, float] = {}
 
@@ -266,7 +271,7 @@ def _tuning(
         tried.append(along)
         for each, of_kind in zip(kinds, errors, strict=True):
             of_kind.append(estimate_left_out(samples, rows, along, each, threads).radius - radius[rows])
-    candidates = _compared(tried, errors, depth[rows])
+    candidates = compared(tried, errors, depth[rows])
     if along:  # leaving samples out does not test the wall between arms
         return Tuning(candidates[-1], candidates, rows.size, gain)
     passed = [each for each in candidates if min(each.gain_alone, each.gain_box) > _STANDARD_ERRORS]
@@ -285,7 +290,7 @@ def _grid(first: Settings, fixed: dict[str, Any]) -> Iterator[tuple[Settings, tu
         yield replace(first, **chosen, angular_scale=scale), nuggets
 
 
-def _compared(tried: list[Settings], errors: list[list[Floats]], depth: Floats) -> tuple[Candidate, ...]:
+def compared(tried: list[Settings], errors: list[list[Floats]], depth: Floats) -> tuple[Candidate, ...]:
     """Compare each candidate with the first, sample by sample.
 
     Neighbouring errors are correlated. So the standard error counts all errors in one metre of hole as one error (in a
