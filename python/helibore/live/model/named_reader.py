@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
@@ -69,14 +70,15 @@ class NamedReader(SourceReader):
                     states[place, column] = INVALID
                 elif value is None or value == "" or value in self.source.nulls:
                     states[place, column] = NULL
-                elif isinstance(value, bool) or not isinstance(value, (int, float)) or not np.isfinite(value):
+                elif isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
                     states[place, column], bad[place] = INVALID, value
                 else:
                     states[place, column] = VALUE
                     values[place, column] = value * scale
             self._report_bad(name, bad, reading)
         for row in rows:
-            self._note(row)
+            if not row.keys() <= self._known:
+                self._note(row)
         if index is not None and INDEX in self._column:
             values[:, self._column[INDEX]], states[:, self._column[INDEX]] = index, VALUE
             self._unmeasured(states)
