@@ -130,18 +130,9 @@ py::array_t<std::uint8_t> measured(const std::tuple<double, double, double, Inde
 
 // The library as Python keeps it: sections, counts, size, weight.
 using GivenLibrary = std::tuple<Column, std::array<Index, hole_kinds>, Column, Column>;
-// rough, offset, effective, scales
-using GivenLikeness = std::tuple<double, double, double, std::array<std::array<double, 2>, 4>>;
-using GivenPrior = std::array<double, hole_kinds>;
-
 SectionLibrary library_of(const GivenLibrary& given) {
     const auto& [sections, counts, size, weight] = given;
     return {span_of(sections), counts, span_of(size), span_of(weight)};
-}
-
-LikenessRule likeness_of(const GivenLikeness& given) {
-    const auto& [rough, offset, effective, scales] = given;
-    return {rough, offset, effective, scales};
 }
 
 py::tuple section_library(double bit_diameter, const std::array<double, 5>& criteria, bool even) {
@@ -152,26 +143,22 @@ py::tuple section_library(double bit_diameter, const std::array<double, 5>& crit
                           array_of(std::move(drawn.weight)));
 }
 
-py::tuple likely_along(const Column& windows, const GivenLibrary& library, const GivenPrior& prior,
-                       const std::array<double, 3>& chain, const GivenLikeness& likeness, int threads) {
-    const auto& [stays, changes, temper] = chain;
-    const ChainRule rule{stays, changes, temper, prior, likeness_of(likeness)};
-    LikelyAlong found;
+py::tuple kinds_along(const Column& sections, double height, const Column& wanted, const GivenLibrary& library,
+                      int threads) {
+    KindsAlong found;
     {
         const WithoutGil released;
-        found = helibore::likely_along(span_of(windows), library_of(library), rule, threads);
+        found = helibore::kinds_along(span_of(sections), height, span_of(wanted), library_of(library), {}, threads);
     }
-    return py::make_tuple(array_of(std::move(found.kinds)), array_of(std::move(found.size)),
-                          array_of(std::move(found.size_square)));
+    return py::make_tuple(array_of(std::move(found.kinds)), array_of(std::move(found.seen)),
+                          array_of(std::move(found.size)), array_of(std::move(found.size_sigma)));
 }
 
-py::tuple likely_kind(const Column& sections, const GivenLibrary& library, const GivenPrior& prior,
-                      const std::array<double, 2>& zone, const GivenLikeness& likeness) {
-    const ZoneRule rule{zone[0], zone[1], prior, likeness_of(likeness)};
+py::tuple likely_kind(const Column& sections, const GivenLibrary& library) {
     LikelyKind found;
     {
         const WithoutGil released;
-        found = helibore::likely_kind(span_of(sections), library_of(library), rule);
+        found = helibore::likely_kind(span_of(sections), library_of(library));
     }
     return py::make_tuple(found.kinds, found.sound);
 }
@@ -188,10 +175,9 @@ void register_logs(py::module_& m) {
     m.def("angular_gaps", &angular_gaps, py::arg("helix"), py::arg("count"), py::arg("depth"), py::arg("toolface"),
           py::arg("reach"), py::arg("threads"));
     m.def("section_library", &section_library, py::arg("bit_diameter"), py::arg("criteria"), py::arg("even"));
-    m.def("likely_along", &likely_along, py::arg("windows"), py::arg("library"), py::arg("prior"), py::arg("chain"),
-          py::arg("likeness"), py::arg("threads"));
-    m.def("likely_kind", &likely_kind, py::arg("sections"), py::arg("library"), py::arg("prior"), py::arg("zone"),
-          py::arg("likeness"));
+    m.def("kinds_along", &kinds_along, py::arg("sections"), py::arg("height"), py::arg("wanted"), py::arg("library"),
+          py::arg("threads"));
+    m.def("likely_kind", &likely_kind, py::arg("sections"), py::arg("library"));
     m.def("measured", &measured, py::arg("helix"), py::arg("count"), py::arg("depth"), py::arg("toolface"),
           py::arg("of_samples"), py::arg("of_vertices"), py::arg("rule"), py::arg("threads"));
 }

@@ -115,21 +115,12 @@ def unworn_columns(
 ) -> dict[str, Floats]: ...
 
 Library = tuple[Floats, tuple[int, int, int, int, int], Floats, Floats]
-_OfKinds = tuple[float, float, float, float, float]
-_Likeness = tuple[float, float, float, list[tuple[float, float]]]
 
-def section_library(bit_diameter: float, criteria: _OfKinds, even: bool) -> Library: ...
-def likely_along(
-    windows: Floats,
-    library: Library,
-    prior: _OfKinds,
-    chain: tuple[float, float, float],
-    likeness: _Likeness,
-    threads: int,
-) -> tuple[Floats, Floats, Floats]: ...
-def likely_kind(
-    sections: Floats, library: Library, prior: _OfKinds, zone: tuple[float, float], likeness: _Likeness
-) -> tuple[list[float], bool]: ...
+def section_library(bit_diameter: float, criteria: tuple[float, float, float, float, float], even: bool) -> Library: ...
+def kinds_along(
+    sections: Floats, height: float, wanted: Floats, library: Library, threads: int
+) -> tuple[Floats, Integers, Floats, Floats]: ...
+def likely_kind(sections: Floats, library: Library) -> tuple[list[float], bool]: ...
 def passage_columns(
     helix: _Helix,
     radius: Floats,

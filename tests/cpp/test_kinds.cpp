@@ -12,12 +12,7 @@ using namespace helibore;
 
 namespace {
 
-const LikenessRule likeness{
-    .rough = 1.6e-3, .offset = 7e-3, .effective = 24.0, .scales = {{{1.0, 0.5}, {1.6, 0.3}, {2.6, 0.15}, {4.2, 0.05}}}};
-const ChainRule rule{
-    .stays = 0.9, .changes = 0.01, .temper = 0.7, .prior = {0.6, 0.1, 0.1, 0.1, 0.1}, .likeness = likeness};
-const ZoneRule zone_rule{
-    .explained = 2.6, .resembles = 0.35, .prior = {0.4, 0.15, 0.15, 0.15, 0.15}, .likeness = likeness};
+const ChainRule rule{.stays = 0.9, .changes = 0.1, .prior = {0.6, 0.1, 0.1, 0.1, 0.1}};
 
 // A gauge section and a round one that is 20 mm wider.
 struct Two {
@@ -30,8 +25,8 @@ void finds_the_wide_hole() {
     const Two two;
     std::vector<double> windows(100 * section_parts, std::numeric_limits<double>::quiet_NaN());
     for (std::size_t row = 0; row < 100; ++row) windows[row * section_parts + row % 7] = row < 50 ? 0.0 : 0.02;
-    const LikelyAlong one = likely_along(windows, two.library(), rule),
-                      three = likely_along(windows, two.library(), rule, 3);
+    const LikelyAlong one = likely_along(windows, 1.0, two.library(), rule),
+                      three = likely_along(windows, 1.0, two.library(), rule, 3);
     for (std::size_t row = 0; row < 100; ++row) {
         double all = 0.0;
         for (std::size_t kind = 0; kind < hole_kinds; ++kind) {
@@ -48,31 +43,34 @@ void extremes() {
     const Two two;
     std::vector<double> windows(2 * section_parts, 1e300);
     windows[0] = -1e300;
-    const LikelyAlong found = likely_along(windows, two.library(), rule);
+    const LikelyAlong found = likely_along(windows, 1.0, two.library(), rule);
     CHECK(std::isfinite(found.size[0]) && std::isfinite(found.kinds[1]));
-    CHECK(likely_along({}, two.library(), rule).size.empty());
+    CHECK(likely_along({}, 1.0, two.library(), rule).size.empty());
 }
 
 void refused() {
     const Two two;
     const std::vector<double> part(section_parts - 1);
     CHECK_THROWS(InputError, "windows = 31: must be 32 lengths for each window",
-                 likely_along(part, two.library(), rule));
+                 likely_along(part, 1.0, two.library(), rule));
     SectionLibrary none = two.library();
     none.counts = {};
-    CHECK_THROWS(InputError, "counts = 0: must be 1 or more in all", likely_along({}, none, rule));
+    CHECK_THROWS(InputError, "counts = 0: must be 1 or more in all", likely_along({}, 1.0, none, rule));
     none.counts = {-1, 3, 0, 0, 0};
-    CHECK_THROWS(InputError, "counts[0] = -1: must be 0 or more", likely_along({}, none, rule));
+    CHECK_THROWS(InputError, "counts[0] = -1: must be 0 or more", likely_along({}, 1.0, none, rule));
     ChainRule sure = rule;
     sure.stays = 1.0;
-    CHECK_THROWS(InputError, "stays + changes = 1.01: must be probabilities whose sum is below 1",
-                 likely_along({}, two.library(), sure));
+    CHECK_THROWS(InputError, "stays = 1: must lie between 0 and 1", likely_along({}, 1.0, two.library(), sure));
+    CHECK_THROWS(InputError, "length = 0: must be finite and above 0", likely_along({}, 0.0, two.library()));
+    CHECK_THROWS(InputError, "height = 0: must be finite and above 0", kinds_along({}, 0.0, {}, two.library()));
+    CHECK_THROWS(InputError, "sections has 31 values, 32 times wanted has 32: must be equal",
+                 kinds_along(part, 0.1, std::vector<double>(1), two.library()));
     const std::vector<double> weight{1.0, 0.0};
     SectionLibrary weighed = two.library();
     weighed.weight = weight;
-    CHECK_THROWS(InputError, "weight[1] = 0: must be finite and above 0", likely_along({}, weighed, rule));
+    CHECK_THROWS(InputError, "weight[1] = 0: must be finite and above 0", likely_along({}, 1.0, weighed, rule));
     CHECK_THROWS(InputError, "sections = 0: must be 32 lengths for each of one or more sections",
-                 likely_kind({}, two.library(), zone_rule));
+                 likely_kind({}, two.library()));
     CHECK_THROWS(InputError, "bit_diameter = 0: must be finite and above 0", section_library(0.0, {}, false));
 }
 
@@ -89,15 +87,31 @@ void a_weight_is_a_number_of_sections() {
     const SectionLibrary a{thrice, {1, 3, 0, 0, 0}, size, {}}, b{twice, {1, 2, 0, 0, 0}, twice_size, weight};
     std::vector<double> windows(20 * section_parts, std::numeric_limits<double>::quiet_NaN());
     for (std::size_t row = 0; row < 20; ++row) windows[row * section_parts + row % 7] = 0.012;
-    const LikelyAlong all = likely_along(windows, a, rule), few = likely_along(windows, b, rule);
+    const LikelyAlong all = likely_along(windows, 1.0, a, rule), few = likely_along(windows, 1.0, b, rule);
     for (std::size_t row = 0; row < 20; ++row) {
         CHECK(std::abs(all.kinds[row * hole_kinds] - few.kinds[row * hole_kinds]) < 1e-6);
         CHECK(std::abs(all.size[row] - few.size[row]) < 1e-6);
     }
-    const LikelyKind of_all = likely_kind(windows, a, zone_rule), of_few = likely_kind(windows, b, zone_rule);
+    const LikelyKind of_all = likely_kind(windows, a), of_few = likely_kind(windows, b);
     for (std::size_t kind = 0; kind < hole_kinds; ++kind)
         CHECK(std::abs(of_all.kinds[kind] - of_few.kinds[kind]) < 1e-12);
     CHECK(of_all.sound == of_few.sound);
+}
+
+// Turns of 0.1 m that see every part are windows of their own; what is far from a wanted turn is not compared.
+void only_wanted_turns_have_kinds() {
+    const Two two;
+    constexpr std::size_t turns = 1000;
+    std::vector<double> sections(turns * section_parts, 0.02), wanted(turns, 0.0);
+    wanted[0] = wanted[500] = wanted[999] = 1.0;
+    const KindsAlong found = kinds_along(sections, 0.1, wanted, two.library(), rule, 2);
+    for (std::size_t turn = 0; turn < turns; ++turn) {
+        CHECK(found.seen[turn] == 32);
+        CHECK(std::isnan(found.size[turn]) == (wanted[turn] == 0.0));
+        CHECK(wanted[turn] == 0.0 || std::abs(found.size[turn] - 0.02) < 1e-6);
+        CHECK(wanted[turn] == 0.0 || found.kinds[turn * hole_kinds + 1] > 0.99);
+    }
+    CHECK(kinds_along({}, 0.1, {}, two.library()).seen.empty());
 }
 
 void exponentials() {
@@ -116,6 +130,7 @@ int main() {
     extremes();
     refused();
     a_weight_is_a_number_of_sections();
+    only_wanted_turns_have_kinds();
     exponentials();
-    return 0;
+    return failures();
 }

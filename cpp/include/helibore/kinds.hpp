@@ -47,16 +47,17 @@ struct DrawnSections {
 DrawnSections section_library(double bit_diameter, const KindCriteria& criteria, bool even);
 
 struct LikenessRule {
-    double rough, offset;  // standard deviation of a part of the wall, and of the tool's centre, metres
-    double effective;      // most parts of a section that count
-    std::array<std::array<double, 2>, 4> scales;  // the hole differs so many times `rough` from the library; its prior
+    double rough = 1.6e-3, offset = 7e-3;  // standard deviation of a part of the wall, of the tool's centre, metres
+    double effective = 24.0;               // most parts of a section that count as independent
+    // The hole differs so many times `rough` from the library; the prior of this factor.
+    std::array<std::array<double, 2>, 4> scales{{{1.0, 0.5}, {1.6, 0.3}, {2.6, 0.15}, {4.2, 0.05}}};
 };
 
 struct ChainRule {
-    double stays, changes;                 // probability that the section stays the same, that it changes in its kind
-    double temper;                         // power of a window's evidence
-    std::array<double, hole_kinds> prior;  // probability of each kind without a sample
-    LikenessRule likeness;
+    double stays = 0.8, changes = 0.1;  // probability that the section is the same a metre on; if not, that its kind is
+    double temper = 0.7;                // power of a window's evidence, since windows differ from the library alike
+    std::array<double, hole_kinds> prior{0.68, 0.1, 0.1, 0.06, 0.06};  // of each kind, without a sample
+    LikenessRule likeness{};
 };
 
 // One row for each window.
@@ -65,17 +66,32 @@ struct LikelyAlong {
     std::vector<double> size, size_square;  // mean of the size and of its square among the likely sections
 };
 
-// `windows`: section_parts for each window, NaN where no sample lies. The result does not depend on `threads`, and its
-// probabilities err by less than 1e-4. Throws InputError if lengths differ, a number of the library is not finite, or
-// there are no sections.
-LikelyAlong likely_along(std::span<const double> windows, const SectionLibrary& library, const ChainRule& rule,
-                         int threads = 1);
+// `windows`: section_parts for each window, NaN where no sample lies; `length`: of a window, metres. The result does
+// not depend on `threads`, and its probabilities err by less than 1e-4. Throws InputError if lengths differ, a number
+// of the library is not finite, or there are no sections.
+LikelyAlong likely_along(std::span<const double> windows, double length, const SectionLibrary& library,
+                         const ChainRule& rule = {}, int threads = 1);
+
+// One row for each turn.
+struct KindsAlong {
+    std::vector<double> kinds;             // hole_kinds probabilities
+    std::vector<double> size, size_sigma;  // mean and standard deviation of the size among the likely sections
+    std::vector<Index> seen;               // parts of the turn's window that samples see
+};
+
+// Takes turns together in windows of 0.1 m, or up to 0.5 m where these see few parts, and chains the windows.
+// `sections`: section_parts for each turn; `height`: of a turn, metres. Turns whose `wanted` is 0 have NaN, unless one
+// in their window is wanted; windows up to 20 away decide as well. Throws InputError as likely_along does.
+KindsAlong kinds_along(std::span<const double> sections, double height, std::span<const double> wanted,
+                       const SectionLibrary& library, const ChainRule& rule = {}, int threads = 1);
 
 struct ZoneRule {
-    double explained;  // the hole may be gauge if a gauge section lies within so many times `rough`, rms
-    double resembles;  // no kind is sound if all sections differ by more than this share of the zone's own rms
-    std::array<double, hole_kinds> prior;  // above 0
-    LikenessRule likeness;
+    // The hole may be gauge if a gauge section lies within so many times `rough`, rms.
+    double explained = 2.6;
+    // No kind is sound if all sections differ by more than this share of the zone's own rms, and not in small.
+    double resembles = 0.35;
+    std::array<double, hole_kinds> prior{0.4, 0.15, 0.15, 0.15, 0.15};  // where turns meet a criterion; above 0
+    LikenessRule likeness{};
 };
 
 struct LikelyKind {
@@ -85,6 +101,6 @@ struct LikelyKind {
 
 // The kind of a zone, from one or more sections of its turns; NaN where no sample lies. Throws InputError as
 // likely_along does, and if there is no section.
-LikelyKind likely_kind(std::span<const double> sections, const SectionLibrary& library, const ZoneRule& rule);
+LikelyKind likely_kind(std::span<const double> sections, const SectionLibrary& library, const ZoneRule& rule = {});
 
 }  // namespace helibore

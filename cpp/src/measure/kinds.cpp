@@ -207,10 +207,20 @@ double sum_of(const OfKinds& kinds) {
     return all;
 }
 
+// From one window to the next: probability that the section stays, changes within its kind, or becomes any.
+struct Moves {
+    double stays, changes, leaves;
+    OfKinds prior;
+};
+
+Moves moves_over(double length, const ChainRule& rule) {
+    const double stays = exponential(length * logarithm(rule.stays)), changes = (1.0 - stays) * rule.changes;
+    return {stays, changes, 1.0 - stays - changes, rule.prior};
+}
+
 // Multiplies each row by the probability of its sections given the rows before: F = evidence (stays F' + what moves).
 // The sum of a row is not 1: the next row divides by it.
-void go_forward(std::vector<float>& forward, std::size_t rows, const Sections& library, const ChainRule& rule) {
-    const double leaves = 1.0 - rule.stays - rule.changes;
+void go_forward(std::vector<float>& forward, std::size_t rows, const Sections& library, const Moves& rule) {
     OfKinds sums{};
     for (std::size_t row = 0; row < rows; ++row) {
         float* const now = &forward[row * library.count()];
@@ -219,7 +229,7 @@ void go_forward(std::vector<float>& forward, std::size_t rows, const Sections& l
         const auto stays = static_cast<float>(row > 0 ? rule.stays / all : 0.0);
         for (std::size_t kind = 0; kind < hole_kinds; ++kind) {
             const double moves =
-                row > 0 ? rule.changes * sums[kind] / all + leaves * rule.prior[kind] : rule.prior[kind];
+                row > 0 ? rule.changes * sums[kind] / all + rule.leaves * rule.prior[kind] : rule.prior[kind];
             const auto moved = static_cast<float>(moves * static_cast<double>(library.each[kind]));
             Float4 sum = {};
             for (std::size_t i = library.starts[kind]; i < library.starts[kind + 1]; i += 4) {
@@ -236,8 +246,7 @@ void go_forward(std::vector<float>& forward, std::size_t rows, const Sections& l
 
 // Goes back from the last row, and writes what is likely in each.
 void go_back(const std::vector<float>& evidence, const std::vector<float>& forward, std::size_t rows,
-             const Sections& library, const ChainRule& rule, LikelyAlong& out) {
-    const double leaves = 1.0 - rule.stays - rule.changes;
+             const Sections& library, const Moves& rule, LikelyAlong& out) {
     std::vector<float> after(library.count(), 1.0f);
     for (std::size_t row = rows; row-- > 0;) {
         const float *const now = &forward[row * library.count()], *const given = &evidence[row * library.count()];
@@ -265,7 +274,7 @@ void go_back(const std::vector<float>& evidence, const std::vector<float>& forwa
         const auto stays = static_cast<float>(rule.stays / scale);
         for (std::size_t kind = 0; kind < hole_kinds; ++kind) {
             const double moves =
-                rule.changes * static_cast<double>(library.each[kind]) * beyond[kind] + leaves * from_any;
+                rule.changes * static_cast<double>(library.each[kind]) * beyond[kind] + rule.leaves * from_any;
             const auto moved = static_cast<float>(moves / scale);
             for (std::size_t i = library.starts[kind]; i < library.starts[kind + 1]; i += 4)
                 put(stays * four_at(&after[i]) + moved, &after[i]);
@@ -326,15 +335,17 @@ void add_evidence(const std::vector<double>& squares, double best, double indepe
 
 }  // namespace
 
-LikelyAlong likely_along(std::span<const double> windows, const SectionLibrary& library, const ChainRule& rule,
-                         int threads) {
+LikelyAlong likely_along(std::span<const double> windows, double length, const SectionLibrary& library,
+                         const ChainRule& rule, int threads) {
     const StandardArithmetic standard;
     require_threads(threads);
     const std::size_t rows = windows.size() / section_parts;
     require(windows.size() == rows * section_parts, "windows", static_cast<Index>(windows.size()),
             "must be 32 lengths for each window");
-    require(rule.stays >= 0.0 && rule.changes >= 0.0 && rule.stays + rule.changes < 1.0, "stays + changes",
-            rule.stays + rule.changes, "must be probabilities whose sum is below 1");
+    require(std::isfinite(length) && length > 0.0, "length", length, "must be finite and above 0");
+    require(rule.stays > 0.0 && rule.stays < 1.0, "stays", rule.stays, "must lie between 0 and 1");
+    require(rule.changes >= 0.0 && rule.changes <= 1.0, "changes", rule.changes, "must lie in [0, 1]");
+    const Moves moves = moves_over(length, rule);
     const Sections sections = arranged(library);
     const Scales scales = scales_of(rule.likeness);
     std::vector<float> evidence(rows * sections.count());
@@ -351,9 +362,9 @@ LikelyAlong likely_along(std::span<const double> windows, const SectionLibrary& 
             temper_row(&evidence[static_cast<std::size_t>(row) * sections.count()], sections, temper);
     });
     std::vector<float> forward = evidence;
-    go_forward(forward, rows, sections, rule);
+    go_forward(forward, rows, sections, moves);
     LikelyAlong out{std::vector<double>(rows * hole_kinds), std::vector<double>(rows), std::vector<double>(rows)};
-    go_back(evidence, forward, rows, sections, rule, out);
+    go_back(evidence, forward, rows, sections, moves, out);
     return out;
 }
 

@@ -14,24 +14,15 @@ from helibore import _core
 from helibore.base.arrays import Floats, Integers
 from helibore.base.errors import InputError
 from helibore.base.units import INCH
-from helibore.logs.likely_kinds import (
-    ALONG_PRIOR,
-    EFFECTIVE,
-    EXPLAINED,
-    LIKENESS,
-    OFFSET,
-    PARTS,
-    PRIOR,
-    RESEMBLES,
-    ROUGH,
-    SCALES,
-    TEMPER,
-    kind_probabilities,
-)  # fmt: skip
+from helibore.logs.likely_kinds import PARTS, kind_probabilities
 from helibore.settings.zone_settings import CRITERIA_BIT, Criteria
 
-STAYS, CHANGES = 0.7, 0.05
-CHAIN = (STAYS, CHANGES, TEMPER)
+# The numbers of cpp/include/helibore/kinds.hpp.
+ROUGH, OFFSET, EFFECTIVE, TEMPER = 1.6e-3, 7e-3, 24.0, 0.7
+SCALES = {1.0: 0.5, 1.6: 0.3, 2.6: 0.15, 4.2: 0.05}
+PRIOR, ALONG_PRIOR = (0.4, 0.15, 0.15, 0.15, 0.15), (0.68, 0.1, 0.1, 0.06, 0.06)
+EXPLAINED, RESEMBLES = 2.6, 0.35
+HEIGHT = 1.6  # metres; such a turn is a window of its own
 FINE = 6 * PARTS  # toolfaces at which a section of the library is drawn
 BIT = 0.2159
 
@@ -58,12 +49,16 @@ def evidence(window: Floats, section: Floats) -> float:
     return max(np.log(share) - count * np.log(scale) - square / (2 * scale**2) for scale, share in SCALES.items())
 
 
-def reference(windows: Floats, sections: Floats, kind: Floats, size: Floats) -> tuple[Floats, Floats]:
-    """Return the probabilities of the kinds, and the mean size, by matrices of transition."""
+def reference(
+    windows: Floats, sections: Floats, kind: Floats, size: Floats, length: float = HEIGHT
+) -> tuple[Floats, Floats, Floats]:
+    """Return the probabilities of the kinds, mean and standard deviation of the size, by matrices of transition."""
+    stays = 0.8**length
+    changes = 0.1 * (1 - stays)
     each = np.bincount(kind, minlength=5)
     prior = np.array(ALONG_PRIOR)[kind] / each[kind]
     alike = (kind[:, None] == kind) / each[kind]
-    moves = STAYS * np.eye(len(kind)) + CHANGES * alike + (1 - STAYS - CHANGES) * prior
+    moves = stays * np.eye(len(kind)) + changes * alike + (1 - stays - changes) * prior
     logs = np.array([[evidence(window, section) for section in sections] for window in windows])
     given_ = np.exp(TEMPER * (logs - logs.max(axis=1, keepdims=True)))
     forward, backward = [prior * given_[0]], [np.ones(len(kind))]
@@ -73,14 +68,18 @@ def reference(windows: Floats, sections: Floats, kind: Floats, size: Floats) -> 
         backward.append(moves @ (row * backward[-1]) / backward[-1].max())
     both = np.array(forward) * np.array(backward[::-1])
     both /= both.sum(axis=1, keepdims=True)
-    return np.array([both[:, kind == code].sum(axis=1) for code in range(5)]).T, both @ size
+    mean = both @ size
+    sigma = np.sqrt((both * (size - mean[:, None]) ** 2).sum(axis=1))
+    return np.array([both[:, kind == code].sum(axis=1) for code in range(5)]).T, mean, sigma
 
 
-def core(windows: Floats, sections: Floats, kind: Floats, size: Floats, threads: int = 1) -> tuple[Floats, ...]:
+def core(
+    windows: Floats, sections: Floats, kind: Floats, size: Floats, threads: int = 1, height: float = HEIGHT
+) -> tuple[Floats, ...]:
     a, b, c, d, e = np.bincount(kind, minlength=5).tolist()
     library = (sections.ravel(), (a, b, c, d, e), size, np.ones(size.size))
-    kinds, mean, square = _core.likely_along(windows.ravel(), library, ALONG_PRIOR, CHAIN, LIKENESS, threads)
-    return kinds.reshape(-1, 5), mean, square
+    kinds, _, mean, sigma = _core.kinds_along(windows.ravel(), height, np.ones(len(windows)), library, threads)
+    return kinds.reshape(-1, 5), mean, sigma
 
 
 def made(seed: int, counts: tuple[int, ...], steps: int, seen: float) -> tuple[Floats, Floats, Floats, Floats]:
@@ -234,16 +233,31 @@ def test_a_zone_that_nothing_resembles_has_no_sound_kind():
 )  # fmt: skip
 def test_the_chain_equals_matrices_of_transition(seed, counts, steps, seen):
     windows, sections, kind, size = made(seed, counts, steps, seen)
-    kinds, mean, square = core(windows, sections, kind, size)
-    prior, sized = reference(windows, sections, kind, size)
+    kinds, mean, sigma = core(windows, sections, kind, size)
+    prior, sized, spread = reference(windows, sections, kind, size)
     absent = np.array(counts) == 0
     np.testing.assert_allclose(kinds, prior, atol=1e-4)
     assert not kinds[:, absent].any()
     np.testing.assert_allclose(mean, sized, atol=1e-6)
-    assert (square >= mean**2 - 1e-12).all()
+    np.testing.assert_allclose(sigma, spread, atol=1e-5)
 
 
-def test_the_result_does_not_depend_on_threads_or_on_how_many_windows_follow_far_away():
+@pytest.mark.parametrize(("seen", "together"), [(0.6, 1), (0.25, 3), (0.02, 5)])
+def test_turns_that_see_few_parts_are_taken_together(seen, together):
+    turns, sections, kind, size = made(4, (4, 3, 2, 3, 2), 47, seen)
+    windows = np.full((-(-47 // together), PARTS), np.nan)
+    for row in range(len(windows)):
+        for part in range(PARTS):
+            values = turns[row * together : (row + 1) * together, part]
+            if np.isfinite(values).any():
+                windows[row, part] = values[np.isfinite(values)].mean()
+    kinds, mean, _ = core(turns, sections, kind, size, height=0.1)
+    prior, sized, _ = reference(windows, sections, kind, size, together * 0.1)
+    np.testing.assert_allclose(kinds, np.repeat(prior, together, axis=0)[:47], atol=1e-4)
+    np.testing.assert_allclose(mean, np.repeat(sized, together)[:47], atol=1e-6)
+
+
+def test_the_result_does_not_depend_on_threads():
     windows, sections, kind, size = made(1, (9, 5, 8, 7, 3), 300, 0.4)
     one = core(windows, sections, kind, size)
     for threads in (2, 3):
