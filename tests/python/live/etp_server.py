@@ -93,7 +93,7 @@ class Server:
         self.damaged: set[int] = set()
         self.extra: list[bytes] = []  # messages to be sent as they are
         self.asked: list[str] = []
-        self.sent = 0
+        self.sent, self.subscriptions = 0, 0
         self._stop = threading.Event()
         self._serving = serve(self._serve, "127.0.0.1", port, subprotocols=[version], process_request=self._admit,
                               compression=None)  # fmt: skip
@@ -159,6 +159,7 @@ class Server:
                         start = one["startIndex"]["item"]
                         at = self.first if start is None else round((start - FIRST) / STEP)
                         done[one["channelId"]] = at if self.backfills or start is None else max(at, self.count)
+                    self.subscriptions += 1
                 elif name == "GetRanges":
                     for one in body["channelRanges"]:
                         ends = (one["interval"][end]["item"] for end in ("startIndex", "endIndex"))

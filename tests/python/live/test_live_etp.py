@@ -69,13 +69,12 @@ def test_a_new_connection_goes_on_where_the_last_ended(server, tmp_path, backfil
     with Running(settings(server), tmp_path) as running:
         if not backfills:
             server.count = 0
-            until(lambda: running.server.states["rig"].startswith("connected"))
+            until(lambda: server.subscriptions == 1)
             server.count = 200
         until(lambda: running.live.wall.sample_count == 200)
     server.count = 350
     with Running(settings(server), tmp_path) as again:
-        until(lambda: again.live.model.counts["connections rig"] == 2)
-        time.sleep(0.1)
+        until(lambda: server.subscriptions == 2)
         server.count = 400
         until(lambda: again.live.wall.sample_count >= 400)
         until(lambda: again.live.model.readers[1].position()["RAD"] == pytest.approx(100.399))
