@@ -72,8 +72,8 @@ if TYPE_CHECKING:  # the same names as below
     from helibore.wall.append_result import Change as Change
     from helibore.wall.load import load as load
     from helibore.wall.points import PointValues as PointValues
-    from helibore.wall.tune import Tuning as Tuning
     from helibore.wall.tune import tune as tune
+    from helibore.wall.tuning import Tuning as Tuning
     from helibore.wall.wall import Wall as Wall
 
 _load, _, __all__ = lazy_loader.attach(
@@ -118,7 +118,8 @@ _load, _, __all__ = lazy_loader.attach(
         "wall.append_result": ["Change"],
         "wall.load": ["load"],
         "wall.points": ["PointValues"],
-        "wall.tune": ["Tuning", "tune"],
+        "wall.tune": ["tune"],
+        "wall.tuning": ["Tuning"],
         "wall.wall": ["Wall"],
     },
 )

@@ -424,7 +424,8 @@ def read_path(run: Run) -> None:
 
 def _tune(run: Run, wall: Settings, caliper: Caliper, threads: int | None) -> Settings:
     """Return the settings of the wall that `helibore.tune` finds, and give them to the run."""
-    from helibore.wall.tune import TUNED, tune
+    from helibore.wall.tune import tune
+    from helibore.wall.tuning import TUNED
 
     usual = {"max_distance": Settings.max_distance}  # a default, not chosen by the user
     fixed = {name: of for name, of in vars(wall).items() if name not in TUNED and usual.get(name) != of}

@@ -2,10 +2,10 @@
 
 A covariance is fitted to the samples (`helibore.wall.covariance`). The expected errors of inverse distance, of kriging
 with several settings, and of kriging with near and far neighbours are compared. Where a tool measures all around the
-hole, samples that are left out show the errors, whatever the hole is like: the choice is that of `helibore.wall.tune`,
-unless near and far neighbours are certainly better. Between the arms of a tool there are no such samples. There the
-covariance gives the expected error, at random places of the wall, of any weighted mean of samples; the cheapest
-estimator within 3 % of the best is taken.
+hole, samples that are left out show the errors, whatever the hole is like: the choice is that of
+`helibore.wall.tuning`, unless near and far neighbours are certainly better. Between the arms of a tool there are no
+such samples. There the covariance gives the expected error, at random places of the wall, of any weighted mean of
+samples; the cheapest estimator within 3 % of the best is taken.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from helibore.wall.estimates import (
     in_depth_order,
 )
 from helibore.wall.near_and_far import Places, estimate_near_and_far
-from helibore.wall.tune import compared, tuning_of
+from helibore.wall.tuning import compared, tuning_of
 
 NEAR_BEST = 1.03
 """An estimator whose expected error is at most this multiple of the best may be taken."""
