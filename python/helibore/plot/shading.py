@@ -127,14 +127,15 @@ def _resample(values: Floats, sectors: int, turn: Floats, around: Floats) -> Flo
     grid = values[: turns * sectors].reshape(turns, sectors, -1).astype(np.float32)
     column = np.arange(sectors)
     low, weights = _spline(turn[:, None] - column / sectors)
-    by_column = sum(
-        weight[..., None] * grid[np.clip(low + step, 0, turns - 1), column] for step, weight in enumerate(weights, -1)
-    )
+    by_column: Floats32 = np.zeros((turn.size, sectors, grid.shape[2]), dtype=np.float32)
+    for step, weight in enumerate(weights, -1):
+        by_column += weight[..., None] * grid[np.clip(low + step, 0, turns - 1), column]
     low, weights = _spline(around * sectors)
     across = np.zeros((sectors, around.size), dtype=np.float32)
     for step, weight in enumerate(weights, -1):
         across[(low + step) % sectors, np.arange(around.size)] += weight
-    return np.moveaxis(by_column, 2, 0) @ across
+    smooth: Floats32 = np.moveaxis(by_column, 2, 0) @ across
+    return smooth
 
 
 def _spline(at: Floats) -> tuple[Integers, tuple[Floats32, ...]]:

@@ -127,7 +127,7 @@ def _by_samples_left_out(samples: Columns, simple: Settings, full: Settings, noi
     found.append(estimate_near_and_far(samples, rows, full, boxes)[:, 0])
     off = [of - samples[2][rows] for of in found]
     of_tuned, of_simple, of_full = compared([tuned, simple, full], [off, off], samples[0][rows])
-    errors = {
+    errors: dict[str, float] = {
         of.settings.estimator: float(np.sqrt(max(of.box**2 - noise, 0.01 * noise)))
         for of in (of_simple, of_tuned, of_full)
     }
