@@ -80,8 +80,8 @@ class Settings(Declared, group="wall"):
         "slopes. Its radius may lie outside the radii used, by at most half of their range. 'near-and-far' is kriging "
         "by ``covariance``, with neighbours that are near in the metric of its first term, near in that of its second "
         "term, and far on all sides; a larger ``max_distance`` lets it use a shape that continues along the hole. "
-        "'automatic' fits a covariance to the samples and takes the cheapest of the three whose expected error is "
-        "within 3 % of the best; a live wall must be given one of the three.",
+        "'automatic' fits a covariance to the samples and takes that of the three whose error is least, by samples "
+        "that are left out or, between arms, by the covariance; a live wall must be given one of the three.",
     ] = "inverse-distance"  # fmt: skip
     kriging_range: Annotated[float | None, METRES, POSITIVE, Option("helibore finds it"),
         "Distance from which two radii are not correlated. It counts in the metric of ``angular_scale`` (the "
