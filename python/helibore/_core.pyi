@@ -114,13 +114,15 @@ def unworn_columns(
     radius: Floats, sectors: int, start_toolface: float, bit_diameter: float, counts: Floats, threads: int
 ) -> dict[str, Floats]: ...
 
-Library = tuple[Floats, tuple[int, int, int, int, int], Floats, Floats]
+_Library = tuple[Floats, tuple[int, int, int, int, int], Floats, Floats]
 
-def section_library(bit_diameter: float, criteria: tuple[float, float, float, float, float], even: bool) -> Library: ...
+def section_library(
+    bit_diameter: float, criteria: tuple[float, float, float, float, float], even: bool
+) -> _Library: ...
 def kinds_along(
-    sections: Floats, height: float, wanted: Floats, library: Library, threads: int
+    sections: Floats, height: float, wanted: Floats, library: _Library, threads: int
 ) -> tuple[Floats, Integers, Floats, Floats]: ...
-def likely_kind(sections: Floats, library: Library) -> tuple[list[float], bool]: ...
+def likely_kind(sections: Floats, library: _Library) -> tuple[list[float], bool]: ...
 def passage_columns(
     helix: _Helix,
     radius: Floats,

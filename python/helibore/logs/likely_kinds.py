@@ -86,7 +86,9 @@ def kinds_along(
 
 
 @lru_cache(maxsize=4)
-def _library(bit_diameter: float, criteria: Criteria, even: bool) -> _core.Library:
+def _library(
+    bit_diameter: float, criteria: Criteria, even: bool
+) -> tuple[Floats, tuple[int, int, int, int, int], Floats, Floats]:
     """Return sections, how many are of each kind, their mean squared radii, and how many directions each stands for."""
     limits = (criteria.elongation, criteria.washout, criteria.key_seat, criteria.undergauge, criteria.symmetry)
     return _core.section_library(bit_diameter, limits, even)
