@@ -151,22 +151,23 @@ def where_saved(picks: Path | None) -> str:
     return f"not saved in {picks}: its folder cannot be written; click Download on the page to keep the picks"
 
 
-def section_printer(wall: Wall, drawing: dict[str, Any]) -> Callable[[float, float, str, int | None], bytes]:
-    """Return a function that draws the wall and its picks between two depths and returns the PDF.
+def section_printer(wall: Wall, drawing: dict[str, Any]) -> Callable[..., bytes]:
+    """Return a function that draws the wall and its picks between two depths, as pages of a PDF or as one SVG picture.
 
     If several threads call this function, only one thread draws at a time.
     """
     lock = Lock()
 
-    def draw(start: float, stop: float, unit: str, scale: int | None) -> bytes:
-        from helibore.plot import pages, rendered
+    def draw(start: float, stop: float, unit: str, scale: int | None, ending: str = ".pdf") -> bytes:
+        from helibore.plot import log, pages, rendered
 
         top, bottom = sorted((float(wall.depth[0]), float(wall.depth[-1])))
         if stop <= top or start >= bottom:
             raise InputError(f"section {start:g} to {stop:g} m", f"the wall reaches from {top:g} to {bottom:g} m")
         with lock:
-            figures = pages(wall, start=max(start, top), stop=min(stop, bottom), unit=unit, scale=scale, **drawing)
-            return rendered(figures, ".pdf")
+            options = {"start": max(start, top), "stop": min(stop, bottom), "unit": unit, "scale": scale, **drawing}
+            figures = pages(wall, **options) if ending == ".pdf" else [log(wall, **options, polar=(), body=())]
+            return rendered(figures, ending)
 
     return draw
 

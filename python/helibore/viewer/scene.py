@@ -247,7 +247,8 @@ class Scene:
         A function that returns the channels of the rig.
     draw_pages
         A function that returns a section as a PDF. It takes the two depths, the units of the page and the scale (None:
-        a scale that the function chooses). None: a page cannot print.
+        a scale that the function chooses); with a fifth argument ".svg", it returns an SVG picture. None: a page cannot
+        print.
     write_mesh
         A function that returns a section, between two depths, as a GLB file. None: a page offers no mesh.
     """
@@ -258,7 +259,7 @@ class Scene:
         self.listeners: list[Callable[[int, int, int], None]] = []
         self.summarize: Callable[[float, float], dict[str, Any]] | None = None
         self.read_channels: Callable[[], list[ShownChannel]] = list
-        self.draw_pages: Callable[[float, float, str, int | None], bytes] | None = None
+        self.draw_pages: Callable[..., bytes] | None = None
         self.write_mesh: Callable[[float, float], bytes] | None = None
         self.begun = False
         self.state = RunState()

@@ -662,3 +662,69 @@ def test_tops_cross_all_tracks_and_the_plan_runs_beside_the_hole(browser: Any, t
         screen.settle()
         assert screen.evaluate(picture) != with_plan
         screen.close()
+
+
+# Plays a video in the page: how long it is, and how many colours its last frame has.
+PLAYED = """(base64) => new Promise((done, failed) => {
+  const video = document.createElement('video');
+  video.muted = true;
+  video.onerror = () => failed(new Error(video.error.message));
+  video.onended = () => {
+    const canvas = document.createElement('canvas');
+    Object.assign(canvas, { width: video.videoWidth, height: video.videoHeight });
+    const ink = canvas.getContext('2d');
+    ink.drawImage(video, 0, 0);
+    const { left, width, height } = window.__wall.app.renderer.rects.wall;
+    const { data } = ink.getImageData(left + width / 4, height / 4, width / 2, height / 2);
+    const found = new Set();
+    for (let i = 0; i < data.length; i += 4) found.add([0, 1, 2].map((c) => data[i + c] >> 3).join());
+    done([video.currentTime, canvas.width, canvas.height, found.size]);
+  };
+  video.src = `data:video/webm;base64,${base64}`;
+  video.play();
+})"""
+
+
+def test_a_flight_is_filmed(browser: Any, viewer: Any) -> None:
+    screen = Screen(browser, viewer.url, "#md=1010&sec=5", (1100, 560))
+    screen.evaluate("window.__wall.app.view.choose({ camera: 'down' })")
+    screen.settle()
+    with screen.page.expect_download() as download:
+        screen.click("#film")
+        screen.until("window.__wall.app.view.top > 1008")
+        screen.click("#film")
+    assert download.value.suggested_filename.endswith(".webm")
+    body = Path(download.value.path()).read_bytes()
+    assert body[:4] == b"\x1a\x45\xdf\xa3"
+    seconds, width, height, colours = screen.evaluate(PLAYED, base64.b64encode(body).decode())
+    assert seconds > 0.2
+    assert [width, height - 26] == screen.evaluate("[stage.clientWidth, stage.clientHeight]")
+    assert colours > 20, "the wall is in it, not only the ink"
+    assert screen.inner_text("#fly") == "Fly"
+    screen.close()
+
+
+def test_the_tracks_in_view_are_saved_as_a_vector_picture(browser: Any, viewer: Any) -> None:
+    asked: list[tuple[Any, ...]] = []
+    viewer.scene.draw_pages = lambda *wanted: asked.append(wanted) or b"<svg/>"
+    viewer.scene.update_state(prints=True)
+    screen = Screen(browser, viewer.url, "#md=1010&sec=20", (1366, 768), drawn=False)
+    screen.settle()
+    with screen.page.expect_download() as download:
+        screen.click("#svg")
+    assert Path(download.value.path()).read_bytes() == b"<svg/>"
+    assert download.value.suggested_filename == "log-1000.0-1020.0.svg"
+    assert asked[0][:3] == (1000.0, 1020.0, "mm")
+    assert asked[0][-1] == ".svg"
+    screen.close()
+
+
+def test_the_vector_picture_holds_the_tracks_and_nothing_below_them() -> None:
+    depth = np.arange(2000.0, 2040.0, 0.02)
+    wall = hb.reconstruct(
+        hb.Caliper(depth, depth * 1800 % 360, np.full(depth.size, 0.11)), bit_diameter=0.216, sectors=32
+    )
+    picture = section_printer(wall, {"title": "A"})(2010.0, 2014.0, "mm", 100, ".svg")
+    assert b"<svg" in picture[:600]
+    height = float(re.search(rb'height="([\d.]+)pt"', picture)[1]) / 72 * 25.4  # type: ignore[index]
+    assert 40 < height < 40 + 130, "4 m at 1:100, header and foot"

@@ -45,9 +45,9 @@ export function fly({ view, store }, steps) {
   return view.top !== top;
 }
 
-// Fly until the end of the wall, or until this is called again.
-/** @param {App} app */
-export function toggleFlight(app) {
+// Fly until the end of the wall, or until this is called again; then call `landed`.
+/** @param {App} app @param {() => void} [landed] */
+export function toggleFlight(app, landed = () => {}) {
   const button = byId('fly');
   const on = button.classList.toggle('on');
   button.textContent = on ? 'Stop' : 'Fly';
@@ -56,9 +56,10 @@ export function toggleFlight(app) {
     const now = performance.now();
     const seconds = Math.min(0.25, (now - before) / 1000);
     before = now;
-    if (!button.classList.contains('on')) return;
-    if (isInside(app.view) && (seconds === 0 || fly(app, (SPEED / STEP) * seconds))) requestAnimationFrame(next);
-    else toggleFlight(app);
+    if (!button.classList.contains('on')) return landed();
+    if (isInside(app.view) && (seconds === 0 || fly(app, (SPEED / STEP) * seconds))) return requestAnimationFrame(next);
+    toggleFlight(app);
+    return landed();
   };
   if (on) requestAnimationFrame(next);
 }

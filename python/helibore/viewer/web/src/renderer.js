@@ -51,6 +51,8 @@ export class Renderer {
   gpu = null; // null without WebGL 2
   /** @type {import('./camera.js').Orbit | null} */
   controls = null;
+  /** @type {((look: Look, drawn: boolean) => void) | null} */
+  filmed = null; // takes each frame
   /** @type {number | undefined} */
   sharpening = undefined; // timer of a sharp picture after a coarse one
   /** @type {Record<'unseen' | 'glowing' | 'addressing', number | undefined>} */
@@ -158,9 +160,11 @@ export class Renderer {
     if (this.stale) this.arrange();
     if (!this.fitted) this.fit();
     const look = this.look();
-    if (gpu && this.stale) this.paint(gpu, look);
+    const painted = this.stale;
+    if (gpu && painted) this.paint(gpu, look);
     this.stale = false;
     this.drawInk(look);
+    this.filmed?.(look, painted);
     this.drawPanels(look);
     this.frames++;
     if (this.firstPicture === null && look.imagePieces.length) this.firstPicture = performance.now();

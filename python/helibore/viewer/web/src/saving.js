@@ -3,6 +3,7 @@
 import { messageOf } from './errors.js';
 import { pen, pixelRatio } from './device.js';
 import { byId } from './dom.js';
+import { toggleFlight } from './inside.js';
 import { BOLD, PALETTES } from './layout.js';
 import { showSpan } from './units.js';
 
@@ -21,7 +22,8 @@ export function bindSaving(app) {
     event.preventDefault();
     if (app.store) savePicture(app);
   });
-  for (const id of /** @type {const} */ (['csv', 'export', 'glb', 'print', 'printAll'])) {
+  byId('film').addEventListener('click', () => film(app));
+  for (const id of /** @type {const} */ (['csv', 'export', 'glb', 'print', 'printAll', 'svg'])) {
     byId(id).addEventListener('click', (event) => {
       event.preventDefault();
       const { view, store } = app;
@@ -34,26 +36,54 @@ export function bindSaving(app) {
 
 const BAND = 26; // pixels above the picture, for its words
 
-// Save what the stage shows, in its own pixels, under a line with the well and the section.
-/** @param {App} app */
-function savePicture({ renderer, view, store }) {
-  const look = renderer.look();
+// Draw what the stage shows, in its own pixels, under a line with the well and the section. `drawn`: WebGL was drawn in this
+// turn of the loop, until the end of which the browser has the picture.
+/** @param {App} app @param {Canvas} canvas @param {Look} look @param {boolean} drawn */
+function copyStage({ renderer: { gpu }, view, store }, canvas, look, drawn) {
   const inks = byId('ink');
   const ratio = pixelRatio(inks);
-  const canvas = document.createElement('canvas');
-  Object.assign(canvas, { width: inks.width, height: inks.height + BAND * ratio });
+  const height = inks.height + BAND * ratio;
+  if (canvas.width !== inks.width || canvas.height !== height) Object.assign(canvas, { width: inks.width, height });
   const ink = pen(canvas);
   const palette = PALETTES[view.theme];
+  ink.resetTransform();
   ink.fillStyle = palette.paper;
-  ink.fillRect(0, 0, canvas.width, canvas.height);
-  renderer.gpu?.draw(look); // in this turn of the loop: the browser then still has the picture
-  if (renderer.gpu) ink.drawImage(renderer.gpu.canvas, 0, BAND * ratio, inks.width, inks.height);
+  ink.fillRect(0, 0, canvas.width, height);
+  if (!drawn) gpu?.draw(look);
+  if (gpu) ink.drawImage(gpu.canvas, 0, BAND * ratio, inks.width, inks.height);
   ink.drawImage(inks, 0, BAND * ratio);
   ink.scale(ratio, ratio);
   ink.font = BOLD;
   ink.fillStyle = palette.ink;
-  ink.fillText(`${byId('well').title || 'helibore'}   MD ${showSpan(Math.max(view.top, store.span[0]), Math.min(view.bottom, store.span[1]), view.units)}`, 8, 17);
-  canvas.toBlob((blob) => blob && save(blob, `${byId('well').title || 'helibore'}-${view.top.toFixed(1)}-${view.bottom.toFixed(1)}.png`));
+  ink.fillText(`${wellName()}   MD ${showSpan(Math.max(view.top, store.span[0]), Math.min(view.bottom, store.span[1]), view.units)}`, 8, 17);
+}
+
+const wellName = () => byId('well').title || 'helibore';
+/** @param {View} view @param {string} ending */
+const fileName = (view, ending) => `${wellName()}-${view.top.toFixed(1)}-${view.bottom.toFixed(1)}.${ending}`;
+
+/** @param {App} app */
+function savePicture(app) {
+  const canvas = document.createElement('canvas');
+  copyStage(app, canvas, app.renderer.look(), false);
+  canvas.toBlob((blob) => blob && save(blob, fileName(app.view, 'png')));
+}
+
+// Film what the stage shows, frame by frame, until the flight ends; then save the video.
+/** @param {App} app */
+export function film(app) {
+  const { renderer, view } = app;
+  if (byId('fly').classList.contains('on')) return toggleFlight(app); // and with it the film
+  const canvas = document.createElement('canvas');
+  copyStage(app, canvas, renderer.look(), false);
+  const recorder = new MediaRecorder(canvas.captureStream());
+  recorder.ondataavailable = ({ data }) => save(data, fileName(view, /mp4/.test(data.type) ? 'mp4' : 'webm'));
+  recorder.start();
+  renderer.filmed = (look, drawn) => copyStage(app, canvas, look, drawn);
+  return toggleFlight(app, () => {
+    renderer.filmed = null;
+    recorder.stop();
+  });
 }
 
 // `what` begins the message of a failure: "The section was"; `said` is shown after a success.
