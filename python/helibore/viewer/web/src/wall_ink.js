@@ -99,13 +99,13 @@ function dashed(ink, points, colour) {
 
 // Return the points of the planned path beside the section, and one at each side.
 /** @param {Look} look */
-function planAlong({ view, path, store: { plan } }) {
+function planAlong({ view, path, store: { plan: points } }) {
   const [a, b] = [view.top, view.bottom].map((depth) => {
     const { centre } = path.at(depth);
-    const away = plan.map((point) => Math.hypot(...minus(point, centre)));
+    const away = points.map((point) => Math.hypot(...minus(point, centre)));
     return away.indexOf(Math.min(...away));
   });
-  return plan.slice(Math.max(0, Math.min(a, b) - 1), Math.max(a, b) + 2);
+  return points.slice(Math.max(0, Math.min(a, b) - 1), Math.max(a, b) + 2);
 }
 
 // Draw a stroke beside the hole along every zone in view.
