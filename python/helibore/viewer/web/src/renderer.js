@@ -51,7 +51,7 @@ export class Renderer {
   gpu = null; // null without WebGL 2
   /** @type {import('./camera.js').Orbit | null} */
   controls = null;
-  /** @type {((look: Look, drawn: boolean) => void) | null} */
+  /** @type {((look: Looks, drawn: boolean) => void) | null} */
   filmed = null; // takes each frame
   /** @type {number | undefined} */
   sharpening = undefined; // timer of a sharp picture after a coarse one

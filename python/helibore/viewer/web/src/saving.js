@@ -38,7 +38,7 @@ const BAND = 26; // pixels above the picture, for its words
 
 // Draw what the stage shows, in its own pixels, under a line with the well and the section. `drawn`: WebGL was drawn in this
 // turn of the loop, until the end of which the browser has the picture.
-/** @param {App} app @param {Canvas} canvas @param {Look} look @param {boolean} drawn */
+/** @param {App} app @param {HTMLCanvasElement} canvas @param {Looks} look @param {boolean} drawn */
 function copyStage({ renderer: { gpu }, view, store }, canvas, look, drawn) {
   const inks = byId('ink');
   const ratio = pixelRatio(inks);
@@ -76,7 +76,7 @@ export function film(app) {
   if (byId('fly').classList.contains('on')) return toggleFlight(app); // and with it the film
   const canvas = document.createElement('canvas');
   copyStage(app, canvas, renderer.look(), false);
-  const recorder = new MediaRecorder(canvas.captureStream());
+  const recorder = new window.MediaRecorder(canvas.captureStream());
   recorder.ondataavailable = ({ data }) => save(data, fileName(view, /mp4/.test(data.type) ? 'mp4' : 'webm'));
   recorder.start();
   renderer.filmed = (look, drawn) => copyStage(app, canvas, look, drawn);
