@@ -43,10 +43,10 @@ def numbers(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> Array:
 def data_and_mask(values: Any) -> tuple[Any, Mask | None]:
     """Return values without their mask, and the mask; None: they have none. ``numpy.ma`` is slow to load, so it stays
     unloaded where nobody has made a masked array."""
-    masked = sys.modules.get("numpy.ma")
-    if masked is None or not isinstance(values, masked.MaskedArray):
+    kind = getattr(sys.modules.get("numpy.ma"), "MaskedArray", None)  # another thread may be loading it
+    if kind is None or not isinstance(values, kind):
         return values, None
-    return values.data, masked.getmaskarray(values)
+    return values.data, np.ma.getmaskarray(values)
 
 
 def are_dates(values: npt.ArrayLike) -> bool:

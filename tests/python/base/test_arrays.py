@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import sys
+import types
+
 import numpy as np
 import pytest
 
-from helibore.base.arrays import whole_column
+from helibore.base.arrays import data_and_mask, whole_column
 
 
 def test_whole_numbers_keep_their_value():
@@ -29,3 +32,11 @@ def test_whole_numbers_keep_their_value():
 def test_a_number_that_is_not_whole_or_would_change_is_refused(values, place, golden):
     with golden.raises(place):
         whole_column("arm", values)
+
+
+def test_masked_arrays_may_be_half_loaded_by_another_thread(monkeypatch):
+    masked = np.ma.MaskedArray([1.0, 2.0], [False, True])
+    values, absent = data_and_mask(masked)
+    assert (values.tolist(), absent.tolist()) == ([1.0, 2.0], [False, True])
+    monkeypatch.setitem(sys.modules, "numpy.ma", types.ModuleType("numpy.ma"))
+    assert data_and_mask([1.0]) == ([1.0], None)
