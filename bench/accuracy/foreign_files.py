@@ -64,10 +64,11 @@ def _own(path: Path) -> list[Channels]:
     found = []
     with hb.open(path) as file:
         for one in file.sets:
-            columns = {}
-            for number, channel in enumerate(one.channels):
+            columns, number = {}, 0
+            for channel in one.channels:
                 with contextlib.suppress(hb.InputError):
                     columns[f"{number}" if path.suffix.lower() == ".las" else channel.name] = one.numbers(channel.name)
+                number += max(1, len(channel.member_names))
             found.append(columns)
     return found
 

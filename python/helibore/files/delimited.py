@@ -209,7 +209,25 @@ def _titles(lines: list[str]) -> list[str]:
             if len(cells[0]) > 1 and len({len(row) for row in cells}) == 1:
                 named = not any(is_number(cell) or not cell.strip() for cell in cells[0])
                 return lines[:count] if named else []
-    return []
+    return _titles_between_blanks(lines[: MOST_TITLES + 20])
+
+
+def _titles_between_blanks(lines: list[str]) -> list[str]:
+    """Return the lines above the names of columns that blanks separate, as programs print surveys and logs.
+
+    The rows are the first lines that begin with a number and have equally many cells; above them stand the names, and
+    perhaps a row of units between.
+    """
+    likely = [line.strip()[:1].isdigit() or line.strip()[:2].lstrip("+-.")[:1].isdigit() for line in lines]
+    first = next((at for at in range(1, len(lines)) if all(likely[at:]) and len(lines[at].split()) > 1), None)
+    if first is None or len({len(line.split()) for line in lines[first:]}) > 1:
+        return []
+    width = len(lines[first].split())
+    names = first - 1
+    if names and is_units_row(lines[names].split()) and len(lines[names].split()) == width:
+        names -= 1
+    above = _names_between_blanks(lines[names], width)
+    return lines[:names] if len(above) == width and not any(map(is_number, above)) else []
 
 
 def _names_between_blanks(header: str, width: int) -> list[str]:

@@ -12,7 +12,7 @@ import re
 # Spellings of units, in lower case, that may end a name after "_" or stand in a row of units.
 _SPELLED = """
     m mm cm km ft ftus in inch inches feet foot meter meters metre metres 0.1in 0.1_in 1/64in um
-    deg degree degrees dega rad radian radians grad gon
+    usft usfeet deg degree degrees ° dega rad radian radians grad gon
     s sec second seconds ms us min minute h hr hour hours day days
     g/cc g/cm3 g/c3 kg/m3 gapi api ohm.m ohmm pu v/v % unitless b/e rpm c/min m/h m/hr ft/h ft/hr
     psi kpa mpa bar pa degc degf klbf kn kkgf us/ft us/m mv v hz
@@ -54,7 +54,12 @@ def to_float(cell: str) -> float:
 def is_units_row(cells: list[str]) -> bool:
     """Return whether each cell of a row is a known unit, a dash or blank, and at least one is a unit.
 
-    A unit may stand in brackets.
+    A unit may stand in brackets; if all cells do, one known unit is enough: (usft) (deg) (deg/100usft).
     """
     spellings = [cell.strip("()[] -").lower() for cell in cells]
-    return any(spellings) and all(not spelling or spelling in SPELLINGS for spelling in spellings)
+    known = [spelling in SPELLINGS for spelling in spellings]
+    bracketed = len(cells) > 1 and all(BRACKETED.fullmatch(cell.strip()) for cell in cells)
+    return any(spellings) and (
+        all(not spelling or found for spelling, found in zip(spellings, known, strict=True))
+        or (bracketed and any(known))
+    )

@@ -85,7 +85,10 @@ def read(source: InputFile) -> RawFile:
         version = _items(_section(source, sections, "V"))
     else:
         remarks.append("no ~Version section: read as LAS 2.0")
-    number = version.get("VERS", "").strip()
+    number = version.setdefault("VERS", "").strip()
+    if not number:
+        remarks.append("~Version states no VERS: read as LAS 2.0")
+        number = version["VERS"] = "2.0"
     major = int(float(number)) if is_number(number) and float(number) < 4 else 0
     if major not in (1, 2, 3):
         raise source.error("must be 2.0 or 3.0", f"line {sections[0].line}: VERS", value=repr(number))
@@ -156,7 +159,7 @@ def _las2(source: InputFile, sections: list[LasSection], version: dict[str, str]
     curves = [LasCurve(c.original_mnemonic.strip(), _unit_and_value(c)[0], *_described(c.descr or "")) for c in curves]
     if not curves:
         curves = _curves_of_title(source, sections, data, remarks)
-    curves = _curves_with_cells(data, curves, remarks)
+    curves = _curves_with_cells(source, data, curves, version, remarks)
     _name_curves(curves, remarks)
     _skip_names(data, curves, remarks)
     wrapped = version.get("WRAP", "NO").upper().startswith("Y")
@@ -194,16 +197,36 @@ def _curves_of_title(
     return [LasCurve(name, "" if at else "".join(units_of_index[:1]), "") for at, name in enumerate(names)]
 
 
-def _curves_with_cells(data: LasSection, curves: list[LasCurve], remarks: list[str]) -> list[LasCurve]:
-    """Return the curves that ~A names, if ~Curve defines more of them than the first row has cells."""
-    row = next((line for line in data.lines if line.strip() and not line.lstrip().startswith("#")), "")
+def _curves_with_cells(
+    source: InputFile, data: LasSection, curves: list[LasCurve], version: dict[str, str], remarks: list[str]
+) -> list[LasCurve]:
+    """Return one curve for each cell of the first row, if ~Curve defines more or fewer of them.
+
+    They are the curves that ~A names. If it names none, only a salvage goes on: the last curves have no cells, or the
+    last cells have no curve.
+    """
+    rows = (line.split() for line in data.lines if line.strip() and not line.lstrip().startswith("#"))
+    cells = next(rows, [])
     named = [name.upper() for name in data.title.split()[1:]]
     by_name = {curve.name.upper(): curve for curve in reversed(curves)}
-    if len(row.split()) != len(named) or len(named) >= len(curves) or not set(named) <= set(by_name):
+    if len(cells) == len(named) < len(curves) and set(named) <= set(by_name):
+        without = ", ".join(curve.name for curve in curves if curve.name.upper() not in named)
+        remarks.append(f"the rows have the {len(named)} columns named after ~A; ~Curve also defines {without}")
+        return [by_name[name] for name in named]
+    if len(cells) == len(named) > len(curves) and set(by_name) <= set(named) and len(set(named)) == len(named):
+        added = ", ".join(name for name in named if name not in by_name)
+        remarks.append(f"the rows have the {len(named)} columns named after ~A; ~Curve does not define {added}")
+        return [by_name.get(name, LasCurve(name, "", "")) for name in named]
+    plain = source.options.salvage and not version.get("WRAP", "NO").upper().startswith("Y")
+    count = len(cells)
+    if not plain or count in (0, 1, len(curves)) or {len(row) for row in rows} - {count}:
         return curves
-    without = ", ".join(curve.name for curve in curves if curve.name.upper() not in named)
-    remarks.append(f"the rows have the {len(named)} columns named after ~A; ~Curve also defines {without}")
-    return [by_name[name] for name in named]
+    if count < len(curves):
+        without = ", ".join(curve.name for curve in curves[count:])
+        remarks.append(Loss(f"salvaged: the rows have {count} columns of {len(curves)} curves: {without} has none"))
+        return curves[:count]
+    remarks.append(Loss(f"salvaged: ~Curve defines {len(curves)} of {count} columns: the last are called by number"))
+    return [*curves, *(LasCurve(f"column {number}", "", "") for number in range(len(curves) + 1, count + 1))]
 
 
 def _skip_names(data: LasSection, curves: list[LasCurve], remarks: list[str]) -> None:
@@ -235,7 +258,8 @@ def _lasio_items(
 ) -> list[Any]:
     """Return the items of the last section of a letter, as lasio reads its lines; none without such a section.
 
-    A line of ~Parameter that is no item is left out, with a remark; in other sections it is an error.
+    A line that is no item is left out, with a remark; in ~Well it is an error. A curve that is lost so is found by the
+    count of the cells.
 
     lasio reads line by line here, because the time that its reader of files takes grows with the cube of the number of
     items that share a name: 40 s for 500.
@@ -256,7 +280,7 @@ def _lasio_items(
             items.append(parser(**parts | {"name": parts["name"].upper()}))
         except Exception as error:  # lasio has no error class of its own: KeyError, AttributeError, IndexError ...
             rule = f"the header is damaged: {line.strip()[:40]!r} is no item of ~{section.kind}"
-            if letter != "P":
+            if letter == "W":
                 raise source.error(rule, number) from error
             remarks.append(Loss(f"line {number}: {rule}; it is left out"))
     return items

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import islice
@@ -39,6 +39,12 @@ RUN_TOGETHER = re.compile(r"(?<=\d)-(?=\d)")
 
 OVERFLOW = re.compile(r"\*+")
 """A number that did not fit its field, as Fortran writes it; files also state it as their null value."""
+
+FIRST_COLUMNS = "; salvage = true takes the first columns for the first curves"
+"""End of a message about rows that all have another number of cells than there are curves."""
+
+QUOTED = re.compile(r"'[^']*'|\"[^\"]*\"|\S+")
+"""Cells between blanks, with quotes of both kinds."""
 
 WHOLE = re.compile(r"-?[0-9]{1,19}")
 
@@ -155,19 +161,45 @@ def _cells(
             raise file_error(path, "a quote is opened and not closed", line_of(len(rows)))
         row = split_cells(line, delimiter)
         if len(row) != width and delimiter is None:
-            mended = RUN_TOGETHER.sub(" -", line).split()
-            if len(mended) == width:
-                row, cut_rows = mended, cut_rows + 1
+            mended = next((each for each in _mended(line, width) if len(each) == width), None)
+            if mended is not None:
+                cut_rows += "'" not in line
+                row = mended
         if len(row) != width:
             cut = "truncated: " if len(rows) == len(kept) - 1 and len(row) < width else ""
+            even = delimiter is None and not rows and len(row) > 1 < len(kept)
+            whole = even and {len(each.split()) for each in kept} == {len(row)}
             others = [mark for mark in (",", "\t", ";", "|") if mark != delimiter and line.count(mark) == width - 1]
             hint = f" (it has {width} when cut at {others[0]!r}: another delimiter?)" if others and delimiter else ""
-            rule = f"{cut}{len(row)} values where {width} columns are defined{hint}{SALVAGE if cut else ''}"
+            advice = SALVAGE if cut and not whole else FIRST_COLUMNS if whole else ""
+            rule = f"{cut}{len(row)} values where {width} columns are defined{hint}{advice}"
             raise file_error(path, rule, line_of(len(rows)))
         rows.append(row)
     if cut_rows:
-        remarks.append(f"{cut_rows} rows held numbers without a blank between (12.5-999.25): cut before the minus")
+        remarks.append(
+            f"{cut_rows} rows held numbers without a blank between (12.5-999.25): cut before the minus, or after the "
+            "decimals that all numbers of the row have"
+        )
     return rows
+
+
+def _mended(line: str, width: int) -> Iterator[list[str]]:
+    """Yield the cells of a line between blanks that has too few or too many, by one rule each.
+
+    Numbers meet at a minus; numbers of fixed decimals meet behind these; fields that overflowed are all asterisks; or
+    single quotes hold blanks.
+    """
+    cells = RUN_TOGETHER.sub(" -", line).split()
+    yield cells
+    decimals = {len(cell) - cell.index(".") - 1 for cell in cells if cell.count(".") == 1}
+    if len(decimals) == 1 and 0 not in decimals:
+        cells = re.sub(rf"(?<=\d)(\.\d{{{decimals.pop()}}})(?=\d)", r"\1 ", " ".join(cells)).split()
+        yield cells
+    short = width - len(cells)
+    stars = [at for at, cell in enumerate(cells) if OVERFLOW.fullmatch(cell) and len(cell) > 2 * short]
+    if short > 0 and len(stars) == 1:
+        yield [*cells[: stars[0]], *["*"] * (short + 1), *cells[stars[0] + 1 :]]
+    yield [cell.strip("'\"") for cell in QUOTED.findall(line)]
 
 
 def split_cells(line: str, delimiter: str | None) -> list[str]:

@@ -72,7 +72,9 @@ def read_spellings(
             found[at], units[at] = angles.values, angles.unit
             remarks.append(f"{names[at]}: {angles.kind} ({angles.example}) are read as degrees")
     if numbers:
-        example = next(cell for cell in columns[numbers[0]] if not cell.replace("-", "").isdigit() and cell.strip())
+        cells = [cell for at in numbers for cell in _cells(columns[at])]
+        marked = (cell for cell in cells if set(cell) - set("+-.0123456789"))
+        example = next(marked, next((cell for cell in cells if "." in cell), cells[0]))
         value = float(_plain(example, mark))
         what = "decimal commas" if mark == "," else "marks of thousands"
         other = "." if mark == "," else ","

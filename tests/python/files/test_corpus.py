@@ -29,7 +29,7 @@ class Entry:
     """A file of the corpus: its content, options of `helibore.open`, its columns, and a part of a remark."""
 
     content: str | bytes
-    columns: dict[str, list[float]] = field(default_factory=lambda: TRUTH)
+    columns: dict[str, Any] = field(default_factory=lambda: TRUTH)
     remark: str = ""
     options: dict[str, Any] = field(default_factory=dict)
 
@@ -113,8 +113,39 @@ LAS |= {
         + "~Caliper | Caliper_Parts\n"
         + ROWS
     ),
+    "VERS not stated": Entry((WELL + CURVES + "~A\n" + ROWS).replace("VERS. 2.0:\n", ""), remark="no VERS"),
+    "a table below the curves": Entry(
+        WELL + CURVES + "-----------\n  DEPT  C1  C2\n~A\n" + ROWS, remark="the header is damaged"
+    ),
+    "columns that only ~A names": Entry(
+        WELL + CURVES + "~A DEPT C1 C2 GR\n" + ROWS.replace("8.5\n", "8.5 60\n").replace("8.25\n", "8.25 61\n"),
+        TRUTH | {"GR": [60, 61]},
+        "~Curve does not define GR",
+    ),
+    "more columns than curves": Entry(
+        WELL + CURVES + "~A\n" + ROWS.replace("8.5\n", "8.5 60\n").replace("8.25\n", "8.25 61\n"),
+        TRUTH | {"column 4": [60, 61]},
+        "called by number",
+        {"salvage": True},
+    ),
+    "more curves than columns": Entry(
+        WELL + CURVES + "ROP.M/H:\n~A\n" + ROWS, TRUTH, "ROP has none", {"salvage": True}
+    ),
+    "fixed decimals without a blank": Entry(
+        WELL + CURVES + "GR.GAPI:\n~A\n10.000 9.500 8.500101130.188\n11.000 9.250-19508.961 1.000\n",
+        {"DEPT": [10, 11], "C2": [8.5, -19508.961], "GR": [101130.188, 1]},
+        "after the decimals",
+    ),
+    "two overflowed fields": Entry(
+        WELL + CURVES + "~A\n10 9.5 8.5\n11 ****************\n", {"C1": [9.5, np.nan], "C2": [8.5, np.nan]}
+    ),
+    "texts in quotes of both kinds": Entry(
+        WELL + CURVES + "ZONE.:\n~A\n10 9.5 8.5 'top of it'\n11 9.25 8.25 \"below it\"\n"
+    ),
     "gzipped": Entry(gzip.compress((WELL + CURVES + "~A\n" + ROWS).encode())),
 }
+"""Files of lasio's own tests have most of these flaws, here with values that are known."""
+
 HEADER = ("MD (m)", "C1 (in)", "RB (deg)")
 NUMBERS = ((1500.25, 9.5, 0.0), (1500.75, 9.25, 120.5), (1501.5, 10.125, 359.0))
 """Depth, a caliper and an angle of three rows; no cell of them has a mark of thousands."""
@@ -183,6 +214,38 @@ TABLES = {
         {"ДС (мм)": WANTED["C1 (in)"]},
         "",
         {"encoding": "cp1251"},
+    ),
+}
+MIXED = {"MD": [1500.25, 1500.75, 1501.5], "C1": [9.5, 9.25, 10.125], "RB": [0.0, 120.5, 359.0]}
+TABLES |= {
+    "Techlog": Entry("#Techlog export\n#WELL\tA-1\nMD\tC1\tRB\nm\tin\tdeg\n" + rows_of("\t", "."), MIXED),
+    "Techlog with the well in a column": Entry(
+        "WELL\tMD\tC1\tRB\nunitless\tm\tin\tdeg\n" + rows_of("\t", ".").replace("150", "A-1\t150"),
+        MIXED,
+    ),
+    "Landmark": Entry(
+        "! OpenWorks\n! WELL: A-1, 8.5 in\n    MD      C1     RB\n   (M)    (IN)   (DEG)\n" + rows_of("  ", "."), MIXED
+    ),
+    "Compass": Entry(
+        "Company:  ACME\nWell:     A-1\nSite: 1,5\n\nMD      Inc     Azi     TVD   +N/-S\n"
+        "(usft)  (°)     (°)     (usft)   (usft)\n"
+        "0.00  0.00  0.00  0.00  0.00\n1,500.00  5.00  45.30  1,499.40  2.10\n",
+        {"MD": [0, 1500], "Inc": [0, 5], "Azi": [0, 45.3], "TVD": [0, 1499.4], "+N/-S": [0, 2.1]},
+        "1,500.00 is read as 1500",
+    ),
+    "Compass in metres": Entry(
+        "Company:  ACME\nMD Inc Azi\n(m) (deg) (deg)\n0.0 0.0 0.0\n500.0 5.0 45.3\n",
+        {"MD": [0, 500], "Inc": [0, 5], "Azi": [0, 45.3]},
+        "comment: Company",
+    ),
+    "WellCAD curves": Entry("MD,C1,RB\nm,in,deg\n" + rows_of(",", "."), MIXED),
+    "WellCAD image": Entry(
+        "Depth,0.00 deg,90.00 deg,180.00 deg,270.00 deg\nm,mm,mm,mm,mm\n10.00,110,111,112,113\n10.05,110,-999.25,1,2\n",
+        {"IMAGE": [[110, 111, 112, 113], [110, np.nan, 1, 2]]},
+        "the centre of the first lies at 45 deg",
+    ),
+    "WellCAD, German": Entry(
+        "Depth;Caliper\nm;mm\n10,00;220,5\n10,05;220,4\n", {"Depth": [10, 10.05], "Caliper": [220.5, 220.4]}
     ),
 }
 TABLES |= {
