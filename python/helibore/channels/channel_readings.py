@@ -140,6 +140,9 @@ def _no_arms(log_set: RawSet, roles: RoleMap) -> str:
             "(as an average caliper, hb.Caliper.from_average, it makes a round hole)"
         )
     rule = "no channel has the role radius, diameter or radius-image: name one by an option or in a map"
+    standoffs = [each for each in roles if each.role == "none" and "a standoff counts" in each.reason]
+    if standoffs:
+        return f"{standoffs[0].channel}: {standoffs[0].reason.replace('NAME', standoffs[0].channel)}"
     images = [each.channel for each in roles.all("image")]
     if images:
         return f"{rule} (its images {', '.join(images)} lie on a gauge hole, hb.Caliper.gauge)"
@@ -166,6 +169,8 @@ def _radius(log_set: RawSet, arm: Role, bit: float | None, echo: Echo | None) ->
                 "a travel time needs the velocity in the mud and the tool's radius", column=arm.channel
             )
         values = echo.radius(values)
+    if arm.zero:
+        values = values + (2.0 * arm.zero if arm.role == "diameter" else arm.zero)
     plausibility.lengths(log_set, arm, values, bit)
     if arm.role in ("radius", "diameter") and values.shape[1] != 1:
         rule = f"a {arm.role} has one value a row, this has {values.shape[1]}: its role is radius-image"

@@ -7,6 +7,7 @@
     angle = 0.0                        # degrees from the toolface (radius, diameter)
     offset = 1.2                       # metres from the point whose depth is recorded up to this sensor
     latency = 0.5                      # seconds from a measurement to its time stamp
+    zero = 0.08                        # metres added to its radii: of standoffs, the radius of the tool's face
     first = 11.25                      # images: angle of the first sector; in a radius image, of the sector's centre
     step = 22.5                        # images: angle from one sector to the next
     reference = "north"                # toolface: what it counts from: north, horizontal-north (the azimuth of a pad),
@@ -54,8 +55,10 @@ CHANNELS = ("channels",)
 """The table of a map that holds the entries of channels."""
 A_MAP = TomlSource("map")
 """Where entries come from that no file states."""
-ANGLES, PLACE = ("angle", "first", "step"), ("offset", "latency")
-SPELLING = re.compile(r"(?P<name>.+?)(?:@(?P<angle>[-+]?\d+\.?\d*))?(?::(?P<unit>[^:]+))?")
+ANGLES, PLACE = ("angle", "first", "step"), ("offset", "latency", "zero")
+SPELLING = re.compile(
+    r"(?P<name>.+?)(?:@(?P<angle>[-+]?\d+\.?\d*))?(?::(?P<unit>[^:+]+))?(?P<zero>\+\d+(?:\.\d*)?[A-Za-z]+)?"
+)
 
 
 def write_map(roles: RoleMap, with_set: bool = True, warning: str = "") -> str:
@@ -193,18 +196,18 @@ def _entry(
         if key in entry and role not in of:
             raise source.error((*at, key), f"belongs to a role of {' or '.join(of)}", entry[key])
     angle, first, step = (entry.get(key, getattr(base, key) if role == base.role else None) for key in ANGLES)
-    offset, latency = (entry.get(key, getattr(base, key)) for key in PLACE)
-    for key, value in zip(PLACE, (offset, latency), strict=True):
+    offset, latency, zero = (entry.get(key, getattr(base, key)) for key in PLACE)
+    for key, value in zip(PLACE, (offset, latency, zero), strict=True):
         if value and role not in WALL:
             raise source.error((*at, key), f"belongs to a sensor: a role of {', '.join(WALL)}", value)
     reference, north = entry.get("reference", own_reference), entry.get("north", own_north)
-    return Role(base.channel, role, why, unit, angle, first, step, offset, latency, reference, north, True)
+    return Role(base.channel, role, why, unit, angle, first, step, offset, latency, zero, reference, north, True)
 
 
 def parse_options(
     log_set: RawSet, roles: RoleMap, columns: Mapping[str, str | None], arms: Mapping[str, Sequence[str]]
 ) -> RoleMap:
-    """Replace roles by columns written ``NAME[@ANGLE][:UNIT]``, as in options of the command line.
+    """Replace roles by columns written ``NAME[@ANGLE][:UNIT][+ZERO]``, as in options of the command line.
 
     ``columns`` holds a column by role, for roles that only one channel has; None leaves the role as it is. The angle of
     an image is that of its first sector; the others follow it evenly around the hole. ``arms`` holds columns by role,
@@ -217,8 +220,8 @@ def parse_options(
     turning = columns.get("toolface") is not None or roles.one("toolface") is not None
     entries: dict[str, Any] = {}
     for role, spelling in wanted + wall:
-        name, angle, unit = _split_option(log_set, spelling)
-        entry: dict[str, Any] = {"role": role} | ({"unit": unit} if unit else {})
+        name, angle, unit, zero = _split_option(log_set, spelling)
+        entry: dict[str, Any] = {"role": role} | ({"unit": unit} if unit else {}) | ({"zero": zero} if zero else {})
         if angle is not None and role not in WALL:
             raise InputError(
                 f"{log_set.path.name}: {spelling}", "an angle belongs to a radius, diameter or travel-time"
@@ -259,18 +262,24 @@ def _own_angle(roles: RoleMap, name: str, role: str, turning: bool) -> float | N
     return 0.0 if turning and role != "diameter" else None
 
 
-def _split_option(log_set: RawSet, spelling: str) -> tuple[str, float | None, str | None]:
-    """Return name, angle and unit of ``NAME[@ANGLE][:UNIT]``, or only the name if the whole text names a channel."""
+def _split_option(log_set: RawSet, spelling: str) -> tuple[str, float | None, str | None, str | None]:
+    """Return name, angle, unit and zero of ``NAME[@ANGLE][:UNIT][+ZERO]``, or the name if the whole text is one."""
     if spelling in log_set:
-        return spelling, None, None
-    known = [name for name in log_set.names if spelling.startswith((f"{name}@", f"{name}:"))]
+        return spelling, None, None, None
+    known = [name for name in log_set.names if spelling.startswith((f"{name}@", f"{name}:", f"{name}+"))]
     if known:  # a repeated name ends in its number: CALI:1@0
         name = max(known, key=len)
         match = SPELLING.fullmatch(f"NAME{spelling[len(name) :]}")
         if match is not None and match["name"] == "NAME":
-            return name, float(match["angle"]) if match["angle"] else None, match["unit"]
+            return name, *_values_of(match)
     match = SPELLING.fullmatch(spelling)
     if match is None or match["name"] not in log_set:
         wanted = match["name"] if match else spelling
         raise log_set.input_error(f"not in the file, which has {', '.join(log_set.names)}", column=repr(wanted))
-    return match["name"], float(match["angle"]) if match["angle"] else None, match["unit"]
+    return match["name"], *_values_of(match)
+
+
+def _values_of(match: re.Match[str]) -> tuple[float | None, str | None, str | None]:
+    """Return angle, unit and zero of a column's spelling; a length keeps its unit."""
+    zero = match["zero"]
+    return float(match["angle"]) if match["angle"] else None, match["unit"], zero.removeprefix("+") if zero else None

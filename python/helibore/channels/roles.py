@@ -19,6 +19,7 @@ from functools import cache
 from pathlib import Path
 
 from helibore.base import units
+from helibore.channels.sectors import NO_SECTORS_TEXT
 from helibore.files.headings import unit_in_name
 from helibore.files.raw_set import Channel, RawSet
 from helibore.settings.role_settings import ROLES as ROLES
@@ -35,6 +36,8 @@ WALL = ("radius", "diameter", "radius-image", "travel-time")
 NO_RULE = "no rule fits"
 
 ECHO = re.compile(r"(tw)?tt\d?|travel[_ ]?time|transit[_ ]?time|awtt|two[_ ]?way[_ ]?time")
+SONIC_TEXT = re.compile(r"\b(transit|transmitter|receiver|sonic|compressional|shear|integrated)\b", re.IGNORECASE)
+"""Words in the description of one time a row through the formation, which is no echo from the wall."""
 CALIPER_TEXT = re.compile(r"\bcaliper\b(?!.*\b(matrix|filtered|corrected porosity|salinity)\b)", re.IGNORECASE)
 NORTH_TEXT = re.compile(r"\bfrom (magnetic |true |grid )?north\b", re.IGNORECASE)
 ONE_OF_SEVERAL = re.compile(r"\b(arm|finger|radius)\b", re.IGNORECASE)
@@ -121,6 +124,7 @@ class Role:
     step: float | None = None  # of an image: angle from one sector to the next, degrees; None: not stated
     offset: float = 0.0  # of a wall channel: metres from the point whose depth is recorded up to its sensor
     latency: float = 0.0  # seconds from the measurement of this sensor to its time stamp
+    zero: float = 0.0  # of a wall channel: metres added to its radii; of standoffs, the radius of the tool's face
     reference: str = ""  # of a toolface: what it counts from, a `ToolfaceReference`; "": as the wall's toolface
     north: str = ""  # of an angle from north: true, magnetic or grid; "": not stated
     confirmed: bool = False  # whether a map states this role, so that checks for likely mistakes are skipped
@@ -167,7 +171,7 @@ def guess(log_set: RawSet, names: RoleNames | None = None) -> RoleMap:
         if roles[channel.name].role != "none" or channel.is_text:
             continue
         if len(channel.shape) == 2:
-            roles[channel.name] = _image_role(channel)
+            roles[channel.name] = _image_role(channel, names)
         elif channel.shape[0] != log_set.rows:
             roles[channel.name] = _none(channel, f"{channel.shape[0]} values beside {log_set.rows} rows: an axis")
         else:
@@ -324,8 +328,13 @@ def north_stated(channel: Channel) -> str:
 UNCERTAINTY = re.compile(r"_sigma\b|\buncertainty\b|\bstandard deviation\b", re.IGNORECASE)
 
 
-def _image_role(channel: Channel) -> Role:
+def _image_role(channel: Channel, names: RoleNames) -> Role:
     """Return the role of an image: a caliper image has a unit of length, and an echo image has travel times."""
+    for rule in names.wall:
+        if rule.role == "none" and (rule.named(channel) or rule.says(channel)) and rule.allows(channel):
+            return _none(channel, rule.reason)
+    if channel.axis is None and NO_SECTORS_TEXT.search(channel.description):
+        return _none(channel, f'described as "{channel.description}", not as sectors around the hole')
     sectors = channel.shape[1]
     if channel.members:
         ends = f"{channel.member_names[0]} to {channel.member_names[-1]}"
@@ -355,7 +364,8 @@ def _image_role(channel: Channel) -> Role:
 def _is_echo(channel: Channel) -> bool:
     """Return whether a channel is named or described as a travel time, in a unit of time."""
     named = ECHO.fullmatch(stem(channel)) or re.search(r"\btravel ?time\b", channel.description, re.IGNORECASE)
-    return bool(named) and units.measures(channel.unit) == units.TIME
+    sonic = len(channel.shape) == 1 and SONIC_TEXT.search(channel.description)
+    return bool(named) and units.measures(channel.unit) == units.TIME and not sonic
 
 
 def _wall_role(channel: Channel, has_toolface: bool, names: RoleNames) -> Role | None:

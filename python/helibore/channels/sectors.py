@@ -31,12 +31,20 @@ SURE = 8
 IMAGE_UNITS = frozenset(["gapi", "api", "aapi", "g/cc", "g/cm3", "g/c3", "kg/m3", "k/m3", "cps", "b/e"])
 """Units, in lower case, of gamma and density images; dip meters measure neither."""
 
+ANGLE_NAME = re.compile(r"(?P<angle>\d{1,3}(?:\.\d+)?) ?(?:deg|°)")
+"""Name of a column that is the angle at which its sector starts, as WellCAD writes images."""
+
 NOT_AROUND = re.compile(
     r"(p|pad|fc|dip|db|sb|button|elec(trode)?|probe|cat|rat|sat|cap|dfh|dfb|ghh|ghost|spin(ner)?|hold_?up)[\W_]*",
     re.IGNORECASE,
 )
 """Stems of the pads and buttons of dip meters, and of the probes and spinners of production tools."""
 NOT_AROUND_TEXT = re.compile(r"\b(dip ?meter|pad|probe|spinner|hold-?up|capacitance)\b", re.IGNORECASE)
+NO_SECTORS_TEXT = re.compile(
+    r"\b(bins?|t[12] (distribution|spectr\w+)|gates?|windows?|waveforms?|spectr(um|a|al)|receivers?|transmitters?)\b",
+    re.IGNORECASE,
+)
+"""Words in the descriptions of series that count something else than sectors around the hole."""
 
 # The last run of digits is the number of the sector: GRIM[12], GRIM_12, GRIM:12, GRIM(12), ABDC12M.
 NUMBERED = re.compile(r"^(?P<stem>.*?\D)[\[_:(. -]?(?P<number>\d{1,4})[\])]?(?P<suffix>\D{0,8})$")
@@ -55,8 +63,10 @@ def join_sectors(channels: Sequence[Channel], index: str | None) -> tuple[list[C
             series.setdefault((stem, match["suffix"], channel.unit), []).append((int(match["number"]), channel))
     images: dict[str, Channel] = {}
     inside: set[str] = set()
-    remarks = []
+    remarks: list[str] = []
     taken = {channel.name for channel in channels}
+    _join_angles(channels, images, remarks)
+    inside.update(member.name for image in images.values() for member in image.members)
     for (stem, suffix, _), found in series.items():
         numbers = [number for number, _ in found]
         if len(found) < FEWEST_SECTORS or min(numbers) not in (0, 1) or stem == NAMELESS:
@@ -82,6 +92,30 @@ def join_sectors(channels: Sequence[Channel], index: str | None) -> tuple[list[C
     return joined, remarks
 
 
+def _join_angles(channels: Sequence[Channel], images: dict[str, Channel], remarks: list[str]) -> None:
+    """Join the columns that are named by angles which part the turn evenly, 0.00 deg, 5.00 deg ..., into one image."""
+    named = [(ANGLE_NAME.fullmatch(channel.name), channel) for channel in channels]
+    at_angles = [
+        (float(match["angle"]), channel)
+        for match, channel in named
+        if match and len(channel.shape) == 1 and not channel.is_text
+    ]
+    starts, members = [start for start, _ in at_angles], [channel for _, channel in at_angles]
+    sectors, units_of = len(members), {member.unit for member in members}
+    if sectors < FEWEST_SECTORS or len(units_of) > 1:
+        return
+    step = 360.0 / sectors
+    if not np.allclose(np.diff(starts), step, rtol=0, atol=0.02) or starts[0] >= step:
+        return
+    image = _image("IMAGE", members)
+    image.axis = SectorAxis(starts[0] + step / 2, step, "deg")
+    images[members[0].name] = image
+    remarks.append(
+        f"IMAGE: {sectors} columns named by angles, {members[0].name} ...: a sector starts at its angle, so that the "
+        f"centre of the first lies at {starts[0] + step / 2:g} deg"
+    )
+
+
 def _gap(numbers: list[int]) -> str:
     first, last = min(numbers), max(numbers)
     lacking = sorted(set(range(first, last + 1)) - set(numbers))
@@ -96,6 +130,8 @@ def _doubt(stem: str, members: list[Channel]) -> str:
         return ""
     if NOT_AROUND.fullmatch(stem) or NOT_AROUND_TEXT.search(members[0].description):
         return "named or described as the pads of a dip meter or the probes of a production tool"
+    if NO_SECTORS_TEXT.search(members[0].description):
+        return f'described as "{members[0].description}", not as sectors around the hole'
     known = members[0].unit.lower() in IMAGE_UNITS or stem.lower().startswith("gr")
     if len(members) < SURE and not known:
         unit = members[0].unit or "no unit"

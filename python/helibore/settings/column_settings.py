@@ -1,4 +1,4 @@
-"""The columns of files, where the guess of their roles is wrong: NAME[@ANGLE][:UNIT], as on the command line."""
+"""The columns of files, where the guess of their roles is wrong: NAME[@ANGLE][:UNIT][+ZERO], as on the command line."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from helibore.settings.declared import Declared
 
 @dataclass(frozen=True, kw_only=True)
 class Columns(Declared, group="columns"):
-    """Columns of roles, such as md_m, rb:deg, x_in@0, CAL1@90:in; a role that is not stated is guessed."""
+    """Columns of roles, such as md_m, rb:deg, x_in@0, CAL1@90:in, USTO@0:in+3.25in; a role not stated is guessed."""
 
     depth: Annotated[str | None, "Depth of the caliper files."] = None
     toolface: Annotated[str | None, "Toolface or relative bearing."] = None

@@ -53,6 +53,10 @@ class ChannelRole(Declared, group="map.channels.NAME"):
         "How far this sensor lies above the point whose depth is recorded.",
     ] = None  # fmt: skip
     latency: Annotated[float | None, SECONDS, FINITE, "Time from a measurement to its time stamp."] = None
+    zero: Annotated[float | None, METRES, FINITE,
+        "What is added to each radius of this sensor: where its values are standoffs, how far the face of the tool "
+        "lies from its axis; to a diameter twice as much.",
+    ] = None  # fmt: skip
     reference: Annotated[ToolfaceReference | None,
         "What a toolface counts from. horizontal-north: the angle lies in the horizontal plane, as the azimuth of a "
         "pad does; the others lie across the hole. automatic: north where the hole is nearly vertical, else the high "

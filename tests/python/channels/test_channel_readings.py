@@ -18,7 +18,7 @@ import helibore as hb
 from helibore.base import units
 from helibore.channels.channel_readings import readings
 from helibore.channels.log_set import LogSet
-from helibore.channels.role_map import overlay, parse_options
+from helibore.channels.role_map import overlay, parse_options, read_map
 from helibore.channels.roles import RoleMap, guess
 from helibore.files import delimited
 from helibore.files.input_file import InputFile
@@ -413,3 +413,40 @@ def test_few_sectors_are_the_arms_of_a_tool(tmp_path: Path, golden: Golden) -> N
     assert image.shape == arm.shape == "arms"
     assert len(image.arm_diameter) == 2
     assert image.c1.tolist() == arm.c1.tolist()
+
+
+STANDOFF = (
+    "~V\nVERS. 2.0:\nWRAP. NO:\n~W\nSTRT.M 10:\nSTOP.M 12:\nSTEP.M 0.1:\nNULL. -999.25:\n~C\nDEPT.M:\n"
+    + "".join(f"USTO{sector:02d}.MM: ultrasonic standoff, sector {sector}\n" for sector in range(1, 17))
+    + "~A\n"
+    + "".join(f"{10 + row / 10:.1f} " + " ".join(f"{10 + sector}" for sector in range(16)) + "\n" for row in range(21))
+)
+"""Standoffs of 16 sectors of a tool whose face lies 90 mm from its axis; they grow by 1 mm from one to the next."""
+
+
+def test_standoffs_count_from_the_face_of_the_tool(tmp_path: Path) -> None:
+    (tmp_path / "s.las").write_text(STANDOFF)
+    with pytest.raises(hb.InputError, match=r"USTO: a standoff counts .* columns\.radius=USTO@0:in\+3\.25in"):
+        hb.open(tmp_path / "s.las").readings()
+    text = "caliper = 's.las'\n[columns]\nradius = ['USTO@11.25+90mm']\n[wall]\nbit_diameter = '210mm'\n"
+    (tmp_path / "well.toml").write_text(text)
+    wall = hb.reconstruct(tmp_path / "well.toml")
+    assert wall.radius[np.abs(wall.toolface - 168.75) < 3] == pytest.approx(0.107, abs=4e-4)
+    (tmp_path / "map.toml").write_text(
+        '[channels."USTO"]\nrole = "radius-image"\nfirst = 0.0\nstep = 22.5\nzero = "9cm"\n'
+    )
+    with hb.open(tmp_path / "s.las") as file:
+        found = file.readings(read_map(tmp_path / "map.toml", file))
+    assert [column[0] for column in found.radii] == pytest.approx(np.arange(100, 116) / 1000)
+
+
+def test_each_transducer_may_have_its_own_zero(tmp_path: Path) -> None:
+    """Two transducers, 25 and 26 mm from the axis, see the same radii; at 1500 m/s a us is 0.75 mm."""
+    rows = "".join(f"{n},{n * 40 % 360},{100 + n},{100 + n - 4 / 3}\n" for n in range(9))
+    (tmp_path / "t.csv").write_text(f"md_m,tf_deg,TT1_us,TT2_us\n{rows}")
+    with hb.open(tmp_path / "t.csv") as file:
+        one = file.set()
+        roles = parse_options(one, guess(one), {}, {"travel-time": ["TT1_us@0", "TT2_us@180+1mm"]})
+        found = one.readings(roles, echo=Echo(velocity=1500.0, tool_radius=0.025))
+    assert found.radii[0] == pytest.approx(found.radii[1])
+    assert found.radii[0][0] == pytest.approx(0.1)

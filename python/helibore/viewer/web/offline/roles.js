@@ -105,8 +105,9 @@ function reference(rule, channel) {
 
 /** @param {Channel} channel @param {boolean} hasToolface @returns {Role | null} */
 function wallRole(channel, hasToolface) {
-  if (/^(?:(tw)?tt\d?|travel[_ ]?time|transit[_ ]?time|awtt|two[_ ]?way[_ ]?time)$/.test(stem(channel)) && measures(channel.unit) === 'time') return roleOf(channel, 'travel-time', 'named like a travel time');
-  if (/\btravel ?time\b/i.test(channel.description) && measures(channel.unit) === 'time') return roleOf(channel, 'travel-time', 'described as a travel time');
+  const sonic = /\b(transit|transmitter|receiver|sonic|compressional|shear|integrated)\b/i.test(channel.description);
+  const echo = /^(?:(tw)?tt\d?|travel[_ ]?time|transit[_ ]?time|awtt|two[_ ]?way[_ ]?time)$/.test(stem(channel)) || /\btravel ?time\b/i.test(channel.description);
+  if (echo && !sonic && measures(channel.unit) === 'time') return roleOf(channel, 'travel-time', 'named or described as a travel time');
   if (!fits(channel, 'length')) return null;
   for (const rule of rules.names.wall) {
     const byName = named(rule, channel);
