@@ -9,6 +9,7 @@ from __future__ import annotations
 import datetime
 import json
 import re
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
@@ -49,7 +50,7 @@ def moments(sensors: int):
         yield Moment(second, depth, depth, 110 + float(draw.normal()), float(draw.uniform(0, 360)), radius)
 
 
-class Wire:
+class Wire(ABC):
     """How moments are sent; a test changes the attributes."""
 
     address = ""
@@ -79,8 +80,9 @@ class Wire:
         found |= {f"R{n}": None if one is None else 1000 * one for n, one in enumerate(moment.radius)}
         return {self.names.get(name, name): value for name, value in found.items() if value is not None}
 
+    @abstractmethod
     def sent(self, moment: Moment) -> bytes:
-        raise NotImplementedError
+        """The bytes of a moment."""
 
 
 class Wits(Wire):

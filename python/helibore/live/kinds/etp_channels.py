@@ -17,7 +17,6 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal
-from urllib.parse import urlsplit
 
 import numpy as np
 
@@ -32,7 +31,7 @@ from helibore.live.rules.depth_limits import DepthLimits
 from helibore.live.rules.kinds import Position, Report, SourceKind
 from helibore.live.rules.source_tables import NAMES, TEXT, NamedTable, check_user
 from helibore.live.rules.sources import Item, NamedSource
-from helibore.live.wire.address import Address
+from helibore.live.wire.address import Address, read_server_address
 from helibore.live.wire.etp_link import EtpOpener, decoded
 from helibore.live.wire.redaction import check_password
 from helibore.live.wire.transport import Opener
@@ -78,18 +77,7 @@ class EtpTable(NamedTable):
     @classmethod
     def place_of(cls, address: str) -> Address:
         rule = "must be wss://HOST:PORT/PATH, or ws://HOST:PORT/PATH without encryption"
-        scheme = address.partition(":")[0]
-        if "@" in address:
-            rule = "must not hold a user or password: give token_env, or user and password_env"
-            raise InputError("", rule, f"'{scheme}://...'")
-        try:
-            parts = urlsplit(address)
-            port = parts.port
-        except ValueError:
-            raise InputError("", rule, repr(address)) from None
-        if not parts.hostname or parts.query or parts.fragment:
-            raise InputError("", rule, repr(address.partition("?")[0]))
-        return Address(scheme, host=parts.hostname, port=port or PORTS.get(scheme, 0), url=address)
+        return read_server_address(address, rule, "token_env, or user and password_env", PORTS, with_path=True)
 
     @property
     def index(self) -> str:

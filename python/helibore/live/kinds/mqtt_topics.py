@@ -8,7 +8,6 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated, Any
-from urllib.parse import urlsplit
 
 import numpy as np
 
@@ -22,7 +21,7 @@ from helibore.live.rules.depth_limits import DepthLimits
 from helibore.live.rules.kinds import Position, Report, SourceKind
 from helibore.live.rules.source_tables import NAMES, TEXT, NamedTable, UnitSet, check_user
 from helibore.live.rules.sources import NamedSource
-from helibore.live.wire.address import Address
+from helibore.live.wire.address import Address, read_server_address
 from helibore.live.wire.mqtt_link import MqttOpener
 from helibore.live.wire.redaction import check_password
 from helibore.live.wire.transport import Opener
@@ -61,17 +60,7 @@ class MqttTable(NamedTable):
     @classmethod
     def place_of(cls, address: str) -> Address:
         rule = "must be mqtts://HOST:PORT, or mqtt://HOST:PORT without encryption"
-        if "@" in address:
-            scheme = address.partition(":")[0]
-            raise InputError("", "must not hold a user or password: give user and password_env", f"'{scheme}://...'")
-        try:
-            parts = urlsplit(address)
-            port = parts.port
-        except ValueError:
-            raise InputError("", rule, repr(address)) from None
-        if not parts.hostname or parts.path.strip("/") or parts.query or parts.fragment:
-            raise InputError("", rule, repr(address.partition("?")[0]))
-        return Address(parts.scheme, host=parts.hostname, port=port or PORTS.get(parts.scheme, 0))
+        return read_server_address(address, rule, "user and password_env", PORTS, with_path=False)
 
     @property
     def unit_set(self) -> str:

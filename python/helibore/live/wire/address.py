@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from urllib.parse import parse_qs, urlsplit
 
@@ -39,6 +40,29 @@ class Address:
     def is_loopback(self) -> bool:
         """Whether only programs on this machine can reach the address."""
         return self.host in ("localhost", "::1") or self.host.startswith("127.")
+
+
+def read_server_address(text: str, rule: str, secrets: str, ports: Mapping[str, int], *, with_path: bool) -> Address:
+    """Return the address of a server, with the usual port of its scheme if it names none.
+
+    The user and the password stand in the settings that ``secrets`` names.
+
+    Raises
+    ------
+    InputError
+        If ``text`` is no such address, with ``rule``; the message never shows a user, a password or a query.
+    """
+    scheme = text.partition(":")[0]
+    if "@" in text:
+        raise InputError("", f"must not hold a user or password: give {secrets}", f"'{scheme}://...'")
+    try:
+        parts = urlsplit(text)
+        port = parts.port or ports.get(parts.scheme, 0)
+    except ValueError:
+        raise InputError("", rule, repr(text.partition("?")[0])) from None
+    if not parts.hostname or parts.query or parts.fragment or (parts.path.strip("/") and not with_path):
+        raise InputError("", rule, repr(text.partition("?")[0]))
+    return Address(parts.scheme, host=parts.hostname, port=port, url=text)
 
 
 def read_address(text: object) -> Address:

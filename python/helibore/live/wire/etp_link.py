@@ -123,7 +123,7 @@ ENUMS = {
 
 
 def _schema(text: str, known: set[str]) -> Any:
-    """Return the Avro schema of a type; a record or enumeration is spelled out where it occurs first."""
+    """Return the Avro schema of a type; a record or enumeration stands in full where it occurs first."""
     if text.endswith("[]"):
         return {"type": "array", "items": _schema(text[:-2].strip("()"), known)}
     if text.endswith("{}"):
