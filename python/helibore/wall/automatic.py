@@ -11,19 +11,20 @@ samples; the cheapest estimator within 3 % of the best is taken.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from helibore.base.arrays import Floats, Integers
+from helibore.base.errors import InputError
 from helibore.base.thread_count import thread_count
 from helibore.samples.caliper import Caliper
 from helibore.settings.wall_settings import Settings
 from helibore.wall.continuation import leaves_most_unmeasured
 from helibore.wall.covariance import FEWEST, Covariance, Term, content_seed, fit_covariance
 from helibore.wall.estimates import (
-    FEWEST_SAMPLES,
     Columns,
     choose_left_out,
     estimate_left_out,
@@ -31,7 +32,7 @@ from helibore.wall.estimates import (
     in_depth_order,
 )
 from helibore.wall.near_and_far import Places, estimate_near_and_far
-from helibore.wall.tuning import compared, tuning_of
+from helibore.wall.tuning import errors_and_gains, tuning_of
 
 NEAR_BEST = 1.03
 """An estimator whose expected error is at most this multiple of the best may be taken."""
@@ -96,8 +97,9 @@ def choose(caliper: Caliper, settings: Settings) -> Choice:
     if covariance is None:
         return Choice(simple, {}, "all radii are equal")
     full = near_and_far(covariance, settings)
-    if samples[0].size >= FEWEST_SAMPLES and not leaves_most_unmeasured(samples, simple):
-        return _by_samples_left_out(samples, simple, full, covariance.noise)
+    if not leaves_most_unmeasured(samples, simple):
+        with suppress(InputError):  # too few samples, or none has another one within max_distance
+            return _by_samples_left_out(samples, simple, full, covariance.noise)
     depth = samples[0]
     rng = np.random.default_rng(content_seed(samples))
     places = list(
@@ -125,13 +127,10 @@ def _by_samples_left_out(samples: Columns, simple: Settings, full: Settings, noi
     rows, boxes = choose_left_out(samples, simple, _LEFT_OUT, seed, "to choose")
     found = [estimate_left_out(samples, rows, of, boxes, thread_count(None)).radius for of in (tuned, simple)]
     found.append(estimate_near_and_far(samples, rows, full, boxes)[:, 0])
-    off = [of - samples[2][rows] for of in found]
-    of_tuned, of_simple, of_full = compared([tuned, simple, full], [off, off], samples[0][rows])
-    errors: dict[str, float] = {
-        of.settings.estimator: float(np.sqrt(max(of.box**2 - noise, 0.01 * noise)))
-        for of in (of_simple, of_tuned, of_full)
-    }
-    return Choice(full if of_full.gain_box > CERTAIN else tuned, errors)
+    off, gain = errors_and_gains([of - samples[2][rows] for of in found], samples[0][rows])
+    names = ("inverse-distance", tuned.estimator, "near-and-far")
+    expected = np.sqrt(np.maximum(off[[1, 0, 2]] ** 2 - noise, 0.01 * noise))
+    return Choice(full if gain[2] > CERTAIN else tuned, dict(zip(names, expected.tolist(), strict=True)))
 
 
 def near_and_far(covariance: Covariance, settings: Settings) -> Settings:

@@ -30,6 +30,8 @@ _LEVEL = 1e-3
 """Metres: samples within this depth are compared, however near in toolface others are."""
 _COMPARISONS = 2e6
 """With this many comparisons a range is found in some 30 ms."""
+_COMPARISONS_LEFT_OUT = 2e7
+"""Each of the samples left out is compared with all that lie within `_LEVEL` of its depth: at most so many in all."""
 
 Columns = tuple[Floats, Floats, Floats]
 Boxes = tuple[Floats, Floats]
@@ -65,7 +67,7 @@ def choose_left_out(
 ) -> tuple[Integers, Boxes]:
     """Return the rows to leave out, (m,) with m at most ``most``, and half the height and width of a box around each.
 
-    At most ``boxes`` of the boxes are different.
+    At most ``boxes`` of the boxes are different. If many samples lie near one depth, fewer than ``most`` are left out.
 
     Raises InputError if ``most`` is below 1, if there are fewer than `FEWEST_SAMPLES` samples, or if the settings have
     a window. In these errors, ``purpose`` says what the samples are needed for, such as "to tune".
@@ -78,8 +80,9 @@ def choose_left_out(
         raise InputError("window", rule, str(settings.window), "wall.window")
     if count < FEWEST_SAMPLES:
         raise InputError("samples", f"too few samples {purpose}: must be at least {FEWEST_SAMPLES}", str(count))
+    most = min(most, max(int(_COMPARISONS_LEFT_OUT / _crowd(samples[0])), FEWEST_SAMPLES), count)
     rng = np.random.default_rng(seed)
-    rows = np.sort(rng.choice(count, min(most, count), replace=False))
+    rows = np.sort(rng.choice(count, most, replace=False))
     return rows, empty_boxes(samples, settings, rows.size, rng, boxes)
 
 
@@ -159,6 +162,13 @@ def _spread(count: int, most: int) -> Integers:
     return np.unique(np.linspace(0, count - 1, min(most, count)).astype(np.int64))
 
 
+def _crowd(depth: Floats) -> float:
+    """Return the mean number of samples within `_LEVEL` of the depth of a sample."""
+    rows = _spread(depth.size, 1000)
+    starts, stops = (np.searchsorted(depth, depth[rows] + reach) for reach in (-_LEVEL, _LEVEL))
+    return float(np.mean(stops - starts + 1))
+
+
 def find_kriging_range(samples: Columns, settings: Settings) -> float:
     """Return four times the median distance from a sample to the 16th nearest one, in the metric of the settings.
 
@@ -167,9 +177,7 @@ def find_kriging_range(samples: Columns, settings: Settings) -> float:
     circumference at bit size.
     """
     depth = samples[0]
-    rows = _spread(depth.size, 1000)
-    starts, stops = (np.searchsorted(depth, depth[rows] + reach) for reach in (-_LEVEL, _LEVEL))
-    rows = _spread(depth.size, int(np.clip(_COMPARISONS / np.mean(stops - starts + 1), 2, 1000)))
+    rows = _spread(depth.size, int(np.clip(_COMPARISONS / _crowd(depth), 2, 1000)))
     simple = replace(settings, estimator="inverse-distance", neighbors=16, max_distance=None, max_iterations=2)
     farthest = estimate_left_out(samples, rows, simple).farthest
     farthest = farthest[farthest > 0]

@@ -228,27 +228,29 @@ def _grid(first: Settings, fixed: dict[str, Any]) -> Iterator[tuple[Settings, tu
 
 
 def compared(tried: list[Settings], errors: list[list[Floats]], depth: Floats) -> tuple[Candidate, ...]:
-    """Compare each candidate with the first, sample by sample.
-
-    Neighbouring errors are correlated. So the standard error counts all errors in one metre of hole as one error (in a
-    short hole, all errors in a fortieth of its length).
-    """
-    measures = []
-    for of_kind in errors:
-        squares = np.array(of_kind) ** 2
-        squares[squares < _ROUNDING**2] = 0.0
-        known = np.isfinite(squares).all(axis=0)
-        if not known.any():
-            rule = "too few samples to tune: no sample has another one outside its box and within max_distance"
-            raise InputError("samples", rule)
-        block = max(min(1.0, np.ptp(depth) / 40), 1e-6)
-        squares, metre = squares[:, known], np.unique(np.floor(depth[known] / block), return_inverse=True)[1]
-        squares = np.minimum(squares, _CLIP**2 * np.median(squares[0]) / _MEDIAN_SQUARE)
-        gain = squares[0] - squares
-        sums = np.array([np.bincount(metre, each - each.mean()) for each in gain])
-        deviation = np.sqrt(np.sum(sums**2, axis=1)) / squares.shape[1]
-        share = np.divide(gain.mean(axis=1), deviation, out=np.zeros(len(tried)), where=deviation > 0)
-        measures.append((np.sqrt(squares.mean(axis=1)), share))
-    (alone, gain_alone), (box, gain_box) = measures
+    """Compare each candidate with the first at the samples left out alone, and at those left out with their boxes."""
+    (alone, gain_alone), (box, gain_box) = (errors_and_gains(of_kind, depth) for of_kind in errors)
     columns = (of.tolist() for of in (alone, box, gain_alone, gain_box))
     return tuple(Candidate(*row) for row in zip(tried, *columns, strict=True))
+
+
+def errors_and_gains(errors: list[Floats], depth: Floats) -> tuple[Floats, Floats]:
+    """Return the root mean square error of each candidate (m), and its gain over the first, in standard errors.
+
+    They are compared sample by sample. Neighbouring errors are correlated. So the standard error counts all errors in
+    one metre of hole as one error (in a short hole, all errors in a fortieth of its length).
+    """
+    squares = np.array(errors) ** 2
+    squares[squares < _ROUNDING**2] = 0.0
+    known = np.isfinite(squares).all(axis=0)
+    if not known.any():
+        rule = "too few samples to tune: no sample has another one outside its box and within max_distance"
+        raise InputError("samples", rule)
+    block = max(min(1.0, np.ptp(depth) / 40), 1e-6)
+    squares, metre = squares[:, known], np.unique(np.floor(depth[known] / block), return_inverse=True)[1]
+    squares = np.minimum(squares, _CLIP**2 * np.median(squares[0]) / _MEDIAN_SQUARE)
+    gain = squares[0] - squares
+    sums = np.array([np.bincount(metre, each - each.mean()) for each in gain])
+    deviation = np.sqrt(np.sum(sums**2, axis=1)) / squares.shape[1]
+    share: Floats = np.divide(gain.mean(axis=1), deviation, out=np.zeros(len(errors)), where=deviation > 0)
+    return np.sqrt(squares.mean(axis=1)), share

@@ -11,6 +11,7 @@ from reference import Floats, exactly
 import helibore as hb
 from helibore.wall.automatic import choose
 from helibore.wall.covariance import Covariance, Term, choose_blocks, fit_covariance
+from helibore.wall.estimates import choose_left_out
 from helibore.wall.near_and_far import Places
 from helibore.wall.tune import cross_validate
 
@@ -115,6 +116,29 @@ def test_odd_positions_have_a_value_and_a_sigma(name: str) -> None:
     assert np.isfinite(wall.radius).any()
     if name != "one position":
         assert wall.sigma.shape == wall.radius.shape
+
+
+@pytest.mark.parametrize("max_distance", [0.01, 0.001])
+def test_samples_too_far_apart_to_leave_any_out_are_judged_by_their_covariance(max_distance: float) -> None:
+    rng = np.random.default_rng(8)
+    depth, toolface = np.sort(rng.uniform(0.0, 5.0, 3000)), rng.uniform(0.0, 360.0, 3000)
+    caliper = hb.Caliper(depth, toolface, oval(depth, toolface) + rng.normal(0.0, 3e-4, 3000))
+    settings = hb.Settings(bit_diameter=BIT, estimator="automatic", max_distance=max_distance)
+    found = choose(caliper, settings)
+    assert found.errors
+    assert found.settings.max_distance == max_distance
+
+
+def test_fewer_samples_are_left_out_where_many_lie_at_one_depth() -> None:
+    rng = np.random.default_rng(9)
+    settings = hb.Settings(bit_diameter=BIT)
+
+    def left_out(depth: Floats) -> int:
+        return choose_left_out((depth, rng.uniform(0.0, 360.0, depth.size), depth), settings, 2000, 0, "")[0].size
+
+    assert 100 < left_out(np.full(100_000, 5.0)) <= 200
+    assert left_out(np.full(1_000_000, 5.0)) == 100
+    assert left_out(np.linspace(0.0, 100.0, 100_000)) == 2000
 
 
 def test_a_live_wall_must_be_given_an_estimator() -> None:
