@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <optional>
 
@@ -33,6 +32,8 @@ constexpr double judged_spread = 1.5e-3, far_inside = 3e-3;   // metres
 constexpr double least_lobe = 3e-3;                           // metres; a lobe is higher
 constexpr double width_level = 0.25, pipe_level = 0.35;
 constexpr double least_share = 0.25;  // of the vertices must count
+constexpr double together = 1e-4;     // metres; fits nearer to each other are one
+constexpr double still_way = 1e-7;    // metres; a step this short is the last at its spread
 
 struct Fit {
     double x, y, radius;
@@ -62,14 +63,11 @@ double excess(const Turn& turn, std::size_t i, const Fit& fit) {
     return std::sqrt(dx * dx + dy * dy) - fit.radius;
 }
 
-// The fits from all starts, side by side. Vectors of four, as GCC and Clang have them, are made of what the machine
-// has.
-constexpr std::size_t starts = 4;
-using Four = double __attribute__((vector_size(starts * sizeof(double))));
-using Lanes = std::array<double, starts>;
-struct Fits {
-    Lanes x, y, radius;
-};
+// Four fits side by side, or four vertices of one fit. Vectors of four, as GCC and Clang have them, are made of what
+// the machine has.
+constexpr std::size_t lanes = 4;
+using Four = double __attribute__((vector_size(lanes * sizeof(double))));
+using Fits = std::array<Fit, lanes>;
 
 #if defined(__GNUC__) && defined(__x86_64__)
 #define HELIBORE_INTO_CALLER [[gnu::always_inline]] inline
@@ -77,64 +75,102 @@ struct Fits {
 #define HELIBORE_INTO_CALLER inline
 #endif
 
-// One step of iterated least squares for each fit: the circle moves to the weighted mean of the excess, with a pull to
-// the guess.
-HELIBORE_INTO_CALLER void improve_step(const Turn& turn, Fits& fits, double spread) {
-    std::array<Lanes, 6> a;  // upper half of the normal matrix: xx, xy, xr, yy, yr, rr
-    std::array<Lanes, 3> b;
-    {
-        Four x, y, radius, xx{}, xy{}, xr{}, yy{}, yr{}, rr{}, xe{}, ye{}, re{};
-        std::memcpy(&x, fits.x.data(), sizeof x);
-        std::memcpy(&y, fits.y.data(), sizeof y);
-        std::memcpy(&radius, fits.radius.data(), sizeof radius);
-        const Four zero{}, one = zero + 1.0, outside = zero + 1.0 / spread,
-                           inside = zero + 1.0 / (inside_spread * spread);
-        for (std::size_t i = 0; i < turn.counted_x.size(); ++i) {
-            const Four dx = turn.counted_x[i] - x, dy = turn.counted_y[i] - y, square = dx * dx + dy * dy;
-            Four away = zero;
-            for (std::size_t s = 0; s < starts; ++s) away[s] = std::sqrt(square[s]);
-            const Four of_away = one / (away == zero ? one : away);
-            const Four e = away - radius, nx = dx * of_away, ny = dy * of_away;
-            const Four u = e * (e > zero ? outside : inside);
-            const Four of = one / (one + u * u * (1.0 / 6.0));  // falling(u * u)
-            const Four w = away == zero ? zero : of * of * of, wx = w * nx, wy = w * ny;
-            xx += wx * nx, xy += wx * ny, xr += wx, yy += wy * ny, yr += wy, rr += w;
-            xe += wx * e, ye += wy * e, re += w * e;
-        }
-        const Four* sums[] = {&xx, &xy, &xr, &yy, &yr, &rr, &xe, &ye, &re};
-        for (std::size_t k = 0; k < 9; ++k) std::memcpy(k < 6 ? a[k].data() : b[k - 6].data(), sums[k], sizeof xx);
-    }
+// Sums of the normal equations: the upper half of the matrix, then the right side.
+template <class Number>
+struct Normal {
+    Number xx{}, xy{}, xr{}, yy{}, yr{}, rr{}, xe{}, ye{}, re{};
+};
+
+// Adds vertices to the sums, which are `dx` and `dy` from the centre of a circle; one at the centre adds nothing.
+HELIBORE_INTO_CALLER void add(Normal<Four>& to, Four dx, Four dy, Four radius, double spread) {
+    const Four zero{}, one = zero + 1.0, outside = zero + 1.0 / spread, inside = zero + 1.0 / (inside_spread * spread);
+    const Four square = dx * dx + dy * dy;
+    Four away = zero;
+    for (std::size_t s = 0; s < lanes; ++s) away[s] = std::sqrt(square[s]);
+    const Four e = away - radius, u = e * (e > zero ? outside : inside), widened = one + u * u * (1.0 / 6.0);
+    const Four both = one / (widened * (away == zero ? one : away));  // one division for two
+    const Four of_away = both * widened, of = both * away, nx = dx * of_away, ny = dy * of_away;
+    const Four w = of * of * of, wx = w * nx, wy = w * ny;  // falling(u * u); 0 at the centre
+    to.xx += wx * nx, to.xy += wx * ny, to.xr += wx, to.yy += wy * ny, to.yr += wy, to.rr += w;
+    to.xe += wx * e, to.ye += wy * e, to.re += w * e;
+}
+
+// Moves a circle to the weighted mean of the excess, with a pull to the guess: a step of iterated least squares.
+// Returns the square of the way.
+double move(const Turn& turn, const Normal<double>& sums, double spread, Fit& fit) {
     // Weights are those of spread^2, so the pull is as well.
     const double of_centre = spread * spread / (turn.scale * turn.scale * centre_guess * centre_guess);
     const double of_radius = spread * spread / (turn.scale * turn.scale * radius_guess * radius_guess);
-    for (std::size_t s = 0; s < starts; ++s) {
-        const double xx = a[0][s] + of_centre, yy = a[3][s] + of_centre, rr = a[5][s] + of_radius;
-        const double bx = b[0][s] - of_centre * fits.x[s], by = b[1][s] - of_centre * fits.y[s];
-        const double br = b[2][s] - of_radius * (fits.radius[s] - turn.bit_radius);
-        // Cholesky; the pull makes the matrix positive definite.
-        const double l0 = std::sqrt(xx), l1 = a[1][s] / l0, l2 = a[2][s] / l0;
-        const double l3 = std::sqrt(yy - l1 * l1), l4 = (a[4][s] - l1 * l2) / l3;
-        const double l5 = std::sqrt(rr - l2 * l2 - l4 * l4);
-        const double u = bx / l0, v = (by - l1 * u) / l3, w = (br - l2 * u - l4 * v) / l5;
-        const double dr = w / l5, dy = (v - l4 * dr) / l3, dx = (u - l1 * dy - l2 * dr) / l0;
-        fits.x[s] += dx, fits.y[s] += dy;
-        fits.radius[s] = std::max(fits.radius[s] + dr, 0.1 * turn.bit_radius);
+    const double xx = sums.xx + of_centre, yy = sums.yy + of_centre, rr = sums.rr + of_radius;
+    const double bx = sums.xe - of_centre * fit.x, by = sums.ye - of_centre * fit.y;
+    const double br = sums.re - of_radius * (fit.radius - turn.bit_radius);
+    // Cholesky; the pull makes the matrix positive definite.
+    const double l0 = std::sqrt(xx), l1 = sums.xy / l0, l2 = sums.xr / l0;
+    const double l3 = std::sqrt(yy - l1 * l1), l4 = (sums.yr - l1 * l2) / l3;
+    const double l5 = std::sqrt(rr - l2 * l2 - l4 * l4);
+    const double u = bx / l0, v = (by - l1 * u) / l3, w = (br - l2 * u - l4 * v) / l5;
+    const double dr = w / l5, dy = (v - l4 * dr) / l3, dx = (u - l1 * dy - l2 * dr) / l0;
+    fit.x += dx, fit.y += dy;
+    fit.radius = std::max(fit.radius + dr, 0.1 * turn.bit_radius);
+    return dx * dx + dy * dy + dr * dr;
+}
+
+HELIBORE_INTO_CALLER void all_sums(const Turn& turn, const Fits& fits, double spread,
+                                   std::array<Normal<double>, lanes>& of_fits) {
+    Four x{}, y{}, radius{};
+    for (std::size_t s = 0; s < lanes; ++s) x[s] = fits[s].x, y[s] = fits[s].y, radius[s] = fits[s].radius;
+    Normal<Four> sums;
+    for (std::size_t i = 0; i < turn.counted_x.size(); ++i)
+        add(sums, turn.counted_x[i] - x, turn.counted_y[i] - y, radius, spread);
+    for (std::size_t s = 0; s < lanes; ++s)
+        of_fits[s] = {sums.xx[s], sums.xy[s], sums.xr[s], sums.yy[s], sums.yr[s],
+                      sums.rr[s], sums.xe[s], sums.ye[s], sums.re[s]};
+}
+
+HELIBORE_INTO_CALLER Normal<double> one_sum(const Turn& turn, const Fit& fit, double spread) {
+    const std::size_t count = turn.counted_x.size(), whole = count / lanes * lanes;
+    const Four radius = Four{} + fit.radius;
+    Normal<Four> sums;
+    for (std::size_t i = 0; i < count; i += lanes) {
+        Four dx{}, dy{};
+        for (std::size_t s = 0; s < (i < whole ? lanes : count - whole); ++s)
+            dx[s] = turn.counted_x[i + s] - fit.x, dy[s] = turn.counted_y[i + s] - fit.y;
+        add(sums, dx, dy, radius, spread);
     }
+    const auto all = [](const Four& of) { return (of[0] + of[1]) + (of[2] + of[3]); };
+    return {all(sums.xx), all(sums.xy), all(sums.xr), all(sums.yy), all(sums.yr),
+            all(sums.rr), all(sums.xe), all(sums.ye), all(sums.re)};
 }
 
-using Improve = void (*)(const Turn&, Fits&, double);
+struct SumFunctions {
+    void (*all)(const Turn&, const Fits&, double, std::array<Normal<double>, lanes>&);
+    Normal<double> (*one)(const Turn&, const Fit&, double);
+};
 
-void improve(const Turn& turn, Fits& fits, double spread) {
-    improve_step(turn, fits, spread);
+void all_sums_plain(const Turn& turn, const Fits& fits, double spread, std::array<Normal<double>, lanes>& of_fits) {
+    all_sums(turn, fits, spread, of_fits);
 }
+
+Normal<double> one_sum_plain(const Turn& turn, const Fit& fit, double spread) {
+    return one_sum(turn, fit, spread);
+}
+
+constexpr SumFunctions plain_sums{all_sums_plain, one_sum_plain};
 
 #if defined(__GNUC__) && defined(__x86_64__)
-// The same arithmetic, and so the same bits, with the four fits in one vector: half the time.
-[[gnu::target("avx2")]] void improve_avx2(const Turn& turn, Fits& fits, double spread) {
-    improve_step(turn, fits, spread);
+// The same arithmetic, and so the same bits, with four doubles in one vector: half the time.
+[[gnu::target("avx2")]] void all_sums_avx2(const Turn& turn, const Fits& fits, double spread,
+                                           std::array<Normal<double>, lanes>& of_fits) {
+    all_sums(turn, fits, spread, of_fits);
 }
+
+[[gnu::target("avx2")]] Normal<double> one_sum_avx2(const Turn& turn, const Fit& fit, double spread) {
+    return one_sum(turn, fit, spread);
+}
+
+constexpr SumFunctions avx2_sums{all_sums_avx2, one_sum_avx2};
 #else
-constexpr Improve improve_avx2 = improve;
+constexpr SumFunctions avx2_sums = plain_sums;
 #endif
 
 // How well a circle fits; higher is better. Rock far inside it, and a size far from the bit, speak against it.
@@ -151,7 +187,14 @@ double merit(const Turn& turn, const Fit& fit) {
     return (sum - inside) / count - 0.05 * off * off;
 }
 
-Fit fitted(const Turn& turn, Improve improved, std::vector<double>& radii) {
+bool are_one(const Fits& fits, double limit) {
+    return std::ranges::all_of(fits, [&](const Fit& fit) {
+        const double x = fit.x - fits[0].x, y = fit.y - fits[0].y, radius = fit.radius - fits[0].radius;
+        return x * x + y * y + radius * radius < limit * limit;
+    });
+}
+
+Fit fitted(const Turn& turn, const SumFunctions& functions, std::vector<double>& radii) {
     double x = 0.0, y = 0.0;
     radii.clear();
     for (std::size_t i = 0; i < turn.counted_x.size(); ++i) {
@@ -162,14 +205,25 @@ Fit fitted(const Turn& turn, Improve improved, std::vector<double>& radii) {
     x /= static_cast<double>(radii.size()), y /= static_cast<double>(radii.size());
     const auto quarter = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 4);
     std::nth_element(radii.begin(), quarter, radii.end());
-    Fits fits{{0.0, 0.0, x, -x}, {0.0, 0.0, y, -y}, {turn.bit_radius, *quarter, *quarter, *quarter}};
-    for (const double spread : spreads)
-        for (int step = 0; step < (spread == spreads.back() ? last_steps : steps); ++step)
-            improved(turn, fits, spread * turn.scale);
+    Fits fits{{{0.0, 0.0, turn.bit_radius}, {0.0, 0.0, *quarter}, {x, y, *quarter}, {-x, -y, *quarter}}};
+    std::array<Normal<double>, lanes> sums;
+    bool alone = false;  // whether all starts have come to one circle, which goes on alone
+    for (const double spread : spreads) {
+        const double scaled = spread * turn.scale, still = still_way * turn.scale;
+        for (int step = 0; step < (spread == spreads.back() ? last_steps : steps); ++step) {
+            if (alone) {
+                if (move(turn, functions.one(turn, fits[0], scaled), scaled, fits[0]) < still * still) break;
+                continue;
+            }
+            functions.all(turn, fits, scaled, sums);
+            for (std::size_t s = 0; s < lanes; ++s) move(turn, sums[s], scaled, fits[s]);
+        }
+        alone = alone || are_one(fits, together * turn.scale);
+    }
+    if (alone) return fits[0];
     Fit best{};
     double most = -std::numeric_limits<double>::infinity();
-    for (std::size_t s = 0; s < starts; ++s) {
-        const Fit fit{fits.x[s], fits.y[s], fits.radius[s]};
+    for (const Fit& fit : fits) {
         const double of = merit(turn, fit);
         if (of > most) most = of, best = fit;
     }
@@ -279,7 +333,7 @@ UnwornTurns unworn_turns(const Turns& turns, double bit_diameter, std::span<cons
     const auto K = static_cast<std::size_t>(turns.sectors);
     const Index count = static_cast<Index>(radius.size() / K);
     const bool is_plain = &kernel::functions_for(InstructionSet::automatic) == &kernel::plain();
-    const Improve improved = is_plain ? improve : improve_avx2;
+    const SumFunctions& functions = is_plain ? plain_sums : avx2_sums;
     UnwornTurns found;
     for (std::vector<double>* column : {&found.diameter, &found.centre_0, &found.centre_90}) {
         column->assign(static_cast<std::size_t>(count), missing);
@@ -315,7 +369,7 @@ UnwornTurns unworn_turns(const Turns& turns, double bit_diameter, std::span<cons
             }
             const std::size_t known = turn.counted_x.size();
             if (there < K || known < 3 || static_cast<double>(known) < least_share * static_cast<double>(K)) continue;
-            const Fit fit = fitted(turn, improved, radii);
+            const Fit fit = fitted(turn, functions, radii);
             found.diameter[i] = 2.0 * fit.radius;
             found.centre_0[i] = fit.x;
             found.centre_90[i] = fit.y;
