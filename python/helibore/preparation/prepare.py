@@ -31,7 +31,6 @@ from helibore.preparation.observe import Track, observe, placed
 from helibore.preparation.passes import choose, number_passes
 from helibore.preparation.readings import Readings
 from helibore.preparation.sensors import REASONS
-from helibore.preparation.shifts import Shifts, find_shifts
 from helibore.samples.caliper import LARGEST_RADIUS, Caliper
 from helibore.settings.preparation_settings import Preparation
 from helibore.trajectory.references import Norths, from_high_side, horizontal_to_north, onto_path
@@ -39,6 +38,7 @@ from helibore.trajectory.references import Norths, from_high_side, horizontal_to
 if TYPE_CHECKING:
     from helibore.preparation.conditioning import Step
     from helibore.preparation.sensors import Samples
+    from helibore.preparation.shifts import Shifts
     from helibore.trajectory.survey import Path
 
 __all__ = ["Preparation", "Prepared", "Track", "prepare"]
@@ -504,6 +504,8 @@ class _Pipeline:
             depth = np.where(number == one, depth + shift, depth)
             self.report.append(("shift", f"pass {one}: {shift:+.3f} m, as given"))
         if self.settings.find_shifts:
+            from helibore.preparation.shifts import find_shifts
+
             held = [one for one, _ in self.settings.shifts]
             samples = self.samples
             found = self.shifts = find_shifts(depth, samples.toolface, samples.radius, number, held=held)

@@ -37,7 +37,6 @@ from helibore.channels.opening import open_file
 from helibore.channels.role_map import parse_options, read_map
 from helibore.channels.roles import RoleMap, guess
 from helibore.files.input_file import ReadOptions
-from helibore.files.well_tops import read_tops
 from helibore.images.sector_image import SectorImage
 from helibore.preparation.prepare import Preparation, Prepared, Track, prepare
 from helibore.preparation.readings import Readings
@@ -388,6 +387,8 @@ def _add_intervals(run: Run) -> list[tuple[str, str]]:
     one = run.settings.intervals
     if one is None:
         return []
+    from helibore.files.well_tops import read_tops
+
     found = read_tops(one.file, one.well, one.unit, stated_header(run).get("well", ""))
     run.wall.intervals = found.intervals
     return [("intervals", f"{len(found.intervals)} of {one.file.name}: {', '.join(found.remarks)}")]

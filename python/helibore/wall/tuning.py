@@ -37,7 +37,6 @@ from helibore.wall.estimates import (
     estimate_left_out,
     find_kriging_range,
 )
-from helibore.wall.near_and_far import estimate_near_and_far
 
 TUNED = ("estimator", "neighbors", "angular_scale", "kriging_range", "nugget")
 """The settings that a candidate may change."""
@@ -182,6 +181,8 @@ def tuning_with(
     rows, around = choose_left_out(samples, settings, targets, seed, "to tune", boxes)
     kinds: tuple[Boxes | None, ...] = (None, around)
     if settings.estimator == "near-and-far":
+        from helibore.wall.near_and_far import estimate_near_and_far
+
         own = [[estimate_near_and_far(samples, rows, settings, each)[:, 0] - radius[rows]] for each in kinds]
         candidates = compared([settings], own, depth[rows])
         return Tuning(candidates[0], candidates, rows.size)
