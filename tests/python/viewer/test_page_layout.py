@@ -151,7 +151,7 @@ def test_the_colours_fold_where_the_panel_lacks_room_and_stay_as_chosen(browser:
     screen.close()
 
 
-@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("size", [*SIZES, (1024, 768)])
 def test_no_control_is_cut_off(browser: Any, viewer: Any, size: tuple[int, int]) -> None:
     """Every control lies in the window, touches no other, and the longest of its words fit; while picking dips, too."""
     screen = Screen(browser, viewer.url, "", size, drawn=False)
@@ -160,6 +160,13 @@ def test_no_control_is_cut_off(browser: Any, viewer: Any, size: tuple[int, int])
     screen.keyboard.press("d")
     screen.settle()
     check_controls(screen, size)
+    if screen.is_visible("#menu"):
+        before = screen.evaluate("document.getElementById('stage').clientHeight")
+        screen.click("#menu")
+        screen.settle()
+        assert screen.is_visible("#cut")
+        assert screen.evaluate("document.getElementById('stage').clientHeight") <= before
+        check_controls(screen, size)
     screen.close()
 
 
@@ -190,6 +197,17 @@ BOXES = """[...document.querySelectorAll('#wallHead > *')].filter((e) => e.offse
 })"""
 
 
+def on_controls(screen: Screen, labels: list[dict[str, Any]]) -> list[str]:
+    """Return the texts of the ink that touch a control of the hole."""
+    bar = screen.evaluate("document.getElementById('stage').getBoundingClientRect().top")
+    return [
+        one["text"]
+        for one, box in itertools.product(labels, screen.evaluate(BOXES))
+        if one["left"] < box["right"] and box["left"] < one["right"]
+        if one["top"] + bar < box["bottom"] and box["top"] < one["bottom"] + bar
+    ]
+
+
 @pytest.mark.parametrize("size", [(1000, 700), (1600, 900)])
 @pytest.mark.parametrize("camera", ["straight", "down"])
 def test_beside_a_widened_image_the_words_on_the_hole_are_whole(
@@ -199,15 +217,12 @@ def test_beside_a_widened_image_the_words_on_the_hole_are_whole(
     screen = Screen(browser, viewer.url, address, size, drawn=False)
     screen.settle()
     pane = screen.evaluate("window.__wall.app.renderer.rects.pane")
-    controls = screen.evaluate(
-        "document.getElementById('wallHead').getBoundingClientRect().bottom"
-        " - document.getElementById('stage').getBoundingClientRect().top"
-    )
     right = pane["left"] + pane["width"]
     labels = [one for one in screen.evaluate("document.getElementById('ink').labels") if one["left"] >= pane["left"]]
     texts = [one["text"] for one in labels]
     assert {"U", "D"} <= set(texts)
-    assert [one["text"] for one in labels if one["top"] < controls or one["right"] > right] == []
+    assert [one["text"] for one in labels if one["right"] > right] == []
+    assert on_controls(screen, labels) == []
     said = (
         ["shape × 3", "median 5"] if camera == "straight" else ["inside, down", "about the bit radius", "median of 5"]
     )
@@ -227,11 +242,23 @@ def test_the_head_of_the_straightened_hole_says_what_is_seen(
         texts = [one["text"] for one in head]
         assert {name, f"seen from {side}, right half cut away", "bit"} <= set(texts)
         assert any(text.endswith(", shape × 3 about bit") for text in texts)
-    bar = screen.evaluate("document.getElementById('stage').getBoundingClientRect().top")
-    for control in screen.evaluate(BOXES):
-        for one in head:
-            apart = one["right"] <= control["left"] or control["right"] <= one["left"]
-            assert apart or one["top"] + bar >= control["bottom"] or one["bottom"] + bar <= control["top"], one["text"]
+        assert on_controls(screen, head) == []
+    screen.close()
+
+
+@pytest.mark.parametrize("size", [(1024, 768), (1366, 768)])
+def test_beside_two_images_and_dips_the_head_still_says_what_is_cut_away(
+    browser: Any, viewer: Any, size: tuple[int, int]
+) -> None:
+    screen = Screen(browser, viewer.url, "#md=1012&sec=12&beside=GR", size, drawn=False)
+    screen.keyboard.press("d")
+    screen.settle()
+    rects = screen.evaluate("window.__wall.app.renderer.rects")
+    assert rects["dips"]["width"]
+    assert rects["pane"]["width"] < 300
+    head = [one for one in screen.evaluate("document.getElementById('ink').labels") if one["bottom"] < 80]
+    assert any(one["text"].startswith("right half cut") or one["text"].endswith("right half cut away") for one in head)
+    assert on_controls(screen, head) == []
     screen.close()
 
 
@@ -332,6 +359,32 @@ def test_the_ring_in_3d_is_at_the_cursors_depth(browser: Any, viewer: Any) -> No
     )
     # Only the near half of the ring is seen: its middle is off the axis by less than the hole's radius.
     assert np.hypot(columns.mean() - expected[0], rows.mean() - expected[1]) < 1.1 * size * metre
+    screen.close()
+
+
+# Where the axis of the hole is in the path view, in CSS pixels.
+AXIS = """(({ view, path, renderer }) => Array.from({ length: 41 }, (_, i) =>
+  renderer.gpu.project(path.at(view.top + (view.length * i) / 40), renderer.rects.wall)).filter(Boolean))"""
+
+
+def test_on_its_path_no_depth_is_cut_and_the_plan_hides_no_hole(browser: Any, viewer: Any) -> None:
+    screen = Screen(browser, viewer.url, "#md=1240&sec=12&camera=outside", (1366, 768), drawn=False)
+    sides = set()
+    for depth in range(1040, 1440, 40):
+        screen.evaluate(f"window.__wall.app.view.centre({depth}, window.__wall.app.store)")
+        screen.evaluate("window.__wall.fit()")
+        screen.settle()
+        pane = screen.evaluate("window.__wall.app.renderer.rects.pane")
+        right = pane["left"] + pane["width"]
+        labels = screen.evaluate("document.getElementById('ink').labels")
+        assert [one["text"] for one in labels if one["right"] > right] == []
+        (plan,) = [one for one in labels if one["text"].startswith("plan, N up")]
+        side = 92
+        assert pane["left"] < plan["left"] < right - side
+        axis = screen.evaluate(f"{AXIS}(window.__wall.app)")
+        sides.add(plan["left"] > pane["left"] + pane["width"] / 2)
+        assert not any(plan["left"] < x < plan["left"] + side and 80 < y < plan["bottom"] + side for x, y in axis)
+    assert len(sides) == 2, "the plan is at the left, or where the hole is there at the right"
     screen.close()
 
 

@@ -54,7 +54,7 @@ export function drawColumn(ink, look) {
   const seen = `seen from ${facing(look)}`;
   const scales = [made[0] + factors(' about bit', 'of % turns'), made[1] + factors('', 'of %'), made[2] + factors('', '%')];
   const name = ['Hole, straightened', 'Hole'];
-  const ways = [[name, [`${seen}, right half cut away`], scales], [name, [seen], ['right half cut away'], scales], [name, [seen], scales]].map((lines) => inRows(ink, { ...rect, width: right - rect.left }, lines));
+  const ways = [[name, [`${seen}, right half cut away`], scales], [name, [seen], ['right half cut away'], scales], [name, ['right half cut away', 'right half cut'], scales]].map((lines) => inRows(ink, { ...rect, width: right - rect.left }, lines));
   const written = ways.find((lines) => lines.every(Boolean)) ?? ways[2];
   written.forEach((one, i) => one && label(ink, one.text, rect.left + 2, one.y, i ? { colour: palette.soft, font: SMALL } : { colour: palette.ink, font: BOLD }));
   ink.font = SMALL;
@@ -77,8 +77,7 @@ const ROWS = [11, 27, 42, 57]; // y of the rows of words in the head, above the 
 function inRows(ink, rect, lines) {
   const controls = byId('wallHead');
   const shown = /** @type {HTMLElement[]} */ ([...controls.children]).filter((one) => one.offsetWidth);
-  const beside = Math.min(rect.width, ...shown.map((one) => one.offsetLeft)) - 10;
-  const rows = ROWS.map((y) => ({ y, room: y - 8 < controls.offsetHeight ? beside : rect.width - 4 }));
+  const rows = ROWS.map((y) => ({ y, room: Math.min(rect.width + 6, ...shown.filter(({ offsetTop: top, offsetHeight: tall }) => y + 7 > top && y - 7 < top + tall).map((one) => one.offsetLeft)) - 10 }));
   return lines.map((texts, i) => {
     ink.font = i ? SMALL : BOLD;
     for (const text of texts) {

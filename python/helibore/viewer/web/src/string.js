@@ -2,7 +2,7 @@
 // server gives their clearance, its 95 % interval and the tightest place for each depth of the lower end, as curves.
 
 import { curveAt } from './curves.js';
-import { BOLD, label, PALETTES, within, yOf } from './layout.js';
+import { BOLD, fitting, label, PALETTES, within, yOf } from './layout.js';
 import { columnScale } from './gpu.js';
 import { edges, line } from './strokes.js';
 import { showDepth, showLength, showSigned } from './units.js';
@@ -26,7 +26,7 @@ export function hung({ string, view, bit, store, curves }) {
 export function clearanceText({ why, clearance, low, high }, units) {
   const digits = units === 'mm' ? 1 : 2;
   if (why) return why;
-  if (Number.isNaN(clearance)) return 'not measured beside it';
+  if (Number.isNaN(clearance)) return 'not measured';
   const sure = Number.isNaN(low) ? 'no known uncertainty' : `${showSigned(low, units, digits).split(' ')[0]} to ${showSigned(high, units, digits)}, 95 %`;
   return `${clearance < 0 ? 'does not pass: ' : ''}${showSigned(clearance, units, digits)} (${sure})`;
 }
@@ -35,7 +35,7 @@ export function clearanceText({ why, clearance, low, high }, units) {
 /** @param {Hung} of @param {Units} units */
 export function shortText({ clearance, low, high }, units) {
   const [own, least, most] = [clearance, low, high].map((one) => showSigned(one, units, units === 'mm' ? 0 : 1));
-  return Number.isNaN(clearance) ? 'not measured beside it' : `${clearance < 0 ? 'sticks' : 'clears'} ${own}${Number.isNaN(low) ? '' : `, ${least.split(' ')[0]} to ${most.split(' ')[0]}`}`;
+  return Number.isNaN(clearance) ? 'not measured' : `${clearance < 0 ? 'sticks' : 'clears'} ${own}${Number.isNaN(low) ? '' : `, ${least.split(' ')[0]} to ${most.split(' ')[0]}`}`;
 }
 
 // Return the colour of the clearance: it is too small, may be too small, or is large enough.
@@ -78,7 +78,8 @@ export function drawString(ink, look) {
     const reach = Math.max(...string.bodies.map(([diameter]) => halfWidth(look, diameter)));
     if (!Number.isNaN(y)) line(ink, middle - reach - 8, y, middle + reach + 8, y, colour, [], 5);
     const at = Number.isNaN(y) || y < rect.top + 12 || y > rect.top + rect.height - 12 ? Math.min(rect.top + rect.height - 10, Math.max(rect.top + 12, yOf(view, rect, string.bottom) + 12)) : y - 12;
-    if (!view.rig) label(ink, clearanceText(string, view.units), rect.left + 6, at, { colour, halo: palette.paper, font: BOLD });
+    ink.font = BOLD;
+    if (!view.rig) label(ink, fitting(ink, [clearanceText(string, view.units), shortText(string, view.units)], rect.width - 8), rect.left + 6, at, { colour, halo: palette.paper, font: BOLD });
   });
 }
 

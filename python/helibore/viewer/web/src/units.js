@@ -22,7 +22,7 @@ export const showSigned = (metres, units, digits) => {
 /** @param {Units} units */
 export const depthUnit = (units) => LENGTHS[units].depth.unit;
 /** @param {number} metres @param {Units} units @param {number} [digits] */
-export const depthNumber = (metres, units, digits = 2) => (metres * LENGTHS[units].depth.scale).toFixed(digits);
+export const depthNumber = (metres, units, digits = 2) => (metres * LENGTHS[units].depth.scale).toFixed(digits).replace('-', '−');
 /** @param {number | undefined} metres @param {Units} units @param {number} [digits] */
 export const showDepth = (metres = NaN, units, digits = 2) => (Number.isFinite(metres) ? `${depthNumber(metres, units, digits)} ${depthUnit(units)}` : '–');
 /** @param {number} start @param {number} stop @param {Units} units */

@@ -192,7 +192,7 @@ export class View extends Settings {
     const [shallow, deep] = store.span;
     const longest = Math.max(20, (deep - shallow) * 1.1);
     const size = Math.min(Math.max(length, SHORTEST), longest);
-    const clamped = Math.min(Math.max(top, shallow - size * 0.5), Math.max(deep - size * 0.5, shallow - size * 0.5));
+    const clamped = Math.min(Math.max(top + (length - size) / 2, shallow - size * 0.5), Math.max(deep - size * 0.5, shallow - size * 0.5));
     this.#change({ top: clamped, length: size, ...(byHand ? { follow: false } : {}) });
   }
 

@@ -29,7 +29,7 @@ export function drawWallInk(ink, look, gpu, calipers) {
   else drawInsideInk(ink, look, gpu);
   if (path.surveyed && view.camera === 'outside') {
     compass(ink, gpu, rect, palette);
-    if (rect.width > 300) plan(ink, look, palette);
+    if (rect.width > 300) plan(ink, look, gpu, palette);
   }
   const words = [`tube × ${tube}`, `shape × ${view.shape || 1} about the bit radius`];
   if (view.median > 1) words.push(`median of ${view.median} turns`);
@@ -73,7 +73,8 @@ function outsideInk(ink, look, gpu, calipers, palette) {
     used.push(at);
     const level = Math.abs(at[0] - axis[0]) < Math.abs(at[1] - axis[1]); // the label stands over the hole, not beside it
     const text = showDepth(depth, view.units, digits);
-    label(ink, text, at[0] + (level ? 0 : 8), at[1] - (level ? 12 : 0), { colour: palette.ink, halo: palette.paper, font: SMALL, align: level ? 'center' : 'left' });
+    ink.font = SMALL;
+    label(ink, text, level ? at[0] : Math.min(at[0] + 8, rect.left + rect.width - ink.measureText(text).width - 4), at[1] - (level ? 12 : 0), { colour: palette.ink, halo: palette.paper, font: SMALL, align: level ? 'center' : 'left' });
     if (level) line(ink, at[0], at[1] - 6, at[0], at[1] + 2, palette.soft);
     else line(ink, at[0] - 2, at[1], at[0] + 6, at[1], palette.soft);
   }
@@ -168,8 +169,8 @@ function compass(ink, gpu, rect, palette) {
 const PLAN = 92; // pixels of its side
 
 // Draw the whole path seen from above, north up, with the section and the cursor on it.
-/** @param {Ink} ink @param {Look} look @param {Palette} palette */
-function plan(ink, { view, path, store, rects }, palette) {
+/** @param {Ink} ink @param {Look} look @param {Gpu} gpu @param {Palette} palette */
+function plan(ink, { view, path, store, rects }, gpu, palette) {
   const [shallow, deep] = store.span;
   const along = Array.from({ length: 61 }, (_, i) => shallow + ((deep - shallow) * i) / 60);
   /** @param {number} depth */
@@ -178,7 +179,12 @@ function plan(ink, { view, path, store, rects }, palette) {
   const [[n0, n1], [e0, e1]] = [0, 1].map((axis) => [Math.min(...all.map((at) => at[axis])), Math.max(...all.map((at) => at[axis]))]);
   const size = Math.max(n1 - n0, e1 - e0);
   if (size < 1) return; // vertical
-  const [left, top] = [rects.wall.left + 10, HEAD + 26];
+  const [near, top] = [rects.wall.left + 10, HEAD + 26];
+  const hidden = along.some((_, i) => {
+    const [x, y] = gpu.project(path.at(view.top + (view.length * i) / 60), rects.wall) ?? [near + 999, 0];
+    return x < near + PLAN + 30 && y < top + PLAN + 30;
+  });
+  const left = hidden ? rects.wall.left + rects.wall.width - PLAN - 10 : near; // at the side where it hides no hole
   /** @param {number[]} centre @returns {Pair} */
   const spot = ([north, east]) => [left + PLAN / 2 + ((east - (e0 + e1) / 2) / size) * (PLAN - 16), top + PLAN / 2 - ((north - (n0 + n1) / 2) / size) * (PLAN - 16)];
   /** @param {number} depth */

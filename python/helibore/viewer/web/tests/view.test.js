@@ -253,3 +253,9 @@ test('above and below the wall the tracks say why nothing is there', () => {
   assert.deepEqual(at(1015, true, -0.1), [[230, 280, 'end of data, 1030.0 m']]);
   assert.deepEqual(at(1040, false), [[80, 280, 'end of data, 1030.0 m']], 'past the wall');
 });
+
+test('a section that is longer than the wall allows keeps its middle', () => {
+  const view = new View(() => {}, () => {});
+  view.show(1002 - 16, 32, /** @type {any} */ ({ span: [1000, 1004] }));
+  assert.deepEqual([view.top, view.length], [992, 20]);
+});
