@@ -12,6 +12,7 @@ error and is never corrected silently: a diameter in place of a radius, radians 
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,9 +20,12 @@ import numpy as np
 from helibore.base import units
 from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Integers, Mask
+from helibore.base.errors import InputError
 from helibore.channels import plausibility
 from helibore.channels.columns import about_names, column, needed
+from helibore.channels.header_entries import log_header
 from helibore.channels.roles import ROLES, WALL, Role, RoleMap, guess, toolface_reference, toolface_rule
+from helibore.files.headings import is_number
 from helibore.files.raw_set import Channel, RawSet
 from helibore.preparation.readings import IMAGE_ROW, HoleDirection, Readings
 from helibore.preparation.sensors import Sensor
@@ -50,6 +54,11 @@ SETTINGS = {role: f"columns.{role}" for role in ("depth", "toolface", "radius", 
 
 CALIPER_NAME = re.compile("rad|cal|arm|finger", re.IGNORECASE)
 """What the name of a caliper's channel may hold."""
+
+ONE_BIT = 0.001
+"""Metres: sizes of a bit that differ by less are those of one bit."""
+BITS = (0.03, 1.5)
+"""Metres: the least and the greatest bit that the header of a file may state."""
 
 TIME_OF_DAY = re.compile(r"\d{1,2}:\d\d(:\d\d(\.\d*)?)?")
 WITH_TIME = re.compile(r"(\S+[T ]\d[\d:.]*) ?(Z|UTC|[+-]\d\d(?::?\d\d)?)?")
@@ -219,6 +228,27 @@ def bit_of_channel(log_set: RawSet, roles: RoleMap) -> float | None:
     role = roles.one("bit-diameter")
     known = plausibility.present(column(log_set, role)) if role is not None and role.unit else np.empty(0)
     return float(np.median(known)) if known.size else None
+
+
+def stated_bit(log_set: RawSet, roles: RoleMap) -> tuple[float, str] | None:
+    """Return the one bit diameter that a set states, metres, and where: its bit-diameter channel, or else its header.
+
+    Return None if it states none. Raise InputError if the channel has several.
+    """
+    role = roles.one("bit-diameter")
+    known = plausibility.present(column(log_set, role)) if role is not None and role.unit else np.empty(0)
+    if role is not None and known.size:
+        low, high = float(known.min()), float(known.max())
+        if high - low > ONE_BIT:
+            rule = f"has bits from {units.size_text(low)} to {units.size_text(high)}: state that of the wall"
+            raise InputError(f"{log_set.path.name}, column {role.channel}", rule, setting="wall.bit_diameter")
+        return float(np.median(known)), role.channel
+    text = log_header([log_set.header]).get("bit", "")
+    with suppress(InputError):
+        size = units.quantity(text, units.LENGTH) if text and not is_number(text) else np.nan
+        if BITS[0] <= size <= BITS[1]:
+            return size, "its header"
+    return None
 
 
 def _time(log_set: RawSet, roles: RoleMap, needed_here: bool) -> Floats | None:

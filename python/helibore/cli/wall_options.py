@@ -22,6 +22,7 @@ from click.core import ParameterSource
 
 from helibore.base.errors import InputError
 from helibore.base.file_endings import ARCHIVE_ENDING, SURFACE_ENDINGS, VOLUME_ENDINGS
+from helibore.base.units import size_text
 from helibore.cli.declared_options import option_of, options_of, stated
 from helibore.cli.quantities import FILE, LENGTH
 from helibore.cli.sections import COLUMN, SETTING, Command, SectionOption, opt, opts, section, spelled
@@ -362,16 +363,18 @@ def _opened(options: dict[str, Any], project: Path | None) -> Run:
     from helibore.runs.project import read_project
     from helibore.runs.run import OpenFiles, open_run
 
-    over, files = _over(options), None
+    over, files, told = _over(options), None, []
     if project is None:
         _check_effect(options["gauge"], options["average"], _archive(options))
         over["nulls"] = tuple(dict.fromkeys((*NULLS, *options["absent"])))
         files = OpenFiles(over["nulls"], _header_lines(options), ReadingSettings(**over.get("reading", {})))
         over |= _source(options, files)
         if "archive" not in over and options["bit_diameter"] is None:
+            told = _bit_of_files(over, files)
+        if "archive" not in over and options["bit_diameter"] is None and not told:
             for one in () if "columns" in over else over.get("caliper", ()):  # images alone get a command with a size
                 _check_caliper(files, files.input(one.file, one.set, one.map), options)
-            rule = "Missing option '--bit-diameter': only archives (.wall) and projects (.toml) have it."
+            rule = "Missing option '--bit-diameter': no archive (.wall), project (.toml) or caliper file states it."
             raise click.UsageError(rule)
     settings = _with_more(read_project(project, over), options, project is not None)
     _check_effect(settings.gauge, settings.average, settings.archive.file if settings.archive else None)
@@ -380,12 +383,35 @@ def _opened(options: dict[str, Any], project: Path | None) -> Run:
         files = OpenFiles(settings.nulls, lines, settings.reading)
     guessed = [one.file for one in settings.caliper if not one.channel]
     run = open_run(settings, files)
+    run.messages += told
     run.tune = options["tune"]
     run.changed = settings.output is not None and settings != read_project(project)
     for one in run.settings.caliper:
         if one.file in guessed:
             _check_caliper(run.files, one, options | {"bit_diameter": settings.wall and settings.wall.bit_diameter})
     return run
+
+
+def _bit_of_files(over: dict[str, Any], files: OpenFiles) -> list[tuple[str, str]]:
+    """Add the bit diameter that the caliper files state to ``over``; return the message on it, or nothing.
+
+    It is used if each file that states one states the same.
+    """
+    from helibore.channels.channel_readings import ONE_BIT, stated_bit
+
+    found = []
+    for one in (*over.get("caliper", ()), *([over["average"]] if "average" in over else [])):
+        read = files.input(one.file, one.set, one.map)
+        if (bit := stated_bit(files.log_set(read), read.roles)) is not None:
+            found.append((*bit, one.file.name))
+    if not found:
+        return []
+    sizes = [size for size, _, _ in found]
+    if max(sizes) - min(sizes) > ONE_BIT:
+        listed = ", ".join(f"{size_text(size)} in {name}" for size, _, name in found)
+        raise InputError("bit diameter", f"the files state several: {listed}", setting="wall.bit_diameter")
+    over["wall"] = {**over.get("wall", {}), "bit_diameter": sizes[0]}
+    return [("bit", f"{size_text(sizes[0])}, as {found[0][1]} of {found[0][2]} states")]
 
 
 def _over(options: dict[str, Any]) -> dict[str, Any]:

@@ -52,7 +52,8 @@ def reconstruct(
     path
         The path of the wall, `Wall.path`; toolfaces of readings are turned into the path's reference.
     bit_diameter, threads, **settings
-        As in `Wall` and `Settings`. Only a project and an archive have a bit diameter of their own.
+        As in `Wall` and `Settings`. A project, an archive, and a file with one bit size have a bit diameter of their
+        own.
 
     Returns
     -------
@@ -77,9 +78,23 @@ def reconstruct(
     if isinstance(samples, str | os.PathLike):
         return _of_project(samples, preparation, path, track, threads, {"bit_diameter": bit_diameter, **settings})
     if bit_diameter is None:
-        raise InputError("bit_diameter", "must be given; only a project states it", setting="wall.bit_diameter")
+        bit_diameter = _bit_of(samples)
+    if bit_diameter is None:
+        rule = "must be given; only a project and some files state it"
+        raise InputError("bit_diameter", rule, setting="wall.bit_diameter")
     bit_diameter = members(Settings)["bit_diameter"].checked(bit_diameter)
     return wall_of_samples(samples, bit_diameter, preparation, path, track, threads, **settings)
+
+
+def _bit_of(samples: Any) -> float | None:
+    """Return the bit diameter that an opened file states, metres; None if it states none, and for other samples."""
+    from helibore.channels.channel_readings import stated_bit
+    from helibore.channels.log_set import LogFile, LogSet
+    from helibore.channels.roles import guess
+
+    log_set = samples.set() if isinstance(samples, LogFile) else samples
+    found = stated_bit(log_set, guess(log_set)) if isinstance(log_set, LogSet) else None
+    return None if found is None else found[0]
 
 
 def _of_project(

@@ -33,7 +33,7 @@ class Settings(Declared, group="wall"):
     """Settings of a wall; the method was published in Energies 2021, 14, 291."""
 
     bit_diameter: Annotated[
-        float, METRES, POSITIVE, at_least(0.001, "m"), at_most(4, "m"), Option("from the project or the wall"),
+        float, METRES, POSITIVE, at_least(0.001, "m"), at_most(4, "m"), Option("as the source states it"),
         "Bit size, such as 8.5in or '8 1/2in'. The first trial radius is half of it.",
     ]  # fmt: skip
     sectors: Annotated[int, within(3, 1_000_000), Option(), "Vertices in a turn, K."] = 64

@@ -277,3 +277,33 @@ def test_a_bearing_from_north_is_reported_and_the_sides_of_pictures_follow(
     result = run("logs", *source, "--bit-diameter", "8.5in", *given, "-o", "w.csv")
     assert "P1AZ_deg is toolface in deg from north" in result.output
     assert ("the wall's toolfaces count from north" in result.output) == (not given)
+
+
+def four_arms(folder: Path, name: str, bits: tuple[float, ...] = (), header: str = "") -> Path:
+    """A caliper of 8.6 in; ``bits`` are the sizes in its column BS, each for half of the rows."""
+    cells = [f" {bits[row * len(bits) // 40]}" if bits else "" for row in range(40)]
+    rows = "".join(f"{1000 + row / 10:.1f} 8.6 8.6 {row * 7 % 360}{cells[row]}\n" for row in range(40))
+    curves = "DEPT.M:\nC1.IN:\nC2.IN:\nRB.DEG:\n" + ("BS.IN: Bit size\n" if bits else "")
+    (folder / name).write_text(f"~V\nVERS. 2.0:\nWRAP. NO:\n~W\nNULL. -999.25:\n{header}~C\n{curves}~A\n{rows}")
+    return folder / name
+
+
+def test_the_bit_that_the_file_states_is_not_asked_for(tmp_path: Path) -> None:
+    column, header = four_arms(tmp_path, "c.las", (8.5,)), four_arms(tmp_path, "h.las", header="BS.IN 8.5: bit\n")
+    other, two = four_arms(tmp_path, "o.las", (8.375,)), four_arms(tmp_path, "t.las", (12.25, 8.5))
+    for file, where in ((column, "BS of c.las"), (header, "its header of h.las")):
+        done = run("reconstruct", file, "-o", tmp_path / "w.wall")
+        assert done.exit_code == 0, done.output
+        assert f"8.500 in (215.9 mm), as {where} states" in done.output
+        assert hb.load(tmp_path / "w.wall").settings.bit_diameter == pytest.approx(0.2159)
+        assert hb.reconstruct(hb.open(file)).settings.bit_diameter == pytest.approx(0.2159)
+    assert run("reconstruct", tmp_path / "w.wall.toml", "-o", tmp_path / "again.wall").exit_code == 0
+    done = run("reconstruct", column, other, "-o", tmp_path / "w.wall")
+    assert done.exit_code != 0
+    assert "the files state several: 8.500 in (215.9 mm) in c.las, 8.375 in (212.7 mm) in o.las" in done.output
+    done = run("reconstruct", two, "-o", tmp_path / "w.wall")
+    assert done.exit_code != 0
+    assert "column BS: has bits from 8.500 in (215.9 mm) to 12.250 in (311.1 mm)" in done.output
+    assert run("reconstruct", two, "--bit-diameter", "8.5in", "-o", tmp_path / "w.wall").exit_code == 0
+    with pytest.raises(hb.InputError, match="must be given"):
+        hb.reconstruct(hb.open(four_arms(tmp_path, "n.las")))
