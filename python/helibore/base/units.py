@@ -21,6 +21,8 @@ FOOT = 0.3048
 """In metres."""
 MILLIMETRE = 0.001
 """In metres."""
+BARREL = 0.158987294928
+"""Cubic metres in an oilfield barrel, 42 US gallons."""
 
 _TABLE: dict[str, tuple[str, float, str]] = {
     "m": (LENGTH, 1.0, "metre metres meter meters м"),

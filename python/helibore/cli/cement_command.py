@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from helibore.base.units import BARREL
 from helibore.cli.declared_options import options_of, stated
-from helibore.cli.lines import BARREL
 from helibore.cli.logs_command import NAMED
 from helibore.cli.outputs import OUTPUT, QUIET, check_file, own_options, save_lines
 from helibore.cli.sections import Sectioned, section

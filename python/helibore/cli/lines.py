@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from helibore.base.units import INCH, size_text
+from helibore.base.units import BARREL, INCH, size_text
 from helibore.cli.quantities import facts_in
 
 if TYPE_CHECKING:
@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from helibore.logs.summary import Extreme, WallSummary
     from helibore.logs.turn_logs import Logs
     from helibore.logs.zones import Classification
-
-BARREL = 0.158987294928
-"""Cubic metres in an oilfield barrel, 42 US gallons."""
 
 Lines = list[tuple[str, str]]
 

@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
+from helibore.base.errors import InputError
 from helibore.cli.declared_options import SettingType, option_of, options_of, stated
 from helibore.cli.lines import Lines, trust_lines
 from helibore.cli.outputs import OUTPUT, QUIET, add_sigma, check_file, own_options, save_lines
 from helibore.cli.sections import Sectioned, opt, section
+from helibore.cli.stress_command import found_stress
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_options import (  # fmt: skip
     BESIDE,
@@ -33,7 +35,9 @@ from helibore.cli.wall_options import (  # fmt: skip
     walls_beside,
 )
 from helibore.cli.zone_options import CRITERIA, HEADER, LOOK, criteria_of
+from helibore.settings.cement_settings import CementJob
 from helibore.settings.declared import members
+from helibore.settings.output_settings import StressSettings
 from helibore.settings.print_settings import PrintSettings, PrintTable
 
 if TYPE_CHECKING:
@@ -136,7 +140,8 @@ def report(**options: Any) -> None:
     helibore report well.wall -o well.html --well "15/9-F-12"
     helibore report caliper.csv --bit-diameter 8.5in -o well.html
 
-    SOURCE and the options are those of `helibore plot`. The page needs no network and prints on A4.
+    SOURCE and the options are those of `helibore plot`. The page needs no network and prints on A4. The tables
+    [cement] and [stress] of a project add the sheet of a casing, and a rose of SHmax.
     """
     output = options["output"]
     check_file(output, PAGES)
@@ -148,9 +153,28 @@ def report(**options: Any) -> None:
     from helibore.plot.html_report import report as write
 
     with terminal.stage("report", "Writing the report"):
-        write(run.wall, output, messages=run.messages, **drawing)
+        write(run.wall, output, messages=run.messages, **_sections(run, options), **drawing)
         saved = save_lines(run, output, "report", options)
     terminal.summary([*run.messages, *_trust(run, options), *saved, ("time", terminal.times())])
+
+
+def _sections(run: Run, options: dict[str, Any]) -> dict[str, Any]:
+    """Return the cement sheet and the stress of a report whose project has these tables."""
+    found: dict[str, Any] = {}
+    if run.settings.cement:
+        stated_job = {name: run.settings.cement[name] for name in members(CementJob) if name in run.settings.cement}
+        missing = next((name for name in ("casing", "shoe") if name not in stated_job), None)
+        if missing:
+            raise InputError(missing, "must be stated in [cement]", setting=f"cement.{missing}")
+        sure = {
+            name: run.settings.cement[name] for name in ("sigma", "caliper_accuracy") if name in run.settings.cement
+        }
+        found["cement"] = run.wall.logs(**sure).cement_sheet(CementJob(**stated_job))
+    if run.settings.stress:
+        usual = {name: member.default for name, member in members(StressSettings).items()}
+        found["stress"], lines = found_stress(run.wall, options | usual | run.settings.stress)
+        run.messages += lines
+    return found
 
 
 def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Run, dict[str, Any], dict[str, Any]]:

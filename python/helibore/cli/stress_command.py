@@ -64,7 +64,7 @@ def stress(**options: Any) -> None:
     options = own_options(run, "stress", options)
     wall = make_wall(run, options["threads"], terminal.stage).wall
     load_picks(run, options["picks"])
-    found, lines = _found(wall, options)
+    found, lines = found_stress(wall, options)
     name = header_of(run, options).get("well", run.name)
     record = found.record(options["latitude"], options["longitude"], options["regime"], name)
     text = io.StringIO()
@@ -82,7 +82,7 @@ def stress(**options: Any) -> None:
     terminal.summary([*run.messages, *lines, *saved, ("time", terminal.times())])
 
 
-def _found(wall: Wall, options: dict[str, Any]) -> tuple[HorizontalStress, Lines]:
+def found_stress(wall: Wall, options: dict[str, Any]) -> tuple[HorizontalStress, Lines]:
     """Return SHmax from picks or from the wall's zones, and its lines for the terminal."""
     from helibore.base.errors import InputError
     from helibore.logs.stress import stress_of_picks, stress_of_zones

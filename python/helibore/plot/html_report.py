@@ -3,8 +3,9 @@
     from helibore.plot.html_report import report
     report(wall, "well.html", title="F-12")         # opens in any browser, prints on A4 at the scale it says
 
-It shows the summary, the pictures, diameters by interval, zones, picks, data quality and settings. Numbers come from
-`Wall.summary` and the zones, pictures from `pages_of`. No template library is used; every text is escaped.
+It shows the summary, the pictures, diameters by interval, zones, picks, data quality and settings, and a cement sheet
+and the direction of the greatest horizontal stress if these are given. Numbers come from `Wall.summary` and the zones,
+pictures from `pages_of`. No template library is used; every text is escaped.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from helibore.base.arrays import runs_of
 from helibore.base.atomic_file import write_whole
 from helibore.base.colors import DIP_TITLES
 from helibore.base.harmless import in_html
+from helibore.base.units import BARREL
 from helibore.logs.intervals import interval_table
 from helibore.logs.picks import BREAKOUT
 from helibore.logs.summary import WallSummary
@@ -34,11 +36,14 @@ from helibore.plot.diameters import Diameters
 from helibore.plot.log import pages_of
 from helibore.plot.paper import MM, rendered
 from helibore.plot.print_header import HEADER, facts, measured_text, sentence, toolface_text
+from helibore.plot.stress_rose import stress_rose
 from helibore.plot.tracks import LENGTHS, LETTERS, zone_look
 from helibore.plot.zone_list import criteria_text
 from helibore.trajectory.references import reference_assumed
 
 if TYPE_CHECKING:
+    from helibore.logs.cement_sheet import CementSheet
+    from helibore.logs.stress import HorizontalStress
     from helibore.logs.zones import Classification, Zone
     from helibore.plot.content import Content
     from helibore.wall.wall import Wall
@@ -86,7 +91,13 @@ nav a { color: inherit; margin-right: 1.2em; } footer { color: #5d6b77; font-siz
 
 
 def report(
-    wall: Wall, filename: str | os.PathLike[str], *, messages: Sequence[tuple[str, str]] = (), **options: Any
+    wall: Wall,
+    filename: str | os.PathLike[str],
+    *,
+    messages: Sequence[tuple[str, str]] = (),
+    cement: CementSheet | None = None,
+    stress: HorizontalStress | None = None,
+    **options: Any,
 ) -> None:
     """Write a report of a wall as one self-contained HTML page, whole or not at all.
 
@@ -98,6 +109,10 @@ def report(
         An existing file is replaced.
     messages
         (label, sentence) pairs that say which readings and samples were read, dropped and corrected.
+    cement
+        From `Logs.cement_sheet`; None: no section on cement.
+    stress
+        From `helibore.stress_of_picks`, `helibore.stress_of_zones` or `helibore.horizontal_stress`; None: no section.
     **options
         As in `helibore.plot.Drawing`.
 
@@ -108,11 +123,17 @@ def report(
     OSError
         If the file cannot be written; an existing file then does not change.
     """
-    content = page(wall, messages, **options).encode()
+    content = page(wall, messages, cement, stress, **options).encode()
     write_whole(filename, lambda file: file.write(content))
 
 
-def page(wall: Wall, messages: Sequence[tuple[str, str]] = (), **options: Any) -> str:
+def page(
+    wall: Wall,
+    messages: Sequence[tuple[str, str]] = (),
+    cement: CementSheet | None = None,
+    stress: HorizontalStress | None = None,
+    **options: Any,
+) -> str:
     """Return what `report` writes, as text."""
     content = content_of(wall, Drawing(**options))
     zones = content.zones if wall.basis == "azimuthal" else None
@@ -123,8 +144,10 @@ def page(wall: Wall, messages: Sequence[tuple[str, str]] = (), **options: Any) -
         ("pictures", "Pictures", _pictures(content)),
         ("diameters", "Diameters and volumes", _diameters(content)),
         *([("intervals", "Intervals", _intervals(content))] if wall.intervals else []),
+        *([("cement", "Cement", _cement(cement, content))] if cement else []),
         ("zones", "Zones", _zones(zones, content)),
         ("picks", "Picks", _picks(content)),
+        *([("stress", "Stress", _stress(stress))] if stress else []),
         ("quality", "Data quality", _quality(content, messages)),
         ("settings", "Settings", _settings(content, zones)),
     ]
@@ -273,6 +296,58 @@ def _intervals(content: Content) -> str:
     head, *rest = [[row[at] for at in filled] for row in rows]
     note = "Numbers are those of the part that the log reaches; an interval without any has none."
     return f"<p>{note}</p>" + table([name.replace("_", " ").capitalize() for name in head], rest)
+
+
+def _cement(sheet: CementSheet, content: Content) -> str:
+    """Return the sheet of a cement job, as HTML."""
+    depths, job = content.drawing.depth_unit.name, sheet.job
+    sure = not math.isnan(sheet.sigma)
+    head = ["Section", "Slurry", f"From [{depths}]", f"To [{depths}]", "Volume [m³]", "[bbl]", *["± [m³]"] * sure,
+            "By bit size [m³]", "Measured [%]"]  # fmt: skip
+    by_bit = sum(each.by_bit_size for each in sheet.sections)
+    rows = [
+        [each.name, each.slurry or " ", in_depth_unit(each.top, content), in_depth_unit(each.bottom, content),
+         *_volumes(each.volume, each.sigma, sure), number(each.by_bit_size, 2), number(100 * each.measured, 1)]
+        for each in sheet.sections
+    ]  # fmt: skip
+    blank = [" "] * 3
+    rows.append(["total", *blank, *_volumes(sheet.total, sheet.sigma, sure), number(by_bit, 2), " "])
+    parts = [(name, sheet.slurry(name)) for name in ("lead", "tail")]
+    parts.append(("displacement", sheet.displacement))
+    rows += [[name, *blank, *_volumes(of, 0.0, False), *[" "] * (2 + sure)] for name, of in parts if of > 0]
+    text = f"Casing of {in_unit(job.casing, content)} {content.drawing.size_unit}"
+    text += f", shoe at {in_depth_unit(job.shoe, content)} {depths}"
+    if job.excess:
+        text += f"; {100 * job.excess:g} % excess over the open hole"
+    note = "Where the hole was not measured, a section takes the mean of its measured part."
+    if sure:
+        note += " ±: upper limit of the standard uncertainty."
+    return f"<p>{in_html(text)}.</p>{table(head, rows)}<p>{note}</p>"
+
+
+def _volumes(volume: float, sigma: float, sure: bool) -> list[str]:
+    """Return a volume in cubic metres and barrels and, if it is known, its uncertainty."""
+    return [number(volume, 2), number(volume / BARREL, 1), *[number(sigma, 2)] * sure]
+
+
+def _stress(found: HorizontalStress) -> str:
+    """Return the direction of the greatest horizontal stress, its rank and its rose, as HTML."""
+    if not found.count:
+        return f"<p>{in_html(str(found))}.</p>"
+    spread = "one feature" if math.isnan(found.deviation) else f"{found.deviation:.1f}°"
+    rows = [
+        ("SHmax", f"{found.azimuth:.0f}° from true north"),
+        ("Standard deviation", spread),
+        ("Rank", f"{found.rank} (World Stress Map, {found.scheme}){f'; {found.limit}' if found.limit else ''}"),
+        ("Features", f"{found.count} of class {found.kind}, {found.length:.1f} m, weighted by {found.weighting}"),
+    ]
+    if found.left_out:
+        rows.append(("Left out", f"{found.left_out}: the hole is inclined by more than 20°, or has no azimuth there"))
+    figure = stress_rose(found)
+    picture = base64.b64encode(rendered([figure], ".png")).decode()
+    words = f"Rose of SHmax and {found.count} features by depth"
+    shown = f'<img style="width:150mm" alt="{words}" src="data:image/png;base64,{picture}">'
+    return f"{pairs(rows)}<figure>{shown}</figure>"
 
 
 def _zones(zones: Classification | None, content: Content) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from pathlib import Path
 from typing import Any
 
@@ -77,3 +78,42 @@ def test_refused(wall: Path, tmp_path: Path) -> None:
         done = run(wall, *words)
         assert done.exit_code == 2, done.output
         assert message in " ".join(done.output.split())
+
+
+def test_a_report_with_the_stress_and_the_cement_of_a_project(wall: Path, tmp_path: Path) -> None:
+    """Between the lobes the hole is of bit size; the lobes are 40 degrees wide, 30 mm deep, in half of each 6 m."""
+    project, page = tmp_path / "well.toml", tmp_path / "r.html"
+    tables = (
+        "[stress]\nof_zones = true\n[cement]\ncasing = '7in'\nshoe = 1024.0\nprevious_shoe = 1012.0\n"
+        "previous_inner = '8.8in'\ntop = 1006.0\nexcess = 0.2\ninner_diameter = '6.3in'\n"
+    )
+    project.write_text(f"archive = '{wall}'\n{tables}")
+    done = CliRunner().invoke(cli, ["report", str(project), "-o", str(page)])
+    assert done.exit_code == 0, done.output
+    text = page.read_text()
+    assert re.search("SHmax</th><td>(129|130|131)° from true north", text)
+    assert "Rose of SHmax and 5 features" in text
+    radius = BIT / 2
+    area = np.pi * radius**2 + 0.5 * (80 / 360) * np.pi * ((radius + 0.03) ** 2 - radius**2)
+    volumes = {name: float(value) for name, value in re.findall(r"<td>([a-z ]+)</td>(?:<td[^>]*>[^<]*</td>){3}"
+                                                                r"<td[^>]*>([\d.]+)</td>", text)}  # fmt: skip
+    assert volumes["open hole"] == pytest.approx(1.2 * 12 * (area - np.pi / 4 * 0.1778**2), abs=0.01)
+    assert volumes["lap"] == pytest.approx(6 * np.pi / 4 * (0.22352**2 - 0.1778**2), abs=0.006)
+    assert volumes["total"] == pytest.approx(sum(volumes[name] for name in ("rat hole", "open hole", "lap")), abs=0.02)
+    assert volumes["displacement"] == pytest.approx(np.pi / 4 * 0.16002**2 * 1024, abs=0.006)
+    again = tmp_path / "again.html"
+    assert CliRunner().invoke(cli, ["report", f"{page}.toml", "-o", str(again)]).exit_code == 0
+    assert re.findall(r'<section id="cement">.*?</section>', again.read_text(), re.DOTALL) == re.findall(
+        r'<section id="cement">.*?</section>', text, re.DOTALL
+    )
+    project.write_text(f"archive = '{wall}'\n[cement]\ncasing = '7in'\n")
+    done = CliRunner().invoke(cli, ["report", str(project), "-o", str(page)])
+    assert done.exit_code == 1
+    assert "shoe: must be stated in [cement]" in done.output
+
+
+def test_without_cement_and_stress_the_report_has_no_such_sections(wall: Path, tmp_path: Path) -> None:
+    assert CliRunner().invoke(cli, ["report", str(wall), "-o", str(tmp_path / "r.html")]).exit_code == 0
+    text = (tmp_path / "r.html").read_text()
+    assert 'id="cement"' not in text
+    assert 'id="stress"' not in text
