@@ -91,6 +91,7 @@ def logs(**options: Any) -> None:
     definitions and criteria. The file well.las.toml beside well.las repeats the run.
     """
     from helibore.files.log_writing import check_format, save_table
+    from helibore.logs.difference_columns import difference_columns
     from helibore.logs.image_means import image_means
     from helibore.logs.intervals import interval_table
     from helibore.logs.summary import summarize
@@ -130,6 +131,7 @@ def logs(**options: Any) -> None:
     if annuli:
         columns += measured.rows.integrated_columns()
     columns += [wall.drift(length).column(measured.rows) for length in options["drift"]]
+    columns += difference_columns(measured.rows, wall)
     columns += image_means(measured.rows, wall.images)
     facts = measured.zones.criteria.facts() if measured.zones else {}
     prepared = enumerate(preparation_lines(wall), 1)

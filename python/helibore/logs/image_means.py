@@ -15,10 +15,11 @@ import numpy as np
 from helibore.base.arrays import Floats
 from helibore.base.tables import LogColumn
 from helibore.images.sector_image import SectorImage
+from helibore.logs.difference_columns import MNEMONICS
 from helibore.logs.log_columns import COLUMNS
 from helibore.logs.turn_logs import ALONG, Logs
 
-OWN = {of.mnemonic for of in COLUMNS} | {"VOL_SIGMA", "IHV", "CLASS", *ALONG}
+OWN = {of.mnemonic for of in COLUMNS} | {"VOL_SIGMA", "IHV", "CLASS", *ALONG, *MNEMONICS}
 NUMBERED = ("ARM_DIAMETER_", "AVOL_", "ASUM_", "CLEAR_")
 
 

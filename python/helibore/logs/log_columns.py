@@ -7,12 +7,16 @@ Mnemonics are those usual for caliper logs. Other files define further columns:
     zones          class of hole
     annulus        columns of a casing
     image_means    mean of an image
+    difference_columns   difference from earlier passes
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Literal
+
+DIFFERENCE = "difference"
+"""Name of the attribute with the radius of a wall minus the radius of the wall from its earlier passes, m."""
 
 Rule = Literal["mean", "least", "greatest", "least there", "greatest there", "own"]
 

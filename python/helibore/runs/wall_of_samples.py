@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Unpack
 
 from helibore.base.errors import InputError
 from helibore.base.tables import refuse_table
+from helibore.logs.log_columns import DIFFERENCE
 from helibore.samples.caliper import Caliper
 from helibore.wall.interpolation import on_quads
 from helibore.wall.wall import Wall, wall_of
@@ -17,9 +18,6 @@ if TYPE_CHECKING:
     from helibore.preparation.readings import Readings
     from helibore.settings.keywords import WallSettings
     from helibore.trajectory.survey import Path
-
-DIFFERENCE = "difference"
-"""Name of the attribute with the radius of the wall minus the radius of the wall from the earlier passes, m."""
 
 
 def wall_of_samples(

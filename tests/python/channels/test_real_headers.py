@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import helibore as hb
 from helibore.channels.log_set import LogSet
 from helibore.channels.roles import guess
 from helibore.channels.sectors import join_sectors
@@ -307,3 +308,39 @@ def test_no_channel_of_a_real_header_has_a_wrong_role(title: str) -> None:
         channel = next(each for each in joined if each.name == role.channel)
         found |= dict.fromkeys(channel.member_names or (role.channel,), text)
     assert found == wanted
+
+
+SURVEYS = {
+    "SLB": ("DEPT", "DEVI", "HAZI"),
+    "SLB, imager": ("TDEP", "DEVIM", "HAZIM"),
+    "Halliburton": ("DEPT", "DEV", "HAZ"),
+    "Halliburton, LWD": ("DEPTH", "INC", "AZM"),
+    "Baker": ("DEPTH", "DEVCB", "DAZCB"),
+    "Baker, GX": ("DEPTH", "DEVGX", "DAZGX"),
+    "Weatherford": ("DEPT", "ITLT", "IAZI"),
+    "Reeves": ("DEPT", "SINCL", "SAZIMC"),
+    "Petrel": ("MD", "INCL", "AZIM_TN"),
+    "Compass": ("MD", "Inc", "Azi"),
+    "Techlog": ("MD", "INCLINATION", "AZIMUTH"),
+    "sonde and pad": ("DEPT", "SDEV", "HAZIM"),
+}
+
+
+@pytest.mark.parametrize("vendor", SURVEYS)
+def test_the_path_by_the_names_of_each_vendor(tmp_path: Path, vendor: str) -> None:
+    """A hole that builds to 60 degrees at 1 degree in 10 m, turns, and holds; other angles stand beside its own."""
+    depth = np.arange(0.0, 2001.0, 10.0)
+    inclination = np.clip((depth - 500) / 10, 0, 60)
+    azimuth = np.clip(40 + (depth - 1100) / 10, 40, 90)
+    pad = (depth * 7) % 360
+    names = ("P1AZ", *SURVEYS[vendor], "RB")
+    units = ("deg", "m", "deg", "deg", "deg")
+    cells = np.column_stack([pad, depth, inclination, azimuth, (pad + 90) % 360])
+    lines = [",".join(names), ",".join(units), *(",".join(f"{cell:.4f}" for cell in row) for row in cells)]
+    (tmp_path / "s.csv").write_text("\n".join(lines) + "\n")
+    path = hb.open(tmp_path / "s.csv").survey().path()
+    fine = np.linspace(0, 2000, 200_001)  # an integral of the tangent in steps of 1 cm
+    inc, azi = np.radians(np.interp(fine, depth, inclination)), np.radians(np.interp(fine, depth, azimuth))
+    tangent = np.column_stack([np.sin(inc) * np.cos(azi), np.sin(inc) * np.sin(azi), np.cos(inc)])
+    truth = np.cumsum(0.5 * (tangent[1:] + tangent[:-1]), axis=0) * 0.01
+    assert np.abs(path.position(np.array([1000.0, 2000.0])) - truth[[99_999, -1]]).max() < 0.1
