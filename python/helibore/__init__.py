@@ -24,6 +24,7 @@ if TYPE_CHECKING:  # the same names as below
     from helibore.channels.log_set import LogFile as LogFile
     from helibore.channels.log_set import LogSet as LogSet
     from helibore.channels.opening import open as open  # noqa: A004
+    from helibore.files.dip_writing import save_dips as save_dips
     from helibore.files.exchange_writing import save_trace as save_trace
     from helibore.files.exchange_writing import save_wellcad as save_wellcad
     from helibore.files.well_tops import read_intervals as read_intervals
@@ -85,6 +86,7 @@ _load, _, __all__ = lazy_loader.attach(
         "base.tables": ["LogColumn", "LogImage", "LogTable"],
         "channels.log_set": ["LogFile", "LogSet"],
         "channels.opening": ["open"],
+        "files.dip_writing": ["save_dips"],
         "files.exchange_writing": ["save_trace", "save_wellcad"],
         "files.well_tops": ["read_intervals"],
         "images.image_breakouts": ["ImageBreakouts"],
