@@ -34,6 +34,7 @@ from helibore.logs.zones import classify
 from helibore.plot.cross_sections import CrossSection, sections_at, telling_depths
 from helibore.plot.depth_scales import FEET, METRES, DepthUnit, Lines, usual_depth_scale
 from helibore.plot.diameters import diameters
+from helibore.plot.hatching import mostly_interpolated
 from helibore.plot.picked import DipTrack, draw_picks
 from helibore.plot.raster import at_points
 from helibore.plot.solid import Stretched, most_relief, turns_between
@@ -235,6 +236,9 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     if wall.basis == "azimuthal":
         between = np.isfinite(wall.radius) & ~wall.measured
         interpolated = between.astype(np.float64) if between.any() else None
+        if interpolated is not None:
+            mostly = mostly_interpolated(interpolated, wall.settings.sectors)[: turns.depth.size]
+            caliper.between = mostly if wall.settings.pitch > 0 else mostly[::-1]
         tracks.append(ImageTrack(radius[0], (helix, radius[1]), reference, drawing.left, width, interpolated, ink))
         if sure is not None:
             tracks.append(ImageTrack(sure[0], (helix, sure[1]), reference, drawing.left, width))

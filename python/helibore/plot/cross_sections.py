@@ -10,7 +10,7 @@ L |   +   | R
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,9 +19,9 @@ from helibore.base.colors import FILL_COLORS
 from helibore.base.errors import InputError
 from helibore.plot.depth_scales import DepthUnit, length_text
 from helibore.plot.diameters import Diameters
+from helibore.plot.hatching import HATCH_BYTES, NO_DATA, NO_DATA_LINE, rgb
 from helibore.plot.paper import INK, RULE, SMALL, USUAL, Sheet
-from helibore.plot.shading import HATCH_COLOR
-from helibore.plot.tracks import GREY, LENGTHS, SIDES
+from helibore.plot.tracks import LENGTHS, SIDES
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -143,12 +143,15 @@ def key_text(bit_diameter: float, unit: str, pitch: float, hatched: bool) -> str
     """Return one line that explains the lines and colours of the sections."""
     size, near = length_text(bit_diameter / LENGTHS[unit], unit), f"{500 * abs(pitch):g} mm"
     signs = f"Red: wall; dashed: bit, {size}; orange: over bit; blue: under bit; dots: samples within {near}"
-    gaps = "grey: no sample in reach" + ("; hatched: interpolated" if hatched else "")
+    gaps = "grey: no sample in reach" + ("; falling lines: interpolated" if hatched else "")
     return f"Cross sections, looking downhole. {signs}; {gaps}"
 
 
 def _fill(axes: Axes, section: CrossSection, bit: float, outer: float) -> None:
-    """Fill orange over the bit, blue under it, grey wedges where the radius is missing; hatch interpolated sectors."""
+    """Fill orange over the bit, blue under it, grey wedges under rising lines where the radius is missing.
+
+    Interpolated sectors are under falling lines.
+    """
     K = section.radius.size
     finer = max(720 // K, 1)
     fine = section.toolface[0] + np.linspace(0.0, 360.0, finer * K + 1)
@@ -166,16 +169,19 @@ def _fill(axes: Axes, section: CrossSection, bit: float, outer: float) -> None:
         x, y = _xy(arc, np.full(8, outer if np.isnan(r[j]) else r[j]))
         wedge = [np.append(x, 0.0), np.append(y, 0.0)]
         if np.isnan(r[j]):
-            _patch(axes, wedge, GREY)
+            _patch(axes, wedge, rgb(NO_DATA))
+            _patch(axes, wedge, "none", "//////", rgb(NO_DATA_LINE))
         else:
-            _patch(axes, wedge, "none", hatch="////")
+            _patch(axes, wedge, "none", "\\\\\\\\", rgb(HATCH_BYTES))
 
 
-def _patch(axes: Axes, outline: list[Floats], color: str | tuple[float, ...], hatch: str | None = None) -> None:
+def _patch(
+    axes: Axes, outline: list[Floats], color: str | tuple[float, ...], hatch: str | None = None, lines: Any = "none"
+) -> None:
     """Draw a filled or hatched outline. matplotlib does not measure it, because the limits of the axes are set."""
     from matplotlib.patches import Polygon
 
-    look = {"hatch": hatch, "edgecolor": HATCH_COLOR, "linewidth": 0.0} if hatch else {"edgecolor": "none"}
+    look = {"hatch": hatch, "edgecolor": lines, "linewidth": 0.0} if hatch else {"edgecolor": "none"}
     axes.add_artist(Polygon(np.column_stack(outline), facecolor=color, **look))
 
 

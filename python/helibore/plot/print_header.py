@@ -13,10 +13,10 @@ from helibore.base.units import INCH
 from helibore.logs.turn_logs import COVERED, NO_UNCERTAINTY
 from helibore.logs.zones import SURE
 from helibore.plot.depth_scales import length_text
+from helibore.plot.hatching import HATCH_BYTES, NO_DATA, NO_DATA_LINE, rgb
 from helibore.plot.paper import FAINT, INK, LARGE, RULE, SMALL, USUAL, Sheet
 from helibore.plot.picked import DASHES
-from helibore.plot.shading import HATCH_COLOR
-from helibore.plot.tracks import GREY, LETTERS
+from helibore.plot.tracks import LETTERS
 from helibore.plot.zone_list import criteria_text, zone_sign
 from helibore.trajectory.references import reference_assumed
 
@@ -174,11 +174,14 @@ def draw_footer(sheet: Sheet, content: Content, x: float, bottom: float, page: s
     zones, picks = _kinds(content)
     y = bottom - footer_height(content) + 6.0
     sheet.line((x, sheet.width - x), (y - 3.0, y - 3.0))
-    sheet.box(x, y - 1.2, 4.0, 2.4, facecolor=GREY, edgecolor=RULE, linewidth=0.4)
+    key = {"linewidth": 0.4, "facecolor": rgb(NO_DATA), "edgecolor": rgb(NO_DATA_LINE)}
+    sheet.box(x, y - 1.2, 4.0, 2.4, **key, hatch="////////")
     left = x + 5.2
     left += sheet.text_width(sheet.text(left, y, "missing: no value, or not sampled there.", SMALL)) + 4.0
     if content.hatching:
-        sheet.box(left, y - 1.2, 4.0, 2.4, facecolor="white", edgecolor=HATCH_COLOR, linewidth=0.4, hatch="//////")
+        sheet.box(
+            left, y - 1.2, 4.0, 2.4, facecolor="white", edgecolor=rgb(HATCH_BYTES), linewidth=0.4, hatch="\\\\\\\\\\"
+        )
         left += 5.2
         left += sheet.text_width(sheet.text(left, y, content.hatching, SMALL)) + 4.0
     sheet.text(left, y, SIDES_TEXT[content.reference], SMALL, within=sheet.width - x - left)
@@ -206,7 +209,7 @@ def draw_footer(sheet: Sheet, content: Content, x: float, bottom: float, page: s
             sheet.text(left, y, text, SMALL, within=sheet.width - x - left)
     if content.wall.basis == "azimuthal":
         y += ROW
-        sheet.text(x, y, f"Criteria of zones: {criteria_text(content)}", SMALL, within=sheet.width - 2 * x)
+        sheet.text(x, y, f"Criteria: {criteria_text(content)}", SMALL, within=sheet.width - 2 * x)
     y += ROW
     left = _draw_scale_bar(sheet, content, y) if part else sheet.width - MADE
     made = f"helibore {__version__}" + (f", {page}" if page else "")

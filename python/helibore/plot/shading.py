@@ -15,10 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from helibore.base.arrays import Floats, Floats32, Integers
-
-HATCH_BYTES = (33, 48, 61)
-"""Red, green and blue of the lines that hatch what is interpolated, not measured."""
-HATCH_COLOR = tuple(part / 255.0 for part in HATCH_BYTES)
+from helibore.plot.hatching import DENSE, HATCH, HATCH_BYTES, LINE, NO_DATA_LINE, rgb
 
 _LIGHTS = (  # direction towards the light (right, to the viewer, down), strength
     ((-0.62, 0.58, -0.53), 0.72),
@@ -64,7 +61,7 @@ def shade(
     """Draw the vertices of whole turns of a wall: (n,) radii, none missing, and (n, 3) colours in [0, 1].
 
     ``first`` is depth and toolface of the first vertex. The shape is exaggerated about ``bit_diameter``. Vertices that
-    are 1 in ``interpolated``, (n,), are hatched.
+    are 1 in ``interpolated``, (n,), have the lines of interpolated values, and those that are -1 the lines of no data.
     """
     turns = radius.size // sectors - 1
     length = turns * abs(pitch)
@@ -99,7 +96,10 @@ def shade(
         down = (z * fall + y * rise - 0.5 * length * fall) * scale + 0.5 * canvas.height
         lit = _light(normal[:, seen], facing[seen], fine[1:4, seen], rise, fall)
         if interpolated is not None:
-            lit[(fine[4, seen] > 0.5) & ((right + down) % (_FINER * view.hatch) < _FINER)] = HATCH_COLOR
+            wide = _FINER * view.hatch * LINE / HATCH
+            between, gone = fine[4, seen] > 0.5, fine[4, seen] < -0.5
+            lit[between & ((right - down) % (_FINER * view.hatch) < wide)] = rgb(HATCH_BYTES)
+            lit[gone & ((right + down) % (_FINER * view.hatch * DENSE / HATCH) < wide)] = rgb(NO_DATA_LINE)
         canvas.put(right, down, y * fall - z * rise, lit)
     middle = first[0] + 0.5 * turns * pitch
     side, span = 0.5 * canvas.width / scale, 0.5 * canvas.height / scale / fall

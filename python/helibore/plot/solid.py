@@ -16,9 +16,9 @@ import numpy as np
 from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.plot.depth_scales import METRES, DepthUnit, Lines
+from helibore.plot.hatching import HATCH, NO_DATA, faded, rgb
 from helibore.plot.paper import FAINT, FONT, INK, SMALL, USUAL, Sheet
 from helibore.plot.shading import View, shade
-from helibore.plot.tracks import GREY, HATCH
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -120,7 +120,7 @@ def draw_solid(
 
     ``box`` is left, top, width and height in millimetres; the caption takes the top 10 mm. ``scale`` makes colours
     of ``values``, one for each vertex of the stretch, NaN where missing; the caption calls them ``name``. Vertices of
-    the wall at which ``interpolated`` is 1 are hatched.
+    the wall at which ``interpolated`` is 1 are hatched, and those without a radius.
     """
     x, y, width, height = box
     settings = wall.settings
@@ -129,7 +129,11 @@ def draw_solid(
     gone = np.isnan(flat)
     body = np.where(gone, np.nanmedian(flat), flat)
     colors = scale.colors(values)[:, :3] / 255.0
-    colors[gone] = GREY
+    between = None if interpolated is None else interpolated[one.first : one.first + flat.size] > 0.5
+    if between is not None:
+        colors[between] = faded(colors[between], 1.0)
+    colors[gone] = rgb(NO_DATA)
+    lines = np.where(gone, -1.0, 0.0 if between is None else between) if gone.any() or between is not None else None
     largest = settings.start_toolface + 360.0 / sectors * int(np.argmax(body.reshape(-1, sectors).mean(axis=0)))
     tube, shape = exaggeration(one, bit)
     fine = min(1.0, FINE / height)
@@ -139,8 +143,7 @@ def draw_solid(
         hatch=max(round(fine * sheet.pixels(HATCH)), 2),
     )  # fmt: skip
     start = (wall.start_depth + one.first // sectors * settings.pitch, settings.start_toolface)
-    between = None if interpolated is None else interpolated[one.first : one.first + flat.size]
-    picture = shade(body, colors, sectors, settings.pitch, start, bit, view, between)
+    picture = shade(body, colors, sectors, settings.pitch, start, bit, view, lines)
     axes = sheet.axes(x + 14.0, y + 10.0, width - 14.0, height - 10.0)
     edges = (picture.left, picture.right, picture.bottom, picture.top)
     axes.imshow(picture.pixels, extent=edges, aspect="auto", interpolation="none")

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from helibore.base.arrays import Floats
-from helibore.base.colors import FILL_COLORS, MISSING, TOP_COLOR, ZONE_COLORS, ColorScale, ink_on
+from helibore.base.colors import FILL_COLORS, TOP_COLOR, ZONE_COLORS, ColorScale, ink_on
 from helibore.base.errors import InputError
 from helibore.base.units import INCH, MILLIMETRE
 from helibore.images.sector_image import SectorImage
@@ -28,9 +28,9 @@ from helibore.logs.volume_ticks import VolumeTicks
 from helibore.logs.zones import Zone
 from helibore.plot.depth_scales import METRES, DepthUnit, Lines, length_text
 from helibore.plot.diameters import Diameters, thinned
+from helibore.plot.hatching import HATCH_BYTES, hatch
 from helibore.plot.paper import FAINT, FONT, INK, LEAST, RULE, SMALL, USUAL, Sheet
 from helibore.plot.raster import Grid, unroll_image, unroll_wall
-from helibore.plot.shading import HATCH_BYTES
 from helibore.samples.caliper import Basis
 from helibore.settings.wall_settings import Settings
 from helibore.trajectory.true_depth import TrueDepth
@@ -47,11 +47,8 @@ SIDES = {
     "": ("0°", "90°", "180°", "270°"),
 }
 """Names of the toolfaces 0, 90, 180 and 270, by what toolface 0 is; "" if that is not known."""
-GREY = tuple(part / 255.0 for part in MISSING)
 SCALAR = "#1d6b3a"
 """Colour of the line of a `ScalarCurve`."""
-HATCH = 1.4
-"""Distance between the lines that hatch interpolated values, millimetres."""
 AREA = "#b3261e"
 INTERVAL_FILLS = ("#f3f6ef", "#ffffff")
 """Colours of every other interval."""
@@ -246,6 +243,8 @@ class CaliperTrack:
         One of `SIDES`, for the names of D0 and D90.
     name
         Name of the wall before the title, if there are several walls.
+    between
+        (turns,), 1 where most of a turn is interpolated, which is hatched, else 0; None: nothing is hatched.
     """
 
     width = least = 40.0
@@ -260,9 +259,11 @@ class CaliperTrack:
         curves: Sequence[str] = (),
         reference: str = "high-side",
         name: str = "",
+        between: Floats | None = None,
     ) -> None:
         self.name = name
         self.turns, self.basis, self.unit, self.limits = turns, basis, unit, limits
+        self.between = between
         self.bit = bit_diameter / LENGTHS[unit]
         self.curves = curves if basis == "azimuthal" else ()
         sides = SIDES[reference]
@@ -305,7 +306,7 @@ class CaliperTrack:
         sheet.text(x + 4, row, text, 5.2, within=14)
 
     def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
-        """Draw the curves; grey where a turn has no radius at all."""
+        """Draw the curves; hatched where a turn has no radius at all, or is mostly interpolated."""
         axes = bare_axes(sheet, x, self.width, stretch)
         step = (self.limits[1] - self.limits[0]) / 5
         for at in range(1, 5):
@@ -334,18 +335,22 @@ class CaliperTrack:
         return axes
 
     def _draw_missing(self, axes: Axes, sheet: Sheet, stretch: Stretch) -> None:
-        """Draw grey where a turn has no radius, and beyond the wall's ends."""
+        """Hatch turns that are mostly interpolated, and those without a radius; so, too, beyond the wall's ends."""
         edges = np.linspace(stretch.top, stretch.bottom, sheet.pixels(stretch.height) + 1)
         middle, depth = 0.5 * (edges[:-1] + edges[1:]), self.turns.depth
         half = 0.5 * float(np.median(np.diff(depth))) if depth.size > 1 else np.inf
         near = np.clip(np.searchsorted(depth + half, middle), 0, depth.size - 1)
         away = np.abs(depth[near] - middle) > half * (1 + 1e-6)
-        grey = np.where(away | (self.turns.coverage[near] == 0), 1.0, np.nan)[:, None]
-        if np.isfinite(grey).any():
-            from matplotlib.colors import ListedColormap
-
+        gone = away | (self.turns.coverage[near] == 0)
+        between = ~gone & (self.between[near] > 0.5) if self.between is not None else np.full(gone.shape, False)
+        if (gone | between).any():
+            wide = (gone.size, sheet.pixels(self.width))
+            masks = (np.broadcast_to(one[:, None], wide) for one in (between, gone))
+            colors = hatch(sheet, np.full((*wide, 3), 255, np.uint8), *masks)
+            inked = gone[:, None] | (colors == HATCH_BYTES).all(axis=2)  # the curves are seen between sparse lines
+            pixels = np.dstack([colors, np.where(inked, 255, 0).astype(np.uint8)])
             box = (*self.limits, stretch.bottom, stretch.top)
-            axes.imshow(grey, extent=box, aspect="auto", cmap=ListedColormap([GREY]), interpolation="none", zorder=3)
+            axes.imshow(pixels, extent=box, aspect="auto", interpolation="none", zorder=3)
 
 
 def _draw_ticks(axes: Axes, ticks: VolumeTicks, stretch: Stretch, right: bool) -> None:
@@ -484,10 +489,11 @@ class ImageTrack:
         else:
             pixels = unroll_wall(values, source[0], source[1], grid)
         colors = self.shown.scale.colors(pixels)[..., :3]
+        gone = np.isnan(pixels)
+        between = np.full(gone.shape, False)
         if self.interpolated is not None and not isinstance(source, SectorImage):
-            between = unroll_wall(self.interpolated, source[0], source[1], grid) > 0.5
-            along = np.add.outer(np.arange(grid.rows), np.arange(grid.columns)) % sheet.pixels(HATCH)
-            colors[between & np.isfinite(pixels) & (along < max(sheet.pixels(0.2), 1))] = HATCH_BYTES
+            between = ~gone & (unroll_wall(self.interpolated, source[0], source[1], grid) > 0.5)
+        colors = hatch(sheet, colors, between, gone)
         box = (0.0, 360.0, stretch.bottom, stretch.top)
         axes.imshow(colors, extent=box, aspect="auto", interpolation="none", origin="upper")
         for quarter in (90, 180, 270):

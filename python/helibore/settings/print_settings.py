@@ -40,7 +40,7 @@ class PrintSettings(Declared, group="print"):
     scale: Annotated[int | None, within(1, LARGEST_SCALE), Option("the finest usual scale that fits", metavar="N"),
         "Depth scale, 200 or 1:200. None: the finest usual scale for the length of the interval.",
     ] = None  # fmt: skip
-    unit: Annotated[SizeUnit, Option(), "Unit of diameters; ft: inches, and feet for depths."] = "in"
+    unit: Annotated[SizeUnit, Option(), "Unit of diameters; ft: inches, and feet for depths."] = "mm"
     curves: Annotated[tuple[Diameter, ...], Option("C1,C2", metavar="CURVES"),
         "Diameters in the caliper track, beside the diameter by area. C1 is the largest diameter, C2 the diameter at "
         "right angles to it, D0 reaches from toolface 0 to 180, D90 from 90 to 270.",

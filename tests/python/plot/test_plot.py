@@ -15,20 +15,21 @@ from hypothesis import strategies as st
 from plotted_wall import BIT, image_of, plotted_wall
 
 import helibore as hb
-from helibore import plot
-from helibore.base.colors import FILL_COLORS, MISSING
+from helibore import plot, viewer
+from helibore.base.colors import FILL_COLORS
 from helibore.logs.curves import ScalarCurve, nice_limits
 from helibore.logs.turn_logs import NO_UNCERTAINTY
 from helibore.plot.content import REFERENCES, content_of
 from helibore.plot.cross_sections import sections_at, telling_depths
 from helibore.plot.depth_scales import FEET, Lines, usual_depth_scale
 from helibore.plot.diameters import Diameters, diameters, thinned
+from helibore.plot.hatching import HATCH, HATCH_BYTES, LINE, NO_DATA, NO_DATA_LINE, PALE, PALENESS, hatch
 from helibore.plot.html_report import page
 from helibore.plot.log import MARGIN, _divided
 from helibore.plot.paper import MM, Sheet
 from helibore.plot.print_header import SIDES_TEXT, header_height, sentence
 from helibore.plot.solid import Stretched, exaggeration, most_relief, turns_between
-from helibore.plot.tracks import HATCH, HATCH_BYTES, HEAD, CaliperTrack, ImageTrack, Stretch
+from helibore.plot.tracks import HEAD, CaliperTrack, ImageTrack, Stretch
 from helibore.simulation.tool import Hole, Tool, simulate
 from helibore.wall.interpolation import on_quads
 
@@ -75,8 +76,8 @@ def test_a_log_says_all_that_a_reader_must_know(wall: hb.Wall) -> None:
     for needed in (
         "A well", "A run", "2,000.00 to 2,022.00 m MD (22.0 m)", "8.504 in (216.0 mm)", "1:40, 25 mm on paper a metre",
         "from the high side, clockwise looking downhole", "radius measured by an azimuthal caliper",
-        "Caliper [in]", "bit size 8.504 in", "by area", "under bit", "bit to C2", "C2 to C1", "C1", "C2",
-        "Over bit radius [in]", "GR [gAPI]", "RES [ohm.m]", "logarithmic", "16 sectors, static", "Depth", "MD [m]",
+        "Caliper [mm]", "bit size 216.0 mm", "by area", "under bit", "bit to C2", "C2 to C1", "C1", "C2",
+        "Over bit radius [mm]", "GR [gAPI]", "RES [ohm.m]", "logarithmic", "16 sectors, static", "Depth", "MD [m]",
         "missing: no value, or not sampled there", "Cross sections, looking downhole", "tube × ", "shape × ",
         "coloured by radius", "rings each",
     ):  # fmt: skip
@@ -112,10 +113,10 @@ def test_what_lies_between_arms_is_hatched_and_named() -> None:
     (section,) = sections_at(wall, [2003.0], (wall.angular_gap > 60.0).astype(float))
     gap = wall.angular_gap[30 * 64 - 32 : 31 * 64 - 32]  # the turn around 2003 m
     assert np.count_nonzero(section.interpolated) == pytest.approx(np.count_nonzero(gap > 60), abs=2)
-    assert f"rings each 2 in; {100 * section.interpolated.mean():.0f} % interpolated" in words
+    assert f"rings each 50 mm; {100 * section.interpolated.mean():.0f} % interpolated" in words
     pixels = tracks_of(figure)[-1].images[0].get_array()
     dark = (pixels == np.array(HATCH_BYTES)).all(axis=2)
-    width = max(round(0.2 / 25.4 * 100), 1) / round(HATCH / 25.4 * 100)
+    width = max(round(LINE / 25.4 * 100), 1) / round(HATCH / 25.4 * 100)
     assert dark.mean() == pytest.approx((1 - measured) * width, rel=0.15)
     assert (dark.mean(axis=0) > 0).mean() > 0.8
     beside_a_gap = [text.get_text() for text in texts(plot.log(plotted_wall(), dpi=50, body=()))]
@@ -148,7 +149,7 @@ def test_a_wall_that_was_not_measured_around_says_so(basis: str) -> None:
     (said,) = [text for text in texts(figure) if text.get_text() == wall.basis_text]
     assert said.get_color() == "#b3261e"
     assert not [word for word in words if word.startswith(("Radius", "Cross", "least"))]
-    assert ("Caliper [in]" in words) == (basis == "average")
+    assert ("Caliper [mm]" in words) == (basis == "average")
     assert ("Samples" in words) == (basis == "average"), "those of a gauge hole are no measurements"
     assert_readable(figure)
 
@@ -199,7 +200,7 @@ def test_an_overview_has_the_tracks_of_a_log_and_a_body_beside_them(wall: hb.Wal
     words = " | ".join(text.get_text() for text in texts(figure))
     for needed in (
         "A well",
-        "Caliper [in]",
+        "Caliper [mm]",
         "GR [gAPI]",
         "RES [ohm.m]",
         "tube × ",
@@ -289,7 +290,7 @@ def test_a_gap_is_grey_in_every_track(wall: hb.Wall) -> None:
     for axes, depth in ((tracks[1], 2014.15), (tracks[2], 2014.15), (tracks[3], 2005.15)):
         right, up = axes.transData.transform((np.mean(axes.get_xlim()) + 0.02 * np.ptp(axes.get_xlim()), depth))
         grey.append(tuple(pixels[int(pixels.shape[0] - up), int(right) + 2]))
-    assert grey == [MISSING] * 3
+    assert set(grey) <= {NO_DATA, NO_DATA_LINE}, grey
 
 
 def test_diameters_against_a_loop(wall: hb.Wall) -> None:
@@ -330,10 +331,39 @@ def test_a_caliper_track_is_grey_over_the_turns_without_a_radius_and_beyond_the_
     track = CaliperTrack(turns, "azimuthal", BIT, "mm", (200.0, 230.0))
     stretch = Stretch(-0.2, 1.2, 0.0, 140.0, Lines.of(10))
     (image,) = track.draw(Sheet(50, 140, 254), 0.0, stretch).images
-    shown = np.isfinite(np.ma.filled(image.get_array().astype(float), np.nan)).ravel()
-    middle = -0.2 + 1.4 * (np.arange(shown.size) + 0.5) / shown.size
+    pixels = image.get_array()
+    shown = pixels[..., 3] > 0
+    assert (shown == shown[:, :1]).all()
+    middle = -0.2 + 1.4 * (np.arange(shown.shape[0]) + 0.5) / shown.shape[0]
     grey = (middle < 0) | ((middle > 0.4) & (middle < 0.5)) | (middle > 1)
-    np.testing.assert_array_equal(shown, grey)
+    np.testing.assert_array_equal(shown[:, 0], grey)
+    assert {tuple(one) for one in np.unique(pixels[grey][..., :3].reshape(-1, 3), axis=0)} == {NO_DATA, NO_DATA_LINE}
+
+
+def test_what_is_not_measured_is_hatched_as_on_the_page() -> None:
+    """Lines over no data rise and are dense; those over interpolated values fall, are sparse, over a faded colour."""
+    sheet = Sheet(30, 30, 96)
+    orange = np.full((60, 60, 3), (176, 74, 12), np.uint8)
+    rows, columns = np.mgrid[:60, :60]
+    left, right = columns < 20, columns >= 40
+    shown = hatch(sheet, orange, left, right)
+    assert (shown[:, 20:40] == orange[:, 20:40]).all()
+    for side, line, across, apart in (
+        (left, HATCH_BYTES, rows - columns, 10),
+        (right, NO_DATA_LINE, rows + columns, 7),
+    ):
+        lines = (shown == line).all(axis=2) & side
+        assert lines[side].mean() == pytest.approx(2 / apart, rel=0.1)
+        assert len(set((across[lines] % apart).tolist())) == 2, "as far apart as the page's, in one direction"
+    between = shown[left & ~(shown == HATCH_BYTES).all(axis=2)]
+    assert (between == np.round(0.45 * np.array([176, 74, 12]) + 0.55 * 245)).all()
+    shaders = (Path(viewer.__file__).parent / "web" / "src" / "shaders.js").read_text()
+    light = "dark ? (line ? vec3(0.36) : vec3(0.24)) : (line ? vec3(0.62) : vec3(0.80))"
+    assert light in shaders
+    assert [round(255 * one) for one in (0.62, 0.8, 0.55, 0.96)] == [NO_DATA_LINE[0], NO_DATA[0], HATCH_BYTES[0], PALE]
+    for rule in ("gl_FragCoord.x - gl_FragCoord.y, 7.0) < 1.6", "gl_FragCoord.x + gl_FragCoord.y, 10.0) < 1.3"):
+        assert rule in shaders
+    assert f"vec3(0.96), between ? {PALENESS}" in shaders
 
 
 def test_sections_are_the_vertices_nearest_to_the_depth(wall: hb.Wall, golden: Golden) -> None:

@@ -124,11 +124,11 @@ def test_a_zone_has_its_extreme_and_the_depth_of_its_largest_diameter(wall: hb.W
     found = wall.zones()
     worst = found.by_severity()[0]
     shown = cells(page(wall, dpi=40, polar=(), body=()))
-    size = {"washout": "C2 − bit", "breakout": "C1 − C2"}[worst.kind] + f" {worst.measure / 0.0254:.2f} in"
+    size = {"washout": "C2 − bit", "breakout": "C1 − C2"}[worst.kind] + f" {1000 * worst.measure:.1f} mm"
     at = shown.index(
         f"{worst.kind} {worst.confidence_text}, {size}, {worst.severity:.1f} ×, widest at {worst.peak:,.2f} m"
     )
-    assert shown[at + 3 : at + 5] == [f"{size / 0.0254:.2f}" for size in (worst.enlargement, worst.elongation)]
+    assert shown[at + 3 : at + 5] == [f"{1000 * size:.1f}" for size in (worst.enlargement, worst.elongation)]
 
 
 def test_openings_that_a_tool_with_few_arms_does_not_know_are_a_dash() -> None:
@@ -136,7 +136,7 @@ def test_openings_that_a_tool_with_few_arms_does_not_know_are_a_dash() -> None:
     toolface, arm = np.tile([0.0, 90.0, 180.0, 270.0], 60), np.tile([0, 1, 0, 1], 60)
     oval = hb.Caliper(depth, toolface, np.where(arm == 0, 0.125, 0.108), arm=arm)
     shown = cells(page(hb.reconstruct(oval, bit_diameter=BIT), dpi=40, polar=(), body=()))
-    at = next(number for number, text in enumerate(shown) if "C1 − C2 1.34 in" in text)
+    at = next(number for number, text in enumerate(shown) if "C1 − C2 34.0 mm" in text)
     assert shown[at + 5 : at + 7] == ["0", "–"], "nor is there a spread of arms that do not turn"
 
 
@@ -148,11 +148,11 @@ def test_a_report_without_zones_states_the_criteria_that_nothing_meets() -> None
         "washout C2 − bit at least 0.5 in, breakout C1 − C2 at least 1 in, key seat height at least 0.25 in, "
         "undergauge least diameter − bit below −0.25 in; over at least 0.3 m of hole"
     )
-    shown = cells(page(wall, dpi=40, polar=(), body=()))
+    shown = cells(page(wall, unit="in", dpi=40, polar=(), body=()))
     assert f"None. Criteria: {criteria}. No measured part of the hole meets one of these criteria." in shown
     assert "none by the criteria at the foot" in shown
-    words = [text.get_text() for text in log(wall, polar=(), body=()).texts]
-    assert f"Criteria of zones: {criteria}" in words
+    words = [text.get_text() for text in log(wall, unit="in", polar=(), body=()).texts]
+    assert f"Criteria: {criteria}" in words
 
 
 def test_settings_have_units_and_say_each_thing_once(wall: hb.Wall, golden: Golden) -> None:
@@ -255,7 +255,7 @@ def test_no_table_is_wider_than_its_page(unit: str, width: int, wall: hb.Wall, b
 def test_a_tool_with_few_arms_has_its_share_of_the_turns_and_hatched_pictures() -> None:
     from matplotlib.image import imread
 
-    from helibore.plot.tracks import HATCH_BYTES
+    from helibore.plot.hatching import HATCH_BYTES
 
     depth = np.repeat(np.arange(2000, 2003, 0.05), 4)
     arm = np.tile([0, 1, 0, 1], depth.size // 4)
