@@ -59,7 +59,7 @@ def read_parquet(source: InputFile) -> RawFile:
             shape = load().shape
             kind = kind.value_type
         if pa.types.is_nested(kind):
-            remarks.append(f"{name}: a {kind} is not read")
+            remarks.append(Loss(f"{name}: a {kind} is not read"))
             continue
         own = schema.field(position).metadata or {}
         unit = (own.get(b"unit") or own.get(b"uom") or b"").decode("utf-8", "replace")

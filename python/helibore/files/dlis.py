@@ -140,7 +140,7 @@ def _frame(source: InputFile, name: str, frame: Any, parameters: dict[str, str])
         shape = (count,) if size == 1 else (count, size)
         kind = dtype.fields[label][0].base.kind
         if kind == "c":
-            remarks.append(f"{own}: not read, because its values are complex")
+            remarks.append(Loss(f"{own}: not read, because its values are complex"))
             continue
         unit, described, load = text_of(channel.units), text_of(channel.long_name), partial(column, label, shape)
         channels.append(Channel(own, unit, described, load, source.nulls, _axis(channel), shape, kind in "OSU"))

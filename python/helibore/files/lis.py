@@ -15,7 +15,7 @@ from helibore.base.errors import needs
 from helibore.files.dlis import damage_named, dlisio_warnings, text_of
 from helibore.files.headings import is_number
 from helibore.files.input_file import InputFile
-from helibore.files.raw_set import Channel, RawFile, RawSet, readable_sets
+from helibore.files.raw_set import Channel, Loss, RawFile, RawSet, readable_sets
 
 BYTE = 66
 CODES = frozenset((49, 50, 56, 65, BYTE, 68, 70, 73, 79))
@@ -104,10 +104,10 @@ def _pass(source: InputFile, name: str, logical: Any, spec: Any, header: dict[st
         unit = units.get(label.strip(), units.get(label.partition("(")[0].strip(), ""))
         channels.append(Channel(label.strip(), unit, "", rows[label], nulls))
     unread = {label: block for label, block in blocks.items() if label not in {channel.name for channel in channels}}
-    remarks = [
-        f"{label}: not read, because it has {each.samples} samples in each frame instead of {rate}"
+    remarks: list[str] = [
+        Loss(f"{label}: not read, because it has {each.samples} samples in each frame instead of {rate}")
         for label, each in unread.items()
         if each.samples > rate and label not in unknown
     ]
-    remarks += [f"{label}: not read, because no reader knows its code {code}" for label, code in unknown.items()]
+    remarks += [Loss(f"{label}: not read, because no reader knows its code {code}") for label, code in unknown.items()]
     return RawSet(source.path, name, channels, len(rows), index, header, remarks)

@@ -108,6 +108,8 @@ def test_a_damaged_or_empty_log_does_not_block_the_others(tmp_path: Path, golden
     )
     wells = {"wells": {"W": 3, "V": {"header": {"depth_unit": "ft"}, "MD": [1, 2]}}}
     one = hb.open(json_file(tmp_path, wells)).set()
+    with pytest.raises(hb.InputError, match=r"only a part can be read: another set is left out: log\.json: well 'W'"):
+        hb.open(json_file(tmp_path, wells), strict=True)
     assert (one["MD"].unit, one.remarks) == (
         "ft", ["another set is left out: log.json: well 'W': must be an object of columns"],
     )  # fmt: skip

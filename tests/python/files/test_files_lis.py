@@ -120,7 +120,10 @@ def test_faster_channels_are_left_out_and_named(tmp_path: Path, golden: Golden) 
 @pytest.mark.parametrize("code", [77, 128, 234])
 def test_a_channel_of_an_unknown_code_is_left_out_and_named(tmp_path: Path, code: int) -> None:
     blocks = (channel("DEPT", "FT"), channel("C1", "IN"), channel("WHAT", "", code=code), channel("RB", "DEG"))
-    one = hb.open(written(tmp_path / "w.lis", log(TABLE, *blocks))).set()
+    file = written(tmp_path / "w.lis", log(TABLE, *blocks))
+    with pytest.raises(hb.InputError, match="only a part can be read: WHAT: not read"):
+        hb.open(file, strict=True)
+    one = hb.open(file).set()
     assert one.names == ("DEPT", "C1", "RB")
     np.testing.assert_array_equal(one.numbers("C1"), [row[1] for row in TABLE])
     np.testing.assert_array_equal(one.numbers("RB"), [row[3] for row in TABLE])

@@ -61,6 +61,13 @@ STATIONS = [[0, 0.0, 0.0], [100.5, 1.25, 31.0], [200.0, 2.5, 31.5]]
 SURVEY = [["Well", "15/9-F-12"], [], ["MD (m)", "Incl (deg)", "Azim (deg)"], *STATIONS]
 
 
+def test_rows_below_an_empty_line_are_refused_with_strict(tmp_path: Path) -> None:
+    file = workbook(tmp_path / "s.xlsx", Survey=[*SURVEY, [], ["checked by", "A. B."]])
+    assert hb.open(file).set().rows == 3
+    with pytest.raises(hb.InputError, match="only a part can be read: sheet Survey: line 7 is empty"):
+        hb.open(file, strict=True)
+
+
 def test_a_survey_below_other_lines(tmp_path: Path) -> None:
     file = hb.open(workbook(tmp_path / "s.xlsx", Survey=SURVEY))
     survey = file.survey()

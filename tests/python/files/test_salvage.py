@@ -67,4 +67,6 @@ def test_a_dlis_that_is_cut(tmp_path: Path, golden: Golden) -> None:
     assert 0.9 * depth.size < found.size < depth.size
     np.testing.assert_array_equal(found, depth[: found.size])
     np.testing.assert_array_equal(hb.open(path, salvage=True).set().numbers("C1"), 2 * depth[: found.size])
+    with pytest.raises(hb.InputError, match="only a part can be read: salvaged"):
+        hb.open(path, salvage=True, strict=True)
     assert "salvaged: " in remarks
