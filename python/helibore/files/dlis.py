@@ -44,11 +44,14 @@ def read(source: InputFile) -> RawFile:
             frames, parameters = list(logical.frames), _parameters(logical)
             for name, frame in zip(unique([text_of(frame.name) for frame in frames]), frames, strict=True):
                 readers.append(partial(_frame, source, label + name, frame, parameters))
-        sets = [one for one in readable_sets(readers) if one.rows]
+        every = readable_sets(readers)
+        sets = [one for one in every if one.rows]
         if not sets:
             raise source.error("DLIS without a frame that has rows")
         opened.pop_all()  # the rows are read later
+    empty = ", ".join(one.name for one in every if not one.rows)
     for one in sets:
+        one.remarks.extend([f"left out, because they have no rows: {empty}"] if empty else [])
         one.remarks.extend(sorted(warned))
         if lost:
             one.remarks.append(Loss(f"salvaged: {one.rows} rows lie before the damage; what follows it is lost"))

@@ -184,6 +184,7 @@ def test_a_damaged_or_empty_frame_does_not_block_the_others(tmp_path: Path, gold
     (tmp_path / "w.dlis").write_bytes(without_rows(whole, b"MAIN1"))
     with hb.open(tmp_path / "w.dlis") as file:
         assert [(one.name, one.rows) for one in file.sets] == [("MAIN", 60)]
+        assert file.set().remarks == ["left out, because they have no rows: MAIN1"]
     (tmp_path / "w.dlis").write_bytes(without_rows(without_rows(whole, b"MAIN1"), b"MAIN"))
     with golden.raises():
         hb.open(tmp_path / "w.dlis")
