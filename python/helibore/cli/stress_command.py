@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from helibore.logs.stress import HorizontalStress
     from helibore.wall.wall import Wall
 
-SHARED = ("picks", "feature", "of_zones", "scheme", "weighting", "latitude", "longitude", "regime", "rose")
+SHARED = ("picks", "feature", "of_zones", "scheme", "weighting", "to_true", "latitude", "longitude", "regime", "rose")
 
 
 @click.command(cls=Sectioned, common=(*SHOWN, *SHARED))
@@ -94,10 +94,13 @@ def found_stress(wall: Wall, options: dict[str, Any]) -> tuple[HorizontalStress,
         if kind != "breakout":
             raise InputError("feature", "zones are breakouts; induced fractures are among picks", repr(kind))
         zones = wall.zones(criteria_of(wall, options)).zones
-        found = stress_of_zones(zones, wall.path, options["scheme"] or "caliper", weighting)
+        found = stress_of_zones(zones, wall.path, options["scheme"] or "caliper", weighting, options["to_true"])
     else:
-        found = stress_of_picks(wall.picks, wall.path, kind, options["scheme"] or "image", weighting)
+        scheme = options["scheme"] or "image"
+        found = stress_of_picks(wall.picks, wall.path, kind, scheme, weighting, options["to_true"])
     lines = [("stress", str(found))]
+    if not wall.path.survey.north and options["to_true"] is None and found.count:
+        lines.append(("", "the survey does not state its north: azimuths are taken to count from true north"))
     if found.left_out:
         lines.append(
             ("", f"{found.left_out} left out: the hole is inclined by more than 20 deg, or has no azimuth there")

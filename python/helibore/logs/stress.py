@@ -242,7 +242,12 @@ def _rank(count: int, length: float, deviation: float, limits: tuple[Limits, ...
 
 
 def stress_of_picks(
-    picks: Iterable[Pick], path: Path, kind: str = BREAKOUT, scheme: str = "image", weighting: str = "length"
+    picks: Iterable[Pick],
+    path: Path,
+    kind: str = BREAKOUT,
+    scheme: str = "image",
+    weighting: str = "length",
+    to_true: float | None = None,
 ) -> HorizontalStress:
     """Return SHmax from the picks of one class on a well path.
 
@@ -255,11 +260,20 @@ def stress_of_picks(
     picks
         Of any class; those of ``kind`` count.
     path
-        The well path; its azimuths must count from true north.
+        The well path.
     kind, scheme, weighting
         As in `horizontal_stress`.
+    to_true
+        What is added to the azimuths of the path so that they count from true north, degrees: the declination of
+        magnetic azimuths, the convergence of grid azimuths. None: nothing.
+
+    Raises
+    ------
+    InputError
+        If the survey states magnetic or grid north and ``to_true`` is None; and as `horizontal_stress`.
     """
     check_choice("kind", kind, tuple(OFFSETS))
+    turn = _turn_to_true(path, to_true)
     azimuths: list[float] = []
     lengths: list[float] = []
     depths: list[float] = []
@@ -271,14 +285,18 @@ def stress_of_picks(
         if azimuth is None:
             left_out += 1
             continue
-        azimuths.append(azimuth)
+        azimuths.append(azimuth + turn)
         lengths.append(pick.height if kind == BREAKOUT else _trace(pick))
         depths.append(pick.depth)
     return horizontal_stress(azimuths, lengths, kind, scheme, weighting, depths, left_out)
 
 
 def stress_of_zones(
-    zones: Iterable[Zone], path: Path, scheme: str = "caliper", weighting: str = "length"
+    zones: Iterable[Zone],
+    path: Path,
+    scheme: str = "caliper",
+    weighting: str = "length",
+    to_true: float | None = None,
 ) -> HorizontalStress:
     """Return SHmax from the breakouts among the zones of a wall: ``stress_of_zones(wall.zones().zones, wall.path)``.
 
@@ -289,14 +307,15 @@ def stress_of_zones(
     ----------
     zones
         Of any kind; breakouts count.
-    path, scheme, weighting
+    path, scheme, weighting, to_true
         As in `stress_of_picks`.
     """
+    turn = _turn_to_true(path, to_true)
     breakouts = [zone for zone in zones if zone.kind == BREAKOUT]
     middles = [0.5 * (zone.start + zone.stop) for zone in breakouts]
     azimuths = [_axis(zone.toolface, middle, path) for zone, middle in zip(breakouts, middles, strict=True)]
     known = [
-        (azimuth, zone.length, middle)
+        (azimuth + turn, zone.length, middle)
         for azimuth, zone, middle in zip(azimuths, breakouts, middles, strict=True)
         if azimuth is not None
     ]
@@ -304,6 +323,18 @@ def stress_of_zones(
     return horizontal_stress(
         columns[0], columns[1], BREAKOUT, scheme, weighting, columns[2], len(breakouts) - len(known)
     )
+
+
+def _turn_to_true(path: Path, to_true: float | None) -> float:
+    """Return what is added to azimuths of a path for true north, degrees; refuse another north without a statement."""
+    if to_true is not None:
+        return to_true
+    north = path.survey.north
+    if north in ("magnetic", "grid"):
+        added = "declination" if north == "magnetic" else "convergence"
+        rule = f"azimuths of the survey count from {north} north: state the {added}, which turns them to true north"
+        raise InputError("to_true", rule, setting="stress.to_true")
+    return 0.0
 
 
 def _trace(pick: Pick) -> float:

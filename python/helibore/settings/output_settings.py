@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 from helibore.base.file_endings import VOLUME_ENDINGS
 from helibore.settings.declared import (
+    DEGREES,
     FINITE,
     METRES,
     NOT_NEGATIVE,
@@ -108,6 +109,9 @@ class StressSettings(Declared, group="stress"):
         "Limits of the ranks, by the log.",
     ] = None  # fmt: skip
     weighting: Annotated[Literal["length", "number"], Option(), "What weighs a feature."] = "length"
+    to_true: Annotated[float | None, DEGREES, FINITE, Option("none; needed if the survey states another north"),
+        "Angle that turns azimuths to true north: declination of magnetic, convergence of grid azimuths.",
+    ] = None  # fmt: skip
     latitude: Annotated[float | None, FINITE, Option(), "Latitude of the well, degrees; south is negative."] = None
     longitude: Annotated[float | None, FINITE, Option(), "Longitude of the well, degrees; west is negative."] = None
     regime: Annotated[Literal["NF", "NS", "SS", "TS", "TF", "U"], Option("U: not known"), "Regime of the record."] = "U"

@@ -126,6 +126,7 @@ def _contents(wall: WallColumns) -> tuple[Arrays, dict[str, Any]]:
         path = wall.path
         arrays |= {f"survey/{name}": getattr(path.survey, name) for name in STATIONS}
         placing = {"method": path.method, "reference": path.reference, "head": path.head, "extend": path.extend}
+        placing |= {"north": path.survey.north} if path.survey.north else {}
     images = []
     for number, (key, image) in enumerate(wall.images.items()):
         arrays |= {f"images/{number}/{name}": getattr(image, name) for name in ("depth", "values")}

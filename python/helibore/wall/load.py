@@ -81,7 +81,8 @@ def _wall(members: Members, threads: int | None, recompute: bool) -> Wall:
     path = None
     if contents["path"] is not None:
         placing = contents["path"] | {"head": tuple(contents["path"]["head"])}
-        path = Survey(*(members.array(f"survey/{name}") for name in STATIONS)).path(**placing)
+        north = placing.pop("north", "")
+        path = Survey(*(members.array(f"survey/{name}") for name in STATIONS), north=north).path(**placing)
     images = {}
     for number, image in enumerate(contents["images"]):
         key = image.pop("key")
