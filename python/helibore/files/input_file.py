@@ -12,6 +12,7 @@ from __future__ import annotations
 import codecs
 import gzip
 import io
+import re
 import zipfile
 import zlib
 from collections.abc import Iterator
@@ -48,6 +49,9 @@ LINE_COST = 64
 UTF8_BOM = codecs.BOM_UTF8
 SALVAGE = "; salvage = true reads what is before the damage"
 """End of a message about a file of which a part can be read."""
+
+CYRILLIC_WORD = re.compile(rb"[\xc0-\xff]{3,20}")
+"""A word of Windows-1251; in Windows-1252, three letters with accents hardly ever follow each other."""
 
 END_OF_TEXT = b"\x1a"
 """Control-Z, with which old programs of DOS end a text."""
@@ -326,12 +330,18 @@ def decode(path: Path, content: bytes | bytearray) -> tuple[str, str]:
         try:
             text = content.decode("cp1252")
         except UnicodeDecodeError as other:
-            rule = f"byte 0x{content[other.start]:02x} is neither UTF-8 nor Windows-1252"
+            rule = f"byte 0x{content[other.start]:02x} is neither UTF-8 nor Windows-1252{_cyrillic(content)}"
             raise file_error(path, rule, content.count(b"\n", 0, other.start) + 1) from error
-        remark = f"not UTF-8 (line {line}): read as Windows-1252; the option encoding names another"
+        remark = f"not UTF-8 (line {line}): read as Windows-1252; the option encoding names another{_cyrillic(content)}"
     if "\r" in text:
         text = text.replace("\r\n", "\n").replace("\r", "\n")
     return text, remark
+
+
+def _cyrillic(content: bytes | bytearray) -> str:
+    """Return the encoding to try, with a word, if letters beyond ASCII stand together as only Cyrillic ones do."""
+    word = CYRILLIC_WORD.search(content)
+    return f": cp1251 reads {word[0].decode('cp1251')}" if word else ""
 
 
 def _utf8_line(content: bytes | bytearray) -> int | None:

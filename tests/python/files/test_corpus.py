@@ -97,6 +97,17 @@ LAS |= {
         (WELL + CURVES.replace("C1.IN:", "C1.IN: Kaliber, größter") + "~A\n" + ROWS).encode("cp1252"),
         remark="encoding",
     ),
+    "Cyrillic names without the option": Entry(
+        (WELL + CURVES.replace("C1.IN", "ДС1.мм : диаметр скважины") + "~A\n" + ROWS).encode("cp1251"),
+        {"C2": TRUTH["C2"]},
+        "cp1251 reads диаметр",
+    ),
+    "German names in Windows-1252": Entry(
+        (WELL + CURVES.replace("C1.IN:", "C1.IN: größter Kaliberdurchmesser, Öffnung") + "~A\n" + ROWS).encode(
+            "cp1252"
+        ),
+        remark="the option encoding names another",
+    ),
     "cut in a row": Entry(WELL + CURVES + "~A\n" + ROWS + "12 9.0", options={"salvage": True}, remark="salvaged"),
     "LAS 3, commas": Entry(
         (WELL + CURVES).replace("VERS. 2.0", "VERS. 3.0").replace("~W", "DLM. COMMA:\n~W")
