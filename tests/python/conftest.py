@@ -27,6 +27,14 @@ settings.register_profile("without deadlines", deadline=None)  # an example may 
 settings.load_profile("without deadlines")
 
 
+@pytest.fixture(scope="module", autouse=True)
+def the_dead_of_this_module() -> None:
+    """Forget threads that died in an earlier module; tests of one module may share a server."""
+    from patience import DEAD
+
+    DEAD.clear()
+
+
 @pytest.fixture(scope="session")
 def chromium() -> Iterator[Any]:
     """Chromium with software GL, one process for all tests of a worker."""

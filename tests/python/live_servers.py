@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import socket
-import time
 
 import numpy as np
 from live_wires import WALL
-from patience import PATIENCE
+from patience import PATIENCE, wait
 
 from helibore import Live
 from helibore.live.journal.journal import BYTES, segments
@@ -35,10 +34,7 @@ def frames(count, first=0):
 
 def until(condition, seconds=PATIENCE):
     """Wait until ``condition`` is true."""
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "it did not come"
-        time.sleep(0.005)
+    wait(condition, lambda: "it did not come", pause=0.005, seconds=seconds)
 
 
 def payloads(folder):

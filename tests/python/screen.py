@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from patience import PATIENCE
+from patience import PATIENCE, wait
 
 CHROMIUM = shutil.which("chromium-headless-shell") or shutil.which("chromium")
 MISSING = [
@@ -152,10 +152,11 @@ class Screen:
         return getattr(self.page, name)
 
     def until(self, condition: str) -> None:
-        end = time.monotonic() + PATIENCE
-        while not self.page.evaluate(f"Boolean({condition})"):
-            assert time.monotonic() < end, f"never: {condition}; page errors {self.errors}"
-            time.sleep(0.05)
+        wait(
+            lambda: self.page.evaluate(f"Boolean({condition})"),
+            lambda: f"never: {condition}; page errors {self.errors}",
+            pause=0.05,
+        )
 
     def point_at(self, across: float = 0.5, down: float = 0.5) -> None:
         """Move the pointer over the image track, shares of its width and height."""

@@ -7,6 +7,7 @@ import time
 from typing import Any
 from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 from made_wall import MadeWall, gamma_and_resistivity
 from screen import NEEDS_BROWSER, Screen
@@ -80,6 +81,36 @@ def test_channels_of_the_rig_and_tight_hole_ahead_of_the_bit(browser: Any) -> No
         scene.update_state(channels=0, ahead=None)
         screen.until("document.getElementById('rigChannels').hidden")
         screen.until("document.getElementById('rigWorstHead').textContent.startsWith('Worst')")
+        screen.close()
+
+
+def test_rig_mode_says_worst_place_how_sure_clearance_and_feed_in_the_words_of_a_driller(browser: Any) -> None:
+    depth = np.arange(2000.0, 2024.0, 0.002)
+    washed, tight = abs(depth - 2012) < 1, abs(depth - 2018) < 0.5
+    radius = np.where(washed, 0.128, np.where(tight, 0.104, 0.1085))
+    wall = hb.reconstruct(hb.Caliper(depth, depth * 9000 % 360, radius), bit_diameter=0.216)
+    worst = wall.zones().by_severity()[0]
+    string = [hb.RigidBody(0.2, 1.0), hb.RigidBody(0.17, 2.0, 1.0)]
+    own = wall.passage(string, sigma=True)
+    at = 2019.0
+    clearance, low, high = (np.interp(at, own.depth + 1.5, 1000 * c) for c in (own.clearance, own.low, own.high))
+    with hb.view(wall, string=string) as viewer:
+        viewer.scene.update_state(bit_depth=at, newest=time.time())
+        screen = Screen(browser, viewer.url, "#rig=1", (1366, 768), drawn=False)
+        screen.until("document.getElementById('rigBitMore').textContent.includes(' to ')")
+        screen.until("document.getElementById('rigWorst').textContent !== 'none'")
+        cell = "(name) => ['Head', '', 'More'].map((p) => document.getElementById(name + p)?.textContent)"
+        head, digits, more = screen.evaluate(f"({cell})('rigWorst')")
+        assert head == f"Worst, over bit, {worst.confidence_text} sure"
+        assert digits == f"+{1000 * worst.measure:.0f} mm"
+        assert more == f"washout {worst.start:.1f}–{worst.stop:.1f} m"
+        _, _, clears = screen.evaluate(f"({cell})('rigBit')")
+        assert clears == f"string clears {clearance:+.0f} mm, {low:+.0f} to {high:+.0f}".replace("-", "−")
+        _, age, word = screen.evaluate(f"({cell})('rigAge')")
+        assert re.fullmatch(r"\d s", age)
+        assert word == "live"
+        assert not re.search(r"\bC[12]\b", screen.inner_text("#rig"))
+        assert screen.evaluate(CLIPPED) == []
         screen.close()
 
 

@@ -300,6 +300,36 @@ def test_colours_come_from_the_whole_wall_and_are_those_of_the_print(browser: An
     assert found[0]["GR"] == pytest.approx([gr.low, gr.high])
 
 
+def test_a_gauge_hole_does_not_look_rough_beside_its_washout(browser: Any) -> None:
+    """Neither the scale of the caliper nor the colours follow the section: a picture has one meaning in the well."""
+    depth = np.arange(2000.0, 2080.0, 0.005)
+    radius = np.where(abs(depth - 2010) < 1, 0.13, 0.1081 + 0.0002 * np.sin(depth * 5))
+    wall = hb.reconstruct(hb.Caliper(depth, depth * 7200 % 360, radius), bit_diameter=0.216, sectors=32)
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, "#md=2010&sec=10", (1366, 768), drawn=False)
+
+        def ends() -> tuple[list[str], list[float]]:
+            screen.settle()
+            left, width = screen.evaluate(
+                "(({ left, width }) => [left, width])(window.__wall.app.renderer.rects.caliper)"
+            )
+            numbers = [
+                one["text"]
+                for one in screen.evaluate("document.getElementById('ink').labels")
+                if one["bottom"] < 80 and left <= one["left"] and one["right"] <= left + width and one["text"].isdigit()
+            ]
+            return numbers, screen.evaluate("(({ low, high }) => [low, high])(window.__wall.app.selection.quantity)")
+
+        in_washout = ends()
+        assert len(in_washout[0]) == 2
+        least, greatest = map(float, in_washout[0])
+        assert least < 216 < 260 <= greatest
+        for middle, length in ((2040, 10), (2060, 3), (2040, 80)):
+            screen.evaluate(f"window.__wall.app.view.show({middle - length / 2}, {length}, window.__wall.app.store)")
+            assert ends() == in_washout, (middle, length)
+        screen.close()
+
+
 def test_bit_size_is_in_the_middle_of_the_colours_in_light_and_dark(browser: Any) -> None:
     wall = MadeWall(20_000)
     wall.radius[:] = BIT / 2
