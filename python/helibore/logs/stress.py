@@ -325,11 +325,11 @@ def stress_of_zones(
     )
 
 
-def _turn_to_true(path: Path, to_true: float | None) -> float:
+def _turn_to_true(path: Path | None, to_true: float | None) -> float:
     """Return what is added to azimuths of a path for true north, degrees; refuse another north without a statement."""
     if to_true is not None:
         return to_true
-    north = path.survey.north
+    north = path.survey.north if path is not None else ""  # a wall without picks may have no path
     if north in ("magnetic", "grid"):
         added = "declination" if north == "magnetic" else "convergence"
         rule = f"azimuths of the survey count from {north} north: state the {added}, which turns them to true north"
