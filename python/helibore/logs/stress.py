@@ -327,6 +327,8 @@ def stress_of_zones(
 
 def _turn_to_true(path: Path | None, to_true: float | None) -> float:
     """Return what is added to azimuths of a path for true north, degrees; refuse another north without a statement."""
+    if path is None:
+        raise InputError("path", "must be a well path: without one, breakouts have no azimuth", "None")
     if to_true is not None:
         return to_true
     north = path.survey.north if path is not None else ""  # a wall without picks may have no path

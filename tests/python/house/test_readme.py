@@ -76,8 +76,8 @@ def words_of(text: str) -> Iterator[list[str]]:
 
 
 def run_helibore(words: list[str]) -> None:
-    """Run a verb, pictures of a few metres; read the options of one that would wait."""
-    verb, *options = words
+    """Run a verb, on a few metres; read the options of one that would wait."""
+    verb, *options = (word.replace("preparation.deepest=3240", "preparation.deepest=3110") for word in words)
     command = cli.get_command(click.Context(cli), verb)
     assert command is not None, verb
     if (verb in WAITING and "--check" not in options) or "--wits" in options:

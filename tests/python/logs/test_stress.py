@@ -139,3 +139,8 @@ def test_what_is_refused(call: object, place: str) -> None:
     with pytest.raises(hb.InputError) as caught:
         call()  # type: ignore[operator]
     assert str(caught.value).startswith(place)
+
+
+def test_a_wall_without_a_path_has_no_direction_of_stress() -> None:
+    with pytest.raises(hb.InputError, match="^path = None: must be a well path"):
+        stress_of_picks([], None)  # type: ignore[arg-type]
