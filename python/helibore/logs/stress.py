@@ -331,7 +331,7 @@ def _turn_to_true(path: Path | None, to_true: float | None) -> float:
         raise InputError("path", "must be a well path: without one, breakouts have no azimuth", "None")
     if to_true is not None:
         return to_true
-    north = path.survey.north if path is not None else ""  # a wall without picks may have no path
+    north = path.survey.north
     if north in ("magnetic", "grid"):
         added = "declination" if north == "magnetic" else "convergence"
         rule = f"azimuths of the survey count from {north} north: state the {added}, which turns them to true north"
