@@ -14,12 +14,10 @@ from typing import Any
 import numpy as np
 import pytest
 from golden_texts import Golden
+from late_imports import pyvista, trimesh
 from locations import SHARED
 
 import helibore as hb
-
-trimesh = pytest.importorskip("trimesh")
-pv = pytest.importorskip("pyvista", reason="PyVista opens the VTU: pip install pyvista", exc_type=ImportError)
 
 FOLDER = SHARED / "lwd-images"
 P11 = "P11-A-02_Composite_MEM_Image_NF.las"
@@ -60,13 +58,13 @@ def cells(columns: Any, reach: float, centres: np.ndarray) -> np.ndarray:
 
 
 def in_vtu(path: Path) -> tuple[np.ndarray, Any]:
-    mesh = pv.read(path)
+    mesh = pyvista().read(path)
     return mesh.points[mesh.cells.reshape(-1, 5)[:, 1:]].mean(axis=1), mesh.cell_data
 
 
 def in_glb(path: Path) -> tuple[np.ndarray, Any]:
     """GLB is Y up, (east, up, -north), and knows attributes at vertices, four of its own for each quad."""
-    mesh = trimesh.load_scene(path).to_mesh()
+    mesh = trimesh().load_scene(path).to_mesh()
     x, y, z = mesh.vertices.reshape(-1, 4, 3).mean(axis=1).T
     values = {name[1:]: of.reshape(-1, 4) for name, of in mesh.vertex_attributes.items() if name != "color"}
     assert all((of == of[:, :1]).all() for of in values.values())
@@ -99,7 +97,7 @@ def test_p11_a_02_density_and_gamma_on_a_gauge_hole(tmp_path: Path, golden: Gold
         start_depth=start + OFF,
     )
     require_in_place(hung(wall, images), images, tmp_path)
-    golden(str(pv.read(tmp_path / "well.vtu").field_data["basis"]))
+    golden(str(pyvista().read(tmp_path / "well.vtu").field_data["basis"]))
 
 
 def test_f_15_d_four_images_on_its_caliper(tmp_path: Path) -> None:
@@ -120,6 +118,6 @@ def test_f_15_d_four_images_on_its_caliper(tmp_path: Path) -> None:
     )
     assert np.isfinite(wall.radius).all()
     require_in_place(hung(wall, images), images, tmp_path)
-    again = pv.read(tmp_path / "well.vtu")
+    again = pyvista().read(tmp_path / "well.vtu")
     assert str(again.field_data["unit of GRCS"][0]) == images["GRCS"].unit
     assert again.point_data["radius"].tobytes() == wall.radius.tobytes()

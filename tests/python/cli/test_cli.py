@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import trimesh
 from command import run
 from golden_texts import Golden
+from late_imports import trimesh
 from locations import SHARED
 from patience import PATIENCE
 
@@ -119,7 +119,7 @@ def test_every_ending_is_saved(folder: Path, tmp_path: Path, ending: str) -> Non
         pyvista = pytest.importorskip("pyvista", reason="PyVista reads it back", exc_type=ImportError)
         assert pyvista.read(mesh).n_cells == quads
     else:
-        assert len(trimesh.load_mesh(mesh).faces) == 2 * quads
+        assert len(trimesh().load_mesh(mesh).faces) == 2 * quads
 
 
 def test_interval_and_dropped_rows(folder: Path, tmp_path: Path) -> None:
@@ -364,7 +364,7 @@ def test_f12(tmp_path: Path) -> None:
     printed = re.search(r"mean +([\d.]+) to ([\d.]+) in", result.output)  # turns have few samples
     assert printed is not None
     assert float(printed[1]) < of_the_file < float(printed[2]) < float(printed[1]) + 0.2
-    scene = trimesh.load_scene(mesh)
+    scene = trimesh().load_scene(mesh)
     points = scene.to_geometry().vertices  # east, up, -north of a straight vertical hole
     assert abs(2 * np.hypot(points[:, 0], points[:, 2]).mean() / 0.0254 - of_the_file) < 0.05
     assert np.ptp(points[:, 1]) == pytest.approx(160.0, abs=0.01)

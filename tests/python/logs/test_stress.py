@@ -142,5 +142,5 @@ def test_what_is_refused(call: object, place: str) -> None:
 
 
 def test_a_wall_without_a_path_has_no_direction_of_stress() -> None:
-    with pytest.raises(hb.InputError, match="^path = None: must be a well path"):
+    with pytest.raises(hb.InputError, match=r"^path = None: must be a well path"):
         stress_of_picks([], None)  # type: ignore[arg-type]

@@ -9,14 +9,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from late_imports import trimesh
 
 import helibore as hb
 from helibore.base.atomic_file import write_whole
 from helibore.base.colors import colors_of
 from helibore.mesh.glb_file import check_size
 from helibore.mesh.surface import surface_of
-
-trimesh = pytest.importorskip("trimesh")
 
 UTM = (6.5e6, 4.5e5, -31.0)
 
@@ -70,7 +69,7 @@ def read_glb(path):
 def test_a_well_in_map_coordinates_comes_back_from_glb_within_a_millimetre(tmp_path):
     well = surface(UTM)
     well.save(tmp_path / "well.glb")
-    scene = trimesh.load_scene(tmp_path / "well.glb")
+    scene = trimesh().load_scene(tmp_path / "well.glb")
     mesh = scene.to_mesh()
     expected = y_up(well.vertices)[well.quads.reshape(-1)]
     assert mesh.vertices.shape == expected.shape
@@ -84,7 +83,7 @@ def test_a_well_of_ten_kilometres_comes_back_from_glb_within_a_millimetre(tmp_pa
     survey = hb.Survey(np.arange(0, 10_001, 1000), np.linspace(5, 85, 11), np.linspace(340, 400, 11) % 360)
     well = surface_of(wall, survey.path(head=UTM))
     well.save(tmp_path / "well.glb")
-    mesh = trimesh.load_scene(tmp_path / "well.glb").to_mesh()
+    mesh = trimesh().load_scene(tmp_path / "well.glb").to_mesh()
     assert np.abs(mesh.vertices - y_up(well.vertices)[well.quads.reshape(-1)]).max() <= 1e-3
 
 
@@ -134,7 +133,7 @@ def test_trimesh_finds_colours_and_attributes_in_a_glb(tmp_path, golden):
     well.attributes["GR"] = np.where(np.arange(len(well.quads)) == 7, np.nan, np.arange(len(well.quads)))
     well.attributes.units["GR"] = "gAPI"
     well.save(tmp_path / "well.glb", color_by="GR")
-    mesh = trimesh.load_scene(tmp_path / "well.glb").to_mesh()
+    mesh = trimesh().load_scene(tmp_path / "well.glb").to_mesh()
     expected = np.where(np.arange(len(well.quads)) == 7, -999.25, np.arange(len(well.quads)))
     assert (mesh.vertex_attributes["_GR"].reshape(-1, 4) == expected[:, None]).all()
     extras = read_glb(tmp_path / "well.glb")[0]["meshes"][0]["extras"]
@@ -191,7 +190,7 @@ def test_ply_holds_quads_float64_colours_and_attributes(tmp_path):
     for quad, value in ((300, 0), (1500, 1), (2800, 2)):  # amid quads of the same value
         assert vertices["color"][well.quads[quad]].tolist() == [palette[value]] * 4
     assert vertices["color"][0].tolist() == [176, 176, 176]
-    mesh = trimesh.load_mesh(tmp_path / "well.ply", process=False)
+    mesh = trimesh().load_mesh(tmp_path / "well.ply", process=False)
     assert np.abs(mesh.vertices - z_up(well.vertices)).max() == 0
     assert windings(mesh.faces) == windings(well.triangles())
     assert (mesh.visual.vertex_colors[:, :3] == vertices["color"]).all()
@@ -209,7 +208,7 @@ def test_attribute_names_a_ply_header_cannot_hold(tmp_path, name, golden):
 def test_obj_keeps_map_coordinates(tmp_path):
     well = surface(UTM)
     well.save(tmp_path / "well.obj")
-    mesh = trimesh.load_mesh(tmp_path / "well.obj", process=False)
+    mesh = trimesh().load_mesh(tmp_path / "well.obj", process=False)
     assert np.abs(mesh.vertices - z_up(well.vertices)).max() <= 1e-8
     assert (mesh.faces == well.triangles()).all()
 
@@ -222,7 +221,7 @@ def test_a_comment_is_one_line_of_ascii_whatever_the_name_of_its_text(tmp_path, 
     well.save(tmp_path / f"well{ending}")
     lines = (tmp_path / f"well{ending}").read_bytes().splitlines()
     assert sum(line.endswith(b"helibore: %s: x" % ascii(name)[1:-1].encode()) for line in lines) == 1
-    mesh = trimesh.load_mesh(tmp_path / f"well{ending}", process=False)
+    mesh = trimesh().load_mesh(tmp_path / f"well{ending}", process=False)
     assert len(mesh.faces) == 2 * len(well.quads)
 
 
@@ -241,7 +240,7 @@ def test_stl_is_refused_where_float32_would_move_the_wall_and_taken_from_an_orig
     assert not list(tmp_path.iterdir())
     origin = (UTM[0], UTM[1], 900.0)
     well.save(tmp_path / "well.stl", origin=origin)
-    mesh = trimesh.load_mesh(tmp_path / "well.stl", process=False)
+    mesh = trimesh().load_mesh(tmp_path / "well.stl", process=False)
     expected = z_up(well.vertices - np.array(origin))
     assert np.abs(mesh.triangles - expected[well.triangles()]).max() <= 1e-4
     assert outward_share(mesh, expected, well.quads) == 1
@@ -251,7 +250,7 @@ def test_every_format_counts_from_the_origin(tmp_path):
     well = surface(UTM)
     for ending, turned in ((".glb", y_up), (".ply", z_up), (".obj", z_up)):
         well.save(tmp_path / f"well{ending}", origin=UTM)
-        mesh = trimesh.load_scene(tmp_path / f"well{ending}").to_mesh()
+        mesh = trimesh().load_scene(tmp_path / f"well{ending}").to_mesh()
         expected = turned(well.vertices - np.array(UTM))
         assert mesh.bounds == pytest.approx(np.array([expected.min(axis=0), expected.max(axis=0)]), abs=1e-5)
 

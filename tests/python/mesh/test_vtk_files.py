@@ -14,10 +14,9 @@ from typing import Any
 import numpy as np
 import pytest
 from golden_texts import Golden
+from late_imports import pyvista
 
 import helibore as hb
-
-pv = pytest.importorskip("pyvista", reason="PyVista reads the files back: pip install pyvista", exc_type=ImportError)
 
 ENDINGS = (".vtu", ".vtp", ".vtkhdf")
 UTM = (6.5e6, 4.5e5, -31.0)
@@ -55,11 +54,11 @@ def east_north_up(vertices: np.ndarray) -> np.ndarray:
 def require_same(mesh: Any, made: hb.Surface) -> None:
     """Every place, quad and value, bit for bit."""
     assert mesh.points.tobytes() == east_north_up(made.vertices).tobytes()
-    cells = mesh.faces.reshape(-1, 5) if isinstance(mesh, pv.PolyData) else mesh.cells.reshape(-1, 5)
+    cells = mesh.faces.reshape(-1, 5) if isinstance(mesh, pyvista().PolyData) else mesh.cells.reshape(-1, 5)
     assert (cells[:, 0] == 4).all()
     assert (cells[:, 1:] == made.quads).all()
-    if isinstance(mesh, pv.UnstructuredGrid):
-        assert (mesh.celltypes == pv.CellType.QUAD).all()
+    if isinstance(mesh, pyvista().UnstructuredGrid):
+        assert (mesh.celltypes == pyvista().CellType.QUAD).all()
     assert mesh.cell_data["radius"].tobytes() == made.quad_radius().tobytes()
     for name, values in made.attributes.items():
         assert np.array_equal(mesh.cell_data[name], values, equal_nan=True)
@@ -73,7 +72,7 @@ def test_pyvista_reads_every_place_quad_value_and_note(tmp_path: Path, ending: s
     made = surface()
     assert len(made.quads) < len(wall()) - 17  # there is a gap
     made.save(tmp_path / f"a{ending}", color_by="RT")
-    mesh = pv.read(tmp_path / f"a{ending}")
+    mesh = pyvista().read(tmp_path / f"a{ending}")
     require_same(mesh, made)
     notes = {name: str(mesh.field_data[name][0]) for name in mesh.field_data}
     assert notes["axes"] == "x east, y north, z up"
@@ -91,7 +90,7 @@ def test_pyvista_reads_every_place_quad_value_and_note(tmp_path: Path, ending: s
 def test_an_origin_moves_the_points_and_is_noted(tmp_path: Path, ending: str) -> None:
     made = surface()
     made.save(tmp_path / f"a{ending}", origin=(6.5e6, 4.5e5, 900.0))
-    mesh = pv.read(tmp_path / f"a{ending}")
+    mesh = pyvista().read(tmp_path / f"a{ending}")
     assert np.array_equal(mesh.points, east_north_up(made.vertices - np.array([6.5e6, 4.5e5, 900.0])))
     assert str(mesh.field_data["origin"][0]) == "north 6500000.0, east 450000.0, down 900.0 m"
 
@@ -101,9 +100,9 @@ def test_volumes_come_back_with_layers_and_positive_cells(tmp_path: Path, ending
     made = wall().volume(shells=[0.05, 0.2])
     made.hang("RT", [2.0, 20.0], unit="ohm.m")
     made.save(tmp_path / f"a{ending}")
-    mesh = pv.read(tmp_path / f"a{ending}")
+    mesh = pyvista().read(tmp_path / f"a{ending}")
     assert mesh.points.tobytes() == east_north_up(made.vertices).tobytes()
-    assert (mesh.celltypes == pv.CellType.HEXAHEDRON).all()
+    assert (mesh.celltypes == pyvista().CellType.HEXAHEDRON).all()
     assert (mesh.cells.reshape(-1, 9)[:, 1:] == made.hexes).all()
     assert (mesh.cell_data["layer"] == made.hex_layer).all()
     assert (mesh.cell_data["RT"] == np.where(made.hex_layer == 0, 2.0, 20.0)).all()
@@ -119,7 +118,7 @@ def test_parts_added_one_by_one_are_the_whole_wall(tmp_path: Path) -> None:
     parts = [surface(start=start, stop=stop) for start, stop in itertools.pairwise(cuts)]
     for part in parts:
         part.append_to(path)
-    blocks = pv.read(path)
+    blocks = pyvista().read(path)
     assert len(blocks) == len(parts)
     for mesh, part in zip(blocks, parts, strict=True):
         require_same(mesh, part)
@@ -227,7 +226,7 @@ def test_names_that_xml_would_misread_come_back(tmp_path: Path) -> None:
     for number, name in enumerate(names):
         made.attributes[name] = np.full(len(made.quads), float(number))
     made.save(tmp_path / "a.vtu")
-    mesh = pv.read(tmp_path / "a.vtu")
+    mesh = pyvista().read(tmp_path / "a.vtu")
     assert [mesh.cell_data[name][0] for name in names] == [0, 1, 2]
 
 
@@ -248,7 +247,7 @@ def test_a_file_name_that_is_not_utf_8_does_not_stop_a_save(tmp_path: Path, endi
     of = wall()
     of.made_from = {"files": [b"run \xe4.las".decode(errors="surrogateescape")]}
     of.surface().save(tmp_path / f"a{ending}")
-    note = str(pv.read(tmp_path / f"a{ending}").field_data["made_from"][0])
+    note = str(pyvista().read(tmp_path / f"a{ending}").field_data["made_from"][0])
     assert note == r'{"files": ["run \udce4.las"]}'
 
 

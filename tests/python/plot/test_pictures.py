@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import trimesh
 from click.testing import CliRunner
 from golden_texts import Golden
+from late_imports import trimesh
 
 from helibore.cli import cli
 from helibore.plot.shading import View, shade
@@ -76,7 +76,7 @@ def test_demo(tmp_path: Path) -> None:
     result = CliRunner().invoke(cli, ["demo", "-o", str(tmp_path), "--seed", "3"])
     assert result.exit_code == 0, result.output
     assert sorted(path.name for path in tmp_path.iterdir()) == ["helibore-demo.glb", "helibore-demo.png"]
-    scene = trimesh.load_scene(tmp_path / "helibore-demo.glb")
+    scene = trimesh().load_scene(tmp_path / "helibore-demo.glb")
     assert len(scene.to_geometry().faces) == 2 * 31936
     assert (tmp_path / "helibore-demo.png").read_bytes().startswith(b"\x89PNG")
     demonstration = rebuild(drill(3))
