@@ -27,8 +27,10 @@ from helibore.files.raw_set import EXACT, Loss
 
 NULL_TEXTS = (
     "", "-", "--", "null", "NULL", "Null", "(null)", "(NULL)", "n/a", "N/A", "#N/A", "na", "NA", "None", "none",
+    "#DIV/0!", "#VALUE!", "#REF!", "#NUM!", "#NAME?", "#NULL!", "#NV",
+    "#WERT!", "#BEZUG!", "#ZAHL!", "#VALEUR!", "#NOMBRE!",
 )  # fmt: skip
-"""Texts that people write into an empty cell."""
+"""Texts that people write into an empty cell, and those that Excel writes into a cell whose formula has no value."""
 _NULLS = frozenset(NULL_TEXTS)
 
 WINDOWS_NAN = re.compile(r"-?1\.#\w+")

@@ -30,6 +30,9 @@ _ANGLE = r"\d+(?:\.\d+)?"
 _SECONDS = rf"(?P<seconds>{_ANGLE})\s*(?:[\"″s]|'')\s*"
 _DEGREES = rf"(?P<degrees>{_ANGLE})\s*(?:[°ºd]\s*(?:(?P<minutes>{_ANGLE})\s*['′’m]\s*(?:{_SECONDS})?)?)?"
 SEXAGESIMAL = re.compile(rf"(?P<sign>[+-]?)\s*{_DEGREES}")
+ZERO = re.compile(r"0+(?:[.,]0*)?")
+"""A plain zero, as the station at the surface has among angles that are spelled otherwise."""
+
 BEARING = re.compile(rf"(?P<from>[NS])\s*{_DEGREES}\s*(?P<to>[EW])", re.IGNORECASE)
 TURN = {("N", "E"): (0.0, 1.0), ("S", "E"): (180.0, -1.0), ("S", "W"): (180.0, 1.0), ("N", "W"): (360.0, -1.0)}
 """For each quadrant: the azimuth of its first word, and the sign with which its angle counts."""
@@ -138,13 +141,16 @@ def _masked(column: Array, read: Callable[[str], float]) -> Array:
 def _angles(column: Array) -> Spelled | None:
     cells = _cells(column)
     for pattern, kind in ((BEARING, "bearings in quadrants"), (SEXAGESIMAL, "degrees, minutes and seconds")):
-        if cells and all(pattern.fullmatch(cell) for cell in cells):
-            return Spelled(_masked(column, _angle), "deg", cells[0], kind)
+        spelled = [cell for cell in cells if pattern.fullmatch(cell)]
+        if spelled and all(pattern.fullmatch(cell) or ZERO.fullmatch(cell) for cell in cells):
+            return Spelled(_masked(column, _angle), "deg", spelled[0], kind)
     return None
 
 
 def _angle(cell: str) -> float:
     """Return an angle in degrees from degrees, minutes and seconds, or from a bearing in a quadrant."""
+    if ZERO.fullmatch(cell.strip()):
+        return 0.0
     bearing = BEARING.fullmatch(cell.strip())
     found = bearing or SEXAGESIMAL.fullmatch(cell.strip())
     if found is None:

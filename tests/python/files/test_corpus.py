@@ -209,6 +209,10 @@ TABLES = {
         {"MD": [0, 100], "AZIM": [0, 45], "INCL": [0, 10.5]},
     ),
     "degrees and minutes": Entry("MD (m),INC\n0,0°30'\n9,12°15'\n", {"INC": [0.5, 12.25]}, "minutes"),
+    "errors of Excel": Entry("MD (m),C1 (in)\n1,#DIV/0!\n2,#WERT!\n3,9.5\n", {"C1 (in)": [np.nan, np.nan, 9.5]}),
+    "bearings below a zero": Entry(
+        "MD (m),AZI\n0,0\n9,N 20 W\n", {"AZI": [0.0, 340.0]}, "bearings in quadrants (N 20 W)"
+    ),
     "bearings": Entry("MD (m),AZI\n0,N 45 E\n9,S 30.5 W\n", {"AZI": [45.0, 210.5]}, "bearings"),
     "gzipped": Entry(gzip.compress(table().encode()), WANTED),
     "gzip that is cut": Entry(
