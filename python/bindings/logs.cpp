@@ -3,11 +3,14 @@
 #include "helibore/kinds.hpp"
 #include "helibore/passage.hpp"
 #include "helibore/unworn.hpp"
+#include "helibore/zones.hpp"
 
 #include <pybind11/stl.h>
 
 #include <algorithm>
 #include <array>
+#include <functional>
+#include <optional>
 #include <string>
 
 #include "arrays.hpp"
@@ -143,15 +146,109 @@ py::tuple section_library(double bit_diameter, const std::array<double, 5>& crit
                           array_of(std::move(drawn.weight)));
 }
 
-py::tuple kinds_along(const Column& sections, double height, const Column& wanted, const GivenLibrary& library,
-                      int threads) {
+py::tuple chained_kinds(const Column& sections, double height, const Column& wanted,
+                        const std::function<SectionLibrary()>& library, int threads) {
     KindsAlong found;
     {
         const WithoutGil released;
-        found = helibore::kinds_along(span_of(sections), height, span_of(wanted), library_of(library), {}, threads);
+        found = helibore::kinds_along(span_of(sections), height, span_of(wanted), library(), {}, threads);
     }
     return py::make_tuple(array_of(std::move(found.kinds)), array_of(std::move(found.seen)),
                           array_of(std::move(found.size)), array_of(std::move(found.size_sigma)));
+}
+
+py::tuple kinds_along(const Column& sections, double height, const Column& wanted, const GivenLibrary& library,
+                      int threads) {
+    return chained_kinds(sections, height, wanted, [&] { return library_of(library); }, threads);
+}
+
+py::tuple kinds_of_libraries(const SectionLibraries& libraries, const Column& sections, double height,
+                             const Column& wanted, bool even, int threads) {
+    return chained_kinds(sections, height, wanted, [&] { return libraries.of(even); }, threads);
+}
+
+SectionLibraries libraries_of(double bit_diameter, const std::array<double, 5>& criteria) {
+    const auto& [elongation, washout, key_seat, undergauge, symmetry] = criteria;
+    return {bit_diameter, {elongation, washout, key_seat, undergauge, symmetry}};
+}
+
+py::array_t<double> turn_sections(const std::tuple<double, double, double, Index, Index>& helix, Index count,
+                                  const Column& depth, const Column& toolface, const Column& radius) {
+    const auto& [start_depth, start_toolface, pitch, sectors, first] = helix;
+    std::vector<double> found;
+    {
+        const WithoutGil released;
+        found = helibore::turn_sections({start_depth, start_toolface, pitch, sectors, count, first},
+                                        {span_of(depth), span_of(toolface)}, span_of(radius));
+    }
+    return array_of(std::move(found));
+}
+
+py::array_t<double> vertex_sections(const std::tuple<double, double, double, Index, Index>& helix,
+                                    const Column& radius) {
+    const auto& [start_depth, start_toolface, pitch, sectors, first] = helix;
+    std::vector<double> found;
+    {
+        const WithoutGil released;
+        found = helibore::turn_sections({start_depth, start_toolface, pitch, sectors, radius.size(), first},
+                                        span_of(radius));
+    }
+    return array_of(std::move(found));
+}
+
+py::array_t<double> sparse_turns(const Column& sections, double height) {
+    return array_of(helibore::sparse_turns(span_of(sections), height));
+}
+
+// A zone as Python reads it: kind, the numbers in the order of the struct, and both lobes.
+py::tuple row_of(const Zone& zone) {
+    const auto lobe = [](const ZoneLobe& of) { return py::make_tuple(of.toolface, of.opening, of.height); };
+    return py::make_tuple(static_cast<int>(zone.kind), zone.start, zone.stop, zone.measure, zone.median, zone.severity,
+                          zone.enlargement, zone.elongation, zone.peak, zone.coverage, zone.pipe_diameter,
+                          zone.toolface, zone.deviation, zone.confidence, lobe(zone.lobes[0]), lobe(zone.lobes[1]));
+}
+
+py::tuple find_zones(const std::vector<Column>& columns, const Column& sections, const Column& uneven,
+                     const std::tuple<Column, int, double, double>& vertices, double bit_diameter,
+                     const std::array<double, 8>& criteria,
+                     const std::optional<std::tuple<Column, py::array_t<Index>>>& chained,
+                     const SectionLibraries& libraries, int threads) {
+    const auto& [radius, sectors, start_toolface, pitch] = vertices;
+    const auto of = [&](std::size_t i) { return span_of(columns.at(i)); };
+    const MeasuredTurns turns{.depth = of(0),
+                              .coverage = of(1),
+                              .sampled = of(2),
+                              .mean = of(3),
+                              .c1 = of(4),
+                              .c1_toolface = of(5),
+                              .c2 = of(6),
+                              .least_diameter = of(7),
+                              .unworn_diameter = of(8),
+                              .unworn_0 = of(9),
+                              .unworn_90 = of(10),
+                              .lobes{{{of(11), of(12), of(13), of(14)}, {of(15), of(16), of(17), of(18)}}},
+                              .sections = span_of(sections),
+                              .uneven = span_of(uneven)};
+    const auto& [elongation, washout, key_seat, undergauge, symmetry, opening_level, least_length, join] = criteria;
+    ChainedTurns along;
+    if (chained) {
+        const auto& [kinds, seen] = *chained;
+        along = {span_of(kinds), {seen.data(), static_cast<std::size_t>(seen.size())}};
+    }
+    Zones found;
+    {
+        const WithoutGil released;
+        found = helibore::find_zones(
+            turns, {span_of(radius), sectors, start_toolface, pitch}, bit_diameter,
+            {elongation, washout, key_seat, undergauge, symmetry, opening_level, least_length, join}, along, libraries,
+            threads);
+    }
+    py::list zones;
+    for (const Zone& zone : found.zones) zones.append(row_of(zone));
+    py::array_t<std::int8_t> kinds(static_cast<py::ssize_t>(found.kinds.size()));
+    std::ranges::transform(found.kinds, kinds.mutable_data(),
+                           [](HoleKind kind) { return static_cast<std::int8_t>(kind); });
+    return py::make_tuple(kinds, zones);
 }
 
 py::tuple likely_kind(const Column& sections, const GivenLibrary& library) {
@@ -177,6 +274,16 @@ void register_logs(py::module_& m) {
     m.def("section_library", &section_library, py::arg("bit_diameter"), py::arg("criteria"), py::arg("even"));
     m.def("kinds_along", &kinds_along, py::arg("sections"), py::arg("height"), py::arg("wanted"), py::arg("library"),
           py::arg("threads"));
+    py::class_<SectionLibraries>(m, "SectionLibraries")
+        .def(py::init(&libraries_of), py::arg("bit_diameter"), py::arg("criteria"))
+        .def("kinds_along", &kinds_of_libraries, py::arg("sections"), py::arg("height"), py::arg("wanted"),
+             py::arg("even"), py::arg("threads"));
+    m.def("turn_sections", &turn_sections, py::arg("helix"), py::arg("count"), py::arg("depth"), py::arg("toolface"),
+          py::arg("radius"));
+    m.def("vertex_sections", &vertex_sections, py::arg("helix"), py::arg("radius"));
+    m.def("sparse_turns", &sparse_turns, py::arg("sections"), py::arg("height"));
+    m.def("find_zones", &find_zones, py::arg("columns"), py::arg("sections"), py::arg("uneven"), py::arg("vertices"),
+          py::arg("bit_diameter"), py::arg("criteria"), py::arg("chained"), py::arg("libraries"), py::arg("threads"));
     m.def("likely_kind", &likely_kind, py::arg("sections"), py::arg("library"));
     m.def("measured", &measured, py::arg("helix"), py::arg("count"), py::arg("depth"), py::arg("toolface"),
           py::arg("of_samples"), py::arg("of_vertices"), py::arg("rule"), py::arg("threads"));

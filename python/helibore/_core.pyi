@@ -1,7 +1,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from helibore.base.arrays import Bytes, Floats, Integers, Integers32, Mask, Rows, Unsigned64
+from helibore.base.arrays import Bytes, Floats, Integers, Integers8, Integers32, Mask, Rows, Unsigned64
 
 __version__: str
 most_threads: int
@@ -122,6 +122,48 @@ def section_library(
 def kinds_along(
     sections: Floats, height: float, wanted: Floats, library: _Library, threads: int
 ) -> tuple[Floats, Integers, Floats, Floats]: ...
+
+class SectionLibraries:
+    def __init__(self, bit_diameter: float, criteria: tuple[float, float, float, float, float]) -> None: ...
+    def kinds_along(
+        self, sections: Floats, height: float, wanted: Floats, even: bool, threads: int
+    ) -> tuple[Floats, Integers, Floats, Floats]: ...
+
+def turn_sections(helix: _Helix, count: int, depth: Floats, toolface: Floats, radius: Floats) -> Floats: ...
+def vertex_sections(helix: _Helix, radius: Floats) -> Floats: ...
+def sparse_turns(sections: Floats, height: float) -> Floats: ...
+
+_Lobe = tuple[float, float, float]
+_Zone = tuple[
+    int,
+    float,
+    float,
+    float,
+    float,
+    float,
+    float,
+    float,
+    float,
+    float,
+    float,
+    float,
+    float,
+    float,
+    _Lobe,
+    _Lobe,
+]
+
+def find_zones(
+    columns: list[Floats],
+    sections: Floats,
+    uneven: Floats,
+    vertices: tuple[Floats, int, float, float],
+    bit_diameter: float,
+    criteria: tuple[float, float, float, float, float, float, float, float],
+    chained: tuple[Floats, Integers] | None,
+    libraries: SectionLibraries,
+    threads: int,
+) -> tuple[Integers8, list[_Zone]]: ...
 def likely_kind(sections: Floats, library: _Library) -> tuple[list[float], bool]: ...
 def passage_columns(
     helix: _Helix,

@@ -12,6 +12,7 @@
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -45,6 +46,17 @@ struct DrawnSections {
 // gauge, washout, breakout, key seat, undergauge. `even`: as a tool sees them that measures diameters. A section that
 // equals itself turned by 180 degrees is there once for both. Throws InputError if the bit has no size.
 DrawnSections section_library(double bit_diameter, const KindCriteria& criteria, bool even);
+
+// The libraries of a bit, each drawn when it is first asked for, and kept. Copies share them; any thread may ask.
+class SectionLibraries {
+  public:
+    SectionLibraries(double bit_diameter, const KindCriteria& criteria);
+    SectionLibrary of(bool even) const;  // valid as long as this object or a copy lives; throws as section_library
+
+  private:
+    struct Kept;
+    std::shared_ptr<Kept> kept_;
+};
 
 struct LikenessRule {
     double rough = 1.6e-3, offset = 7e-3;  // standard deviation of a part of the wall, of the tool's centre, metres

@@ -96,6 +96,9 @@ struct MeasuredRule {
     double largest_change = std::numeric_limits<double>::infinity();  // metres; needs `Radii`
 };
 
+// With these numbers 95 % of the errors of measured vertices are below 1.6 mm.
+inline constexpr MeasuredRule usual_measured_rule{0.15, 15.0, 0.5, 60.0, 0.0011};
+
 // The radii of the samples and of the vertices, metres. Borrowed, as `SamplePlaces`.
 struct Radii {
     std::span<const double> samples, vertices;

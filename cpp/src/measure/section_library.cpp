@@ -1,8 +1,10 @@
 // The library of sections. Lengths are those of a hole of 8.5 in, scaled to the bit.
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <initializer_list>
+#include <memory>
 
 #include "base/arithmetic.hpp"
 #include "base/degrees.hpp"
@@ -157,6 +159,34 @@ DrawnSections section_library(double bit_diameter, const KindCriteria& criteria,
             out.counts[kind] += static_cast<Index>(directions);
         }
     return out;
+}
+
+// Without a lock, so that a process that is forked meanwhile finds none held. Two threads may draw the same library;
+// the first one counts.
+struct SectionLibraries::Kept {
+    double bit_diameter;
+    KindCriteria criteria;
+    std::array<std::atomic<const DrawnSections*>, 2> drawn{};
+
+    Kept(double bit, const KindCriteria& of) : bit_diameter(bit), criteria(of) {}
+    Kept(const Kept&) = delete;
+    Kept& operator=(const Kept&) = delete;
+    ~Kept() {
+        for (const auto& of : drawn) delete of.load();
+    }
+};
+
+SectionLibraries::SectionLibraries(double bit_diameter, const KindCriteria& criteria)
+    : kept_(std::make_shared<Kept>(bit_diameter, criteria)) {}
+
+SectionLibrary SectionLibraries::of(bool even) const {
+    std::atomic<const DrawnSections*>& place = kept_->drawn[even ? 1 : 0];
+    const DrawnSections* found = place;
+    if (!found) {
+        auto own = std::make_unique<const DrawnSections>(section_library(kept_->bit_diameter, kept_->criteria, even));
+        if (place.compare_exchange_strong(found, own.get())) found = own.release();
+    }
+    return found->library();
 }
 
 }  // namespace helibore

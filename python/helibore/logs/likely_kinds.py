@@ -40,28 +40,6 @@ class Along(NamedTuple):
     square_sigma: Floats
 
 
-def kind_probabilities(sections: Floats, bit_diameter: float, criteria: Criteria, even: bool) -> tuple[Floats, bool]:
-    """Return the probability of gauge, washout, breakout, key seat and undergauge hole, (5,), and whether it is sound.
-
-    It is not sound if no section of the library resembles the zone: then it only says which one is the least unlike.
-
-    Parameters
-    ----------
-    sections
-        (n, PARTS) radius less half the bit diameter, metres; part p is around the toolface p 360 / PARTS. NaN: no
-        sample.
-    bit_diameter
-        Metres.
-    criteria
-        They say of which kind each section of the library is.
-    even
-        Whether the tool measures diameters, whose two ends have equal radii.
-    """
-    library = _library(bit_diameter, criteria, even)
-    kinds, sound = _core.likely_kind(sections.ravel(), library)
-    return np.array(kinds), sound
-
-
 def kinds_along(
     sections: Floats,
     height: float,
@@ -79,16 +57,13 @@ def kinds_along(
     `kind_probabilities`; ``height`` is that of a turn, metres. Only the turns ``wanted``, (turns,), have values, which
     windows beside them decide as well; the others are NaN.
     """
-    library = _library(bit_diameter, criteria, even)
-    many = wanted.astype(np.float64)
-    kinds, seen, square, sigma = _core.kinds_along(sections.ravel(), height, many, library, threads)
+    many, libraries = wanted.astype(np.float64), section_libraries(bit_diameter, criteria)
+    kinds, seen, square, sigma = libraries.kinds_along(sections.ravel(), height, many, even, threads)
     return Along(kinds.reshape(len(wanted), -1), seen, square, sigma)
 
 
 @lru_cache(maxsize=4)
-def _library(
-    bit_diameter: float, criteria: Criteria, even: bool
-) -> tuple[Floats, tuple[int, int, int, int, int], Floats, Floats]:
-    """Return sections, how many are of each kind, their mean squared radii, and how many directions each stands for."""
+def section_libraries(bit_diameter: float, criteria: Criteria) -> _core.SectionLibraries:
+    """Return the libraries of sections for a bit and criteria; the core draws them when it needs them."""
     limits = (criteria.elongation, criteria.washout, criteria.key_seat, criteria.undergauge, criteria.symmetry)
-    return _core.section_library(bit_diameter, limits, even)
+    return _core.SectionLibraries(bit_diameter, limits)

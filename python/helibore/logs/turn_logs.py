@@ -26,7 +26,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
-from helibore.base.arrays import Floats, Mask, column, runs_of
+from helibore.base.arrays import Floats, Mask, column
 from helibore.base.errors import InputError, check_not_negative
 from helibore.base.notebook import card, curve_picture
 from helibore.base.tables import LogColumn, LogImage, LogTable, Tabular
@@ -79,8 +79,6 @@ ALIKE_AROUND = 30.0
 """Degrees around the hole over which the errors of a wall are alike (``python -m bench.accuracy.amounts``)."""
 LEAST_SAMPLED = 0.9
 """Least share of a turn's vertices with a sigma at which its mean diameter has one."""
-SPARSE = 0.3
-"""Metres along the hole from which on turns with few samples are taken together."""
 SIZE_ROUGH = 1.8e-3
 """Metres; standard deviation of the equivalent diameter of a hole from that of its likely section."""
 RUGOSITY_WINDOW = 1.0
@@ -269,10 +267,7 @@ class Logs(Tabular):
     @cached_property
     def sparse(self) -> Mask:
         """(turns,) bool: whether fewer than half of the `section` has a sample, over 0.3 m of hole or more."""
-        few: Mask = np.isfinite(self.section).sum(axis=1) < PARTS / 2
-        for first, stop in runs_of(few):
-            if (stop - first) * self.height < SPARSE - 1e-9 and stop - first < len(self):
-                few[first:stop] = False
+        few: Mask = _core.sparse_turns(column("section", self.section.ravel()), self.height) == 1
         return few
 
     def along(self, criteria: Criteria | None = None) -> Along | None:
@@ -759,17 +754,10 @@ def _section(wall: WallLike, turns: int) -> Sections:
     if columns is None and hasattr(wall, "samples"):
         columns = (wall.samples.depth, wall.samples.toolface, wall.samples.radius)
     if columns is None:
-        number = np.arange(turns * K)
-        row, toolface, radius = number // K, helix.toolface(number), column("radius", wall.radius)[: turns * K]
+        mean = _core.vertex_sections(helix, column("radius", wall.radius)[: turns * K])
     else:
-        depth, toolface, radius = columns[:3]
-        row = np.floor((depth - helix.start_depth) / helix.pitch).astype(np.int64) - helix.first // K
-    inside = (row >= 0) & (row < turns) & np.isfinite(radius)
-    part = np.rint(toolface[inside] * (PARTS / 360)).astype(np.int64) % PARTS
-    cell = row[inside] * PARTS + part
-    count = np.bincount(cell, minlength=turns * PARTS)
-    total = np.bincount(cell, radius[inside], minlength=turns * PARTS)
-    mean: Sections = np.divide(total, count, out=np.full(count.size, np.nan), where=count > 0)
+        places = (column(name, of) for name, of in zip(("depth", "toolface", "radius"), columns, strict=False))
+        mean = _core.turn_sections(helix, turns * K, *places)
     return mean.reshape(turns, PARTS)
 
 

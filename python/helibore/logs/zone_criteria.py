@@ -15,32 +15,22 @@ times the sum of both heights. For a tool with few arms C1 and C2 are diameters 
 two ends of C1 over the circle of C2, and its centre is that of the tool (``arms``).
 
 These are the usual four-arm criteria (JewelSuite's defaults; the undergauge limit is helibore's), applied to the whole
-section instead of four pads. `helibore.logs.zones` applies them.
+section instead of four pads. The core (``zones.hpp``) applies them.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from helibore.base.arrays import Floats, Mask
+from helibore.base.arrays import Floats
 from helibore.settings.zone_settings import CRITERIA_BIT, Criteria
 
-__all__ = ["CRITERIA_BIT", "MEASURES", "Criteria", "median_enlargement", "washed_out"]
+__all__ = ["CRITERIA_BIT", "MEASURES", "Criteria", "median_enlargement"]
 
 MEASURES = {
     "washout": "C2 - bit", "breakout": "C1 - C2", "key seat": "height", "undergauge": "least diameter - bit",
 }  # fmt: skip
 """The length by which the criteria decide each kind: they compare it with the kind's limit."""
-
-
-def washed_out(c2: Floats, bit_diameter: float, criteria: Criteria | None = None) -> Mask:
-    """Return which turns are enlarged all around, C2 - bit >= `Criteria.washout`; False where C2 is NaN.
-
-    No other code decides what is washed out; a zone of washout is a long enough run of such turns (`classify`).
-    """
-    criteria = Criteria() if criteria is None else criteria
-    washed: Mask = c2 - bit_diameter >= criteria.washout
-    return washed
 
 
 def median_enlargement(radius: Floats, sectors: int, bit_diameter: float) -> Floats:

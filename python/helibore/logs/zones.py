@@ -1,11 +1,12 @@
 """Classify each turn and join turns of one kind into zones: gauge, washout, breakout, key seat, undergauge.
 
-`helibore.logs.zone_criteria` defines the kinds; every output states the criteria. A run of turns of one kind becomes a
-zone if it is long enough. A turn is of no kind if it lacks a radius or if less than half of it has samples near; a
-tool's arms, however few, show the kinds of the diameters that they measured.
+`helibore.logs.zone_criteria` defines the kinds; every output states the criteria. The core finds the zones
+(``zones.hpp``): a run of turns of one kind becomes a zone if it is long enough. A turn is of no kind if it lacks a
+radius or if less than half of it has samples near; a tool's arms, however few, show the kinds of the diameters that
+they measured.
 
 Then the sections of a few of its turns, as the samples show them, are compared with a library of sections
-(``likely_kinds``). The zone states the probability of its kind as ``confidence``: from `SURE` on outputs draw it
+(``kinds.hpp``). The zone states the probability of its kind as ``confidence``: from `SURE` on outputs draw it
 filled, else hollow. A run of turns whose kind is less likely than `LIKELY` and that may be gauge is no zone. A run that
 is certainly not gauge but resembles no section of the library, or several kinds alike, has the confidence `LIKELY`: the
 criteria alone say its kind.
@@ -14,27 +15,27 @@ A zone states the extremes of its turns, so that ENLARGE is the value that the l
 is the extreme of the length that the criterion limits, divided by this limit. Lists are sorted by severity times
 confidence.
 
-``breakouts`` finds the azimuth and opening of lobes. Stress is not computed.
+Stress is not computed here.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from helibore.base.arrays import Floats, Integers, Integers8, Mask, runs_of
+from helibore import _core
+from helibore.base.arrays import Integers8, column
 from helibore.base.axial import Axes, BreakoutLobe, axial_mean
 from helibore.base.errors import InputError, check_choice
 from helibore.base.notebook import card, curve_picture
 from helibore.base.tables import LogColumn, LogTable, Tabular, columns_of
-from helibore.logs.breakouts import axes_of_arms, lobes_of, lobes_of_arms
-from helibore.logs.likely_kinds import PARTS, kind_probabilities
+from helibore.base.thread_count import thread_count
+from helibore.logs.likely_kinds import section_libraries
 from helibore.logs.turn_logs import Logs, turn_logs
-from helibore.logs.zone_criteria import MEASURES, Criteria, washed_out
+from helibore.logs.zone_criteria import MEASURES, Criteria
 from helibore.samples.helix import WallLike
 
 KINDS = ("gauge", "washout", "breakout", "key seat", "undergauge")
@@ -55,24 +56,26 @@ COLUMNS_OF_SIZES = {"enlargement": "enlarge", "elongation": "elong"}
 WORST = 5
 """Most zones that a notebook card lists."""
 
-GAUGE, WASHOUT, BREAKOUT, KEY_SEAT, UNDERGAUGE = range(5)
-NO_KIND = -1
+BREAKOUT, KEY_SEAT = 2, 3
 SURE, LIKELY = 0.8, 0.5
 """Least `Zone.confidence` of a zone whose kind is sure, and of any zone."""
-NOT_GAUGE = 0.05
-"""Probability of gauge below which a run of turns is a zone, whatever its kind."""
-LEAST_SAMPLED = 0.5
-"""A wall shows no kind where less than this share of a turn has samples near. Arms measure diameters without it."""
-LEAST_SEEN = 6
-"""Least parts of `PARTS` that samples must see around a turn for it to have a kind, unless arms measure diameters."""
-TOGETHER = 0.25
-"""Metres along the hole, above and below a turn with few samples, whose samples make its section."""
-COMPARED = 6
-"""Most turns of a zone that are compared with the library of sections."""
-OPPOSITE = 140.0
-"""Least degrees between two lobes that are opposite: the lobes of a breakout."""
-WIDEST_KEY_SEAT = 150.0
-"""Degrees; a wider lobe is no key seat."""
+READ = (
+    "depth", "coverage", "sampled", "mean", "c1", "c1_toolface", "c2", "least_diameter", "unworn_diameter", "unworn_0",
+    "unworn_90", "lobe1_toolface", "lobe1_width", "lobe1_height", "lobe1_pipe", "lobe2_toolface", "lobe2_width",
+    "lobe2_height", "lobe2_pipe",
+)  # fmt: skip
+"""Columns of logs that the core finds zones from, in its order."""
+NUMBERS = (
+    "start", "stop", "measure", "median", "severity", "enlargement", "elongation", "peak", "coverage", "pipe_diameter",
+    "toolface", "deviation",
+)  # fmt: skip
+"""Numbers of a zone, in the order of the core."""
+LIMITS = (
+    "elongation", "washout", "key_seat", "undergauge", "symmetry", "opening_level", "least_length", "join",
+)  # fmt: skip
+"""Criteria in the order of the core."""
+ONE_AXIS = 1e-3
+"""Degrees; if the axes of the arms deviate by less than this from their mean, the arms did not turn."""
 NO_LOBE = BreakoutLobe(math.nan, math.nan, math.nan)
 
 
@@ -190,7 +193,8 @@ class Classification(Tabular):
         """Return mean axis and spread of all breakouts, weighted by length; NaN if there are no breakouts."""
         found = self.of("breakout")
         axes = axial_mean(np.array([zone.toolface for zone in found]), np.array([zone.length for zone in found]))
-        return axes_of_arms(axes) if self.logs.shape == "arms" else axes
+        turned = self.logs.shape == "wall" or axes.deviation >= ONE_AXIS
+        return axes if turned else replace(axes, deviation=math.nan)  # it would say nothing about the lobes
 
     def column(self) -> LogColumn:
         """Return the kinds as the log ``CLASS``, to be given to `Logs.table` or `Logs.save` in ``more``."""
@@ -277,165 +281,27 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
     """
     criteria = Criteria() if criteria is None else criteria
     logs = turn_logs(wall) if logs is None else logs
-    K = wall.settings.sectors
-    radius = wall.radius
+    K, radius = wall.settings.sectors, column("radius", wall.radius)
     if logs.step is not None or len(logs) > radius.size // K or logs.sectors != K:
         raise InputError("logs", "must be the logs of the turns of the same wall")
-    start = float(wall.settings.start_toolface)
-    lower, higher = _lobe_heights(logs)
-    fits = _kinds(logs, criteria, lower, higher)
-    sparse, along = logs.sparse, _along(logs, criteria)
-    if len(along):
-        fits = np.where(sparse, _likeliest(logs, along), fits)
-        higher = np.where(sparse & np.isnan(logs.lobe1_height), logs.c1 - logs.bit_diameter, higher)
-    under, elongation = logs.least_diameter - logs.bit_diameter, logs.c1 - logs.c2
-    measures = {WASHOUT: logs.c2 - logs.bit_diameter, BREAKOUT: elongation, KEY_SEAT: higher, UNDERGAUGE: under}
-    kind = np.where(fits == NO_KIND, NO_KIND, GAUGE).astype(np.int8)
-    free = fits != NO_KIND
-    zones = []
-    # Washouts are found first, so that two breakouts are not joined over a washout between them.
-    for code in (WASHOUT, UNDERGAUGE, BREAKOUT, KEY_SEAT):
-        for first, stop in _runs(fits == code, free, criteria, abs(logs.pitch)):
-            free[first:stop] = False
-            inside = first + np.flatnonzero(fits[first:stop] == code)
-            sections = _sections(logs, inside[np.unique(np.linspace(0, inside.size - 1, COMPARED).astype(int))])
-            even = _measures_diameters(logs, inside)
-            likely, sound = kind_probabilities(sections, logs.bit_diameter, criteria, even)
-            if len(along) and sparse[inside].mean() > 0.5:
-                likely = np.nanmean(along[inside], axis=0)
-            if likely[code] < LIKELY and likely[GAUGE] > NOT_GAUGE:
-                continue
-            confidence = max(float(likely[code]), LIKELY) if sound else LIKELY
-            kind[inside] = code
-            zone = _zone(code, first, stop, inside, measures[code], logs, radius, start, criteria)
-            zones.append(replace(zone, confidence=confidence))
-    return Classification(logs, kind, tuple(sorted(zones, key=lambda zone: zone.start)), criteria)
-
-
-def _measures_diameters(logs: Logs, turns: Integers) -> bool:
-    return logs.shape == "arms" and not np.any(logs.uneven[turns] > 0)
-
-
-def _along(logs: Logs, criteria: Criteria) -> Floats:
-    """Return the probabilities of kinds where turns have few samples, (turns, 5), else NaN; (0, 5): no turn is such."""
-    along = logs.along(criteria)
-    if along is None:
-        return np.empty((0, len(KINDS)))
-    seen = (along.seen >= LEAST_SEEN)[:, None] | (logs.shape == "arms")
-    return np.where(seen, along.kinds, np.nan)
-
-
-def _likeliest(logs: Logs, along: Floats) -> Integers8:
-    """Return the most probable kind of each turn."""
-    missing = np.isnan(logs.c1) | np.isnan(logs.c2) | np.isnan(along[:, GAUGE])
-    likeliest: Integers8 = np.where(missing, NO_KIND, np.nan_to_num(along).argmax(axis=1)).astype(np.int8)
-    return likeliest
-
-
-def _sections(logs: Logs, turns: Integers) -> Floats:
-    """Return the sections of some turns, (turns, PARTS), radius less half the bit diameter, metres.
-
-    A turn of which less than half has samples is taken together with its neighbours within `TOGETHER`.
-    """
-    found = logs.section[turns] - logs.bit_diameter / 2
-    reach = round(TOGETHER / logs.height)
-    for row, turn in enumerate(turns):
-        if np.isfinite(found[row]).sum() < PARTS / 2:
-            near = logs.section[max(turn - reach, 0) : turn + reach + 1]
-            known = np.isfinite(near)
-            count = known.sum(axis=0)
-            total = np.where(known, near, 0.0).sum(axis=0)
-            found[row, count > 0] = total[count > 0] / count[count > 0] - logs.bit_diameter / 2
-    return found
-
-
-def _kinds(logs: Logs, criteria: Criteria, lower: Floats, higher: Floats) -> Integers8:
-    """Return the kind of each turn without regard to its neighbours; `_lobe_heights` gives ``lower`` and ``higher``."""
-    bit = logs.bit_diameter
-    elongation = logs.c1 - logs.c2
-    missing = np.isnan(logs.c1) if logs.shape == "arms" else np.isnan(logs.mean)
-    under = ~missing & (logs.least_diameter < bit - criteria.undergauge)
-    total = lower + higher
-    both = (lower > 0) & (2 * lower >= criteria.symmetry * total)
-    kind = np.full(len(logs), GAUGE, dtype=np.int8)
-    kind[both & (elongation >= criteria.elongation)] = BREAKOUT
-    narrow = True if logs.shape == "arms" else logs.lobe1_width <= WIDEST_KEY_SEAT
-    kind[~both & (higher >= criteria.key_seat) & narrow] = KEY_SEAT
-    kind[washed_out(logs.c2, bit, criteria)] = WASHOUT
-    kind[under] = UNDERGAUGE
-    if logs.shape == "wall":
-        missing |= logs.sampled < LEAST_SAMPLED
-    kind[missing] = NO_KIND
-    return kind
-
-
-def _lobe_heights(logs: Logs) -> tuple[Floats, Floats]:
-    """Return the heights of the lobe opposite to the highest lobe, 0 without one, and of the highest lobe, metres.
-
-    For a tool with few arms they are those of the lower and the higher end of C1.
-    """
-    if logs.shape == "arms":
-        half = (logs.c1 - logs.c2) / 2
-        return half - logs.uneven / 2, half + logs.uneven / 2
-    apart = np.abs((logs.lobe1_toolface - logs.lobe2_toolface + 180) % 360 - 180)
-    return np.where(apart >= OPPOSITE, logs.lobe2_height, 0.0), np.nan_to_num(logs.lobe1_height)
-
-
-def _runs(fits: Mask, free: Mask, criteria: Criteria, pitch: float) -> Iterator[tuple[int, int]]:
-    """Yield the zones of a kind as runs of turns [first, stop), from the turns that fit and are free.
-
-    Runs are joined over short gaps if all turns of the gap are free; a joined run that is too short is no zone.
-    """
-    joined: list[list[int]] = []
-    for first, stop in runs_of(fits & free):
-        last = joined[-1][1] if joined else 0
-        if joined and (first - last) * pitch <= criteria.join + 1e-9 and free[last:first].all():
-            joined[-1][1] = stop
-        else:
-            joined.append([first, stop])
-    for first, stop in joined:
-        if (stop - first) * pitch >= criteria.least_length - 1e-9:
-            yield first, stop
-
-
-def _zone(
-    code: int,
-    first: int,
-    stop: int,
-    inside: Integers,
-    measures: Floats,
-    logs: Logs,
-    radius: Floats,
-    start: float,
-    criteria: Criteria,
-) -> Zone:
-    ends = sorted((float(logs.depth[first]), float(logs.depth[stop - 1])))
-    extreme = np.argmin if code == UNDERGAUGE else np.argmax
-    size = (logs.least_diameter if code == UNDERGAUGE else logs.c1)[inside] - logs.bit_diameter
-    most, measured, limit = int(extreme(size)), measures[inside], criteria.limits()[KINDS[code]]
-    measure = float(measured[extreme(measured)])
-    toolface = deviation = pipe = math.nan
-    lobes: tuple[BreakoutLobe, ...] = ()
-    if code in (BREAKOUT, KEY_SEAT) and logs.shape == "arms":
-        toolface, deviation, lobes = lobes_of_arms(logs, inside, radius, start, code == BREAKOUT)
-    elif code in (BREAKOUT, KEY_SEAT):
-        toolface, deviation, lobes = lobes_of(logs, inside, radius, start, criteria.opening_level, code == BREAKOUT)
-    fits = logs.lobe1_pipe[inside]
-    if code == KEY_SEAT and logs.shape == "wall" and np.isfinite(fits).any():
-        pipe = float(np.nanmedian(fits))
-    return Zone(
-        kind=KINDS[code],
-        start=ends[0] - logs.height / 2,
-        stop=ends[1] + logs.height / 2,
-        measure=measure,
-        median=float(np.median(measured)),
-        severity=measure / limit if limit else math.inf,
-        enlargement=float(size[most]),
-        elongation=float((logs.c1 - logs.c2)[inside].max()),
-        peak=float(logs.depth[inside[most]]),
-        coverage=float(logs.coverage[first:stop].mean()),
-        pipe_diameter=pipe,
-        toolface=toolface,
-        deviation=deviation,
-        lobes=lobes,
+    along, has_arms = logs.along(criteria), logs.shape == "arms"
+    kind, rows = _core.find_zones(
+        [column(name, getattr(logs, name)) for name in READ],
+        column("section", logs.section.ravel()),
+        column("uneven", logs.uneven) if has_arms else np.empty(0),
+        (radius, K, float(wall.settings.start_toolface), logs.pitch),
+        logs.bit_diameter,
+        tuple(getattr(criteria, name) for name in LIMITS),
+        None if along is None else (along.kinds.ravel(), along.seen),
+        section_libraries(logs.bit_diameter, criteria),
+        thread_count(getattr(wall, "threads", None)),
     )
+    return Classification(logs, kind, tuple(_zone(*row) for row in rows), criteria)
+
+
+def _zone(code: int, *row: Any) -> Zone:
+    *sizes, confidence, first, second = row
+    numbers = dict(zip(NUMBERS, sizes, strict=True))
+    count = {BREAKOUT: 2, KEY_SEAT: 1}.get(code, 0)
+    lobes = tuple(BreakoutLobe(*lobe) for lobe in (first, second)[:count])
+    return Zone(kind=KINDS[code], **numbers, lobes=lobes, confidence=confidence)

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "helibore/zones.hpp"
+
 #include "input.hpp"
 
 using helibore::Index;
@@ -109,8 +111,50 @@ void fuzz_gaps(Input& input) {
     }
 }
 
+// Columns of any numbers, which no wall has: they give zones within the hole, the same on three threads, or an error.
+void fuzz_zones(Input& input) {
+    const std::size_t turns = input.below(40);
+    const int sectors = input.between(3, 12);
+    const auto filled = [&](std::size_t size, double usual, double spread) {
+        std::vector<double> out;
+        for (; size > 0; --size)
+            out.push_back(input.one_in(60) ? input.hostile() : usual + spread * (input.share() - 0.5));
+        return out;
+    };
+    std::vector<double> depth;
+    for (std::size_t turn = 0; turn < turns; ++turn) depth.push_back(0.1 * static_cast<double>(turn));
+    const auto size = filled(turns, 0.24, 0.1), least = filled(turns, 0.2, 0.05), across = filled(turns, 0.21, 0.05),
+               toolface = filled(turns, 180.0, 360.0), share = filled(turns, 0.8, 0.4),
+               height = filled(turns, 0.01, 0.02), width = filled(turns, 90.0, 180.0),
+               sections = filled(turns * helibore::section_parts, 0.11, 0.05),
+               radius = filled(turns * static_cast<std::size_t>(sectors), 0.11, 0.05),
+               uneven = filled(input.one_in(2) ? 0 : turns, 0.0, 0.02),
+               kinds = filled(input.one_in(2) ? 0 : turns * helibore::hole_kinds, 0.3, 0.5);
+    const std::vector<Index> seen(kinds.size() / helibore::hole_kinds, 9);
+    const helibore::MeasuredTurns::Lobe first{toolface, width, height, size}, second{width, width, share, size};
+    const helibore::MeasuredTurns measures{depth,    share, share, size,  size,     toolface,
+                                           across,   least, size,  width, toolface, {{first, second}},
+                                           sections, uneven};
+    helibore::ZoneCriteria criteria;
+    criteria.least_length = input.one_of({0.3, 0.0, 0.1}), criteria.join = input.one_of({1.0, 0.0, 0.2});
+    const double bit = input.mostly_of({0.216, 0.1});
+    static const helibore::SectionLibraries libraries(0.216, helibore::ZoneCriteria{}.limits());
+    const helibore::TurnVertices vertices{radius, sectors, input.mostly_of({0.0, -33.0, 1e5}),
+                                          input.mostly_of({0.1, -0.1, 0.2})};
+    helibore::Zones found, on_three;
+    if (refused([&] { found = find_zones(measures, vertices, bit, criteria, {kinds, seen}, libraries, 1); })) return;
+    on_three = find_zones(measures, vertices, bit, criteria, {kinds, seen}, libraries, 3);
+    require_rule(found.kinds == on_three.kinds && found.zones.size() == on_three.zones.size(),
+                 "zones on three threads");
+    for (const helibore::Zone& zone : found.zones) {
+        require_rule(zone.start <= zone.stop, "ends of a zone");
+        require_rule(!(zone.toolface < 0.0) && !(zone.toolface >= 360.0), "toolface of a zone");
+    }
+}
+
 }  // namespace
 
 void fuzz(Input input) {
+    if (input.one_in(8)) return fuzz_zones(input);
     input.one_in(2) ? fuzz_gaps(input) : fuzz_turns(input);
 }

@@ -14,7 +14,7 @@ from helibore import _core
 from helibore.base.arrays import Floats, Integers
 from helibore.base.errors import InputError
 from helibore.base.units import INCH
-from helibore.logs.likely_kinds import PARTS, kind_probabilities
+from helibore.logs.likely_kinds import PARTS
 from helibore.settings.zone_settings import CRITERIA_BIT, Criteria
 
 # The numbers of cpp/include/helibore/kinds.hpp.
@@ -25,6 +25,15 @@ EXPLAINED, RESEMBLES = 2.6, 0.35
 HEIGHT = 1.6  # metres; such a turn is a window of its own
 FINE = 6 * PARTS  # toolfaces at which a section of the library is drawn
 BIT = 0.2159
+
+
+def limits_of(criteria: Criteria) -> tuple[float, float, float, float, float]:
+    return criteria.elongation, criteria.washout, criteria.key_seat, criteria.undergauge, criteria.symmetry
+
+
+def kind_probabilities(sections: Floats, bit: float, criteria: Criteria, even: bool) -> tuple[Floats, bool]:
+    kinds, sound = _core.likely_kind(sections.ravel(), _core.section_library(bit, limits_of(criteria), even))
+    return np.array(kinds), sound
 
 
 def square_of(window: Floats, section: Floats) -> tuple[float, float]:
@@ -170,11 +179,7 @@ def squares_of(sections: Floats, shapes: Floats) -> tuple[Floats, Floats]:
 @pytest.mark.parametrize("limits", [{}, {"elongation": 0.01, "washout": 0.03, "key_seat": 0.02, "undergauge": 0.001}])
 def test_the_library_is_the_one_drawn_with_numpy(bit, limits, even):
     criteria = Criteria(**limits)
-    sections, counts, size, weight = _core.section_library(
-        bit,
-        (criteria.elongation, criteria.washout, criteria.key_seat, criteria.undergauge, criteria.symmetry),
-        even,
-    )
+    sections, counts, size, weight = _core.section_library(bit, limits_of(criteria), even)
     sections, kind = sections.reshape(-1, PARTS), np.repeat(np.arange(5), counts)
     opposite = np.roll(sections[weight == 2], PARTS // 2, axis=1)
     np.testing.assert_array_equal(opposite, sections[weight == 2])
@@ -265,6 +270,22 @@ def test_the_result_does_not_depend_on_threads():
             np.testing.assert_array_equal(a, b)
 
 
+@pytest.mark.parametrize("even", [False, True])
+def test_libraries_that_are_kept_give_what_a_library_gives(even):
+    criteria = Criteria(washout=0.01)
+    windows, *_ = made(3, (9, 5, 8, 7, 3), 60, 0.5)
+    kept = _core.SectionLibraries(BIT, limits_of(criteria))
+    wanted = (np.arange(60) < 40).astype(np.float64)
+    library = _core.section_library(BIT, limits_of(criteria), even)
+    for _ in range(2):
+        for a, b in zip(
+            kept.kinds_along(windows.ravel(), 0.2, wanted, even, 2),
+            _core.kinds_along(windows.ravel(), 0.2, wanted, library, 1),
+            strict=True,
+        ):
+            np.testing.assert_array_equal(a, b)
+
+
 def test_what_cannot_be_compared_is_refused():
     windows, sections, kind, size = made(2, (2, 2, 2, 2, 2), 3, 1)
     sections[3, 4] = np.nan
@@ -276,3 +297,15 @@ def test_what_cannot_be_compared_is_refused():
     assert error.value.place == "counts"
     with pytest.raises(InputError):
         core(windows[:, :-1], sections[:3], kind[:3], size[:3])
+
+
+@settings(max_examples=10, deadline=None)
+@given(turn=st.integers(0, 31), seed=st.integers(0, 9))
+def test_probabilities_sum_to_one_and_do_not_depend_on_the_direction(turn: int, seed: int) -> None:
+    section = np.random.default_rng(seed).normal(0.004, 0.004, (2, 32))
+    section[:, 3:9] = np.nan
+    likely, turned = (
+        kind_probabilities(of, BIT, Criteria(), False)[0] for of in (section, np.roll(section, turn, axis=1))
+    )
+    assert likely.sum() == pytest.approx(1)
+    np.testing.assert_allclose(turned, likely, atol=1e-6)

@@ -13,7 +13,7 @@ from golden_texts import Golden
 
 import helibore as hb
 from helibore.logs.summary import summarize
-from helibore.logs.zone_criteria import washed_out
+from helibore.logs.zone_criteria import Criteria
 from helibore.logs.zones import classify
 
 K, BIT, PITCH = 72, 0.216, 0.1
@@ -117,7 +117,7 @@ def test_an_interval_within_a_turn_has_the_coverage_of_the_turn() -> None:
 def test_washed_out_is_what_zones_call_washout() -> None:
     wall = wall_of((10, GAUGE), (5, WASHED), (10, OVAL), (4, GAP))
     found = classify(wall)
-    np.testing.assert_array_equal(washed_out(found.logs.c2, BIT), found.kind == 1)
+    np.testing.assert_array_equal(found.logs.c2 - BIT >= Criteria().washout, found.kind == 1)
 
 
 def test_a_wall_without_a_full_turn_has_no_numbers() -> None:

@@ -18,7 +18,6 @@ from helibore.base.axial import axial_mean
 from helibore.cli.lines import zone_lines
 from helibore.files.facts import read_facts
 from helibore.files.log_writing import save_table
-from helibore.logs.likely_kinds import kind_probabilities
 from helibore.logs.summary import summarize
 from helibore.logs.turn_logs import turn_logs
 from helibore.logs.zone_criteria import Criteria
@@ -348,18 +347,6 @@ def test_a_tool_off_centre_sees_no_key_seat_and_a_true_one_is_likely() -> None:
     assert {zone.kind for zone in worn.zones} == {"key seat"}
     assert max(zone.confidence for zone in worn.zones) > 0.5
     np.testing.assert_array_equal(worn.table()["CONF"].values, [zone.confidence for zone in worn.zones])
-
-
-@settings(max_examples=10, deadline=None)
-@given(turn=st.integers(0, 31), seed=st.integers(0, 9))
-def test_probabilities_sum_to_one_and_do_not_depend_on_the_direction(turn: int, seed: int) -> None:
-    section = np.random.default_rng(seed).normal(0.004, 0.004, (2, 32))
-    section[:, 3:9] = np.nan
-    likely, turned = (
-        kind_probabilities(of, BIT, Criteria(), False)[0] for of in (section, np.roll(section, turn, axis=1))
-    )
-    assert likely.sum() == pytest.approx(1)
-    np.testing.assert_allclose(turned, likely, atol=1e-6)
 
 
 @pytest.mark.parametrize(("arms", "kind"), [(4, "breakout"), (32, "undergauge")])

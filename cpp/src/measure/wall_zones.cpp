@@ -1,0 +1,93 @@
+// From the vertices and samples of a wall to its zones: logs, measured vertices, unworn circles and sections of the
+// turns.
+#include <algorithm>
+#include <cmath>
+
+#include "base/arithmetic.hpp"
+#include "base/host_memory.hpp"
+#include "base/messages.hpp"
+#include "helibore/unworn.hpp"
+#include "helibore/zones.hpp"
+
+namespace helibore {
+
+namespace {
+
+struct Marks {
+    std::vector<double> counts;             // of each vertex: 1 if samples lie near
+    std::vector<double> coverage, sampled;  // of each turn
+};
+
+Marks marks_of(std::span<const std::uint8_t> measured, std::span<const double> radius, std::size_t sectors) {
+    const std::size_t turns = radius.size() / sectors;
+    Marks out{std::vector<double>(radius.size()), std::vector<double>(turns), std::vector<double>(turns)};
+    for (std::size_t i = 0; i < radius.size(); ++i)
+        out.counts[i] = measured[i] != 0 && std::isfinite(radius[i]) ? 1.0 : 0.0;
+    for (std::size_t i = 0; i < turns * sectors; ++i) {
+        out.sampled[i / sectors] += out.counts[i];
+        out.coverage[i / sectors] += measured[i] == 1 ? out.counts[i] : 0.0;
+    }
+    for (std::size_t turn = 0; turn < turns; ++turn) {
+        out.sampled[turn] /= static_cast<double>(sectors);
+        out.coverage[turn] /= static_cast<double>(sectors);
+    }
+    return out;
+}
+
+std::vector<double> depths_of(const HelixVertices& vertices, std::size_t turns) {
+    const auto sectors = static_cast<double>(vertices.sectors);
+    const double before = static_cast<double>(vertices.first / vertices.sectors);
+    std::vector<double> out(turns);
+    for (std::size_t turn = 0; turn < turns; ++turn)
+        out[turn] = vertices.start_depth + ((before + static_cast<double>(turn)) * sectors + (sectors - 1.0) / 2.0) *
+                                               (vertices.pitch / sectors);
+    return out;
+}
+
+}  // namespace
+
+Zones wall_zones(const HelixVertices& vertices, std::span<const double> given, const ZoneSamples& samples,
+                 double bit_diameter, const ZoneCriteria& criteria, const MeasuredRule& rule, int threads) {
+    const StandardArithmetic standard;
+    const std::vector<double> radius = copied(given);
+    const SectionLibraries libraries(bit_diameter, criteria.limits());
+    const int sectors = static_cast<int>(std::clamp<Index>(vertices.sectors, 0, 1000001));
+    const TurnVertices of_turns{radius, sectors, vertices.start_toolface, vertices.pitch};
+    if (radius.empty()) return find_zones({}, of_turns, bit_diameter, criteria, {}, libraries, threads);
+    const std::vector<double> sections = turn_sections(vertices, samples.places, samples.radius);
+    require_sectors(sectors);
+    const Marks marks = marks_of(measured(vertices, samples.places, rule, threads, {samples.radius, radius}), radius,
+                                 static_cast<std::size_t>(sectors));
+    const Turns turns{.start_toolface = vertices.start_toolface, .sectors = sectors, .radius = radius};
+    const TurnLogs logs = turn_logs(turns, threads);
+    const UnwornTurns unworn = unworn_turns(turns, bit_diameter, marks.counts, threads);
+    const std::vector<double> depth = depths_of(vertices, logs.mean.size());
+    KindsAlong along;
+    const double height = std::abs(vertices.pitch);
+    if (const std::vector<double> sparse = sparse_turns(sections, height);
+        std::ranges::find(sparse, 1.0) != sparse.end()) {
+        std::vector<double> beyond(sections);
+        for (double& of : beyond) of -= bit_diameter / 2.0;
+        along = kinds_along(beyond, height, sparse, libraries.of(false), {}, threads);
+    }
+    const auto lobe = [](const TurnLobes& of) {
+        return MeasuredTurns::Lobe{of.toolface, of.width, of.height, of.pipe};
+    };
+    const MeasuredTurns measures{.depth = depth,
+                                 .coverage = marks.coverage,
+                                 .sampled = marks.sampled,
+                                 .mean = logs.mean,
+                                 .c1 = logs.c1,
+                                 .c1_toolface = logs.c1_toolface,
+                                 .c2 = logs.c2,
+                                 .least_diameter = logs.least_diameter,
+                                 .unworn_diameter = unworn.diameter,
+                                 .unworn_0 = unworn.centre_0,
+                                 .unworn_90 = unworn.centre_90,
+                                 .lobes{{lobe(unworn.lobes[0]), lobe(unworn.lobes[1])}},
+                                 .sections = sections,
+                                 .uneven = {}};
+    return find_zones(measures, of_turns, bit_diameter, criteria, {along.kinds, along.seen}, libraries, threads);
+}
+
+}  // namespace helibore

@@ -1,0 +1,474 @@
+// Kinds of turns, runs of turns of one kind, and the zones that they make. Runs are judged side by side: none depends
+// on whether another is a zone.
+#include "helibore/zones.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "base/arithmetic.hpp"
+#include "base/degrees.hpp"
+#include "base/messages.hpp"
+#include "base/threads.hpp"
+#include "base/trigonometry.hpp"
+#include "helibore/unworn.hpp"
+#include "measure/lobes.hpp"
+#include "samples/helix.hpp"
+
+namespace helibore {
+
+namespace {
+
+constexpr double missing = std::numeric_limits<double>::quiet_NaN();
+constexpr double likely = 0.5;         // least confidence of a zone
+constexpr double not_gauge = 0.05;     // probability of gauge below which a run is a zone, whatever its kind
+constexpr double least_sampled = 0.5;  // a wall shows no kind where a smaller share of a turn has samples near
+constexpr Index least_seen = 6;        // parts that samples see around a turn that has a kind, unless arms measure it
+constexpr double together = 0.25;      // metres above and below a turn with few samples that make its section
+constexpr std::size_t compared = 6;    // most turns of a zone that are compared with the library
+constexpr double opposite = 140.0;     // least degrees between opposite lobes
+constexpr double widest_key_seat = 150.0;  // degrees
+constexpr double one_axis = 1e-3;          // degrees; arms whose axes deviate less do not turn
+constexpr double rounding = 1e-9;          // metres
+
+struct Heights {
+    std::vector<double> lower, higher;  // of the lobe opposite to the highest, 0 without one, and of the highest
+};
+
+struct Run {
+    HoleKind kind;
+    std::size_t first, stop;
+    std::vector<std::size_t> inside;  // the turns that meet the criterion
+};
+
+double median(std::vector<double> values) {
+    if (values.empty()) return missing;
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::ranges::nth_element(values, middle);
+    if (values.size() % 2 == 1) return *middle;
+    return (*std::max_element(values.begin(), middle) + *middle) / 2.0;
+}
+
+class Finder {
+  public:
+    Finder(const MeasuredTurns& turns, const TurnVertices& vertices, double bit, const ZoneCriteria& criteria,
+           const ChainedTurns& chained)
+        : turns_(turns),
+          vertices_(vertices),
+          bit_(bit),
+          criteria_(criteria),
+          chained_(chained),
+          count_(turns.depth.size()),
+          sectors_(static_cast<std::size_t>(vertices.sectors)),
+          height_(std::abs(vertices.pitch)),
+          arms_(!turns.uneven.empty()),
+          start_toolface_(wrap_toolface(vertices.start_toolface)) {
+        if (!chained.kinds.empty()) sparse_ = sparse_turns(turns.sections, height_);
+        for (std::size_t k = 0; k < sectors_; ++k)
+            directions_.push_back(
+                sine_cosine(start_toolface_ + static_cast<double>(k) * 360.0 / static_cast<double>(sectors_)));
+    }
+
+    Zones find(const SectionLibraries& libraries, int threads) {
+        find_heights();
+        const std::vector<HoleKind> kinds = kinds_of_turns();
+        const std::vector<Run> runs = runs_of(kinds);
+        std::vector<Zone> zones(runs.size());
+        std::vector<std::uint8_t> found(runs.size());
+        for (const Run& run : runs) libraries.of(is_even(run));  // drawn here, once, and not by each thread
+        for_each_part(threads, static_cast<Index>(runs.size()), [&](int, Index part) {
+            const auto i = static_cast<std::size_t>(part);
+            double confidence = 0.0;
+            if (!is_zone(runs[i], libraries, confidence)) return;
+            zones[i] = zone_of(runs[i]), zones[i].confidence = confidence;
+            found[i] = 1;
+        });
+        Zones out;
+        for (const HoleKind kind : kinds)
+            out.kinds.push_back(kind == HoleKind::none ? HoleKind::none : HoleKind::gauge);
+        for (std::size_t i = 0; i < runs.size(); ++i) {
+            if (found[i] == 0) continue;
+            for (const std::size_t turn : runs[i].inside) out.kinds[turn] = runs[i].kind;
+            out.zones.push_back(zones[i]);
+        }
+        std::ranges::stable_sort(out.zones, {}, &Zone::start);
+        return out;
+    }
+
+  private:
+    void find_heights() {
+        heights_ = {std::vector<double>(count_), std::vector<double>(count_)};
+        for (std::size_t turn = 0; turn < count_; ++turn) {
+            double& lower = heights_.lower[turn];
+            double& higher = heights_.higher[turn];
+            if (arms_) {
+                const double half = (turns_.c1[turn] - turns_.c2[turn]) / 2.0, off = turns_.uneven[turn] / 2.0;
+                lower = half - off, higher = half + off;
+                continue;
+            }
+            const auto& [first, second] = turns_.lobes;
+            const double apart = std::abs(wrap_difference(first.toolface[turn] - second.toolface[turn]));
+            lower = apart >= opposite ? second.height[turn] : 0.0;
+            higher = std::isnan(first.height[turn]) ? 0.0 : first.height[turn];
+        }
+    }
+
+    // Returns the kind of each turn without regard to its neighbours, but to the chain where turns have few samples.
+    std::vector<HoleKind> kinds_of_turns() {
+        std::vector<HoleKind> kinds(count_);
+        for (std::size_t turn = 0; turn < count_; ++turn) kinds[turn] = kind_by_criteria(turn);
+        if (sparse_.empty()) return kinds;
+        for (std::size_t turn = 0; turn < count_; ++turn) {
+            if (sparse_[turn] == 0.0) continue;
+            kinds[turn] = likeliest(turn);
+            if (std::isnan(turns_.lobes[0].height[turn])) heights_.higher[turn] = turns_.c1[turn] - bit_;
+        }
+        return kinds;
+    }
+
+    HoleKind kind_by_criteria(std::size_t turn) const {
+        const double lower = heights_.lower[turn], higher = heights_.higher[turn];
+        if (std::isnan(arms_ ? turns_.c1[turn] : turns_.mean[turn])) return HoleKind::none;
+        if (!arms_ && turns_.sampled[turn] < least_sampled) return HoleKind::none;
+        if (turns_.least_diameter[turn] < bit_ - criteria_.undergauge) return HoleKind::undergauge;
+        if (turns_.c2[turn] - bit_ >= criteria_.washout) return HoleKind::washout;
+        const bool both = lower > 0.0 && 2.0 * lower >= criteria_.symmetry * (lower + higher);
+        if (both)
+            return turns_.c1[turn] - turns_.c2[turn] >= criteria_.elongation ? HoleKind::breakout : HoleKind::gauge;
+        const bool narrow = arms_ || turns_.lobes[0].width[turn] <= widest_key_seat;
+        return higher >= criteria_.key_seat && narrow ? HoleKind::key_seat : HoleKind::gauge;
+    }
+
+    bool is_chained(std::size_t turn) const {
+        return (arms_ || chained_.seen[turn] >= least_seen) && !std::isnan(chained_.kinds[turn * hole_kinds]);
+    }
+
+    HoleKind likeliest(std::size_t turn) const {
+        if (std::isnan(turns_.c1[turn]) || std::isnan(turns_.c2[turn]) || !is_chained(turn)) return HoleKind::none;
+        const std::span<const double> of = chained_.kinds.subspan(turn * hole_kinds, hole_kinds);
+        return static_cast<HoleKind>(std::ranges::max_element(of) - of.begin());
+    }
+
+    // Returns the runs of all kinds that are long enough. Washouts come first, so that two breakouts are not joined
+    // over a washout between them.
+    std::vector<Run> runs_of(const std::vector<HoleKind>& kinds) const {
+        std::vector<std::uint8_t> is_free(count_);
+        for (std::size_t turn = 0; turn < count_; ++turn) is_free[turn] = kinds[turn] == HoleKind::none ? 0 : 1;
+        std::vector<Run> out;
+        for (const HoleKind kind : {HoleKind::washout, HoleKind::undergauge, HoleKind::breakout, HoleKind::key_seat}) {
+            const auto fits = [&](std::size_t turn) { return kinds[turn] == kind && is_free[turn] != 0; };
+            std::vector<Run> joined;
+            for (std::size_t first = 0, stop = 0; first < count_; first = std::max(stop, first + 1)) {
+                for (stop = first; stop < count_ && fits(stop);) ++stop;
+                if (stop == first) continue;
+                if (!joined.empty() && is_gap(joined.back().stop, first, is_free)) {
+                    joined.back().stop = stop;
+                } else {
+                    joined.push_back({kind, first, stop, {}});
+                }
+            }
+            for (Run& run : joined) {
+                if (static_cast<double>(run.stop - run.first) * height_ < criteria_.least_length - rounding) continue;
+                for (std::size_t turn = run.first; turn < run.stop; ++turn)
+                    if (kinds[turn] == kind) run.inside.push_back(turn);
+                out.push_back(std::move(run));
+            }
+            for (const Run& run : out)
+                for (std::size_t turn = run.first; turn < run.stop; ++turn) is_free[turn] = 0;
+        }
+        return out;
+    }
+
+    // Whether two runs of a kind are one: they are near each other, and all turns between are free.
+    bool is_gap(std::size_t first, std::size_t stop, const std::vector<std::uint8_t>& is_free) const {
+        if (static_cast<double>(stop - first) * height_ > criteria_.join + rounding) return false;
+        for (std::size_t turn = first; turn < stop; ++turn)
+            if (is_free[turn] == 0) return false;
+        return true;
+    }
+
+    // Whether the tool measured diameters in all turns of a run.
+    bool is_even(const Run& run) const {
+        return arms_ && std::ranges::none_of(run.inside, [&](std::size_t turn) { return turns_.uneven[turn] > 0.0; });
+    }
+
+    // Whether the kind of a run is likely enough, or certainly not gauge; writes its confidence.
+    bool is_zone(const Run& run, const SectionLibraries& libraries, double& confidence) const {
+        const LikelyKind found = likely_kind(sections_of(run.inside), libraries.of(is_even(run)));
+        std::array<double, hole_kinds> kinds = found.kinds;
+        if (!sparse_.empty()) take_chained(run.inside, kinds);
+        const double own = kinds[static_cast<std::size_t>(run.kind)];
+        confidence = found.sound ? std::max(own, likely) : likely;
+        return !(own < likely && kinds[0] > not_gauge);
+    }
+
+    // Takes the mean of the chained kinds if more than half of the turns are sparse.
+    void take_chained(const std::vector<std::size_t>& inside, std::array<double, hole_kinds>& kinds) const {
+        double count = 0.0, known = 0.0;
+        std::array<double, hole_kinds> sum{};
+        for (const std::size_t turn : inside) {
+            count += sparse_[turn];
+            if (!is_chained(turn)) continue;
+            known += 1.0;
+            for (std::size_t kind = 0; kind < hole_kinds; ++kind) sum[kind] += chained_.kinds[turn * hole_kinds + kind];
+        }
+        if (!(count / static_cast<double>(inside.size()) > 0.5)) return;
+        for (std::size_t kind = 0; kind < hole_kinds; ++kind) kinds[kind] = sum[kind] / known;
+    }
+
+    // Returns the sections of a few of the turns, radius less half the bit diameter. A turn of which less than half has
+    // samples is taken together with its neighbours.
+    std::vector<double> sections_of(const std::vector<std::size_t>& inside) const {
+        std::vector<double> out;
+        const double last = static_cast<double>(inside.size() - 1), step = last / static_cast<double>(compared - 1);
+        std::size_t before = inside.size();
+        for (std::size_t i = 0; i < compared; ++i) {
+            const auto place = static_cast<std::size_t>(i + 1 < compared ? static_cast<double>(i) * step : last);
+            if (place != before) add_section(inside[place], out);
+            before = place;
+        }
+        return out;
+    }
+
+    void add_section(std::size_t turn, std::vector<double>& out) const {
+        const std::size_t at = out.size();
+        const std::span<const double> own = turns_.sections.subspan(turn * section_parts, section_parts);
+        for (const double radius : own) out.push_back(radius - bit_ / 2.0);
+        if (2 * std::ranges::count_if(own, [](double radius) { return std::isfinite(radius); }) >=
+            static_cast<std::ptrdiff_t>(section_parts))
+            return;
+        const double reach = nearest_whole(std::min(together / height_, static_cast<double>(count_)));
+        const auto beside = static_cast<std::size_t>(reach);
+        std::array<double, section_parts> sum{}, known{};
+        for (std::size_t i = turn - std::min(turn, beside); i < std::min(turn + beside + 1, count_); ++i)
+            for (std::size_t part = 0; part < section_parts; ++part)
+                if (const double radius = turns_.sections[i * section_parts + part]; std::isfinite(radius))
+                    sum[part] += radius, known[part] += 1.0;
+        for (std::size_t part = 0; part < section_parts; ++part)
+            if (known[part] > 0.0) out[at + part] = sum[part] / known[part] - bit_ / 2.0;
+    }
+
+    double limit_of(HoleKind kind) const {
+        switch (kind) {
+            case HoleKind::washout:
+                return criteria_.washout;
+            case HoleKind::breakout:
+                return criteria_.elongation;
+            case HoleKind::key_seat:
+                return criteria_.key_seat;
+            default:
+                return -criteria_.undergauge;
+        }
+    }
+
+    // Returns the length that the limit of a kind is for.
+    double measure_of(HoleKind kind, std::size_t turn) const {
+        switch (kind) {
+            case HoleKind::washout:
+                return turns_.c2[turn] - bit_;
+            case HoleKind::breakout:
+                return turns_.c1[turn] - turns_.c2[turn];
+            case HoleKind::key_seat:
+                return heights_.higher[turn];
+            default:
+                return turns_.least_diameter[turn] - bit_;
+        }
+    }
+
+    Zone zone_of(const Run& run) const {
+        const bool under = run.kind == HoleKind::undergauge;
+        const auto is_beyond = [&](double a, double b) { return under ? a < b : a > b; };
+        Zone out{.kind = run.kind,
+                 .start = std::min(turns_.depth[run.first], turns_.depth[run.stop - 1]) - height_ / 2.0,
+                 .stop = std::max(turns_.depth[run.first], turns_.depth[run.stop - 1]) + height_ / 2.0,
+                 .measure = missing,
+                 .median = missing,
+                 .severity = missing,
+                 .enlargement = missing,
+                 .elongation = missing,
+                 .peak = missing,
+                 .coverage = 0.0,
+                 .confidence = missing,
+                 .pipe_diameter = missing,
+                 .toolface = missing,
+                 .deviation = missing,
+                 .lobes{{{missing, missing, missing}, {missing, missing, missing}}}};
+        std::vector<double> measures, pipes;
+        for (const std::size_t turn : run.inside) {
+            const double size = (under ? turns_.least_diameter[turn] : turns_.c1[turn]) - bit_;
+            const double measure = measure_of(run.kind, turn), elongation = turns_.c1[turn] - turns_.c2[turn];
+            const bool is_first = measures.empty();
+            if (is_first || is_beyond(measure, out.measure)) out.measure = measure;
+            if (is_first || elongation > out.elongation) out.elongation = elongation;
+            if (is_first || is_beyond(size, out.enlargement)) out.enlargement = size, out.peak = turns_.depth[turn];
+            measures.push_back(measure);
+            if (const double pipe = turns_.lobes[0].pipe[turn]; std::isfinite(pipe)) pipes.push_back(pipe);
+        }
+        for (std::size_t turn = run.first; turn < run.stop; ++turn) out.coverage += turns_.coverage[turn];
+        out.coverage /= static_cast<double>(run.stop - run.first);
+        out.median = median(std::move(measures));
+        const double limit = limit_of(run.kind);
+        out.severity = limit != 0.0 ? out.measure / limit : std::numeric_limits<double>::infinity();
+        if (run.kind == HoleKind::key_seat && !arms_) out.pipe_diameter = median(std::move(pipes));
+        if (run.kind == HoleKind::breakout || run.kind == HoleKind::key_seat)
+            arms_ ? add_lobes_of_arms(run, out) : add_lobes(run, out);
+        return out;
+    }
+
+    // height = distance from the centre of the unworn circle, less its radius. The axis of a turn is half the angle of
+    // the sum of w exp(2 i toolface), where w is the height less `opening_level` times the greatest, and 0 below.
+    // Angles of a key seat are not doubled: it has a direction, not an axis.
+    void add_lobes(const Run& run, Zone& zone) const {
+        const bool both = run.kind == HoleKind::breakout;
+        std::vector<double> x(sectors_), y(sectors_), height(sectors_), total(sectors_);
+        Axes axes;
+        for (const std::size_t turn : run.inside) {
+            const bool known = std::isfinite(turns_.unworn_diameter[turn]);
+            const double radius = (known ? turns_.unworn_diameter[turn] : bit_) / 2.0;
+            const double centre_0 = known ? turns_.unworn_0[turn] : 0.0,
+                         centre_90 = known ? turns_.unworn_90[turn] : 0.0;
+            for (std::size_t k = 0; k < sectors_; ++k) {
+                const double r = vertices_.radius[turn * sectors_ + k];
+                x[k] = r * directions_[k].cosine - centre_0, y[k] = r * directions_[k].sine - centre_90;
+                height[k] = std::sqrt(x[k] * x[k] + y[k] * y[k]);
+            }
+            const double most = *std::ranges::max_element(height) - radius;
+            double sum_x = 0.0, sum_y = 0.0;
+            for (std::size_t k = 0; k < sectors_; ++k) {
+                const double away = height[k];
+                height[k] -= radius, total[k] += height[k];
+                const double weight = height[k] - criteria_.opening_level * most;
+                if (!(weight > 0.0) || away == 0.0) continue;
+                const double cosine = x[k] / away, sine = y[k] / away;
+                sum_x += weight * (both ? cosine * cosine - sine * sine : cosine);
+                sum_y += weight * (both ? 2.0 * cosine * sine : sine);
+            }
+            const double length = std::sqrt(sum_x * sum_x + sum_y * sum_y);
+            length > 0.0 ? axes.add(sum_x / length, sum_y / length) : axes.add(1.0, 0.0);
+        }
+        for (double& of : total) of /= static_cast<double>(run.inside.size());
+        const Axis axis = axes.mean();
+        zone.toolface = both ? axis.mean : 2.0 * axis.mean;
+        zone.deviation = both ? axis.deviation : 2.0 * axis.deviation;
+        for (std::size_t side = 0; side < (both ? 2U : 1U); ++side)
+            zone.lobes[side] = lobe_of(total, zone.toolface + 180.0 * static_cast<double>(side), start_toolface_,
+                                       criteria_.opening_level);
+    }
+
+    // The radii of the wall decide which end of C1 is higher.
+    void add_lobes_of_arms(const Run& run, Zone& zone) const {
+        Axes axes;
+        std::vector<double> lower, higher;
+        for (const std::size_t turn : run.inside) {
+            const SineCosine doubled = sine_cosine(2.0 * turns_.c1_toolface[turn]);
+            axes.add(doubled.cosine, doubled.sine);
+            const double half = (turns_.c1[turn] - turns_.c2[turn]) / 2.0, off = turns_.uneven[turn] / 2.0;
+            lower.push_back(half - off), higher.push_back(half + off);
+        }
+        const Axis axis = axes.mean();
+        double difference = 0.0;
+        for (const std::size_t turn : run.inside) {
+            const double toolface = turns_.c1_toolface[turn], of = difference_of_ends(turn, toolface);
+            // The first end of an axis of 179 degrees lies near 180, on the other side than the mean of 179 and 1.
+            if (!std::isnan(of)) difference += std::abs(toolface - axis.mean) > 90.0 ? -of : of;
+        }
+        const double low = median(std::move(lower)), high = median(std::move(higher));
+        const double near = difference >= 0.0 ? high : low, far = difference >= 0.0 ? low : high;
+        zone.toolface = axis.mean;
+        zone.deviation = axis.deviation < one_axis ? missing : axis.deviation;
+        const std::array<ZoneLobe, 2> sides{{{axis.mean, missing, near}, {axis.mean + 180.0, missing, far}}};
+        if (run.kind == HoleKind::breakout) {
+            zone.lobes = sides;
+        } else {
+            zone.lobes[0] = near >= far ? sides[0] : sides[1];
+            zone.toolface = zone.lobes[0].toolface;
+        }
+    }
+
+    // Returns the radius of the wall at a toolface, less that opposite to it.
+    double difference_of_ends(std::size_t turn, double toolface) const {
+        const auto sectors = static_cast<double>(sectors_);
+        const double number = nearest_whole((toolface - vertices_.start_toolface) * (sectors / 360.0));
+        const double within = number - sectors * std::floor(number / sectors);
+        const std::size_t first = within >= 0.0 && within < sectors ? static_cast<std::size_t>(within) : 0;
+        const std::span<const double> radius = vertices_.radius.subspan(turn * sectors_, sectors_);
+        return radius[first] - radius[(first + sectors_ / 2) % sectors_];
+    }
+
+    const MeasuredTurns& turns_;
+    const TurnVertices& vertices_;
+    double bit_;
+    const ZoneCriteria& criteria_;
+    const ChainedTurns& chained_;
+    std::size_t count_, sectors_;
+    double height_;  // of a turn
+    bool arms_;
+    double start_toolface_;
+    std::vector<double> sparse_;  // empty: the chain does not count
+    std::vector<SineCosine> directions_;
+    Heights heights_;
+};
+
+void require_criteria(const ZoneCriteria& criteria) {
+    const std::pair<const char*, double> all[] = {
+        {"elongation", criteria.elongation},     {"washout", criteria.washout},
+        {"key_seat", criteria.key_seat},         {"undergauge", criteria.undergauge},
+        {"symmetry", criteria.symmetry},         {"opening_level", criteria.opening_level},
+        {"least_length", criteria.least_length}, {"join", criteria.join}};
+    for (const auto& [name, value] : all)
+        require(std::isfinite(value) && value >= 0.0, name, value, "must be finite and not negative");
+    require(criteria.symmetry <= 1.0, "symmetry", criteria.symmetry, "must be in [0, 1]");
+    require(criteria.opening_level > 0.0 && criteria.opening_level < 1.0, "opening_level", criteria.opening_level,
+            "must be in (0, 1)");
+}
+
+void require_lengths(const MeasuredTurns& turns, const TurnVertices& vertices, const ChainedTurns& chained) {
+    const std::size_t count = turns.depth.size();
+    const std::pair<const char*, std::span<const double>> columns[] = {
+        {"coverage", turns.coverage},
+        {"sampled", turns.sampled},
+        {"mean", turns.mean},
+        {"c1", turns.c1},
+        {"c1_toolface", turns.c1_toolface},
+        {"c2", turns.c2},
+        {"least_diameter", turns.least_diameter},
+        {"unworn_diameter", turns.unworn_diameter},
+        {"unworn_0", turns.unworn_0},
+        {"unworn_90", turns.unworn_90},
+        {"lobe1_toolface", turns.lobes[0].toolface},
+        {"lobe1_width", turns.lobes[0].width},
+        {"lobe1_height", turns.lobes[0].height},
+        {"lobe1_pipe", turns.lobes[0].pipe},
+        {"lobe2_toolface", turns.lobes[1].toolface},
+        {"lobe2_height", turns.lobes[1].height},
+    };
+    for (const auto& [name, column] : columns) require_length(name, column.size(), count);
+    require_length("sections", turns.sections.size(), section_parts * count, "32 times depth");
+    if (!turns.uneven.empty()) require_length("uneven", turns.uneven.size(), count);
+    if (!chained.kinds.empty() || !chained.seen.empty()) {
+        require_length("kinds", chained.kinds.size(), hole_kinds * count, "5 times depth");
+        require_length("seen", chained.seen.size(), count);
+    }
+    const std::size_t turns_of_radii = vertices.radius.size() / static_cast<std::size_t>(vertices.sectors);
+    require(count <= turns_of_radii, "turns", static_cast<Index>(count),
+            "must be at most the " + std::to_string(turns_of_radii) + " turns of the radii");
+}
+
+}  // namespace
+
+Zones find_zones(const MeasuredTurns& turns, const TurnVertices& vertices, double bit_diameter,
+                 const ZoneCriteria& criteria, const ChainedTurns& chained, const SectionLibraries& libraries,
+                 int threads) {
+    const StandardArithmetic standard;
+    require_threads(threads);
+    require_sectors(vertices.sectors);
+    require_pitch(vertices.pitch);
+    require(std::isfinite(vertices.start_toolface), "start_toolface", vertices.start_toolface, "must be finite");
+    require(std::isfinite(bit_diameter) && bit_diameter > 0.0, "bit_diameter", bit_diameter,
+            "must be finite and above 0");
+    require_criteria(criteria);
+    require_lengths(turns, vertices, chained);
+    return Finder(turns, vertices, bit_diameter, criteria, chained).find(libraries, threads);
+}
+
+}  // namespace helibore

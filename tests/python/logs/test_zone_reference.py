@@ -1,0 +1,301 @@
+"""Zones of the core against a slow reference: the rules of zones.hpp, turn by turn, for walls of tools and shapes."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+import helibore as hb
+from helibore import _core
+from helibore.base.arrays import Floats
+from helibore.logs.turn_logs import Logs
+from helibore.logs.zone_criteria import Criteria
+from helibore.logs.zones import KINDS, classify
+
+BIT, PARTS = 0.2159, 32
+GAUGE, WASHOUT, BREAKOUT, KEY_SEAT, UNDERGAUGE = range(5)
+TOOLS = ("rotating", "upwards", "X-Y", "four arms", "telemetry", "turning stops")
+SHAPES = ("breakout", "key seat", "washout", "undergauge", "ledge")
+
+
+def radius_of(shape: str, seed: int, depth: Floats, toolface: Floats) -> Floats:
+    rng = np.random.default_rng([seed, SHAPES.index(shape)])
+    axis, high = rng.uniform(0, 360), rng.uniform(0.014, 0.03)
+    middle = rng.uniform(4, 6)
+    worn = np.clip(4 * (1.6 - np.abs(depth - middle)), 0, 1)
+
+    def lobe(towards: float, width: float) -> Floats:
+        away = (toolface - towards + 180) % 360 - 180
+        return np.maximum(1 - (away / width) ** 2, 0)
+
+    over = {
+        "breakout": high * lobe(axis, 35) + 0.8 * high * lobe(axis + 175, 40),
+        "key seat": high * lobe(axis, 25),
+        "washout": np.full(depth.size, high),
+        "undergauge": np.full(depth.size, -0.008),
+        "ledge": 0.006 * np.cos(np.radians(toolface - axis)),
+    }[shape]
+    return BIT / 2 + 0.004 * np.cos(np.radians(toolface - 70)) + worn * over + rng.normal(0, 0.0005, depth.size)
+
+
+def wall_of(tool: str, shape: str, seed: int) -> hb.Wall:
+    rng = np.random.default_rng([seed, TOOLS.index(tool)])
+    arm, more = None, {"sectors": int(rng.choice([32, 48])), "start_toolface": float(rng.uniform(-90, 90))}
+    if tool in ("X-Y", "four arms"):
+        rows = np.arange(0, 10, 0.05)
+        turned = rng.uniform(0, 360) + 12 * rows * rng.uniform(0, 1)
+        depth, arm = np.repeat(rows, 4), np.tile(np.arange(4), rows.size)
+        toolface = np.repeat(turned, 4) + 90 * arm
+    else:
+        count = 200 if tool == "telemetry" else 6000
+        depth, toolface = np.sort(rng.uniform(0, 10, count)), rng.uniform(0, 360, count)
+        if tool == "turning stops":
+            toolface = np.where(depth > 5, rng.uniform(0, 360) + rng.uniform(-4, 4, count), toolface)
+    radius = radius_of(shape, seed, depth, toolface)
+    if tool == "X-Y":
+        radius = radius.reshape(-1, 2, 2).mean(axis=1)[:, [0, 1, 0, 1]].ravel()
+    if tool == "upwards":
+        more |= {"pitch": -0.08, "start_depth": 10.0}
+    return hb.reconstruct(hb.Caliper(depth, toolface, radius, arm=arm), bit_diameter=BIT, **more)
+
+
+@cache
+def library(criteria: Criteria, even: bool) -> Any:
+    limits = (criteria.elongation, criteria.washout, criteria.key_seat, criteria.undergauge, criteria.symmetry)
+    return _core.section_library(BIT, limits, even)
+
+
+class Reference:
+    def __init__(self, wall: hb.Wall, logs: Logs, criteria: Criteria) -> None:
+        self.logs, self.criteria, self.arms = logs, criteria, logs.shape == "arms"
+        self.pitch, self.along = abs(logs.pitch), logs.along(criteria)
+        self.radius = wall.radius[: len(logs) * logs.sectors].reshape(len(logs), -1)
+        self.toolfaces = wall.settings.start_toolface + np.arange(logs.sectors) * 360 / logs.sectors
+        self.sparse = self.sparse_turns()
+        np.testing.assert_array_equal(self.sparse, logs.sparse)
+
+    def sparse_turns(self) -> list[bool]:
+        few = [np.isfinite(row).sum() < PARTS / 2 for row in self.logs.section]
+        found = list(few)
+        for turn, is_few in enumerate(few):
+            first, last = turn, turn
+            while is_few and first > 0 and few[first - 1]:
+                first -= 1
+            while is_few and last + 1 < len(few) and few[last + 1]:
+                last += 1
+            length = last + 1 - first
+            found[turn] = bool(is_few) and (length * self.pitch >= 0.3 - 1e-9 or length == len(few))
+        return found
+
+    def heights(self, turn: int) -> tuple[float, float]:
+        of = self.logs
+        if self.arms:
+            half, off = (of.c1[turn] - of.c2[turn]) / 2, of.uneven[turn] / 2
+            return half - off, half + off
+        apart = abs((of.lobe1_toolface[turn] - of.lobe2_toolface[turn] + 180) % 360 - 180)
+        return (of.lobe2_height[turn] if apart >= 140 else 0.0), float(np.nan_to_num(of.lobe1_height[turn]))
+
+    def height(self, turn: int) -> float:
+        """Return the height by which a key seat is measured: no lobe may stand over an interpolated circle."""
+        of, sparse = self.logs, self.along is not None and self.sparse[turn]
+        return of.c1[turn] - BIT if sparse and math.isnan(of.lobe1_height[turn]) else self.heights(turn)[1]
+
+    def kind(self, turn: int) -> int:
+        of, criteria = self.logs, self.criteria
+        if self.along is not None and self.sparse[turn]:
+            row = self.along.kinds[turn]
+            unknown = math.isnan(of.c1[turn] + of.c2[turn] + row[0])
+            return -1 if unknown or not (self.arms or self.along.seen[turn] >= 6) else int(row.argmax())
+        if math.isnan(of.c1[turn] if self.arms else of.mean[turn]) or (not self.arms and of.sampled[turn] < 0.5):
+            return -1
+        if of.least_diameter[turn] < BIT - criteria.undergauge:
+            return UNDERGAUGE
+        if of.c2[turn] - BIT >= criteria.washout:
+            return WASHOUT
+        lower, higher = self.heights(turn)
+        if lower > 0 and 2 * lower >= criteria.symmetry * (lower + higher):
+            return BREAKOUT if of.c1[turn] - of.c2[turn] >= criteria.elongation else GAUGE
+        narrow = self.arms or of.lobe1_width[turn] <= 150
+        return KEY_SEAT if higher >= criteria.key_seat and narrow else GAUGE
+
+    def runs(self, kinds: list[int]) -> list[tuple[int, range]]:
+        free, found = [kind >= 0 for kind in kinds], []
+        for code in (WASHOUT, UNDERGAUGE, BREAKOUT, KEY_SEAT):
+            runs: list[range] = []
+            for turn, kind in enumerate(kinds):
+                if kind != code or not free[turn]:
+                    continue
+                gap = range(runs[-1].stop, turn) if runs else range(turn)
+                if (
+                    runs
+                    and (len(gap) * self.pitch <= self.criteria.join + 1e-9 or not gap)
+                    and all(free[between] for between in gap)
+                ):
+                    runs[-1] = range(runs[-1].start, turn + 1)
+                else:
+                    runs.append(range(turn, turn + 1))
+            for run in runs:
+                if len(run) * self.pitch >= self.criteria.least_length - 1e-9:
+                    found.append((code, run))
+                    free[run.start : run.stop] = [False] * len(run)
+        return found
+
+    def section(self, turn: int) -> Floats:
+        own = self.logs.section[turn].copy()
+        if np.isfinite(own).sum() >= PARTS / 2:
+            return own - BIT / 2
+        reach = round(0.25 / self.pitch)
+        near = self.logs.section[max(turn - reach, 0) : turn + reach + 1]
+        for part in range(PARTS):
+            values = near[np.isfinite(near[:, part]), part]
+            own[part] = values.mean() if values.size else own[part]
+        return own - BIT / 2
+
+    def confidence(self, code: int, inside: list[int]) -> float | None:
+        """Return the confidence of a run; None: it is no zone."""
+        some = sorted({int(i * (len(inside) - 1) / 5) for i in range(5)} | {len(inside) - 1})
+        sections = np.array([self.section(inside[i]) for i in some])
+        even = self.arms and not any(self.logs.uneven[turn] > 0 for turn in inside)
+        likely, sound = _core.likely_kind(sections.ravel(), library(self.criteria, even))
+        if self.along is not None and np.mean([self.sparse[turn] for turn in inside]) > 0.5:
+            known = [
+                self.along.kinds[turn]
+                for turn in inside
+                if not math.isnan(self.along.kinds[turn, 0]) and (self.arms or self.along.seen[turn] >= 6)
+            ]
+            likely = list(np.mean(known, axis=0))
+        if likely[code] < 0.5 and likely[GAUGE] > 0.05:
+            return None
+        return max(likely[code], 0.5) if sound else 0.5
+
+    def lobes(self, code: int, inside: list[int]) -> tuple[float, float, list[tuple[float, float, float]]]:
+        of, fold, K = self.logs, 2 if code == BREAKOUT else 1, self.logs.sectors
+        total, heights = 0j, np.zeros(K)
+        for turn in inside:
+            known = not math.isnan(of.unworn_diameter[turn])
+            centre = complex(of.unworn_0[turn], of.unworn_90[turn]) if known else 0j
+            places = self.radius[turn] * np.exp(1j * np.radians(self.toolfaces)) - centre
+            height = abs(places) - (of.unworn_diameter[turn] if known else BIT) / 2
+            weight = np.maximum(height - self.criteria.opening_level * height.max(), 0)
+            axis = (weight * np.exp(1j * fold * np.angle(places))).sum()
+            total += axis / abs(axis)
+            heights += height / len(inside)
+        toolface = math.degrees(cmath.phase(total)) / fold % (360 / fold)
+        spread = math.degrees(math.sqrt(max(-2 * math.log(abs(total) / len(inside)), 0))) / fold
+        step, level, found = 360 / K, self.criteria.opening_level, []
+        for side in [toolface, toolface + 180][:fold]:
+            away = (self.toolfaces - side + 180) % 360 - 180
+            order = [k for k in np.argsort(away) if abs(away[k]) <= 90]
+            values, angles = heights[order], side + away[order]
+            top = int(values.argmax())
+            weight = np.maximum(values - level * values[top], 0)
+            ends = [fall(values[top::-1], level), fall(values[top:], level)]
+            found.append((float((weight * angles).sum() / weight.sum()) % 360, sum(ends) * step, values[top]))
+        return toolface, spread, found
+
+    def lobes_of_arms(self, code: int, inside: list[int]) -> tuple[float, float, list[tuple[float, float, float]]]:
+        of, K = self.logs, self.logs.sectors
+        total = sum(cmath.exp(2j * math.radians(of.c1_toolface[turn])) for turn in inside)
+        mean = math.degrees(cmath.phase(total)) / 2 % 180
+        spread = math.degrees(math.sqrt(max(-2 * math.log(abs(total) / len(inside)), 0))) / 2
+        lower, higher = np.median([self.heights(turn) for turn in inside], axis=0)
+        sum_ = 0.0
+        for turn in inside:
+            axis = of.c1_toolface[turn]
+            first = round((axis - self.toolfaces[0]) * K / 360) % K
+            off = self.radius[turn, first] - self.radius[turn, (first + K // 2) % K]
+            sum_ += 0 if math.isnan(off) else off * (-1 if abs(axis - mean) > 90 else 1)
+        near, far = (higher, lower) if sum_ >= 0 else (lower, higher)
+        sides = [(mean, math.nan, near), (mean + 180, math.nan, far)]
+        if code == BREAKOUT:
+            return mean, spread, sides
+        side = sides[0] if near >= far else sides[1]
+        return side[0], spread, [side]
+
+
+def fall(values: Floats, level: float) -> float:
+    """Return how many steps after the first value the values fall to this share of it."""
+    for after, value in enumerate(values):
+        if value < level * values[0]:
+            return float(after - 1 + (values[after - 1] - level * values[0]) / (values[after - 1] - value))
+    return len(values) - 1.0
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("tool", TOOLS)
+@pytest.mark.parametrize("keen", [False, True])
+def test_zones_are_those_of_the_rules_turn_by_turn(tool: str, shape: str, keen: bool) -> None:
+    seed = 7 + keen
+    wall, logs = wall_of(tool, shape, seed), None
+    criteria = (
+        Criteria(washout=0.006, key_seat=0.004, symmetry=0.7, opening_level=0.5, join=0.2) if keen else Criteria()
+    )
+    found = classify(wall, criteria)
+    logs = found.logs
+    of = Reference(wall, logs, criteria)
+    kinds = [of.kind(turn) for turn in range(len(logs))]
+    wanted, expected = [min(kind, GAUGE) for kind in kinds], []
+    for code, run in of.runs(kinds):
+        inside = [turn for turn in run if kinds[turn] == code]
+        confidence = of.confidence(code, inside)
+        if confidence is None:
+            continue
+        for turn in inside:
+            wanted[turn] = code
+        expected.append((code, run, inside, confidence))
+    assert found.kind.tolist() == wanted
+    expected.sort(key=lambda zone: min(logs.depth[zone[1].start], logs.depth[zone[1].stop - 1]))
+    assert [zone.kind for zone in found.zones] == [KINDS[code] for code, *_ in expected]
+    for zone, (code, run, inside, confidence) in zip(found.zones, expected, strict=True):
+        ends = sorted((logs.depth[run.start], logs.depth[run.stop - 1]))
+        assert (zone.start, zone.stop) == (ends[0] - of.pitch / 2, ends[1] + of.pitch / 2)
+        sizes = (logs.least_diameter if code == UNDERGAUGE else logs.c1)[inside] - BIT
+        measures = {
+            WASHOUT: logs.c2[inside] - BIT, BREAKOUT: (logs.c1 - logs.c2)[inside],
+            KEY_SEAT: np.array([of.height(turn) for turn in inside]), UNDERGAUGE: logs.least_diameter[inside] - BIT,
+        }[code]  # fmt: skip
+        extreme = np.min if code == UNDERGAUGE else np.max
+        assert (zone.measure, zone.median, zone.enlargement) == (extreme(measures), np.median(measures), extreme(sizes))
+        assert zone.elongation == (logs.c1 - logs.c2)[inside].max()
+        assert zone.peak == logs.depth[inside[int(np.argmax(sizes == extreme(sizes)))]]
+        assert zone.severity == zone.measure / criteria.limits()[zone.kind]
+        assert zone.coverage == pytest.approx(logs.coverage[run.start : run.stop].mean(), rel=1e-12)
+        assert zone.confidence == pytest.approx(confidence, rel=1e-9)
+        pipes = logs.lobe1_pipe[inside]
+        pipes = pipes[np.isfinite(pipes)] if code == KEY_SEAT and not of.arms else pipes[:0]
+        assert zone.pipe_diameter == pytest.approx(np.median(pipes) if pipes.size else math.nan, nan_ok=True)
+        if code not in (BREAKOUT, KEY_SEAT):
+            assert math.isnan(zone.toolface)
+            assert zone.lobes == ()
+            continue
+        toolface, spread, lobes = (of.lobes_of_arms if of.arms else of.lobes)(code, inside)
+        assert zone.toolface == pytest.approx(toolface, abs=1e-9)
+        if of.arms and spread < 1e-3:
+            assert math.isnan(zone.deviation)
+        elif len(inside) > 1:
+            assert zone.deviation == pytest.approx(spread, abs=1e-5)
+        assert len(zone.lobes) == len(lobes)
+        for lobe, numbers in zip(zone.lobes, lobes, strict=True):
+            assert (lobe.toolface, lobe.opening, lobe.height) == pytest.approx(numbers, abs=1e-9, nan_ok=True)
+
+
+@pytest.mark.parametrize("pitch", [0.1, -0.1])
+def test_sections_are_means_of_samples_by_turn_and_part(pitch: float) -> None:
+    rng = np.random.default_rng(3)
+    depth, toolface = np.sort(rng.uniform(0, 3, 900)), rng.uniform(0, 360, 900)
+    radius = rng.uniform(0.1, 0.12, 900)
+    wall = hb.reconstruct(hb.Caliper(depth, toolface, radius), bit_diameter=BIT, pitch=pitch)
+    section = wall.logs().section
+    start = wall.start_depth
+    for turn in range(len(section)):
+        ends = sorted((start + turn * pitch, start + (turn + 1) * pitch))
+        inside = (depth >= ends[0]) & (depth < ends[1]) if pitch > 0 else (depth > ends[0]) & (depth <= ends[1])
+        for part in range(PARTS):
+            away = np.abs((toolface - part * 360 / PARTS + 180) % 360 - 180)
+            values = radius[inside & (away < 180 / PARTS)]
+            assert section[turn, part] == pytest.approx(values.mean() if values.size else math.nan, nan_ok=True)
