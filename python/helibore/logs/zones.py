@@ -33,8 +33,9 @@ from helibore.base.errors import InputError, check_choice
 from helibore.base.notebook import card, curve_picture
 from helibore.base.tables import LogColumn, LogTable, Tabular, columns_of
 from helibore.base.thread_count import thread_count
+from helibore.logs.kept_logs import KeptLogs
 from helibore.logs.likely_kinds import section_libraries
-from helibore.logs.turn_logs import Logs, turn_logs
+from helibore.logs.turn_logs import RUGOSITY_WINDOW, Logs, turn_logs
 from helibore.logs.zone_criteria import MEASURES, Criteria
 from helibore.samples.helix import WallLike
 
@@ -272,7 +273,8 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
     criteria
         None: the defaults.
     logs
-        Result of `turn_logs` for this wall; None: it is computed here.
+        Result of `turn_logs` for this wall; None: those that `Wall.logs` returned, if somebody holds them and the wall
+        is the same, or it is computed here.
 
     Raises
     ------
@@ -280,7 +282,8 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
         If ``logs`` have one row per step, or belong to another wall.
     """
     criteria = Criteria() if criteria is None else criteria
-    logs = turn_logs(wall) if logs is None else logs
+    wall = getattr(wall, "_state", lambda: wall)()  # one copy for all that is read of it
+    logs = _logs_of(wall) if logs is None else logs
     K, radius = wall.settings.sectors, column("radius", wall.radius)
     if logs.step is not None or len(logs) > radius.size // K or logs.sectors != K:
         raise InputError("logs", "must be the logs of the turns of the same wall")
@@ -297,6 +300,15 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
         thread_count(getattr(wall, "threads", None)),
     )
     return Classification(logs, kind, tuple(_zone(*row) for row in rows), criteria)
+
+
+def _logs_of(wall: WallLike) -> Logs:
+    kept: KeptLogs | None = getattr(wall, "kept", None)
+    if kept is None:
+        return turn_logs(wall)
+    how = (RUGOSITY_WINDOW, False, 0.0)
+    found = kept.find(wall, how)
+    return kept.keep(turn_logs(wall), how) if found is None else found
 
 
 def _zone(code: int, *row: Any) -> Zone:

@@ -255,12 +255,18 @@ class WallReads:
         turns, for example to 9 turns for 1 m at a pitch of 0.1 m. If ``threads`` is None, the wall's threads are
         used. If ``sigma`` is True, the logs have the uncertainty of diameters and volumes, and this raises an
         InputError as `sigma` does. ``caliper_accuracy`` is the standard uncertainty that all radii share, metres.
+
+        The arrays of the logs cannot be written. While the logs are held and the wall stays the same, this method and
+        `zones` give the same logs again, without measuring the turns once more.
         """
         from helibore.logs.turn_logs import turn_logs
 
-        state = self._state()
+        state, how = self._state(), (rugosity_window, sigma, caliper_accuracy)
+        if (found := state.kept.find(state, how)) is not None:
+            return found
         known = self._sigma_of(state) if sigma else None
-        return turn_logs(state, None, rugosity_window, threads, known, caliper_accuracy=caliper_accuracy)
+        found = turn_logs(state, None, rugosity_window, threads, known, caliper_accuracy=caliper_accuracy)
+        return state.kept.keep(found, how)
 
     def interval_table(self, criteria: Criteria | None = None, *, sigma: bool = False) -> IntervalTable:
         """Return diameters, volume, measured share and metres by kind in each of `intervals`.

@@ -25,6 +25,7 @@ from helibore.base.errors import InputError
 from helibore.base.thread_count import thread_count
 from helibore.images.sector_image import SectorImage, SectorImages
 from helibore.logs.intervals import Interval, checked_intervals
+from helibore.logs.kept_logs import KeptLogs
 from helibore.logs.picks import Pick, Picks
 from helibore.mesh.attributes import WallAttributes
 from helibore.samples.caliper import Basis, Caliper, basis_text, check_basis
@@ -88,6 +89,7 @@ class Wall(WallReads):
             raise InputError("kriging_range", rule, setting="wall.kriging_range")
         self._threads = thread_count(threads)
         self._core = _core.Wall(vars(self._settings), self._threads, instruction_set)
+        self._kept = KeptLogs()  # of the present samples
         self._growing = threading.Lock()  # held by an append, and while all columns are read together
         self._arms: list[Caliper] = []
         self._path: Path | None = None
@@ -145,6 +147,7 @@ class Wall(WallReads):
             arms = Caliper(*copies, arm=arm)
         with self._growing:
             change = Change(*self._core.append(*columns))
+            self._kept = KeptLogs()
             if arms is not None:
                 self._arms.append(arms)
         return change
@@ -430,7 +433,7 @@ class Wall(WallReads):
                 core.radius(), core.nearest(), core.support(), core.iterations(), columns,
                 self._path, dict(self._images.data), self._attributes.frozen(), _copied(self._made_from),
                 self.arms if with_samples else None, core.sums() if with_samples and self._settings.sigma else (),
-                self._threads, Picks(self._picks), self._intervals,
+                self._threads, Picks(self._picks), self._intervals, self._kept,
             )  # fmt: skip
         arrays: tuple[Array, ...] = (state.radius, state.nearest, state.support, state.iterations)
         for array in (*arrays, *columns, *state.sums):

@@ -14,6 +14,7 @@ from helibore.base.arrays import Bytes, Floats, Integers32, Mask
 from helibore.base.thread_count import thread_count
 from helibore.images.sector_image import SectorImage
 from helibore.logs.intervals import Interval
+from helibore.logs.kept_logs import KeptLogs
 from helibore.logs.picks import Picks
 from helibore.mesh.attributes import WallAttributes
 from helibore.samples.caliper import Basis, Caliper
@@ -41,6 +42,7 @@ class WallColumns:
 
     ``sample_columns`` are depth, toolface, radius and, if samples have times, time; () if they were not copied.
     ``sums`` holds for each vertex the sums from which its uncertainty is computed; () without `Settings.sigma`.
+    ``kept`` is shared by all copies of a wall with the same samples.
     """
 
     settings: Settings
@@ -61,6 +63,7 @@ class WallColumns:
     threads: int | None = None
     picks: Picks = field(default_factory=Picks)
     intervals: tuple[Interval, ...] = ()
+    kept: KeptLogs = field(default_factory=KeptLogs)
 
     @cached_property
     def angular_gap(self) -> Floats:
@@ -81,13 +84,16 @@ class WallColumns:
         sampled: Mask = self._measured > 0
         return sampled
 
-    @cached_property
+    @property
     def _measured(self) -> Bytes:
         """1: `measured`; 2: `sampled`, but not measured; 0: neither."""
+        if self.kept.marks is not None:
+            return self.kept.marks
         depth, toolface, radius, *_ = self.sample_columns
         rule = (NEAR_DEPTH, NEAR_TOOLFACE, self.settings.gap_reach, self.settings.largest_gap, LARGEST_CHANGE)
         place = (whole_helix(self), self.radius.size, depth, toolface, radius, self.radius)
-        return _core.measured(*place, rule, thread_count(self.threads)) * np.isfinite(self.radius)
+        self.kept.marks = _core.measured(*place, rule, thread_count(self.threads)) * np.isfinite(self.radius)
+        return self.kept.marks
 
     @property
     def samples(self) -> Caliper:
