@@ -18,6 +18,7 @@
 #include "helibore/passage.hpp"
 #include "helibore/preparation.hpp"
 #include "helibore/surface.hpp"
+#include "helibore/zones.hpp"
 #include "hole.hpp"
 #include "host.hpp"
 
@@ -191,6 +192,49 @@ void same_numbers_as_cpp() {
     CHECK(hb_close(wall) == HB_OK && hb_close(path) == HB_OK);
 }
 
+// The zones of C++, of one wall and with one set of criteria.
+void zones() {
+    helibore::Wall expected({.bit_diameter = 0.216, .sectors = 48, .pitch = 0.05, .start_depth = 100.0});
+    expected.append(hole.all());
+    const std::int64_t wall = new_wall();
+    CHECK(append(wall, hole.all()) == HB_OK);
+    const helibore::VertexColumns v = expected.vertices();
+    const auto samples = expected.samples();
+    Bits of_c, of_cpp;
+    auto criteria = sized<hb_zone_criteria>();
+    CHECK(hb_zone_criteria_init(&criteria) == HB_OK);
+    std::int64_t turns = 0, zone_count = 0;
+    CHECK(hb_wall_zones(wall, &criteria, &turns, nullptr, &zone_count, nullptr) == HB_BUFFER_TOO_SMALL);
+    CHECK(zone_count >= 1 && turns == std::ssize(v.radius) / 48);
+    std::vector<std::int32_t> kinds(static_cast<std::size_t>(turns));
+    std::vector<double> zones(static_cast<std::size_t>(zone_count * HB_ZONE_COLUMNS));
+    CHECK(hb_wall_zones(wall, &criteria, &turns, kinds.data(), &zone_count, zones.data()) == HB_OK);
+    add(of_c, {std::vector<double>(kinds.begin(), kinds.end())});
+    add(of_c, zones);
+    const helibore::Zones found =
+        helibore::wall_zones({.start_depth = 100.0, .pitch = 0.05, .sectors = 48, .count = std::ssize(v.radius)},
+                             v.radius, {{samples[0], samples[1]}, samples[2]}, 0.216);
+    std::vector<double> kinds_of_cpp;
+    for (const helibore::HoleKind kind : found.kinds) kinds_of_cpp.push_back(static_cast<double>(kind));
+    add(of_cpp, kinds_of_cpp);
+    const auto add_zones = [&](const auto& number) {
+        for (const helibore::Zone& zone : found.zones) add(of_cpp, {{static_cast<double>(number(zone))}});
+    };
+    using helibore::Zone;
+    add_zones([](const Zone& zone) { return static_cast<int>(zone.kind); });
+    for (double Zone::* const member : {&Zone::start, &Zone::stop, &Zone::measure, &Zone::median, &Zone::severity,
+                                        &Zone::enlargement, &Zone::elongation, &Zone::peak, &Zone::coverage,
+                                        &Zone::confidence, &Zone::pipe_diameter, &Zone::toolface, &Zone::deviation})
+        add_zones([&](const Zone& zone) { return zone.*member; });
+    for (const std::size_t side : {0U, 1U}) {
+        add_zones([&](const Zone& zone) { return zone.lobes[side].toolface; });
+        add_zones([&](const Zone& zone) { return zone.lobes[side].opening; });
+        add_zones([&](const Zone& zone) { return zone.lobes[side].height; });
+    }
+    CHECK(of_c == of_cpp);
+    CHECK(hb_close(wall) == HB_OK);
+}
+
 std::int64_t new_live() {
     const hb_settings settings = settings_of();
     hb_path_settings path = path_settings();
@@ -292,6 +336,13 @@ void bad_input() {
     REFUSED(hb_wall_append(wall, 2, good, good, nullptr, nullptr, nullptr), "radius: must not be null");
     REFUSED(hb_wall_interpolate(wall, 1, nullptr, &count, out), "samples: must not be null");
     REFUSED(hb_wall_logs(wall, 5, nullptr, out), "count: must not be null");
+    auto criteria = sized<hb_zone_criteria>();
+    REFUSED(hb_zone_criteria_init(nullptr), "criteria: must not be null");
+    REFUSED(hb_wall_zones(wall, nullptr, &count, nullptr, &count, out), "criteria: must not be null");
+    CHECK(hb_zone_criteria_init(&criteria) == HB_OK);
+    CHECK(criteria.elongation == 0.0254 && criteria.join == 1.0 && criteria.largest_gap == 60.0);
+    REFUSED(hb_wall_zones(wall, &criteria, nullptr, nullptr, &count, out), "count: must not be null");
+    CHECK(hb_wall_zones(wall, &criteria, &count, nullptr, &count, nullptr) == HB_OK && count == 0);  // an empty wall
     REFUSED(hb_wall_surface(wall, 0, 0, 0, nullptr, out, nullptr, &count, nullptr), "count: must not be null");
     REFUSED(hb_ranges(wall, nullptr, nullptr), "count: must not be null");
     REFUSED(hb_path_create(&how, 2, good, nullptr, one, &none), "inclination: must not be null");
@@ -327,6 +378,11 @@ void bad_input() {
     update.size += 8;  // of a header with one member more
     REFUSED(hb_live_poll(live, &update), "update.size = 80: must be 72, as in helibore.h of version 0.1.0");
 
+    criteria.size -= 8;
+    REFUSED(hb_wall_zones(wall, &criteria, &count, nullptr, &count, nullptr),
+            "criteria.size = 80: must be 88, as in helibore.h of version 0.1.0");
+    criteria.size += 8;
+
     // handles: none, of another kind, closed
     REFUSED(hb_close(0), "handle = 0: is not open");
     REFUSED(hb_wall_get(path, nullptr), "wall = " + of_path + ": must be the handle of a wall");
@@ -360,6 +416,9 @@ void bad_input() {
     REFUSED(hb_wall_read(wall, 7, 0, 0, out), "column = 7: must lie in 0 to 6");
     REFUSED(hb_wall_samples(wall, 3, &count, out), "column = 3: must be 0, 1, 2 or 7");
     REFUSED(hb_wall_logs(wall, 4, &count, out), "window = 4: must be odd and 3 or more");
+    criteria.symmetry = 1.5;
+    REFUSED(hb_wall_zones(wall, &criteria, &count, nullptr, &count, out), "symmetry = 1.5: must be in [0, 1]");
+    criteria.symmetry = 0.5, criteria.gap_reach = nan;
     REFUSED(hb_wall_passage(wall, 0, 1, good, good, one, 0, nullptr, nullptr, &count, out),
             "string[0].stop = 101: must be at least 0.001 m below start");
     REFUSED(hb_wall_surface(wall, 99999, 0, 0, &count, out, nullptr, &count, nullptr), "handle = 99999: is not open");
@@ -369,6 +428,7 @@ void bad_input() {
     REFUSED(hb_live_append_image(live, "GR", "", 2, 1, bad, good), "depth[1] = nan: must be finite");
     REFUSED(hb_live_event(live, 0, &count, nullptr), "index = 0: must lie within the 0 events of the last poll");
     CHECK(hb_wall_append(wall, 2, good, one, one, nullptr, nullptr) == HB_OK && std::string(hb_last_error()).empty());
+    REFUSED(hb_wall_zones(wall, &criteria, &count, nullptr, &count, out), "gap_reach = nan: must be 0 or above");
     count = 1;
     refused(__LINE__, hb_wall_samples(wall, HB_DEPTH, &count, out), HB_BUFFER_TOO_SMALL,
             "count = 1: must be at least 2");
@@ -576,6 +636,7 @@ void not_open() {
     char text[9];
     auto state = sized<hb_wall_state>();
     auto update = sized<hb_update>();
+    const auto criteria = sized<hb_zone_criteria>();
     for (const auto& [wall, path, live, parser] :
          {closed,
           {0, 0, 0, 0},
@@ -590,6 +651,7 @@ void not_open() {
         REFUSED(hb_wall_samples(wall, HB_DEPTH, &n, out), of(wall));
         REFUSED(hb_wall_interpolate(wall, 0, nullptr, &n, out), of(wall));
         REFUSED(hb_wall_logs(wall, 5, &n, out), of(wall));
+        REFUSED(hb_wall_zones(wall, &criteria, &n, nullptr, &n, out), of(wall));
         REFUSED(hb_wall_surface(wall, 0, 0, 0, &n, out, nullptr, &n, whole), of(wall));
         REFUSED(hb_path_read(path, 0, nullptr, nullptr, nullptr), of(path));
         REFUSED(hb_live_append_samples(live, 0, nullptr, nullptr, nullptr, nullptr), of(live));
@@ -928,6 +990,7 @@ void threads_of_the_host() {
 int main() {
     CHECK(std::string(hb_version()) == "0.1.0" && hb_instruction_set() == helibore::instruction_set_in_use());
     same_numbers_as_cpp();
+    zones();
     live();
     wits();
     older_struct();

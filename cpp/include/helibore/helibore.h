@@ -221,6 +221,33 @@ HB_API int32_t HB_CALL hb_wall_estimate(int64_t wall, int64_t n, const double* d
 #define HB_LOG_COLUMNS 18
 HB_API int32_t HB_CALL hb_wall_logs(int64_t wall, int64_t window, int64_t* turns, double* values);
 
+/* zones.hpp and logs.hpp (MeasuredRule) explain each member. */
+typedef struct hb_zone_criteria {
+    uint32_t size;
+    int32_t reserved; /* 0 */
+    double elongation;
+    double washout;
+    double key_seat;
+    double undergauge;
+    double symmetry;
+    double opening_level;
+    double least_length;
+    double join;
+    double gap_reach;   /* a vertex is measured only if samples within this reach, in metres, */
+    double largest_gap; /* are at most so many degrees apart around it */
+} hb_zone_criteria;
+
+/* Fills in the defaults. */
+HB_API int32_t HB_CALL hb_zone_criteria_init(hb_zone_criteria* criteria);
+
+/* Finds the zones of a wall: washouts, breakouts, key seats and undergauge hole, in order of depth. Of a tool with few
+   arms the shape is that of the wall, which is rounder between the arms than the hole. kinds: of each full turn, -1
+   none, 0 gauge, 1 washout, 2 breakout, 3 key seat, 4 undergauge; may be NULL. Fills column after column: the 20 numbers
+   of a Zone in the order of zones.hpp, a lobe as toolface, opening, height: HB_ZONE_COLUMNS times *count values. */
+#define HB_ZONE_COLUMNS 20
+HB_API int32_t HB_CALL hb_wall_zones(int64_t wall, const hb_zone_criteria* criteria, int64_t* turns, int32_t* kinds,
+                                     int64_t* count, double* values);
+
 /* Computes the passage of a rigid string of bodies at each full turn, along a path (0: straight down); passage.hpp says
    more. start, stop: metres down the axis from the middle of the string; diameter: outer, metres (0: the clearance is
    the diameter that passes). counts, sigma: one value for each vertex, `vertices` in all; either may be NULL. Fills

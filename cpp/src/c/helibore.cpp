@@ -13,6 +13,7 @@
 #include "helibore/passage.hpp"
 #include "helibore/preparation.hpp"
 #include "helibore/surface.hpp"
+#include "helibore/zones.hpp"
 
 namespace {
 
@@ -106,6 +107,36 @@ PreparationSettings settings_of(const hb_preparation* given) {
             .spikes = s.spikes};
 }
 
+hb_zone_criteria to_c(const ZoneCriteria& of, const MeasuredRule& rule) {
+    return {.size = sizeof(hb_zone_criteria),
+            .reserved = 0,
+            .elongation = of.elongation,
+            .washout = of.washout,
+            .key_seat = of.key_seat,
+            .undergauge = of.undergauge,
+            .symmetry = of.symmetry,
+            .opening_level = of.opening_level,
+            .least_length = of.least_length,
+            .join = of.join,
+            .gap_reach = rule.gap_reach,
+            .largest_gap = rule.largest_gap};
+}
+
+// Copies the zones column after column, in the order of zones.hpp.
+void fill_zones(const std::vector<Zone>& zones, double* into) {
+    const auto put = [&](const auto& of) {
+        for (const Zone& zone : zones) *into++ = static_cast<double>(of(zone));
+    };
+    put([](const Zone& zone) { return static_cast<int>(zone.kind); });
+    for (double Zone::* const member : {&Zone::start, &Zone::stop, &Zone::measure, &Zone::median, &Zone::severity,
+                                        &Zone::enlargement, &Zone::elongation, &Zone::peak, &Zone::coverage,
+                                        &Zone::confidence, &Zone::pipe_diameter, &Zone::toolface, &Zone::deviation})
+        put([member](const Zone& zone) { return zone.*member; });
+    for (const std::size_t side : {0U, 1U})
+        for (double ZoneLobe::* const member : {&ZoneLobe::toolface, &ZoneLobe::opening, &ZoneLobe::height})
+            put([side, member](const Zone& zone) { return zone.lobes[side].*member; });
+}
+
 hb_change to_c(const Change& change) {
     return {.size = sizeof(hb_change),
             .reserved = 0,
@@ -157,6 +188,11 @@ struct WallRadii {
             radius = wall.vertices(range).radius;
         } while (std::bit_cast<std::uint64_t>(start) != std::bit_cast<std::uint64_t>(wall.start_depth()));
         helix = {start, settings.start_toolface, settings.pitch, settings.sectors, range.start, radius};
+    }
+
+    HelixVertices vertices() const {
+        return {helix.start_depth, helix.start_toolface, helix.pitch,
+                settings.sectors,  std::ssize(radius),   helix.first};
     }
 };
 
@@ -312,6 +348,29 @@ int32_t hb_wall_logs(int64_t wall, int64_t window, int64_t* turns, double* value
     });
 }
 
+int32_t hb_zone_criteria_init(hb_zone_criteria* criteria) {
+    return guarded([&] { give("criteria", criteria, to_c(ZoneCriteria{}, usual_measured_rule)); });
+}
+
+int32_t hb_wall_zones(int64_t wall, const hb_zone_criteria* criteria, int64_t* turns, int32_t* kinds, int64_t* count,
+                      double* values) {
+    return guarded([&] {
+        const auto handle = find<WallHandle>("wall", wall);
+        const hb_zone_criteria with = taken("criteria", criteria, to_c(ZoneCriteria{}, usual_measured_rule));
+        const ZoneCriteria limits{with.elongation, with.washout,       with.key_seat,     with.undergauge,
+                                  with.symmetry,   with.opening_level, with.least_length, with.join};
+        MeasuredRule rule = usual_measured_rule;
+        rule.gap_reach = with.gap_reach, rule.largest_gap = with.largest_gap;
+        const WallRadii of(*handle->read, all_of(*handle->read));
+        const auto samples = handle->read->samples();
+        const Zones found = wall_zones(of.vertices(), of.radius, {{samples[0], samples[1]}, samples[2]},
+                                       of.settings.bit_diameter, limits, rule, of.settings.threads);
+        require_room({turns, count}, {std::ssize(found.kinds), std::ssize(found.zones)});
+        copy_to(kinds, found.kinds);
+        fill_zones(found.zones, array("values", values, HB_ZONE_COLUMNS * *count).data());
+    });
+}
+
 int32_t hb_wall_passage(int64_t wall, int64_t path, int64_t bodies, const double* start, const double* stop,
                         const double* diameter, int64_t vertices, const double* counts, const double* sigma,
                         int64_t* turns, double* values) {
@@ -347,9 +406,8 @@ int32_t hb_wall_angular_gaps(int64_t wall, double reach, int64_t* count, double*
         require_room({count}, {handle->read->size()});
         const WallRadii of(*handle->read, all_of(*handle->read));
         const auto samples = handle->read->samples();
-        const HelixVertices vertices{of.helix.start_depth, of.settings.start_toolface, of.settings.pitch,
-                                     of.settings.sectors,  std::ssize(of.radius),      of.settings.first_vertex};
-        fill(count, "values", values, angular_gaps(vertices, {samples[0], samples[1]}, reach, of.settings.threads));
+        fill(count, "values", values,
+             angular_gaps(of.vertices(), {samples[0], samples[1]}, reach, of.settings.threads));
     });
 }
 

@@ -90,7 +90,8 @@ NAMES = """close instruction_set last_error live_append_image live_append_sample
 live_event live_image live_path live_poll live_wall path_create path_read path_settings_init preparation_init
 prepare prepared_get prepared_samples prepared_suspects ranges settings_init
 use_runner version wall_angular_gaps wall_append wall_create wall_estimate wall_get wall_interpolate wall_logs
-wall_passage wall_read wall_samples wall_sigma wall_surface wall_volume wits_create wits_feed wits_items"""
+wall_passage wall_read wall_samples wall_sigma wall_surface wall_volume wall_zones wits_create wits_feed wits_items
+zone_criteria_init"""
 
 
 def test_the_shared_library_exports_the_names_of_its_header(build: Path) -> None:
@@ -110,6 +111,7 @@ STRUCTS = {
     "hb_sigma_rule": (56, 8),
     "hb_preparation": (32, 6),
     "hb_prepared_state": (64, 9),
+    "hb_zone_criteria": (88, 12),
 }
 
 
