@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import re
 import shutil
 import subprocess
@@ -17,6 +18,7 @@ from patience import PATIENCE
 
 import helibore as hb
 from helibore import _core
+from helibore.logs.zones import KINDS
 
 ROOT = WEB.parents[3]
 WASM = ROOT / "build" / "page" / "helibore.wasm"
@@ -31,32 +33,44 @@ needs_core = pytest.mark.skipif(
 
 
 def samples(seed: int) -> dict[str, list[float]]:
-    """Raw samples of an uneven helix with a washout, a gap, noise and repeated rows."""
+    """Raw samples of an uneven helix with a washout, a breakout, a gap, noise and repeated rows."""
     draw = np.random.default_rng(seed)
     depth = 1000.0 + np.sort(draw.uniform(0.0, 12.0, 6000))
     depth = depth[(depth < 1004.0) | (depth > 1005.5)]
     toolface = np.cumsum(draw.uniform(0.0, 41.0, depth.size)) % 360.0
     radius = 0.108 + 0.01 * np.exp(-((depth - 1008.0) ** 2)) + draw.normal(0.0, 4e-4, depth.size)
+    radius += 0.02 * (depth < 1002.0) * np.maximum(np.cos(np.radians(2 * toolface - 80.0)), 0.0) ** 4
     rows = np.append(np.arange(depth.size), np.arange(0, depth.size, 50))
     return {
         name: values[rows].tolist() for name, values in (("depth", depth), ("toolface", toolface), ("radius", radius))
     }
 
 
-def run(folder: Path, case: dict[str, Any]) -> dict[str, str]:
+def run(folder: Path, case: dict[str, Any]) -> dict[str, Any]:
     file = folder / "case.json"
     file.write_text(json.dumps(case))
     command = [str(NODE), str(WEB / "tests" / "core_hashes.mjs"), str(WASM), str(file)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=True)
-    found: dict[str, str] = json.loads(done.stdout)
+    found: dict[str, Any] = json.loads(done.stdout)
     return found
+
+
+def numbers_of(zone: hb.Zone) -> list[float]:
+    """Return the numbers of a zone in the order of zones.hpp."""
+    lobes = [of for lobe in zone.lobes for of in (lobe.toolface, lobe.opening, lobe.height)]
+    return [
+        KINDS.index(zone.kind), zone.start, zone.stop, zone.measure, zone.median, zone.severity, zone.enlargement,
+        zone.elongation, zone.peak, zone.coverage, zone.confidence, zone.pipe_diameter, zone.toolface, zone.deviation,
+        *lobes, *[math.nan] * (6 - len(lobes)),
+    ]  # fmt: skip
 
 
 @needs_core
 @pytest.mark.parametrize("sectors", [64, 37])
-def test_the_bits_of_radii_distances_and_sigma_are_those_of_the_native_core(tmp_path: Path, sectors: int) -> None:
+def test_the_bits_of_radii_distances_sigma_and_zones_are_those_of_the_native_core(tmp_path: Path, sectors: int) -> None:
     columns = samples(sectors)
     found = run(tmp_path, {**columns, "settings": {"bit_diameter": 0.216, "sectors": sectors}, "rule": RULE})
+    kinds, zones = found.pop("kinds"), found.pop("zones")
     wall = hb.Wall(bit_diameter=0.216, sectors=sectors, sigma=True, threads=1)
     wall.append(*columns.values())
     sigma = _core.sigma_of(wall._core.sums(), tuple(RULE.values()))
@@ -65,6 +79,10 @@ def test_the_bits_of_radii_distances_and_sigma_are_those_of_the_native_core(tmp_
     assert np.isnan(sigma).any()
     sums = {name: hashlib.sha256(np.ascontiguousarray(of)).hexdigest() for name, of in expected.items()}
     assert found == sums | {"version": hb.__version__}
+    native = wall.zones()
+    assert native.of("washout")
+    assert hashlib.sha256(native.kind.astype(np.int32)).hexdigest() == kinds
+    assert [[None if math.isnan(of) else of for of in numbers_of(zone)] for zone in native.zones] == zones
 
 
 @needs_core
@@ -83,7 +101,7 @@ def test_the_structs_of_the_page_are_those_of_the_header() -> None:
     script = (WEB / "offline" / "core.js").read_text()
     kinds = {"u": "uint32_t", "i": "int32_t", "d": "double", "l": "int64_t"}
     structs = re.findall(r"^  (hb_\w+): '([^']+)'", script, re.MULTILINE)
-    assert len(structs) == 7
+    assert len(structs) == 8
     for name, members in structs:
         body = re.search(rf"typedef struct {name} {{(.*?)}} {name};", header, re.DOTALL)
         assert body is not None

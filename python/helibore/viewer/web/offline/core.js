@@ -8,6 +8,7 @@ export const STRUCTS = {
   hb_path_settings: 'u size, i method, i reference, i reserved, d head_north, d head_east, d head_down, d extend',
   hb_preparation: 'u size, i drop_closed, d bit_diameter, d spikes, i drop_saturated, i drop_spikes',
   hb_prepared_state: 'u size, i reserved, l samples, l suspects, l no_depth, l no_toolface, l no_radius, l no_time, d repeats',
+  hb_zone_criteria: 'u size, i reserved, d elongation, d washout, d key_seat, d undergauge, d symmetry, d opening_level, d least_length, d join, d gap_reach, d largest_gap',
   hb_sigma_rule: 'u size, i reserved, d noise, d between, d scatter_power, d distance_power, d stretch, d reach',
 };
 export const COLUMNS = { depth: 0, toolface: 1, radius: 2, nearest: 3, support: 4, time: 7 };
@@ -19,6 +20,12 @@ export const LOGS = /** @type {const} */ ([
   'coverage', 'mean', 'mean_square', 'smallest', 'largest', 'c1', 'c1_toolface', 'c2', 'least_diameter', 'diameter_0', 'diameter_90', 'centre_0', 'centre_90',
   'inscribed_diameter', 'inscribed_0', 'inscribed_90', 'enclosing_diameter', 'rugosity',
 ]);
+// The columns of the zones, in order (Zone of zones.hpp).
+export const ZONES = /** @type {const} */ ([
+  'kind', 'start', 'stop', 'measure', 'median', 'severity', 'enlargement', 'elongation', 'peak', 'coverage', 'confidence', 'pipe_diameter', 'toolface', 'deviation',
+  'lobe1_toolface', 'lobe1_opening', 'lobe1_height', 'lobe2_toolface', 'lobe2_opening', 'lobe2_height',
+]);
+const MOST_ZONES = 1000;
 const WIDTHS = /** @type {Record<string, number>} */ ({ u: 4, i: 4, d: 8, l: 8 });
 
 /**
@@ -315,6 +322,30 @@ export class Wall {
       const at = reserve(8 * vertices);
       core.call('hb_wall_sigma', this.handle, core.struct(reserve, 'hb_sigma_rule', rule), core.counted(reserve, vertices), at);
       return core.floats(at, vertices);
+    });
+  }
+
+  // Return the kind of each full turn, and the zones; criteria that are not given have their defaults.
+  /** @param {Fields} [criteria] @returns {{ kinds: Int32Array, zones: Record<typeof ZONES[number], number>[] }} */
+  zones(criteria = {}) {
+    const { core } = this;
+    const whole = Math.floor(this.state.vertices / this.settings.sectors);
+    return core.within((reserve) => {
+      const limits = core.struct(reserve, 'hb_zone_criteria');
+      core.call('hb_zone_criteria_init', limits);
+      core.write(limits, 'hb_zone_criteria', criteria);
+      const [kinds, turns, count] = [reserve(4 * whole), core.counted(reserve, whole), core.counted(reserve, MOST_ZONES)];
+      const find = (/** @type {number} */ room) => {
+        const at = reserve(8 * ZONES.length * room);
+        return { at, status: core.c.hb_wall_zones(this.handle, limits, turns, kinds, count, at) };
+      };
+      let found = find(MOST_ZONES);
+      const many = Number(core.view.getBigInt64(count, true));
+      if (found.status && many > MOST_ZONES) found = find(many);
+      if (found.status) throw new CoreError(core.text(core.c.hb_last_error()));
+      const numbers = core.floats(found.at, ZONES.length * many);
+      const zones = Array.from({ length: many }, (_, zone) => Object.fromEntries(ZONES.map((name, column) => [name, numbers[column * many + zone]])));
+      return { kinds: new Int32Array(core.c.memory.buffer, kinds, whole).slice(), zones: /** @type {any} */ (zones) };
     });
   }
 

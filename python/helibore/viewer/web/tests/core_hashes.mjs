@@ -1,5 +1,5 @@
 // Prints the SHA-256 of a wall that the WebAssembly core rebuilds:  node core_hashes.mjs WASM CASE.json
-// CASE has columns `depth`, `toolface` and `radius`, `settings`, and `rule` of the uncertainty.
+// The kinds of turns are hashed as well; zones are printed. CASE has columns `depth`, `toolface` and `radius`, `settings`, and `rule` of the uncertainty.
 import { createHash } from 'node:crypto';
 import { readFileSync } from 'node:fs';
 import { Core } from '../offline/core.js';
@@ -7,12 +7,14 @@ import { Core } from '../offline/core.js';
 const [wasm, file] = process.argv.slice(2);
 const { depth, toolface, radius, settings, rule } = JSON.parse(readFileSync(file, 'utf8'));
 const core = await Core.open(readFileSync(wasm));
-/** @param {Float64Array} values */
+/** @param {Float64Array | Int32Array} values */
 const sum = (values) => createHash('sha256').update(values).digest('hex');
 try {
   const wall = core.wall({ ...settings, sigma: 1 });
   wall.append(...[depth, toolface, radius].map((values) => Float64Array.from(values)));
-  console.log(JSON.stringify({ radius: sum(wall.column('radius')), nearest: sum(wall.column('nearest')), sigma: sum(wall.sigma(rule)), version: core.version }));
+  const { kinds, zones } = wall.zones();
+  const found = { kinds: sum(kinds), zones: zones.map((zone) => Object.values(zone)) };
+  console.log(JSON.stringify({ radius: sum(wall.column('radius')), nearest: sum(wall.column('nearest')), sigma: sum(wall.sigma(rule)), version: core.version, ...found }));
 } catch (error) {
   console.log(JSON.stringify({ error: error.message }));
 }
