@@ -14,7 +14,6 @@ import asyncio
 import json
 import multiprocessing
 import os
-import shutil
 import sys
 import time
 from pathlib import Path
@@ -26,7 +25,7 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "python"))
 
 from made_wall import BIT, MadeWall, curved_path, gamma_and_resistivity
 from page_protocol import unpack
-from screen import FLAGS
+from screen import CHROMIUM, FLAGS
 
 import helibore as hb
 from helibore.viewer import Viewer
@@ -116,8 +115,7 @@ def in_the_browser(quads: int, appends: int) -> None:
     viewer = hb.view(wall, path=curved_path(), attributes=gamma_and_resistivity(wall), well="bench")
     say("server: wall read and packed", time.perf_counter() - began, "s")
     with sync_playwright() as playwright:
-        chromium = shutil.which("chromium")
-        context = playwright.chromium.launch_persistent_context("", executable_path=chromium, args=FLAGS, headless=True)
+        context = playwright.chromium.launch_persistent_context("", executable_path=CHROMIUM, args=FLAGS, headless=True)
         page = context.pages[0]
         page.set_viewport_size({"width": 1366, "height": 768})
         time.sleep(1)

@@ -99,6 +99,21 @@ def test_every_tab_is_about_the_section_of_the_log_at_any_scale(browser: Any, si
             screen.close()
 
 
+@pytest.mark.parametrize("size", [(820, 1180), (768, 1024)])
+def test_a_tablet_shows_every_figure_of_the_cross_section_in_a_zone(browser: Any, size: tuple[int, int]) -> None:
+    with hb.view(MadeWall(30_000)) as viewer:
+        screen = Screen(browser, viewer.url, "", size, drawn=False)
+        screen.until("window.__wall.app.zones.length")
+        screen.keyboard.press("n")
+        screen.settle()
+        names = screen.evaluate("[...document.querySelectorAll('#turn dt')].map((e) => e.textContent)")
+        assert "Zone" in names
+        assert names[-1] != "Zone", "what the zone is judged by"
+        ends = "[...document.querySelectorAll('#turn dd')].at(-1).getBoundingClientRect().bottom"
+        assert screen.evaluate(ends) <= screen.evaluate("crossSection.getBoundingClientRect().bottom")
+        screen.close()
+
+
 def test_the_read_out_of_a_phone_says_why_a_value_is_missing(browser: Any) -> None:
     wall = MadeWall(30_000)
     said = "Object.fromEntries([...briefMore.children].map((e, i, all) => [e.textContent, all[i + 1]?.textContent]))"

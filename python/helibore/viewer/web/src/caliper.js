@@ -144,7 +144,7 @@ function head(ink, { view, store }, { left, width }, [low, bit, high], x, palett
   const slim = width < 110;
   label(ink, slim ? `Cal. ${unit}` : `Caliper [${unit}]`, left + 2, 11, { colour: palette.ink, font: BOLD });
   ink.font = SMALL;
-  if (store.basis === 'average') label(ink, fitting(ink, ['mean, shape not measured', 'mean, no shape'], width - 4), left + 2, 29, { colour: palette.max, font: SMALL });
+  if (store.basis === 'average') label(ink, fitting(ink, ['mean, shape not measured', 'mean, no shape', 'mean'], width - 4), left + 2, 29, { colour: palette.max, font: SMALL });
   else {
     const from = ['C1', 'C2'].map((name, i) => {
       const at = left + 2 + (i * width) / 2;
