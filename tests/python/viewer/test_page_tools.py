@@ -103,6 +103,40 @@ def test_picked_points_give_the_bed_that_was_made(browser: Any, viewer: Any) -> 
     viewer.scene.change_picks(Picks.clear)
 
 
+def test_a_steep_plane_is_drawn_where_it_reaches_the_section_and_costs_nothing_where_it_does_not(browser: Any) -> None:
+    steep = hb.Pick(kind="fracture", depth=1010.0, apparent_dip=85.0, toolface=90.0)  # reaches 1.2 m up and down
+    with hb.view(MadeWall(30_000), path=curved_path()) as viewer:
+        viewer.scene.change_picks(lambda picks: picks.put(steep))
+        screen = Screen(browser, viewer.url, "#md=1010&sec=1", (1366, 768), drawn=False)
+        screen.until("window.__wall.app.picking.kept.length")
+        picture = "document.getElementById('ink').toDataURL()"
+        tried = {}
+        for middle in (1010.0, 1011.05, 1013.0):
+            screen.evaluate(
+                "((top, { app }) => (delete app.picking.plane(app.picking.kept[0]).curve,"
+                f" app.view.show(top, 1, app.store), app.redraw()))({middle - 0.5}, window.__wall)"
+            )
+            screen.settle()
+            with_plane = screen.evaluate(picture)
+            computed = screen.evaluate("'curve' in window.__wall.app.picking.plane(window.__wall.app.picking.kept[0])")
+            screen.evaluate("(window.__wall.app.picking.kept = [], window.__wall.app.redraw())")
+            screen.settle()
+            tried[middle] = (screen.evaluate(picture) != with_plane, computed)
+            screen.evaluate("window.__wall.app.picking.show()")
+            screen.settle()
+        assert tried == {1010.0: (True, True), 1011.05: (True, True), 1013.0: (tried[1013.0][0], False)}
+        screen.evaluate("window.__wall.app.view.show(1009.5, 1, window.__wall.app.store)")
+        screen.settle()
+        curve = "window.__wall.app.picking.plane(window.__wall.app.picking.kept[0]).curve.depths"
+        across = screen.evaluate(curve)
+        assert max(across) - min(across) == pytest.approx(2 * 0.108 * np.tan(np.radians(85)), rel=0.1)
+        viewer.set_path(hb.Survey([900.0, 2000.0], [30.0, 30.0], [200.0, 200.0]).path())
+        screen.until("window.__wall.app.path.version > 1")
+        screen.settle()
+        assert screen.evaluate(curve) != across, "another path, another curve"
+        screen.close()
+
+
 def test_replay_shows_the_wall_as_it_was_and_comes_back(browser: Any) -> None:
     wall = MadeWall(12_000)
     with hb.view(wall) as viewer:

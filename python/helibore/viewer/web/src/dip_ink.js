@@ -21,7 +21,7 @@ export function drawDips(ink, look, planes, gpu) {
   /** @param {Plane} plane */
   const colourOf = (plane) => (plane === planes.current || plane.pick === planes.selected ? palette.cursor : palette.picks[plane.kind]);
   for (const plane of planes.current ? [...planes.kept, planes.current] : planes.kept) {
-    if (Math.abs(plane.depth - look.view.middle) > look.view.length) continue;
+    if (Math.abs(plane.depth - look.view.middle) > look.view.length / 2 + 1.5 * plane.radius * Math.hypot(plane.a, plane.b) + 0.1) continue; // a bent hole lengthens the curve
     const dash = planes.open && plane === planes.current ? [5, 4] : DASHES[plane.kind];
     for (const one of look.images) curve(ink, one, plane, colourOf(plane), palette, dash, plane.pick && plane.pick === planes.selected ? 4 : 2);
     if (gpu) (look.view.camera === 'straight' ? columnCurve : disc)(ink, look, plane, colourOf(plane), gpu);
@@ -97,13 +97,19 @@ export function drawPoints(ink, look, points) {
 /** @param {Ink} ink @param {Look} look @param {Plane} plane @param {string} colour @param {Palette} palette @param {number[]} dash @param {number} wide */
 function curve(ink, { view, path, rects }, plane, colour, palette, dash, wide) {
   const { image } = rects;
-  within(ink, image, () => {
-    ink.beginPath();
-    let depth = plane.depth;
+  const key = `${path.version}/${view.cut}/${image.width}`;
+  if (plane.curve?.key !== key) { // a frame that only moves computes no curve anew
+    let { depth } = plane;
+    plane.curve = { key, depths: [] };
     for (let x = 0; x <= image.width; x += 3) {
       for (let i = 0; i < 3; i++) depth = planeDepth(path, plane, leftEdge(path, view.cut, depth).toolface + (360 * x) / image.width);
-      ink.lineTo(image.left + x, yOf(view, image, depth));
+      plane.curve.depths.push(depth);
     }
+  }
+  const { depths } = plane.curve;
+  within(ink, image, () => {
+    ink.beginPath();
+    depths.forEach((depth, i) => ink.lineTo(image.left + 3 * i, yOf(view, image, depth)));
     ink.setLineDash(dash);
     outlined(ink, colour, palette, wide);
     ink.setLineDash([]);

@@ -92,7 +92,7 @@ interface PickChange { key: string; pick: WallPick | null } // null: it is delet
 type Unsaved = Map<string, WallPick | null>;
 interface Plane {
   a: number; b: number; c: number; frame: Frame & { depth: number }; depth: number; radius: number; misfit: number; dip: number; azimuth: number; apparent: number; deepest: number;
-  kind: PlaneKind; pick?: PlanePick;
+  kind: PlaneKind; pick?: PlanePick; curve?: { key: string; depths: number[] }; // the depths of its curve on an image
 }
 interface Planes { kept: Plane[]; boxes: BreakoutPick[]; selected: WallPick | null; current: Plane | null; open: boolean }
 type Drag = { act: 'box'; from: Aim } | { act: 'sine'; from: Aim } | { act: 'move'; from: Aim; pick: WallPick } | { act: 'dip'; from: Aim; pick: PlanePick; crest: number };
