@@ -12,10 +12,11 @@ import pytest
 from golden_texts import Golden
 from hypothesis import given
 from hypothesis import strategies as st
+from locations import WEB
 from plotted_wall import BIT, image_of, plotted_wall
 
 import helibore as hb
-from helibore import plot, viewer
+from helibore import plot
 from helibore.base.colors import FILL_COLORS
 from helibore.logs.curves import ScalarCurve, nice_limits
 from helibore.logs.turn_logs import NO_UNCERTAINTY
@@ -357,7 +358,7 @@ def test_what_is_not_measured_is_hatched_as_on_the_page() -> None:
         assert len(set((across[lines] % apart).tolist())) == 2, "as far apart as the page's, in one direction"
     between = shown[left & ~(shown == HATCH_BYTES).all(axis=2)]
     assert (between == np.round(0.45 * np.array([176, 74, 12]) + 0.55 * 245)).all()
-    shaders = (Path(viewer.__file__).parent / "web" / "src" / "shaders.js").read_text()
+    shaders = (WEB / "src" / "shaders.js").read_text()
     light = "dark ? (line ? vec3(0.36) : vec3(0.24)) : (line ? vec3(0.62) : vec3(0.80))"
     assert light in shaders
     assert [round(255 * one) for one in (0.62, 0.8, 0.55, 0.96)] == [NO_DATA_LINE[0], NO_DATA[0], HATCH_BYTES[0], PALE]
