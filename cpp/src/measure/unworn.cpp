@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <optional>
 
@@ -129,14 +130,17 @@ HELIBORE_INTO_CALLER void all_sums(const Turn& turn, const Fits& fits, double sp
 
 HELIBORE_INTO_CALLER Normal<double> one_sum(const Turn& turn, const Fit& fit, double spread) {
     const std::size_t count = turn.counted_x.size(), whole = count / lanes * lanes;
-    const Four radius = Four{} + fit.radius;
+    const Four zero{}, radius = zero + fit.radius;
     Normal<Four> sums;
-    for (std::size_t i = 0; i < count; i += lanes) {
-        Four dx{}, dy{};
-        for (std::size_t s = 0; s < (i < whole ? lanes : count - whole); ++s)
-            dx[s] = turn.counted_x[i + s] - fit.x, dy[s] = turn.counted_y[i + s] - fit.y;
-        add(sums, dx, dy, radius, spread);
+    Four x, y;
+    for (std::size_t i = 0; i < whole; i += lanes) {
+        std::memcpy(&x, &turn.counted_x[i], sizeof x);
+        std::memcpy(&y, &turn.counted_y[i], sizeof y);
+        add(sums, x - fit.x, y - fit.y, radius, spread);
     }
+    x = zero + fit.x, y = zero + fit.y;  // adds nothing
+    for (std::size_t i = whole; i < count; ++i) x[i - whole] = turn.counted_x[i], y[i - whole] = turn.counted_y[i];
+    if (whole < count) add(sums, x - fit.x, y - fit.y, radius, spread);
     const auto all = [](const Four& of) { return (of[0] + of[1]) + (of[2] + of[3]); };
     return {all(sums.xx), all(sums.xy), all(sums.xr), all(sums.yy), all(sums.yr),
             all(sums.rr), all(sums.xe), all(sums.ye), all(sums.re)};
