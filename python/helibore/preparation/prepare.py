@@ -4,14 +4,14 @@
              --reference--> the wall's toolface --recentre--> the hole's axis --bias--> --latest pass only--> Caliper
 
 ``Preparation()`` only drops closed arms and flat tops (an arm at its widest), and brings the sensors into one frame.
-The steps themselves are in ``conditioning``, ``observe``, ``passes``, ``shifts``, ``eccentering`` and ``biases`` beside
-this file, and in ``trajectory.references``; this file calls them in their order.
+The steps themselves are in ``conditioning``, ``observe``, ``passes``, ``shifts``, ``centre_paths``, ``eccentering``
+and ``biases`` beside this file, and in ``trajectory.references``; this file calls them in their order.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,6 +26,7 @@ from helibore.base.tables import refuse_table
 from helibore.base.units import INCH
 from helibore.preparation import conditioning
 from helibore.preparation.biases import Bias, arm_sides, find_bias
+from helibore.preparation.centre_paths import find_centre_path
 from helibore.preparation.eccentering import Centres, find_centres, recentre, turn_positions
 from helibore.preparation.observe import Track, observe, placed
 from helibore.preparation.passes import choose, number_passes
@@ -622,14 +623,18 @@ class _Pipeline:
                 raise InputError(one.name, rule)
         self._require_possible_radii()
         turn, position = self._turns()
-        found = self.centres = find_centres(
-            samples.toolface, samples.radius, turn, bit_diameter=self.bit_diameter, position=position
-        )
+        files = [np.flatnonzero(samples.file == number) for number in range(len(self.readings))]
+        columns = [self._centred(turn, position, mine) for mine in files if mine.size]
+        found = self.centres = _joined_centres([each.centres for each in columns])
         row = np.searchsorted(found.turn, turn)
         self.centre_depth = np.bincount(row, samples.depth) / np.bincount(row)
-        toolface, radius = recentre(samples.toolface, samples.radius, turn, found, position=position)
+        toolface, radius = samples.toolface.copy(), samples.radius.copy()
+        for each in columns:
+            toolface[each.mine], radius[each.mine] = each.toolface, each.radius
         self.samples = replace(samples, toolface=toolface, radius=radius)
-        lines = [f"{np.count_nonzero(found.share() > 0):,} of {found.turn.size:,} turns corrected"]
+        corrected = np.concatenate([each.corrected for each in columns])
+        moved = np.unique(turn[np.concatenate([each.mine for each in columns])[corrected]])
+        lines = [f"{moved.size:,} of {found.turn.size:,} turns corrected"]
         known = np.isfinite(found.x)
         if known.any():
             far, sigma = found.eccentering[known], np.hypot(found.sigma_x, found.sigma_y)[known]
@@ -637,15 +642,52 @@ class _Pipeline:
                 f"; offset of the tool {1e3 * np.median(far):.1f} mm (median), {1e3 * far.max():.1f} mm at most; "
                 f"deviation of a centre {1e3 * np.median(sigma):.2f} mm (median)"
             )
-        lost = np.count_nonzero(~known & (found.samples > 0))
-        if lost:
+        lines += [line for each in columns for line in each.lines]
+        lost = ~known & (found.samples > 0)
+        if lost.any() and self.bit_diameter is not None:
+            depth = self.centre_depth[lost]
             lines.append(
-                f"{lost:,} of {found.turn.size:,} turns not corrected: the tool moves too far to be followed (more "
-                "than 100 deg around the axis in a turn), or the hole changes too much from turn to turn"
+                f"the centre is not known in {np.count_nonzero(lost):,} of {found.turn.size:,} turns, between "
+                f"{depth.min():.1f} and {depth.max():.1f} m: the tool moves too far to be followed, the hole changes "
+                "too much from turn to turn, or less than half of it is unworn"
             )
-        if self.bit_diameter is None:
-            lines.append("no bit size: a smooth washout on one side is taken for an offset of the tool, unnoticed")
         self.report += [("recentre", line) for line in lines]
+
+    def _centred(self, turn: Integers, position: Floats | None, mine: Integers) -> _Centred:
+        """Return the samples of one file as seen from the axis, by the path of the centre or by each turn alone."""
+        samples, bit = self.samples, self.bit_diameter
+        toolface, radius, turns = samples.toolface[mine], samples.radius[mine], turn[mine]
+        place = None if position is None else position[mine]
+        path = None if place is None else find_centre_path(toolface, radius, place, bit)
+        if path is not None and place is not None:
+            numbers, row = np.unique(turns, return_inverse=True)
+            count = np.bincount(row[np.isfinite(radius)], minlength=numbers.size)
+            away, _, moves = path.at(place)
+            moved = np.isfinite(radius) & (away != 0)
+            wall = away + radius * np.exp(1j * np.radians(toolface))
+            lines = []
+            if not moves.all():
+                lost = samples.depth[mine[~moves]]
+                lines.append(
+                    f"the tool's motion is not known in {100 * np.mean(~moves):.0f} % of the samples, between "
+                    f"{lost.min():.1f} and {lost.max():.1f} m: not corrected there"
+                )
+            if bit is None:
+                lines.append(
+                    "no bit size: only the motion of the tool is corrected; where it rests off the axis cannot be told "
+                    "from a washout on one side"
+                )
+            return _Centred(
+                mine, path.centres(numbers, count), wrapped(np.where(moved, np.degrees(np.angle(wall)), toolface)),
+                np.where(moved, np.abs(wall), radius), moved, tuple(lines),
+            )  # fmt: skip
+        found = find_centres(toolface, radius, turns, bit_diameter=bit, position=place)
+        if bit is None:
+            line = "no bit size: not corrected, since an offset of the tool cannot be told from a washout on one side"
+            return _Centred(mine, found, wrapped(toolface), radius, np.zeros(mine.size, dtype=bool), (line,))
+        at, distance = recentre(toolface, radius, turns, found, position=place)
+        corrected = (found.share() > 0)[np.searchsorted(found.turn, turns)]
+        return _Centred(mine, found, at, distance, corrected, ())
 
     def _subtract_bias(self) -> None:
         samples, arms, names = self.samples, self._arm(), self._arm_names()
@@ -755,6 +797,24 @@ class _Pipeline:
         samples = self.samples
         few = all(len(one.sensors) > 1 and not one.is_image for one in self.readings) and not self.settings.recentre
         return Caliper(samples.depth, samples.toolface, samples.radius, samples.time, arm=self._arm() if few else None)
+
+
+@dataclass(frozen=True)
+class _Centred:
+    """The samples of one file as seen from the hole's axis."""
+
+    mine: Integers  # which samples these are, (n,)
+    centres: Centres
+    toolface: Floats  # degrees, (n,)
+    radius: Floats  # m, (n,)
+    corrected: Mask  # (n,)
+    lines: tuple[str, ...]  # of the report
+
+
+def _joined_centres(parts: Sequence[Centres]) -> Centres:
+    if len(parts) == 1:
+        return parts[0]
+    return Centres(*(np.concatenate([getattr(each, of.name) for each in parts]) for of in fields(Centres)))
 
 
 class _Arms:

@@ -86,7 +86,10 @@ class Preparation(Declared, group="preparation"):
     level: Annotated[float, DEGREES, Option(),
         "Automatic toolfaces count from north until the inclination rises to this.",
     ] = 6.0  # fmt: skip
-    recentre: Annotated[bool, Option(), "Correct the radii of every turn for the tool's offset from the axis."] = False
+    recentre: Annotated[bool, Option(),
+        "Correct radii for the tool's offset from the axis of the bit. Where the tool rests is found by the unworn "
+        "rock, which needs the bit size; without one, only its motion is corrected.",
+    ] = False  # fmt: skip
     reversal: Annotated[float | None, METRES, POSITIVE, Option(),
         "Start a new pass where the tool moves back by more than this. None: each file has the passes that it numbers, "
         "or is one pass if it numbers no pass.",

@@ -388,7 +388,7 @@ def test_what_is_long_is_shown_in_short(tmp_path: Path, golden: Golden) -> None:
     file = hb.open(tmp_path / "c.csv")
     golden(repr(file.readings()))
     golden(repr(file.image("GR")))
-    prepared = hb.prepare(file.readings(), hb.Preparation(recentre=True))
+    prepared = hb.prepare(file.readings(), hb.Preparation(recentre=True), bit_diameter=0.22)
     golden(repr(prepared.centres))
 
 

@@ -18,8 +18,9 @@ from helibore.channels.role_map import overlay
 from helibore.channels.roles import guess
 from helibore.files.raw_set import Channel
 from helibore.preparation.biases import arm_sides, find_bias
+from helibore.preparation.centre_paths import find_centre_path
 from helibore.preparation.conditioning import Step
-from helibore.preparation.eccentering import find_centres, recentre, turn_positions
+from helibore.preparation.eccentering import turn_positions
 from helibore.preparation.passes import choose
 from helibore.preparation.prepare import Preparation, Track, prepare
 from helibore.preparation.readings import Readings
@@ -158,42 +159,48 @@ def test_what_another_pass_saw_at_its_depth_is_no_spike() -> None:
     assert alone.counts == {"spikes": 1, "kept": 1919}
 
 
-def test_recentre_is_that_of_the_library(golden: Golden) -> None:
+def test_recentre_follows_the_path_of_the_centre(golden: Golden) -> None:
     one = rotating()
     angle = np.radians(one["tf"].values)
-    radius = one["radius"].values + 0.006 * np.cos(angle - 1.0)
-    found = prepare(rotating(radius__m=radius).readings(), Preparation(recentre=True))
+    rng = np.random.default_rng(8)
+    away = 0.006 * np.cos(angle - 1.0)
+    radius = -away + np.sqrt(0.1**2 - (0.006 * np.sin(angle - 1.0)) ** 2) + rng.normal(0, 3e-4, angle.size)
+    found = prepare(rotating(radius__m=radius).readings(), Preparation(recentre=True), bit_diameter=0.2)
     position = turn_positions(one["tf"].values)
     turn = np.floor(position).astype(int)
-    centres = find_centres(one["tf"].values, radius, turn, position=position)
-    toolface, corrected = recentre(one["tf"].values, radius, turn, centres, position=position)
+    path = find_centre_path(one["tf"].values, radius, position, 0.2)
+    assert path is not None
+    centre, rests, moves = path.at(position)
+    assert rests.all()
+    assert moves.all()
+    np.testing.assert_allclose(found.caliper.radius, np.abs(centre + radius * np.exp(1j * angle)), rtol=1e-12)
+    assert np.sqrt(np.mean(np.square(found.caliper.radius - 0.1))) < 4e-4
     assert found.centres is not None
-    np.testing.assert_array_equal(found.centres.x, centres.x)
-    np.testing.assert_allclose(found.caliper.radius, corrected, rtol=1e-12)
-    np.testing.assert_allclose(found.caliper.toolface, toolface, rtol=1e-12)
+    np.testing.assert_allclose(found.centres.eccentering, 0.006, atol=3e-4)
     assert found.centre_depth is not None
     np.testing.assert_allclose(
         found.centre_depth, [100 + 0.002 * np.flatnonzero(turn == t).mean() for t in np.unique(turn)]
     )
-    corrected_turns = int(np.count_nonzero(centres.share() > 0))
-    assert corrected_turns > 30
-    assert found.report[1][1].startswith(f"{corrected_turns} of 37 turns corrected; offset of the tool ")
-    golden(found.report[2:])
-    sized = prepare(rotating(radius__m=radius).readings(), Preparation(recentre=True), bit_diameter=0.2)
-    assert sized.centres is not None
-    assert np.median(sized.centres.sigma_x) > 3 * np.median(centres.sigma_x)  # 8 mm more than the bit
+    assert found.report[1][1].startswith("37 of 37 turns corrected; offset of the tool 6.0 mm (median)")
+    plain = prepare(rotating(radius__m=radius).readings(), Preparation(recentre=True))
+    golden(plain.report[1:])
+    np.testing.assert_array_equal(plain.caliper.radius, radius)
+    wide = prepare(rotating(radius__m=radius).readings(), Preparation(recentre=True), bit_diameter=0.19)
+    golden(wide.report[1:])
     with golden.raises():
         prepare(arms().readings(), Preparation(recentre=True))
 
 
-def test_a_tool_that_whirls_too_fast_is_not_corrected_and_named(golden: Golden) -> None:
+def test_a_tool_that_whirls_is_corrected_at_any_rate() -> None:
     position = np.arange(40 * 64) / 64
-    centre = 0.01 * np.exp(1j * np.radians(150 * position - 360 * position))  # as the turning tool sees it
-    radius = -centre.real + np.sqrt(0.11**2 - centre.imag**2) + np.random.default_rng(0).normal(0, 2e-4, position.size)
-    one = log(md__m=100 + 0.1 * position, tf__deg=360 * position % 360, radius__m=radius)
-    found = prepare(one.readings(), Preparation(recentre=True), bit_diameter=0.216)
-    golden(found.report[1:])
-    np.testing.assert_array_equal(found.caliper.radius, radius)
+    for rate in (84, 150, 300, -84):
+        centre = 0.01 * np.exp(1j * np.radians(rate * position - 360 * position))  # as the turning tool sees it
+        noise = np.random.default_rng(0).normal(0, 2e-4, position.size)
+        radius = -centre.real + np.sqrt(0.11**2 - centre.imag**2) + noise
+        one = log(md__m=100 + 0.1 * position, tf__deg=360 * position % 360, radius__m=radius)
+        for bit in (0.216, None):
+            found = prepare(one.readings(), Preparation(recentre=True), bit_diameter=bit)
+            assert np.sqrt(np.mean(np.square(found.caliper.radius - 0.11))) < 3e-4
 
 
 def several(seed: int = 0) -> LogSet:
@@ -527,7 +534,7 @@ def test_a_tool_is_recentred_by_the_turns_of_a_track() -> None:
     toward = np.radians(30.0 * TIMES % 360)
     radius = np.sqrt(0.1**2 - (0.002 * np.sin(toward)) ** 2) - 0.002 * np.cos(toward)
     one = readings(log(time__s=TIMES, radius__m=radius), tracked=True)
-    found = prepare(one, Preparation(recentre=True), None, TURNING)
+    found = prepare(one, Preparation(recentre=True), None, TURNING, bit_diameter=0.2)
     assert found.centres is not None
     assert found.report[0] == ("turns", "34, by rotation; samples in a turn: 12")
     np.testing.assert_allclose(found.centres.x[1:-2], 0.002, atol=1e-4)
