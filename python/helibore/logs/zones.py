@@ -284,7 +284,7 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
     criteria = Criteria() if criteria is None else criteria
     wall = getattr(wall, "_state", lambda: wall)()  # one copy for all that is read of it
     logs = _logs_of(wall) if logs is None else logs
-    K, radius = wall.settings.sectors, column("radius", wall.radius)
+    K, radius = wall.settings.sectors, column("radius", wall.radius[:])
     if logs.step is not None or len(logs) > radius.size // K or logs.sectors != K:
         raise InputError("logs", "must be the logs of the turns of the same wall")
     along, has_arms = logs.along(criteria), logs.shape == "arms"

@@ -413,7 +413,7 @@ def _turn_depth(settings: Settings, plan: Json, turn: int) -> float:
 
 
 class PartColumn:
-    """A value for each vertex of a well, sliced like an array; only the values of one block at a time are in memory."""
+    """A value for each vertex of a well, sliced like an array; beside the slice, one block's values are in memory."""
 
     def __init__(self, read: Callable[[int], Floats], stops: list[int]) -> None:
         """``read`` returns the values of a block; ``stops`` holds the vertex before which each block ends."""
@@ -422,15 +422,17 @@ class PartColumn:
 
     def __getitem__(self, span: slice) -> Floats:
         first, stop, _ = span.indices(self.size)
-        found = [np.empty(0)]
+        found = np.empty(max(stop - first, 0))
         for number in range(bisect_right(self._stops, first), len(self._stops)):
             begin = self._stops[number - 1] if number else 0
             if begin >= stop:
                 break
             if number != self._number:
                 self._number, self._values = number, self._read(number)
-            found.append(self._values[max(first - begin, 0) : stop - begin])
-        return np.concatenate(found) if len(found) > 2 else found[-1]
+            part = self._values[max(first - begin, 0) : stop - begin]
+            at = max(begin - first, 0)
+            found[at : at + part.size] = part
+        return found
 
 
 class Merged(NamedTuple):
