@@ -433,8 +433,9 @@ class Wall(WallReads):
                 core.radius(), core.nearest(), core.support(), core.iterations(), columns,
                 self._path, dict(self._images.data), self._attributes.frozen(), _copied(self._made_from),
                 self.arms if with_samples else None, core.sums() if with_samples and self._settings.sigma else (),
-                self._threads, Picks(self._picks), self._intervals, self._kept,
+                self._threads, Picks(self._picks), self._intervals,
             )  # fmt: skip
+            vars(state)["kept"] = self._kept
         arrays: tuple[Array, ...] = (state.radius, state.nearest, state.support, state.iterations)
         for array in (*arrays, *columns, *state.sums):
             array.flags.writeable = False

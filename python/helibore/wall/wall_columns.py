@@ -42,7 +42,7 @@ class WallColumns:
 
     ``sample_columns`` are depth, toolface, radius and, if samples have times, time; () if they were not copied.
     ``sums`` holds for each vertex the sums from which its uncertainty is computed; () without `Settings.sigma`.
-    ``kept`` is shared by all copies of a wall with the same samples.
+    ``kept`` is shared by all copies of a wall with the same samples; what `dataclasses.replace` returns has its own.
     """
 
     settings: Settings
@@ -63,7 +63,7 @@ class WallColumns:
     threads: int | None = None
     picks: Picks = field(default_factory=Picks)
     intervals: tuple[Interval, ...] = ()
-    kept: KeptLogs = field(default_factory=KeptLogs)
+    kept: KeptLogs = field(default_factory=KeptLogs, init=False)
 
     @cached_property
     def angular_gap(self) -> Floats:

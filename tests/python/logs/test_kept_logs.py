@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import pickle
 import weakref
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -97,3 +98,12 @@ def test_a_copy_of_a_wall_keeps_its_own() -> None:
     state = pickle.loads(pickle.dumps(wall._state()))
     same(state.zones().logs, logs)
     np.testing.assert_array_equal(state.measured, wall.measured)
+
+
+def test_a_part_of_a_wall_has_its_own_marks_and_logs() -> None:
+    state = made()._state()
+    whole, logs = state.measured, state.logs()
+    half = state.radius.size // 2 // state.settings.sectors * state.settings.sectors
+    part = replace(state, radius=state.radius[:half], nearest=state.nearest[:half])
+    assert part.measured.size == half < whole.size
+    assert len(part.logs()) < len(logs)
