@@ -89,7 +89,7 @@ def test_one_number(seed: int) -> None:
     for name, printed in (("least", sizes[-2]), ("greatest", sizes[-1])):
         extreme = getattr(summary, f"{name}_diameter").value
         assert getattr(viewed, f"{name}_diameter") == extreme
-        assert printed == f"{extreme / INCH:.3f}"
+        assert printed == f"{1e3 * extreme:.1f}"
         assert printed in re.search(rf"{name} +([^|]*)", lines)[1]
     if summary.basis == "azimuthal":
         assert numbers(rows["Measured"])[0] == f"{100 * viewed.coverage:.2f}" == f"{100 * summary.coverage:.2f}"
