@@ -363,15 +363,15 @@ def _opened(options: dict[str, Any], project: Path | None) -> Run:
     from helibore.runs.project import read_project
     from helibore.runs.run import OpenFiles, open_run
 
-    over, files, told = _over(options), None, []
+    over, files, bit_lines = _over(options), None, []
     if project is None:
         _check_effect(options["gauge"], options["average"], _archive(options))
         over["nulls"] = tuple(dict.fromkeys((*NULLS, *options["absent"])))
         files = OpenFiles(over["nulls"], _header_lines(options), ReadingSettings(**over.get("reading", {})))
         over |= _source(options, files)
         if "archive" not in over and options["bit_diameter"] is None:
-            told = _bit_of_files(over, files)
-        if "archive" not in over and options["bit_diameter"] is None and not told:
+            bit_lines = _bit_of_files(over, files)
+        if "archive" not in over and options["bit_diameter"] is None and not bit_lines:
             for one in () if "columns" in over else over.get("caliper", ()):  # images alone get a command with a size
                 _check_caliper(files, files.input(one.file, one.set, one.map), options)
             rule = "Missing option '--bit-diameter': no archive (.wall), project (.toml) or caliper file states it."
@@ -383,7 +383,7 @@ def _opened(options: dict[str, Any], project: Path | None) -> Run:
         files = OpenFiles(settings.nulls, lines, settings.reading)
     guessed = [one.file for one in settings.caliper if not one.channel]
     run = open_run(settings, files)
-    run.messages += told
+    run.messages += bit_lines
     run.tune = options["tune"]
     run.changed = settings.output is not None and settings != read_project(project)
     for one in run.settings.caliper:

@@ -31,7 +31,7 @@ _SECONDS = rf"(?P<seconds>{_ANGLE})\s*(?:[\"″s]|'')\s*"
 _DEGREES = rf"(?P<degrees>{_ANGLE})\s*(?:[°ºd]\s*(?:(?P<minutes>{_ANGLE})\s*['′’m]\s*(?:{_SECONDS})?)?)?"
 SEXAGESIMAL = re.compile(rf"(?P<sign>[+-]?)\s*{_DEGREES}")
 ZERO = re.compile(r"0+(?:[.,]0*)?")
-"""A plain zero, as the station at the surface has among angles that are spelled otherwise."""
+"""A plain zero, as the station at the surface has among angles in degrees and minutes or by quarters."""
 
 BEARING = re.compile(rf"(?P<from>[NS])\s*{_DEGREES}\s*(?P<to>[EW])", re.IGNORECASE)
 TURN = {("N", "E"): (0.0, 1.0), ("S", "E"): (180.0, -1.0), ("S", "W"): (180.0, 1.0), ("N", "W"): (360.0, -1.0)}

@@ -674,8 +674,8 @@ class _Pipeline:
                 )
             if bit is None:
                 lines.append(
-                    "no bit size: only the motion of the tool is corrected; where it rests off the axis cannot be told "
-                    "from a washout on one side"
+                    "no bit size: only the motion of the tool is corrected; where it rests off the axis looks like a "
+                    "washout on one side"
                 )
             return _Centred(
                 mine, path.centres(numbers, count), wrapped(np.where(moved, np.degrees(np.angle(wall)), toolface)),
@@ -683,7 +683,7 @@ class _Pipeline:
             )  # fmt: skip
         found = find_centres(toolface, radius, turns, bit_diameter=bit, position=place)
         if bit is None:
-            line = "no bit size: not corrected, since an offset of the tool cannot be told from a washout on one side"
+            line = "no bit size: not corrected, since an offset of the tool looks like a washout on one side"
             return _Centred(mine, found, wrapped(toolface), radius, np.zeros(mine.size, dtype=bool), (line,))
         at, distance = recentre(toolface, radius, turns, found, position=place)
         corrected = (found.share() > 0)[np.searchsorted(found.turn, turns)]
