@@ -18,7 +18,8 @@ import numpy as np
 from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Integers
 from helibore.base.errors import InputError
-from helibore.logs.log_columns import COLUMNS, INNER, LOBES
+from helibore.logs.log_columns import CIRCLE, COLUMNS, INNER, LOBES
+from helibore.logs.worn_columns import WornColumns
 
 _EXTREMES = {"least": np.minimum, "greatest": np.maximum, "least there": np.fmin, "greatest there": np.fmax}
 
@@ -38,13 +39,18 @@ def by_step(columns: Mapping[str, Any], pitch: float, bit_diameter: float, step:
     def gather(values: Floats, rule: str) -> Floats:
         return _gather(values[order][turns], starts, rule)
 
+    def worn() -> dict[str, Floats]:
+        of_turns = columns["worn"]
+        highest = _greatest(of_turns["lobe1_height"][order][turns], starts)
+        lobes = {name: of_turns[name][order][turns][highest] for name in LOBES}
+        return {name: gather(of_turns[name], "mean") for name in CIRCLE} | lobes
+
     inside = columns["depth"][order][turns].size
-    highest = _greatest(columns["lobe1_height"][order][turns], starts)
+    rules = {of.name: of.by_step for of in COLUMNS} | dict.fromkeys(INNER, "mean")
     square = gather((columns["equivalent_diameter"] / 2) ** 2, "mean")
     return {
-        **{of.name: gather(columns[of.name], of.by_step) for of in COLUMNS if of.by_step != "own"},
-        **{name: gather(columns[name], "mean") for name in INNER},
-        **{name: columns[name][order][turns][highest] for name in LOBES},
+        **{name: gather(columns[name], rule) for name, rule in rules.items() if rule != "own"},
+        "worn": WornColumns(worn),
         "arm_diameter": tuple(gather(of, "mean") for of in columns["arm_diameter"]),
         "depth": (number.astype(np.float64) + 0.5) * float(step),
         "equivalent_diameter": 2 * np.sqrt(square),

@@ -61,8 +61,8 @@ COLUMNS = tuple(
         ("inscribed_0", "INSC0", "m", "Centre of the circle of DINSC from the axis towards toolface 0", "mean"),
         ("inscribed_90", "INSC90", "m", "Centre of the circle of DINSC from the axis towards toolface 90", "mean"),
         ("enclosing_diameter", "DENCL", "m", "Smallest enclosing circle, diameter", "greatest"),
-        ("unworn_diameter", "UNWORN", "m", "Diameter of the unworn circle, which the bit left", "mean"),
-        ("lobe1_height", "LOBE", "m", "Height of the highest lobe over the circle of UNWORN", "greatest there"),
+        ("unworn_diameter", "UNWORN", "m", "Diameter of the unworn circle, which the bit left", "own"),
+        ("lobe1_height", "LOBE", "m", "Height of the highest lobe over the circle of UNWORN", "own"),
         ("rugosity", "RUGO", "m", "Rugosity, detrended rms of the radius over the window", "mean"),
         ("volume", "VOL", "m3", "Volume of the hole in this row", "own"),
         ("excess", "EXCESS", "", "Volume over that of gauge hole, less 1", "own"),
@@ -73,7 +73,10 @@ COLUMNS = tuple(
     )
 )
 
-INNER = ("unworn_0", "unworn_90", "sampled")
+INNER = ("sampled",)
 """Logs that files do not have; a step has their means."""
 LOBES = tuple(f"lobe{number}_{name}" for number in (1, 2) for name in ("toolface", "width", "height", "pipe"))
 """Logs of lobes, of which files have one, ``lobe1_height``; a step has those of the turn with the highest lobe."""
+CIRCLE = ("unworn_diameter", "unworn_0", "unworn_90")
+"""Logs of the unworn circle, of which files have the first; a step has their means."""
+WORN = CIRCLE + LOBES

@@ -37,6 +37,7 @@ from helibore.logs.cement_sheet import CementSheet, MeasuredHole, cement_sheet
 from helibore.logs.depth_steps import by_step
 from helibore.logs.likely_kinds import PARTS, Along, kinds_along
 from helibore.logs.log_columns import COLUMNS
+from helibore.logs.worn_columns import WornColumns
 from helibore.samples.caliper import Basis, Caliper
 from helibore.samples.helix import WallLike, basis_of, basis_text_of, whole_helix
 from helibore.settings.cement_settings import CementJob
@@ -85,6 +86,10 @@ RUGOSITY_WINDOW = 1.0
 """Metres of hole that rugosity is measured over by default."""
 
 
+def _worn(name: str) -> cached_property[Floats]:
+    return cached_property(lambda logs: logs.worn[name])
+
+
 @dataclass(frozen=True, eq=False)
 class Logs(Tabular):
     """Columns with one row per turn or step, each (rows,) float64, owned; made by `turn_logs`.
@@ -125,6 +130,8 @@ class Logs(Tabular):
     enclosing_diameter
         Diameter of the smallest circle around all vertices; with ``shape = "arms"`` at least the largest diameter of
         the arms.
+    worn
+        The following columns by name; they are measured when one of them is first read.
     unworn_diameter, unworn_0, unworn_90
         Diameter and centre of the unworn circle, which the bit left: a robust fit to the measured vertices of the
         turn, in which worn rock hardly counts. NaN if less than a quarter of the turn is measured.
@@ -218,17 +225,6 @@ class Logs(Tabular):
     inscribed_0: Floats
     inscribed_90: Floats
     enclosing_diameter: Floats
-    unworn_diameter: Floats
-    unworn_0: Floats
-    unworn_90: Floats
-    lobe1_toolface: Floats
-    lobe1_width: Floats
-    lobe1_height: Floats
-    lobe1_pipe: Floats
-    lobe2_toolface: Floats
-    lobe2_width: Floats
-    lobe2_height: Floats
-    lobe2_pipe: Floats
     rugosity: Floats
     volume: Floats
     excess: Floats
@@ -237,6 +233,7 @@ class Logs(Tabular):
     nearest: Floats
     diameter_sigma: Floats
     age: Floats
+    worn: WornColumns = field(repr=False)
     bit_diameter: float
     sectors: int
     pitch: float
@@ -253,6 +250,18 @@ class Logs(Tabular):
     section: Sections = field(default_factory=lambda: np.empty((0, PARTS)))
     path: Path | None = None
     turns: Logs | None = None
+
+    unworn_diameter = _worn("unworn_diameter")
+    unworn_0 = _worn("unworn_0")
+    unworn_90 = _worn("unworn_90")
+    lobe1_toolface = _worn("lobe1_toolface")
+    lobe1_width = _worn("lobe1_width")
+    lobe1_height = _worn("lobe1_height")
+    lobe1_pipe = _worn("lobe1_pipe")
+    lobe2_toolface = _worn("lobe2_toolface")
+    lobe2_width = _worn("lobe2_width")
+    lobe2_height = _worn("lobe2_height")
+    lobe2_pipe = _worn("lobe2_pipe")
 
     def __len__(self) -> int:
         """Return the number of rows."""
@@ -380,7 +389,7 @@ class Logs(Tabular):
         inside = slice(kept[0], kept[-1] + 1) if kept.size else slice(0)  # rows are in depth order: no copy
         columns: dict[str, Any] = {name: getattr(self, name)[inside] for name in COLUMN_NAMES}
         arms = tuple(of[inside] for of in self.arm_diameter)
-        return replace(self, arm_diameter=arms, section=self.section[inside], **columns)
+        return replace(self, arm_diameter=arms, section=self.section[inside], worn=self.worn.between(inside), **columns)
 
     def annulus(self, casing: float) -> Annulus:
         """Return the annulus around a casing: volume, cement, clearance, as `helibore logs` writes them.
@@ -624,7 +633,6 @@ def turn_logs(
     first = helix.first // K
     threads = getattr(wall, "threads", None) if threads is None else threads
     found: dict[str, Any] = _core.turn_columns(radius, *around, window, thread_count(threads), first, reference)
-    found |= _core.unworn_columns(radius, *around, bit, _counts(wall), thread_count(threads))
     square, turns = found.pop("mean_square"), radius.size // K
     depth = helix.turn_depths(turns)
     path: Path | None = getattr(wall, "path", None)
@@ -635,6 +643,8 @@ def turn_logs(
     found |= {"uneven": np.full(turns, np.nan), "shape": "wall", "arm_diameter": ()}
     if turns and getattr(wall, "arms", None) is not None and found["sampled"].mean() < SEES_ALL_AROUND:
         found |= _from_arms(wall, depth, found)
+    counts = _counts(wall)
+    worn = WornColumns(lambda: _core.unworn_columns(radius, *around, bit, counts, thread_count(threads)))
     most, least = found["c1"], found["least_diameter"]
     ovality = (most - least) / (most + least)
     return Logs(
@@ -649,6 +659,7 @@ def turn_logs(
         diameter_sigma=_diameter_sigma(wall, sigma, turns, caliper_accuracy),
         caliper_accuracy=caliper_accuracy,
         age=_ages(getattr(wall, "samples", None), depth, abs(pitch), newest),
+        worn=worn,
         bit_diameter=bit,
         sectors=K,
         pitch=pitch,

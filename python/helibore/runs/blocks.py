@@ -32,7 +32,9 @@ from helibore.channels.log_set import LogSet
 from helibore.files.columnar import parquet_values
 from helibore.files.raw_set import Channel
 from helibore.logs.likely_kinds import PARTS
+from helibore.logs.log_columns import WORN
 from helibore.logs.turn_logs import COLUMN_NAMES, RUGOSITY_WINDOW, Logs, turn_logs, window_turns
+from helibore.logs.worn_columns import WornColumns
 from helibore.preparation.conditioning import in_range
 from helibore.preparation.prepare import Prepared
 from helibore.preparation.sensors import observe_by_depth
@@ -396,7 +398,7 @@ def make_block(run: Run, store: Store, folder: str, number: int, archive: str | 
     coarse = overview_settings(settings)
     coarse_first = first * OVERVIEW_SECTORS // COARSER
     coarse_stop = _vertex_count(coarse, plan) if last else stop * OVERVIEW_SECTORS // COARSER
-    made: dict[str, Any] = {name: getattr(logs, name)[rows] for name in COLUMN_NAMES}
+    made: dict[str, Any] = {name: getattr(logs, name)[rows] for name in COLUMN_NAMES} | {**logs.worn.between(rows)}
     made |= {"vertex_radius": radius[own], "vertex_nearest": nearest[own], "samples": np.count_nonzero(inside)}
     made["section"] = logs.section[rows]
     made["overview"] = radii(stretch(store, plan, coarse, coarse_first, coarse_stop), coarse_stop - coarse_first)[0]
@@ -457,7 +459,7 @@ def merged(run: Run, store: Store, folder: str) -> tuple[Merged, Logs, Merged]:
         return PartColumn(lambda number: store.read_arrays(_part_file(folder, number), name)[0], stops)
 
     rooms = {"overview": _vertex_count(coarse, plan), "samples": len(blocks)}
-    rooms |= dict.fromkeys(COLUMN_NAMES, plan["vertices"] // settings.sectors)
+    rooms |= dict.fromkeys((*COLUMN_NAMES, *WORN), plan["vertices"] // settings.sectors)
     rooms["section"] = plan["vertices"] // settings.sectors * PARTS
     columns: dict[str, Any] = {name: np.empty(room) for name, room in rooms.items()}
     filled = Counter[str]()
@@ -468,6 +470,7 @@ def merged(run: Run, store: Store, folder: str) -> tuple[Merged, Logs, Merged]:
             filled[name] += values.size
     overview, count = columns.pop("overview"), int(columns.pop("samples").sum())
     section = columns.pop("section").reshape(-1, PARTS)
+    worn = {name: columns.pop(name) for name in WORN}
     radius, nearest = of_vertices("vertex_radius"), of_vertices("vertex_nearest")
     wall = Merged(settings, plan["start_depth"], radius, nearest, count, run.path)
     over = Merged(coarse, plan["start_depth"], overview, None, count, run.path)
@@ -476,6 +479,7 @@ def merged(run: Run, store: Store, folder: str) -> tuple[Merged, Logs, Merged]:
         basis_text=basis_text(wall.basis),
         rugosity_window=window_turns(RUGOSITY_WINDOW, settings.pitch) * abs(settings.pitch),
         reference=run.path.reference if run.path is not None else "", path=run.path, section=section,
+        worn=WornColumns(lambda: worn),
         **columns,
     )  # fmt: skip
     return wall, logs, over

@@ -327,9 +327,9 @@ def test_sizes_must_be_sizes(name: str, size: float) -> None:
 
 
 def test_every_column_has_a_name_in_files() -> None:
-    from helibore.logs.log_columns import COLUMNS, INNER, LOBES
+    from helibore.logs.log_columns import COLUMNS, INNER, WORN
 
-    assert {of.name for of in COLUMNS} | {*INNER, *LOBES} == set(COLUMN_NAMES)
+    assert {of.name for of in COLUMNS} | {*INNER, *WORN} == {*COLUMN_NAMES, *WORN}
     assert isinstance(turn_logs(helix(np.full(24, 0.1), 12), 0.2), Logs)
 
 
