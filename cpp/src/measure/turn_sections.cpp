@@ -1,4 +1,5 @@
 // The section of each turn, as its samples show it, and the turns that have few samples.
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -16,26 +17,12 @@ namespace {
 constexpr double sparse_length = 0.3;  // metres
 constexpr double rounding = 1e-9;      // metres
 
-// Means of radii by part of the turn.
-class Means {
-  public:
-    explicit Means(std::size_t turns) : sum_(turns * section_parts), count_(turns * section_parts) {}
+std::size_t part_of(double toolface) {
+    const double part = nearest_whole(wrap_toolface(toolface) * (static_cast<double>(section_parts) / 360.0));
+    return static_cast<std::size_t>(part) % section_parts;
+}
 
-    void add(std::size_t turn, double toolface, double radius) {
-        const double part = nearest_whole(wrap_toolface(toolface) * (static_cast<double>(section_parts) / 360.0));
-        const std::size_t place = turn * section_parts + static_cast<std::size_t>(part) % section_parts;
-        sum_[place] += radius, count_[place] += 1.0;
-    }
-
-    std::vector<double> take() {
-        for (std::size_t place = 0; place < sum_.size(); ++place)
-            sum_[place] = count_[place] > 0.0 ? sum_[place] / count_[place] : std::numeric_limits<double>::quiet_NaN();
-        return std::move(sum_);
-    }
-
-  private:
-    std::vector<double> sum_, count_;
-};
+double mean_of(double sum, double count) { return count > 0.0 ? sum / count : std::numeric_limits<double>::quiet_NaN(); }
 
 void require_helix(const HelixVertices& vertices) {
     require(std::isfinite(vertices.start_depth), "start_depth", vertices.start_depth, "must be finite");
@@ -56,15 +43,18 @@ std::vector<double> turn_sections(const HelixVertices& vertices, const SamplePla
     require_length("toolface", samples.toolface.size(), samples.depth.size());
     require_length("radius", radius.size(), samples.depth.size());
     const Index turns = vertices.count / vertices.sectors, before = vertices.first / vertices.sectors;
-    Means means(static_cast<std::size_t>(turns));
+    std::vector<double> sums(static_cast<std::size_t>(turns) * section_parts), counts(sums.size());
     for (std::size_t i = 0; i < radius.size(); ++i) {
         const double turn =
             std::floor((samples.depth[i] - vertices.start_depth) / vertices.pitch) - static_cast<double>(before);
         const double of = read_once(radius[i]);
-        if (turn >= 0.0 && turn < static_cast<double>(turns) && std::isfinite(of))
-            means.add(static_cast<std::size_t>(turn), read_once(samples.toolface[i]), of);
+        if (turn >= 0.0 && turn < static_cast<double>(turns) && std::isfinite(of)) {
+            const auto place = static_cast<std::size_t>(turn) * section_parts + part_of(read_once(samples.toolface[i]));
+            sums[place] += of, counts[place] += 1.0;
+        }
     }
-    return means.take();
+    for (std::size_t place = 0; place < sums.size(); ++place) sums[place] = mean_of(sums[place], counts[place]);
+    return sums;
 }
 
 std::vector<double> turn_sections(const HelixVertices& vertices, std::span<const double> radius) {
@@ -73,11 +63,19 @@ std::vector<double> turn_sections(const HelixVertices& vertices, std::span<const
     require_length("radius", radius.size(), static_cast<std::size_t>(vertices.count), "count");
     const auto sectors = static_cast<std::size_t>(vertices.sectors), turns = radius.size() / sectors;
     const Helix helix{vertices.start_depth, vertices.start_toolface, vertices.pitch, vertices.sectors, 0};
-    Means means(turns);
-    for (std::size_t i = 0; i < turns * sectors; ++i)
-        if (const double of = read_once(radius[i]); std::isfinite(of))
-            means.add(i / sectors, helix.toolface(static_cast<Index>(i % sectors)), of);
-    return means.take();
+    std::vector<std::size_t> parts;  // of the vertices of a turn
+    for (std::size_t k = 0; k < sectors; ++k) parts.push_back(part_of(helix.toolface(static_cast<Index>(k))));
+    std::vector<double> means;
+    means.reserve(turns * section_parts);
+    for (std::size_t turn = 0; turn < turns; ++turn) {
+        std::array<double, section_parts> sums{}, counts{};
+        for (std::size_t k = 0; k < sectors; ++k) {
+            const double of = read_once(radius[turn * sectors + k]);
+            if (std::isfinite(of)) sums[parts[k]] += of, counts[parts[k]] += 1.0;
+        }
+        for (std::size_t part = 0; part < section_parts; ++part) means.push_back(mean_of(sums[part], counts[part]));
+    }
+    return means;
 }
 
 std::vector<double> sparse_turns(std::span<const double> sections, double height) {
