@@ -96,6 +96,33 @@ def test_an_error_has_the_text_of_the_native_core(tmp_path: Path) -> None:
     assert found["error"].startswith("radius[3] = -0.1")
 
 
+def shortest(value: float) -> str:
+    """The shorter of both notations of the fewest digits, as std::to_chars."""
+    digits = np.format_float_scientific(value, trim="-")
+    exponent = int(digits.partition("e")[2])
+    fixed = str(int(value)) if value == int(value) else np.format_float_positional(value, trim="-")
+    scientific = f"{digits.partition('e')[0]}e{exponent:+03d}"
+    return fixed if len(fixed) <= len(scientific) else scientific
+
+
+@pytest.mark.skipif(NODE is None, reason="Node.js is missing")
+def test_numbers_in_messages_are_written_as_in_those_of_the_native_core() -> None:
+    draw = np.random.default_rng(3)
+    values = [0.0, -0.0, 1e5, 123456.7, 999999.5, 1e20, 2.0**60, 5e-324, -1.5e-5, 1234567.0, 0.00012345678, 3600.0]
+    values += [float(f"{of:.{n}g}") for n, of in enumerate(np.exp(draw.uniform(-60, 60, 16)), 1)]
+    values += [float(of) for of in draw.normal(0, 1, 20) * 10.0 ** draw.integers(-8, 24, 20)]
+    script = (
+        f"import {{ numberText }} from '{(WEB / 'offline' / 'core.js').as_uri()}';"
+        f"const values = {json.dumps(values)};"
+        "console.log(JSON.stringify(values.map((of) => [numberText(of, 0), numberText(of, 6)])))"
+    )
+    command = [str(NODE), "--input-type=module", "-e", script]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=True)
+    for value, (whole, six) in zip(values, json.loads(done.stdout), strict=True):
+        assert six == f"{value:g}"
+        assert whole == ("-0" if str(value) == "-0.0" else shortest(value))
+
+
 def test_the_structs_of_the_page_are_those_of_the_header() -> None:
     header = (ROOT / "cpp" / "include" / "helibore" / "helibore.h").read_text()
     script = (WEB / "offline" / "core.js").read_text()

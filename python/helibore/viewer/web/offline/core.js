@@ -36,6 +36,21 @@ const WIDTHS = /** @type {Record<string, number>} */ ({ u: 4, i: 4, d: 8, l: 8 }
  * @typedef {{ state: Fields, suspects: Suspect[], depth: Float64Array, toolface: Float64Array, radius: Float64Array, time: Float64Array | null }} Prepared
  */
 
+// Return a number as std::to_chars writes it: with so many significant digits, as the format %g; 0: the fewest that read back as
+// the same number, without an exponent unless this is shorter.
+/** @param {number} value @param {number} digits */
+export function numberText(value, digits) {
+  if (!Number.isFinite(value)) return Number.isNaN(value) ? 'nan' : value < 0 ? '-inf' : 'inf';
+  const sign = value < 0 || Object.is(value, -0) ? '-' : '';
+  const [mantissa, power] = Math.abs(value).toExponential(digits ? digits - 1 : undefined).split('e').map((part) => part.replace(/(\.\d*?)0+$/, '$1').replace(/\.$/, ''));
+  const exponent = Number(power);
+  const scientific = `${mantissa}e${exponent < 0 ? '-' : '+'}${String(Math.abs(exponent)).padStart(2, '0')}`;
+  const all = mantissa.replace('.', '');
+  const whole = () => (digits ? all.padEnd(exponent + 1, '0') : String(BigInt(Math.abs(value))));
+  const fixed = exponent < 0 ? `0.${'0'.repeat(-exponent - 1)}${all}` : exponent + 1 < all.length ? `${all.slice(0, exponent + 1)}.${all.slice(exponent + 1)}` : whole();
+  return sign + ((digits ? exponent >= -4 && exponent < digits : fixed.length <= scientific.length) ? fixed : scientific);
+}
+
 // An error of the core: a bad input, with place, value and rule, or no more memory.
 export class CoreError extends Error {}
 
@@ -50,7 +65,12 @@ export class Core {
   static async open(bytes) {
     // What the C library would write is dropped: the core prints nothing.
     const nothing = { fd_close: () => 8, fd_seek: () => 8, fd_write: () => 8 };
-    const { instance } = /** @type {WebAssembly.WebAssemblyInstantiatedSource} */ (/** @type {unknown} */ (await WebAssembly.instantiate(bytes, { wasi_snapshot_preview1: nothing })));
+    const page = { number_text: (/** @type {number} */ value, /** @type {number} */ digits, /** @type {number} */ at) => {
+      const text = new TextEncoder().encode(numberText(value, digits));
+      new Uint8Array(/** @type {any} */ (instance.exports.memory).buffer, at, text.length).set(text);
+      return text.length;
+    } };
+    const { instance } = /** @type {WebAssembly.WebAssemblyInstantiatedSource} */ (/** @type {unknown} */ (await WebAssembly.instantiate(bytes, { wasi_snapshot_preview1: nothing, page })));
     return new Core(instance);
   }
 
