@@ -1,11 +1,14 @@
 // What the page needs and the C interface lacks. Each function returns 0, or 1 for an error; its arrays belong to the
 // page.
 #include <algorithm>
+#include <limits>
 #include <span>
 
 #include "helibore/compression.hpp"
 #include "helibore/error.hpp"
 #include "helibore/logs.hpp"
+#include "helibore/zones.hpp"
+#include "measure/zone_columns.hpp"
 
 namespace {
 
@@ -49,6 +52,46 @@ PAGE_API int page_logs(double start_toolface, int sectors, int count, const doub
                                    &logs.diameter_90, &logs.centre_0, &logs.centre_90, &logs.inscribed_diameter,
                                    &logs.inscribed_0, &logs.inscribed_90, &logs.enclosing_diameter, &logs.rugosity})
             values = std::ranges::copy(*column, values).out;
+    });
+}
+
+// Measures the turns of a wall and finds its zones (zones.hpp). helix, sectors, count, rule, n, depth, toolface, radius
+// and wall: as of page_measured. arm_*: m samples with the number of the arm of each; arm_time may be null; m = 0: the
+// arms are not known. Of each full turn: kinds, and column after column C1, its toolface, C2, least diameter and
+// unevenness of the arms, unworn diameter, height of the highest lobe, the mean squared radius that is likely where
+// samples are few, and its standard deviation; NaN where there is none. Then the diameters of each arm, of at most
+// eight. zones: 20 columns, with room for as many rows as there are turns. found: how many arms and zones there are.
+PAGE_API int page_zones(const double* helix, int sectors, int count, const double* rule, int n, const double* depth,
+                        const double* toolface, const double* radius, const double* wall, double bit, int m,
+                        const double* arm_depth, const double* arm_toolface, const double* arm_radius,
+                        const std::int64_t* arm, const double* arm_time, double reach, std::int32_t* kinds,
+                        double* columns, double* zones, std::int32_t* found) {
+    return guarded([&] {
+        const auto samples = static_cast<std::size_t>(n), of_arms = static_cast<std::size_t>(m);
+        const helibore::ArmSamples arms{{arm_depth, of_arms},
+                                        {arm_toolface, of_arms},
+                                        {arm_radius, of_arms},
+                                        {arm, of_arms},
+                                        {arm_time, arm_time == nullptr ? 0 : of_arms},
+                                        reach};
+        const helibore::WallZones all = helibore::wall_zones(
+            {helix[0], helix[1], helix[2], sectors, count, 0}, {wall, static_cast<std::size_t>(count)},
+            {{{depth, samples}, {toolface, samples}}, {radius, samples}, arms}, bit, {},
+            {rule[0], rule[1], rule[2], rule[3], rule[4]});
+        std::ranges::transform(all.kinds, kinds, [](auto kind) { return static_cast<std::int32_t>(kind); });
+        const std::size_t turns = all.kinds.size();
+        const auto add = [&](const std::vector<double>& column, auto holds) {
+            for (std::size_t turn = 0; turn < turns; ++turn)
+                *columns++ = !column.empty() && holds(turn) ? column[turn] : std::numeric_limits<double>::quiet_NaN();
+        };
+        for (const auto* column : {&all.arms.c1, &all.arms.c1_toolface, &all.arms.c2, &all.arms.least_diameter,
+                                   &all.arms.c1_uneven, &all.unworn.diameter, &all.unworn.lobes[0].height})
+            add(*column, [](std::size_t) { return true; });
+        for (const auto* column : {&all.along.size, &all.along.size_sigma})
+            add(*column, [&](std::size_t turn) { return all.sparse[turn] == 1.0; });
+        std::ranges::copy(all.arms.diameter, columns);
+        helibore::fill_zones(all.zones, zones);
+        found[0] = static_cast<std::int32_t>(all.arms.arms), found[1] = static_cast<std::int32_t>(all.zones.size());
     });
 }
 

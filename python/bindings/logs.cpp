@@ -1,5 +1,6 @@
 // helibore._core: turn_columns, which returns the logs of turns as a dictionary of columns, and angular_gaps.
 #include "helibore/logs.hpp"
+#include "helibore/arms.hpp"
 #include "helibore/kinds.hpp"
 #include "helibore/passage.hpp"
 #include "helibore/unworn.hpp"
@@ -200,6 +201,28 @@ py::array_t<double> sparse_turns(const Column& sections, double height) {
     return array_of(helibore::sparse_turns(span_of(sections), height));
 }
 
+// Returns the columns of arm_diameters, those of arms as one array for each arm; None if there are no arms.
+py::object arm_diameters(const std::tuple<Column, Column, Column, py::array_t<Index>, Column>& samples,
+                         const Column& depth, double height, double reach) {
+    const auto& [at, toolface, radius, arm, time] = samples;
+    const std::span<const Index> numbers{arm.data(), static_cast<std::size_t>(arm.size())};
+    ArmDiameters found;
+    {
+        const WithoutGil released;
+        found = helibore::arm_diameters(
+            {span_of(at), span_of(toolface), span_of(radius), numbers, span_of(time), reach}, span_of(depth), height);
+    }
+    if (found.arms == 0) return py::none();
+    py::dict columns;
+    columns["diameter"] = array_of(std::move(found.diameter));
+    columns["c1"] = array_of(std::move(found.c1));
+    columns["c1_toolface"] = array_of(std::move(found.c1_toolface));
+    columns["uneven"] = array_of(std::move(found.c1_uneven));
+    columns["c2"] = array_of(std::move(found.c2));
+    columns["least_diameter"] = array_of(std::move(found.least_diameter));
+    return columns;
+}
+
 // A zone as Python reads it: kind, the numbers in the order of the struct, and both lobes.
 py::tuple row_of(const Zone& zone) {
     const auto lobe = [](const ZoneLobe& of) { return py::make_tuple(of.toolface, of.opening, of.height); };
@@ -282,6 +305,7 @@ void register_logs(py::module_& m) {
           py::arg("radius"));
     m.def("vertex_sections", &vertex_sections, py::arg("helix"), py::arg("radius"));
     m.def("sparse_turns", &sparse_turns, py::arg("sections"), py::arg("height"));
+    m.def("arm_diameters", &arm_diameters, py::arg("samples"), py::arg("depth"), py::arg("height"), py::arg("reach"));
     m.def("find_zones", &find_zones, py::arg("columns"), py::arg("sections"), py::arg("uneven"), py::arg("vertices"),
           py::arg("bit_diameter"), py::arg("criteria"), py::arg("chained"), py::arg("libraries"), py::arg("threads"));
     m.def("likely_kind", &likely_kind, py::arg("sections"), py::arg("library"));

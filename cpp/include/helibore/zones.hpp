@@ -20,9 +20,11 @@
 #include <span>
 #include <vector>
 
+#include "helibore/arms.hpp"
 #include "helibore/kinds.hpp"
 #include "helibore/logs.hpp"
 #include "helibore/types.hpp"
+#include "helibore/unworn.hpp"
 
 namespace helibore {
 
@@ -117,13 +119,23 @@ Zones find_zones(const MeasuredTurns& turns, const TurnVertices& vertices, doubl
 struct ZoneSamples {
     SamplePlaces places;
     std::span<const double> radius;
+    ArmSamples arms{};  // the same samples in any order, with the arm of each; empty: the arms are not known
+};
+
+// The zones of a wall, and the measures of its turns that they were found from.
+struct WallZones : Zones {
+    ArmDiameters arms;  // arms = 0: the wall gives the shape
+    UnwornTurns unworn;
+    std::vector<double> sparse;  // of each turn: 1 if its section has few samples (sparse_turns)
+    KindsAlong along;            // of sparse turns; size is the mean squared radius, m2
 };
 
 // Measures a wall, from vertices and samples, and finds its zones. `radius`: of each of `vertices`; `bit_diameter`: as
-// in unworn_turns. For a tool with few arms the shape is that of the wall, which is rounder between the arms than the
-// hole. Throws InputError as turn_logs, measured and find_zones do.
-Zones wall_zones(const HelixVertices& vertices, std::span<const double> radius, const ZoneSamples& samples,
-                 double bit_diameter, const ZoneCriteria& criteria = {}, const MeasuredRule& rule = usual_measured_rule,
-                 int threads = 1);
+// in unworn_turns. The diameters are those of the arms if arm_diameters finds them and less than sees_all_around of the
+// turns have samples near; else those of the wall, which between few arms is rounder than the hole. Throws InputError
+// as turn_logs, measured, arm_diameters and find_zones do.
+WallZones wall_zones(const HelixVertices& vertices, std::span<const double> radius, const ZoneSamples& samples,
+                     double bit_diameter, const ZoneCriteria& criteria = {},
+                     const MeasuredRule& rule = usual_measured_rule, int threads = 1);
 
 }  // namespace helibore

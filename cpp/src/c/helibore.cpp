@@ -14,6 +14,7 @@
 #include "helibore/preparation.hpp"
 #include "helibore/surface.hpp"
 #include "helibore/zones.hpp"
+#include "measure/zone_columns.hpp"
 
 namespace {
 
@@ -120,21 +121,6 @@ hb_zone_criteria to_c(const ZoneCriteria& of, const MeasuredRule& rule) {
             .join = of.join,
             .gap_reach = rule.gap_reach,
             .largest_gap = rule.largest_gap};
-}
-
-// Copies the zones column after column, in the order of zones.hpp.
-void fill_zones(const std::vector<Zone>& zones, double* into) {
-    const auto put = [&](const auto& of) {
-        for (const Zone& zone : zones) *into++ = static_cast<double>(of(zone));
-    };
-    put([](const Zone& zone) { return static_cast<int>(zone.kind); });
-    for (double Zone::* const member : {&Zone::start, &Zone::stop, &Zone::measure, &Zone::median, &Zone::severity,
-                                        &Zone::enlargement, &Zone::elongation, &Zone::peak, &Zone::coverage,
-                                        &Zone::confidence, &Zone::pipe_diameter, &Zone::toolface, &Zone::deviation})
-        put([member](const Zone& zone) { return zone.*member; });
-    for (const std::size_t side : {0U, 1U})
-        for (double ZoneLobe::* const member : {&ZoneLobe::toolface, &ZoneLobe::opening, &ZoneLobe::height})
-            put([side, member](const Zone& zone) { return zone.lobes[side].*member; });
 }
 
 hb_change to_c(const Change& change) {

@@ -2,6 +2,7 @@
 // turns.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "base/arithmetic.hpp"
 #include "base/host_memory.hpp"
@@ -46,29 +47,38 @@ std::vector<double> depths_of(const HelixVertices& vertices, std::size_t turns) 
 
 }  // namespace
 
-Zones wall_zones(const HelixVertices& vertices, std::span<const double> given, const ZoneSamples& samples,
-                 double bit_diameter, const ZoneCriteria& criteria, const MeasuredRule& rule, int threads) {
+WallZones wall_zones(const HelixVertices& vertices, std::span<const double> given, const ZoneSamples& samples,
+                     double bit_diameter, const ZoneCriteria& criteria, const MeasuredRule& rule, int threads) {
     const StandardArithmetic standard;
     const std::vector<double> radius = copied(given);
     const SectionLibraries libraries(bit_diameter, criteria.limits());
     const int sectors = static_cast<int>(std::clamp<Index>(vertices.sectors, 0, 1000001));
     const TurnVertices of_turns{radius, sectors, vertices.start_toolface, vertices.pitch};
-    if (radius.empty()) return find_zones({}, of_turns, bit_diameter, criteria, {}, libraries, threads);
+    WallZones out;
+    Zones& found = out;
+    if (radius.empty()) {
+        found = find_zones({}, of_turns, bit_diameter, criteria, {}, libraries, threads);
+        return out;
+    }
     const std::vector<double> sections = turn_sections(vertices, samples.places, samples.radius);
     require_sectors(sectors);
     const Marks marks = marks_of(measured(vertices, samples.places, rule, threads, {samples.radius, radius}), radius,
                                  static_cast<std::size_t>(sectors));
     const Turns turns{.start_toolface = vertices.start_toolface, .sectors = sectors, .radius = radius};
     const TurnLogs logs = turn_logs(turns, threads);
-    const UnwornTurns unworn = unworn_turns(turns, bit_diameter, marks.counts, threads);
+    out.unworn = unworn_turns(turns, bit_diameter, marks.counts, threads);
     const std::vector<double> depth = depths_of(vertices, logs.mean.size());
-    KindsAlong along;
     const double height = std::abs(vertices.pitch);
-    if (const std::vector<double> sparse = sparse_turns(sections, height);
-        std::ranges::find(sparse, 1.0) != sparse.end()) {
+    const double seen = std::accumulate(marks.sampled.begin(), marks.sampled.end(), 0.0);
+    if (seen < sees_all_around * static_cast<double>(depth.size()))
+        out.arms = arm_diameters(samples.arms, depth, height);
+    const bool by_arms = out.arms.arms > 0;
+    const bool even = by_arms && std::ranges::none_of(out.arms.c1_uneven, [](double of) { return of > 0.0; });
+    out.sparse = sparse_turns(sections, height);
+    if (std::ranges::find(out.sparse, 1.0) != out.sparse.end()) {
         std::vector<double> beyond(sections);
         for (double& of : beyond) of -= bit_diameter / 2.0;
-        along = kinds_along(beyond, height, sparse, libraries.of(false), {}, threads);
+        out.along = kinds_along(beyond, height, out.sparse, libraries.of(even), {}, threads);
     }
     const auto lobe = [](const TurnLobes& of) {
         return MeasuredTurns::Lobe{of.toolface, of.width, of.height, of.pipe};
@@ -77,17 +87,19 @@ Zones wall_zones(const HelixVertices& vertices, std::span<const double> given, c
                                  .coverage = marks.coverage,
                                  .sampled = marks.sampled,
                                  .mean = logs.mean,
-                                 .c1 = logs.c1,
-                                 .c1_toolface = logs.c1_toolface,
-                                 .c2 = logs.c2,
-                                 .least_diameter = logs.least_diameter,
-                                 .unworn_diameter = unworn.diameter,
-                                 .unworn_0 = unworn.centre_0,
-                                 .unworn_90 = unworn.centre_90,
-                                 .lobes{{lobe(unworn.lobes[0]), lobe(unworn.lobes[1])}},
+                                 .c1 = by_arms ? out.arms.c1 : logs.c1,
+                                 .c1_toolface = by_arms ? out.arms.c1_toolface : logs.c1_toolface,
+                                 .c2 = by_arms ? out.arms.c2 : logs.c2,
+                                 .least_diameter = by_arms ? out.arms.least_diameter : logs.least_diameter,
+                                 .unworn_diameter = out.unworn.diameter,
+                                 .unworn_0 = out.unworn.centre_0,
+                                 .unworn_90 = out.unworn.centre_90,
+                                 .lobes{{lobe(out.unworn.lobes[0]), lobe(out.unworn.lobes[1])}},
                                  .sections = sections,
-                                 .uneven = {}};
-    return find_zones(measures, of_turns, bit_diameter, criteria, {along.kinds, along.seen}, libraries, threads);
+                                 .uneven = out.arms.c1_uneven};
+    found =
+        find_zones(measures, of_turns, bit_diameter, criteria, {out.along.kinds, out.along.seen}, libraries, threads);
+    return out;
 }
 
 }  // namespace helibore

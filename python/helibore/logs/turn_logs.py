@@ -32,7 +32,6 @@ from helibore.base.notebook import card, curve_picture
 from helibore.base.tables import LogColumn, LogImage, LogTable, Tabular
 from helibore.base.thread_count import thread_count
 from helibore.logs.annulus import Annulus, annulus
-from helibore.logs.arms import arm_diameters
 from helibore.logs.cement_sheet import CementSheet, MeasuredHole, cement_sheet
 from helibore.logs.depth_steps import by_step
 from helibore.logs.likely_kinds import PARTS, Along, kinds_along
@@ -727,15 +726,19 @@ def _from_arms(wall: Any, depth: Floats, of_wall: dict[str, Any]) -> dict[str, A
 
     ``of_wall`` are the columns of the wall.
     """
-    reach = wall.settings.max_distance
-    arms = arm_diameters(wall.arms, depth, abs(wall.settings.pitch), math.inf if reach is None else reach)
-    if arms is None:
+    reach, arms = wall.settings.max_distance, wall.arms
+    places = (column(name, getattr(arms, name)) for name in ("depth", "toolface", "radius"))
+    time = np.empty(0) if arms.time is None else column("time", arms.time)
+    sizes: dict[str, Any] | None = _core.arm_diameters(
+        (*places, arms.arm, time), depth, abs(wall.settings.pitch), math.inf if reach is None else reach
+    )
+    if sizes is None:
         return {}
-    c1, axis, uneven, c2, least = arms.sizes()
-    sizes = {"c1": c1, "c1_toolface": axis, "c2": c2, "least_diameter": least, "uneven": uneven}
-    inside, around = np.fmin(of_wall["inscribed_diameter"], least), np.fmax(of_wall["enclosing_diameter"], c1)
+    diameters = sizes.pop("diameter").reshape(-1, depth.size)
+    inside = np.fmin(of_wall["inscribed_diameter"], sizes["least_diameter"])
+    around = np.fmax(of_wall["enclosing_diameter"], sizes["c1"])
     circles = {"inscribed_diameter": inside, "enclosing_diameter": around}
-    return {**sizes, **circles, "shape": "arms", "arm_diameter": tuple(arms.diameter)}
+    return {**sizes, **circles, "shape": "arms", "arm_diameter": tuple(diameters)}
 
 
 def _diameter_sigma(wall: WallLike, sigma: npt.ArrayLike | None, turns: int, accuracy: float) -> Floats:

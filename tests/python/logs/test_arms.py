@@ -17,8 +17,8 @@ from hypothesis import strategies as st
 from locations import SHARED
 
 import helibore as hb
+from helibore import _core
 from helibore.files.facts import read_facts
-from helibore.logs.arms import _by_place
 from helibore.logs.turn_logs import NO_UNCERTAINTY
 from helibore.plot.diameters import diameters
 from helibore.simulation.hole import Breakout, Hole, Washout
@@ -310,10 +310,67 @@ def test_two_diameters_over_one_direction_show_no_side(alone: int) -> None:
     assert "key seat" not in [zone.kind for zone in wall.zones().zones]
 
 
-@pytest.mark.parametrize("sort", [False, True])
-@given(st.lists(st.tuples(st.integers(0, 3), st.integers(0, 2), st.integers(0, 359_999)), max_size=30))
-def test_samples_are_in_the_order_of_depth_time_and_direction(sort: bool, places: list[tuple[int, int, int]]) -> None:
-    places = sorted(places, key=lambda place: place[:2]) if sort else places
-    depth, time, direction = np.array(places, dtype=np.int64).reshape(-1, 3).T
-    found = _by_place(depth.astype(float), time.astype(float), direction)
-    assert found.tolist() == sorted(range(len(places)), key=places.__getitem__)
+def slow_diameters(arms: hb.Caliper, depth: np.ndarray, height: float) -> dict[int, np.ndarray]:
+    """The mean diameter of each arm in each turn, by trapezoids between all readings, ends and edges of the turn."""
+    assert arms.arm is not None
+    ends: dict[tuple[float, float, float], dict[float, list[tuple[int, float]]]] = {}
+    time = np.zeros(len(arms)) if arms.time is None else arms.time
+    for at, when, toolface, radius, arm in zip(arms.depth, time, arms.toolface, arms.radius, arms.arm, strict=True):
+        direction = round(toolface % 360, 3) % 360
+        ends.setdefault((at, when, round(direction % 180, 3)), {}).setdefault(direction, []).append((int(arm), radius))
+    readings: dict[int, dict[float, list[float]]] = {}
+    for (at, _, _), sides in ends.items():
+        if len(sides) == 2:
+            name = min(arm for side in sides.values() for arm, _ in side)
+            size = sum(float(np.mean([radius for _, radius in side])) for side in sides.values())
+            readings.setdefault(name, {}).setdefault(at, []).append(size)
+    found = {}
+    for name, sizes in readings.items():
+        known = np.array(sorted(sizes))
+        values = np.array([np.mean(sizes[at]) for at in known])
+        found[name] = np.full(depth.size, np.nan)
+        for turn, middle in enumerate(depth):
+            low, high = np.clip([middle - height / 2, middle + height / 2], known[0], known[-1])
+            inside = np.concatenate([[low], known[(known > low) & (known < high)], [high]])
+            there = np.interp(inside, known, values)
+            wide = high - low > 1e-3 * height
+            mean = np.trapezoid(there, inside) / (high - low) if wide else np.interp(middle, known, values)
+            found[name][turn] = mean
+    return found
+
+
+@given(
+    st.integers(2, 6),
+    st.integers(1, 25),
+    st.floats(0.03, 0.4),
+    st.sampled_from([0, 1237, 7919, 39_001]),
+    st.integers(0, 2**32 - 1),
+)
+def test_diameters_are_the_means_of_opposite_samples(axes: int, rows: int, step: float, turn: int, seed: int) -> None:
+    """In any order, with samples that are missing, repeated, or of a second pass."""
+    draw = np.random.default_rng(seed)
+    row, end = np.divmod(np.arange(2 * axes * rows), 2 * axes)
+    passes = draw.integers(0, 2, rows)[row]
+    toolface = ((turn * row + 180_000 * (end % 2) + 180_000 // axes * (end // 2)) % 360_000) / 1000
+    radius = draw.uniform(0.1, 0.13, row.size)
+    kept = draw.permutation(row.size)[: draw.integers(1, row.size + 1)]
+    kept = np.concatenate([kept, draw.choice(kept, kept.size // 4)])
+    columns = 1000 + step * row, toolface, radius, passes.astype(float)
+    arms = hb.Caliper(*(column[kept] for column in columns), arm=(end // 2)[kept])
+    depth = np.arange(999.5, 1000.5 + step * rows, 0.1)
+    samples = (arms.depth, arms.toolface, arms.radius, np.asarray(arms.arm), np.asarray(arms.time))
+    found = _core.arm_diameters(samples, depth, 0.1, np.inf)
+    wanted = slow_diameters(arms, depth, 0.1)
+    if len(wanted) < 2:
+        assert found is None
+        return
+    diameters = np.array([wanted[name] for name in sorted(wanted)])
+    np.testing.assert_allclose(found["diameter"].reshape(diameters.shape), diameters, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(found["c1"], diameters.max(axis=0), rtol=0, atol=1e-9)
+    np.testing.assert_allclose(found["least_diameter"], diameters.min(axis=0), rtol=0, atol=1e-9)
+
+
+def test_columns_of_arms_must_have_one_length() -> None:
+    one = np.ones(1)
+    with pytest.raises(hb.InputError, match="toolface has 2 values"):
+        _core.arm_diameters((one, np.ones(2), one, np.ones(1, np.int64), np.empty(0)), one, 0.1, np.inf)

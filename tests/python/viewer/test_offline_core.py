@@ -19,6 +19,7 @@ from patience import PATIENCE
 import helibore as hb
 from helibore import _core
 from helibore.logs.zones import KINDS
+from helibore.viewer.offline_rules import rules
 
 ROOT = WEB.parents[3]
 WASM = ROOT / "build" / "page" / "helibore.wasm"
@@ -26,6 +27,7 @@ NODE = shutil.which("node")
 RULE = {
     "noise": 2e-7, "between": 3e-3, "scatter_power": 0.7, "distance_power": 0.8, "stretch": 16.0, "reach": 0.4,
 }  # fmt: skip
+MEASURED = rules()["measured"]
 
 needs_core = pytest.mark.skipif(
     NODE is None or not WASM.exists(), reason="the WebAssembly core is not built: ./develop page builds it"
@@ -69,7 +71,7 @@ def numbers_of(zone: hb.Zone) -> list[float]:
 @pytest.mark.parametrize("sectors", [64, 37])
 def test_the_bits_of_radii_distances_sigma_and_zones_are_those_of_the_native_core(tmp_path: Path, sectors: int) -> None:
     columns = samples(sectors)
-    found = run(tmp_path, {**columns, "settings": {"bit_diameter": 0.216, "sectors": sectors}, "rule": RULE})
+    found = run(tmp_path, {**columns, "settings": {"bit_diameter": 0.216, "sectors": sectors}, "rule": RULE, "measured": MEASURED})
     kinds, zones = found.pop("kinds"), found.pop("zones")
     wall = hb.Wall(bit_diameter=0.216, sectors=sectors, sigma=True, threads=1)
     wall.append(*columns.values())
@@ -128,7 +130,7 @@ def test_the_structs_of_the_page_are_those_of_the_header() -> None:
     script = (WEB / "offline" / "core.js").read_text()
     kinds = {"u": "uint32_t", "i": "int32_t", "d": "double", "l": "int64_t"}
     structs = re.findall(r"^  (hb_\w+): '([^']+)'", script, re.MULTILINE)
-    assert len(structs) == 8
+    assert len(structs) == 7
     for name, members in structs:
         body = re.search(rf"typedef struct {name} {{(.*?)}} {name};", header, re.DOTALL)
         assert body is not None

@@ -28,6 +28,7 @@ from helibore.logs.curves import curves_of
 from helibore.logs.summary import WallSummary
 from helibore.samples.helix import helix_of
 from helibore.viewer.exports import curve_bytes
+from helibore.viewer.feed import Feed
 from helibore.viewer.offline_rules import rules
 from helibore.viewer.page_files import page
 
@@ -147,13 +148,16 @@ def test_the_page_rebuilds_the_wall_that_the_package_rebuilds_from_the_same_file
         low, high = helix_of(wall).ends(len(wall))
         parts = [(low, high), (low + 0.31 * (high - low), low + 0.77 * (high - low))]
         for (start, stop), summary in zip(parts, one["summaries"], strict=True):
-            compare(wall.summary(start=start, stop=stop), summary, few=logs.shape == "arms")
-        for curve in curves_of(logs):
-            if curve.name in one["curves"]:
-                *limits, bits = one["curves"][curve.name]
-                assert limits == pytest.approx(curve.ends()), (file.name, curve.name)
-                assert bits == digest(np.frombuffer(curve_bytes(curve), np.uint8)), (file.name, curve.name)
-        assert len(one["curves"]) >= 13
+            compare(wall.summary(start=start, stop=stop), summary)
+        curves = {curve.name: curve for curve in curves_of(logs) if curve.name != "AGE"}
+        assert list(one["curves"]) == list(curves), file.name
+        for name, (*limits, bits) in one["curves"].items():
+            assert limits == pytest.approx(curves[name].ends()), (file.name, name)
+            assert bits == digest(np.frombuffer(curve_bytes(curves[name]), np.uint8)), (file.name, name)
+        found_zones = wall.zones()
+        assert one["kinds"] == digest(found_zones.kind.astype(np.int32)), file.name
+        assert one["zones"] == shown_zones(wall), file.name
+        assert one["shape"] == found_zones.logs.shape
 
 
 @needs_page
@@ -175,15 +179,25 @@ def test_an_archive_with_a_wrong_byte_is_refused_or_has_the_saved_wall(tmp_path:
             assert one == right
 
 
-def compare(wanted: WallSummary, found: dict[str, Any], few: bool) -> None:
-    """Compare the page's figures of a section with the summary of the package; those of few arms it does not state."""
+def shown_zones(wall: hb.Wall) -> list[dict[str, Any]]:
+    """The zones as the live page gets them."""
+    feed = Feed(wall, path=None, attributes={}, well="")
+    feed.find_zones()
+    return [dict(zone) for zone in feed.scene.state.zones]
+
+
+def compare(wanted: WallSummary, found: dict[str, Any]) -> None:
+    """Compare the page's figures of a section with the summary of the package."""
     names = ["start", "stop", "volume", "excess", "whole_turns", "incomplete_turns", "coverage", "without_radius"]
+    names.append("washed_out")
     values = {name: float(getattr(wanted, name)) for name in (*names, "mean_diameter")}
     for name in ("least_diameter", "greatest_diameter"):
-        values[name] = math.nan if few else getattr(wanted, name).value
+        values[name] = getattr(wanted, name).value
     for name, value in values.items():
         expected = None if math.isnan(value) else pytest.approx(value, rel=1e-9, abs=1e-12)
         assert found[name] == expected, name
+    texts = [wanted.volume_text(), wanted.excess_text()] if wanted.ranged else [None, None]
+    assert [found.get("volume_text"), found.get("excess_text")] == texts
 
 
 @needs_page

@@ -18,15 +18,14 @@ const enclosable = (/** @type {string} */ code) => code.replaceAll('</script', '
 const hash = (/** @type {string} */ code) => `'sha256-${createHash('sha256').update(code).digest('base64')}'`;
 const packed = (/** @type {Buffer | string} */ bytes) => gzipSync(bytes, { level: 9 }).toString('base64');
 
-// The shipped page, as html_export.py encloses it. Nothing finds zones here, so what would show them is hidden: card, tab and the
-// row of the zone beside the cross-section. So is rig mode.
+// The shipped page, as html_export.py encloses it; rig mode is hidden.
 const app = enclosable(read(join(page, 'app.js')));
 const script = enclosable(bundled('start.js', 'esm').trim());
 const policy = (/** @type {string[]} */ ...scripts) => `default-src 'none'; style-src 'unsafe-inline'; img-src data: blob:; base-uri 'none'; form-action 'none'; script-src ${scripts.join(' ')}`;
 const [before, after] = read(join(page, 'index.html'))
   .replace('<meta charset="utf-8">', `<meta charset="utf-8">\n<meta http-equiv="Content-Security-Policy" content="${policy(hash(`\n${app}`))}">`)
   .replace('id="rigOpen"', 'id="rigOpen" hidden')
-  .replace('<link rel="stylesheet" href="app.css">', () => `<style>\n${read(join(page, 'app.css'))}\n#zonesCard, #zonesTab, #turn :is(dt, dd):last-of-type { display: none !important; }</style>`)
+  .replace('<link rel="stylesheet" href="app.css">', () => `<style>\n${read(join(page, 'app.css'))}</style>`)
   .split('<script type="module" src="app.js"></script>');
 const parts = { rules: JSON.parse(read(rules)), page: { before, app, after }, worker: bundled('worker.js', 'iife'), examples: Object.fromEntries(examples.map((path) => [basename(path), read(path)])) };
 const whole = { // `SCRIPT` last, so that no other text is looked for in it

@@ -94,13 +94,15 @@ function opened(buffer, core) {
   return { contents, array };
 }
 
-// Return the samples of an archive, in order of depth, metres and degrees.
+// Return the samples of an archive, in order of depth, and those with arm numbers; metres, degrees and seconds.
 /** @param {Archive} archive */
 export function samplesIn({ contents, array }) {
-  const folder = contents.samples.length ? 'samples' : 'arms';
-  const [depth, toolface, radius] = SAMPLES.map((name) => array(`${folder}/${name}`));
-  const order = Uint32Array.from(depth.keys());
-  if (folder === 'arms') order.sort((a, b) => depth[a] - depth[b]);
-  const sorted = (/** @type {Float64Array} */ values) => (folder === 'arms' ? Float64Array.from(order, (row) => values[row]) : values);
-  return { depth: sorted(depth), toolface: sorted(toolface), radius: sorted(radius) };
+  const of = (/** @type {string} */ folder) => /** @type {import('./core.js').Places} */ (Object.fromEntries(SAMPLES.map((name) => [name, array(`${folder}/${name}`)])));
+  const arms = contents.arms.length ? {
+    ...of('arms'), arm: array('arms/arm', '<i8'), time: contents.arms.includes('time') ? array('arms/time') : null, reach: contents.settings.max_distance ?? Infinity,
+  } : null;
+  if (contents.samples.length || !arms) return { samples: of('samples'), arms };
+  const order = Uint32Array.from(arms.depth.keys()).sort((a, b) => arms.depth[a] - arms.depth[b]);
+  const sorted = (/** @type {Float64Array} */ values) => Float64Array.from(order, (row) => values[row]);
+  return { samples: { depth: sorted(arms.depth), toolface: sorted(arms.toolface), radius: sorted(arms.radius) }, arms };
 }

@@ -8,10 +8,9 @@ export const STRUCTS = {
   hb_path_settings: 'u size, i method, i reference, i reserved, d head_north, d head_east, d head_down, d extend',
   hb_preparation: 'u size, i drop_closed, d bit_diameter, d spikes, i drop_saturated, i drop_spikes',
   hb_prepared_state: 'u size, i reserved, l samples, l suspects, l no_depth, l no_toolface, l no_radius, l no_time, d repeats',
-  hb_zone_criteria: 'u size, i reserved, d elongation, d washout, d key_seat, d undergauge, d symmetry, d opening_level, d least_length, d join, d gap_reach, d largest_gap',
   hb_sigma_rule: 'u size, i reserved, d noise, d between, d scatter_power, d distance_power, d stretch, d reach',
 };
-export const COLUMNS = { depth: 0, toolface: 1, radius: 2, nearest: 3, support: 4, time: 7 };
+export const COLUMNS = { depth: 0, toolface: 1, radius: 2, nearest: 3, support: 4, time: 7, sensor: 8 };
 export const METHODS = ['minimum-curvature', 'radius-of-curvature'];
 export const REFERENCES = ['high-side', 'north', 'parallel-transport'];
 export const CAUSES = ['disagreement', 'closed', 'ramp', 'saturated', 'stuck', 'burst', 'jump'];
@@ -25,7 +24,9 @@ export const ZONES = /** @type {const} */ ([
   'kind', 'start', 'stop', 'measure', 'median', 'severity', 'enlargement', 'elongation', 'peak', 'coverage', 'confidence', 'pipe_diameter', 'toolface', 'deviation',
   'lobe1_toolface', 'lobe1_opening', 'lobe1_height', 'lobe2_toolface', 'lobe2_opening', 'lobe2_height',
 ]);
-const MOST_ZONES = 1000;
+// The columns of turns that are found with the zones, in order (page_zones of cpp/wasm/page.cpp).
+const WITH_ZONES = /** @type {const} */ (['arms_c1', 'arms_c1_toolface', 'arms_c2', 'arms_least', 'arms_uneven', 'unworn_diameter', 'lobe1_height', 'likely_square', 'likely_sigma']);
+const MOST_ARMS = 8;
 const WIDTHS = /** @type {Record<string, number>} */ ({ u: 4, i: 4, d: 8, l: 8 });
 
 /**
@@ -33,7 +34,10 @@ const WIDTHS = /** @type {Record<string, number>} */ ({ u: 4, i: 4, d: 8, l: 8 }
  * @typedef {{ startDepth: number, startToolface: number, pitch: number, sectors: number }} Helix
  * @typedef {{ depth: Float64Array, toolface: Float64Array, time: Float64Array | null, radii: Float64Array[], sensors: { mounting: number, column: number }[] }} Rows
  * @typedef {{ cause: string, column: number, first: number, stop: number, dropped: boolean, radius: number }} Suspect
- * @typedef {{ state: Fields, suspects: Suspect[], depth: Float64Array, toolface: Float64Array, radius: Float64Array, time: Float64Array | null }} Prepared
+ * @typedef {{ depth: Float64Array, toolface: Float64Array, radius: Float64Array }} Places samples
+ * @typedef {Places & { time: Float64Array | null, arm: Float64Array, reach: number }} Arms samples with the number of the arm of each
+ * @typedef {{ kinds: Int32Array, zones: Record<typeof ZONES[number], number>[], columns: Record<typeof WITH_ZONES[number], Float64Array>, arms: Float64Array[] }} Found arms: the diameters of each; none: the wall gives the shape
+ * @typedef {Places & { state: Fields, suspects: Suspect[], time: Float64Array | null, arm: Float64Array }} Prepared
  */
 
 // Return a number as std::to_chars writes it: with so many significant digits, as the format %g; 0: the fewest that read back as
@@ -188,7 +192,7 @@ export class Core {
           this.call('hb_prepared_samples', handle, COLUMNS[name], this.counted(reserve, state.samples), at);
           return this.floats(at, state.samples);
         };
-        return { state, suspects: this.suspects(reserve, handle, state.suspects), depth: of('depth'), toolface: of('toolface'), radius: of('radius'), time: time && of('time') };
+        return { state, suspects: this.suspects(reserve, handle, state.suspects), depth: of('depth'), toolface: of('toolface'), radius: of('radius'), time: time && of('time'), arm: of('sensor').map((sensor) => sensors[sensor].column) };
       } finally {
         this.call('hb_close', handle);
       }
@@ -213,7 +217,7 @@ export class Core {
   }
 
   // Return 1 for each measured vertex, 2 where the wall changes too much, else 0, by a rule of five numbers (MeasuredRule of logs.hpp).
-  /** @param {Helix} helix @param {{ depth: Float64Array, toolface: Float64Array, radius: Float64Array }} samples in order of depth @param {Float64Array} radius @param {number[]} rule */
+  /** @param {Helix} helix @param {Places} samples in order of depth @param {Float64Array} radius @param {number[]} rule */
   measured({ startDepth, startToolface, pitch, sectors }, samples, radius, rule) {
     return this.within((reserve) => {
       const columns = [samples.depth, samples.toolface, samples.radius, radius].map((values) => this.copy(reserve, values));
@@ -221,6 +225,34 @@ export class Core {
       const marks = reserve(radius.length);
       this.callPage('page_measured', helix, sectors, radius.length, this.copy(reserve, Float64Array.from(rule)), samples.depth.length, ...columns, marks);
       return new Uint8Array(this.c.memory.buffer, marks, radius.length).slice();
+    });
+  }
+
+  // Return the zones of a wall and the kind of each full turn, by the default criteria, with the measures of turns that they are found
+  // from; `samples` and `rule` as of `measured`.
+  /** @param {Helix} helix @param {number} bit @param {Places} samples @param {Float64Array} radius @param {number[]} rule @param {Arms | null} arms @returns {Found} */
+  zones({ startDepth, startToolface, pitch, sectors }, bit, samples, radius, rule, arms) {
+    const turns = Math.floor(radius.length / sectors);
+    return this.within((reserve) => {
+      const columns = [samples.depth, samples.toolface, samples.radius, radius].map((values) => this.copy(reserve, values));
+      const helix = this.copy(reserve, Float64Array.of(startDepth, startToolface, pitch));
+      const [of, count] = [arms ?? { depth: null, toolface: null, radius: null, arm: null, time: null, reach: 0 }, arms?.depth.length ?? 0];
+      const places = [of.depth, of.toolface, of.radius].map((values) => (values ? this.copy(reserve, values) : 0));
+      const names = reserve(8 * count);
+      new BigInt64Array(this.c.memory.buffer, names, count).set(BigInt64Array.from(of.arm ?? [], BigInt));
+      const time = of.time ? this.copy(reserve, of.time) : 0;
+      const [kinds, measures, numbers, found] = [4 * turns, 8 * (WITH_ZONES.length + MOST_ARMS) * turns, 8 * ZONES.length * turns, 8].map(reserve);
+      const room = this.copy(reserve, Float64Array.from(rule));
+      this.callPage('page_zones', helix, sectors, radius.length, room, samples.depth.length, ...columns, bit, count, ...places, names, time, of.reach, kinds, measures, numbers, found);
+      const [diameters, many] = new Int32Array(this.c.memory.buffer, found, 2);
+      const values = this.floats(numbers, ZONES.length * many);
+      const column = (/** @type {number} */ at) => this.floats(measures + 8 * turns * at, turns);
+      return {
+        kinds: new Int32Array(this.c.memory.buffer, kinds, turns).slice(),
+        zones: Array.from({ length: many }, (_, zone) => /** @type {any} */ (Object.fromEntries(ZONES.map((name, at) => [name, values[at * many + zone]])))),
+        columns: /** @type {any} */ (Object.fromEntries(WITH_ZONES.map((name, at) => [name, column(at)]))),
+        arms: Array.from({ length: diameters }, (_, arm) => column(WITH_ZONES.length + arm)),
+      };
     });
   }
 
@@ -342,30 +374,6 @@ export class Wall {
       const at = reserve(8 * vertices);
       core.call('hb_wall_sigma', this.handle, core.struct(reserve, 'hb_sigma_rule', rule), core.counted(reserve, vertices), at);
       return core.floats(at, vertices);
-    });
-  }
-
-  // Return the kind of each full turn, and the zones; criteria that are not given have their defaults.
-  /** @param {Fields} [criteria] @returns {{ kinds: Int32Array, zones: Record<typeof ZONES[number], number>[] }} */
-  zones(criteria = {}) {
-    const { core } = this;
-    const whole = Math.floor(this.state.vertices / this.settings.sectors);
-    return core.within((reserve) => {
-      const limits = core.struct(reserve, 'hb_zone_criteria');
-      core.call('hb_zone_criteria_init', limits);
-      core.write(limits, 'hb_zone_criteria', criteria);
-      const [kinds, turns, count] = [reserve(4 * whole), core.counted(reserve, whole), core.counted(reserve, MOST_ZONES)];
-      const find = (/** @type {number} */ room) => {
-        const at = reserve(8 * ZONES.length * room);
-        return { at, status: core.c.hb_wall_zones(this.handle, limits, turns, kinds, count, at) };
-      };
-      let found = find(MOST_ZONES);
-      const many = Number(core.view.getBigInt64(count, true));
-      if (found.status && many > MOST_ZONES) found = find(many);
-      if (found.status) throw new CoreError(core.text(core.c.hb_last_error()));
-      const numbers = core.floats(found.at, ZONES.length * many);
-      const zones = Array.from({ length: many }, (_, zone) => Object.fromEntries(ZONES.map((name, column) => [name, numbers[column * many + zone]])));
-      return { kinds: new Int32Array(core.c.memory.buffer, kinds, whole).slice(), zones: /** @type {any} */ (zones) };
     });
   }
 

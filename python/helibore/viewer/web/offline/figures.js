@@ -4,58 +4,89 @@ import { Refusal, rules } from './rules.js';
 import { NEAREST, RADIUS, STATE, SUPPORT_MASK, TEXEL } from '../src/protocol.js';
 
 const MOST_ROWS = 2_000_000;
-const SEES_ALL_AROUND = 0.9;
 const COVERED = 0.9;
 const NEARLY_ALL = [0.2, 99.8];
 const LINES_A_CHUNK = 4096;
-// The logs that are those of the arms if a tool has few of them.
-const OF_ARMS = ['c1', 'c1_toolface', 'c2', 'least_diameter', 'ovality_api', 'ovality_dnv', 'out_of_roundness', 'inscribed_diameter', 'inscribed_0', 'inscribed_90', 'enclosing_diameter'];
+const SIZE_ROUGH = 1.8e-3; // metres
+const KINDS = ['gauge', 'washout', 'breakout', 'key seat', 'undergauge'];
+const WASHOUT = 1;
 
 /**
  * @typedef {{ name: string, unit: string, low: number, high: number, values: Float64Array }} Curve
- * @typedef {{ depth: Float64Array, pitch: number, sectors: number, bit: number, ends: [number, number], start: number, radius: Float64Array, byArms: boolean, unmeasuredShape: boolean, columns: Record<string, Float64Array>, curves: Curve[] }} Figures
+ * @typedef {{ depth: Float64Array, pitch: number, sectors: number, bit: number, ends: [number, number], start: number, radius: Float64Array, kinds: Int32Array | null, unmeasuredShape: boolean, columns: Record<string, Float64Array>, curves: Curve[] }} Figures
  */
 
 // Return the number of turns in a window of this length, metres: odd, at least 3 (turn_logs.py).
 /** @param {number} length @param {number} pitch */
 export const windowTurns = (length, pitch) => Math.max(3, 2 * Math.round((length / Math.abs(pitch) - 1) / 2 - 1e-9) + 1);
 
-// Return the figures of the turns from the core's logs (turn_logs.py).
-/** @param {Record<string, Float64Array>} logs @param {Pick<import('./worker.js').Rebuilt, 'vertices' | 'helix' | 'bit' | 'basis' | 'arms'>} wall @returns {Figures} */
-export function figuresOf(logs, { vertices: { radius, nearest, marks }, helix: { sectors, pitch, startDepth: start }, bit, basis, arms }) {
+// Return the figures of the turns from the core's logs and zones (turn_logs.py). `found`: null, where the shape is assumed.
+/** @param {Record<string, Float64Array>} logs @param {import('./core.js').Found | null} found @param {Pick<import('./worker.js').Rebuilt, 'vertices' | 'helix' | 'bit' | 'basis'>} wall @returns {Figures} */
+export function figuresOf(logs, found, { vertices: { radius, nearest, marks }, helix: { sectors, pitch, startDepth: start }, bit, basis }) {
   const turns = logs.mean.length;
   const each = (/** @type {(turn: number) => number} */ of) => Float64Array.from({ length: turns }, (_, turn) => of(turn));
-  const share = (/** @type {(mark: number) => boolean} */ counts) => each((turn) => {
+  const coverage = each((turn) => {
     let count = 0;
-    for (let k = turn * sectors; k < (turn + 1) * sectors; k++) if (counts(marks[k]) && Number.isFinite(radius[k])) count++;
-    return count / sectors;
+    for (let k = turn * sectors; k < (turn + 1) * sectors; k++) if (marks[k] === 1 && Number.isFinite(radius[k])) count++;
+    return basis === 'azimuthal' ? count / sectors : NaN;
   });
-  const coverage = basis === 'azimuthal' ? share((mark) => mark === 1) : new Float64Array(turns).fill(NaN);
   const depth = each((turn) => start + (turn * sectors + (sectors - 1) / 2) * (pitch / sectors));
-  const byArms = arms > 1 && turns > 0 && mean(share((mark) => mark > 0)) < SEES_ALL_AROUND;
+  const byArms = Boolean(found?.arms.length);
+  const { arms_c1: c1, arms_c1_toolface: axis, arms_c2: c2, arms_least: least, arms_uneven: uneven, ...others } = found?.columns ?? /** @type {any} */ ({});
+  const most = (/** @type {number} */ a, /** @type {number} */ b) => (Number.isNaN(a) ? b : Number.isNaN(b) ? a : Math.max(a, b));
   /** @type {Record<string, Float64Array>} */
-  const columns = {
-    ...logs, depth, coverage,
-    equivalent_diameter: logs.mean_square.map((square) => 2 * Math.sqrt(square)),
-    ovality_api: each((turn) => (logs.c1[turn] - logs.least_diameter[turn]) / (logs.c1[turn] + logs.least_diameter[turn])),
-    ovality_dnv: each((turn) => (2 * (logs.c1[turn] - logs.least_diameter[turn])) / (logs.c1[turn] + logs.least_diameter[turn])),
-    out_of_roundness: each((turn) => logs.c1[turn] - logs.least_diameter[turn]),
+  const ofArms = byArms ? {
+    c1, c1_toolface: axis, c2, least_diameter: least, uneven, wall_out_of_roundness: each((turn) => logs.c1[turn] - logs.least_diameter[turn]),
+    inscribed_diameter: each((turn) => -most(-logs.inscribed_diameter[turn], -least[turn])), enclosing_diameter: each((turn) => most(logs.enclosing_diameter[turn], c1[turn])),
+  } : {};
+  /** @type {Record<string, Float64Array>} */
+  const columns = { ...logs, ...others, ...ofArms, depth, coverage };
+  const [greatest, smallest] = [columns.c1, columns.least_diameter];
+  const size = logs.mean_square.map((square) => 2 * Math.sqrt(square));
+  Object.assign(columns, {
+    equivalent_diameter: size,
+    ovality_api: each((turn) => (greatest[turn] - smallest[turn]) / (greatest[turn] + smallest[turn])),
+    ovality_dnv: each((turn) => (2 * (greatest[turn] - smallest[turn])) / (greatest[turn] + smallest[turn])),
+    out_of_roundness: each((turn) => greatest[turn] - smallest[turn]),
     volume: logs.mean_square.map((square) => Math.PI * square * Math.abs(pitch)),
     excess: logs.mean_square.map((square) => square / (bit / 2) ** 2 - 1),
     nearest: each((turn) => {
-      let most = NaN;
-      for (let k = turn * sectors; k < (turn + 1) * sectors; k++) if (!(nearest[k] <= most) && !Number.isNaN(nearest[k])) most = nearest[k];
-      return most;
+      let far = NaN;
+      for (let k = turn * sectors; k < (turn + 1) * sectors; k++) far = most(far, nearest[k]);
+      return far;
     }),
-  };
-  if (byArms) for (const name of OF_ARMS) delete columns[name];
-  const curves = rules.columns.flatMap(([name, mnemonic, unit]) => (name !== 'depth' && columns[name]?.some(Number.isFinite) ? [{ name: mnemonic, unit, values: columns[name], ...limitsOf(columns[name]) }] : []));
+    ...rangeOf(size, others.likely_square, others.likely_sigma),
+  });
+  const named = rules.columns.flatMap(([name, mnemonic, unit]) => (name === 'depth' ? [] : [{ name: mnemonic, unit, values: columns[name] }]));
+  const arms = (found?.arms ?? []).map((values, at) => ({ name: `ARM_DIAMETER_${at + 1}`, unit: 'm', values }));
+  const curves = [...named, ...arms].flatMap((one) => (one.values?.some(Number.isFinite) ? [{ ...one, ...limitsOf(one.values) }] : []));
   const last = start + ((radius.length - 1) * pitch) / sectors;
   return {
-    depth, pitch, sectors, bit, start, radius, byArms, columns, curves, ends: [Math.min(start, last), Math.max(start, last)],
+    depth, pitch, sectors, bit, start, radius, columns, curves, ends: [Math.min(start, last), Math.max(start, last)], kinds: found?.kinds ?? null,
     unmeasuredShape: byArms || mean(coverage) < COVERED,
   };
 }
+
+// Return the ends of the diameters that turns likely have (Logs.diameter_range).
+/** @param {Float64Array} size @param {Float64Array} [square] @param {Float64Array} [sigma] */
+function rangeOf(size, square, sigma) {
+  const end = (/** @type {number} */ side) => size.map((whole, turn) => {
+    if (!square || !sigma || Number.isNaN(square[turn])) return whole;
+    const likely = 2 * Math.sqrt(square[turn]);
+    return likely + side * 1.96 * Math.hypot((2 * sigma[turn]) / likely, SIZE_ROUGH);
+  });
+  return { low_diameter: end(-1), high_diameter: end(1) };
+}
+
+// Return the zones as the page draws them (feed.py).
+/** @param {import('./core.js').Found} found @returns {any[]} */
+export const zonesOf = ({ zones }) => zones.map(({ kind, start, stop, measure, severity, confidence, coverage, toolface }) => {
+  const rounded = (/** @type {number} */ value, /** @type {number} */ decimals) => (Number.isFinite(value) ? Number(value.toFixed(decimals)) : null);
+  return {
+    kind: KINDS[kind], start: rounded(start, 3), stop: rounded(stop, 3), measure: rounded(measure, 5), severity: rounded(severity, 3),
+    confidence: rounded(confidence, 6), measured: rounded(coverage, 3), ...(Number.isNaN(toolface) ? {} : { toolface: rounded(toolface, 1) }),
+  };
+});
 
 /** @param {Float64Array} values */
 const mean = (values) => values.reduce((sum, value) => sum + value, 0) / values.length;
@@ -91,31 +122,45 @@ function sharesInside({ depth, pitch, sectors, ends }, start, stop) {
   });
 }
 
-// Return the figures of a section as the page shows them; a missing number is null. The length of washout needs the kinds of hole.
+// Return the figures of a section as the page shows them; a missing number is null (summary.py).
 /** @param {Figures} figures @param {number} from @param {number} to */
 export function summaryOf(figures, from, to) {
-  const { columns, depth, pitch, sectors, bit, ends, radius, unmeasuredShape, byArms, start: startDepth } = figures;
+  const { columns, depth, pitch, sectors, bit, ends, radius, kinds, unmeasuredShape, start: startDepth } = figures;
   const [start, stop] = [from, to].map((end) => Math.min(Math.max(end, ends[0]), ends[1]));
   const shares = sharesInside(figures, start, stop);
-  let [all, counted, square, volume, measured] = [0, 0, 0, 0, 0];
+  let [all, counted, square, volume, measured, washed, low, high] = [0, 0, 0, 0, 0, 0, 0, 0];
   shares.forEach((share, turn) => {
     all += share;
     measured += share * columns.coverage[turn];
+    if (kinds?.[turn] === WASHOUT) washed += share;
     if (!Number.isFinite(columns.equivalent_diameter[turn])) return;
     counted += share;
     square += share * columns.equivalent_diameter[turn] ** 2;
     volume += share * columns.volume[turn];
+    low += share * columns.low_diameter[turn] ** 2;
+    high += share * columns.high_diameter[turn] ** 2;
   });
   const middles = Array.from(depth.keys()).filter((turn) => depth[turn] >= start && depth[turn] <= stop);
-  const extreme = (/** @type {string} */ name, /** @type {(...values: number[]) => number} */ which) => (byArms ? NaN : middles.reduce((found, turn) => (Number.isNaN(columns[name][turn]) ? found : Number.isNaN(found) ? columns[name][turn] : which(found, columns[name][turn])), NaN));
+  const extreme = (/** @type {string} */ name, /** @type {(...values: number[]) => number} */ which) => middles.reduce((found, turn) => (Number.isNaN(columns[name][turn]) ? found : Number.isNaN(found) ? columns[name][turn] : which(found, columns[name][turn])), NaN);
   const [first, last] = placesBetween(startDepth, pitch, sectors, radius.length, start, stop);
   let without = 0;
   for (let k = first; k < last; k++) if (Number.isNaN(radius[k])) without++;
   const found = {
     start, stop, volume, excess: square / counted / bit ** 2 - 1, whole_turns: counted * Math.abs(pitch), incomplete_turns: (all - counted) * Math.abs(pitch),
-    without_radius: without / (last - first), coverage: measured / all, mean_diameter: Math.sqrt(square / counted), least_diameter: extreme('least_diameter', Math.min), greatest_diameter: extreme('c1', Math.max),
+    washed_out: kinds ? washed * Math.abs(pitch) : NaN, without_radius: without / (last - first), coverage: measured / all, mean_diameter: Math.sqrt(square / counted), least_diameter: extreme('least_diameter', Math.min), greatest_diameter: extreme('c1', Math.max),
   };
-  return { ...Object.fromEntries(Object.entries(found).map(([name, value]) => [name, Number.isFinite(value) ? value : null])), unmeasured_shape: unmeasuredShape };
+  return { ...Object.fromEntries(Object.entries(found).map(([name, value]) => [name, Number.isFinite(value) ? value : null])), ...(high > low ? ranges([low, high], square, volume, counted * bit ** 2) : {}), unmeasured_shape: unmeasuredShape };
+}
+
+// Return volume and excess as ranges, in words. `ends`, `square`, `gauge`: sums of squared diameters: likely ones, of the wall, of the bit.
+/** @param {number[]} ends @param {number} square @param {number} volume @param {number} gauge */
+function ranges(ends, square, volume, gauge) {
+  const span = (/** @type {string[]} */ texts) => [...new Set(texts)].join(' to ');
+  const percent = (/** @type {number} */ end) => Math.round(100 * (end / gauge - 1)) || 0;
+  return {
+    volume_text: `${span(ends.map((end) => ((volume * end) / square).toLocaleString('en', { minimumFractionDigits: 2, maximumFractionDigits: 2 })))} m³`,
+    excess_text: `${span(ends.map((end) => `${percent(end) < 0 ? '' : '+'}${percent(end)}`))} %`,
+  };
 }
 
 // Return the first vertex and the one after the last whose depths lie between two depths.

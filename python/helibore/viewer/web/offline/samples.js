@@ -6,7 +6,7 @@ import { Refusal, rules, unitOf } from './rules.js';
 /**
  * @typedef {import('./roles.js').Role} Role
  * @typedef {import('./table.js').LogSet} LogSet
- * @typedef {{ depth: Float64Array, toolface: Float64Array, radius: Float64Array, time: Float64Array | null, arms: number, left: Record<string, number>, found: string[], reference: string | null, direction: boolean }} Samples
+ * @typedef {{ depth: Float64Array, toolface: Float64Array, radius: Float64Array, time: Float64Array | null, arm: Float64Array, arms: number, left: Record<string, number>, found: string[], reference: string | null, direction: boolean }} Samples
  */
 
 export const WALL = ['radius', 'diameter'];
@@ -183,7 +183,9 @@ export function samplesOf(core, set, roles, bit) {
   if (!state.samples) throw new Refusal('no row has depth, toolface and a radius');
   const left = { depth: state.no_depth, toolface: state.no_toolface, radius: state.no_radius, time: state.no_time };
   const reference = turning ? { 'high-side': 'high-side', north: 'north', 'horizontal-north': 'north' }[turning.reference] ?? null : null;
-  return { ...samples, arms: mounted.length, left, found: findings(depth, sensors, suspects), reference, direction: Boolean(turning) };
+  const order = sensors.map(({ channel }) => channel).sort(); // arms are numbered by their names
+  const arm = samples.arm.map((at) => order.indexOf(sensors[at].channel));
+  return { ...samples, arm, arms: mounted.length, left, found: findings(depth, sensors, suspects), reference, direction: Boolean(turning) };
 }
 
 // Return a guess of the bit diameter, metres, and how it was made.

@@ -11,15 +11,18 @@ const BYTES_A_CHUNK = 0x6000; // a multiple of three: chunks of base64 join
 /**
  * @typedef {import('./scene.js').Scene} Scene
  * @typedef {import('./figures.js').Figures} Figures
+ * @typedef {{ figures: Figures, zones: any[] | null, shape: string }} Measured
  * @typedef {{ before: string, app: string, after: string }} PageParts
  * @typedef {{ status?: number, type?: string, name?: string, body: string | ArrayBuffer | Blob }} Answer
  */
 
 export class Served {
-  /** @param {Scene} scene @param {() => Figures} figures of the turns, made when they are first asked for @param {PageParts} parts @param {any[]} picks @param {(picks: any[]) => void} keep */
-  constructor(scene, figures, parts, picks, keep) {
+  /** @param {Scene} scene @param {() => Measured} measure @param {PageParts} parts @param {any[]} picks @param {(picks: any[]) => void} keep */
+  constructor(scene, measure, parts, picks, keep) {
     this.scene = scene;
-    this.figures = figures;
+    this.measure = measure;
+    /** @type {Figures | null} */
+    this.measured = null;
     this.parts = parts;
     this.picks = picks;
     this.keep = keep;
@@ -71,7 +74,7 @@ export class Served {
     for (const tile of fresh.slice(0, near)) this.send(tileMessage(scene, 0, tile));
     if (!before.length) for (let tile = 0; tile < tilesOf(scene.over); tile++) this.send(tileMessage(scene, 1, tile));
     for (const tile of fresh.slice(near)) this.send(tileMessage(scene, 0, tile));
-    if (!before.length) setTimeout(() => this.offerCurves()); // after the first picture
+    if (!before.length) setTimeout(() => this.figures()); // after the first picture
   }
 
   /** @param {ArrayBuffer} message */
@@ -80,11 +83,16 @@ export class Served {
     this.post(numbered(message, this.sequence), [message]);
   }
 
-  // Measure the turns, and name the curves that the page may ask for.
-  offerCurves() {
-    const { scene: { state }, figures } = this;
-    state.curves = figures().curves.map(({ name, unit, low, high }) => [name, unit, low, high, false]);
+  // Return the figures of the turns. When they are first asked for, the turns are measured and zones found, and the page gets to
+  // know zones and curves.
+  figures() {
+    if (this.measured) return this.measured;
+    const { scene: { state } } = this;
+    const { figures, zones, shape } = this.measure();
+    this.measured = figures;
+    Object.assign(state, { zones: zones ?? [], shape, curves: figures.curves.map(({ name, unit, low, high }) => [name, unit, low, high, false]) });
     this.post(JSON.stringify(state));
+    return figures;
   }
 
   /** @param {{ id: number, method: string, address: string, body: string }} question */
@@ -141,7 +149,8 @@ export class Served {
   // Return the page with a section of the wall as one HTML file that needs nothing else (html_export.py); null: the whole wall.
   /** @param {[number, number] | null} ends @param {string} address */
   exported(ends, address = '') {
-    const { scene, figures, parts, picks } = this;
+    const { scene, parts, picks } = this;
+    const figures = () => this.figures();
     const { hello: { start_depth: startDepth, levels: [{ pitch, sectors, rows }] }, wall: { size } } = scene;
     const places = (ends ?? [startDepth, startDepth + ((size - 1) * pitch) / sectors]).map((depth) => ((depth - startDepth) / pitch) * sectors).sort((a, b) => a - b);
     const [first, last] = [Math.max(0, Math.floor(places[0])), Math.min(size - 1, Math.ceil(places[1]))];

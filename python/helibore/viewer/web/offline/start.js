@@ -158,14 +158,14 @@ async function show() {
   const frame = (next ??= frameOf());
   next = null;
   try {
-    const { ends, left, found, kept, arms, between } = await ask({ ask: 'wall', roles: log.roles, bit: size, well: log.well, picks: stored(PICKS + log.mark) ?? [] });
+    const { ends, left, found, kept, arms, between, zoned } = await ask({ ask: 'wall', roles: log.roles, bit: size, well: log.well, picks: stored(PICKS + log.mark) ?? [] });
     if (log.roles.length) remember(SETTINGS, [{ columns: columnsOf(log.roles), roles: log.roles.filter(({ stated }) => stated), bit: /** @type {HTMLInputElement} */ (byId('bit')).value, unit: /** @type {HTMLSelectElement} */ (byId('bitUnit')).value }, ...(stored(SETTINGS) ?? []).filter((/** @type {any} */ one) => one.columns !== columnsOf(log.roles))].slice(0, MOST_RECENT));
     const { port1, port2 } = new MessageChannel();
     await ask({ ask: 'serve', port: port2 }, [port2]);
     frame.port(port1);
     const lost = Object.entries(left).filter(([, count]) => count).map(([name, count]) => `${Number(count).toLocaleString('en')} without ${name} left out`);
     const share = between > 0.005 ? [`${Math.round(100 * between)} % of the wall is interpolated${arms > 2 ? ' between the arms' : ''}, not measured`] : [];
-    byId('made').textContent = [log.name, `${kept.toLocaleString('en')} samples`, ...lost, ...found, ...share, ...(between > 0.1 && arms > 2 ? ['C1 and C2 of the interpolated wall, not of the arms'] : []), 'zones: helibore view FILE'].join(' · ');
+    byId('made').textContent = [log.name, `${kept.toLocaleString('en')} samples`, ...lost, ...found, ...share, ...(zoned ? [] : ['zones: helibore view FILE'])].join(' · ');
     byId('made').title = `${byId('made').textContent}; ${ends.map((/** @type {number} */ end) => end.toFixed(2)).join(' to ')} m`;
     byId('begin').hidden = true;
     byId('wall').classList.add('shown');

@@ -2,7 +2,7 @@
 
 import { openArchive, samplesIn } from './archive.js';
 import { Core, METHODS, REFERENCES } from './core.js';
-import { figuresOf, windowTurns } from './figures.js';
+import { figuresOf, windowTurns, zonesOf } from './figures.js';
 import { isLas, readLas } from './las.js';
 import { guess, sectorsOf } from './roles.js';
 import { Refusal, rules, setRules } from './rules.js';
@@ -18,7 +18,7 @@ const SURFACE = 0.001; // metres
 
 /**
  * @typedef {{ settings: import('./core.js').Fields, stations: { depth: Float64Array, inclination: Float64Array, azimuth: Float64Array } }} Survey
- * @typedef {{ helix: import('./core.js').Helix, bit: number, basis: string, basisText: string, kept: number, arms: number, vertices: import('./scene.js').Vertices, left: Record<string, number>, found: string[], reference: string | null, survey: Survey | null }} Rebuilt
+ * @typedef {{ helix: import('./core.js').Helix, bit: number, basis: string, basisText: string, kept: number, arms: number, vertices: import('./scene.js').Vertices, samples: import('./core.js').Places, ofArms: import('./core.js').Arms | null, rule: number[], left: Record<string, number>, found: string[], reference: string | null, survey: Survey | null }} Rebuilt
  */
 
 /** @type {Promise<Core>} */
@@ -125,7 +125,8 @@ export function rebuild(engine, roles, bit) {
     const vertices = { radius: wall.column('radius'), nearest: wall.column('nearest'), support: wall.column('support') };
     const basisText = prepared.arms > 1 ? 'radius measured by the arms of a caliper' : 'radius measured by an azimuthal caliper';
     const measured = { ...vertices, marks: engine.measured(helix, samples, vertices.radius, rules.measured) };
-    return { ...prepared, helix, bit, basis: 'azimuthal', basisText, kept: radius.length, vertices: measured, survey: surveyFor(helix, vertices.radius.length, prepared.reference) };
+    const ofArms = prepared.arms > 1 ? { depth, toolface, radius, arm: prepared.arm, time, reach: settings.max_distance } : null;
+    return { ...prepared, helix, bit, basis: 'azimuthal', basisText, kept: radius.length, vertices: measured, samples, ofArms, rule: rules.measured, survey: surveyFor(helix, vertices.radius.length, prepared.reference) };
   } finally {
     wall.close();
   }
@@ -137,23 +138,28 @@ export function reopen(engine) {
   if (!archive) throw new Refusal('no archive is open');
   const { contents: { settings, basis, start_depth: startDepth, arms, path }, array } = archive;
   const helix = { startDepth, startToolface: settings.start_toolface, pitch: settings.pitch, sectors: settings.sectors };
-  const samples = samplesIn(archive);
+  const { samples, arms: ofArms } = samplesIn(archive);
   const vertices = { radius: array('vertices/radius'), nearest: array('vertices/nearest'), support: array('vertices/support', '<i4') };
   const [depth, toolface] = rules.measured;
-  const marks = engine.measured(helix, samples, vertices.radius, [depth, toolface, settings.gap_reach, settings.largest_gap, rules.measured[4]]);
+  const rule = [depth, toolface, settings.gap_reach, settings.largest_gap, rules.measured[4]];
+  const marks = engine.measured(helix, samples, vertices.radius, rule);
   const survey = path && {
     settings: { method: METHODS.indexOf(path.method), reference: REFERENCES.indexOf(path.reference), head_north: path.head[0], head_east: path.head[1], head_down: path.head[2], extend: path.extend },
     stations: { depth: array('survey/depth'), inclination: array('survey/inclination'), azimuth: array('survey/azimuth') },
   };
   return {
     helix, bit: settings.bit_diameter, basis, basisText: arms.length ? 'radius measured by the arms of a caliper' : rules.bases[basis], kept: samples.depth.length, arms: arms.length ? 2 : 1,
-    vertices: { ...vertices, marks }, left: {}, found: [], reference: path?.reference ?? null, survey,
+    vertices: { ...vertices, marks }, samples, ofArms, rule, left: {}, found: [], reference: path?.reference ?? null, survey,
   };
 }
 
-// Measure the turns of a wall.
+// Measure the turns of a wall, and find its zones; null where its shape is assumed.
 /** @param {Core} engine @param {Rebuilt} rebuilt */
-export const measure = (engine, rebuilt) => figuresOf(engine.logs(rebuilt.helix, rebuilt.vertices.radius, windowTurns(RUGOSITY_WINDOW, rebuilt.helix.pitch)), rebuilt);
+export function measure(engine, rebuilt) {
+  const { helix, bit, basis, samples, vertices: { radius }, rule, ofArms } = rebuilt;
+  const found = basis === 'azimuthal' ? engine.zones(helix, bit, samples, radius, rule, ofArms) : null;
+  return { figures: figuresOf(engine.logs(helix, radius, windowTurns(RUGOSITY_WINDOW, helix.pitch)), found, rebuilt), zones: found && zonesOf(found), shape: found?.arms.length ? 'arms' : 'wall' };
+}
 
 /** @param {Core} engine @param {Record<string, any>} given */
 function show(engine, { roles, bit, well, picks }) {
@@ -164,12 +170,10 @@ function show(engine, { roles, bit, well, picks }) {
   const scene = sceneOf(shape, vertices, survey ? framesAlong(engine, survey) : undefined);
   if (survey) Object.assign(scene.hello, { reference: reference ?? 'high-side', assumed: !reference });
   if (survey) scene.state.true_depth = trueDepth(survey);
-  /** @type {import('./figures.js').Figures | null} */
-  let figures = null;
-  served = new Served(scene, () => (figures ??= measure(engine, rebuilt)), pageParts, picks, (changed) => postMessage({ picks: changed }));
+  served = new Served(scene, () => measure(engine, rebuilt), pageParts, picks, (changed) => postMessage({ picks: changed }));
   let [there, sure] = [0, 0];
   for (let k = 0; k < vertices.radius.length; k++) if (Number.isFinite(vertices.radius[k])) [there, sure] = [there + 1, sure + Number(vertices.marks[k] === 1)];
-  return { ends: scene.ends, left, found, kept, arms, between: there ? 1 - sure / there : 0 };
+  return { ends: scene.ends, left, found, kept, arms, between: there ? 1 - sure / there : 0, zoned: basis === 'azimuthal' };
 }
 
 // Return the depths between which a survey gives true depths, and the "down" at which they are 0; null: not known (true_depth.py).

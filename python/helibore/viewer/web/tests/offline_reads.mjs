@@ -1,6 +1,6 @@
 // What the page without a server reads from files:  node offline_reads.mjs WASM RULES.json BIT FILE ...
 // Prints one JSON line a file: the SHA-256 of the radii and of the nearest distances, the number of samples, figures of the whole
-// and of a part, and curves; or why the file is refused.
+// and of a part, curves, and zones; or why the file is refused.
 import { createHash } from 'node:crypto';
 import { readFileSync } from 'node:fs';
 import { Core } from '../offline/core.js';
@@ -19,11 +19,11 @@ for (const file of files) {
     const { roles } = read(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength), file, core);
     const rebuilt = roles.length ? rebuild(core, roles, Number(bit)) : reopen(core);
     const { vertices, kept, found } = rebuilt;
-    const figures = measure(core, rebuilt);
+    const { figures, zones, shape } = measure(core, rebuilt);
     const [low, high] = figures.ends;
     const summaries = [[-Infinity, Infinity], [low + 0.31 * (high - low), low + 0.77 * (high - low)]].map((ends) => summaryOf(figures, ...ends));
     const curves = Object.fromEntries(figures.curves.map(({ name, low: from, high: to }) => [name, [from, to, sum(new Uint8Array(curveBytes(figures, name)))]]));
-    console.log(JSON.stringify({ radius: sum(vertices.radius), nearest: sum(vertices.nearest), measured: sum(vertices.marks.map((mark) => Number(mark === 1))), samples: kept, found, summaries, curves, roles: roles.map(({ channel, role }) => [channel, role]) }));
+    console.log(JSON.stringify({ radius: sum(vertices.radius), nearest: sum(vertices.nearest), measured: sum(vertices.marks.map((mark) => Number(mark === 1))), samples: kept, found, summaries, curves, zones, shape, kinds: figures.kinds && sum(figures.kinds), roles: roles.map(({ channel, role }) => [channel, role]) }));
   } catch (error) {
     console.log(JSON.stringify({ refused: error.message, kind: error.constructor.name }));
   }
