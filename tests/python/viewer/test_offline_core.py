@@ -71,7 +71,8 @@ def numbers_of(zone: hb.Zone) -> list[float]:
 @pytest.mark.parametrize("sectors", [64, 37])
 def test_the_bits_of_radii_distances_sigma_and_zones_are_those_of_the_native_core(tmp_path: Path, sectors: int) -> None:
     columns = samples(sectors)
-    found = run(tmp_path, {**columns, "settings": {"bit_diameter": 0.216, "sectors": sectors}, "rule": RULE, "measured": MEASURED})
+    settings = {"bit_diameter": 0.216, "sectors": sectors}
+    found = run(tmp_path, {**columns, "settings": settings, "rule": RULE, "measured": MEASURED})
     kinds, zones = found.pop("kinds"), found.pop("zones")
     wall = hb.Wall(bit_diameter=0.216, sectors=sectors, sigma=True, threads=1)
     wall.append(*columns.values())

@@ -24,7 +24,7 @@ export const ZONES = /** @type {const} */ ([
   'kind', 'start', 'stop', 'measure', 'median', 'severity', 'enlargement', 'elongation', 'peak', 'coverage', 'confidence', 'pipe_diameter', 'toolface', 'deviation',
   'lobe1_toolface', 'lobe1_opening', 'lobe1_height', 'lobe2_toolface', 'lobe2_opening', 'lobe2_height',
 ]);
-// The columns of turns that are found with the zones, in order (page_zones of cpp/wasm/page.cpp).
+// The columns of turns that are found with the zones, in the order of page_zones.
 const WITH_ZONES = /** @type {const} */ (['arms_c1', 'arms_c1_toolface', 'arms_c2', 'arms_least', 'arms_uneven', 'unworn_diameter', 'lobe1_height', 'likely_square', 'likely_sigma']);
 const MOST_ARMS = 8;
 const WIDTHS = /** @type {Record<string, number>} */ ({ u: 4, i: 4, d: 8, l: 8 });

@@ -46,10 +46,13 @@ function say(text) {
   if (text) byId('trouble').scrollIntoView({ block: 'nearest' });
 }
 
-/** @param {string} name @param {ArrayBuffer} bytes */
-async function take(name, bytes) {
+function clear() {
   say('');
   byId('columns').hidden = true;
+}
+
+/** @param {string} name @param {ArrayBuffer} bytes */
+async function take(name, bytes) {
   const size = bytes.byteLength;
   try {
     const { format, rows, remarks, roles, missing, bit, well } = await ask({ ask: 'read', name, bytes }, [bytes]);
@@ -246,11 +249,15 @@ async function openFile(files) {
   if (!file) return;
   if (files.length > 1) return say('Open one file at a time; helibore joins several on the command line.');
   if (file.size > 512 * 2 ** 20) return say(`${file.name}: ${Math.round(file.size / 2 ** 20)} MB; this page reads files of up to 512 MB, helibore larger ones on the command line.`);
+  clear();
   await take(file.name, await file.arrayBuffer()).catch(() => say(`${file.name}: it could not be read from the disk.`));
 }
 
 /** @param {string} name @param {string} text */
-const takeExample = (name, text) => take(name, /** @type {ArrayBuffer} */ (new TextEncoder().encode(text).buffer));
+function takeExample(name, text) {
+  clear();
+  return take(name, /** @type {ArrayBuffer} */ (new TextEncoder().encode(text).buffer));
+}
 
 async function begin() {
   if (typeof WebAssembly === 'undefined' || typeof DecompressionStream === 'undefined' || typeof Worker === 'undefined') {
@@ -273,7 +280,7 @@ async function begin() {
   };
   const wasm = await unpacked('core');
   const version = await ask({ ask: 'open', rules: parts.rules, page: parts.page, wasm }, [wasm]);
-  byId('version').textContent = `helibore ${version}. On the command line it does all of this and more: images, zones, uncertainty, live wells.`;
+  byId('version').textContent = `helibore ${version}. On the command line it does all of this and more: images, uncertainty, prints, live wells.`;
   byId('examples').replaceChildren(...Object.entries(parts.examples).map(([name, text]) => {
     const button = Object.assign(document.createElement('button'), { type: 'button', textContent: name });
     button.onclick = () => takeExample(name, text);
