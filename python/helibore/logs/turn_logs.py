@@ -317,6 +317,14 @@ class Logs(Tabular):
         low, high = (np.where(self.sparse, end, self.equivalent_diameter) for end in (size - spread, size + spread))
         return low, high
 
+    def _range_columns(self) -> list[LogColumn]:
+        """Return the ends of `diameter_range` as columns, missing where it is no range; none if it is one nowhere."""
+        low, high = self.diameter_range
+        ranged = low < high
+        ends = (("DEQ_LOW", "Least", low), ("DEQ_HIGH", "Greatest", high)) if ranged.any() else ()
+        text = "likely DEQ, with a probability of 95 %, where turns have few samples"
+        return [LogColumn(name, "m", f"{end} {text}", np.where(ranged, values, np.nan)) for name, end, values in ends]
+
     def _range_of_steps(self, turns: Logs) -> tuple[Floats, Floats]:
         """Return `diameter_range` of steps: the errors of a step's turns are alike."""
         order = np.argsort(turns.depth, kind="stable")
@@ -541,6 +549,7 @@ class Logs(Tabular):
         ]
         if self.with_sigma:
             own.append(LogColumn("VOL_SIGMA", "m3", "Standard uncertainty of VOL", self.volume_sigma))
+        own += self._range_columns()
         own += [
             LogColumn(f"ARM_DIAMETER_{number}", "m", f"Diameter that arm {number} measured, {ARM_MEAN}", values)
             for number, values in enumerate(self.arm_diameter, 1)

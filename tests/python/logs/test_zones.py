@@ -322,6 +322,9 @@ def test_where_turning_stops_in_a_breakout_no_zone_is_invented(arms: tuple[int, 
     assert np.abs(logs.equivalent_diameter[still] - true).max() > 0.01, "the interpolated wall is wrong by more"
     turning = logs.depth < 2119.5
     np.testing.assert_array_equal(logs.diameter_range[0][turning], logs.equivalent_diameter[turning])
+    for name, end in (("DEQ_LOW", low), ("DEQ_HIGH", high)):
+        np.testing.assert_array_equal(logs.table()[name].values[still], end)
+        assert np.isnan(logs.table()[name].values[turning]).all()
     summary = summarize(wall, 2120.5, 2122.5, zones=found)
     assert summary.ranged
     assert summary.mean_diameter_range[0] <= 0.226 <= summary.mean_diameter_range[1]
