@@ -8,6 +8,7 @@
 
 #include "arrays.hpp"
 #include "gil.hpp"
+#include "helibore/covariance.hpp"
 #include "helibore/error.hpp"
 #include "helibore/estimates.hpp"
 #include "register.hpp"
@@ -266,6 +267,21 @@ void register_wall(py::module_& m) {
                                   array_of(std::move(of.across)), by_nugget);
         },
         py::arg("samples"), py::arg("points"), py::arg("settings"), py::arg("threads"), py::arg("nuggets"));
+    m.def(
+        "fit_covariance",
+        [](const std::array<Column, 3>& samples, Index block_size, double radius, double least_noise,
+           const std::string& instruction_set) {
+            const SampleColumns columns = columns_of(samples[0], samples[1], samples[2], std::nullopt);
+            const InstructionSet level = instruction_set_named(instruction_set);
+            std::vector<double> found;
+            {
+                const WithoutGil released;
+                found = fit_covariance(columns, block_size, radius, least_noise, level);
+            }
+            return found;
+        },
+        py::arg("samples"), py::arg("block_size"), py::arg("radius"), py::arg("least_noise"),
+        py::arg("instruction_set") = "automatic");
     m.def(
         "sigma_of",
         [](const std::array<Column, 4>& sums, const std::array<double, 6>& rule) {

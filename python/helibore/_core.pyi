@@ -40,6 +40,13 @@ def estimate_at(
     threads: int,
     nuggets: Sequence[float],
 ) -> tuple[Floats, Floats, Floats, Floats, Floats, Floats, Floats, list[Floats]]: ...
+def fit_covariance(
+    samples: tuple[Floats, Floats, Floats],
+    block_size: int,
+    radius: float,
+    least_noise: float,
+    instruction_set: str = "automatic",
+) -> list[float]: ...
 def sigma_of(
     sums: tuple[Floats, Floats, Floats, Floats],
     rule: tuple[float, float, float, float, float, float],

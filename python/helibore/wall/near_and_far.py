@@ -11,19 +11,13 @@ import numpy as np
 
 from helibore.base.arrays import Floats, Integers
 from helibore.settings.wall_settings import Settings
-from helibore.wall.covariance import Covariance, Term
+from helibore.wall.covariance import Covariance, Term, covariance_of
 from helibore.wall.estimates import Boxes, Columns
 
 SHARE = 0.35
 """Size of a cell of the thinned set, as a share of the lengths of the long term; also in `near_far.cpp`."""
 _MOST_FAR = 4_000
 """Samples that are looked at for far neighbours; of more, every nth one."""
-
-
-def covariance_of(settings: Settings) -> Covariance:
-    """Return the covariance that the settings of a wall with near and far neighbours hold."""
-    radius, noise, *values = settings.covariance or ()
-    return Covariance(tuple(Term(*values[i : i + 3]) for i in range(0, len(values), 3)), noise, radius)
 
 
 class Places:
@@ -134,7 +128,7 @@ def estimate_near_and_far(samples: Columns, rows: Integers, settings: Settings, 
     only samples at the same position are left out.
     """
     limit = np.inf if settings.max_distance is None else settings.max_distance
-    among = Places(samples, covariance_of(settings), settings.neighbors, limit)
+    among = Places(samples, covariance_of(settings.covariance or ()), settings.neighbors, limit)
     depth, toolface, _ = samples
     heights, widths = box or (np.zeros(rows.size), np.zeros(rows.size))
     found = [

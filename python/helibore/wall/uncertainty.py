@@ -175,9 +175,9 @@ def wall_sigma(wall: WallColumns, threads: int) -> Floats:
 
 
 def _near_and_far_sigma(wall: WallColumns, samples: Columns) -> Floats:
-    from helibore.wall.near_and_far import covariance_of
+    from helibore.wall.covariance import covariance_of
 
-    longest = max(term.along for term in covariance_of(wall.settings).terms)
+    longest = max(term.along for term in covariance_of(wall.settings.covariance or ()).terms)
     gaps = replace(wall, settings=replace(wall.settings, gap_reach=float(np.clip(longest, 0.5, _LONGEST_GAP))))
     sigma: Floats = near_and_far_factor(samples, wall.settings) * np.sqrt(wall.sums[0])
     sigma[_unmeasured(gaps)] = np.nan
@@ -191,9 +191,10 @@ def near_and_far_factor(samples: Columns, settings: Settings) -> float:
     """
     if samples[0].size < FEWEST_SAMPLES:
         return 1.0
-    from helibore.wall.near_and_far import covariance_of, estimate_near_and_far
+    from helibore.wall.covariance import covariance_of
+    from helibore.wall.near_and_far import estimate_near_and_far
 
-    covariance = covariance_of(settings)
+    covariance = covariance_of(settings.covariance or ())
     rows, boxes = choose_left_out(samples, settings, _FEW_TARGETS, 0, "for an uncertainty")
     found = estimate_near_and_far(samples, rows, settings, boxes)
     share = np.abs(found[:, 0] - samples[2][rows]) / np.sqrt(found[:, 1] + covariance.noise)

@@ -7,6 +7,7 @@
 #include "search/kernel/pack_avx2.hpp"
 // body.hpp must be included after the pack that it is compiled for.
 #include "search/kernel/body.hpp"
+#include "search/kernel/likelihood.hpp"
 
 namespace helibore::kernel {
 
@@ -15,11 +16,18 @@ const Functions& avx2() {
     return functions;
 }
 
+BlockLikelihood avx2_likelihood() {
+    return &block_likelihood<Avx2Pack>;
+}
+
 }  // namespace helibore::kernel
 #else
 namespace helibore::kernel {
 const Functions& avx2() {
     return plain();
+}
+BlockLikelihood avx2_likelihood() {
+    return plain_likelihood();
 }
 }  // namespace helibore::kernel
 #endif

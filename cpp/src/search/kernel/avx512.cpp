@@ -7,6 +7,7 @@
 #include "search/kernel/pack_avx512.hpp"
 // body.hpp must be included after the pack that it is compiled for.
 #include "search/kernel/body.hpp"
+#include "search/kernel/likelihood.hpp"
 
 namespace helibore::kernel {
 
@@ -15,11 +16,18 @@ const Functions& avx512() {
     return functions;
 }
 
+BlockLikelihood avx512_likelihood() {
+    return &block_likelihood<Avx512Pack>;
+}
+
 }  // namespace helibore::kernel
 #else
 namespace helibore::kernel {
 const Functions& avx512() {
     return plain();
+}
+BlockLikelihood avx512_likelihood() {
+    return plain_likelihood();
 }
 }  // namespace helibore::kernel
 #endif

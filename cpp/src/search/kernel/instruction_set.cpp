@@ -44,25 +44,34 @@ bool has_avx512() {
 }
 #endif
 
-const Functions& demand(bool present, const Functions& functions, const char* name) {
-    if (!present) throw InputError("instruction_set", "this processor does not have it", name);
-    return functions;
+// Returns what one of three functions returns: the one that a setting demands, or the best one.
+template <class F>
+auto chosen(InstructionSet level, F plain, F avx2, F avx512) -> decltype(plain()) {
+    const auto demand = [](bool present, F function, const char* name) {
+        if (!present) throw InputError("instruction_set", "this processor does not have it", name);
+        return function;
+    };
+    switch (level) {
+        case InstructionSet::plain:
+            return plain();
+        case InstructionSet::avx2:
+            return demand(has_avx2(), avx2, "avx2")();
+        case InstructionSet::avx512:
+            return demand(has_avx512(), avx512, "avx512")();
+        case InstructionSet::automatic:
+            break;
+    }
+    return has_avx512() ? avx512() : has_avx2() ? avx2() : plain();
 }
 
 }  // namespace
 
 const Functions& functions_for(InstructionSet level) {
-    switch (level) {
-        case InstructionSet::plain:
-            return plain();
-        case InstructionSet::avx2:
-            return demand(has_avx2(), avx2(), "avx2");
-        case InstructionSet::avx512:
-            return demand(has_avx512(), avx512(), "avx512");
-        case InstructionSet::automatic:
-            break;
-    }
-    return has_avx512() ? avx512() : has_avx2() ? avx2() : plain();
+    return chosen(level, plain, avx2, avx512);
+}
+
+BlockLikelihood likelihood_for(InstructionSet level) {
+    return chosen(level, plain_likelihood, avx2_likelihood, avx512_likelihood);
 }
 
 const double* position_table() {

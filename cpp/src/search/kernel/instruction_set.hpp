@@ -6,8 +6,9 @@
 
 namespace helibore::kernel {
 
-// Throws InputError if a setting demands a level that the processor does not have.
+// Throw InputError if a setting demands a level that the processor does not have.
 const Functions& functions_for(InstructionSet level);
+BlockLikelihood likelihood_for(InstructionSet level);
 
 // Return the tables CandidateList::position (list_capacity + 1 doubles) and CandidateList::narrow_position (256
 // floats), whose values have the bits of the integers 0, 1, 2, ...

@@ -218,4 +218,39 @@ const Functions& plain();
 const Functions& avx2();    // the plain functions if the compiler does not target x86-64
 const Functions& avx512();  // the plain functions if the compiler does not target x86-64
 
+// Samples of one block: sines and cosines of half the toolfaces, depths, radii less their mean. There are `size` of
+// each, the next multiple of `lanes`; those from n on are 0.
+struct Block {
+    int n, size;
+    const double *sine, *cosine, *along, *radius;
+};
+
+// What the likelihood of a block is made of, with the covariance matrix K, the radii r and
+// P = K^-1 - K^-1 1 1' K^-1 / 1' K^-1 1. `parts` are the derivatives of K by the logarithms of the parameters: three of
+// each term (variance, around, along) and, last, the noise.
+inline constexpr int max_parts = 3 * max_terms + 1;
+struct BlockTerms {
+    double ones, rest;                     // 1' K^-1 1 and r' P r
+    double trace[max_parts];               // of P times the part
+    double square[max_parts];              // r' P part P r
+    double product[max_parts][max_parts];  // trace of P part P part; only the lower half is set
+};
+
+// Memory for blocks of up to `size` samples.
+struct BlockRoom {
+    double* rows;                  // size rows of 2 size + lanes
+    double* factors;               // size rows of size
+    double* inverses;              // size: 1 / pivots of K; the determinant is their product
+    double* vectors;               // 2 size
+    double* parts[max_parts + 1];  // size rows of size, each
+};
+
+// Computes the terms of one block, without those of the derivatives unless `slopes`. Returns whether K is positive
+// definite.
+using BlockLikelihood = bool (*)(const Block& block, const CovarianceRule& rule, bool slopes, const BlockRoom& room,
+                                 BlockTerms& terms);
+BlockLikelihood plain_likelihood();
+BlockLikelihood avx2_likelihood();
+BlockLikelihood avx512_likelihood();
+
 }  // namespace helibore::kernel

@@ -1,0 +1,19 @@
+// The covariance of a hole, fitted to its samples: Settings::covariance for near_and_far.
+#pragma once
+
+#include <vector>
+
+#include "helibore/settings.hpp"
+#include "helibore/wall.hpp"
+
+namespace helibore {
+
+// Returns Settings::covariance: radius, noise, and a short, a long and, if the samples show it, a fine term, to five
+// digits. `samples` are blocks of `block_size` samples each. The parameters maximise the mean over the blocks of the
+// restricted likelihood, with weak priors. The noise variance is at least `least_noise`, m^2.
+//
+// Throws InputError if the columns do not make whole blocks, or if a value breaks the rule of its column.
+std::vector<double> fit_covariance(const SampleColumns& samples, Index block_size, double radius, double least_noise,
+                                   InstructionSet instruction_set = InstructionSet::automatic);
+
+}  // namespace helibore

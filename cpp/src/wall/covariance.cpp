@@ -1,0 +1,284 @@
+// Finds the likeliest parameters by damped Fisher scoring between limits. The likelihood is composite: it counts a
+// sample once for each block that holds it, so its curvature says nothing about certainty.
+#include "helibore/covariance.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "base/arithmetic.hpp"
+#include "base/exponential.hpp"
+#include "base/host_memory.hpp"
+#include "base/messages.hpp"
+#include "samples/helix.hpp"
+#include "search/kernel/instruction_set.hpp"
+
+namespace helibore {
+namespace {
+
+constexpr std::size_t lanes = kernel::lanes, most = kernel::max_parts;
+constexpr std::size_t noise = 6, few = 7;  // index of the noise; number of parameters without a fine term
+// Logarithms of parameters: variance, around and along of the short and of the long term, the noise, and again of a
+// fine term.
+using Parameters = std::array<double, most>;
+using Matrix = std::array<Parameters, most>;
+
+constexpr double starts[][few] = {{1e-6, 0.05, 0.06, 4e-6, 0.1, 0.6, 0.25e-6},
+                                  {1e-6, 0.03, 0.03, 4e-6, 0.1, 8.0, 1e-6},
+                                  {0.3e-6, 0.06, 0.3, 20e-6, 0.12, 40.0, 4e-6}};
+constexpr double priors[few] = {0.0, 0.02, 0.02, 0.03, 0.15, 0.02, 0.0};  // nats a block for one unit, squared
+constexpr double expected[few] = {1.0, 0.05, 0.06, 4e-6, 0.10, 0.6, 1.0};
+constexpr double ratio_prior = 0.02;  // of variance of the short term to a quarter of the noise
+constexpr double fine_shares[] = {0.3, 0.7}, fine_around[] = {0.006, 0.012, 0.025};
+constexpr double fine_gain = 0.05;  // nats a block that a fine term must gain
+constexpr double enough = 0.003;    // nats a block; a smaller gain ends the search
+constexpr double never = -std::numeric_limits<double>::infinity();
+
+struct Limits {
+    Parameters low, high;
+    Parameters clipped(Parameters at) const {
+        for (std::size_t i = 0; i < most; ++i) at[i] = std::clamp(at[i], low[i], high[i]);
+        return at;
+    }
+};
+
+struct Place {
+    Parameters at;
+    std::size_t count;     // of parameters: few or most
+    double value = never;  // log-likelihood with the prior, nats a block
+};
+
+class Fit {
+  public:
+    Fit(const SampleColumns& samples, std::size_t block_size, double radius, InstructionSet level);
+    Place best(double least_noise);
+
+  private:
+    double evaluate(const Parameters& at, std::size_t count, std::size_t nth, bool slopes);
+    Place climb(const Parameters& at, std::size_t count, const Limits& limits, std::size_t nth, int steps);
+    Place with_fine(const Place& found, const Limits& limits);
+
+    kernel::BlockLikelihood likelihood_;
+    double radius_;
+    std::size_t n_, size_, blocks_;
+    std::vector<double> columns_[4], room_;  // sine, cosine, along and radius of kernel::Block
+    kernel::BlockRoom parts_;
+    Parameters slope_;  // of the last evaluation with slopes
+    Matrix curvature_;  // expected second derivatives with the other sign
+};
+
+Fit::Fit(const SampleColumns& samples, std::size_t block_size, double radius, InstructionSet level)
+    : likelihood_(kernel::likelihood_for(level)),
+      radius_(radius),
+      n_(block_size),
+      size_((block_size + lanes - 1) / lanes * lanes),
+      blocks_(samples.depth.size() / block_size) {
+    for (std::vector<double>& column : columns_) column.resize(blocks_ * size_);
+    for (std::size_t b = 0; b < blocks_; ++b) {
+        double mean = 0.0;
+        for (std::size_t i = 0; i < n_; ++i) mean += samples.radius[b * n_ + i];
+        mean /= static_cast<double>(n_);
+        for (std::size_t i = 0; i < n_; ++i) {
+            const std::size_t from = b * n_ + i, to = b * size_ + i;
+            const auto half =
+                sine_cosine_of_radians(wrap_toolface(samples.toolface[from]) * (std::numbers::pi / 360.0));
+            columns_[0][to] = half.sine;
+            columns_[1][to] = half.cosine;
+            columns_[2][to] = samples.depth[from];
+            columns_[3][to] = samples.radius[from] - mean;
+        }
+    }
+    const std::size_t square = size_ * size_;
+    room_.resize((2 + 1 + most + 1) * square + (lanes + 3) * size_);
+    double* next = room_.data();
+    const auto take = [&](std::size_t count) { return std::exchange(next, next + count); };
+    parts_.rows = take(2 * square + lanes * size_);
+    parts_.factors = take(square);
+    parts_.inverses = take(size_);
+    parts_.vectors = take(2 * size_);
+    for (double*& part : parts_.parts) part = take(square);
+}
+
+// Returns the log-likelihood with the prior, of every nth block; with slopes, also sets slope_ and curvature_.
+double Fit::evaluate(const Parameters& at, std::size_t count, std::size_t nth, bool slopes) {
+    kernel::CovarianceRule rule{};
+    rule.radius = radius_;
+    rule.noise = exponential(at[noise]);
+    rule.terms = count > few ? 3 : 2;
+    // The noise is the last part in the kernel.
+    const auto parameter = [&](std::size_t part) { return part + 1 == count ? noise : part < noise ? part : part + 1; };
+    for (int t = 0; t < rule.terms; ++t) {
+        const auto of = [&](std::size_t i) { return exponential(at[parameter(3 * static_cast<std::size_t>(t) + i)]); };
+        const double around = 2.0 * radius_ / of(1), along = of(2);
+        rule.variance[t] = of(0);
+        rule.around[t] = 3.0 * around * around;
+        rule.along[t] = 3.0 / (along * along);
+    }
+    if (slopes) slope_ = {}, curvature_ = {};
+    double sum = 0.0, blocks = 0.0;
+    for (std::size_t b = 0; b < blocks_; b += nth, blocks += 1.0) {
+        const auto column = [&](int i) { return columns_[i].data() + b * size_; };
+        const kernel::Block block{
+            static_cast<int>(n_), static_cast<int>(size_), column(0), column(1), column(2), column(3)};
+        kernel::BlockTerms terms;
+        if (!likelihood_(block, rule, slopes, parts_, terms)) return never;
+        sum += logarithm(terms.ones) + terms.rest;
+        for (std::size_t k = 0; k < n_; ++k) sum -= logarithm(parts_.inverses[k]);
+        if (!slopes) continue;
+        for (std::size_t p = 0; p < count; ++p) {
+            slope_[parameter(p)] += terms.square[p] - terms.trace[p];
+            for (std::size_t q = 0; q <= p; ++q) curvature_[parameter(p)][parameter(q)] += terms.product[p][q];
+        }
+    }
+    double value = -0.5 * sum / blocks;
+    const double ratio = at[0] + logarithm(4.0) - at[noise];
+    value -= ratio_prior * ratio * ratio;
+    double off[few];
+    for (std::size_t p = 0; p < few; ++p) {
+        off[p] = at[p] - logarithm(expected[p]);
+        value -= priors[p] * off[p] * off[p];
+    }
+    if (!slopes) return value;
+    for (std::size_t p = 0; p < count; ++p) {
+        slope_[p] *= 0.5 / blocks;
+        curvature_[p][p] *= 0.5 / blocks;
+        for (std::size_t q = 0; q < p; ++q) {
+            const double both = curvature_[p][q] + curvature_[q][p];  // one of them is 0
+            curvature_[p][q] = curvature_[q][p] = both * (0.5 / blocks);
+        }
+    }
+    for (std::size_t p = 0; p < few; ++p) {
+        slope_[p] -= 2.0 * priors[p] * off[p];
+        curvature_[p][p] += 2.0 * priors[p];
+    }
+    for (const auto& [p, sign] : {std::pair{std::size_t{0}, 1.0}, std::pair{noise, -1.0}}) {
+        slope_[p] -= sign * 2.0 * ratio_prior * ratio;
+        curvature_[p][0] += sign * 2.0 * ratio_prior;
+        curvature_[p][noise] -= sign * 2.0 * ratio_prior;
+    }
+    return value;
+}
+
+// Solves the equations of a positive definite matrix for those of the parameters that are free; the others get 0.
+Parameters solve(Matrix a, Parameters b, const std::array<bool, most>& free, std::size_t count) {
+    for (std::size_t k = 0; k < count; ++k) {
+        if (!free[k]) continue;
+        for (std::size_t i = k + 1; i < count; ++i) {
+            if (!free[i]) continue;
+            const double factor = a[i][k] / a[k][k];
+            for (std::size_t j = k; j < count; ++j) a[i][j] -= factor * a[k][j];
+            b[i] -= factor * b[k];
+        }
+    }
+    Parameters x{};
+    for (std::size_t k = count; k-- > 0;) {
+        if (!free[k]) continue;
+        for (std::size_t j = k + 1; j < count; ++j)
+            if (free[j]) b[k] -= a[k][j] * x[j];
+        x[k] = b[k] / a[k][k];
+    }
+    return x;
+}
+
+Place Fit::climb(const Parameters& at, std::size_t count, const Limits& limits, std::size_t nth, int steps) {
+    Place now{at, count, evaluate(at, count, nth, true)};
+    if (now.value == never) return now;
+    double damping = 1e-2;
+    for (int step = 0; step < steps; ++step) {
+        std::array<bool, most> free{};
+        for (std::size_t p = 0; p < count; ++p)
+            free[p] =
+                !((now.at[p] <= limits.low[p] && slope_[p] < 0.0) || (now.at[p] >= limits.high[p] && slope_[p] > 0.0));
+        Place found{now.at, count};
+        for (int attempt = 0; attempt < 6 && !(found.value > now.value); ++attempt) {
+            if (attempt > 0) damping *= 6.0;
+            Matrix damped = curvature_;
+            for (std::size_t p = 0; p < count; ++p) damped[p][p] += damping * (damped[p][p] + 0.01);
+            const Parameters by = solve(damped, slope_, free, count);
+            found.at = now.at;
+            for (std::size_t p = 0; p < count; ++p) found.at[p] += std::clamp(by[p], -2.0, 2.0);
+            found.at = limits.clipped(found.at);
+            found.value = evaluate(found.at, count, nth, false);
+        }
+        if (!(found.value > now.value)) break;
+        const double gain = found.value - now.value;
+        now = found;
+        damping /= 5.0;
+        if (gain < enough) break;
+        evaluate(now.at, count, nth, true);
+    }
+    return now;
+}
+
+// Returns the likeliest parameters with a fine term; those found, if none of the starts is about as likely.
+Place Fit::with_fine(const Place& found, const Limits& limits) {
+    Place start{found.at, most};
+    for (const double share : fine_shares)
+        for (const double around : fine_around) {
+            Parameters at = found.at;
+            at[noise] += logarithm(1.0 - share);
+            at[few] = found.at[noise] + logarithm(share);
+            at[few + 1] = logarithm(around);
+            at[few + 2] = logarithm(2.5 * around);
+            at = limits.clipped(at);
+            const double value = evaluate(at, most, 3, false);
+            if (value > start.value) start = {at, most, value};
+        }
+    if (start.value < evaluate(found.at, few, 3, false) - 0.5) return found;
+    return climb(start.at, most, limits, 1, 15);
+}
+
+Place Fit::best(double least_noise) {
+    const double r = radius_;
+    Limits limits{{1e-12, 0.004, 0.004, 1e-12, 0.35 * r, 0.02, least_noise, 1e-12, 0.003, 0.006},
+                  {1e-2, 4.0 * r, 60.0, 1e-2, 2.5 * r, 200.0, 1e-2, 1e-3, 0.04, 0.2}};
+    for (std::size_t p = 0; p < most; ++p) {
+        limits.low[p] = logarithm(limits.low[p]);
+        limits.high[p] = logarithm(limits.high[p]);
+    }
+    Place start{limits.high, few};
+    for (const auto& values : starts) {
+        Parameters at = limits.low;
+        for (std::size_t p = 0; p < few; ++p) at[p] = logarithm(values[p]);
+        const Place found = climb(limits.clipped(at), few, limits, 2, 8);
+        if (found.value > start.value) start = found;
+    }
+    const Place two = climb(start.at, few, limits, 1, 20), three = with_fine(two, limits);
+    return three.value > two.value + fine_gain ? three : two;
+}
+
+// Returns the number with five significant digits: last bits do not matter, and settings are easier to read.
+double rounded(double value) {
+    char text[32];
+    const char* end = std::to_chars(text, text + sizeof text, value, std::chars_format::scientific, 4).ptr;
+    double found = value;
+    std::from_chars(text, end, found);
+    return found;
+}
+
+}  // namespace
+
+std::vector<double> fit_covariance(const SampleColumns& samples, Index block_size, double radius, double least_noise,
+                                   InstructionSet instruction_set) {
+    const StandardArithmetic standard;
+    require(block_size > 1 && block_size <= 1000, "block_size", block_size, "must lie in 2 to 1000");
+    require(radius > 0.0 && radius <= 1e3, "radius", radius, "must be above 0, at most 1000 m");
+    require(least_noise >= 1e-12 && least_noise <= 1e-2, "least_noise", least_noise, "must lie in 1e-12 to 0.01 m^2");
+    const std::vector<double> columns[] = {copied(samples.depth), copied(samples.toolface), copied(samples.radius)};
+    const SampleColumns from{columns[0], columns[1], columns[2]};
+    from.validate(1);
+    const auto count = static_cast<Index>(from.depth.size());
+    require(count > 0 && count % block_size == 0, "samples", count, "must be whole blocks");
+    Fit fit(from, static_cast<std::size_t>(block_size), radius, instruction_set);
+    const Place best = fit.best(least_noise);
+    std::vector<double> values{rounded(radius), rounded(exponential(best.at[noise]))};
+    for (std::size_t p = 0; p < best.count; ++p)
+        if (p != noise) values.push_back(rounded(exponential(best.at[p])));
+    return values;
+}
+
+}  // namespace helibore

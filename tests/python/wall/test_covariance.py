@@ -1,0 +1,91 @@
+"""The fit of a covariance: against the likelihood written out for all samples, instruction sets, bad input."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+import pytest
+from reference import Floats, exactly, random_hole
+
+import helibore as hb
+from helibore import _core
+from helibore.wall.covariance import Covariance, covariance_of, fit_covariance
+
+
+def posterior(found: Covariance, depth: Floats, toolface: Floats, radius: Floats) -> float:
+    """The restricted log-likelihood by contrasts between the samples, with the priors of the fit."""
+    n = depth.size
+    matrix = found.at(toolface[:, None] - toolface, depth[:, None] - depth) + found.noise * np.eye(n)
+    contrasts = np.linalg.qr(np.column_stack([np.ones(n), np.eye(n)[:, 1:]]))[0][:, 1:]
+    within, values = contrasts.T @ matrix @ contrasts, contrasts.T @ radius
+    likelihood = -0.5 * (np.linalg.slogdet(within)[1] + values @ np.linalg.solve(within, values))
+    short, long = found.terms[:2]
+    prior = 0.02 * np.log(short.around / 0.05) ** 2 + 0.02 * np.log(short.along / 0.06) ** 2
+    prior += 0.03 * np.log(long.variance / 4e-6) ** 2 + 0.15 * np.log(long.around / 0.1) ** 2
+    prior += 0.02 * np.log(long.along / 0.6) ** 2 + 0.02 * np.log(4.0 * short.variance / found.noise) ** 2
+    return float(likelihood - prior)
+
+
+@pytest.mark.parametrize(("shape", "seed"), [("oval", 1), ("washed", 2), ("spiral", 3)])
+def test_no_other_parameters_near_those_found_are_likelier(shape: str, seed: int) -> None:
+    depth, toolface, radius = random_hole(seed, shape, 150, 4.0)
+    order = np.argsort(depth, kind="stable")
+    samples = depth[order], np.mod(toolface[order], 360.0), radius[order]
+    found = fit_covariance(samples)
+    assert found is not None
+    best = posterior(found, *samples)
+    r = found.radius
+    low, high = (1e-12, 1e-12, 0.004, 0.004, 1e-12, 0.35 * r, 0.02), (1e-2, 1e-2, 4 * r, 60.0, 1e-2, 2.5 * r, 200.0)
+    values = [found.radius, found.noise, *np.ravel(found.terms)]
+    for i in range(1, 8):
+        for factor in (0.8, 1.25):
+            other = [*values]
+            other[i] *= factor
+            if low[i - 1] <= other[i] <= high[i - 1]:
+                assert posterior(covariance_of(other), *samples) < best + 0.01, (i, factor)
+
+
+def blocks(count: int, size: int) -> tuple[Floats, Floats, Floats]:
+    rng = np.random.default_rng(4)
+    depth = np.sort(rng.uniform(0.0, 2.0, (count, size)), axis=1)
+    toolface = rng.uniform(0.0, 360.0, (count, size))
+    radius = 0.11 + 2e-3 * np.cos(2.0 * np.radians(toolface) - depth) + rng.normal(0.0, 3e-4, (count, size))
+    return depth.reshape(-1), toolface.reshape(-1), radius.reshape(-1)
+
+
+@pytest.mark.parametrize(("count", "size"), [(9, 20), (3, 64), (1, 75)])
+def test_all_instruction_sets_find_the_same(count: int, size: int) -> None:
+    def found(level: str) -> list[float]:
+        with suppress(hb.InputError):  # this processor does not have it
+            return _core.fit_covariance(blocks(count, size), size, 0.11, 1e-12, level)
+        return found("plain")
+
+    assert found("plain") == found("avx2") == found("avx512")
+
+
+def test_noise_stays_above_that_of_quantised_radii() -> None:
+    depth, toolface, radius = blocks(1, 200)
+    samples = np.sort(depth), toolface, radius
+    found = fit_covariance(samples, step=0.02)
+    assert found is not None
+    assert found.noise >= 0.02**2 / 48.0 * (1.0 - 1e-4)
+
+
+BAD: list[tuple[dict[str, Any], str]] = [
+    ({"size": 1}, "block_size = 1: must lie in 2 to 1000"),
+    ({"size": 7}, "samples = 60: must be whole blocks"),
+    ({"radius": 0.0}, "radius = 0: must be above 0, at most 1000 m"),
+    ({"noise": float("nan")}, "least_noise = nan: must lie in 1e-12 to 0.01 m^2"),
+    ({"first": float("nan")}, "depth[0] = nan: must be finite"),
+]
+
+
+@pytest.mark.parametrize(("change", "text"), BAD, ids=[text for _, text in BAD])
+def test_bad_blocks_are_refused(change: dict[str, Any], text: str) -> None:
+    given = {"size": 20, "radius": 0.11, "noise": 1e-12, "first": 0.0} | change
+    depth, toolface, radius = blocks(3, 20)
+    depth[0] = given["first"]
+    with pytest.raises(hb.InputError, match=exactly(text)):
+        _core.fit_covariance((depth, toolface, radius), given["size"], given["radius"], given["noise"])
