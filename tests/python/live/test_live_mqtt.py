@@ -15,11 +15,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from live_servers import Running, free_port, payloads, until
-from live_wires import WALL, Clock, refused
+from live_wires import WALL, Clock
 
 from helibore import Live
 from helibore.live.rules.configuration import parse
-from helibore.live.wire.mqtt_link import framed
+from helibore.live.wire.mqtt_link import MOST_WAITING, framed
 
 MOSQUITTO = shutil.which("mosquitto", path="/usr/sbin:/usr/bin:/usr/local/sbin:/opt/homebrew/sbin")
 mqtt = pytest.importorskip("paho.mqtt.client", reason="MQTT needs paho-mqtt")
@@ -47,7 +47,8 @@ class Broker:
         self._file.write_text("\n".join([*lines, "" if "allow_anonymous" in extra else "allow_anonymous true", ""]))
         self.begin()
 
-    def begin(self) -> None:
+    def begin(self, extra: str = "") -> None:
+        self._file.write_text(f"{self._file.read_text()}{extra}\n")
         self._process = subprocess.Popen([MOSQUITTO, "-c", self._file], stdout=subprocess.DEVNULL,
                                          stderr=subprocess.DEVNULL)  # fmt: skip
 
@@ -120,17 +121,21 @@ def test_what_a_broker_sends_is_drawn_and_replayed(broker, tmp_path):
 
 
 def test_messages_wait_at_the_broker_while_helibore_is_away(broker, tmp_path):
+    broker.end()
+    broker.begin("max_inflight_messages 0")
     sender = broker.sender()
     with Running(settings(broker), tmp_path / "j") as running:
         until(lambda: running.server.openers["rig"] is not None and running.live.model.counts["connections rig"])
         publish(sender, [message(0)])
         until(lambda: running.live.wall.sample_count == 1)
-    publish(sender, [message(n) for n in range(1, 300)])
+    count = MOST_WAITING + 300  # the broker's answer to the subscription stands behind them
+    publish(sender, [message(n) for n in range(1, count)])
     broker.end()  # SIGTERM: it stores what waits
     broker.begin()
     with Running(settings(broker), tmp_path / "j") as again:
-        until(lambda: again.live.wall.sample_count == 300)
-        assert numbers(again.live) == list(range(300))
+        until(lambda: again.live.wall.sample_count == count)
+        assert numbers(again.live) == list(range(count))
+        until(lambda: again.server.states["rig"].startswith("connected"))
     sender.loop_stop()
 
 
@@ -223,24 +228,6 @@ def test_bytes_that_are_no_message_stop_nothing(payload):
     live.receive("rig", payload, 1)
     live.receive("rig", framed("new", b"rig7/a", message(1).encode()), 2)
     assert numbers(live) == [1]
-
-
-@pytest.mark.parametrize(
-    ("change", "place"),
-    [
-        (('"mqtt://127.0.0.1:PORT"', '"mqtt://u:secret@h:1"'), "source.rig.address"),
-        (('"mqtt://127.0.0.1:PORT"', '"mqtt://"'), "source.rig.address"),
-        (('topics = ["rig7/#"]', "topics = []"), "source.rig.topics"),
-        (('client = "well-7"\n', ""), "source.rig.client"),
-        (('units = "metric"\n', ""), "source.rig.units"),
-        (('client = "well-7"', 'client = "well-7"\nuser = "u"'), "source.rig"),
-        (('"mqtt://127.0.0.1:PORT"', '"mqtt://far:1883"\nuser = "u"\npassword_env = "P"'), "source.rig.address"),
-    ],
-)
-def test_a_wrong_setting_has_its_place(change, place):
-    found, rule, value = refused(SETTINGS.replace(*change).replace("PORT", "1883"))
-    assert found == place
-    assert "secret" not in f"{rule} {value}"
 
 
 def test_feet_and_inches_are_converted():

@@ -27,6 +27,8 @@ ANSWER = 10.0
 """Seconds for the broker's answers to the connection and to the subscriptions."""
 KEEP_ALIVE = 15
 """Seconds after which a silent connection is checked."""
+FULL_CHECK = 0.25
+"""Seconds between two checks of whether the queue is full."""
 MOST_WAITING = 1000
 """The most messages that wait to be stored; beyond that, the broker waits."""
 DENIED = 4, 5, 134, 135
@@ -50,7 +52,7 @@ class MqttLink(Link):
         self.peer = f"{host}:{port}"
         self._came: queue.Queue[tuple[bytes, int]] = queue.Queue(MOST_WAITING)
         self._unacknowledged: deque[tuple[int, int]] = deque()
-        self._delivered = 0
+        self._delivered, self.went_well = 0, False
         self._answers: queue.SimpleQueue[tuple[str, Any]] = queue.SimpleQueue()
         self._ended, self._closing = threading.Event(), threading.Event()
         self._client = client = opener.client()
@@ -66,9 +68,7 @@ class MqttLink(Link):
                 text = f"{self.peer}: the broker refuses the connection: {code}"
                 raise AccessDeniedError(f"{text}: user or password_env") if code.value in DENIED else OSError(text)
             client.subscribe([(topic, 1) for topic in opener.topics])
-            for topic, granted in zip(opener.topics, self._answer("subscribed"), strict=True):
-                if granted.value >= REFUSED:
-                    raise OSError(f"{self.peer}: topics: the broker refuses {topic!r}: its rights are missing")
+            self._check_subscription()
         except BaseException:
             self.close()
             raise
@@ -78,15 +78,29 @@ class MqttLink(Link):
         self._answers.put(("ended", None))
 
     def _answer(self, kind: str) -> Any:
+        """Return the broker's answer; None if so many messages wait that the answer stands behind them."""
         end = time.monotonic() + ANSWER
         while (left := end - time.monotonic()) > 0:
-            with contextlib.suppress(queue.Empty):
-                came, facts = self._answers.get(timeout=left)
-                if came == kind:
-                    return facts
-                if came == "ended":
-                    raise OSError(f"{self.peer}: the broker closed the connection")
+            try:
+                came, facts = self._answers.get(timeout=min(left, FULL_CHECK))
+            except queue.Empty:
+                if self._came.full():
+                    return None
+                continue
+            if came == kind:
+                return facts
+            if came == "ended":
+                raise OSError(f"{self.peer}: the broker closed the connection")
         raise OSError(f"{self.peer}: no answer within {ANSWER:g} s")
+
+    def _check_subscription(self) -> None:
+        """Wait for the answer to the subscription, unless it stands behind messages that must be read first."""
+        if (granted := self._answer("subscribed")) is None:
+            return
+        for topic, code in zip(self._opener.topics, granted, strict=True):
+            if code.value >= REFUSED:
+                raise OSError(f"{self.peer}: topics: the broker refuses {topic!r}: its rights are missing")
+        self.went_well = True
 
     def _message(self, _: object, __: object, message: Any) -> None:
         """Queue a message; paho's thread waits here while the queue is full, so the broker waits, too."""
@@ -97,7 +111,7 @@ class MqttLink(Link):
         mid = message.mid if message.qos else -1
         while not self._closing.is_set():
             with contextlib.suppress(queue.Full):
-                self._came.put((framed(state, topic, payload), mid), timeout=0.25)
+                self._came.put((framed(state, topic, payload), mid), timeout=FULL_CHECK)
                 return
 
     def read(self, seconds: float) -> bytes | None:
@@ -106,6 +120,8 @@ class MqttLink(Link):
         except queue.Empty:
             if self._ended.is_set() and self._came.empty():
                 raise OSError(f"{self.peer}: the connection to the broker ended") from None
+            if not self.went_well:
+                self._check_subscription()
             return b""
         self._delivered += 1
         if mid >= 0:
