@@ -268,6 +268,7 @@ class Alarms:
         self._lines: queue.Queue[bytes] = queue.Queue(MOST_LINES)
         self._posting: tuple[float, list[http.client.HTTPConnection]] | None = None
         self._running: subprocess.Popen[bytes] | None = None
+        self._starting, self._closed = threading.Lock(), False
         self.ahead = Ahead(live)
         self._tight: TightAhead | None = None
         self._stopping = threading.Event()
@@ -361,9 +362,11 @@ class Alarms:
         self._stopping.set()
         if self._thread:
             self._thread.join(SECONDS / 2)
-        if (running := self._running) is not None and running.poll() is None:
+        with self._starting:  # a command that hangs must not outlive helibore, and no other one begins
+            self._closed, running = True, self._running
+        if running is not None and running.poll() is None:
             with contextlib.suppress(ProcessLookupError):
-                os.killpg(running.pid, signal.SIGKILL)  # a command that hangs must not outlive helibore
+                os.killpg(running.pid, signal.SIGKILL)
 
     def _of_sources(self, now: int) -> dict[tuple[str, str], str]:
         found = {}
@@ -523,11 +526,14 @@ class Alarms:
         reading, writing = os.pipe()
         said = _LastLine(reading)
         try:
-            command = subprocess.Popen(self._limits.command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL,
-                                       stderr=writing, env=environment, start_new_session=True)  # fmt: skip
+            with self._starting:
+                if self._closed:
+                    raise ChildProcessError(0, "helibore stops")
+                command = subprocess.Popen(self._limits.command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL,
+                                           stderr=writing, env=environment, start_new_session=True)  # fmt: skip
+                self._running = command
         finally:
             os.close(writing)
-        self._running = command
         try:
             command.communicate(line, timeout=SECONDS)
         except subprocess.TimeoutExpired:
