@@ -32,6 +32,8 @@ class MetricsServer(http.server.HTTPServer):
     when the process can get no more threads or file descriptors. ``beside`` are the connections of the page.
     """
 
+    request_queue_size = 4 * CONNECTIONS  # a burst of connections: with the default of 5, some wait for seconds
+
     def __init__(self, server: Server, port: int, access: Access, beside: Connections | None = None) -> None:
         connections = Connections("metrics", 3 * CONNECTIONS, 2 * CONNECTIONS)
         shown = (connections, beside) if beside else (connections,)

@@ -6,6 +6,7 @@ import json
 import re
 
 import pytest
+from live_wires import refused
 from locations import ROOT
 
 from helibore.base.errors import InputError
@@ -354,3 +355,39 @@ def test_every_setting_of_the_page_is_read():
     assert set(c.sources) == {"rig", "mwd"}
     assert len(c.sources["mwd"].caliper.radius) == 30
     assert set(c.layers) == {"main", "ream", "again"}
+
+
+BROKER = (
+    '[source.rig]\naddress = "mqtt://127.0.0.1:1883"\nunits = "metric"\nclient = "well-7"\ntopics = ["rig7/#"]\n'
+    'caliper = { toolface = ["tf"], radius = ["rad"], depth = ["md"] }\n'
+)
+CHANNELS = (
+    '[source.rig]\naddress = "ws://127.0.0.1:1883"\nordered_by = "depth"\nuris = ["eml:///c"]\n'
+    'caliper = { toolface = ["TF"], radius = ["RAD"] }\n'
+)
+
+
+@pytest.mark.parametrize(
+    ("source", "old", "new", "place"),
+    [
+        (BROKER, "127.0.0.1", "u:secret@h", "address"),
+        (BROKER, "127.0.0.1:1883", "", "address"),
+        (BROKER, '127.0.0.1:1883"', 'far:1883"\nuser = "u"\npassword_env = "P"', "address"),
+        (BROKER, 'topics = ["rig7/#"]', "topics = []", "topics"),
+        (BROKER, 'client = "well-7"\n', "", "client"),
+        (BROKER, 'units = "metric"\n', "", "units"),
+        (BROKER, "units", 'user = "u"\nunits', ""),
+        (CHANNELS, "127.0.0.1", "u:secret@h", "address"),
+        (CHANNELS, "127.0.0.1:1883", "", "address"),
+        (CHANNELS, "1883", "1/?token=secret", "address"),
+        (CHANNELS, '127.0.0.1:1883"', 'far:1"\ntoken_env = "T"', "address"),
+        (CHANNELS, "uris = [", "uris = []\nothers = [", "others"),
+        (CHANNELS, 'ordered_by = "depth"\n', "", "ordered_by"),
+        (CHANNELS, "uris", 'user = "u"\nuris', ""),
+    ],
+)
+def test_a_wrong_setting_of_a_broker_or_an_etp_server_has_its_place(source, old, new, place):
+    parse(WALL + source)
+    found, rule, value = refused(WALL + source.replace(old, new, 1))
+    assert found == f"source.rig.{place}".rstrip(".")
+    assert "secret" not in f"{rule} {value}"
