@@ -4,8 +4,10 @@
 #include <limits>
 #include <span>
 
+#include "c/handles.hpp"
 #include "helibore/compression.hpp"
 #include "helibore/error.hpp"
+#include "helibore/estimates.hpp"
 #include "helibore/logs.hpp"
 #include "helibore/zones.hpp"
 #include "measure/zone_columns.hpp"
@@ -92,6 +94,25 @@ PAGE_API int page_zones(const double* helix, int sectors, int count, const doubl
         std::ranges::copy(all.arms.diameter, columns);
         helibore::fill_zones(all.zones, zones);
         found[0] = static_cast<std::int32_t>(all.arms.arms), found[1] = static_cast<std::int32_t>(all.zones.size());
+    });
+}
+
+// Calibrates the uncertainty of a wall by `count` samples that are left out, with boxes around them (estimates.hpp).
+// values: the seven numbers of a Calibration; NaN if no sample could be estimated.
+PAGE_API int page_calibrate(std::int64_t wall, int count, const std::int64_t* rows, const double* box_depth,
+                            const double* box_turn, double* values) {
+    return guarded([&] {
+        const auto handle = helibore::c::find<helibore::c::WallHandle>("wall", wall);
+        const auto samples = handle->read->samples();
+        const auto size = static_cast<std::size_t>(count);
+        const auto found =
+            helibore::calibrate({samples[0], samples[1], samples[2]},
+                                {{rows, size}, {box_depth, size}, {box_turn, size}}, handle->read->settings());
+        const double none = std::numeric_limits<double>::quiet_NaN();
+        const auto of = found.value_or(helibore::Calibration{none, none, none, none, none, none, none});
+        std::ranges::copy(std::initializer_list{of.noise, of.between, of.scatter_power, of.distance_power, of.stretch,
+                                                of.quantile, of.reach},
+                          values);
     });
 }
 

@@ -283,6 +283,24 @@ void register_wall(py::module_& m) {
         py::arg("samples"), py::arg("block_size"), py::arg("radius"), py::arg("least_noise"),
         py::arg("instruction_set") = "automatic");
     m.def(
+        "calibrate",
+        [](const std::array<Column, 3>& samples, const py::array_t<Index>& rows, const std::array<Column, 2>& boxes,
+           const py::dict& settings, int threads) {
+            const SampleColumns columns = columns_of(samples[0], samples[1], samples[2], std::nullopt);
+            const LeftOut left_out{
+                {rows.data(), static_cast<std::size_t>(rows.size())}, span_of(boxes[0]), span_of(boxes[1])};
+            const Settings with = settings_of(settings, threads, "automatic");
+            std::optional<Calibration> found;
+            {
+                const WithoutGil released;
+                found = calibrate(columns, left_out, with);
+            }
+            if (!found) return py::object(py::none());
+            return py::object(py::make_tuple(found->noise, found->between, found->scatter_power, found->distance_power,
+                                             found->stretch, found->quantile, found->reach));
+        },
+        py::arg("samples"), py::arg("rows"), py::arg("boxes"), py::arg("settings"), py::arg("threads"));
+    m.def(
         "sigma_of",
         [](const std::array<Column, 4>& sums, const std::array<double, 6>& rule) {
             const auto [noise, between, scatter_power, distance_power, stretch, reach] = rule;

@@ -47,6 +47,13 @@ def fit_covariance(
     least_noise: float,
     instruction_set: str = "automatic",
 ) -> list[float]: ...
+def calibrate(
+    samples: tuple[Floats, Floats, Floats],
+    rows: Integers,
+    boxes: tuple[Floats, Floats],
+    settings: dict[str, Any],
+    threads: int,
+) -> tuple[float, float, float, float, float, float, float] | None: ...
 def sigma_of(
     sums: tuple[Floats, Floats, Floats, Floats],
     rule: tuple[float, float, float, float, float, float],

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -40,5 +41,23 @@ PointEstimates estimate_at(const SampleColumns& samples, const PointColumns& poi
 // Returns the standard uncertainty of each radius, computed from its sums W, S, A and C, which are four columns of
 // equal length. It is NaN where the sums are NaN (no neighbours), and where A + C is above the square of `rule.reach`.
 std::vector<double> sigma_of(const std::array<std::span<const double>, 4>& sums, const SigmaRule& rule);
+
+// Samples that are left out one by one, each with the samples in a box around it, as PointColumns says.
+struct LeftOut {
+    std::span<const Index> rows;  // of the samples
+    std::span<const double> box_depth, box_turn;
+};
+
+// The parameters of the uncertainty of a wall; python/helibore/wall/uncertainty.py explains them.
+struct Calibration {
+    double noise, between;  // tau, metres; c
+    double scatter_power, distance_power, stretch;
+    double quantile;  // 0.95 of the errors, each divided by its standard deviation
+    double reach;     // metres: how far the rms distance to the samples used may be
+};
+
+// Calibrates the uncertainty of a wall of these samples and settings; none if no sample that is left out has another
+// one outside its box. Throws InputError as estimate_at, and if a row is not one of the samples.
+std::optional<Calibration> calibrate(const SampleColumns& samples, const LeftOut& left_out, const Settings& settings);
 
 }  // namespace helibore

@@ -10,6 +10,8 @@ import sys
 from dataclasses import MISSING, fields
 from typing import Any
 
+import numpy as np
+
 from helibore.base import units
 from helibore.base.harmless import FORMULA
 from helibore.base.nulls import NULLS
@@ -23,6 +25,8 @@ from helibore.samples.bit_sizes import LARGE_BITS, SMALL_BITS
 from helibore.samples.caliper import BASIS_TEXT
 from helibore.settings.role_settings import ROLES
 from helibore.settings.wall_settings import Settings
+from helibore.wall.estimates import FEW_BOXES, FEWEST_SAMPLES, MOST_COMPARISONS, MOST_UNMEASURED
+from helibore.wall.uncertainty import NORMAL_95, TARGETS
 from helibore.wall.wall_columns import LARGEST_CHANGE, NEAR_DEPTH, NEAR_TOOLFACE
 
 
@@ -30,6 +34,7 @@ def rules() -> dict[str, Any]:
     """Return the rules; ``rules.js`` of the page names the members."""
     usual = Settings(bit_diameter=0.2)
     sizes = sorted({*SMALL_BITS, *LARGE_BITS})
+    random = np.random.default_rng(0).bit_generator.state["state"]  # of the samples that are left out
     return {
         "names": json.loads(NAMES_FILE.read_text("utf-8")),
         "units": units.table(),
@@ -56,6 +61,15 @@ def rules() -> dict[str, Any]:
             "defaults": {one.name: one.default for one in fields(picks.Pick) if one.default is not MISSING},
         },
         "bases": BASIS_TEXT,
+        "left_out": {
+            "random": [str(random["state"]), str(random["inc"])],
+            "targets": TARGETS,
+            "fewest": FEWEST_SAMPLES,
+            "boxes": FEW_BOXES,
+            "comparisons": MOST_COMPARISONS,
+            "normal": NORMAL_95,
+            "unmeasured": MOST_UNMEASURED,
+        },
         "measured": [NEAR_DEPTH, NEAR_TOOLFACE, usual.gap_reach, usual.largest_gap, LARGEST_CHANGE],
     }
 

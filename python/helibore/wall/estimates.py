@@ -30,7 +30,7 @@ _LEVEL = 1e-3
 """Metres: samples within this depth are compared, however near in toolface others are."""
 _COMPARISONS = 2e6
 """With this many comparisons a range is found in some 30 ms."""
-_COMPARISONS_LEFT_OUT = 2e7
+MOST_COMPARISONS = 2e7
 """Each of the samples left out is compared with all that lie within `_LEVEL` of its depth: at most so many in all."""
 
 Columns = tuple[Floats, Floats, Floats]
@@ -80,7 +80,7 @@ def choose_left_out(
         raise InputError("window", rule, str(settings.window), "wall.window")
     if count < FEWEST_SAMPLES:
         raise InputError("samples", f"too few samples {purpose}: must be at least {FEWEST_SAMPLES}", str(count))
-    most = min(most, max(int(_COMPARISONS_LEFT_OUT / _crowd(samples[0])), FEWEST_SAMPLES), count)
+    most = min(most, max(int(MOST_COMPARISONS / _crowd(samples[0])), FEWEST_SAMPLES), count)
     rng = np.random.default_rng(seed)
     rows = np.sort(rng.choice(count, most, replace=False))
     return rows, empty_boxes(samples, settings, rows.size, rng, boxes)

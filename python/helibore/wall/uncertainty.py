@@ -25,7 +25,6 @@ noise from shape. Then tau^2 (1 + W) replaces tau^2 W.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 
@@ -34,22 +33,14 @@ from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.samples.helix import whole_helix
 from helibore.settings.wall_settings import Settings
-from helibore.wall.estimates import FEWEST_SAMPLES, MOST_UNMEASURED, Columns, choose_left_out, estimate_left_out
-from helibore.wall.wall_columns import NEAR_DEPTH, WallColumns
+from helibore.wall.estimates import FEWEST_SAMPLES, MOST_UNMEASURED, Columns, choose_left_out
+from helibore.wall.wall_columns import WallColumns
 
 TARGETS = 2000
 _FEW_TARGETS = 300
 _FACTORS = (0.85, 2.5)
 _LONGEST_GAP = 15.0  # metres
 NORMAL_95 = 1.959964
-_FREEDOM = 5.0
-_MEDIAN_SQUARE = 0.455
-"""Median of the square of a normal deviate with variance 1."""
-_ENOUGH = 0.1  # a smaller difference of the log-likelihood does not count
-_SMALLEST = 1e-18  # square metres; smaller squares are rounding errors
-_STRETCHES = (1.0, 16.0, 256.0)
-_POWERS = ((0.5, 1.0), (1.0, 1.0))
-"""The least and the greatest powers of S and D. With powers beyond, noise would count as shape in a near-round hole."""
 
 
 @dataclass(frozen=True)
@@ -70,89 +61,21 @@ class Calibration:
         ``sums`` are W, S and the mean squares of the distances along and around the hole.
         """
         square_weights, scatter, along, across = sums
-        share = (self.quantile / NORMAL_95) ** 2
-        rule = (
-            share * self.noise**2, share * self.between, self.scatter_power, self.distance_power, self.stretch,
-            self.reach,
-        )  # fmt: skip
+        ratio = self.quantile / NORMAL_95
+        share, powers = ratio * ratio, (self.scatter_power, self.distance_power)
+        rule = (share * self.noise * self.noise, share * self.between, *powers, self.stretch, self.reach)
         return _core.sigma_of((square_weights, scatter, along, across), rule)
 
 
 def calibrate(samples: Columns, settings: Settings, threads: int = 1) -> Calibration:
     """Calibrate the uncertainty of a wall with these settings and samples; for errors see `choose_left_out`."""
     rows, boxes = choose_left_out(samples, settings, TARGETS, 0, "for an uncertainty")
-    found = estimate_left_out(samples, rows, settings, boxes, threads, trial=samples[2][rows])
-    known = np.isfinite(found.radius)
-    if not known.any():
+    found = _core.calibrate(samples, rows, boxes, vars(settings), threads)
+    if found is None:
         rule = "too few samples for an uncertainty: no sample has another one outside its box and within max_distance"
         raise InputError("samples", rule)
-    squares = np.maximum((found.radius - samples[2][rows])[known] ** 2, _SMALLEST)
-    weights, scatter, along, across = (of[known] for of in found[3:7])
-    scatter = np.maximum(scatter, _SMALLEST)
-    distances = [np.maximum(along + of * across, _SMALLEST) for of in _STRETCHES]
-    fits: list[_Fit] = []
-    for distance in distances:  # each fit starts from the result of the previous one
-        fits.append(_fit(squares, weights, np.log([scatter, distance]), fits[-1] if fits else None))
-    best = int(np.argmax([fit.likelihood for fit in fits]))
-    fit, changes = fits[best], np.log([scatter, distances[best]])
-    variance = fit.noise * (1.0 + weights) + fit.between * np.exp(fit.powers @ changes)
-    quantile = float(np.sqrt(np.quantile(squares / variance, 0.95)))
-    reach = float(np.sqrt(np.quantile(along + across, 0.98)))
-    reach = max(reach, min(1.5 * reach, NEAR_DEPTH))  # single vertices between random samples lie a little farther
-    found_best = (np.sqrt(fit.noise), fit.between, *fit.powers, _STRETCHES[best], quantile, reach)
-    # Nine digits: the last bits of a logarithm differ between machines.
-    return Calibration(*(float(f"{value:.9g}") for value in found_best))
-
-
-class _Fit(NamedTuple):
-    likelihood: float
-    noise: float  # tau^2
-    between: float  # c
-    powers: Floats
-
-
-def _fit(squares: Floats, weights: Floats, changes: Floats, near: _Fit | None = None) -> _Fit:
-    """Find the likeliest tau^2, c and powers for squared errors with Student's t, by damped Fisher scoring.
-
-    ``changes`` are the logarithms of S and D, (2, n). The search starts from the fit ``near``; without one, it starts
-    from each of three values of tau^2.
-    """
-    usual, middle = np.log(np.median(squares) / _MEDIAN_SQUARE), changes.mean(axis=1, keepdims=True)
-    terms = np.vstack([np.ones((1, squares.size)), changes - middle])
-    low, high = (np.array([usual + of, usual + of, *powers]) for of, powers in ((-12.0, _POWERS[0]), (5.0, _POWERS[1])))
-
-    def parts(of: Floats) -> tuple[Floats, Floats, float]:
-        noise, between = np.exp(of[0]) * (1.0 + weights), np.exp(np.clip(of[1:] @ terms, -100.0, 100.0))
-        variance = noise + between
-        cost = np.sum((_FREEDOM + 1.0) * np.log1p(squares / (_FREEDOM * variance)) + np.log(variance))
-        return noise, variance, 0.5 * float(cost)
-
-    best: tuple[float, Floats] = (np.inf, low)
-    if near:
-        between = np.log(near.between) + near.powers @ middle[:, 0]
-        starts = [np.array([np.log(near.noise), between, *near.powers])]
-    else:
-        starts = [np.array([usual + np.log(share), usual + np.log(1.0 - share), 1.0, 1.0]) for share in (0.1, 0.5, 0.9)]
-    for at in starts:
-        noise, variance, cost = parts(at)
-        damping = 1e-2
-        for _ in range(40):
-            slope = 0.5 - 0.5 * (_FREEDOM + 1.0) * squares / (_FREEDOM * variance + squares)
-            moves = np.vstack([noise / variance, (1.0 - noise / variance) * terms])
-            normal = (_FREEDOM / (2.0 * (_FREEDOM + 3.0))) * moves @ moves.T
-            step = np.linalg.solve(normal + damping * np.diag(np.diagonal(normal) + 1.0), moves @ slope)
-            trial = np.clip(at - step, low, high)
-            new = parts(trial)
-            done = abs(cost - new[2]) < _ENOUGH
-            if new[2] < cost:
-                at, (noise, variance, cost), damping = trial, new, damping / 5.0
-            else:
-                damping *= 5.0
-            if done:
-                break
-        best = min(best, (cost, at), key=lambda of: of[0])
-    cost, at = best
-    return _Fit(-cost, float(np.exp(at[0])), float(np.exp(at[1] - at[2:] @ middle[:, 0])), at[2:])
+    # Nine digits: no result depends on what rounding leaves of the others.
+    return Calibration(*(float(f"{value:.9g}") for value in found))
 
 
 def wall_sigma(wall: WallColumns, threads: int) -> Floats:
@@ -169,7 +92,8 @@ def wall_sigma(wall: WallColumns, threads: int) -> Floats:
     calibration = calibrate((depth, toolface, radius), wall.settings, threads)
     sigma, unmeasured = calibration.sigma(wall.sums), _unmeasured(wall)
     if np.mean(unmeasured) > MOST_UNMEASURED:
-        sigma = np.hypot(sigma, calibration.quantile / NORMAL_95 * calibration.noise)
+        noise = calibration.quantile / NORMAL_95 * calibration.noise
+        sigma = np.sqrt(sigma * sigma + noise * noise)  # in the bits of every machine
     sigma[unmeasured] = np.nan
     return sigma
 

@@ -20,6 +20,8 @@ import helibore as hb
 from helibore import _core
 from helibore.logs.zones import KINDS
 from helibore.viewer.offline_rules import rules
+from helibore.wall.estimates import choose_left_out
+from helibore.wall.uncertainty import TARGETS
 
 ROOT = WEB.parents[3]
 WASM = ROOT / "build" / "page" / "helibore.wasm"
@@ -97,6 +99,33 @@ def test_an_error_has_the_text_of_the_native_core(tmp_path: Path) -> None:
     found = run(tmp_path, {**columns, "settings": {"bit_diameter": 0.216}, "rule": RULE})
     assert found == {"error": str(native.value)}
     assert found["error"].startswith("radius[3] = -0.1")
+
+
+@pytest.mark.skipif(NODE is None, reason="Node.js is missing")
+@pytest.mark.parametrize("count", [100, 9_000, 20_000, 120_000])
+def test_the_samples_that_are_left_out_are_those_of_the_package(tmp_path: Path, count: int) -> None:
+    draw = np.random.default_rng(count)
+    columns = np.sort(draw.uniform(2000, 2300, count)), draw.uniform(0, 360, count), np.full(count, 0.11)
+    settings = hb.Wall(bit_diameter=0.216, pitch=-0.12, sectors=48).settings
+    wanted, boxes = choose_left_out(columns, settings, TARGETS, 0, "")
+    places, given = (tmp_path / name for name in ("places.bin", "rules.json"))
+    places.write_bytes(np.concatenate(columns[:2]).tobytes())
+    given.write_text(json.dumps(rules()))
+    script = (
+        "import { readFileSync } from 'node:fs';"
+        f"import {{ chooseLeftOut }} from '{(WEB / 'offline' / 'left_out.js').as_uri()}';"
+        f"import {{ setRules }} from '{(WEB / 'offline' / 'rules.js').as_uri()}';"
+        f"setRules(JSON.parse(readFileSync('{given}', 'utf8')));"
+        f"const all = new Float64Array(new Uint8Array(readFileSync('{places}')).buffer);"
+        f"const places = {{ depth: all.slice(0, {count}), toolface: all.slice({count}) }};"
+        "const found = chooseLeftOut(places, { pitch: -0.12, sectors: 48 });"
+        "console.log(JSON.stringify([found.rows, found.height, found.width].map((of) => [...of])))"
+    )
+    command = [str(NODE), "--input-type=module", "-e", script]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE, check=True)
+    rows, *sizes = json.loads(done.stdout)
+    assert rows == wanted.tolist()
+    assert sizes == [of.tolist() for of in boxes]
 
 
 def shortest(value: float) -> str:

@@ -366,7 +366,7 @@ export class Wall {
   }
 
   // Return the standard uncertainty of each radius by a rule; the wall must have been made with `sigma: 1`.
-  /** @param {Fields} rule */
+  /** @param {Fields} rule @returns {Float64Array} */
   sigma(rule) {
     const { core } = this;
     const { vertices } = this.state;
@@ -375,6 +375,29 @@ export class Wall {
       core.call('hb_wall_sigma', this.handle, core.struct(reserve, 'hb_sigma_rule', rule), core.counted(reserve, vertices), at);
       return core.floats(at, vertices);
     });
+  }
+
+  // Return the standard uncertainty of each radius, calibrated by samples that are left out (uncertainty.py); null if it is not known.
+  // The wall must have been made with `sigma: 1`.
+  /** @param {{ reach: number, largest: number }} gap around a measured vertex @param {{ rows: Float64Array, height: Float64Array, width: Float64Array }} leftOut @param {{ normal: number, unmeasured: number }} rule @returns {Float64Array | null} */
+  calibratedSigma({ reach, largest }, { rows, height, width }, { normal, unmeasured }) {
+    const { core } = this;
+    const { vertices } = this.state;
+    const measure = (/** @type {(bytes: number) => number} */ reserve) => {
+      const [numbers, out, at] = [reserve(8 * rows.length), reserve(8 * 7), reserve(8 * vertices)];
+      new BigInt64Array(core.c.memory.buffer, numbers, rows.length).set(BigInt64Array.from(rows, BigInt));
+      core.callPage('page_calibrate', this.handle, rows.length, numbers, core.copy(reserve, height), core.copy(reserve, width), out);
+      core.call('hb_wall_angular_gaps', this.handle, reach, core.counted(reserve, vertices), at);
+      return { found: core.floats(out, 7).map((value) => Number(value.toPrecision(9))), gaps: core.floats(at, vertices) };
+    };
+    const { found: [noise, between, scatterPower, distancePower, stretch, quantile, farthest], gaps } = core.within(measure);
+    if (Number.isNaN(noise)) return null;
+    const ratio = quantile / normal;
+    const share = ratio * ratio;
+    const sigma = this.sigma({ noise: share * noise * noise, between: share * between, scatter_power: scatterPower, distance_power: distancePower, stretch, reach: farthest });
+    const left = ratio * noise;
+    const few = gaps.filter((gap) => gap > largest).length > unmeasured * vertices;
+    return sigma.map((value, k) => (gaps[k] > largest ? NaN : few ? Math.sqrt(value * value + left * left) : value));
   }
 
   close() {

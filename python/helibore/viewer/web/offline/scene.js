@@ -11,6 +11,8 @@ const FRAMES_A_MESSAGE = 4096;
 const NEAREST_UNIT = 1e-4; // metres
 const TOP = 0xffff;
 const CLIPPED = 0x0400;
+const UNCERTAINTY = 12; // the first bit of its level
+const [LEAST_UNCERTAINTY, MOST_UNCERTAIN, NORMAL_95] = [0.00025, 15, 1.96]; // metres, level, standard deviations
 const FEW_TURNS = 50;
 const USUAL_LIMIT = 0.02; // metres
 
@@ -55,7 +57,7 @@ function overviewOf({ sectors, texels, size }) {
   const firsts = Array.from({ length: cells + 1 }, (_, cell) => Math.ceil((cell * sectors) / cells));
   for (let ring = 0; ring < rings; ring++) {
     for (let cell = 0; cell < cells; cell++) {
-      let [sum, count, far, least, between, all] = [0, 0, 0, SUPPORT_MASK, 0, 0];
+      let [sum, count, far, least, between, all, unsure] = [0, 0, 0, SUPPORT_MASK, 0, 0, 0];
       for (let turn = 0; turn < TURNS; turn++) {
         for (let sector = firsts[cell]; sector < firsts[cell + 1]; sector++) {
           all++;
@@ -66,15 +68,28 @@ function overviewOf({ sectors, texels, size }) {
           far = Math.max(far, texels[at + NEAREST]);
           least = Math.min(least, texels[at + STATE] & SUPPORT_MASK);
           if (texels[at + STATE] & INTERPOLATED) between++;
+          unsure = Math.max(unsure, texels[at + STATE] >> UNCERTAINTY);
         }
       }
       const at = TEXEL * (ring * cells + cell);
       over[at + RADIUS] = over[at + FIRST] = count ? sum / count : 0;
       over[at + NEAREST] = far;
-      over[at + STATE] = least | (2 * between > all ? INTERPOLATED : 0);
+      over[at + STATE] = least | (2 * between > all ? INTERPOLATED : 0) | (unsure << UNCERTAINTY);
     }
   }
   return { sectors: cells, rows: OVERVIEW_ROWS, texels: over, size: rings * cells };
+}
+
+// Set how sure each radius is, from its standard uncertainty, metres (texels.py).
+/** @param {Scene} scene @param {Float64Array} sigma */
+export function setTrust(scene, sigma) {
+  const { texels } = scene.wall;
+  sigma.forEach((value, k) => {
+    if (Number.isNaN(value)) return;
+    const level = rint(2 * Math.log2(Math.max(NORMAL_95 * value, LEAST_UNCERTAINTY) / LEAST_UNCERTAINTY));
+    texels[TEXEL * k + STATE] |= Math.min(Math.max(level, 1), MOST_UNCERTAIN) << UNCERTAINTY;
+  });
+  scene.over = overviewOf(scene.wall);
 }
 
 /** @param {number} bytes @param {number[]} head type, level, mask, tile, first, count, total */

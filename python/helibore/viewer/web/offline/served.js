@@ -3,7 +3,7 @@
 import { curveBytes, sectionCsv, summaryOf } from './figures.js';
 import { checked, merged, parsePicks, picksTable } from './picks.js';
 import { Refusal, rules } from './rules.js';
-import { framesMessages, numbered, tileMessage, tilesOf } from './scene.js';
+import { framesMessages, numbered, setTrust, tileMessage, tilesOf } from './scene.js';
 
 const MOST_ENCLOSED = 8_000_000; // vertices in an exported page
 const BYTES_A_CHUNK = 0x6000; // a multiple of three: chunks of base64 join
@@ -17,12 +17,14 @@ const BYTES_A_CHUNK = 0x6000; // a multiple of three: chunks of base64 join
  */
 
 export class Served {
-  /** @param {Scene} scene @param {() => Measured} measure @param {PageParts} parts @param {any[]} picks @param {(picks: any[]) => void} keep */
-  constructor(scene, measure, parts, picks, keep) {
+  /** @param {Scene} scene @param {() => Measured} measure @param {() => Float64Array | null} sigma @param {PageParts} parts @param {any[]} picks @param {(picks: any[]) => void} keep */
+  constructor(scene, measure, sigma, parts, picks, keep) {
     this.scene = scene;
     this.measure = measure;
+    this.sigma = sigma;
     /** @type {Figures | null} */
     this.measured = null;
+    this.trusted = false; // whether the texels say how sure each radius is
     this.parts = parts;
     this.picks = picks;
     this.keep = keep;
@@ -74,7 +76,7 @@ export class Served {
     for (const tile of fresh.slice(0, near)) this.send(tileMessage(scene, 0, tile));
     if (!before.length) for (let tile = 0; tile < tilesOf(scene.over); tile++) this.send(tileMessage(scene, 1, tile));
     for (const tile of fresh.slice(near)) this.send(tileMessage(scene, 0, tile));
-    if (!before.length) setTimeout(() => this.figures()); // after the first picture
+    if (!before.length) setTimeout(() => (this.figures(), setTimeout(() => this.trust()))); // after the first picture
   }
 
   /** @param {ArrayBuffer} message */
@@ -93,6 +95,19 @@ export class Served {
     Object.assign(state, { zones: zones ?? [], shape, curves: figures.curves.map(({ name, unit, low, high }) => [name, unit, low, high, false]) });
     this.post(JSON.stringify(state));
     return figures;
+  }
+
+  // Find how sure each radius is, and send the tiles that the page has again.
+  trust() {
+    if (this.trusted) return;
+    this.trusted = true;
+    const { scene } = this;
+    const sigma = this.sigma();
+    if (!sigma) return;
+    setTrust(scene, sigma);
+    const last = tilesOf(scene.wall);
+    for (const [start, stop] of this.held) for (let tile = start; tile < Math.min(stop, last); tile++) this.send(tileMessage(scene, 0, tile));
+    for (let tile = 0; tile < tilesOf(scene.over); tile++) this.send(tileMessage(scene, 1, tile));
   }
 
   /** @param {{ id: number, method: string, address: string, body: string }} question */
@@ -151,6 +166,7 @@ export class Served {
   exported(ends, address = '') {
     const { scene, parts, picks } = this;
     const figures = () => this.figures();
+    this.trust();
     const { hello: { start_depth: startDepth, levels: [{ pitch, sectors, rows }] }, wall: { size } } = scene;
     const places = (ends ?? [startDepth, startDepth + ((size - 1) * pitch) / sectors]).map((depth) => ((depth - startDepth) / pitch) * sectors).sort((a, b) => a - b);
     const [first, last] = [Math.max(0, Math.floor(places[0])), Math.min(size - 1, Math.ceil(places[1]))];

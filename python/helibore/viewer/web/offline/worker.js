@@ -4,6 +4,7 @@ import { openArchive, samplesIn } from './archive.js';
 import { Core, METHODS, REFERENCES } from './core.js';
 import { figuresOf, windowTurns, zonesOf } from './figures.js';
 import { isLas, readLas } from './las.js';
+import { chooseLeftOut } from './left_out.js';
 import { guess, sectorsOf } from './roles.js';
 import { Refusal, rules, setRules } from './rules.js';
 import { column, guessBit, samplesOf } from './samples.js';
@@ -18,7 +19,7 @@ const SURFACE = 0.001; // metres
 
 /**
  * @typedef {{ settings: import('./core.js').Fields, stations: { depth: Float64Array, inclination: Float64Array, azimuth: Float64Array } }} Survey
- * @typedef {{ helix: import('./core.js').Helix, bit: number, basis: string, basisText: string, kept: number, arms: number, vertices: import('./scene.js').Vertices, samples: import('./core.js').Places, ofArms: import('./core.js').Arms | null, rule: number[], left: Record<string, number>, found: string[], reference: string | null, survey: Survey | null }} Rebuilt
+ * @typedef {{ helix: import('./core.js').Helix, bit: number, basis: string, basisText: string, kept: number, arms: number, vertices: import('./scene.js').Vertices, samples: import('./core.js').Places, ofArms: import('./core.js').Arms | null, rule: number[], settings: import('./core.js').Fields | null, left: Record<string, number>, found: string[], reference: string | null, survey: Survey | null }} Rebuilt
  */
 
 /** @type {Promise<Core>} */
@@ -116,7 +117,8 @@ export function rebuild(engine, roles, bit) {
   if (!set) throw new Refusal('no file is open');
   if (!(bit >= 0.01 && bit <= 4)) throw new Refusal('the bit size must be a number between 0.01 and 4 m');
   const { depth, toolface, radius, time, ...prepared } = samplesOf(engine, set, roles, bit);
-  const wall = engine.wall({ bit_diameter: bit, most_vertices: MOST_VERTICES });
+  const made = { bit_diameter: bit, most_vertices: MOST_VERTICES };
+  const wall = engine.wall(made);
   try {
     wall.append(depth, toolface, radius, time);
     const { settings, state } = wall;
@@ -126,7 +128,30 @@ export function rebuild(engine, roles, bit) {
     const basisText = prepared.arms > 1 ? 'radius measured by the arms of a caliper' : 'radius measured by an azimuthal caliper';
     const measured = { ...vertices, marks: engine.measured(helix, samples, vertices.radius, rules.measured) };
     const ofArms = prepared.arms > 1 ? { depth, toolface, radius, arm: prepared.arm, time, reach: settings.max_distance } : null;
-    return { ...prepared, helix, bit, basis: 'azimuthal', basisText, kept: radius.length, vertices: measured, samples, ofArms, rule: rules.measured, survey: surveyFor(helix, vertices.radius.length, prepared.reference) };
+    return { ...prepared, helix, bit, basis: 'azimuthal', basisText, kept: radius.length, vertices: measured, samples, ofArms, rule: rules.measured, settings: made, survey: surveyFor(helix, vertices.radius.length, prepared.reference) };
+  } finally {
+    wall.close();
+  }
+}
+
+// Return the settings with which the core rebuilds the wall of an archive; null if it cannot.
+/** @param {import('./archive.js').Contents} contents */
+function settingsOf({ settings, start_depth: start, basis }) {
+  const estimator = ['inverse-distance', 'kriging'].indexOf(settings.estimator);
+  if (estimator < 0 || settings.window !== null || settings.first_vertex || basis !== 'azimuthal') return null;
+  const numbers = Object.fromEntries(['bit_diameter', 'sectors', 'pitch', 'start_toolface', 'neighbors', 'power', 'max_iterations', 'tolerance', 'angular_scale', 'nugget'].map((key) => [key, settings[key]]));
+  return { ...numbers, estimator, start_depth: start, stop_depth: settings.stop_depth ?? NaN, max_distance: settings.max_distance ?? Infinity, kriging_range: settings.kriging_range ?? 0, most_vertices: MOST_VERTICES };
+}
+
+// Return the standard uncertainty of each radius, from a wall that is rebuilt with what it needs; null: it is not known.
+/** @param {Core} engine @param {Rebuilt} rebuilt */
+export function sigmaOf(engine, { settings, samples, helix, vertices, basis, rule: [, , reach, largest] }) {
+  const leftOut = basis === 'azimuthal' && settings && chooseLeftOut(samples, helix);
+  if (!leftOut || !settings) return null;
+  const wall = engine.wall({ ...settings, sigma: 1 });
+  try {
+    wall.append(samples.depth, samples.toolface, samples.radius);
+    return wall.state.vertices === vertices.radius.length ? wall.calibratedSigma({ reach, largest }, leftOut, rules.left_out) : null;
   } finally {
     wall.close();
   }
@@ -149,7 +174,7 @@ export function reopen(engine) {
   };
   return {
     helix, bit: settings.bit_diameter, basis, basisText: arms.length ? 'radius measured by the arms of a caliper' : rules.bases[basis], kept: samples.depth.length, arms: arms.length ? 2 : 1,
-    vertices: { ...vertices, marks }, samples, ofArms, rule, left: {}, found: [], reference: path?.reference ?? null, survey,
+    vertices: { ...vertices, marks }, samples, ofArms, rule, settings: settingsOf(archive.contents), left: {}, found: [], reference: path?.reference ?? null, survey,
   };
 }
 
@@ -170,7 +195,7 @@ function show(engine, { roles, bit, well, picks }) {
   const scene = sceneOf(shape, vertices, survey ? framesAlong(engine, survey) : undefined);
   if (survey) Object.assign(scene.hello, { reference: reference ?? 'high-side', assumed: !reference });
   if (survey) scene.state.true_depth = trueDepth(survey);
-  served = new Served(scene, () => measure(engine, rebuilt), pageParts, picks, (changed) => postMessage({ picks: changed }));
+  served = new Served(scene, () => measure(engine, rebuilt), () => sigmaOf(engine, rebuilt), pageParts, picks, (changed) => postMessage({ picks: changed }));
   let [there, sure] = [0, 0];
   for (let k = 0; k < vertices.radius.length; k++) if (Number.isFinite(vertices.radius[k])) [there, sure] = [there + 1, sure + Number(vertices.marks[k] === 1)];
   return { ends: scene.ends, left, found, kept, arms, between: there ? 1 - sure / there : 0, zoned: basis === 'azimuthal' };

@@ -6,7 +6,7 @@ import { readFileSync } from 'node:fs';
 import { Core } from '../offline/core.js';
 import { setRules } from '../offline/rules.js';
 import { curveBytes, summaryOf } from '../offline/figures.js';
-import { measure, read, rebuild, reopen } from '../offline/worker.js';
+import { measure, read, rebuild, reopen, sigmaOf } from '../offline/worker.js';
 
 const [wasm, rules, bit, ...files] = process.argv.slice(2);
 setRules(JSON.parse(readFileSync(rules, 'utf8')));
@@ -20,10 +20,11 @@ for (const file of files) {
     const rebuilt = roles.length ? rebuild(core, roles, Number(bit)) : reopen(core);
     const { vertices, kept, found } = rebuilt;
     const { figures, zones, shape } = measure(core, rebuilt);
+    const sigma = sigmaOf(core, rebuilt);
     const [low, high] = figures.ends;
     const summaries = [[-Infinity, Infinity], [low + 0.31 * (high - low), low + 0.77 * (high - low)]].map((ends) => summaryOf(figures, ...ends));
     const curves = Object.fromEntries(figures.curves.map(({ name, low: from, high: to }) => [name, [from, to, sum(new Uint8Array(curveBytes(figures, name)))]]));
-    console.log(JSON.stringify({ radius: sum(vertices.radius), nearest: sum(vertices.nearest), measured: sum(vertices.marks.map((mark) => Number(mark === 1))), samples: kept, found, summaries, curves, zones, shape, kinds: figures.kinds && sum(figures.kinds), roles: roles.map(({ channel, role }) => [channel, role]) }));
+    console.log(JSON.stringify({ radius: sum(vertices.radius), nearest: sum(vertices.nearest), measured: sum(vertices.marks.map((mark) => Number(mark === 1))), samples: kept, found, summaries, curves, zones, shape, sigma: sigma && sum(sigma), kinds: figures.kinds && sum(figures.kinds), roles: roles.map(({ channel, role }) => [channel, role]) }));
   } catch (error) {
     console.log(JSON.stringify({ refused: error.message, kind: error.constructor.name }));
   }
