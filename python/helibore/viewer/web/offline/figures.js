@@ -58,8 +58,10 @@ export function figuresOf(logs, found, { vertices: { radius, nearest, marks }, h
     ...rangeOf(size, others.likely_square, others.likely_sigma),
   });
   const named = rules.columns.flatMap(([name, mnemonic, unit]) => (name === 'depth' ? [] : [{ name: mnemonic, unit, values: columns[name] }]));
+  const { low_diameter: low, high_diameter: high } = columns;
+  const likely = [['DEQ_LOW', low], ['DEQ_HIGH', high]].map(([name, ends]) => ({ name: /** @type {string} */ (name), unit: 'm', values: each((turn) => (low[turn] < high[turn] ? Number(ends[turn]) : NaN)) }));
   const arms = (found?.arms ?? []).map((values, at) => ({ name: `ARM_DIAMETER_${at + 1}`, unit: 'm', values }));
-  const curves = [...named, ...arms].flatMap((one) => (one.values?.some(Number.isFinite) ? [{ ...one, ...limitsOf(one.values) }] : []));
+  const curves = [...named, ...likely, ...arms].flatMap((one) => (one.values?.some(Number.isFinite) ? [{ ...one, ...limitsOf(one.values) }] : []));
   const last = start + ((radius.length - 1) * pitch) / sectors;
   return {
     depth, pitch, sectors, bit, start, radius, columns, curves, ends: [Math.min(start, last), Math.max(start, last)], kinds: found?.kinds ?? null,
