@@ -4,6 +4,7 @@
 #include "search/near_far.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -13,8 +14,8 @@ namespace {
 
 constexpr Index lanes = kernel::lanes;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr int position_bits = 10;  // of a neighbour of a group, below its rank
-constexpr double share = 0.35;     // of the lengths of the long term: the size of a cell
+constexpr int rank_bits = 9;    // a hash table of 512 ranks is large enough for all neighbours of a group
+constexpr double share = 0.35;  // of the lengths of the long term: the size of a cell
 
 // Settings under which the search finds the nearest samples by one term of the covariance.
 Settings metric_of(const Settings& settings, std::size_t term, int neighbors) {
@@ -46,9 +47,11 @@ struct NearFar::Scratch {
     std::vector<kernel::Candidate> near_short, near_long, thinned, rows;  // thinned: the samples of the cells around
     std::vector<unsigned char> seen;                                      // cells of one row of cells
     std::vector<Far> far;
-    std::vector<std::uint64_t> order;
-    double shallow = 0.0, deep = 0.0;  // the depths that `thinned` covers
-    double reach = 0.0;                // how far along the hole the previous group looked for far neighbours
+    std::vector<kernel::Candidate> found;                          // `rows` as they are found
+    std::vector<std::uint64_t> order;                              // of `rows`: rank and position in `found`
+    std::array<std::uint64_t, std::size_t{1} << rank_bits> ranks;  // 1 + rank of each of `found`, by hash
+    double shallow = 0.0, deep = 0.0;                              // the depths that `thinned` covers
+    double reach = 0.0;  // how far along the hole the previous group looked for far neighbours
     kernel::SharedRoom room;
 };
 
@@ -162,30 +165,33 @@ kernel::Group NearFar::find(const Samples& samples, const Helix& helix, Index gr
     deep = std::max({by_short.deep, by_long.deep, (cells_.row(g.middle + far) + 1.0) * cells_.height});
 
     const double degree = rule_.radius * kernel::metres_a_degree;
+    scratch.found.clear();
     scratch.order.clear();
-    std::vector<kernel::Candidate>& found = scratch.near_short;  // of all three sets
-    for (std::size_t i = 0; i < room; ++i) found.push_back(scratch.near_long[i]);
-    for (std::size_t i = 0; i < 2 * room; ++i) {
-        const kernel::Candidate& c = found[i];
-        const std::size_t lane = i % lanes;
-        const double along = c.depth - g.depth[lane], turn = std::abs(c.toolface - g.toolface[lane]);
-        const double across = degree * std::min(turn, 360.0 - turn);
-        if (c.depth == kernel::none_depth || across * across + along * along > max_square_) continue;
-        scratch.order.push_back(static_cast<std::uint64_t>(c.rank) << position_bits | i);
-    }
-    for (const Far& each : scratch.far) {
-        const kernel::Candidate& c = scratch.thinned[each.row];
-        scratch.order.push_back(static_cast<std::uint64_t>(c.rank) << position_bits | found.size());
-        found.push_back(c);
-    }
+    scratch.ranks.fill(0);
+    const auto put = [&](const kernel::Candidate& c, auto near_enough) {  // the first time that it is near enough
+        const std::uint64_t key = static_cast<std::uint64_t>(c.rank) + 1;
+        std::size_t at = key * 0x9e3779b97f4a7c15 >> (64 - rank_bits);
+        while (scratch.ranks[at] != 0 && scratch.ranks[at] != key) at = (at + 1) % scratch.ranks.size();
+        if (scratch.ranks[at] == key || !near_enough()) return;
+        scratch.ranks[at] = key;
+        scratch.order.push_back(static_cast<std::uint64_t>(c.rank) << rank_bits | scratch.found.size());
+        scratch.found.push_back(c);
+    };
+    for (const std::vector<kernel::Candidate>* near : {&scratch.near_short, &scratch.near_long})
+        for (std::size_t i = 0; i < room; ++i) {
+            const kernel::Candidate& c = (*near)[i];
+            if (c.depth == kernel::none_depth) continue;
+            put(c, [&] {
+                const std::size_t lane = i % lanes;
+                const double along = c.depth - g.depth[lane], turn = std::abs(c.toolface - g.toolface[lane]);
+                const double across = degree * std::min(turn, 360.0 - turn);
+                return across * across + along * along <= max_square_;
+            });
+        }
+    for (const Far& each : scratch.far) put(scratch.thinned[each.row], [] { return true; });
     std::sort(scratch.order.begin(), scratch.order.end());
     scratch.rows.clear();
-    std::uint64_t before = ~std::uint64_t{0};
-    for (const std::uint64_t key : scratch.order) {
-        if (key >> position_bits == before) continue;
-        before = key >> position_bits;
-        scratch.rows.push_back(found[key & ((std::uint64_t{1} << position_bits) - 1)]);
-    }
+    for (const std::uint64_t key : scratch.order) scratch.rows.push_back(scratch.found[key % scratch.ranks.size()]);
     return g;
 }
 
