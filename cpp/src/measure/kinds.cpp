@@ -87,8 +87,8 @@ std::size_t checked_count(const SectionLibrary& library) {
     if (library.weight.empty()) return library.size.size();
     require_length("weight", library.weight.size(), library.size.size(), "counts");
     for (std::size_t i = 0; i < library.weight.size(); ++i)
-        require(std::isfinite(library.weight[i]) && library.weight[i] > 0.0,
-                entry_name("weight", static_cast<Index>(i)), library.weight[i], "must be finite and above 0");
+        if (!(std::isfinite(library.weight[i]) && library.weight[i] > 0.0))
+            throw entry_error("weight", static_cast<Index>(i), library.weight[i], "must be finite and above 0");
     return library.size.size();
 }
 
@@ -282,30 +282,45 @@ void go_back(const std::vector<float>& evidence, const std::vector<float>& forwa
     }
 }
 
-// Writes chi^2 of a window and each section. Four sections at a time do not wait for each other's sums.
-void compare_all(const WindowOf<double>& window, std::span<const double> sections, std::vector<double>& squares) {
-    constexpr std::size_t some = 4;
-    for (std::size_t first = 0; first < squares.size(); first += some) {
-        std::array<const double*, some> section{};
-        for (std::size_t k = 0; k < some; ++k)
-            section[k] = &sections[std::min(first + k, squares.size() - 1) * section_parts];
-        std::array<double, some> square{}, u{}, v{};
-        for (int i = 0; i < window.seen; ++i) {
-            const WindowOf<double>::Part& part = window.parts[i];
+using Double2 = double __attribute__((vector_size(16)));
+
+// Returns chi^2 of each window and each section, window by window. Eight sections are laid out part by part while all
+// windows are compared with them, so that a vector holds two sections.
+std::vector<double> compare_all(std::span<const WindowOf<double>> windows, std::span<const double> sections,
+                                std::size_t count) {
+    constexpr std::size_t pairs = at_once / 2;
+    std::vector<double> squares(windows.size() * count);
+    for (std::size_t first = 0; first < count; first += at_once) {
+        Double2 eight[section_parts][pairs];
+        const std::size_t some = std::min(at_once, count - first);
+        for (std::size_t k = 0; k < at_once; ++k) {
+            const double* section = &sections[(first + std::min(k, some - 1)) * section_parts];
+            for (std::size_t part = 0; part < section_parts; ++part) eight[part][k / 2][k % 2] = section[part];
+        }
+        for (std::size_t row = 0; row < windows.size(); ++row) {
+            const WindowOf<double>& window = windows[row];
+            Double2 square[pairs] = {}, u[pairs] = {}, v[pairs] = {};
+            for (int i = 0; i < window.seen; ++i) {
+                const WindowOf<double>::Part& part = window.parts[i];
+                for (std::size_t k = 0; k < pairs; ++k) {
+                    const Double2 off = part.length - eight[part.number][k];
+                    square[k] += off * off, u[k] += part.u * off, v[k] += part.v * off;
+                }
+            }
             for (std::size_t k = 0; k < some; ++k) {
-                const double off = part.length - section[k][part.number];
-                square[k] += off * off, u[k] += part.u * off, v[k] += part.v * off;
+                const Double2 of = window.weight * square[k / 2] - u[k / 2] * u[k / 2] - v[k / 2] * v[k / 2];
+                squares[row * count + first + k] = of[k % 2];
             }
         }
-        for (std::size_t k = 0; k < some && first + k < squares.size(); ++k)
-            squares[first + k] = window.weight * square[k] - u[k] * u[k] - v[k] * v[k];
     }
+    return squares;
 }
 
-// Adds the log of the mean evidence of each kind, of all scales. The greatest term is 1 at the best section.
-void add_evidence(const std::vector<double>& squares, double best, double independent, const SectionLibrary& library,
+// Adds the log of the mean evidence of each kind, of all scales, to within 1e-6. The greatest term is 1 at the best
+// section.
+void add_evidence(std::span<const double> squares, double best, double independent, const SectionLibrary& library,
                   const LikenessRule& rule, std::array<double, hole_kinds>& evidence) {
-    constexpr double least = 1e-300, absent = -700.0, negligible = -40.0;
+    constexpr double absent = -700.0, least = -690.0, negligible = -40.0;
     std::array<double, 4> terms{}, rates{};
     for (std::size_t i = 0; i < terms.size(); ++i) {
         const auto [scale, prior] = rule.scales[i];
@@ -313,22 +328,31 @@ void add_evidence(const std::vector<double>& squares, double best, double indepe
         terms[i] = logarithm(prior) - independent * logarithm(scale) - best * rates[i];
     }
     const double greatest = *std::ranges::max_element(terms);
-    const auto log_of = [&](double square, std::size_t scale) {
-        return terms[scale] - greatest + (best - square) * rates[scale];
-    };
     std::size_t start = 0;
     for (std::size_t kind = 0; kind < hole_kinds; ++kind) {
         const std::size_t stop = start + static_cast<std::size_t>(library.counts[kind]);
-        double nearest = std::numeric_limits<double>::infinity(), most = -nearest, likely = 0.0, weights = 0.0;
-        for (std::size_t row = start; row < stop; ++row) nearest = std::min(nearest, squares[row]);
-        for (std::size_t i = 0; i < terms.size(); ++i) most = std::max(most, log_of(nearest, i));
-        for (std::size_t row = start; row < stop; ++row) {
-            double of = 0.0;
-            for (std::size_t i = 0; i < terms.size(); ++i)
-                if (const double log = log_of(squares[row], i); log > most + negligible) of += exponential(log);
-            likely += weight_of(library, row) * of, weights += weight_of(library, row);
+        const double nearest = start == stop ? 0.0 : *std::min_element(&squares[start], &squares[0] + stop);
+        std::array<double, 4> at_nearest{};
+        for (std::size_t i = 0; i < terms.size(); ++i)
+            at_nearest[i] = terms[i] - greatest + (best - nearest) * rates[i];
+        const double most = *std::ranges::max_element(at_nearest);
+        double likely = 0.0, weights = 0.0;
+        for (std::size_t row = start; row < stop; row += 4) {
+            Float4 beyond{}, of{};
+            for (std::size_t k = 0; k < 4; ++k)
+                beyond[k] = static_cast<float>(squares[std::min(row + k, stop - 1)] - nearest);
+            for (std::size_t i = 0; i < terms.size(); ++i) {
+                if (at_nearest[i] - most < negligible) continue;
+                const Float4 log = static_cast<float>(at_nearest[i] - most) - static_cast<float>(rates[i]) * beyond;
+                const Float4 within = greater(log, four(-60.0f));
+                of += log > static_cast<float>(negligible) ? exponentials(within) : four(0.0f);
+            }
+            for (std::size_t k = 0; k < std::min<std::size_t>(4, stop - row); ++k) {
+                likely += weight_of(library, row + k) * static_cast<double>(of[k]);
+                weights += weight_of(library, row + k);
+            }
         }
-        evidence[kind] += weights > 0.0 ? logarithm(std::max(likely / weights, least)) : absent;
+        evidence[kind] += weights > 0.0 ? std::max(most + logarithm(likely / weights), least) : absent;
         start = stop;
     }
 }
@@ -376,12 +400,15 @@ LikelyKind likely_kind(std::span<const double> sections, const SectionLibrary& l
     std::array<double, hole_kinds> evidence{};
     double of_gauge = 0.0, of_any = 0.0, own = 0.0;
     Index seen = 0;
-    std::vector<double> squares(count);
+    std::vector<WindowOf<double>> windows;
+    for (std::size_t row = 0; row < rows; ++row)
+        windows.push_back(window_of<double>(&sections[row * section_parts], rule.likeness));
+    const std::vector<double> all_squares = compare_all(windows, library.sections, count);
     for (std::size_t row = 0; row < rows; ++row) {
-        const WindowOf<double> window = window_of<double>(&sections[row * section_parts], rule.likeness);
+        const WindowOf<double>& window = windows[row];
+        const std::span<const double> squares = std::span(all_squares).subspan(row * count, count);
         for (int i = 0; i < window.seen; ++i) own += window.parts[i].length * window.parts[i].length;
         seen += window.seen;
-        compare_all(window, library.sections, squares);
         const auto gauge = squares.begin() + library.counts[0];
         const double best = *std::ranges::min_element(squares), counted = std::max(window.independent, 1.0);
         of_any += best / counted / static_cast<double>(rows);
