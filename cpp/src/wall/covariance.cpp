@@ -254,7 +254,7 @@ Place Fit::best(double least_noise) {
 // Returns the number with five significant digits: last bits do not matter, and settings are easier to read.
 double rounded(double value) {
     char text[32];
-    const char* end = std::to_chars(text, text + sizeof text, value, std::chars_format::scientific, 4).ptr;
+    const char* end = std::to_chars(text, text + sizeof text, value, std::chars_format::general, 5).ptr;
     double found = value;
     std::from_chars(text, end, found);
     return found;
