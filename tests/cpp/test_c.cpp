@@ -398,7 +398,7 @@ void bad_input() {
     REFUSED(hb_wall_create(&settings, &none), "bit_diameter = nan: must be finite and above 0");
     settings = settings_of();
     settings.estimator = 7;
-    REFUSED(hb_wall_create(&settings, &none), "estimator = 7: must lie in 0 to 1");
+    REFUSED(hb_wall_create(&settings, &none), "estimator = 7: must lie in 0 to 2");
     settings = settings_of();
     settings.start_depth = nan;
     REFUSED(hb_live_create(&settings, &how, &none),
@@ -454,7 +454,7 @@ void older_struct() {
     settings.size = 136;
     CHECK(hb_settings_init(&settings) == HB_OK);
     CHECK(settings.size == 136 && settings.sectors == 64);
-    CHECK(settings.sigma == 0x5a5a5a5a && settings.reserved == 0x5a5a5a5a);  // not its memory
+    CHECK(settings.sigma == 0x5a5a5a5a && settings.covariance_count == 0x5a5a5a5a);  // not its memory
     settings.bit_diameter = 0.216;
     std::int64_t wall = 0, count = 0;
     hb_sigma_rule rule = sized<hb_sigma_rule>();
@@ -513,6 +513,41 @@ void measures() {
     REFUSED(hb_wall_volume(wall, 0, 0, 0, 0, thickness, &vertices, nullptr, &cells, nullptr),
             "shells = 0: must lie in 1 to 1000");
     CHECK(hb_wall_volume(wall, 0, 0, 200, 2, falling, &vertices, nullptr, &cells, nullptr) == HB_INPUT);
+}
+
+// The wall of C++ by near and far neighbours, and its sigma.
+void near_and_far() {
+    helibore::Settings same{.bit_diameter = 0.216, .sectors = 48, .pitch = 0.05, .start_depth = 100.0};
+    same.estimator = helibore::Estimator::near_and_far;
+    same.covariance = {0.11, 1e-7, 4e-7, 0.05, 0.06, 9e-6, 0.1, 1.5};
+    same.sigma = true;
+    helibore::Wall expected(same);
+    expected.append(hole.all());
+    hb_settings settings = settings_of();
+    settings.estimator = HB_NEAR_AND_FAR;
+    settings.sigma = 1;
+    std::int64_t wall = 0, count = expected.size();
+    REFUSED(hb_wall_create(&settings, &wall), "covariance = 0: must have 5, 8 or 11 values");
+    settings.covariance_count = 12;
+    REFUSED(hb_wall_create(&settings, &wall), "covariance_count = 12: must lie in 0 to 11");
+    settings.covariance_count = static_cast<std::int32_t>(same.covariance.size());
+    std::copy(same.covariance.begin(), same.covariance.end(), settings.covariance);
+    CHECK(hb_wall_create(&settings, &wall) == HB_OK);
+    CHECK(append(wall, hole.all()) == HB_OK);
+    std::vector<double> found(static_cast<std::size_t>(count)), sigma(found.size());
+    CHECK(hb_wall_read(wall, HB_RADIUS, 0, count, found.data()) == HB_OK);
+    const hb_sigma_rule rule{sizeof rule, 0, 1.0, 0.0, 1.0, 1.0, 1.0, 1e9};
+    CHECK(hb_wall_sigma(wall, &rule, &count, sigma.data()) == HB_OK);
+    const std::vector<double> radius = expected.radius(), variance = expected.sums()[0];
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        CHECK(found[i] == radius[i] || (std::isnan(found[i]) && std::isnan(radius[i])));
+        CHECK(std::isnan(variance[i]) ? std::isnan(sigma[i])
+                                      : std::abs(sigma[i] * sigma[i] - variance[i]) < 1e-12 * variance[i]);
+    }
+    const double at[] = {101.0};
+    REFUSED(hb_wall_estimate(wall, 1, at, at, sigma.data(), nullptr),
+            "estimator = near and far: must be inverse distance or kriging at points");
+    CHECK(hb_close(wall) == HB_OK);
 }
 
 void long_texts() {
@@ -995,6 +1030,7 @@ int main() {
     wits();
     older_struct();
     measures();
+    near_and_far();
     bad_input();
     long_texts();
     preparation();

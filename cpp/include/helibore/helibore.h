@@ -85,6 +85,7 @@ HB_API int32_t HB_CALL hb_use_runner(hb_run run, void* host);
 
 #define HB_INVERSE_DISTANCE 0
 #define HB_KRIGING 1
+#define HB_NEAR_AND_FAR 2
 #define HB_AUTOMATIC 0
 #define HB_PLAIN 1
 #define HB_AVX2 2
@@ -112,8 +113,9 @@ typedef struct hb_settings {
     int32_t direct;
     int32_t threads;
     int32_t instruction_set;
-    int32_t sigma;    /* 1: the wall keeps what hb_wall_sigma needs */
-    int32_t reserved; /* 0 */
+    int32_t sigma;            /* 1: the wall keeps what hb_wall_sigma needs */
+    int32_t covariance_count; /* HB_NEAR_AND_FAR: how many values `covariance` has: 5, 8 or 11; else 0 */
+    double covariance[11];
 } hb_settings;
 
 #define HB_MINIMUM_CURVATURE 0
@@ -208,11 +210,12 @@ typedef struct hb_sigma_rule {
 } hb_sigma_rule;
 
 /* Computes the standard uncertainty of each radius by a rule; the wall must have been created with `sigma`. Fills
- *count values, one for each vertex. */
+ *count values, one for each vertex. With HB_NEAR_AND_FAR, noise = 1 and between = 0 give that of its covariance. */
 HB_API int32_t HB_CALL hb_wall_sigma(int64_t wall, const hb_sigma_rule* rule, int64_t* count, double* values);
 
 /* Estimates the radius at n points from the samples of the wall, by its settings; `window` has no effect. nearest: the
-   distance of the nearest sample used. Both are NaN where no sample is within max_distance; either may be NULL. */
+   distance of the nearest sample used. Both are NaN where no sample is within max_distance; either may be NULL. A wall
+   with HB_NEAR_AND_FAR is refused. */
 HB_API int32_t HB_CALL hb_wall_estimate(int64_t wall, int64_t n, const double* depth, const double* toolface,
                                         double* radius, double* nearest);
 
@@ -242,8 +245,9 @@ HB_API int32_t HB_CALL hb_zone_criteria_init(hb_zone_criteria* criteria);
 
 /* Finds the zones of a wall: washouts, breakouts, key seats and undergauge hole, in order of depth. Of a tool with few
    arms the shape is that of the wall, which is rounder between the arms than the hole. kinds: of each full turn, -1
-   none, 0 gauge, 1 washout, 2 breakout, 3 key seat, 4 undergauge; may be NULL. Fills column after column: the 20 numbers
-   of a Zone in the order of zones.hpp, a lobe as toolface, opening, height: HB_ZONE_COLUMNS times *count values. */
+   none, 0 gauge, 1 washout, 2 breakout, 3 key seat, 4 undergauge; may be NULL. Fills column after column: the 20
+   numbers of a Zone in the order of zones.hpp, a lobe as toolface, opening, height: HB_ZONE_COLUMNS times *count
+   values. */
 #define HB_ZONE_COLUMNS 20
 HB_API int32_t HB_CALL hb_wall_zones(int64_t wall, const hb_zone_criteria* criteria, int64_t* turns, int32_t* kinds,
                                      int64_t* count, double* values);

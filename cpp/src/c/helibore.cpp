@@ -24,29 +24,32 @@ using namespace helibore::c;
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
 
 hb_settings to_c(const Settings& s) {
-    return {.size = sizeof(hb_settings),
-            .sectors = s.sectors,
-            .bit_diameter = s.bit_diameter,
-            .pitch = s.pitch,
-            .start_depth = s.start_depth.value_or(no_value),
-            .stop_depth = s.stop_depth.value_or(no_value),
-            .start_toolface = s.start_toolface,
-            .window = s.window.value_or(0),
-            .most_vertices = s.most_vertices,
-            .power = s.power,
-            .max_distance = s.max_distance,
-            .tolerance = s.tolerance,
-            .angular_scale = s.angular_scale,
-            .kriging_range = s.kriging_range,
-            .nugget = s.nugget,
-            .neighbors = s.neighbors,
-            .max_iterations = s.max_iterations,
-            .estimator = static_cast<std::int32_t>(s.estimator),
-            .direct = s.direct,
-            .threads = s.threads,
-            .instruction_set = static_cast<std::int32_t>(s.instruction_set),
-            .sigma = s.sigma,
-            .reserved = 0};
+    hb_settings c{.size = sizeof(hb_settings),
+                  .sectors = s.sectors,
+                  .bit_diameter = s.bit_diameter,
+                  .pitch = s.pitch,
+                  .start_depth = s.start_depth.value_or(no_value),
+                  .stop_depth = s.stop_depth.value_or(no_value),
+                  .start_toolface = s.start_toolface,
+                  .window = s.window.value_or(0),
+                  .most_vertices = s.most_vertices,
+                  .power = s.power,
+                  .max_distance = s.max_distance,
+                  .tolerance = s.tolerance,
+                  .angular_scale = s.angular_scale,
+                  .kriging_range = s.kriging_range,
+                  .nugget = s.nugget,
+                  .neighbors = s.neighbors,
+                  .max_iterations = s.max_iterations,
+                  .estimator = static_cast<std::int32_t>(s.estimator),
+                  .direct = s.direct,
+                  .threads = s.threads,
+                  .instruction_set = static_cast<std::int32_t>(s.instruction_set),
+                  .sigma = s.sigma,
+                  .covariance_count = static_cast<std::int32_t>(s.covariance.size()),
+                  .covariance = {}};
+    std::ranges::copy(s.covariance, c.covariance);
+    return c;
 }
 
 template <class Enum>
@@ -58,6 +61,8 @@ Enum choice(const char* name, std::int32_t value, Enum last) {
 
 Settings settings_of(const hb_settings* given) {
     const hb_settings s = taken("settings", given, to_c(Settings{}));
+    require(s.covariance_count >= 0 && s.covariance_count <= std::ssize(s.covariance), "covariance_count",
+            Index{s.covariance_count}, "must lie in 0 to 11");
     const auto set = [](double value) { return std::isnan(value) ? std::optional<double>() : value; };
     return {.bit_diameter = s.bit_diameter,
             .sectors = s.sectors,
@@ -72,9 +77,10 @@ Settings settings_of(const hb_settings* given) {
             .max_iterations = s.max_iterations,
             .tolerance = s.tolerance,
             .angular_scale = s.angular_scale,
-            .estimator = choice("estimator", s.estimator, Estimator::kriging),
+            .estimator = choice("estimator", s.estimator, Estimator::near_and_far),
             .kriging_range = s.kriging_range,
             .nugget = s.nugget,
+            .covariance = {s.covariance, s.covariance + s.covariance_count},
             .sigma = s.sigma != 0,
             .direct = s.direct != 0,
             .most_vertices = s.most_vertices,

@@ -184,6 +184,8 @@ void PointEstimator::group(std::size_t first, kernel::Room& room, PointEstimates
 PointEstimates estimate_at(const SampleColumns& samples, const PointColumns& points, const Settings& settings,
                            std::span<const double> nuggets) {
     settings.validate();
+    if (settings.estimator == Estimator::near_and_far)
+        throw InputError("estimator", "must be inverse distance or kriging at points", "near and far");
     const StandardArithmetic standard;
     const std::size_t n = points.depth.size();
     const std::size_t lengths[] = {points.toolface.size(), points.trial.size(), points.box_depth.size(),

@@ -2,7 +2,7 @@
 
 // The members of the structs of the header, in order. u: uint32, i: int32, d: double, l: int64.
 export const STRUCTS = {
-  hb_settings: 'u size, i sectors, d bit_diameter, d pitch, d start_depth, d stop_depth, d start_toolface, l window, l most_vertices, d power, d max_distance, d tolerance, d angular_scale, d kriging_range, d nugget, i neighbors, i max_iterations, i estimator, i direct, i threads, i instruction_set, i sigma, i reserved',
+  hb_settings: 'u size, i sectors, d bit_diameter, d pitch, d start_depth, d stop_depth, d start_toolface, l window, l most_vertices, d power, d max_distance, d tolerance, d angular_scale, d kriging_range, d nugget, i neighbors, i max_iterations, i estimator, i direct, i threads, i instruction_set, i sigma, i covariance_count',
   hb_wall_state: 'u size, i reserved, l vertices, l samples, l settled, d start_depth',
   hb_change: 'u size, i reserved, l ranges, l settled, l accepted, l redundant',
   hb_path_settings: 'u size, i method, i reference, i reserved, d head_north, d head_east, d head_down, d extend',
