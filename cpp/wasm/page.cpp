@@ -9,6 +9,7 @@
 #include "helibore/error.hpp"
 #include "helibore/estimates.hpp"
 #include "helibore/logs.hpp"
+#include "helibore/surface.hpp"
 #include "helibore/zones.hpp"
 #include "measure/zone_columns.hpp"
 
@@ -113,6 +114,25 @@ PAGE_API int page_calibrate(std::int64_t wall, int count, const std::int64_t* ro
         std::ranges::copy(std::initializer_list{of.noise, of.between, of.scatter_power, of.distance_power, of.stretch,
                                                 of.quantile, of.reach},
                           values);
+    });
+}
+
+// Places `count` radii, of the vertices from `first` on, along a path (its handle; 0: straight down) and joins them
+// (surface.hpp). positions: three numbers for each vertex that has a radius; places: its number on the helix; quads:
+// the rows of four corners. All have room for `count` rows. found: how many vertices and quads there are.
+PAGE_API int page_surface(const double* helix, int sectors, int first, int count, const double* radius,
+                          std::int64_t path, double* positions, std::int32_t* places, std::int32_t* quads,
+                          std::int32_t* found) {
+    return guarded([&] {
+        const helibore::Path along =
+            path == 0 ? helibore::Path() : helibore::c::find<helibore::c::PathHandle>("path", path)->path;
+        const helibore::Surface surface = helibore::surface_of(
+            {helix[0], helix[1], helix[2], sectors, first, {radius, static_cast<std::size_t>(count)}}, along);
+        for (const auto& vertex : surface.vertices) positions = std::ranges::copy(vertex, positions).out;
+        const auto whole = [](helibore::Index of) { return static_cast<std::int32_t>(of); };
+        std::ranges::transform(surface.vertex_index, places, whole);
+        for (const auto& quad : surface.quads) quads = std::ranges::transform(quad, quads, whole).out;
+        found[0] = whole(std::ssize(surface.vertices)), found[1] = whole(std::ssize(surface.quads));
     });
 }
 

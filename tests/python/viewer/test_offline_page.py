@@ -136,6 +136,7 @@ def test_the_page_rebuilds_the_wall_that_the_package_rebuilds_from_the_same_file
     for name in ("caliper.csv", "xy_caliper.csv"):
         opened(EXAMPLES / name).save(tmp_path / f"{name}.wall")
         files.append(tmp_path / f"{name}.wall")
+    files.append(WEB.parents[3] / "tests" / "python" / "wall" / "data" / "archive_56ff07e9.wall")  # with a path
     found = read_by_page(tmp_path, files)
     assert len(found) == len(files)
     for file, one in zip(files, found, strict=True):
@@ -164,6 +165,7 @@ def test_the_page_rebuilds_the_wall_that_the_package_rebuilds_from_the_same_file
             assert "too few samples" in str(error)  # noqa: PT017
             sigma = None
         assert one["sigma"] == sigma, file.name
+        assert one["glb"] == mesh_digest(wall, low + (high - low) / 3, high, tmp_path / "mesh.glb"), file.name
 
 
 @needs_page
@@ -183,6 +185,16 @@ def test_an_archive_with_a_wrong_byte_is_refused_or_has_the_saved_wall(tmp_path:
     for one in others:  # what the checksums do not cover says nothing of the wall
         if "refused" not in one:
             assert one == right
+
+
+def mesh_digest(wall: hb.Wall, start: float, stop: float, file: Path) -> str:
+    """The SHA-256 of the binary part of a GLB file, without the attributes that the page does not write."""
+    surface = wall.surface(start=start, stop=stop)
+    for name in set(surface.attributes) - {"measured"}:
+        del surface.attributes[name]
+    surface.save(file)
+    content = file.read_bytes()
+    return hashlib.sha256(content[20 + int.from_bytes(content[12:16], "little") :]).hexdigest()
 
 
 def shown_zones(wall: hb.Wall) -> list[dict[str, Any]]:

@@ -71,6 +71,12 @@ def test_a_demo_by_address_shows_a_wall_with_its_figures_and_asks_no_machine(bro
     frame = one.wall()
     until(frame, "document.getElementById('foot').innerText.includes('Volume')")
     until(frame, "window.__wall.app.curves.offered.length > 15")
+    until(frame, "window.__wall.app.zones.length")
+    assert "Washed out" in frame.inner_text("#foot")
+    assert frame.inner_text("#zones").count("%") == len(frame.evaluate("window.__wall.app.zones"))
+    until(frame, "[...window.__wall.app.store.levels[0].tiles.values()].some((of) => of.texels.some((v) => v >> 12))")
+    mesh = frame.evaluate("fetch('api/section.glb?start=2001&stop=2009').then((of) => of.text())")
+    assert mesh.startswith("glTF")
     frame.evaluate("window.__wall.app.selection.rig()")
     assert "helibore live" in frame.inner_text("#notice")
     assert not frame.evaluate("window.__wall.app.view.rig")
@@ -94,6 +100,40 @@ def test_bad_input_gets_one_sentence_and_the_page_lives(offline: Offline, tmp_pa
     offline.page.click("#show")
     assert offline.wall().evaluate("window.__wall.app.store.end") > 0
     assert offline.errors == []
+
+
+@pytest.mark.parametrize(
+    ("lost", "said"),
+    [
+        ("delete window.WebAssembly", "no WebAssembly"),
+        ("HTMLCanvasElement.prototype.getContext = () => null", "WebGL"),
+    ],
+)
+def test_a_browser_that_lacks_something_gets_one_sentence(browser: Any, lost: str, said: str) -> None:
+    page = browser.new_context().new_page()
+    page.add_init_script(lost)
+    page.goto(PAGE.as_uri())
+    if "WebGL" in said:
+        until(page, "document.getElementById('version').textContent")
+        page.click("#examples button")
+        until(page, "!document.getElementById('columns').hidden")
+        page.click("#show")
+        page.wait_for_selector("#wall.shown")
+        frame = page.frames[-1]
+        until(frame, "document.getElementById('notice')")
+        until(frame, f"document.body.innerText.includes('{said}')")
+    else:
+        page.wait_for_selector("#trouble:visible")
+        assert said in page.inner_text("#trouble")
+    page.context.close()
+
+
+def test_a_file_of_two_gigabytes_is_refused_before_it_is_read(offline: Offline) -> None:
+    size = "Object.defineProperty(File.prototype, 'size', { get: () => 2 ** 31, configurable: true })"
+    offline.page.evaluate(f"{size} && null")
+    assert "2048 MB; this page reads files of up to 512 MB" in offline.open(EXAMPLES / "caliper.csv")
+    offline.page.evaluate("delete File.prototype.size")
+    assert offline.open(EXAMPLES / "caliper.csv") == ""
 
 
 def test_downloads_and_picks_are_those_of_the_wall(offline: Offline, tmp_path: Path) -> None:

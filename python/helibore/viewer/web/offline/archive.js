@@ -33,15 +33,14 @@ function crcOf(bytes) {
 function directory(view) {
   const end = view.byteLength - TAIL;
   if (end < 0 || view.getUint32(end, true) !== END) throw damaged('its directory is missing');
-  /** @type {Map<string, { at: number, size: number, crc: number }>} */
+  /** @type {Map<string, { at: number, size: number, crc: number, plain: boolean }>} */
   const members = new Map();
   let at = view.getUint32(end + 16, true);
   for (let left = view.getUint16(end + 10, true); left > 0; left--) {
     if (at + 46 > end || view.getUint32(at, true) !== CENTRAL) throw damaged('its directory');
     const [name, extra, comment] = [28, 30, 32].map((place) => view.getUint16(at + place, true));
     const [packed, size] = [20, 24].map((place) => view.getUint32(at + place, true));
-    if (view.getUint16(at + 10, true) !== 0 || packed !== size) throw damaged('a member is compressed');
-    members.set(new TextDecoder().decode(new Uint8Array(view.buffer, at + 46, name)), { at: view.getUint32(at + 42, true), size, crc: view.getUint32(at + 16, true) });
+    members.set(new TextDecoder().decode(new Uint8Array(view.buffer, at + 46, name)), { at: view.getUint32(at + 42, true), size, crc: view.getUint32(at + 16, true), plain: view.getUint16(at + 10, true) === 0 && packed === size });
     at += 46 + name + extra + comment;
   }
   return members;
@@ -65,7 +64,8 @@ function opened(buffer, core) {
   const bytesOf = (name) => {
     const member = members.get(name);
     if (!member) throw damaged(`${name} is missing`);
-    const { at, size, crc } = member;
+    const { at, size, crc, plain: whole } = member;
+    if (!whole) throw damaged(`${name} is compressed`);
     if (at + 30 > view.byteLength || view.getUint32(at, true) !== LOCAL) throw damaged(name);
     const from = at + 30 + view.getUint16(at + 26, true) + view.getUint16(at + 28, true);
     if (from + size > view.byteLength) throw damaged(`${name} is cut off`);

@@ -267,24 +267,47 @@ export class Core {
     });
   }
 
-  // Return positions (north, east, down) and frames (nine numbers) of a path at some depths; `settings` lacks size.
-  /** @param {Fields} settings @param {{ depth: Float64Array, inclination: Float64Array, azimuth: Float64Array }} stations @param {Float64Array} depth */
-  alongPath(settings, { depth: at, inclination, azimuth }, depth) {
+  // Call `work(reserve, path)` with the handle of a path through stations; 0: straight down. `settings` lacks size.
+  /** @template Result @param {import('./worker.js').Survey | null} survey @param {(reserve: (bytes: number) => number, path: bigint) => Result} work @returns {Result} */
+  onPath(survey, work) {
     return this.within((reserve) => {
+      if (!survey) return work(reserve, 0n);
+      const { settings, stations: { depth, inclination, azimuth } } = survey;
       const how = this.struct(reserve, 'hb_path_settings');
       this.call('hb_path_settings_init', how);
       this.write(how, 'hb_path_settings', settings);
       const out = reserve(8);
-      this.call('hb_path_create', how, BigInt(at.length), ...[at, inclination, azimuth].map((values) => this.copy(reserve, values)), out);
+      this.call('hb_path_create', how, BigInt(depth.length), ...[depth, inclination, azimuth].map((values) => this.copy(reserve, values)), out);
       const path = this.view.getBigInt64(out, true);
-      const count = depth.length;
-      const [position, frame] = [reserve(24 * count), reserve(72 * count)];
       try {
-        this.call('hb_path_read', path, BigInt(count), this.copy(reserve, depth), position, frame);
+        return work(reserve, path);
       } finally {
         this.call('hb_close', path);
       }
+    });
+  }
+
+  // Return positions (north, east, down) and frames (nine numbers) of a path at some depths.
+  /** @param {import('./worker.js').Survey} survey @param {Float64Array} depth */
+  alongPath(survey, depth) {
+    return this.onPath(survey, (reserve, path) => {
+      const count = depth.length;
+      const [position, frame] = [reserve(24 * count), reserve(72 * count)];
+      this.call('hb_path_read', path, BigInt(count), this.copy(reserve, depth), position, frame);
       return { position: this.floats(position, 3 * count), frame: this.floats(frame, 9 * count) };
+    });
+  }
+
+  // Return a part of the wall in space: positions (north, east, down) of its vertices, their numbers on the helix, and rows of corners.
+  /** @param {Helix} helix @param {number} first @param {Float64Array} radius @param {import('./worker.js').Survey | null} survey */
+  surface({ startDepth, startToolface, pitch, sectors }, first, radius, survey) {
+    return this.onPath(survey, (reserve, path) => {
+      const count = radius.length;
+      const [positions, places, quads, found] = [24, 4, 16].map((bytes) => reserve(bytes * count)).concat(reserve(8));
+      this.callPage('page_surface', this.copy(reserve, Float64Array.of(startDepth, startToolface, pitch)), sectors, first, count, this.copy(reserve, radius), path, positions, places, quads, found);
+      const whole = (/** @type {number} */ at, /** @type {number} */ size) => new Int32Array(this.c.memory.buffer, at, size).slice();
+      const [vertices, joined] = whole(found, 2);
+      return { positions: this.floats(positions, 3 * vertices), places: whole(places, vertices), quads: whole(quads, 4 * joined) };
     });
   }
 

@@ -1,6 +1,6 @@
 // Figures of the turns of a wall: what the page reads of `Wall.summary` and `Wall.logs`, from the core's logs.
 
-import { Refusal, rules } from './rules.js';
+import { Refusal, rint, rules } from './rules.js';
 import { NEAREST, RADIUS, STATE, SUPPORT_MASK, TEXEL } from '../src/protocol.js';
 
 const MOST_ROWS = 2_000_000;
@@ -18,11 +18,11 @@ const WASHOUT = 1;
 
 // Return the number of turns in a window of this length, metres: odd, at least 3 (turn_logs.py).
 /** @param {number} length @param {number} pitch */
-export const windowTurns = (length, pitch) => Math.max(3, 2 * Math.round((length / Math.abs(pitch) - 1) / 2 - 1e-9) + 1);
+export const windowTurns = (length, pitch) => Math.max(3, 2 * rint((length / Math.abs(pitch) - 1) / 2) + 1);
 
 // Return the figures of the turns from the core's logs and zones (turn_logs.py). `found`: null, where the shape is assumed.
-/** @param {Record<string, Float64Array>} logs @param {import('./core.js').Found | null} found @param {Pick<import('./worker.js').Rebuilt, 'vertices' | 'helix' | 'bit' | 'basis'>} wall @returns {Figures} */
-export function figuresOf(logs, found, { vertices: { radius, nearest, marks }, helix: { sectors, pitch, startDepth: start }, bit, basis }) {
+/** @param {Record<string, Float64Array>} logs @param {import('./core.js').Found | null} found @param {Pick<import('./worker.js').Rebuilt, 'vertices' | 'helix' | 'bit' | 'basis'>} wall @param {(depth: Float64Array) => { name: string, unit: string, values: Float64Array }[]} more @returns {Figures} */
+export function figuresOf(logs, found, { vertices: { radius, nearest, marks }, helix: { sectors, pitch, startDepth: start }, bit, basis }, more) {
   const turns = logs.mean.length;
   const each = (/** @type {(turn: number) => number} */ of) => Float64Array.from({ length: turns }, (_, turn) => of(turn));
   const coverage = each((turn) => {
@@ -61,7 +61,7 @@ export function figuresOf(logs, found, { vertices: { radius, nearest, marks }, h
   const { low_diameter: low, high_diameter: high } = columns;
   const likely = [['DEQ_LOW', low], ['DEQ_HIGH', high]].map(([name, ends]) => ({ name: /** @type {string} */ (name), unit: 'm', values: each((turn) => (low[turn] < high[turn] ? Number(ends[turn]) : NaN)) }));
   const arms = (found?.arms ?? []).map((values, at) => ({ name: `ARM_DIAMETER_${at + 1}`, unit: 'm', values }));
-  const curves = [...named, ...likely, ...arms].flatMap((one) => (one.values?.some(Number.isFinite) ? [{ ...one, ...limitsOf(one.values) }] : []));
+  const curves = [...named, ...likely, ...arms, ...more(depth)].flatMap((one) => (one.values?.some(Number.isFinite) ? [{ ...one, ...limitsOf(one.values) }] : []));
   const last = start + ((radius.length - 1) * pitch) / sectors;
   return {
     depth, pitch, sectors, bit, start, radius, columns, curves, ends: [Math.min(start, last), Math.max(start, last)], kinds: found?.kinds ?? null,

@@ -20,6 +20,14 @@ export const setRules = (given) => {
 /** @param {string} unit @returns {[string, number] | null} */
 export const unitOf = (unit) => rules.units[unit.toLowerCase().replace(/[ _]/g, '')] ?? null;
 
+// Round halves to even, as NumPy does.
+/** @param {number} value */
+export function rint(value) {
+  const low = Math.floor(value);
+  const over = value - low;
+  return over < 0.5 || (over === 0.5 && low % 2 === 0) ? low : low + 1;
+}
+
 // Return twelve random letters; `crypto.randomUUID` is missing in a file that is opened from disk.
 export const randomKey = () => Array.from(crypto.getRandomValues(new Uint8Array(6)), (byte) => byte.toString(16).padStart(2, '0')).join('');
 

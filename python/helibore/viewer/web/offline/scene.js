@@ -1,6 +1,6 @@
 // The wall as the page reads it: handshake, state and the binary messages (protocol.py).
 
-import { randomKey } from './rules.js';
+import { randomKey, rint } from './rules.js';
 import { FIRST, FRAMES, HEAD, INTERPOLATED, NEAREST, NO_FIRST, RADIUS, STATE, SUPPORT_MASK, SURVEYED, TEXEL, WRITE } from '../src/protocol.js';
 
 const TURNS = 16; // turns of the wall in one ring of the overview
@@ -23,14 +23,6 @@ const USUAL_LIMIT = 0.02; // metres
  * @typedef {{ centre: Float64Array, directions: Float32Array, surveyed: boolean }} Frames high and right of each frame
  * @typedef {{ hello: any, state: any, wall: Grid, over: Grid, frames: Frames, ends: number[] }} Scene
  */
-
-// Round halves to even, as NumPy does.
-/** @param {number} value */
-function rint(value) {
-  const low = Math.floor(value);
-  const over = value - low;
-  return over < 0.5 || (over === 0.5 && low % 2 === 0) ? low : low + 1;
-}
 
 // Return the texels of vertices: radius (0 if missing), first-pass radius, nearest distance, state.
 /** @param {Vertices} vertices @param {number} unit */
@@ -179,10 +171,11 @@ function straight(depths) {
 
 // Return frames along a path; beyond its ends they go straight on (feed.py).
 /** @param {import('./core.js').Core} core @param {import('./worker.js').Survey} survey @returns {(depths: Float64Array) => Frames} */
-export const framesAlong = (core, { settings, stations }) => (depths) => {
+export const framesAlong = (core, survey) => (depths) => {
+  const { settings, stations } = survey;
   const [top, bottom] = [stations.depth[0], stations.depth[stations.depth.length - 1] + settings.extend];
   const inside = depths.map((depth) => Math.min(Math.max(depth, top), bottom));
-  const { position, frame } = core.alongPath(settings, stations, inside);
+  const { position, frame } = core.alongPath(survey, inside);
   const directions = new Float32Array(6 * depths.length);
   depths.forEach((depth, at) => {
     for (let axis = 0; axis < 3; axis++) position[3 * at + axis] += (depth - inside[at]) * frame[9 * at + 6 + axis];
@@ -211,7 +204,7 @@ export function sceneOf(shape, vertices, frames = straight) {
   const state = {
     type: 'state', begun: true, bit_depth: null, hole_depth: null, newest: null, ended: true, sources: '', true_depth: null,
     ranges: { over: [-limit, limit], radius: [bit / 2 - limit, bit / 2 + limit], nearest: [0, symmetricLimit(vertices.nearest, 1e-3)] },
-    zones: [], shape: 'wall', prints: false, alarms: [], lost: [], curves: [], curves_version: 0, now: null,
+    zones: [], shape: 'wall', prints: false, meshes: true, alarms: [], lost: [], curves: [], curves_version: 0, now: null,
   };
   return { hello, state, wall, over, frames: frames(frameDepths({ wall, hello })), ends: [startDepth, startDepth + ((size - 1) * pitch) / sectors] };
 }

@@ -17,11 +17,12 @@ const BYTES_A_CHUNK = 0x6000; // a multiple of three: chunks of base64 join
  */
 
 export class Served {
-  /** @param {Scene} scene @param {() => Measured} measure @param {() => Float64Array | null} sigma @param {PageParts} parts @param {any[]} picks @param {(picks: any[]) => void} keep */
-  constructor(scene, measure, sigma, parts, picks, keep) {
+  /** @param {Scene} scene @param {() => Measured} measure @param {() => Float64Array | null} sigma @param {(start: number, stop: number) => Blob} mesh @param {PageParts} parts @param {any[]} picks @param {(picks: any[]) => void} keep */
+  constructor(scene, measure, sigma, mesh, parts, picks, keep) {
     this.scene = scene;
     this.measure = measure;
     this.sigma = sigma;
+    this.mesh = mesh;
     /** @type {Figures | null} */
     this.measured = null;
     this.trusted = false; // whether the texels say how sure each radius is
@@ -134,6 +135,7 @@ export class Served {
       case 'GET history': return json({ time: [], vertices: [], bit_depth: [] });
       case 'GET curve': return { type: 'application/octet-stream', body: curveBytes(this.figures(), query.get('name') ?? '') };
       case 'GET section.csv': return { type: 'text/csv', name: named('section', 'csv'), body: sectionCsv(this.scene, ...ends()) };
+      case 'GET section.glb': return { type: 'model/gltf-binary', name: named('section', 'glb'), body: this.mesh(...ends()) };
       case 'GET export.html': return { type: 'text/html', name: named('wall', 'html'), body: this.exported(ends(), query.get('address') ?? '') };
       case 'GET picks.csv': return { type: 'text/csv', name: 'picks.csv', body: picksTable(this.picks) };
       case 'POST picks.csv': {

@@ -280,7 +280,7 @@ async function begin() {
   };
   const wasm = await unpacked('core');
   const version = await ask({ ask: 'open', rules: parts.rules, page: parts.page, wasm }, [wasm]);
-  byId('version').textContent = `helibore ${version}. On the command line it does all of this and more: images, uncertainty, prints, live wells.`;
+  byId('version').textContent = `helibore ${version}: inverse distance of the 8 nearest samples. On the command line, helibore view FILE also shows images and live wells, prints, and chooses the estimator (-s wall.estimator=automatic).`;
   byId('examples').replaceChildren(...Object.entries(parts.examples).map(([name, text]) => {
     const button = Object.assign(document.createElement('button'), { type: 'button', textContent: name });
     button.onclick = () => takeExample(name, text);

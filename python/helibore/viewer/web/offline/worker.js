@@ -3,6 +3,7 @@
 import { openArchive, samplesIn } from './archive.js';
 import { Core, METHODS, REFERENCES } from './core.js';
 import { figuresOf, windowTurns, zonesOf } from './figures.js';
+import { glbOf } from './glb.js';
 import { isLas, readLas } from './las.js';
 import { chooseLeftOut } from './left_out.js';
 import { guess, sectorsOf } from './roles.js';
@@ -16,6 +17,8 @@ const LARGEST = 512 * 2 ** 20; // bytes of a file
 const MOST_VERTICES = 8_000_000;
 const RUGOSITY_WINDOW = 1; // metres
 const SURFACE = 0.001; // metres
+const VERTICAL = 1e-6; // sine of the inclination, up to which a hole has no azimuth
+const DEGREES = 180 / Math.PI;
 
 /**
  * @typedef {{ settings: import('./core.js').Fields, stations: { depth: Float64Array, inclination: Float64Array, azimuth: Float64Array } }} Survey
@@ -181,9 +184,26 @@ export function reopen(engine) {
 // Measure the turns of a wall, and find its zones; null where its shape is assumed.
 /** @param {Core} engine @param {Rebuilt} rebuilt */
 export function measure(engine, rebuilt) {
-  const { helix, bit, basis, samples, vertices: { radius }, rule, ofArms } = rebuilt;
+  const { helix, bit, basis, samples, vertices: { radius }, rule, ofArms, survey } = rebuilt;
   const found = basis === 'azimuthal' ? engine.zones(helix, bit, samples, radius, rule, ofArms) : null;
-  return { figures: figuresOf(engine.logs(helix, radius, windowTurns(RUGOSITY_WINDOW, helix.pitch)), found, rebuilt), zones: found && zonesOf(found), shape: found?.arms.length ? 'arms' : 'wall' };
+  const figures = figuresOf(engine.logs(helix, radius, windowTurns(RUGOSITY_WINDOW, helix.pitch)), found, rebuilt, (depth) => (survey ? onPath(engine, survey, depth) : []));
+  return { figures, zones: found && zonesOf(found), shape: found?.arms.length ? 'arms' : 'wall' };
+}
+
+// Return true depth, inclination and azimuth of a path at some depths, NaN beyond its ends and where they are not known.
+/** @param {Core} engine @param {Survey} survey @param {Float64Array} depths */
+function onPath(engine, survey, depths) {
+  const { stations: { depth }, settings: { extend } } = survey;
+  const [top, bottom] = [depth[0], depth[depth.length - 1] + extend];
+  const { position, frame } = engine.alongPath(survey, depths.map((at) => Math.min(Math.max(at, top), bottom)));
+  const zero = trueDepth(survey)?.[2] ?? NaN;
+  const each = (/** @type {(at: number) => number} */ of) => depths.map((at, row) => (at >= top && at <= bottom ? of(row) : NaN));
+  const level = depths.map((_, row) => Math.hypot(frame[9 * row + 6], frame[9 * row + 7]));
+  return [
+    { name: 'TVD', unit: 'm', values: each((row) => position[3 * row + 2] - zero) },
+    { name: 'INCL', unit: 'deg', values: each((row) => DEGREES * Math.atan2(level[row], frame[9 * row + 8])) },
+    { name: 'AZIM', unit: 'deg', values: each((row) => (level[row] > VERTICAL ? (DEGREES * Math.atan2(frame[9 * row + 7], frame[9 * row + 6]) + 360) % 360 : NaN)) },
+  ];
 }
 
 /** @param {Core} engine @param {Record<string, any>} given */
@@ -195,7 +215,7 @@ function show(engine, { roles, bit, well, picks }) {
   const scene = sceneOf(shape, vertices, survey ? framesAlong(engine, survey) : undefined);
   if (survey) Object.assign(scene.hello, { reference: reference ?? 'high-side', assumed: !reference });
   if (survey) scene.state.true_depth = trueDepth(survey);
-  served = new Served(scene, () => measure(engine, rebuilt), () => sigmaOf(engine, rebuilt), pageParts, picks, (changed) => postMessage({ picks: changed }));
+  served = new Served(scene, () => measure(engine, rebuilt), () => sigmaOf(engine, rebuilt), (...ends) => glbOf(engine, rebuilt, shape.well, ...ends), pageParts, picks, (changed) => postMessage({ picks: changed }));
   let [there, sure] = [0, 0];
   for (let k = 0; k < vertices.radius.length; k++) if (Number.isFinite(vertices.radius[k])) [there, sure] = [there + 1, sure + Number(vertices.marks[k] === 1)];
   return { ends: scene.ends, left, found, kept, arms, between: there ? 1 - sure / there : 0, zoned: basis === 'azimuthal' };

@@ -5,6 +5,7 @@ import { createHash } from 'node:crypto';
 import { readFileSync } from 'node:fs';
 import { Core } from '../offline/core.js';
 import { setRules } from '../offline/rules.js';
+import { glbOf } from '../offline/glb.js';
 import { curveBytes, summaryOf } from '../offline/figures.js';
 import { measure, read, rebuild, reopen, sigmaOf } from '../offline/worker.js';
 
@@ -13,6 +14,13 @@ setRules(JSON.parse(readFileSync(rules, 'utf8')));
 const core = await Core.open(readFileSync(wasm));
 /** @param {NodeJS.ArrayBufferView} values */
 const sum = (values) => createHash('sha256').update(values).digest('hex');
+// The binary part of a section as GLB: from the upper third on.
+/** @param {any} rebuilt @param {number} low @param {number} high */
+async function glbSum(rebuilt, low, high) {
+  const whole = await glbOf(core, rebuilt, '', low + (high - low) / 3, high).bytes();
+  const text = new DataView(whole.buffer).getUint32(12, true);
+  return sum(whole.slice(20 + text));
+}
 for (const file of files) {
   try {
     const bytes = readFileSync(file);
@@ -24,7 +32,7 @@ for (const file of files) {
     const [low, high] = figures.ends;
     const summaries = [[-Infinity, Infinity], [low + 0.31 * (high - low), low + 0.77 * (high - low)]].map((ends) => summaryOf(figures, ...ends));
     const curves = Object.fromEntries(figures.curves.map(({ name, low: from, high: to }) => [name, [from, to, sum(new Uint8Array(curveBytes(figures, name)))]]));
-    console.log(JSON.stringify({ radius: sum(vertices.radius), nearest: sum(vertices.nearest), measured: sum(vertices.marks.map((mark) => Number(mark === 1))), samples: kept, found, summaries, curves, zones, shape, sigma: sigma && sum(sigma), kinds: figures.kinds && sum(figures.kinds), roles: roles.map(({ channel, role }) => [channel, role]) }));
+    console.log(JSON.stringify({ radius: sum(vertices.radius), nearest: sum(vertices.nearest), measured: sum(vertices.marks.map((mark) => Number(mark === 1))), samples: kept, found, summaries, curves, zones, shape, glb: await glbSum(rebuilt, low, high), sigma: sigma && sum(sigma), kinds: figures.kinds && sum(figures.kinds), roles: roles.map(({ channel, role }) => [channel, role]) }));
   } catch (error) {
     console.log(JSON.stringify({ refused: error.message, kind: error.constructor.name }));
   }
