@@ -32,6 +32,11 @@ extensions = [
 ]
 exclude_patterns = ["gallery/*.ipynb", "gallery/*.py", "gallery/*.md5", "gallery/*.json", "*.py"]
 templates_path = ["_templates"]
+OFFLINE = ROOT / "build" / "page" / "helibore.html"
+"""The page without a server; the site offers it if `./develop page` has built it."""
+if OFFLINE.exists():
+    tags.add("page")  # type: ignore[name-defined] # noqa: F821 # Sphinx defines it
+    html_extra_path = [str(OFFLINE)]
 html_static_path, html_css_files = ["_static"], ["site.css"]
 smartquotes = False  # they turn --option into a dash
 default_role = "code"

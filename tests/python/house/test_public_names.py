@@ -24,7 +24,7 @@ PAGES = [ROOT / "README.md", *sorted(ROOT.glob("docs/**/*.md"))]
 NOTEBOOKS = sorted(ROOT.glob("docs/notebooks/*.ipynb"))
 PROGRAMS = sorted([*ROOT.glob("examples/**/*.py"), *ROOT.glob("docs/*.py")])
 MODULES = {"helibore": hb, "helibore.plot": hb.plot, "helibore.simulation": hb.simulation}
-NO_NAMES = {"h", "hpp", "json", "cdx", "service", "live", "connections", "cli"}
+NO_NAMES = {"h", "hpp", "html", "json", "cdx", "service", "live", "connections", "cli"}
 """What follows ``helibore.`` in names of files, of loggers, and of the command line, which sphinx-click reads."""
 
 
