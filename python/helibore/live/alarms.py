@@ -79,15 +79,16 @@ REASONS = {
     OUTSIDE: "before the start of the wall",
 }
 """The reason in words for each outcome of a sample that is refused."""
-SETTINGS = {
-    "NULL": "the names in caliper, nulls",
-    "INVALID": "the names in caliper and their units",
-    "RANGE": "caliper.radius_range, caliper.radius_unit, caliper.measures, depth.depth_range",
-    "DUPLICATE": "the sender",
-    "NO_DEPTH": "items.bit_depth, passes.max_depth_gap",
-    OUTSIDE: "wall.start_depth",
+CAUSES = {
+    "NULL": "what it sends has another name (caliper), or is null (nulls)",
+    "INVALID": "texts or another unit come (caliper), or the names are those of other values",
+    "RANGE": "another unit or diameters come (caliper.radius_unit, caliper.measures), or the hole is as wide "
+    "(caliper.radius_range, depth.depth_range)",
+    "DUPLICATE": "the sender repeats itself, or what it counts is no sequence number",
+    "NO_DEPTH": "the bit depth has another name (items.bit_depth), or comes too rarely (passes.max_depth_gap)",
+    OUTSIDE: "the depth is wrong, or wall.start_depth is too deep",
 }
-"""What to check for each of these reasons."""
+"""What may be the cause of each of these reasons, and the setting to check."""
 
 
 def local(wall: int) -> datetime.datetime:
@@ -250,7 +251,8 @@ class Alarms:
         self._drift = wall - self.synced
         self._connected = dict.fromkeys(states, self.synced)
         self._position, self._moved = np.nan, self.synced
-        self._received, self._sampled = live.model.counts["received"], -(1 << 62)
+        self._received = self._before = live.model.counts["received"]  # at the last check; when the depth changed
+        self._sampled = -(1 << 62)
         self._refused = {name: Refused(self._outcomes(name)) for name in live.configuration.sources}
         self._lacking: dict[str, int] = {}
         self.sampled: dict[str, int] = {}
@@ -408,8 +410,8 @@ class Alarms:
                 refused.last, refused.reasons = now, refused.reasons + new
             if refused.reasons and refused.last - refused.first > self._limits.refused * SECOND:
                 why = ", ".join(f"{count:,} {REASONS[reason]}" for reason, count in refused.reasons.most_common())
-                check = SETTINGS[refused.reasons.most_common(1)[0][0]]
-                found["refused", name] = f"no sample was usable for {self._limits.refused:g} s: {why}; check {check}"
+                cause = CAUSES[refused.reasons.most_common(1)[0][0]]
+                found["refused", name] = f"no sample was usable for {self._limits.refused:g} s: {why}: {cause}"
         for reader in list(self._live.model.readers.values()):
             name = reader.source.name
             if reader.seems_radians:
@@ -417,7 +419,7 @@ class Alarms:
             found |= {(rule, name): text for rule, text in list(reader.doubts.items())}
             if lacking := reader.lacking():
                 if now - self._lacking.setdefault(name, now) > self._limits.refused * SECOND:
-                    found["missing", name] = lacking
+                    found["missing", name] = f"{lacking}, for {self._limits.refused:g} s"
             else:
                 self._lacking.pop(name, None)
         return found
@@ -436,11 +438,12 @@ class Alarms:
         bit = model.rig.tracks["bit_depth"].value[-1:].tolist()
         position = bit[0] if bit else float(len(self._live.wall))
         if not abs(position - self._position) <= STEP:
-            self._position, self._moved = position, now
+            self._position, self._moved, self._before = position, now, model.counts["received"]
         if model.counts["received"] != self._received:
             self._received, self._sampled = model.counts["received"], now
         if now - self._moved > limit and now - self._sampled < limit:
-            text = f"samples come, and depth has not changed for {self._limits.standing:g} s"
+            came = self._received - self._before
+            text = f"{came:,} samples came, and depth has not changed for {self._limits.standing:g} s"
             return {
                 ("standing", ""): f"{text}: the depth is stuck (items.bit_depth), or the tool measures at one place"
             }

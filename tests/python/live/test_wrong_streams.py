@@ -1,11 +1,14 @@
-"""Streams that are well formed and wrong alarm in time; ``python -m bench.live.wrong`` plays all of them."""
+"""Streams that are well formed and wrong alarm in time, by page, metrics and stderr; ``python -m bench.live.wrong`` plays all of them."""
 
 from __future__ import annotations
 
 import pytest
 
 pytest.importorskip("fastavro", reason="streams of ETP need fastavro")
+pytest.importorskip("uvicorn", reason="the page is served by the extra 'view'")
+pytest.importorskip("prometheus_client", reason="the metrics need the extra 'live'")
 
+from alarm_outputs import AlarmOutputs
 from wrong_streams import STREAMS, played
 
 SHORT = (
@@ -20,9 +23,20 @@ SHORT = (
 )
 
 
+@pytest.fixture(scope="module")
+def outputs():
+    from helibore.viewer.page_files import page
+
+    if page("app.js") is None:
+        pytest.skip("the page was not built: Node.js 18 is missing")
+    with AlarmOutputs() as made:
+        yield made
+
+
 @pytest.mark.parametrize("name", SHORT)
-def test_a_wrong_stream_alarms_in_time(name):
-    delay, text, false = played(name)
+def test_a_wrong_stream_alarms_in_time_on_page_metrics_and_stderr(outputs, name):
+    delay, text, false, lacking = played(name, outputs.lacking)
+    assert lacking == [], text
     assert false == [], "a right stream alarms"
     assert delay <= STREAMS[name].within, text
     assert all(word in text for word in STREAMS[name].words)

@@ -20,8 +20,9 @@ from live_wires import Clock
 from small_store import LOG, enveloped
 
 from helibore import Live
-from helibore.live.alarms import Alarms
+from helibore.live.alarms import Alarm
 from helibore.live.rules.configuration import parse
+from helibore.live.server import Server
 from helibore.live.wire import etp_link, mqtt_link, wits, witsml
 
 AFTER, BEGAN, RATE = 600, 1_700_000_000, 20 / 3600
@@ -278,12 +279,18 @@ STREAMS = {
 }  # fmt: skip
 
 
-def played(name: str) -> tuple[float, str, list[str]]:
-    """Return the seconds from what is wrong to the alarm (infinity: none came in time), its text, and false alarms."""
+def played(
+    name: str, lacking: Callable[[Server, Alarm], list[str]] = lambda *_: []
+) -> tuple[float, str, list[str], list[str]]:
+    """Return the seconds from what is wrong to the alarm, its text, false alarms, and where the alarm is not shown.
+
+    The seconds are infinite if no alarm came in time; ``lacking`` returns where an alarm is not shown.
+    """
     stream, clock = STREAMS[name], Clock()
     wire = stream.wire(stream.sensors)
     live = Live(parse(wire.configuration()), clock=clock)
-    alarms = Alarms(live, {"rig": "connected"})
+    server = Server(live)
+    server.states["rig"] = "connected"
     false: list[str] = []
     for made in moments(stream.sensors):
         clock.step(1.0)
@@ -294,16 +301,13 @@ def played(name: str) -> tuple[float, str, list[str]]:
                 stream.sent(wire)
         payload = wire.sent(moment)
         live.receive("rig", payload, wire.connection)
-        alarms.check()
-        begun = {alarm.rule: alarm.text for alarm in alarms.active}
+        server.alarms.check()
+        begun = {alarm.rule: alarm for alarm in server.alarms.active}
         if made.second < stream.after:
-            false += [text for rule, text in begun.items() if text not in false]
-        elif stream.rule in begun:
-            assert (
-                live.model.events.counts["rig", f"alarm_{stream.rule}"]
-                or live.model.events.counts["", f"alarm_{stream.rule}"]
-            )
-            return made.second - stream.after, begun[stream.rule], false
+            false += [alarm.text for alarm in begun.values() if alarm.text not in false]
+        elif alarm := begun.get(stream.rule):
+            assert live.model.events.counts[alarm.source, f"alarm_{stream.rule}"]
+            return made.second - stream.after, alarm.text, false, lacking(server, alarm)
         elif made.second > stream.after + stream.within + 60:
-            return float("inf"), f"only {begun}", false
+            return float("inf"), f"only {[str(one) for one in begun.values()]}", false, []
     raise AssertionError("the stream is too short")

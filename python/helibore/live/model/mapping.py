@@ -290,9 +290,9 @@ class SourceReader:
             return ""
         others = self.unmapped()
         listed = ", ".join(others[:MOST_ITEMS]) + (" ..." if len(others) > MOST_ITEMS else "")
-        return (
-            f"no {self.message} had {', '.join(lacking)}; {self.word}s that came and are not mapped: {listed or 'none'}"
-        )
+        unmapped = f"{self.word}s that came and are not mapped: {listed or 'none'}"
+        cause = "they have other names (caliper, items), or are not sent"
+        return f"no {self.message} had {', '.join(lacking)}: {cause}; {unmapped}"
 
     def _completed(self, batch: wits.Batch) -> Integers:
         """Return the stream offset at which each frame was known to be complete: the end of its last line.
@@ -535,7 +535,7 @@ class SourceReader:
         half = np.pi + 0.005  # senders round their values
         one_turn = (low >= 0 and high <= 2 * half) or (low >= -half and high <= half)
         if len(self._toolfaces) == FIRST_TOOLFACES and self._seem_tenths(low, high):
-            rule = "it seems that they are tenths of a degree: map an item in degrees (caliper.toolface)"
+            rule = "it seems that they are tenths of a degree, or no angles: map an item in degrees (caliper.toolface)"
             self.seems_radians = f"the first {FIRST_TOOLFACES} toolfaces lie from {low:g} to {high:g}: {rule}"
             at = int(frame[rows[-1]])
             self._events.report(self._of_frame(reading, at, "toolface", self.seems_radians))

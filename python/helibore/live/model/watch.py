@@ -120,7 +120,7 @@ class Quiet:
         self.last, self.stopped, self.lasts = time, False, False
 
     def on(self, seconds: float, metres: float) -> str:
-        """Count time on bottom; return what to say once samples are overdue, "" before and after that."""
+        """Count time on bottom; return the evidence once samples are overdue, "" before and after that."""
         self.stood += seconds
         if metres <= 0:
             return ""
@@ -133,9 +133,7 @@ class Quiet:
         if self.seconds <= (max(limit, QUIET_AFTER_STOP) if self.stopped else limit):
             return ""
         self.lasts = True
-        came = f"{self.drilled:.1f} m drilled; before that, one every {usual:.3g} s"
-        cause = "the tool may be dead, or what it sends has other names (caliper)"
-        return f"no sample in {self.seconds:.0f} s on bottom, {came}: {cause}"
+        return f"in {self.seconds:.0f} s on bottom, {self.drilled:.1f} m drilled; before that, one every {usual:.3g} s"
 
 
 @dataclass
@@ -350,7 +348,9 @@ class Watch:
             if not on_bottom:
                 quiet.stopped = True
             elif text := quiet.on(min(seconds, LONGEST_STEP), drilled):
-                self._begin(frame, "no_samples", name, text)
+                setting = "caliper" if name in self._settings else "image"
+                cause = f"the tool may be dead, or what it sends has other names ({setting})"
+                self._begin(frame, "no_samples", name, f"no sample {text}: {cause}")
 
     def _judge_step(self) -> None:
         """Report a step of the bit depth that no string can make; it is judged a frame later."""
