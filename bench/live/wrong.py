@@ -2,8 +2,8 @@
 
 The streams are those of tests/python/live/wrong_streams.py: by WITS, MQTT, ETP and from a store. Each line has the
 alarm, the seconds until it began, the most that are allowed, and its text. The alarm is then read from the page (in
-Chromium, if it is installed), from the metrics and from stderr. The exit code is 1 if an alarm is late, is absent in one
-of them, lacks the setting that it must name, or came before anything was wrong.
+Chromium, if it is installed), from the metrics and from stderr. The exit code is 1 if an alarm is late, is absent in
+one of them, lacks the setting that it must name, or came before anything was wrong.
 """
 
 from __future__ import annotations

@@ -105,17 +105,22 @@ def verify(folder: Path) -> None:
 @section(
     "Options",
     CONFIGURATION,
+    opt("--since", "UTC time or number of the first record that --configuration applies to.  [the first record]"),
     opt("-o --output", "Folder to write wall, mesh, logs, images and events to, as helibore live does.", type=FOLDER),
 )
-def replay(folder: Path, configuration: Path | None, output: Path | None) -> None:
+def replay(folder: Path, configuration: Path | None, since: str | None, output: Path | None) -> None:
     """Build the wall again from the journal in FOLDER, with a corrected configuration if one is given.
 
     \b
     helibore journal replay well-7.journal -c corrected.toml -o corrected
+    helibore journal replay well-7.journal -c sidetrack.toml --since 2026-05-01T10:00:00Z -o corrected
     """
+    from helibore.live.journal.journal_extracts import record_at
     from helibore.live.snapshot_files import snapshot
 
-    live = _replayed(folder, configuration)
+    if since and not configuration:
+        raise click.UsageError("--since needs --configuration")
+    live = _replayed(folder, configuration, record_at(folder, since) if since else 0)
     for event in live.model.events.latest:
         echo(str(event))
     if output:
@@ -230,12 +235,12 @@ def archive(folder: Path, remove: bool) -> None:
     echo(f"{len(done)} segments {what}" if done else f"{folder}: no segment is old")
 
 
-def _replayed(folder: Path, file: Path | None) -> Live:
+def _replayed(folder: Path, file: Path | None, since: int = 0) -> Live:
     from helibore.live.live import Live
     from helibore.live.rules.configuration import load
 
     with _progress(folder) as step:
-        return Live.replay(folder, load(file) if file else None, report=step)
+        return Live.replay(folder, load(file) if file else None, step, since)
 
 
 def _segments(folder: Path) -> Iterator[Segment]:

@@ -260,17 +260,26 @@ class Live:
         folder: str | os.PathLike[str],
         configuration: Configuration | None = None,
         report: Callable[[Segment], None] = lambda _: None,
+        since: int = 0,
     ) -> Live:
         """Return the `Live` that the whole journal in ``folder`` gives; the journal is only read.
 
         Without ``configuration``, the journal's own configurations apply, and the wall equals the live wall in every
-        bit. If ``configuration`` is given, it applies to all records. ``report`` is called with each segment after its
-        records are read.
+        bit. If ``configuration`` is given, it applies to all records from number ``since`` on: to all of them, or for
+        example from the record on at which another hole began. ``report`` is called with each segment after its records
+        are read.
+
+        Raises
+        ------
+        InputError
+            If ``configuration`` changes at record ``since`` what a journal cannot change.
         """
-        live = cls(configuration or recorded_configuration(FilePath(folder)))
-        numbers = numbers_of(FilePath(folder), configuration) if configuration else None
-        live.model = Model(live.configuration, follows=configuration is None, numbers=numbers)
-        for _ in read_into(live.model, FilePath(folder), report):
+        whole = configuration if since == 0 else None
+        live = cls(whole or recorded_configuration(FilePath(folder)))
+        numbers = numbers_of(FilePath(folder), whole) if whole else None
+        live.model = Model(live.configuration, follows=whole is None, numbers=numbers)
+        change = (since, configuration) if configuration and since else None
+        for _ in read_into(live.model, FilePath(folder), report, change):
             pass
         live.configuration = live.model.configuration
         return live
@@ -645,10 +654,14 @@ def _require_finite(name: str, values: Floats) -> None:
         raise ValueError(f"{name}[{index}] = {values[index]}: must be finite")
 
 
-def read_into(model: Model, folder: FilePath, report: Callable[[Segment], None] = lambda _: None) -> Iterator[Update]:
+def read_into(
+    model: Model, folder: FilePath, report: Callable[[Segment], None] = lambda _: None,
+    change: tuple[int, Configuration] | None = None,
+) -> Iterator[Update]:  # fmt: skip
     """Pass a journal's records to ``model``, from its ``next_sequence`` on, and yield an update for each of `windows`.
 
     Events report damage and missing segments; ``report`` is called with each segment after its records are read.
+    ``change`` is a configuration and the number of the first record that is read with it.
     """
     expected = segment_of(folder, model.next_sequence)
     for segment in segments(folder, expected):
@@ -662,19 +675,26 @@ def read_into(model: Model, folder: FilePath, report: Callable[[Segment], None] 
         for (start, _), text in zip(segment.damage, segment.damage_texts(), strict=True):
             if start >= known:
                 model.report(segment.wall_before(start), "journal", text, recorded=True)
-        for start, stop in windows(segment.records[first:]):
+        cut = int(np.searchsorted(segment.records["sequence"], change[0])) - first if change else 0
+        for start, stop in windows(segment.records[first:], cut):
+            if change and start >= cut:
+                model.change_from(segment.records[first + start], changed_to(change[1], model.configuration, folder))
+                change = None
             payloads = [segment.payload(first + row) for row in range(start, stop)]
             yield model.take(segment.records[first + start : first + stop], payloads)
         report(segment)
 
 
-def windows(records: Rows) -> Iterator[tuple[int, int]]:
-    """Yield row ranges of at most WINDOW_RECORDS records and WINDOW_BYTES bytes, or of one record with more bytes."""
+def windows(records: Rows, cut: int = 0) -> Iterator[tuple[int, int]]:
+    """Yield row ranges of at most WINDOW_RECORDS records and WINDOW_BYTES bytes, or of one record with more bytes.
+
+    A range begins at row ``cut``, if there is one.
+    """
     ends = np.cumsum(records["length"].astype(np.int64))
     start = 0
     while start < len(records):
         before = int(ends[start - 1]) if start else 0
         stop = int(np.searchsorted(ends, before + WINDOW_BYTES, side="right"))
-        stop = max(start + 1, min(stop, start + WINDOW_RECORDS))
+        stop = max(start + 1, min(stop, start + WINDOW_RECORDS, cut if cut > start else len(records)))
         yield start, stop
         start = stop

@@ -1,4 +1,4 @@
-"""Where ``helibore live`` shows an alarm: the browser's page, the metrics and stderr; `AlarmOutputs` reads all three."""
+"""Where ``helibore live`` shows an alarm: the browser's page, the metrics and stderr; `AlarmOutputs` reads them."""
 
 from __future__ import annotations
 

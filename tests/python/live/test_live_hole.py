@@ -9,8 +9,11 @@ import pytest
 from live_wires import WALL, Clock, refused
 
 from helibore import Live
+from helibore.base.errors import InputError
+from helibore.base.utc_time import utc
 from helibore.live.alarms import Alarms
 from helibore.live.frozen_copy import frozen_copy
+from helibore.live.journal.journal_extracts import record_at
 from helibore.live.model.wall_watch import OF_WALL
 from helibore.live.rules.configuration import parse
 from helibore.live.wire import wits
@@ -199,3 +202,38 @@ def test_a_wrong_hole_has_its_place(table, place):
 
 def test_a_configuration_without_a_hole_means_what_it_meant():
     assert "hole" not in json.loads(parse(MOTHER).meaning())
+
+
+@pytest.mark.parametrize("way", ["record", "time"])
+def test_a_hole_that_is_stated_later_is_read_from_a_record_on(tmp_path, way):
+    """The same bytes, once with the change made in time, once with a replay that makes it at the same record."""
+    clock, holes = Clock(), []
+    for name in ("in time", "late"):
+        live = Live(parse(MOTHER), tmp_path / name, clock=clock)
+        stations(live, (90, 0, 0), (103, 1, 40))
+        sent(live, clock, 100.5, 108.0, 108)
+        if name == "in time":
+            live.reconfigure(parse(SIDETRACK))
+        clock.step(3600)
+        first, began = live.model.next_sequence, clock.wall
+        sent(live, clock, 104.0, 107.0, 120)
+        live.close()
+        holes.append(live)
+    since = record_at(tmp_path / "late", str(first) if way == "record" else f"{utc(began)}")
+    assert since == first
+    again = Live.replay(tmp_path / "late", parse(SIDETRACK), since=since)
+    assert same(again, holes[0])
+    assert again.model.main == "ST1"
+    assert again.model.stretches[0]["record"] == str(first)
+    assert again.model.events.counts["", "hole"] == 1
+    assert {*holes[1].layers} == {"main", "ream"}
+    with Live(parse(MOTHER), tmp_path / "late", clock=clock):  # another session of the configuration of before
+        pass
+    assert same(Live.replay(tmp_path / "late", parse(SIDETRACK), since=since), holes[0])
+
+
+@pytest.mark.parametrize("text", ["", "0x", "99999", "2026-05-01T10:00:00", "2099-05-01T10:00:00Z", "-1"])
+def test_a_record_that_is_not_there_is_refused(sidetracked, text):
+    with pytest.raises(InputError) as error:
+        record_at(sidetracked[2], text)
+    assert error.value.place == "since"

@@ -1,4 +1,7 @@
-"""Streams that are well formed and wrong alarm in time, by page, metrics and stderr; ``python -m bench.live.wrong`` plays all of them."""
+"""Streams that are well formed and wrong alarm in time, by page, metrics and stderr.
+
+``python -m bench.live.wrong`` plays all of them.
+"""
 
 from __future__ import annotations
 

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import csv
+import datetime
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO, TextIO
 
 import numpy as np
 
+from helibore.base.errors import InputError
 from helibore.base.harmless import cell
-from helibore.base.utc_time import utc
+from helibore.base.utc_time import SECOND, utc
 from helibore.live.journal import journal
 from helibore.live.journal.journal import Segment, segments
 from helibore.live.journal.session_header import headers
@@ -129,3 +132,28 @@ def sessions(folder: Path) -> list[tuple[int, str]]:
                 found.append((int(segment.records["wall"][row]), this[1]))
             last = this
     return found
+
+
+def record_at(folder: Path, text: str) -> int:
+    """Return the number of a record that is stated by its number, or by a UTC time: the first record from then on.
+
+    Raises
+    ------
+    InputError
+        If the text is neither, or if no record but the first one comes at or after it.
+    """
+    rule = "must be the number of a record after the first one, or a UTC time such as 2026-05-01T10:00:00Z"
+    number = time = None
+    if text.isdecimal():
+        number = int(text)
+    else:
+        with suppress(ValueError):
+            time = datetime.datetime.fromisoformat(text)
+        if time is None or time.tzinfo is None:
+            raise InputError("since", rule, repr(text))
+    for segment in segments(folder):
+        records = segment.records
+        late = records["sequence"] >= number if time is None else records["wall"] >= time.timestamp() * SECOND
+        for row in np.flatnonzero(late & (records["sequence"] > 0))[:1].tolist():
+            return int(records["sequence"][row])
+    raise InputError("since", f"the journal has no record at or after it: {rule}", repr(text))

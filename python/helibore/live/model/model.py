@@ -223,15 +223,13 @@ class Model:
         if self._reads(header) and header.get("meaning", self._meaning) != self._meaning:
             self._meaning = header["meaning"]
             with self._set_aside(record, "session header"):
-                now, before = configuration_of(header), self.configuration.hole
+                now = configuration_of(header)
                 if not self.follows:
                     if not self._session:  # the first header of the journal
                         self._first_hole = now.hole.name
                     now = replace(self.configuration, hole=now.hole)
                 if now.meaning() != self.configuration.meaning():
-                    self.reconfigure(now, utc(int(record["wall"])), int(record["sequence"]))
-                    self._report(record, "configuration", "another configuration applies from here on")
-                    self._report_hole(record, before, now.hole)
+                    self._change(record, now)
         session = str(header.get("session", ""))
         if session and session == self._session:
             return  # the same session goes on in a new segment, or with another configuration
@@ -251,7 +249,18 @@ class Model:
         """
         return self.follows or (self._given_hole == HoleTable() and bool(header.get("configuration")))
 
-    def _report_hole(self, record: np.void, before: HoleTable, now: HoleTable) -> None:
+    def change_from(self, record: np.void, configuration: Configuration) -> None:
+        """Read ``record`` and all later ones with another configuration, whatever later session headers say.
+
+        They still change the hole, unless ``configuration`` states one. The caller has checked as for `reconfigure`.
+        """
+        self.follows, self._given_hole = False, configuration.hole
+        self._change(record, configuration)
+
+    def _change(self, record: np.void, configuration: Configuration) -> None:
+        before, now = self.configuration.hole, configuration.hole
+        self.reconfigure(configuration, utc(int(record["wall"])), int(record["sequence"]))
+        self._report(record, "configuration", "another configuration applies from here on")
         if now.name != before.name:
             shared = "" if now.kickoff is None else f", which leaves the hole before at {now.kickoff:g} m"
             text = f"hole {now.name or 'without a name'}{shared}: later samples are drawn in the wall {self.main}"
