@@ -33,6 +33,7 @@ _TABLE: dict[str, tuple[str, float, str]] = {
     "in": (LENGTH, INCH, 'inch inches ins "'),
     "0.1in": (LENGTH, 0.00254, ".1in 0.1inch 0.1inches 1/10in"),
     "deg": (ANGLE, 1.0, "dega degree degrees ° º dgr град"),
+    "gon": (ANGLE, 0.9, ""),
     "rad": (ANGLE, 180.0 / math.pi, "rada radian radians"),
     "s": (TIME, 1.0, "sec secs second seconds"),
     "ms": (TIME, 0.001, "msec millisecond milliseconds"),

@@ -23,6 +23,7 @@ def open(  # noqa: A001
     decimal: str | None = None,
     salvage: bool = False,
     strict: bool = False,
+    layouts: str | PathLike[str] | None = None,
 ) -> LogFile:
     """Open a log file of any format, or a data frame; the content of a file decides the format, not its name.
 
@@ -46,6 +47,9 @@ def open(  # noqa: A001
         states what is lost.
     strict
         Whether a file of which only a part can be read is refused. Without it, a remark names the rest.
+    layouts
+        A TOML file of rules for the layout of texts, which come before those of helibore: which lines are comments,
+        footers or names, and where names, units and rows stand.
 
     Returns
     -------
@@ -72,7 +76,8 @@ def open(  # noqa: A001
     """
     nulls = tuple(float(null) for null in nulls)
     if isinstance(path, str | PathLike):
-        return open_file(Path(path), ReadOptions(nulls, header_line, encoding, decimal, salvage, strict))
+        rules = None if layouts is None else Path(layouts)
+        return open_file(Path(path), ReadOptions(nulls, header_line, encoding, decimal, salvage, strict, rules))
     from helibore.files.data_frame import read_frame
 
     return _with_images(read_frame(path, nulls))

@@ -225,7 +225,7 @@ def stem(channel: Channel) -> str:
     unit = unit_in_name(channel.name).lower()
     if unit and name.endswith(unit) and not name[: -len(unit)].endswith(("[", "(")):
         name = name[: -len(unit)].rstrip("_ ") or name
-    return re.sub(r"\s*[\[(][^\])]*[\])]\s*$", "", name).strip()
+    return re.sub(r"\s*[\[(][^\])]*[\])]\s*$", "", name).strip().rstrip(".")
 
 
 def _spellings(channel: Channel) -> tuple[str, str]:

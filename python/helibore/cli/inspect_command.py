@@ -30,10 +30,11 @@ from helibore.cli.terminal import echo
 @click.option("--decimal", type=click.Choice([".", ","]), help="Decimal mark of the numbers.  [the cells decide]")
 @click.option("--salvage", is_flag=True, help="Read what lies before the damage of a cut file.")
 @click.option("--strict", is_flag=True, help="Refuse a file of which only a part can be read.")
+@click.option("--layouts", type=FILE, help="File of rules for the layout of texts.  [the rules of helibore]")
 @click.option("--toml", is_flag=True, help="Print only the role map, as TOML; a file with it can be given to --map.")
 def inspect(
     file: Path, map_file: Path | None, sets: tuple[str, ...], header_line: int | None, encoding: str | None,
-    decimal: str | None, salvage: bool, strict: bool, toml: bool,
+    decimal: str | None, salvage: bool, strict: bool, layouts: Path | None, toml: bool,
 ) -> None:  # fmt: skip
     """List the channels of FILE, their units, ranges, missing values, and the role that each channel gets.
 
@@ -50,7 +51,7 @@ def inspect(
     from helibore.cli.set_names import set_names
     from helibore.files.input_file import ReadOptions
 
-    with open_file(file, ReadOptions(NULLS, header_line, encoding, decimal, salvage, strict)) as opened:
+    with open_file(file, ReadOptions(NULLS, header_line, encoding, decimal, salvage, strict, layouts)) as opened:
         names = set_names(opened, sets) if sets else [each.name for each in opened.sets]
         mapped = None
         if map_file:

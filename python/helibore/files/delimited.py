@@ -30,9 +30,12 @@ from helibore.base.limits import check_limit
 from helibore.files.facts import read_facts
 from helibore.files.headings import is_number, is_units_row, unit_in_name
 from helibore.files.input_file import LINE_LIMIT, InputFile, decode
-from helibore.files.number_rows import NULL_TEXTS, column_of, read_rows, split_cells
-from helibore.files.number_spellings import read_spellings
+from helibore.files.number_rows import NULL_TEXTS, column_of, split_cells
+from helibore.files.number_spellings import is_like_a_number, read_spellings
 from helibore.files.raw_set import EXACT, Channel, RawFile, RawSet, unique
+from helibore.files.row_lines import join_quoted, read_rows_without_notes
+from helibore.files.table_head import are_units, find_head, joined_phrases
+from helibore.files.text_layouts import StatedLayout, TextRules, text_rules
 
 STATED_DELIMITER = re.compile(r"\s*sep=(?P<mark>[,;|\t])\s*", re.IGNORECASE)
 """First line of a table in which Excel states the delimiter."""
@@ -49,16 +52,10 @@ NO_HEADER = "numbers, so there is no header"
 COMMENT = "comment: "
 """Start of the remark on a comment line above the header."""
 
-_AROUND_COMMENT = " #\t"
+_AROUND_COMMENT = " #\t!%/*"
 _AROUND_TITLE = " \t\r,;|"
 MOST_TITLES = 20
 """The most lines with text above the names of the columns that are taken for titles."""
-
-PETREL = {
-    re.compile(r"WELL (KB|DATUM)\b.*:\s*[-+\d.]+\s*\((?P<unit>m|ft)\)", re.IGNORECASE): ("MD", "TVD"),
-    re.compile(r"ANGLES ARE GIVEN IN (?P<unit>DEG)REES", re.IGNORECASE): ("AZIM", "AZIM_TN", "AZIM_GN", "INCL"),
-}
-"""Comments of a Petrel trace (.dev) that state a unit, and the columns which it is the unit of."""
 
 FEWEST_SECTORS = 4
 """The least number of columns that can form an image."""
@@ -73,11 +70,14 @@ class TableLayout:
     units: list[str] | None
     skip: int
     remarks: list[str] = field(default_factory=list)
+    descriptions: list[str] | None = None
+    head: list[str] = field(default_factory=list)  # the lines above the rows
 
 
 def read(source: InputFile) -> RawFile:
     """Open a delimited table."""
     head, remark, whole = _head_text(source)
+    rules = text_rules(source.options.layouts)
     layout = find_layout(source, head)
     if remark:
         layout.remarks.append(remark)
@@ -92,20 +92,24 @@ def read(source: InputFile) -> RawFile:
     line_of = _line_finder(source, layout)
     if columns is None:
         text, found_later = (head, "") if whole else source.text()
+        text = text if whole else join_quoted(text)
         if found_later and not remark:  # the text is not UTF-8 below the first 2 MiB
             layout.remarks.append(found_later)
         below, salvage = "".join(text.split("\n", layout.skip)[layout.skip :]), source.options.salvage
-        found = read_rows(source.path, below, layout.skip + 1, names, layout.delimiter, salvage=salvage)
+        found = read_rows_without_notes(
+            source, below, layout.skip + 1, names, layout.delimiter, rules, layout.head, salvage=salvage
+        )
         columns, line_of = found.columns, found.line_of
         layout.remarks += found.remarks
     columns, units_of_texts, remarks = read_spellings(columns, names, layout.delimiter == ",", source.options.decimal)
     layout.remarks += remarks
-    stated = _units_of_comments(layout)
+    stated = _units_of_comments(layout, rules)
     channels = []
     for position, (name, values) in enumerate(zip(names, columns, strict=True)):
         unit = layout.units[position] if layout.units else unit_in_name(layout.names[position])
         unit = unit or units_of_texts.get(position, "") or stated.get(name.upper(), "")
-        channels.append(Channel(name, unit, "", values, source.nulls, nan_is_missing=False))
+        described = layout.descriptions[position] if layout.descriptions else ""
+        channels.append(Channel(name, unit, described, values, source.nulls, nan_is_missing=False))
     rows = len(columns[0])
     comments = [remark.removeprefix(COMMENT).partition(":") for remark in layout.remarks if remark.startswith(COMMENT)]
     header = {name.strip(): text.strip() for name, colon, text in comments if colon}
@@ -115,13 +119,13 @@ def read(source: InputFile) -> RawFile:
     return RawFile("csv", [RawSet(source.path, "table", channels, rows, None, header, layout.remarks, line_of)])
 
 
-def _units_of_comments(layout: TableLayout) -> dict[str, str]:
-    """Return the units by column that the comments of a Petrel trace state, and add a remark on them."""
+def _units_of_comments(layout: TableLayout, rules: TextRules) -> dict[str, str]:
+    """Return the units by column that comments state, as in a Petrel trace, and add a remark on them."""
     found: dict[str, str] = {}
-    for remark in layout.remarks:
-        for pattern, columns in PETREL.items():
-            if match := pattern.search(remark):
-                found |= dict.fromkeys(columns, match["unit"].lower())
+    for rule in reversed(rules.units):
+        for remark in layout.remarks:
+            if match := rule.comment.search(remark):
+                found |= dict.fromkeys((name.upper() for name in rule.columns), match["unit"].lower())
     found = {name: unit for name, unit in found.items() if name in (each.upper() for each in layout.names)}
     if found:
         listed = ", ".join(f"{name} in {unit}" for name, unit in found.items())
@@ -144,7 +148,8 @@ def _head_text(source: InputFile) -> tuple[str, str, bool]:
         if len(head) - end > LINE_LIMIT:
             raise source.line_too_long(head.count(b"\n") + 1)
         head = head[: end + 1]
-    return *decode(source.path, head), not more
+    text, remark = decode(source.path, head)
+    return join_quoted(text), remark, not more
 
 
 def find_layout(source: InputFile, head: str) -> TableLayout:
@@ -155,6 +160,9 @@ def find_layout(source: InputFile, head: str) -> TableLayout:
     remarks = []
     lines = head.split("\n", HEADING_LINES)[:HEADING_LINES]
     start, header_line = 0, source.options.header_line
+    rules = text_rules(source.options.layouts)
+    if header_line is None and (layout := rules.layout_of(lines)):
+        return _by_stated_layout(source, lines, layout)
     stated = STATED_DELIMITER.fullmatch(lines[0])
     if stated:
         start = 1
@@ -163,7 +171,7 @@ def find_layout(source: InputFile, head: str) -> TableLayout:
         if not 0 <= start < len(lines) or not lines[start].strip():
             rule = f"must be the line of the column names, within the first {HEADING_LINES}"
             raise InputError(f"{source.path.name}: header_line", rule, str(header_line))
-    while header_line is None and start < len(lines) and lines[start].lstrip()[:1] in ("", "#"):
+    while header_line is None and start < len(lines) and _is_above_names(lines[start], rules):
         if comment := lines[start].strip(_AROUND_COMMENT):
             remarks.append(f"{COMMENT}{comment}")
         start += 1
@@ -179,7 +187,7 @@ def find_layout(source: InputFile, head: str) -> TableLayout:
         *dropwhile(lambda line: line.startswith("#"), filled[1:]),
     ]  # Petrel underlines its header by #===
     delimiter = stated["mark"] if stated else _delimiter(source, rows, start + 1)
-    header = rows[0].lstrip("#")
+    header = rules.bare(rows[0]) if rows[0].startswith("#") else rows[0]
     if delimiter is None:
         first = _names_between_blanks(header, len(rows[-1].split()))
     else:
@@ -189,13 +197,72 @@ def find_layout(source: InputFile, head: str) -> TableLayout:
         return _without_header(lines, start, delimiter, len(first), remarks)
     if any(not cell for cell in first) and not first[-1] and second and not second[-1]:
         remarks.append("the header and the rows end in a delimiter: the last column has no name")
-    names = [cell or f"column {number}" for number, cell in enumerate(first, 1)]
-    units = None
+    if delimiter is None and titles and (joined := joined_phrases(titles[-1], header, first, rules)):
+        first = joined
+        remarks.append(f"the names of the columns stand in two lines: {', '.join(joined[:4])} ...")
+    units = descriptions = None
     skip = lines.index(rows[1], start + 1) if len(rows) > 1 else lines.index(rows[0], start) + 1
-    if len(second) == len(names) and is_units_row(second):
+    if len(second) == len(first) and are_units(second) and not any(map(is_like_a_number, second)):
         units = [cell.strip("()[] ") for cell in second]
         skip = lines.index(rows[1], skip) + 1
-    return TableLayout(delimiter, names, units, skip, remarks)
+    top = rows[2 if units else 1 : 3]
+    below = [cell.strip() for cell in split_cells(top[0], delimiter)] if top else []
+    texts = [cell for cell in below if cell not in NULL_TEXTS]
+    if header_line is None and len(below) > 1 and texts and not any(map(is_like_a_number, texts)):
+        cells = [split_cells(row, delimiter) for row in rows[:40]]
+        found = find_head([row for row in cells if len(row) == len(cells[0])], rules)
+        if found is not None:
+            first, units, descriptions = found.names, found.units, found.descriptions
+            remarks += [*(f"{COMMENT}{title}" for title in found.titles), *found.remarks]
+            of_numbers = [at for at, row in enumerate(cells) if len(row) == len(cells[0])][found.first]
+            skip = start
+            for row in rows[: of_numbers + 1]:
+                skip = lines.index(row, skip) + 1
+            skip -= 1
+    names = [cell.strip('"') or f"column {number}" for number, cell in enumerate(first, 1)]
+    names = _with_row_names(names, rows, delimiter, remarks)
+    return TableLayout(delimiter, names, units, skip, remarks, descriptions, [line.strip() for line in lines[:skip]])
+
+
+def _is_above_names(line: str, rules: TextRules) -> bool:
+    """Return whether a line above the names is empty, a comment, or holds only delimiters."""
+    return not line.strip(" \t\r\f,;|") or rules.is_comment(line)
+
+
+def _with_row_names(names: list[str], rows: list[str], delimiter: str | None, remarks: list[str]) -> list[str]:
+    """Return the names with one for the numbers of the rows, "1", "2" ..., which R writes in quotes without a name."""
+    cells = [split_cells(row, delimiter) for row in rows[1:20]]
+    counted = all(row.lstrip().startswith(f'"{number}"') for number, row in enumerate(rows[1:20], 1))
+    if len(cells) < 2 or not counted or {len(row) for row in cells} != {len(names) + 1}:
+        return names
+    remarks.append("the first column counts the rows, and has no name: it is called row")
+    return ["row", *names]
+
+
+def _by_stated_layout(source: InputFile, lines: list[str], stated: StatedLayout) -> TableLayout:
+    """Return the layout of a table by a rule that states where its names and its rows are."""
+
+    def after(pattern: Any, start: int) -> int:
+        found = next((at for at in range(start, len(lines)) if pattern.search(lines[at])), None)
+        if found is None:
+            raise source.error(f"has the layout {stated.name!r}, but no line fits {pattern.pattern!r}", start + 1)
+        return found + 1
+
+    skip = after(stated.line, 0)
+    names = list(stated.names)
+    if stated.names_from is not None and stated.names_to is not None:
+        start = after(stated.names_from, 0)
+        skip = after(stated.names_to, start)
+        names = [line.strip() for line in lines[start : skip - 1] if line.strip()]
+    if stated.rows_after is not None:
+        skip = after(stated.rows_after, skip - 1)
+    if not names:
+        raise source.error(f"has the layout {stated.name!r}, but no names", skip)
+    if stated.units and len(stated.units) != len(names):
+        raise source.error(f"the layout {stated.name!r} has {len(stated.units)} units for {len(names)} names", skip)
+    units = list(stated.units) or None
+    head = [line.strip() for line in lines[:skip]]
+    return TableLayout(stated.mark, names, units, skip, [f"read by the layout {stated.name!r}"], None, head)
 
 
 def _titles(lines: list[str]) -> list[str]:
@@ -219,10 +286,18 @@ def _titles_between_blanks(lines: list[str]) -> list[str]:
     perhaps a row of units between.
     """
     likely = [line.strip()[:1].isdigit() or line.strip()[:2].lstrip("+-.")[:1].isdigit() for line in lines]
-    first = next((at for at in range(1, len(lines)) if all(likely[at:]) and len(lines[at].split()) > 1), None)
-    if first is None or len({len(line.split()) for line in lines[first:]}) > 1:
+    widths = [len(line.split()) if row else 0 for line, row in zip(lines, likely, strict=True)]
+    first = next(
+        (
+            at
+            for at in range(1, len(lines))
+            if widths[at] > 1 and (all(likely[at:]) or widths[at] in widths[at + 1 : at + 2])
+        ),
+        None,
+    )
+    if first is None or len({width for width in widths[first:] if width}) > 1:
         return []
-    width = len(lines[first].split())
+    width = widths[first]
     names = first - 1
     if names and is_units_row(lines[names].split()) and len(lines[names].split()) == width:
         names -= 1
@@ -274,10 +349,19 @@ def _delimiter(source: InputFile, rows: list[str], line: int) -> str | None:
     if len(by_blanks) == 1 and (width := by_blanks.pop()) > 1 and len(_names_between_blanks(sample[0], width)) == width:
         return None
     likely = max(DELIMITERS, key=lambda mark: widths[mark][0])
+    counts = Counter(len(row.split()) for row in sample[1:])
+    for usual, count in counts.items() if widths[likely][0] == 1 else ():
+        numbered = usual == len(sample[0].split()) + 1  # R counts the rows in a column without a name
+        named = numbered or len(_names_between_blanks(sample[0], usual)) == usual
+        if named and usual > 1 and 2 * count >= len(sample) - 1:
+            return None  # the other lines are footers, or number_rows names them
     if widths[likely][0] > 1:
         return likely  # rows of different widths: number_rows names the bad row
     if len(sample) > 1 and len(rows[0].split()) > 1:
-        rule = "blanks separate the columns: as many names as cells must be there, or a delimiter"
+        rule = (
+            "blanks separate the columns: as many names as cells must be there, or a delimiter; a file of rules "
+            "(reading.layouts) can state names and rows"
+        )
         raise source.error(rule, line)
     if len(sample) > 1 and max(max(width) for width in widths.values()) > 1:
         raise source.error("the header has one column, the rows have more: another delimiter?", line)

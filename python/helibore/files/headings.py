@@ -12,7 +12,7 @@ import re
 # Spellings of units, in lower case, that may end a name after "_" or stand in a row of units.
 _SPELLED = """
     m mm cm km ft ftus in inch inches feet foot meter meters metre metres 0.1in 0.1_in 1/64in um
-    usft usfeet deg degree degrees ° dega rad radian radians grad gon
+    usft usfeet deg degree degrees ° dega rad radian radians grad gon cps
     s sec second seconds ms us min minute h hr hour hours day days
     g/cc g/cm3 g/c3 kg/m3 gapi api ohm.m ohmm pu v/v % unitless b/e rpm c/min m/h m/hr ft/h ft/hr
     psi kpa mpa bar pa degc degf klbf kn kkgf us/ft us/m mv v hz

@@ -170,6 +170,8 @@ class ReadOptions:
         Whether a truncated or damaged file gives what can be read of it, with a remark on what is lost.
     strict
         Whether a file of which only a part can be read is an error; else the part is read, with a remark.
+    layouts
+        A file of rules for the layout of texts (``text_layouts``), which come before those of helibore.
 
     Raises
     ------
@@ -183,6 +185,7 @@ class ReadOptions:
     decimal: str | None = None
     salvage: bool = False
     strict: bool = False
+    layouts: Path | None = None
 
     def __post_init__(self) -> None:
         if self.decimal not in (None, ".", ","):
@@ -312,7 +315,7 @@ class InputFile:
 
 def decode(path: Path, content: bytes | bytearray) -> tuple[str, str]:
     """Return ``content`` as text, with ``\\n`` for every newline, and a remark on the encoding ('' for UTF-8)."""
-    if content.startswith(UTF8_BOM):  # removeprefix copies all of it, with or without the mark
+    while content.startswith(UTF8_BOM):  # removeprefix copies all of it, with or without the mark
         content = content[len(UTF8_BOM) :]
     if content[-4:].rstrip(b"\r\n").endswith(END_OF_TEXT):
         content = content.rstrip(b"\r\n").rstrip(END_OF_TEXT)
@@ -408,6 +411,10 @@ def find_format(source: InputFile) -> str:
     text = head.removeprefix(UTF8_BOM).lstrip()
     if not text:
         raise source.error("empty: nothing but blanks")
+    if re.match(rb"<(!doctype )?\s*(html|table)\b", text, re.IGNORECASE):
+        raise source.error("a page of HTML, perhaps named .xls: open it in a spreadsheet and save it as XLSX or CSV")
+    if b"urn:schemas-microsoft-com:office:spreadsheet" in head[:2000]:
+        raise source.error("a workbook in XML of Excel 2003: save it as XLSX or CSV")
     if text.startswith(b"<"):
         return "witsml"
     if text.startswith((b"{", b"[")):
@@ -441,6 +448,8 @@ def _binary_format(source: InputFile) -> str:
         return "xlsx"
     if "helibore.json" in names:
         raise source.error("a saved wall: helibore plot, report, logs, mesh and view read it, and hb.load in Python")
+    if "content.xml" in names:
+        raise source.error("an OpenDocument file: save the sheet as XLSX or CSV")
     raise source.error("a zip archive: unpack it first")
 
 

@@ -3,7 +3,9 @@
 One RawSet for each log. A curve with ``dimensions`` K > 1 holds arrays of K values and becomes an (n, K) channel.
 
 The ISCWSA standard wells have another form; one RawSet is made for each well: {"wells": {name: {"MD": [...],
-"IncDeg": [...], "header": {"depth_unit": ...}}}}. A JSON file is read into memory as a whole, so its size is limited.
+"IncDeg": [...], "header": {"depth_unit": ...}}}}. Tables of data frames have one RawSet with a channel for each column:
+records [{"MD": 1.0, ...}, ...], columns {"MD": [1.0, ...]}, or {"columns": [...], "data": [[...]]}. A JSON file is read
+into memory as a whole, so its size is limited.
 """
 
 from __future__ import annotations
@@ -19,8 +21,10 @@ from typing import Any
 import numpy as np
 
 from helibore.base.arrays import Array
+from helibore.base.limits import check_limit
 from helibore.files.headings import unit_in_name
 from helibore.files.input_file import InputFile, decode, read_exactly
+from helibore.files.number_rows import column_of
 from helibore.files.raw_set import Channel, Loss, RawFile, RawSet, readable_sets, unique
 
 SIZE_LIMIT = 1 << 28
@@ -52,12 +56,44 @@ def _read(source: InputFile) -> RawFile:
     if isinstance(tree, dict) and isinstance(tree.get("wells"), dict):
         wells = tree["wells"].items()
         return RawFile("JSON wells", readable_sets(partial(_well, source, str(n), well) for n, well in wells))
+    if (columns := _table(tree)) is not None:
+        return RawFile("JSON table", [_table_set(source, columns)])
     logs = tree if isinstance(tree, list) else [tree]
     if not logs or not all(isinstance(log, dict) and "curves" in log and "data" in log for log in logs):
         raise source.error('not JSON Well Log Format: each log must hold "header", "curves" and "data"')
     names = unique([_header(log).get("name") or "log" for log in logs])
     readers = [partial(_log, source, name, log) for name, log in zip(names, logs, strict=True)]
     return RawFile("JSON Well Log Format", readable_sets(readers))
+
+
+def _table(tree: Any) -> dict[str, list[Any]] | None:
+    """Return the columns of a table as data frames are written: records, columns, or {columns, data}; else None."""
+    plain = (str, int, float, bool, type(None))
+    if isinstance(tree, dict) and isinstance(tree.get("columns"), list) and isinstance(tree.get("data"), list):
+        rows = tree["data"]
+        if not rows or not all(isinstance(row, list) and len(row) == len(tree["columns"]) for row in rows):
+            return None
+        columns = {str(name): [row[at] for row in rows] for at, name in enumerate(tree["columns"])}
+    elif isinstance(tree, list) and tree and all(isinstance(row, dict) for row in tree):
+        names = dict.fromkeys(name for row in tree for name in row)
+        columns = {name: [row.get(name) for row in tree] for name in names}
+    elif isinstance(tree, dict) and tree and all(isinstance(column, list) for column in tree.values()):
+        columns = dict(tree)
+        if len({len(column) for column in columns.values()}) > 1:
+            return None
+    else:
+        return None
+    flat = all(isinstance(cell, plain) for column in columns.values() for cell in column)
+    return columns if columns and flat and any(columns.values()) else None
+
+
+def _table_set(source: InputFile, columns: dict[str, list[Any]]) -> RawSet:
+    check_limit(source.path.name, "columns", len(columns))
+    channels = []
+    for name, cells in columns.items():
+        values = column_of(["" if cell is None else str(cell) for cell in cells])
+        channels.append(Channel(name, unit_in_name(name), "", values, source.nulls))
+    return RawSet(source.path, "table", channels, len(next(iter(columns.values()))), None)
 
 
 def _parse(source: InputFile) -> Any:

@@ -25,9 +25,10 @@ from helibore.base.errors import needs
 from helibore.base.limits import check_limit
 from helibore.files.headings import is_number
 from helibore.files.input_file import InputFile
-from helibore.files.number_rows import read_rows
 from helibore.files.number_spellings import read_spellings
 from helibore.files.raw_set import Channel, Loss, RawFile, RawSet, SectorAxis, readable_sets, unique
+from helibore.files.row_lines import read_rows_without_notes
+from helibore.files.text_layouts import text_rules
 
 # MNEM.UNIT  VALUE : DESCRIPTION {FORMAT} | ASSOCIATION          (LAS 3.0 file structure, pages 8 to 10)
 ITEM = re.compile(r"^\s*(?P<name>[^.:]*?)\s*\.(?P<unit>\S*)(?P<rest>.*)$")
@@ -407,12 +408,13 @@ def _set(
     ``well`` becomes the header of the set; its item NULL, if there is one, is the null value of the rows.
     """
     names = [curve.name for curve in curves]
-    rows = read_rows(
-        source.path,
+    rows = read_rows_without_notes(
+        source,
         data.text,
         data.line + 1,
         names,
         delimiter,
+        text_rules(source.options.layouts),
         comments=True,
         wrapped=wrapped,
         salvage=source.options.salvage,

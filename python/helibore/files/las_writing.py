@@ -24,6 +24,11 @@ LAS_WELL = {"company": "COMP", "well": "WELL", "field": "FLD", "location": "LOC"
 """For each entry of `helibore.channels.header_entries`, its mnemonic in LAS (~Well) and DLIS (parameters)."""
 
 _STEP_DECIMALS = 5
+LONGEST_LINE = 256
+"""Characters of a line that is not wrapped, by the rules of LAS 2.0. Longer rows are written without zeros before the
+point (.228950); the columns of images by sector are longer still."""
+
+_LEADING_ZERO = re.compile(r"^( *-?)0\.")
 
 
 def every_column(table: LogTable) -> list[LogColumn]:
@@ -36,6 +41,9 @@ def las_text(table: LogTable, header: Mapping[str, str]) -> str:
     columns = every_column(table)
     texts = [column.texts(f"{NULL:.2f}") for column in columns]
     widths = [max(map(len, column), default=0) for column in texts]
+    if LONGEST_LINE < sum(widths) + len(widths) - 1 and not table.images:
+        texts = [[_LEADING_ZERO.sub(r"\1.", text) for text in column] for column in texts]
+        widths = [max(map(len, column), default=0) for column in texts]
     first, last = (texts[0][0], texts[0][-1]) if table.rows else (f"{NULL:.2f}",) * 2
     depth = table.depth.values
     known = {"bit": table.facts.get("bit diameter", ""), **header}

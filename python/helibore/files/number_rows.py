@@ -109,7 +109,7 @@ def read_rows(
     if wrapped or (delimiter is None and _is_wrapped(kept, len(names))):
         remarks.append("wrapped rows" if wrapped else "rows run over several lines, although the header says WRAP NO")
         return replace(_wrapped(path, kept, line_of, names), remarks=remarks)
-    if delimiter is None and all("," in line for line in kept[:3]) and len(kept[0].split()) < len(names):
+    if delimiter is None and all("," in line for line in kept[:3]) and _cut_by_commas(kept[0], len(names)):
         delimiter = ","
         remarks.append("the rows are cut by commas, not by blanks as the header says")
     columns = _fast(kept, delimiter, len(names))
@@ -117,6 +117,13 @@ def read_rows(
         rows = _cells(path, kept, line_of, len(names), delimiter, remarks)
         columns = [column_of(list(cells)) for cells in zip(*rows, strict=True)]
     return Rows(columns, len(kept), line_of, remarks)
+
+
+def _cut_by_commas(line: str, width: int) -> bool:
+    """Return whether blanks cut a line into too few cells, or each of its cells but the last ends in a comma."""
+    cells = line.split()
+    commas = width > 1 and line.count(",") == width - 1 and all(cell.endswith(",") for cell in cells[:-1])
+    return len(cells) < width or commas
 
 
 def _block(lines: list[str], delimiter: str | None) -> Array | None:

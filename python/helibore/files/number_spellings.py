@@ -1,7 +1,8 @@
 """Read numbers that are spelled in another way than 1234.5: decimal commas, thousands marks, angles.
 
     1.234,5   1 234,5   1234,5      decimal commas, with or without marks of thousands
-    "4,921.26"   4'921.26           marks of thousands
+    "4,921.26"   4'921.26           marks of thousands; of lakhs: 12,34,567.25
+    (12.50)   −12.50   1.5D+03      negative numbers, an exponent of Fortran
     45°15'30"                       degrees, minutes, seconds
     N 45.3 E   S44E                 a bearing in a quadrant, as an azimuth
 
@@ -21,9 +22,11 @@ import numpy as np
 
 from helibore.base.arrays import Array, data_and_mask
 
-_END = r"(?:[eE][+-]?\d+)?"
+_END = r"(?:[eEdD][+-]?\d+)?"
 _COMMAS = re.compile(rf"[+-]?(?:[1-9]\d{{0,2}}(?:[.'’\u00a0\u202f ]\d{{3}})+|\d+)?(?:,\d*)?{_END}", re.ASCII)
-_POINTS = re.compile(rf"[+-]?(?:[1-9]\d{{0,2}}(?:[,'’\u00a0\u202f ]\d{{3}})+|\d+)?(?:\.\d*)?{_END}", re.ASCII)
+_LAKH = r"[1-9]\d?(?:,\d{2})+,\d{3}"
+_POINTS = re.compile(rf"[+-]?(?:[1-9]\d{{0,2}}(?:[,'’\u00a0\u202f ]\d{{3}})+|{_LAKH}|\d+)?(?:\.\d*)?{_END}", re.ASCII)
+_BRACKETED = re.compile(r"\(\s*(\d[^()]*)\)")
 _MARKS = str.maketrans("", "", "'’\u00a0\u202f ")
 
 _ANGLE = r"\d+(?:\.\d+)?"
@@ -36,6 +39,13 @@ ZERO = re.compile(r"0+(?:[.,]0*)?")
 BEARING = re.compile(rf"(?P<from>[NS])\s*{_DEGREES}\s*(?P<to>[EW])", re.IGNORECASE)
 TURN = {("N", "E"): (0.0, 1.0), ("S", "E"): (180.0, -1.0), ("S", "W"): (180.0, 1.0), ("N", "W"): (360.0, -1.0)}
 """For each quadrant: the azimuth of its first word, and the sign with which its angle counts."""
+
+
+KINDS = {
+    "(": "negative numbers in brackets", "\u2212": "true minus signs",
+    "D": "exponents of Fortran", "d": "exponents of Fortran",
+}  # fmt: skip
+"""What is remarked of a number, by a character in it."""
 
 
 @dataclass(frozen=True)
@@ -79,12 +89,21 @@ def read_spellings(
         marked = (cell for cell in cells if set(cell) - set("+-.0123456789"))
         example = next(marked, next((cell for cell in cells if "." in cell), cells[0]))
         value = float(_plain(example, mark))
-        what = "decimal commas" if mark == "," else "marks of thousands"
+        what = next((kind for sign, kind in KINDS.items() if sign in example), "")
+        what = what or ("decimal commas" if mark == "," else "marks of thousands")
         other = "." if mark == "," else ","
         doubt = f", a guess, since all cells fit both: decimal = {other!r} reads it otherwise" if ambiguous else ""
         listed = ", ".join(names[at] for at in numbers[:6]) + (" ..." if len(numbers) > 6 else "")
         remarks.insert(0, f"{what} in {listed}: {example.strip()} is read as {value:.10g}{doubt}")
     return found, units, remarks
+
+
+def is_like_a_number(cell: str) -> bool:
+    """Return whether a cell is a number in any spelling that is read here."""
+    bare = _bare(cell)
+    return any(character.isdigit() for character in bare) and any(
+        pattern.fullmatch(bare) for pattern in (_POINTS, _COMMAS, SEXAGESIMAL, BEARING)
+    )
 
 
 def _has_fractions(column: Array) -> bool:
@@ -98,8 +117,11 @@ def _cells(column: Array) -> list[str]:
 
 def _marks(column: Array) -> frozenset[str]:
     """Return the decimal marks, of "." and ",", that fit every cell of a text column; none if it is empty."""
-    cells = _cells(column)
+    given = _cells(column)
+    cells = [_bare(cell) for cell in given]
     if not cells or not any(character.isdigit() for character in cells[0]):
+        return frozenset()
+    if all(_BRACKETED.fullmatch(cell) for cell in given):  # labels, such as (1)
         return frozenset()
     patterns = {".": _POINTS, ",": _COMMAS}
     return frozenset(mark for mark, pattern in patterns.items() if all(pattern.fullmatch(cell) for cell in cells))
@@ -122,8 +144,14 @@ def _mark_of(fits: list[frozenset[str]], cut_by_commas: bool) -> str:
     return sure.pop() if sure else "." if cut_by_commas else ","
 
 
+def _bare(cell: str) -> str:
+    """Return a cell with the sign of ASCII: a true minus and the brackets of accounting become "-"."""
+    bare = cell.strip().replace("\u2212", "-")
+    return _BRACKETED.sub(r"-\1", bare) if bare.startswith("(") else bare
+
+
 def _plain(cell: str, mark: str) -> str:
-    bare = cell.strip().translate(_MARKS)
+    bare = _bare(cell).translate(_MARKS).replace("D", "e").replace("d", "e")
     return bare.replace(",", "") if mark == "." else bare.replace(".", "").replace(",", ".")
 
 

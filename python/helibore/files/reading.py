@@ -16,7 +16,7 @@ READERS = {
 }  # fmt: skip
 """For each format, the module of this folder and its function that read it. A module is imported at its first use."""
 
-STATED_OF = {"header_line": ("csv", "xlsx"), "encoding": ("csv", "las", "json"), "decimal": ("csv", "las")}
+STATED_OF = {"header_line": ("csv", "xlsx"), "encoding": ("csv", "las", "json"), "decimal": ("csv", "las", "xlsx")}
 """For each of the `ReadOptions` that only some formats take, these formats."""
 
 LIBRARIES = {".las": "lasio", ".dlis": "dlisio", ".lis": "dlisio", ".xlsx": "python_calamine", ".parquet": "pyarrow"}

@@ -21,7 +21,11 @@ from helibore.base.zip_errors import DAMAGED_ZIP
 from helibore.files.headings import is_number, is_units_row, unit_in_name
 from helibore.files.input_file import InputFile, zip_pieces
 from helibore.files.number_rows import column_of
+from helibore.files.number_spellings import read_spellings
 from helibore.files.raw_set import Channel, Loss, RawFile, RawSet, readable_sets, unique
+from helibore.files.row_lines import footers
+from helibore.files.table_head import find_head
+from helibore.files.text_layouts import text_rules
 
 REFERENCE = re.compile(rb"""\sr\s*=\s*["']\s*([A-Za-z]*)([0-9]*)""")
 """The position that a row or a cell states, ``r="B7"``; also any text that looks like one, which does no harm."""
@@ -37,6 +41,9 @@ SHARED_TEXT = re.compile(rb"<(?:\w+:)?si[\s>/]")
 
 HEADING_ROWS = 500
 """The header must be within this many rows from the top of a sheet."""
+
+ABOVE, SAMPLE = 2, 40
+"""Rows above the names that may hold words of them, and rows below that show which columns have numbers."""
 
 
 def read(source: InputFile) -> RawFile:
@@ -131,23 +138,39 @@ def _sheet(source: InputFile, name: str, sheet: list[list[Any]]) -> RawSet:
             raise InputError(f"{source.path.name}: sheet {name}: header_line", "the row holds no names", str(header))
         raise source.error(f"no row of column names with numbers below it within {HEADING_ROWS} rows", f"sheet {name}")
     width = max(position for position, cell in enumerate(rows[start], 1) if cell)
-    titles = [cell or f"column {position}" for position, cell in enumerate(rows[start][:width], 1)]
-    units = None
+    titles = rows[start][:width]
+    units = descriptions = None
+    remarks: list[str] = []
+    rules = text_rules(source.options.layouts)
+    above = max(0, start - ABOVE) if header is None else start
+    head = find_head([row[:width] for row in rows[above : start + SAMPLE]], rules)
     start += 1
-    if start < len(rows) and is_units_row(rows[start][:width]):
+    if head is not None and above + head.first >= start:
+        titles, units, descriptions, start = head.names, head.units, head.descriptions, above + head.first
+        remarks += head.remarks
+    elif start < len(rows) and is_units_row(rows[start][:width]):
         units = [cell.strip("()[] ") for cell in rows[start][:width]]
         start += 1
     stop = next((at for at in range(start, len(rows)) if not any(rows[at][:width])), len(rows))
     if stop == start:
         raise source.error("no rows below the header", f"sheet {name}, line {start}")
-    remarks: list[str] = []
     if any(any(row[:width]) for row in rows[stop:]):
         remarks.append(Loss(f"sheet {name}: line {stop + 1} is empty: the rows below it are left out"))
+    columns = [column_of([row[at] for row in rows[start:stop]]) for at in range(width)]
+    if any(column.dtype.kind == "U" for column in columns):
+        last = footers([row[:width] for row in rows[start:stop]], width, rules)
+        if last:
+            remarks.append(f"line {stop - last + 1} is no row: {', '.join(filter(None, rows[stop - last]))[:60]}")
+            stop -= last
+            columns = [column_of([row[at] for row in rows[start:stop]]) for at in range(width)]
+    titles = [cell or f"column {position}" for position, cell in enumerate(titles, 1)]
+    columns, units_of_texts, spelled = read_spellings(columns, titles, False, source.options.decimal)
     channels = []
     for at, label in enumerate(unique(titles)):
-        unit = units[at] if units else unit_in_name(titles[at])
-        values = column_of([row[at] for row in rows[start:stop]])
-        channels.append(Channel(label, unit, "", values, source.nulls, nan_is_missing=False))
+        unit = (units[at] if units else unit_in_name(titles[at])) or units_of_texts.get(at, "")
+        described = descriptions[at] if descriptions else ""
+        channels.append(Channel(label, unit, described, columns[at], source.nulls, nan_is_missing=False))
+    remarks += spelled
     return RawSet(source.path, name, channels, stop - start, None, {}, remarks, lambda row: row + start + 1)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Annotated, Literal
 
 from helibore.settings.declared import Declared, Option, Rule
@@ -35,3 +36,6 @@ class ReadingSettings(Declared, group="reading"):
     strict: Annotated[bool, Option(),
         "Refuse a file of which only a part can be read. Without it, the part is read and the rest is named.",
     ] = False  # fmt: skip
+    layouts: Annotated[Path | None, Option("the rules of helibore", "FILE"),
+        "File of rules for the layout of texts: comments, footers, names and units; they come before helibore's.",
+    ] = None  # fmt: skip

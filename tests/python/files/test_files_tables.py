@@ -179,7 +179,7 @@ def test_a_word_far_down_is_named_with_its_line(tmp_path: Path) -> None:
         (b"\xff\xfem\x00d", "is not utf-16 text throughout"),
         (b"md,\xc3\xa9\n1,2\n3,\xe9\n", "line 3: encodings are mixed: line 1 is UTF-8, byte 0xe9 here is not"),
         ("md,r\n" + "1" * (1 << 21) + ",2\n", "a line is longer than 1,048,576 bytes"),
-        ("<html><body></body></html>", "<html> is no WITSML"),
+        ("<html><body></body></html>", "a page of HTML"),
         ("{}", "not JSON Well Log Format"),
         (b"PK\x03\x04rest", "truncated or damaged zip archive"),
         (b"%PDF-1.4", "a PDF"),

@@ -67,7 +67,8 @@ NUMBERS = np.random.default_rng(0).random(5000)
 # "(...)" stands for the words of a library.
 CASES: list[tuple[str, str | bytes, str]] = [
     ("t.csv", "md_m tf_deg r\n1 2\n3 4\n",
-     ", line 1: blanks separate the columns: as many names as cells must be there, or a delimiter"),
+     ", line 1: blanks separate the columns: as many names as cells must be there, or a delimiter; a file of rules "
+     "(reading.layouts) can state names and rows"),
     ("t.csv", "md_m\n1,2\n3,4\n", ", line 1: the header has one column, the rows have more: another delimiter?"),
     ("t.csv", "a" * (3 << 20), ", line 1: a line is longer than 1,048,576 bytes"),
     ("t.csv", b"a,b\n" + b"1,2\n" * 20_000 + b"1,\0\n", ", line 20002: a zero byte: not text, or damaged"),
