@@ -41,7 +41,7 @@ def las_text(table: LogTable, header: Mapping[str, str]) -> str:
     columns = every_column(table)
     texts = [column.texts(f"{NULL:.2f}") for column in columns]
     widths = [max(map(len, column), default=0) for column in texts]
-    if LONGEST_LINE < sum(widths) + len(widths) - 1 and not table.images:
+    if sum(widths) + len(widths) - 1 > LONGEST_LINE and not table.images:
         texts = [[_LEADING_ZERO.sub(r"\1.", text) for text in column] for column in texts]
         widths = [max(map(len, column), default=0) for column in texts]
     first, last = (texts[0][0], texts[0][-1]) if table.rows else (f"{NULL:.2f}",) * 2

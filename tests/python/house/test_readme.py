@@ -27,6 +27,7 @@ from stand_ins import write_stand_ins
 
 import helibore as hb
 from helibore.cli import cli
+from helibore.files.text_layouts import rules_of
 from helibore.live.rules.configuration import parse
 from helibore.runs.manifest import read_jobs
 from helibore.runs.project import read_project
@@ -171,6 +172,9 @@ def read_toml(block: Block) -> None:
         Path("well.toml").write_text(block.text)
         Path("field.toml").write_text('unit = "in"\n[[track]]\nkind = "caliper"\n')
         assert read_project("well.toml").wall
+    elif "layouts" in tree:
+        Path("layouts.toml").write_text(block.text)
+        assert rules_of(Path("layouts.toml").absolute()).layouts
     elif "names" in tree:
         assert read_table(MapOfRoles, tree, TomlSource(str(block))).names
     elif "well" in tree:
