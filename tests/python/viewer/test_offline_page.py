@@ -28,9 +28,10 @@ from helibore.logs.curves import curves_of
 from helibore.logs.summary import WallSummary
 from helibore.samples.helix import helix_of
 from helibore.viewer.exports import curve_bytes
-from helibore.viewer.feed import Feed
+from helibore.viewer.feed import Feed, history_of
 from helibore.viewer.offline_rules import rules
 from helibore.viewer.page_files import page
+from helibore.viewer.scene import History
 
 ROOT = WEB.parents[3]
 WASM, PAGE = (ROOT / "build" / "page" / f"helibore.{ending}" for ending in ("wasm", "html"))
@@ -150,7 +151,7 @@ def test_the_page_rebuilds_the_wall_that_the_package_rebuilds_from_the_same_file
         parts = [(low, high), (low + 0.31 * (high - low), low + 0.77 * (high - low))]
         for (start, stop), summary in zip(parts, one["summaries"], strict=True):
             compare(wall.summary(start=start, stop=stop), summary)
-        curves = {curve.name: curve for curve in curves_of(logs) if curve.name != "AGE"}
+        curves = {curve.name: curve for curve in curves_of(logs)}
         assert list(one["curves"]) == list(curves), file.name
         for name, (*limits, bits) in one["curves"].items():
             assert limits == pytest.approx(curves[name].ends()), (file.name, name)
@@ -159,6 +160,8 @@ def test_the_page_rebuilds_the_wall_that_the_package_rebuilds_from_the_same_file
         assert one["kinds"] == digest(found_zones.kind.astype(np.int32)), file.name
         assert one["zones"] == shown_zones(wall), file.name
         assert one["shape"] == found_zones.logs.shape
+        grown = history_of(wall) or History()
+        assert one["history"] == grown.as_columns(), file.name
         try:
             sigma = digest(np.where(np.isnan(wall.sigma), np.nan, wall.sigma))
         except hb.InputError as error:

@@ -97,12 +97,13 @@ function opened(buffer, core) {
 // Return the samples of an archive, in order of depth, and those with arm numbers; metres, degrees and seconds.
 /** @param {Archive} archive */
 export function samplesIn({ contents, array }) {
-  const of = (/** @type {string} */ folder) => /** @type {import('./core.js').Places} */ (Object.fromEntries(SAMPLES.map((name) => [name, array(`${folder}/${name}`)])));
-  const arms = contents.arms.length ? {
-    ...of('arms'), arm: array('arms/arm', '<i8'), time: contents.arms.includes('time') ? array('arms/time') : null, reach: contents.settings.max_distance ?? Infinity,
-  } : null;
+  const of = (/** @type {'samples' | 'arms'} */ folder) => ({
+    .../** @type {import('./core.js').Places} */ (Object.fromEntries(SAMPLES.map((name) => [name, array(`${folder}/${name}`)]))),
+    time: contents[folder].includes('time') ? array(`${folder}/time`) : null,
+  });
+  const arms = contents.arms.length ? { ...of('arms'), arm: array('arms/arm', '<i8'), reach: contents.settings.max_distance ?? Infinity } : null;
   if (contents.samples.length || !arms) return { samples: of('samples'), arms };
   const order = Uint32Array.from(arms.depth.keys()).sort((a, b) => arms.depth[a] - arms.depth[b]);
   const sorted = (/** @type {Float64Array} */ values) => Float64Array.from(order, (row) => values[row]);
-  return { samples: { depth: sorted(arms.depth), toolface: sorted(arms.toolface), radius: sorted(arms.radius) }, arms };
+  return { samples: { depth: sorted(arms.depth), toolface: sorted(arms.toolface), radius: sorted(arms.radius), time: arms.time && sorted(arms.time) }, arms };
 }

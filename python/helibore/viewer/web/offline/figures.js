@@ -21,8 +21,8 @@ const WASHOUT = 1;
 export const windowTurns = (length, pitch) => Math.max(3, 2 * rint((length / Math.abs(pitch) - 1) / 2) + 1);
 
 // Return the figures of the turns from the core's logs and zones (turn_logs.py). `found`: null, where the shape is assumed.
-/** @param {Record<string, Float64Array>} logs @param {import('./core.js').Found | null} found @param {Pick<import('./worker.js').Rebuilt, 'vertices' | 'helix' | 'bit' | 'basis'>} wall @param {(depth: Float64Array) => { name: string, unit: string, values: Float64Array }[]} more @returns {Figures} */
-export function figuresOf(logs, found, { vertices: { radius, nearest, marks }, helix: { sectors, pitch, startDepth: start }, bit, basis }, more) {
+/** @param {Record<string, Float64Array>} logs @param {import('./core.js').Found | null} found @param {Pick<import('./worker.js').Rebuilt, 'vertices' | 'helix' | 'bit' | 'basis'>} wall @param {(depth: Float64Array) => { name: string, unit: string, values: Float64Array }[]} more @param {(depth: Float64Array) => Float64Array} ages @returns {Figures} */
+export function figuresOf(logs, found, { vertices: { radius, nearest, marks }, helix: { sectors, pitch, startDepth: start }, bit, basis }, more, ages) {
   const turns = logs.mean.length;
   const each = (/** @type {(turn: number) => number} */ of) => Float64Array.from({ length: turns }, (_, turn) => of(turn));
   const coverage = each((turn) => {
@@ -55,6 +55,7 @@ export function figuresOf(logs, found, { vertices: { radius, nearest, marks }, h
       for (let k = turn * sectors; k < (turn + 1) * sectors; k++) far = most(far, nearest[k]);
       return far;
     }),
+    age: ages(depth),
     ...rangeOf(size, others.likely_square, others.likely_sigma),
   });
   const named = rules.columns.flatMap(([name, mnemonic, unit]) => (name === 'depth' ? [] : [{ name: mnemonic, unit, values: columns[name] }]));

@@ -17,12 +17,13 @@ const BYTES_A_CHUNK = 0x6000; // a multiple of three: chunks of base64 join
  */
 
 export class Served {
-  /** @param {Scene} scene @param {() => Measured} measure @param {() => Float64Array | null} sigma @param {(start: number, stop: number) => Blob} mesh @param {PageParts} parts @param {any[]} picks @param {(picks: any[]) => void} keep */
-  constructor(scene, measure, sigma, mesh, parts, picks, keep) {
+  /** @param {Scene} scene @param {() => Measured} measure @param {() => Float64Array | null} sigma @param {(start: number, stop: number) => Blob} mesh @param {() => import('./history.js').History} history @param {PageParts} parts @param {any[]} picks @param {(picks: any[]) => void} keep */
+  constructor(scene, measure, sigma, mesh, history, parts, picks, keep) {
     this.scene = scene;
     this.measure = measure;
     this.sigma = sigma;
     this.mesh = mesh;
+    this.history = history;
     /** @type {Figures | null} */
     this.measured = null;
     this.trusted = false; // whether the texels say how sure each radius is
@@ -132,7 +133,7 @@ export class Served {
     const json = (/** @type {any} */ values) => ({ type: 'application/json', body: JSON.stringify(values) });
     switch (question) {
       case 'GET summary': return json(summaryOf(this.figures(), ...ends()));
-      case 'GET history': return json({ time: [], vertices: [], bit_depth: [] });
+      case 'GET history': return json(this.history());
       case 'GET curve': return { type: 'application/octet-stream', body: curveBytes(this.figures(), query.get('name') ?? '') };
       case 'GET section.csv': return { type: 'text/csv', name: named('section', 'csv'), body: sectionCsv(this.scene, ...ends()) };
       case 'GET section.glb': return { type: 'model/gltf-binary', name: named('section', 'glb'), body: this.mesh(...ends()) };
@@ -181,7 +182,7 @@ export class Served {
     const shown = new URLSearchParams(address.replace(/^#/, '')).get('curves')?.split('~') ?? [];
     const curves = Object.fromEntries(figures().curves.filter(({ name }) => shown.includes(name)).map(({ name }) => [name, base64(curveBytes(figures(), name))]));
     const [start, stop] = ends ?? [-Infinity, Infinity];
-    const enclosed = JSON.stringify({ hello: scene.hello, state: scene.state, curves, picks, made: Math.round(Date.now() / 100) / 10, address, hosted: false, history: { time: [], vertices: [], bit_depth: [] }, summary: summaryOf(figures(), start, stop) });
+    const enclosed = JSON.stringify({ hello: scene.hello, state: scene.state, curves, picks, made: Math.round(Date.now() / 100) / 10, address, hosted: false, history: this.history(), summary: summaryOf(figures(), start, stop) });
     const chunks = [`${parts.before}<script type="application/json" id="enclosed">${enclosed.replaceAll('<', '\\u003c').slice(0, -1)},"messages":[`];
     messages.forEach((message, at) => chunks.push(`${at ? ',' : ''}"`, base64(numbered(message, at + 1)), '"'));
     return new Blob([...chunks, `]}</script>\n<script type="module">\n${parts.app}</script>${parts.after}`], { type: 'text/html' });

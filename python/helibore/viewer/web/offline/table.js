@@ -54,7 +54,7 @@ export function decodeText(bytes) {
   } catch {
     text = new TextDecoder('windows-1252').decode(bytes);
   }
-  if (text.slice(0, 1 << 16).includes('\0')) throw new Refusal('this is a binary file; this page reads tables (CSV, TSV) and LAS 2');
+  if (text.slice(0, 1 << 16).includes('\0')) throw new Refusal('this is a binary file: export the log as LAS 2 or CSV; helibore view FILE reads DLIS, LIS and XLSX');
   return `${text.trimEnd()}\n`.split('\u001a\n')[0].replace(/\r\n?/g, '\n'); // Control-Z ended the texts of DOS
 }
 
@@ -96,7 +96,7 @@ function delimiterOf(rows) {
   if (blanks.size === 1 && width > 1 && namesBetweenBlanks(sample[0], width).length === width) return null;
   const likely = DELIMITERS.reduce((best, mark) => (of(mark)[0] > of(best)[0] ? mark : best));
   if (of(likely)[0] > 1) return likely;
-  throw new Refusal('not a table: no comma, tab, semicolon or | separates columns');
+  throw new Refusal('not a table: no comma, tab, semicolon or | separates columns; export the log as CSV or LAS 2');
 }
 
 // Find delimiter, names, units and the line of the first row.

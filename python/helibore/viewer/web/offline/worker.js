@@ -4,6 +4,7 @@ import { openArchive, samplesIn } from './archive.js';
 import { Core, METHODS, REFERENCES } from './core.js';
 import { figuresOf, windowTurns, zonesOf } from './figures.js';
 import { glbOf } from './glb.js';
+import { agesOf, historyOf } from './history.js';
 import { isLas, readLas } from './las.js';
 import { chooseLeftOut } from './left_out.js';
 import { guess, sectorsOf } from './roles.js';
@@ -22,7 +23,7 @@ const DEGREES = 180 / Math.PI;
 
 /**
  * @typedef {{ settings: import('./core.js').Fields, stations: { depth: Float64Array, inclination: Float64Array, azimuth: Float64Array } }} Survey
- * @typedef {{ helix: import('./core.js').Helix, bit: number, basis: string, basisText: string, kept: number, arms: number, vertices: import('./scene.js').Vertices, samples: import('./core.js').Places, ofArms: import('./core.js').Arms | null, rule: number[], settings: import('./core.js').Fields | null, left: Record<string, number>, found: string[], reference: string | null, survey: Survey | null }} Rebuilt
+ * @typedef {{ helix: import('./core.js').Helix, bit: number, basis: string, basisText: string, kept: number, arms: number, vertices: import('./scene.js').Vertices, samples: import('./core.js').Places & { time: Float64Array | null }, ofArms: import('./core.js').Arms | null, rule: number[], settings: import('./core.js').Fields | null, left: Record<string, number>, found: string[], reference: string | null, survey: Survey | null }} Rebuilt
  */
 
 /** @type {Promise<Core>} */
@@ -42,7 +43,7 @@ let pageParts;
 /** @param {ArrayBuffer} bytes */
 function logOf(bytes) {
   const text = decodeText(bytes);
-  if (!text.trim()) throw new Refusal('the file is empty');
+  if (!text.trim()) throw new Refusal('the file is empty: export the log again');
   return isLas(text) ? readLas(text) : readTable(text);
 }
 
@@ -126,7 +127,7 @@ export function rebuild(engine, roles, bit) {
     wall.append(depth, toolface, radius, time);
     const { settings, state } = wall;
     const helix = { startDepth: state.start_depth, startToolface: settings.start_toolface, pitch: settings.pitch, sectors: settings.sectors };
-    const samples = { depth: wall.samples('depth'), toolface: wall.samples('toolface'), radius: wall.samples('radius') };
+    const samples = { depth: wall.samples('depth'), toolface: wall.samples('toolface'), radius: wall.samples('radius'), time: time && wall.samples('time') };
     const vertices = { radius: wall.column('radius'), nearest: wall.column('nearest'), support: wall.column('support') };
     const basisText = prepared.arms > 1 ? 'radius measured by the arms of a caliper' : 'radius measured by an azimuthal caliper';
     const measured = { ...vertices, marks: engine.measured(helix, samples, vertices.radius, rules.measured) };
@@ -186,7 +187,7 @@ export function reopen(engine) {
 export function measure(engine, rebuilt) {
   const { helix, bit, basis, samples, vertices: { radius }, rule, ofArms, survey } = rebuilt;
   const found = basis === 'azimuthal' ? engine.zones(helix, bit, samples, radius, rule, ofArms) : null;
-  const figures = figuresOf(engine.logs(helix, radius, windowTurns(RUGOSITY_WINDOW, helix.pitch)), found, rebuilt, (depth) => (survey ? onPath(engine, survey, depth) : []));
+  const figures = figuresOf(engine.logs(helix, radius, windowTurns(RUGOSITY_WINDOW, helix.pitch)), found, rebuilt, (depth) => (survey ? onPath(engine, survey, depth) : []), (depth) => agesOf(samples.depth, samples.time, depth, Math.abs(helix.pitch)));
   return { figures, zones: found && zonesOf(found), shape: found?.arms.length ? 'arms' : 'wall' };
 }
 
@@ -215,7 +216,7 @@ function show(engine, { roles, bit, well, picks }) {
   const scene = sceneOf(shape, vertices, survey ? framesAlong(engine, survey) : undefined);
   if (survey) Object.assign(scene.hello, { reference: reference ?? 'high-side', assumed: !reference });
   if (survey) scene.state.true_depth = trueDepth(survey);
-  served = new Served(scene, () => measure(engine, rebuilt), () => sigmaOf(engine, rebuilt), (...ends) => glbOf(engine, rebuilt, shape.well, ...ends), pageParts, picks, (changed) => postMessage({ picks: changed }));
+  served = new Served(scene, () => measure(engine, rebuilt), () => sigmaOf(engine, rebuilt), (...ends) => glbOf(engine, rebuilt, shape.well, ...ends), () => historyOf(rebuilt.samples.depth, rebuilt.samples.time, helix, vertices.radius.length), pageParts, picks, (changed) => postMessage({ picks: changed }));
   let [there, sure] = [0, 0];
   for (let k = 0; k < vertices.radius.length; k++) if (Number.isFinite(vertices.radius[k])) [there, sure] = [there + 1, sure + Number(vertices.marks[k] === 1)];
   return { ends: scene.ends, left, found, kept, arms, between: there ? 1 - sure / there : 0, zoned: basis === 'azimuthal' };
