@@ -27,7 +27,7 @@ double crossing(const At& at, std::size_t count, double floor) {
 
 }  // namespace
 
-Axis Axes::mean() const {
+Axis AxisSum::mean() const {
     const auto count = static_cast<double>(count_);
     const double R = std::min(std::sqrt(x_ * x_ + y_ * y_) / count, 1.0);
     double mean = arc_tangent(y_, x_) / degree / 2.0;

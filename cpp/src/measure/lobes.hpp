@@ -21,7 +21,7 @@ struct Axis {
 };
 
 // A sum of unit vectors, each at twice the angle of an axis.
-class Axes {
+class AxisSum {
   public:
     void add(double x, double y) { x_ += x, y_ += y, ++count_; }
     Axis mean() const;

@@ -321,7 +321,7 @@ class Finder {
     void add_lobes(const Run& run, Zone& zone) const {
         const bool both = run.kind == HoleKind::breakout;
         std::vector<double> x(sectors_), y(sectors_), height(sectors_), total(sectors_);
-        Axes axes;
+        AxisSum axes;
         for (const std::size_t turn : run.inside) {
             const bool known = std::isfinite(turns_.unworn_diameter[turn]);
             const double radius = (known ? turns_.unworn_diameter[turn] : bit_) / 2.0;
@@ -357,7 +357,7 @@ class Finder {
 
     // The radii of the wall decide which end of C1 is higher.
     void add_lobes_of_arms(const Run& run, Zone& zone) const {
-        Axes axes;
+        AxisSum axes;
         std::vector<double> lower, higher;
         for (const std::size_t turn : run.inside) {
             const SineCosine doubled = sine_cosine(2.0 * turns_.c1_toolface[turn]);
