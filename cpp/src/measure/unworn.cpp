@@ -83,7 +83,7 @@ struct Normal {
 };
 
 // Adds vertices to the sums, which are `dx` and `dy` from the centre of a circle; one at the centre adds nothing.
-HELIBORE_INTO_CALLER void add(Normal<Four>& to, Four dx, Four dy, Four radius, double spread) {
+HELIBORE_INTO_CALLER void add(Normal<Four>& to, const Four& dx, const Four& dy, const Four& radius, double spread) {
     const Four zero{}, one = zero + 1.0, outside = zero + 1.0 / spread, inside = zero + 1.0 / (inside_spread * spread);
     const Four square = dx * dx + dy * dy;
     Four away = zero;
