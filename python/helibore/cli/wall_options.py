@@ -54,7 +54,7 @@ SENSORS = (
 )  # fmt: skip
 """Settings of the preparation that concern the sensors."""
 
-BY_PASS = ("reversal", "passes", "latest", "shifts", "find_shifts", "bias", "earlier")
+BY_PASS = ("reversal", "passes", "latest", "shifts", "toolface_shifts", "find_shifts", "bias", "earlier")
 """Settings of the preparation that concern the passes."""
 
 APART = (*SENSORS, *BY_PASS)

@@ -33,7 +33,8 @@ FINEST = STEP / np.sqrt(12.0)
 _WANDERS = (0.0003, 0.001, 0.003, 0.01, 0.03, 0.1)  # metres in 5 cm of depth
 _JUMP = 1e-12  # probability of a jump from one row to the next; a true step pays it back over the rows that follow
 _ROWS_AT_ONCE = 256
-_STRETCH = 2.0  # metres, in which readings err together
+STRETCH = 2.0
+"""Metres in which readings err together."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,7 @@ class DepthPath:
     known: Mask  # (m,): within 0.12 m
     fits: Floats  # logarithm of the likelihood of each shift in each row, divided as above, (m, shifts)
     bias: float  # m: how much more the readings are than the fields
+    divisor: float  # of the logarithm of the likelihood
 
 
 def find_path(rows: RowsOfPass, fields: Sequence[Field], noise: float) -> DepthPath:
@@ -79,10 +81,10 @@ def find_path(rows: RowsOfPass, fields: Sequence[Field], noise: float) -> DepthP
     away = GRID - shift[:, None]
     sigma = np.hypot(np.sqrt((probability * np.square(away)).sum(axis=1)), FINEST)
     known = (sigma < APART) & ((probability * (np.abs(away) > APART)).sum(axis=1) < 0.02)
-    return DepthPath(shift, sigma, known, raw / divisor, bias)
+    return DepthPath(shift, sigma, known, raw / divisor, bias, divisor)
 
 
-def _student(off: Floats, variance: Floats) -> Floats:
+def student(off: Floats, variance: Floats) -> Floats:
     """Return the logarithm of the density of each difference, 0 where there is none."""
     return np.nan_to_num(
         -0.5 * (FREEDOM + 1) * np.log1p(np.square(off) / (FREEDOM * variance)) - 0.5 * np.log(variance)
@@ -100,7 +102,7 @@ def _fits(rows: RowsOfPass, fields: Sequence[Field], bias: float, noise: float) 
         some = slice(start, start + _ROWS_AT_ONCE)
         mean, variance, known = seen_by_all(fields, rows.depth[some, None] + GRID, design[some])
         off = rows.radius[some, None] - bias - mean
-        one = np.where(np.isnan(off), 0.0, _student(off, variance + noise**2)).sum(axis=2)
+        one = np.where(np.isnan(off), 0.0, student(off, variance + noise**2)).sum(axis=2)
         fits[some] = np.where(known.all(axis=1, keepdims=True), one - one.mean(axis=1, keepdims=True), 0.0)
     return fits
 
@@ -112,13 +114,13 @@ def _excess(depth: Floats, fits: Floats, shift: Floats) -> float:
     row = np.arange(at.size)
     above, here, below = fits[row, at - 2], fits[row, at], fits[row, at + 2]
     slope, bend = (below - above) / (4 * STEP), -(below - 2 * here + above) / (2 * STEP) ** 2
-    stretch = np.unique(np.floor(depth / _STRETCH), return_inverse=True)[1]
+    stretch = np.unique(np.floor(depth / STRETCH), return_inverse=True)[1]
     return float(np.square(np.bincount(stretch, slope)).sum() / max(bend.sum(), np.square(slope).sum(), 1e-9))
 
 
 def _together(rows: RowsOfPass, off: Floats) -> float:
     """Return how much more the waves in the differences of whole stretches vary than if readings erred alone."""
-    stretch = np.unique(np.floor(rows.depth / _STRETCH), return_inverse=True)[1]
+    stretch = np.unique(np.floor(rows.depth / STRETCH), return_inverse=True)[1]
     known = rows.known
     scaled = np.where(known, np.clip(off, -4.0, 4.0), 0.0)
     each = max(float(np.square(scaled).sum()), 1e-9)

@@ -497,22 +497,26 @@ class _Pipeline:
             self._drop(choose(number, self.samples.depth, sorted({*settings.passes, *settings.earlier})))
 
     def _shift(self) -> None:
-        depth, number = self.samples.depth, self.samples.pass_number
+        depth, toolface, number = self.samples.depth, self.samples.toolface, self.samples.pass_number
+        rule = "is not among the passes of the samples"
         for one, shift in self.settings.shifts:
             if not (number == one).any():
-                rule = "is not among the passes of the samples"
                 raise InputError(f"{self.names}: shift {one}={shift:g} m", rule)
             depth = np.where(number == one, depth + shift, depth)
             self.report.append(("shift", f"pass {one}: {shift:+.3f} m, as given"))
+        for one, turn in self.settings.toolface_shifts:
+            if not (number == one).any():
+                raise InputError(f"{self.names}: toolface shift {one}={turn:g} deg", rule)
+            toolface = np.where(number == one, wrapped(toolface + turn), toolface)
+            self.report.append(("shift", f"pass {one}: toolfaces {turn:+.1f} degrees, as given"))
         if self.settings.find_shifts:
             from helibore.preparation.shifts import find_shifts
 
             held = [one for one, _ in self.settings.shifts]
-            samples = self.samples
-            found = self.shifts = find_shifts(depth, samples.toolface, samples.radius, number, held=held)
+            found = self.shifts = find_shifts(depth, toolface, self.samples.radius, number, held=held)
             depth = depth + found.at(number, depth)
             self.report += [("shift", line) for line in found.lines()]
-        self.samples = replace(self.samples, depth=depth)
+        self.samples = replace(self.samples, depth=depth, toolface=toolface)
 
     def _across(self, number: int) -> Readings:
         """Return the readings of a file with toolfaces across the hole: those in the horizontal plane are projected.

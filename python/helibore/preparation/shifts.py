@@ -29,6 +29,7 @@ from helibore.preparation.depth_paths import (
     find_path,
 )
 from helibore.preparation.fields import Field, RowsOfPass, fit, in_rows, seen_by_all
+from helibore.preparation.toolface_matches import LEAST, ToolfaceMatch, find_toolface
 
 __all__ = ["DepthFunction", "Shifts", "find_shifts"]
 
@@ -39,6 +40,7 @@ _RIVAL = 0.8  # another shift is a rival if it gains more than this share of wha
 _AT_ONCE = 4  # most passes in place with which a pass is matched, those that it overlaps most
 _REPORTED = 0.01  # share of the rows whose shift is not known, from which a pass is reported
 _REPEATED = 0.6  # correlation of a hole with itself, moved, from which it repeats itself
+_TURNS = 3  # most times that a pass is turned
 _LEAST_GAIN = 4.0  # logarithm of the likelihood that the found shift must gain over a rival: odds of 50
 
 
@@ -56,6 +58,7 @@ class DepthFunction:
     second_share: float = np.nan  # what that gains, as a share of what the best gains
     before: float = np.nan  # median difference of the readings from the others, unshifted
     after: float = np.nan  # and shifted
+    toolface: ToolfaceMatch | None = None  # how far its toolfaces lie from those of the others; None: not compared
 
 
 @dataclass(frozen=True)
@@ -98,6 +101,8 @@ class Shifts:
             if each.found and (each.sigma == 0).all():
                 continue
             lines.append(f"pass {number}: {_sentence(each) if each.found else f'left where it is: {each.reason}'}")
+            if each.found and each.toolface is not None and each.toolface.is_offset:
+                lines.append(f"pass {number}: {each.toolface.sentence(number)}")
             if each.found and np.mean(~each.known) > _REPORTED:
                 runs = sorted(runs_of(~each.known), key=lambda run: each.depth[run[0]] - each.depth[run[1] - 1])
                 first, stop = runs[0]
@@ -170,7 +175,8 @@ class _Matching:
         self.held = held
         self.ends = [(float(depth.min()), float(depth.max())) for depth, _, _ in samples]
         length = max((bottom - top for top, bottom in self.ends), default=0.0)
-        self.rows = [in_rows(*each, max(_CELL, length / _MOST_ROWS)) for each in samples]
+        self.samples, self.cell = samples, max(_CELL, length / _MOST_ROWS)
+        self.rows = [in_rows(*each, self.cell) for each in samples]
         self.fits: dict[int, tuple[Field, RowsOfPass]] = {}
         self.functions = [DepthFunction() for _ in samples]
         self.bias = np.zeros(len(samples))
@@ -228,9 +234,8 @@ class _Matching:
             return DepthFunction(reason=f"it overlaps the others by {overlap}")
         others = [other for other in most if overlaps[other] >= _OVERLAP]
         theirs = [self._placed(other) for other in others]
-        mine, rows = self._fitted(index)
-        path = find_path(rows, theirs, mine.noise)
-        found = _judged(rows, theirs, path)
+        rows, path, toolface = self._path(index, theirs)
+        found = replace(_judged(rows, theirs, path), toolface=toolface)
         if not found.found:
             return found
         self.bias[index] = path.bias
@@ -239,6 +244,26 @@ class _Matching:
             sigma = np.interp(self.rows[other].depth, self.functions[other].depth, self.functions[other].sigma)
             own += np.square(np.interp(found.depth + found.shift, seen.depth, sigma)) / len(others)
         return replace(found, sigma=np.sqrt(np.square(found.sigma) + np.where(own > FINEST**2, own, 0.0)))
+
+    def _path(self, index: int, theirs: list[Field]) -> tuple[RowsOfPass, DepthPath, ToolfaceMatch]:
+        """Return the path of a pass and its toolfaces' offset, which is taken off its readings until none is left.
+
+        A pass that is turned fits elsewhere along the hole; and its sectors must be those of the others, because in the
+        means of sectors a narrow lobe looks like a wide one.
+        """
+        depth, toolface, radius = self.samples[index]
+        angle = 0.0
+        for left in range(_TURNS, -1, -1):
+            mine, rows = self._fitted(index)
+            path = find_path(rows, theirs, mine.noise)
+            match = find_toolface(rows, theirs, path, mine.noise)
+            total = replace(match, angle=(angle + match.angle + 180.0) % 360.0 - 180.0)
+            if not left or not total.is_offset or abs(match.angle) < LEAST / 2:
+                break
+            angle = total.angle
+            self.rows[index] = in_rows(depth, toolface + angle, radius, self.cell)
+            del self.fits[index]
+        return rows, path, total
 
 
 def _judged(rows: RowsOfPass, theirs: list[Field], path: DepthPath) -> DepthFunction:

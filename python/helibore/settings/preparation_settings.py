@@ -104,8 +104,12 @@ class Preparation(Declared, group="preparation"):
     ] = ()  # fmt: skip
     find_shifts: Annotated[bool, Option(),
         "Find each pass's depth shift from the overlap, as a function of depth: a constant, stretch, steps. A "
-        "shift that ``shifts`` sets is not found. Without given shifts, the mean of the shifts that are found is 0.",
+        "shift that ``shifts`` sets is not found. Without given shifts, the mean of the shifts that are found is 0. "
+        "Where the toolfaces of a pass lie apart from those of the others, the report says by how much.",
     ] = False  # fmt: skip
+    toolface_shifts: Annotated[tuple[tuple[int, float], ...], DEGREES,
+        "Add an angle to a pass's toolfaces, such as 3=-15deg. In Python (pass, degrees) pairs.",
+    ] = ()  # fmt: skip
     bias: Annotated[Literal["none", "arm", "side"], Option(),
         "Subtract the bias of each pass and arm; with side, a separate bias for each side of the hole. Biases are "
         "found where passes and arms measured the same wall.",
@@ -116,8 +120,10 @@ class Preparation(Declared, group="preparation"):
 
     def _check(self) -> None:
         self._ordered(("least_radius", "greatest_radius"), ("shallowest", "deepest"), ("steep", "level"))
-        shifted = tuple(number for number, _ in self.shifts)
-        for name, numbers in (("shifts", shifted), ("passes", self.passes or ()), ("earlier", self.earlier)):
+        shifted, turned = (tuple(number for number, _ in of) for of in (self.shifts, self.toolface_shifts))
+        for name, numbers in (
+            ("shifts", shifted), ("toolface_shifts", turned), ("passes", self.passes or ()), ("earlier", self.earlier),
+        ):  # fmt: skip
             twice = [number for number in numbers if numbers.count(number) > 1]
             if twice:
                 raise InputError(name, f"pass {twice[0]} is given twice")
@@ -126,7 +132,13 @@ class Preparation(Declared, group="preparation"):
     def by_pass(self) -> bool:
         """Whether a step needs pass numbers."""
         return bool(
-            self.passes or self.latest or self.shifts or self.find_shifts or self.bias != "none" or self.earlier
+            self.passes
+            or self.latest
+            or self.shifts
+            or self.toolface_shifts
+            or self.find_shifts
+            or self.bias != "none"
+            or self.earlier
         )
 
 

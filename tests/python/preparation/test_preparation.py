@@ -258,6 +258,12 @@ def test_passes_shift_bias_choice_and_comparison() -> None:
     assert set(given.pass_number.tolist()) == {2}  # the last of (3, 2)
     expected = choose(number[number > 1], (samples.depth + 0.4 * (number == 2))[number > 1], (3, 2), latest=True)
     assert given.counts["passes"] == int(expected.dropped.sum()) + int((number == 1).sum())
+    plain, turned = (
+        prepare(one.readings(), Preparation(toolface_shifts=of, passes=(1, 2, 3))) for of in ((), ((2, 370.0),))
+    )
+    assert plain.pass_number is not None
+    expected_toolface = (plain.caliper.toolface + 10 * (plain.pass_number == 2)) % 360
+    np.testing.assert_allclose(turned.caliper.toolface, expected_toolface, atol=1e-9)
     compared = prepare(one.readings(), Preparation(earlier=(1,), passes=(3,)))
     assert compared.earlier is not None
     assert (len(compared.earlier), len(compared.caliper)) == ((number == 1).sum(), (number == 3).sum())
@@ -272,6 +278,10 @@ def test_passes_shift_bias_choice_and_comparison() -> None:
     none_left = "all passes in use are earlier ones: no pass is left to make the wall from"
     for bad, rule in (
         (Preparation(passes=(9,)), "f.csv: pass 9: is not among the passes of the samples: 1, 2, 3"),
+        (
+            Preparation(toolface_shifts=((9, 1.0),)),
+            "f.csv: toolface shift 9=1 deg: is not among the passes of the samples",
+        ),
         (Preparation(shifts=((9, 1.0),)), "f.csv: shift 9=1 m: is not among the passes of the samples"),
         (Preparation(earlier=(1, 2, 3)), f"f.csv: earlier passes 1, 2, 3: {none_left}"),
         (Preparation(passes=(1, 2), earlier=(1, 2)), f"f.csv: earlier passes 1, 2: {none_left}"),
