@@ -5,8 +5,8 @@ r"""Find how far the toolfaces of a pass lie from those of the others, once its 
                | \__/     \___/   \__ an oval equals itself turned by 180 degrees
                +----------------------- angle
 
-In a spiral, a centimetre of depth is some degrees of toolface. So each stretch of the pass has its own shift beside that
-of the path, and the angle is what no such shift explains. Its deviation comes from how much the stretches differ.
+In a spiral, a centimetre of depth is some degrees of toolface. So each stretch of the pass has its own shift beside
+that of the path, and the angle is what no such shift explains. Its deviation comes from how much the stretches differ.
 """
 
 from __future__ import annotations
