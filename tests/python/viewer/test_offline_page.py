@@ -168,7 +168,7 @@ def test_the_page_rebuilds_the_wall_that_the_package_rebuilds_from_the_same_file
             assert "too few samples" in str(error)  # noqa: PT017
             sigma = None
         assert one["sigma"] == sigma, file.name
-        assert one["glb"] == mesh_digest(wall, low + (high - low) / 3, high, tmp_path / "mesh.glb"), file.name
+        assert one["glb"] == mesh_digest(wall, max(low + (high - low) / 3, high - 50), high, tmp_path / "mesh.glb")
 
 
 @needs_page

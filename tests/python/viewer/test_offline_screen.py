@@ -136,6 +136,30 @@ def test_a_file_of_two_gigabytes_is_refused_before_it_is_read(offline: Offline) 
     assert offline.open(EXAMPLES / "caliper.csv") == ""
 
 
+def test_roles_units_angles_and_the_reference_can_be_chosen(offline: Offline, tmp_path: Path) -> None:
+    rows = [(2000 + 0.1 * row, 7.0 * row % 360, 216 + row % 9, 219 + row % 5) for row in range(120)]
+    lines = [",".join(f"{cell:.2f}" for cell in row) for row in rows]
+    for name, head in (("own.csv", "A,B,C,D"), ("known.csv", "MD_m,RB_deg,CALX_mm,CALY_mm")):
+        (tmp_path / name).write_text("\n".join([head, *lines]) + "\n")
+    assert offline.open(tmp_path / "own.csv") == ""
+    chosen = {"A": ("depth", "m"), "B": ("toolface", "deg"), "C": ("diameter", "mm"), "D": ("diameter", "mm")}
+    for name, (role, unit) in chosen.items():
+        offline.page.select_option(f"[aria-label='What {name} is']", role)
+        offline.page.select_option(f"[aria-label='Unit of {name}']", unit)
+    offline.page.select_option("[aria-label='What B counts from']", "north")
+    offline.page.fill("[aria-label='Degrees from the toolface to D']", "90")
+    offline.page.fill("#bit", "8.5")
+    offline.page.click("#show")
+    frame = offline.wall()
+    assert frame.evaluate("window.__wall.app.path.reference") == "north"
+    asked = "fetch('api/summary?start=2000&stop=2011.9').then((of) => of.json()).then((of) => of.greatest_diameter)"
+    greatest = frame.evaluate(asked)
+    with hb.open(tmp_path / "known.csv") as log:
+        wanted = hb.reconstruct(log, bit_diameter=0.2159).summary(start=2000.0, stop=2011.9)
+    assert greatest == pytest.approx(wanted.greatest_diameter.value, abs=1e-12)
+    assert offline.errors == []
+
+
 def test_downloads_and_picks_are_those_of_the_wall(offline: Offline, tmp_path: Path) -> None:
     assert offline.open(EXAMPLES / "caliper.csv") == ""
     offline.page.click("#show")

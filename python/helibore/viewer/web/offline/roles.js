@@ -7,7 +7,7 @@ import { rules, unitInName, unitOf } from './rules.js';
  * @typedef {import('./table.js').Channel} Channel
  * @typedef {import('./table.js').LogSet} LogSet
  * @typedef {import('./rules.js').NameRule} NameRule
- * @typedef {{ channel: string, role: string, reason: string, unit: string, angle: number | null, reference: string, stated?: boolean }} Role
+ * @typedef {{ channel: string, role: string, reason: string, unit: string, angle: number | null, reference: string, stated?: boolean, changed?: boolean }} Role
  */
 
 const NO_RULE = 'no rule fits';

@@ -8,6 +8,7 @@
 const byId = (id) => /** @type {any} */ (document.getElementById(id));
 const CHOICES = ['none', 'depth', 'toolface', 'radius', 'diameter', 'time', 'inclination', 'azimuth', 'bit-diameter'];
 const WALLS = ['radius', 'diameter'];
+const REFERENCES = { '': 'from: not stated', 'high-side': 'from high side', north: 'from north', 'horizontal-north': 'from north, in the horizontal plane' };
 
 const [PICKS, SETTINGS] = ['helibore picks ', 'helibore settings']; // names in the browser's storage
 const MOST_RECENT = 20;
@@ -118,6 +119,12 @@ function rowOf(role, missing, rows) {
   kind.value = role.role;
   const unit = document.createElement('select');
   unit.ariaLabel = `Unit of ${role.channel}`;
+  const from = document.createElement('select');
+  from.ariaLabel = `What ${role.channel} counts from`;
+  from.replaceChildren(...Object.entries(REFERENCES).map(([name, text]) => new Option(text, name)));
+  const angle = Object.assign(document.createElement('input'), { type: 'text', inputMode: 'decimal', size: 4, title: 'Degrees from the toolface, clockwise seen downhole' });
+  const degrees = Object.assign(document.createElement('span'), { textContent: '° from toolface' });
+  angle.ariaLabel = `Degrees from the toolface to ${role.channel}`;
   const fill = () => {
     const wanted = parts.rules.roles[role.role];
     const fitting = ['m', 'ft', 'in', 'mm', 'cm', '0.1in', 'deg', 'rad', 's', 'ms', 'min', 'h'].filter((name) => !wanted || parts.rules.units[name]?.[0] === wanted);
@@ -125,8 +132,22 @@ function rowOf(role, missing, rows) {
     unit.value = role.unit;
     unit.hidden = role.role === 'none' || !wanted;
     row.className = role.role === 'none' ? 'unused' : '';
+    from.value = role.reference;
+    from.hidden = role.role !== 'toolface';
+    angle.value = role.angle === null ? '' : String(role.angle);
+    angle.hidden = !WALLS.includes(role.role) || !log.roles.some((one) => one.role === 'toolface');
     const lost = missing ? `; ${missing.toLocaleString('en')} of ${rows.toLocaleString('en')} values missing` : '';
-    cells[3].textContent = (role.stated ? 'your choice' : role.reason) + (role.angle !== null && WALLS.includes(role.role) && role.stated ? `, at ${role.angle} deg from the toolface` : '') + lost;
+    cells[3].textContent = (role.stated || role.changed ? 'your choice' : role.reason) + lost;
+    degrees.hidden = angle.hidden;
+  };
+  from.onchange = () => {
+    Object.assign(role, { reference: from.value, changed: true });
+    fill();
+  };
+  angle.onchange = () => {
+    const stated = Number(angle.value.trim().replace(',', '.'));
+    if (angle.value.trim() && Math.abs(stated) <= 360) Object.assign(role, { angle: stated, changed: true });
+    fill();
   };
   kind.onchange = () => {
     Object.assign(role, { role: kind.value, stated: true, reference: '' });
@@ -141,7 +162,7 @@ function rowOf(role, missing, rows) {
   };
   cells[0].textContent = role.channel;
   cells[1].append(kind);
-  cells[2].append(unit);
+  cells[2].append(unit, from, angle, degrees);
   fill();
   return row;
 }
@@ -162,7 +183,7 @@ async function show() {
   next = null;
   try {
     const { ends, left, found, kept, arms, between, zoned } = await ask({ ask: 'wall', roles: log.roles, bit: size, well: log.well, picks: stored(PICKS + log.mark) ?? [] });
-    if (log.roles.length) remember(SETTINGS, [{ columns: columnsOf(log.roles), roles: log.roles.filter(({ stated }) => stated), bit: /** @type {HTMLInputElement} */ (byId('bit')).value, unit: /** @type {HTMLSelectElement} */ (byId('bitUnit')).value }, ...(stored(SETTINGS) ?? []).filter((/** @type {any} */ one) => one.columns !== columnsOf(log.roles))].slice(0, MOST_RECENT));
+    if (log.roles.length) remember(SETTINGS, [{ columns: columnsOf(log.roles), roles: log.roles.filter(({ stated, changed }) => stated || changed), bit: /** @type {HTMLInputElement} */ (byId('bit')).value, unit: /** @type {HTMLSelectElement} */ (byId('bitUnit')).value }, ...(stored(SETTINGS) ?? []).filter((/** @type {any} */ one) => one.columns !== columnsOf(log.roles))].slice(0, MOST_RECENT));
     const { port1, port2 } = new MessageChannel();
     await ask({ ask: 'serve', port: port2 }, [port2]);
     frame.port(port1);
