@@ -81,6 +81,8 @@ LEAST_SAMPLED = 0.9
 """Least share of a turn's vertices with a sigma at which its mean diameter has one."""
 SIZE_ROUGH = 1.8e-3
 """Metres; standard deviation of the equivalent diameter of a hole from that of its likely section."""
+MOSTLY = 0.4
+"""Least share of rows with a range of the diameter at which it has columns: a gap needs none."""
 RUGOSITY_WINDOW = 1.0
 """Metres of hole that rugosity is measured over by default."""
 
@@ -318,10 +320,11 @@ class Logs(Tabular):
         return low, high
 
     def _range_columns(self) -> list[LogColumn]:
-        """Return the ends of `diameter_range` as columns, missing where it is no range; none if it is one nowhere."""
+        """Return the ends of `diameter_range` as columns if it is a range in most rows; missing where it is none."""
         low, high = self.diameter_range
         ranged = low < high
-        ends = (("DEQ_LOW", "Least", low), ("DEQ_HIGH", "Greatest", high)) if ranged.any() else ()
+        mostly = np.count_nonzero(ranged) >= MOSTLY * len(self)
+        ends = (("DEQ_LOW", "Least", low), ("DEQ_HIGH", "Greatest", high)) if mostly else ()
         text = "likely DEQ, with a probability of 95 %, where turns have few samples"
         return [LogColumn(name, "m", f"{end} {text}", np.where(ranged, values, np.nan)) for name, end, values in ends]
 

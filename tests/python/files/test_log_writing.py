@@ -40,7 +40,7 @@ def check(read: np.ndarray, column: LogColumn, exact: bool = False) -> None:
 
 def test_the_logs_have_gaps_to_write(logs: Logs) -> None:
     assert 0 < np.isnan(logs.mean).sum() < len(logs)
-    assert len(logs.table()) == 30
+    assert len(logs.table()) == 28
 
 
 def test_lasio_reads_the_las_back(logs: Logs, tmp_path: Path, golden: Golden) -> None:
