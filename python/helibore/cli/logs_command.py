@@ -29,7 +29,15 @@ from helibore.cli.outputs import OUTPUT, QUIET, check_file, check_folder, own_op
 from helibore.cli.quantities import FILE, across_and_along, facts_in, split_pair
 from helibore.cli.sections import Sectioned, opt, opts, section
 from helibore.cli.terminal import Terminal
-from helibore.cli.wall_options import SHOWN, header_of, open_run, refuse_interval, takes_a_wall
+from helibore.cli.wall_options import (
+    SHOWN,
+    header_of,
+    load_picks,
+    open_run,
+    picks_option,
+    refuse_interval,
+    takes_a_wall,
+)
 from helibore.cli.zone_options import CRITERIA, HEADER, IMAGE_CRITERIA, criteria_of
 from helibore.settings.output_settings import LogSettings
 from helibore.settings.zone_settings import ImageCriteria
@@ -53,7 +61,7 @@ NAMED = (
 
 COMMON = (
     *SHOWN, "step", "sigma", "by_sector", "casing", "drift", "well", "header", "unit", "zones", "breakouts",
-    "interval_table",
+    "interval_table", "picks", "dips",
 )  # fmt: skip
 """Parameters that have an option of their own in ``logs``."""
 
@@ -77,6 +85,9 @@ COMMON = (
     IMAGE_CRITERIA,
     opt("--interval-table", "Table of diameters, volumes and kinds by interval to write (.csv).", type=FILE),
     opts("--breakouts", "Table to write of the breakouts (dark, opposite sectors) of an image.", metavar="IMAGE=FILE"),
+    opt("--dips", "Table to write of the true dips of the picks, for Techlog and Geolog (.csv), Petrel (.dip).",
+        type=FILE),
+    picks_option(exists=True),
 )  # fmt: skip
 @takes_a_wall
 def logs(**options: Any) -> None:
@@ -90,6 +101,7 @@ def logs(**options: Any) -> None:
     (CLASS). Each image of the wall has a column with its mean around the hole. Every file states bit size, windows,
     definitions and criteria. The file well.las.toml beside well.las repeats the run.
     """
+    from helibore.files.dip_writing import ENDINGS, save_dips
     from helibore.files.log_writing import check_format, save_table
     from helibore.logs.difference_columns import difference_columns
     from helibore.logs.image_means import image_means
@@ -97,6 +109,9 @@ def logs(**options: Any) -> None:
     from helibore.logs.summary import summarize
 
     output, zones_file, by_interval = options["output"], options["zones"], options["interval_table"]
+    dips = options["dips"]
+    if options["picks"] and not dips:
+        raise click.UsageError("--picks: only --dips writes picks")
     pairs = [split_pair("breakouts", text, "IMAGE=FILE") for text in options["breakouts"]]
     images = {name: Path(file) for name, file in pairs}
     tables = [output, *([zones_file] if zones_file else []), *images.values()]
@@ -106,8 +121,11 @@ def logs(**options: Any) -> None:
     if by_interval:
         check_file(by_interval, (".csv",))
         tables.append(by_interval)
+    if dips:
+        check_file(dips, ENDINGS)
+        tables.append(dips)
     if len({file.resolve() for file in tables}) < len(tables):
-        raise click.UsageError("--output, --zones, --breakouts and --interval-table: the files must differ")
+        raise click.UsageError("--output, --zones, --breakouts, --dips and --interval-table: the files must differ")
     terminal = Terminal(options["quiet"])
     run = open_run(options, terminal, tables)
     options = own_options(run, "logs", options)
@@ -125,6 +143,11 @@ def logs(**options: Any) -> None:
         dark = [wall.images[name].breakouts(ImageCriteria(**options["image_criteria"])) for name in images]
         images_by_turn = _by_sector(wall, options) if options["by_sector"] else []
         summary = summarize(wall._state(), options["start_depth"], options["stop_depth"], zones=measured.found)
+    written = 0
+    if dips:
+        if wall.path is None:
+            raise InputError("dips", "need the path of the hole: give --survey")
+        load_picks(run, options["picks"])
     if by_interval and not wall.intervals:
         raise InputError("intervals", "the wall has none: name a file of tops", setting="intervals.file")
     columns = [*measured.columns, *(column for each in annuli for column in each.columns())]
@@ -148,6 +171,8 @@ def logs(**options: Any) -> None:
     with terminal.stage("save", f"Writing {output.name}"):
         if by_interval and intervals:
             intervals.save(by_interval, options["unit"])
+        if dips and wall.path is not None:
+            written = save_dips(wall.picks, wall.path, dips, header["well"])
         for file, table in work:
             save_table(in_unit(table, options["unit"]), file, header=header)
         saved = save_lines(run, output, "logs", options, tables[1:])
@@ -160,6 +185,7 @@ def logs(**options: Any) -> None:
         *annulus_lines(measured.turns.annulus(size) for size in options["casing"]),
         *(zone_lines(measured.zones, summary, options["unit"]) if measured.zones else []),
         *(breakout_line(each) for each in dark),
+        *([("dips", f"{written} planes with a true dip, of {len(wall.picks)} picks")] if dips else []),
         *saved,
         ("time", terminal.times()),
     ])  # fmt: skip

@@ -176,6 +176,8 @@ def find_layout(source: InputFile, head: str) -> TableLayout:
             remarks.append(f"{COMMENT}{comment}")
         start += 1
     filled = [line for line in lines[start:] if line.strip()]
+    if header_line is None:
+        filled = [line for line in filled if not rules.is_never_row(line) or line.strip()[:1].isdigit()]
     if not filled:
         raise source.error(f"no header and no rows within {HEADING_LINES} lines", start)
     titles = [] if stated or header_line is not None else _titles(filled)
@@ -184,7 +186,7 @@ def find_layout(source: InputFile, head: str) -> TableLayout:
     start = lines.index(filled[0], start)
     rows = [
         filled[0],
-        *dropwhile(lambda line: line.startswith("#"), filled[1:]),
+        *dropwhile(lambda line: line.startswith("#") and re.split(r"[,;|\s]", line)[0] not in NULL_TEXTS, filled[1:]),
     ]  # Petrel underlines its header by #===
     delimiter = stated["mark"] if stated else _delimiter(source, rows, start + 1)
     header = rules.bare(rows[0]) if rows[0].startswith("#") else rows[0]
@@ -193,8 +195,8 @@ def find_layout(source: InputFile, head: str) -> TableLayout:
     else:
         first = [cell.strip() for cell in split_cells(header, delimiter)]
     second = [cell.strip() for cell in split_cells(rows[1], delimiter)] if len(rows) > 1 else []
-    if header_line is None and all(is_number(cell) for cell in first):
-        return _without_header(lines, start, delimiter, len(first), remarks)
+    if header_line is None and _are_values(first, second):
+        return _without_header(lines, start, delimiter, len(first), remarks, rules)
     if any(not cell for cell in first) and not first[-1] and second and not second[-1]:
         remarks.append("the header and the rows end in a delimiter: the last column has no name")
     if delimiter is None and titles and (joined := joined_phrases(titles[-1], header, first, rules)):
@@ -208,7 +210,8 @@ def find_layout(source: InputFile, head: str) -> TableLayout:
     top = rows[2 if units else 1 : 3]
     below = [cell.strip() for cell in split_cells(top[0], delimiter)] if top else []
     texts = [cell for cell in below if cell not in NULL_TEXTS]
-    if header_line is None and len(below) > 1 and texts and not any(map(is_like_a_number, texts)):
+    no_numbers = texts and not any(map(is_like_a_number, texts))
+    if header_line is None and len(below) > 1 and (no_numbers or not all(first)):
         cells = [split_cells(row, delimiter) for row in rows[:40]]
         found = find_head([row for row in cells if len(row) == len(cells[0])], rules)
         if found is not None:
@@ -227,6 +230,13 @@ def find_layout(source: InputFile, head: str) -> TableLayout:
 def _is_above_names(line: str, rules: TextRules) -> bool:
     """Return whether a line above the names is empty, a comment, or holds only delimiters."""
     return not line.strip(" \t\r\f,;|") or rules.is_comment(line)
+
+
+def _are_values(first: list[str], second: list[str]) -> bool:
+    """Return whether the first line of a table is a row: all cells are numbers, or those that are in the next row."""
+    numbers = [is_number(cell) for cell in first]
+    alike = not second or numbers == [is_number(cell) for cell in second]
+    return all(numbers) or (numbers[0] and sum(numbers) > 1 and alike)
 
 
 def _with_row_names(names: list[str], rows: list[str], delimiter: str | None, remarks: list[str]) -> list[str]:
@@ -274,6 +284,9 @@ def _titles(lines: list[str]) -> list[str]:
         for mark in DELIMITERS:
             cells = [split_cells(line, mark) for line in lines[count : count + 20]]
             if len(cells[0]) > 1 and len({len(row) for row in cells}) == 1:
+                above = [split_cells(line, mark) for line in lines[:count]]
+                if any(len(row) > 1 and all(map(is_number, row)) for row in above):
+                    return []  # these are rows of another table
                 named = not any(is_number(cell) or not cell.strip() for cell in cells[0])
                 return lines[:count] if named else []
     return _titles_between_blanks(lines[: MOST_TITLES + 20])
@@ -315,14 +328,16 @@ def _names_between_blanks(header: str, width: int) -> list[str]:
     return next((names for names in cuts if len(names) == width), cuts[0])
 
 
-def _without_header(lines: list[str], start: int, delimiter: str | None, width: int, remarks: list[str]) -> TableLayout:
+def _without_header(
+    lines: list[str], start: int, delimiter: str | None, width: int, remarks: list[str], rules: TextRules
+) -> TableLayout:
     """Return the layout of a table without a header.
 
     The last comment line above the rows that has ``width`` names, two or more, names the columns. If there is no such
     comment line, the columns are named by number.
     """
     for line in reversed(lines[:start]):
-        names = [cell.strip() for cell in split_cells(line.strip().lstrip("#"), delimiter)]
+        names = [cell.strip() for cell in split_cells(rules.bare(line), delimiter)]
         if len(names) == width and width > 1 and all(names):
             remarks = [remark for remark in remarks if remark != f"{COMMENT}{line.strip(_AROUND_COMMENT)}"]
             return TableLayout(delimiter, names, None, start, [*remarks, "the header is a comment line"])
@@ -349,6 +364,8 @@ def _delimiter(source: InputFile, rows: list[str], line: int) -> str | None:
     if len(by_blanks) == 1 and (width := by_blanks.pop()) > 1 and len(_names_between_blanks(sample[0], width)) == width:
         return None
     likely = max(DELIMITERS, key=lambda mark: widths[mark][0])
+    if len(rows) == 1 and is_number(sample[0].split()[0]) and len(sample[0].split()) > 1 and widths[likely][0] == 1:
+        return None  # one row
     counts = Counter(len(row.split()) for row in sample[1:])
     for usual, count in counts.items() if widths[likely][0] == 1 else ():
         numbered = usual == len(sample[0].split()) + 1  # R counts the rows in a column without a name

@@ -77,8 +77,11 @@ def _table(tree: Any) -> dict[str, list[Any]] | None:
     elif isinstance(tree, list) and tree and all(isinstance(row, dict) for row in tree):
         names = dict.fromkeys(name for row in tree for name in row)
         columns = {name: [row.get(name) for row in tree] for name in names}
-    elif isinstance(tree, dict) and tree and all(isinstance(column, list) for column in tree.values()):
-        columns = dict(tree)
+    elif isinstance(tree, dict) and tree and all(isinstance(column, list | dict) for column in tree.values()):
+        rows = [list(column) for column in tree.values() if isinstance(column, dict)]
+        if any(each != rows[0] for each in rows):
+            return None
+        columns = {name: list(column.values() if isinstance(column, dict) else column) for name, column in tree.items()}
         if len({len(column) for column in columns.values()}) > 1:
             return None
     else:

@@ -154,7 +154,8 @@ def _las2(source: InputFile, sections: list[LasSection], version: dict[str, str]
     data = _section(source, sections, "A")
     if data is not sections[-1]:
         last = sections[-1]
-        remarks.append(f"line {last.line}: ~{last.kind} follows the data section; its lines are not rows")
+        what = f"line {last.line}: ~{last.kind} follows the data section; its lines are not rows"
+        remarks.append(Loss(what) if last.kind.startswith("A") else what)
     header = [section for section in sections if section is not data]
     curves, params, items = (_lasio_items(source, header, letter, version, remarks) for letter in "CPW")
     curves = [LasCurve(c.original_mnemonic.strip(), _unit_and_value(c)[0], *_described(c.descr or "")) for c in curves]

@@ -166,9 +166,14 @@ def _cells(
     rows: list[list[str]] = []
     cut_rows = 0
     for line in kept:
-        if '"' in line and line.count('"') % 2:
+        inches = (
+            '"' in line
+            and delimiter is not None
+            and not any(cell.lstrip().startswith('"') for cell in line.split(delimiter))
+        )  # 9 5/8" casing
+        if '"' in line and line.count('"') % 2 and not inches:
             raise file_error(path, "a quote is opened and not closed", line_of(len(rows)))
-        row = split_cells(line, delimiter)
+        row = line.split(delimiter) if inches else split_cells(line, delimiter)
         if len(row) != width and delimiter is None:
             mended = next((each for each in _mended(line, width) if len(each) == width), None)
             if mended is not None:

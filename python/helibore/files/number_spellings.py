@@ -22,7 +22,7 @@ import numpy as np
 
 from helibore.base.arrays import Array, data_and_mask
 
-_END = r"(?:[eEdD][+-]?\d+)?"
+_END = r"(?:[eE][+-]?\d+|[dD][+-]\d+)?"
 _COMMAS = re.compile(rf"[+-]?(?:[1-9]\d{{0,2}}(?:[.'’\u00a0\u202f ]\d{{3}})+|\d+)?(?:,\d*)?{_END}", re.ASCII)
 _LAKH = r"[1-9]\d?(?:,\d{2})+,\d{3}"
 _POINTS = re.compile(rf"[+-]?(?:[1-9]\d{{0,2}}(?:[,'’\u00a0\u202f ]\d{{3}})+|{_LAKH}|\d+)?(?:\.\d*)?{_END}", re.ASCII)
@@ -84,6 +84,10 @@ def read_spellings(
         elif (angles := _angles(column)) is not None:
             found[at], units[at] = angles.values, angles.unit
             remarks.append(f"{names[at]}: {angles.kind} ({angles.example}) are read as degrees")
+    if numbers and mark == ",":
+        remarks += [
+            _points_beside_commas(names[at], column) for at, column in enumerate(columns) if _may_be_thousands(column)
+        ]
     if numbers:
         cells = [cell for at in numbers for cell in _cells(columns[at])]
         marked = (cell for cell in cells if set(cell) - set("+-.0123456789"))
@@ -96,6 +100,24 @@ def read_spellings(
         listed = ", ".join(names[at] for at in numbers[:6]) + (" ..." if len(numbers) > 6 else "")
         remarks.insert(0, f"{what} in {listed}: {example.strip()} is read as {value:.10g}{doubt}")
     return found, units, remarks
+
+
+def _may_be_thousands(column: Array) -> bool:
+    """Return whether a column of numbers with points may be one of marks of thousands: 1.234 and 950 are whole so."""
+    if column.dtype.kind != "f" or not _has_fractions(column):
+        return False
+    numbers, _ = data_and_mask(column)
+    thousands = 1000.0 * numbers[np.isfinite(numbers) & (numbers != np.rint(numbers))]
+    return bool((np.abs(thousands - np.rint(thousands)) < 1e-6).all() and (np.abs(thousands) >= 1000.0).all())
+
+
+def _points_beside_commas(name: str, column: Array) -> str:
+    numbers, _ = data_and_mask(column)
+    example = float(next(number for number in numbers.tolist() if number == number and number != round(number)))
+    return (
+        f"{name}: {example:g} has a decimal point, although other columns have decimal commas; if it is a mark of "
+        f"thousands, write {1000 * example:.0f}"
+    )
 
 
 def is_like_a_number(cell: str) -> bool:

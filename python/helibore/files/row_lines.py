@@ -102,6 +102,10 @@ def footers(rows: list[list[str]], width: int, rules: TextRules) -> int:
     of_numbers = [row for row in numbers if len(row) == width and any(row)]
     sample = of_numbers[: max(1, len(of_numbers) - 1)][:100]
     numeric = {column for column in range(width) if 2 * sum(row[column] for row in sample) > len(sample)}
+    last = rows[-1] if rows else []
+    named = [row[0] for row in rows[:-1] if len(row) == width]
+    if len(named) > 1 and len(set(named)) == 1 and last[0] != named[0] and last[0].lower() in rules.footers:
+        return 1  # the sum of a well: Total stands where each row names the well
     count = found = 0
     for row, are_numbers in zip(reversed(rows), reversed(numbers), strict=True):
         if any(row) and not _is_footer(row, are_numbers, width, numeric, rules):

@@ -18,10 +18,10 @@ from typing import Any, BinaryIO
 from helibore.base.errors import InputError, needs
 from helibore.base.limits import check_limit, check_unpacked
 from helibore.base.zip_errors import DAMAGED_ZIP
-from helibore.files.headings import is_number, is_units_row, unit_in_name
+from helibore.files.headings import is_units_row, unit_in_name
 from helibore.files.input_file import InputFile, zip_pieces
 from helibore.files.number_rows import column_of
-from helibore.files.number_spellings import read_spellings
+from helibore.files.number_spellings import is_like_a_number, read_spellings
 from helibore.files.raw_set import Channel, Loss, RawFile, RawSet, readable_sets, unique
 from helibore.files.row_lines import footers
 from helibore.files.table_head import find_head
@@ -180,11 +180,11 @@ def _find_header(rows: list[list[str]]) -> int | None:
     A row of units may stand between the names and the numbers.
     """
     for at, row in enumerate(rows[:HEADING_ROWS]):
-        names = [position for position, cell in enumerate(row) if cell and not is_number(cell)]
+        names = [position for position, cell in enumerate(row) if cell and not is_like_a_number(cell)]
         below = rows[at + 1 : at + 3]
         if len(names) > 1 and below and is_units_row(below[0]):
             below = below[1:]
-        if len(names) > 1 and below and sum(is_number(below[0][position]) for position in names) > 1:
+        if len(names) > 1 and below and sum(is_like_a_number(below[0][position]) for position in names) > 1:
             return at
     return None
 

@@ -57,6 +57,8 @@ def find_head(rows: list[list[str]], rules: TextRules) -> TableHead | None:
     names = lines if at_units is None else lines[:at_units]
     while names and (any(map(is_like_a_number, names[0])) or _is_title(names[0], rules)):
         titles.append(_text(names.pop(0)))
+    while len(names) > 1 and _is_title(names[-1], rules):  # a datum below the names
+        titles.append(_text(names.pop()))
     if not names or sum(map(bool, names[-1])) < max(1, len(numeric) // 2):
         return None
     found = names[-1]

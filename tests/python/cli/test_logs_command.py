@@ -267,3 +267,26 @@ def test_a_real_caliper_becomes_logs_in_one_command(tmp_path: Path) -> None:
     assert size.size == 160
     assert abs(size.mean() - 6.211) < 0.05
     assert "none by the criteria" in done.output
+
+
+@pytest.mark.parametrize("ending", ["csv", "dip"])
+def test_the_true_dips_of_picks(tmp_path: Path, ending: str) -> None:
+    """A bed across a hole inclined by 40 degrees; its dip is that of the library."""
+    k = np.arange(64 * 50)
+    caliper = hb.Caliper(1000 + k * 0.1 / 64, k * 360 / 64 % 360, np.full(k.size, 0.108))
+    wall = hb.reconstruct(caliper, bit_diameter=0.216, path=hb.Survey([0, 2000], [40, 40], [120, 120]).path())
+    wall.save(tmp_path / "w.wall")
+    bed = hb.Pick(kind="bed", depth=1002.5, toolface=0.0, apparent_dip=20.0)
+    hb.Picks([bed]).save(tmp_path / "mine.csv", wall.path)
+    dips = tmp_path / f"d.{ending}"
+    done = run(tmp_path / "w.wall", "-o", tmp_path / "l.csv", "--dips", dips, "--picks", tmp_path / "mine.csv")
+    assert done.exit_code == 0, done.output
+    assert "1 planes with a true dip, of 1 picks" in " ".join(done.output.split())
+    with hb.open(dips) as opened:
+        one = opened.set()
+        dip, azimuth = bed.dip(wall.path)
+        assert one.numbers("MD") == pytest.approx(1002.5)
+        assert one.numbers("DIP") == pytest.approx(dip, abs=0.005)
+        assert one.numbers("DIP_AZIMUTH") == pytest.approx(azimuth, abs=0.005)
+    done = run(tmp_path / "w.wall", "-o", tmp_path / "l.csv", "--picks", tmp_path / "mine.csv")
+    assert (done.exit_code, "only --dips writes picks" in done.output) == (2, True)

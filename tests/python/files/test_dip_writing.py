@@ -50,6 +50,9 @@ def test_the_same_between_blanks_below_comments(tmp_path: Path, picks: hb.Picks)
     np.testing.assert_allclose(
         [[float(cell) for cell in row[:3]] for row in rows], [row[1:4] for row in TRUE], atol=0.005
     )
+    one = hb.open(tmp_path / "d.dip").set()
+    np.testing.assert_allclose(one.numbers("DIP"), [row[2] for row in TRUE], atol=0.005)
+    assert one["TYPE"].values.tolist() == [row[0] for row in TRUE]
     assert [row[3:] for row in rows] == [["bed", "top,_of_=A1"], ["fracture", "-"], ["fault", "-"]]
 
 

@@ -197,3 +197,38 @@ def test_damage_is_read_or_refused(tmp_path: Path) -> None:
         spoiled.write_bytes(damaged(whole, seed))
         opened += opened_or_refused(spoiled)
     assert opened > 0
+
+
+@pytest.mark.parametrize(
+    "rows",
+    [
+        [["Survey of A-7"], ["Measured", "Hole", "Hole"], ["Depth", "Deviation", "Azimuth"], ["m", "deg", "deg"]],
+        [["Measured", "Hole", "Hole"], ["Depth (m)", "Deviation (deg)", "Azimuth (deg)"]],
+        [["MD", "INC", "AZI"], ["m", "deg", "deg"], ["Measured depth", "Inclination", "Azimuth"]],
+        [["Well", "A-7", ""], ["MD", "INC", "AZI"], ["m", "deg", "deg"]],
+    ],
+)
+def test_heads_of_several_rows_and_a_footer(tmp_path: Path, rows: list[list[Any]]) -> None:
+    numbers = [[0.0, 0.0, 0.0], [100.5, 5.25, 45.5], ["Average", 2.625, 22.75]]
+    opened = hb.open(workbook(tmp_path / "s.xlsx", S=[*rows, *numbers]))
+    survey = opened.survey()
+    np.testing.assert_array_equal(survey.depth, [0, 100.5])
+    np.testing.assert_array_equal(survey.inclination, [0, 5.25])
+    np.testing.assert_array_equal(survey.azimuth, [0, 45.5])
+    assert any("is no row: Average" in remark for remark in opened.set().remarks)
+
+
+def test_the_upper_line_of_a_name_counts(tmp_path: Path) -> None:
+    """Read by its lower line alone, the vertical depth would be the measured one."""
+    head = [["Vertical", "Hole", "Hole"], ["Depth", "Deviation", "Azimuth"], ["m", "deg", "deg"]]
+    opened = hb.open(workbook(tmp_path / "s.xlsx", S=[*head, [0.0, 0.0, 0.0], [99.5, 5.25, 45.5]]))
+    assert opened.set().names[0] == "Vertical Depth"
+    with pytest.raises(hb.InputError, match="no channel has the role depth"):
+        opened.survey()
+
+
+def test_texts_of_another_locale_in_a_sheet(tmp_path: Path) -> None:
+    rows = [["MD (m)", "INC (deg)"], ["1.000,5", "0,5"], ["1.100,5", "12,25"]]
+    one = hb.open(workbook(tmp_path / "s.xlsx", S=rows), decimal=",").set()
+    assert one.numbers("MD (m)").tolist() == [1000.5, 1100.5]
+    assert one.numbers("INC (deg)").tolist() == [0.5, 12.25]

@@ -144,3 +144,40 @@ def test_what_is_refused(call: object, place: str) -> None:
 def test_a_wall_without_a_path_has_no_direction_of_stress() -> None:
     with pytest.raises(hb.InputError, match=r"^path = None: must be a well path"):
         stress_of_picks([], None)  # type: ignore[arg-type]
+
+
+TABLE = [
+    ("caliper", "A", 10, 300.0, 12.0), ("caliper", "B", 6, 100.0, 20.0), ("caliper", "C", 4, 30.0, 25.0),
+    ("image", "A", 10, 100.0, 12.0), ("image", "B", 6, 40.0, 20.0), ("image", "C", 4, 20.0, 25.0),
+]  # fmt: skip
+"""Least number, least total length and greatest deviation of each rank. Calipers: Zoback, Reservoir Geomechanics,
+table 6.1; images: Heidbach and others, Tectonophysics 482 (2010)."""
+
+
+def ranked(count: int, length: float, deviation: float, scheme: str) -> str:
+    """Return the rank of features at two axes, in equal numbers, whose standard deviation is ``deviation``."""
+    a = math.degrees(math.acos(math.exp(-2 * math.radians(deviation) ** 2))) / 2
+    axes = [30 + (a if each % 2 else -a) for each in range(count)]
+    if count % 2:  # the odd one lies between, and the others are moved out
+        kept = (count * math.exp(-2 * math.radians(deviation) ** 2) - 1) / (count - 1)
+        a = math.degrees(math.acos(kept)) / 2
+        axes = [30.0, *(30 + (a if each % 2 else -a) for each in range(count - 1))]
+    return horizontal_stress(axes, np.full(count, length / count), scheme=scheme).rank
+
+
+@pytest.mark.parametrize(("scheme", "rank", "number", "length", "deviation"), TABLE)
+def test_the_rank_at_and_beside_each_limit(
+    scheme: str, rank: str, number: int, length: float, deviation: float
+) -> None:
+    worse = chr(ord(rank) + 1)
+    small = 1e-6
+    assert ranked(number, length + small, deviation - small, scheme) == rank
+    assert ranked(number - 1, length + small, deviation - small, scheme) == worse
+    assert ranked(number, length - small, deviation - small, scheme) == worse
+    assert ranked(number, length + small, deviation + small, scheme) == worse
+
+
+@pytest.mark.parametrize("scheme", ["caliper", "image"])
+@pytest.mark.parametrize(("deviation", "rank"), [(40 - 1e-6, "D"), (40 + 1e-6, "E")])
+def test_the_rank_beside_the_greatest_deviation(scheme: str, deviation: float, rank: str) -> None:
+    assert ranked(20, 1000.0, deviation, scheme) == rank
