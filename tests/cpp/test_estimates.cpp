@@ -3,6 +3,7 @@
 #include "helibore/estimates.hpp"
 
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 
@@ -226,9 +227,39 @@ void sigma_by_hand() {
     CHECK_THROWS(InputError, "sigma: must be set for the sums of the vertices", plain.sums());
 }
 
+// Noise of a round hole is found as noise, and what the samples cannot show is none.
+void calibrates_the_noise_of_samples() {
+    constexpr double tau = 1e-3;
+    constexpr std::size_t size = 3000 / reduced;
+    std::vector<double> depth, toolface, radius, box;
+    std::vector<Index> rows;
+    std::uint64_t state = 1;
+    const auto draw = [&] {
+        state = state * 6364136223846793005U + 1442695040888963407U;
+        return static_cast<double>(state >> 11) * 0x1p-53;
+    };
+    for (std::size_t i = 0; i < size; ++i) {
+        double sum = 0.0;
+        for (int k = 0; k < 12; ++k) sum += draw();  // near enough to normal
+        depth.push_back(100.0 + 0.003 * static_cast<double>(i)), toolface.push_back(360.0 * draw());
+        radius.push_back(0.1 + tau * (sum - 6.0));
+        if (i % 3 == 1) rows.push_back(std::ssize(depth) - 1), box.push_back(0.0);
+    }
+    const SampleColumns samples{depth, toolface, radius};
+    const auto found = calibrate(samples, {rows, box, box}, {.bit_diameter = 0.2});
+    CHECK(found && found->noise > 0.5 * tau && found->noise < 1.1 * tau);  // the rest counts as shape
+    CHECK(found && found->quantile > 1.8 && found->quantile < 2.6);
+    CHECK(found && found->reach > 0.0 && found->reach < 0.15);
+    const std::vector<double> all(rows.size(), 1e4);  // boxes around everything
+    CHECK(!calibrate(samples, {rows, all, all}, {.bit_diameter = 0.2}));
+    CHECK_THROWS(InputError, "rows = -1: must be one of the samples",
+                 calibrate(samples, {std::vector<Index>{-1}, {box.data(), 1}, {box.data(), 1}}, {.bit_diameter = 0.2}));
+}
+
 }  // namespace
 
 int main() {
+    calibrates_the_noise_of_samples();
     at_vertices();
     kept_sums();
     sigma_by_hand();
