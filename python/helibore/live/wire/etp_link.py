@@ -33,6 +33,8 @@ ANSWER = 10.0
 """Seconds for an answer of the server."""
 KEEP_ALIVE = 15.0
 """Seconds after which a silent connection is checked, and after which it counts as broken."""
+AT_ONCE = 65_536
+"""Bytes of messages from which no further one is stored together with them."""
 CORE, SUBSCRIBE = 0, 21
 FINAL, COMPRESSED, EXTENDED = 0x02, 0x08, 0x20
 """Flags of a message: the last of several; a compressed body; a longer header."""
@@ -323,23 +325,35 @@ class EtpLink(Link):
             return self._waiting.pop(0)
         if self._failure:
             raise self._failure
-        message = self._receive(seconds)
-        if message is None:
-            return b""
+        message, parts, size = self._receive(seconds), list[bytes](), 0
+        while message is not None:
+            parts.append(framed(message))
+            size += len(message)
+            self._judge(message)
+            if self._failure or size > AT_ONCE:
+                break
+            try:
+                message = self._receive(0)  # what has come meanwhile is stored and drawn together
+            except OSError as error:
+                self._failure = error
+                break
+        return b"".join(parts)
+
+    def _judge(self, message: bytes) -> None:
+        """Note what ends the session, because the journal gets the message first; ask for values that are missing."""
         try:
             name, _, body = self._checked(message)
             if name == "SubscriptionsStopped":
                 raise OSError(f"{self.peer}: the server ended the subscription: {body['reason'][:200]}")
             if name == "ProtocolException":
                 raise self._refused("subscription to uris", body)
-        except OSError as error:  # the journal gets the message first
+        except OSError as error:
             self._failure, self.useful, self.went_well = error, False, False
-            return framed(message)
+            return
         if name == "ChannelData":
             self.went_well = True
             if self._starts:
                 self._ask_for_ranges(body["data"])
-        return framed(message)
 
     def _ask_for_ranges(self, items: list[dict[str, Any]]) -> None:
         """Ask for the values between the index that a channel should begin with and the one it begins with."""
