@@ -6,12 +6,14 @@ diameters in 0.1 m, "four arms" four radii in 0.15 m, and both turn slowly. Rows
     depth      depth functions in ordinary holes: constant to 1 m, linear by 0.3 m, a step of 0.5 m
     motion     yo-yo of 0.15 m in 3 to 8 m, heave of 0.2 m in 1.5 to 3 m
     periodic   spirals with one to three lobes, rings and ledges that repeat every 0.5 to 2.5 m
+    toolface   offsets of 15, 40, 100 and 180 degrees, and of none in ordinary and periodic holes
 
     rms        of the shift, cm, in rows that are known
     inside     rows whose true shift lies within 1.96 sigma, %
     answered   passes that are shifted, %
     known      rows of these passes whose shift is known, %
     wrong      known rows whose shift is wrong by more than 0.2 m, %
+    said       passes whose offset is reported, %; its rms error, degrees (for X-Y modulo 180), and error over sigma
 """
 
 from __future__ import annotations
@@ -104,10 +106,13 @@ def log(radius: Radius, tool: str, rng: np.random.Generator, shift: Callable[[Fl
     return depth, toolface, seen + rng.normal(0, 5e-4, seen.size)
 
 
-def found(radius: Radius, tool: str, shift: Callable[[Floats], Floats], seed: int) -> DepthFunction:
-    """Return the depth function of a second pass."""
+def found(
+    radius: Radius, tool: str, shift: Callable[[Floats], Floats], seed: int, offset: float = 0.0
+) -> DepthFunction:
+    """Return the depth function of a second pass, whose toolfaces are ``offset`` degrees too low."""
     first = log(radius, tool, np.random.default_rng([seed, 14]), lambda depth: 0 * depth)
     second = log(radius, tool, np.random.default_rng([seed, 15]), shift)
+    second = (second[0], (second[1] - offset) % 360, second[2])
     number = np.repeat([0, 1], [first[0].size, second[0].size])
     depth, toolface, distance = (np.concatenate(pair) for pair in zip(first, second, strict=True))
     return find_shifts(depth, toolface, distance, number, held=[0]).functions[1]
@@ -148,7 +153,34 @@ def repeated(seeds: range) -> None:
             ])  # fmt: skip
 
 
-ROWS = {"depth": depth, "motion": motion, "periodic": repeated}
+def toolface(seeds: range) -> None:
+    print(f"{'toolface':34s} answered    said    rms  over sigma")
+    for tool in TOOLS:
+        for offset in (15.0, 40.0, 100.0, 180.0):
+            report(f"{tool}, {offset:g} degrees", offset, [
+                found(ordinary(seed), tool, shift_of("constant", seed), seed, offset) for seed in seeds
+            ])  # fmt: skip
+        for kind in ("ordinary", *PERIODIC):
+            holes = [ordinary(seed) if kind == "ordinary" else periodic(kind, seed) for seed in seeds]
+            report(f"{tool}, {kind}, none", 0.0, [
+                found(hole, tool, shift_of("constant", seed), seed) for hole, seed in zip(holes, seeds, strict=True)
+            ])  # fmt: skip
+
+
+def report(name: str, offset: float, cases: list[DepthFunction]) -> None:
+    of = [each.toolface for each in cases if each.found and each.toolface is not None]
+    off = [(match, match.angle - offset) for match in of if match.clear]
+    error = np.array([(by + 90) % 180 - 90 if match.by_half else (by + 180) % 360 - 180 for match, by in off])
+    line = (
+        f"{name:34s} {100 * len(of) / len(cases):8.1f} {100 * sum(match.is_offset for match in of) / len(cases):7.1f}"
+    )
+    if off:
+        over = error / [match.sigma for match, _ in off]
+        line += f" {np.sqrt(np.mean(error**2)):6.2f} {np.sqrt(np.mean(over**2)):11.2f}"
+    print(line, flush=True)
+
+
+ROWS = {"toolface": toolface, "depth": depth, "motion": motion, "periodic": repeated}
 
 if __name__ == "__main__":
     first, last = next((each[8:].split(":") for each in sys.argv[1:] if each.startswith("--seeds=")), ("1", "5"))

@@ -32,6 +32,8 @@ SURE = 3.0
 _AWAY = 60.0  # degrees: a rival lies farther away
 _RIVAL, _LEAD = 0.85, 8.0  # a rival gains more than this share, or less than this logarithm less
 _LEAST_GAIN = 8.0  # logarithm of the likelihood over the mean of all angles
+_FEW, _MORE = 6, 2.0  # readings in a row up to which an error is larger than stretches say, and by how much: an arm
+# looks at one side of the hole for many of them (``python -m bench.accuracy.preparation toolface``)
 _FREE = 0.1  # metres: deviation of the shift of a stretch from the path
 _SMALL_ANGLE, _SMALL_DEPTH = 1.0, 0.01  # degrees and metres, for slopes
 
@@ -79,6 +81,8 @@ def find_toolface(rows: RowsOfPass, fields: Sequence[Field], path: DepthPath, no
     for _ in range(3):
         step, sigma = _refined(some, fields, where, path.bias, noise, angle)
         angle += float(np.clip(step, -STEP, STEP))
+    if some.angle.shape[1] <= _FEW:
+        sigma *= _MORE
     clear = bool(clear) and abs(angle - start) < 2 * STEP  # the best trial and the least squares agree
     return ToolfaceMatch((angle + 180.0) % 360.0 - 180.0, sigma, by_half, clear)
 
