@@ -236,7 +236,8 @@ def _are_values(first: list[str], second: list[str]) -> bool:
     """Return whether the first line of a table is a row: all cells are numbers, or those that are in the next row."""
     numbers = [is_number(cell) for cell in first]
     alike = not second or numbers == [is_number(cell) for cell in second]
-    return all(numbers) or (numbers[0] and sum(numbers) > 1 and alike)
+    begins = numbers[0] or first[0][:1].isdigit() or (second[:1] == first[:1] and first[0] != "")
+    return all(numbers) or (begins and sum(numbers) > 1 and alike)
 
 
 def _with_row_names(names: list[str], rows: list[str], delimiter: str | None, remarks: list[str]) -> list[str]:

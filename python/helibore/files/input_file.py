@@ -417,7 +417,7 @@ def find_format(source: InputFile) -> str:
         raise source.error("a workbook in XML of Excel 2003: save it as XLSX or CSV")
     if text.startswith(b"<"):
         return "witsml"
-    if text.startswith((b"{", b"[")):
+    if text.startswith((b"{", b"[")) and not re.match(rb"\[[A-Za-z][\w ]*\]\s*\n", text):  # not [Header] of a text
         return "json"
     lines = (line.lstrip() for line in text.splitlines())
     first = next((line for line in lines if line and not line.startswith(b"#")), b"")

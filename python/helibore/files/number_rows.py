@@ -112,6 +112,9 @@ def read_rows(
     if delimiter is None and all("," in line for line in kept[:3]) and _cut_by_commas(kept[0], len(names)):
         delimiter = ","
         remarks.append("the rows are cut by commas, not by blanks as the header says")
+    if delimiter is None and all(line.count(";") == len(names) - 1 > 0 for line in kept[:3]):
+        delimiter = ";"
+        remarks.append("the rows are cut by semicolons, not by blanks as the header says")
     columns = _fast(kept, delimiter, len(names))
     if columns is None:
         rows = _cells(path, kept, line_of, len(names), delimiter, remarks)

@@ -14,6 +14,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
+from helibore.base.arrays import Array
 from helibore.base.errors import InputError
 from helibore.files.input_file import InputFile
 from helibore.files.number_rows import NULL_TEXTS, OVERFLOW, WINDOWS_NAN, Rows, read_rows, split_cells
@@ -28,6 +29,10 @@ OPENED = re.compile(r'(?:^|[,;\t|])\s*"(?:[^"]|"")*$')
 
 CLOSED = re.compile(r'(?:[^"]|"")*"\s*(?:[,;\t|]|$)')
 """The start of a line that ends such a cell."""
+
+WORD = re.compile(r"[^\W\d_]{2}")
+SAMPLE = 50
+"""Cells at the start of a column that show whether it holds numbers."""
 
 NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)", re.IGNORECASE)
 
@@ -63,7 +68,7 @@ def read_rows_without_notes(
         found = read_rows(source.path, text, first_line, names, delimiter, **how)
     except InputError as refused:
         error = refused
-    if found is not None and not any(column.dtype.kind == "U" for column in found.columns):
+    if found is not None and not any(_has_notes(column, rules) for column in found.columns if column.dtype.kind == "U"):
         return found
     cleaned, remark = _without_notes(text, first_line, len(names), delimiter, rules, head)
     if not remark:
@@ -72,6 +77,15 @@ def read_rows_without_notes(
         return found
     again = read_rows(source.path, cleaned, first_line, names, delimiter, **how)
     return replace(again, remarks=[*again.remarks, remark])
+
+
+def _has_notes(column: Array, rules: TextRules) -> bool:
+    """Return whether a text column has words among numbers, or ends in a word of a footer."""
+    cells = column.tolist()
+    numbers = [is_like_a_number(cell) for cell in cells[:SAMPLE]]
+    if rules.is_footer(cells[-1]):
+        return True
+    return 2 * sum(numbers) > len(numbers) and WORD.search("\n".join(cells)) is not None
 
 
 def _without_notes(
@@ -116,15 +130,14 @@ def footers(rows: list[list[str]], width: int, rules: TextRules) -> int:
 
 
 def _filled(cell: str) -> str:
-    """Return a cell without blanks around it, "" for a text that means an empty cell."""
+    """Return a cell without blanks around it, "" for a text that means an empty cell, or a number that overflowed."""
     bare = cell.strip()
-    return "" if bare in NULL_TEXTS else bare
+    return "" if bare in NULL_TEXTS or OVERFLOW.fullmatch(bare) else bare
 
 
 def _is_value(cell: str) -> bool:
-    """Return whether a cell is a number in any spelling, an overflowed one, or not-a-number or infinity as a text."""
-    other = WINDOWS_NAN.fullmatch(cell) or OVERFLOW.fullmatch(cell) or NOT_FINITE.fullmatch(cell)
-    return is_like_a_number(cell) or other is not None
+    """Return whether a cell is a number in any spelling, or not-a-number or infinity as a text."""
+    return is_like_a_number(cell) or bool(WINDOWS_NAN.fullmatch(cell) or NOT_FINITE.fullmatch(cell))
 
 
 def _is_footer(row: list[str], numbers: list[bool], width: int, numeric: set[int], rules: TextRules) -> bool:

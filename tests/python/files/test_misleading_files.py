@@ -197,6 +197,23 @@ add("pipe_md.txt", "| DEPT | C1 |\n|------|----|\n| 10 | 9.5 |\n| 11 | 9.25 |\n"
 add("excel_gen_date.csv", "DEPT,DATE\n10,44197.5\n11,44197.6\n", {0: [10, 11]})
 
 
+add("no_head_text.csv", "10,9.5,SAND\n11,9.25,SHALE\n", {0: [10, 11], 1: [9.5, 9.25]}, rows=2)
+add("no_head_text_first.csv", "A-7,10,9.5\nA-7,11,9.25\n", {1: [10, 11], 2: [9.5, 9.25]}, rows=2)
+add("no_head_dates.txt", "2021-03-04 12:00 10 9.5\n2021-03-05 12:10 11 9.25\n", {2: [10, 11]}, rows=2)
+add("angles_beside_a_name.csv", "WELL,0,90,180\nA-7,110,111,112\nA-7,113,114,115\n", {1: [110, 113]}, rows=2)
+add("psql.txt", " md (m) | c1\n--------+------\n   10.0 |  9.5\n   11.5 | 9.25\n(2 rows)\n", {0: [10, 11.5]}, rows=2)
+add(
+    "markdown.md", "| MD | C1 |\n|---:|:--|\n| 10 | 9.5 |\n| 11 | 9.25 |\n", {"MD": [10, 11], "C1": [9.5, 9.25]}, rows=2
+)
+add("sections.txt", "[Header]\nWell=A-7\n[Data]\nMD,C1,C2\n10,9.5,8.5\n11,9,8\n", {"MD": [10, 11]}, rows=2)
+add("las_semicolons.las", WELL + CURVES + "~A\n10;9.5;8.5\n11;9.25;8.25\n", {0: [10, 11], 1: [9.5, 9.25]})
+add("las_end.las", WELL + CURVES + "~A\n10 9.5 8.5\n11 9.25 8.25\n***** END *****\n", {0: [10, 11]}, rows=2)
+add("las_dashes.las", WELL + CURVES + "~A\n-------\n10 9.5 8.5\n11 9.25 8.25\n", {0: [10, 11]}, rows=2)
+add("pages.txt", "ACME  Page 1\nMD C1\n10 9.5\n11 9\nACME  Page 2\nMD C1\n12 9\n13 8\n", {0: [10, 11, 12, 13]}, rows=4)
+add("pages_of_other_units.txt", "MD C1\nM IN\n10 9.5\n11 9\nMD C1\nFT MM\n12 220\n", survey=REFUSED)
+add("below_range.csv", "MD (m),INC (deg),AZI (deg)\n0,<0.5,0\n10,1,2\n", survey=REFUSED)
+
+
 @pytest.mark.parametrize("name", FILES)
 def test_no_file_opens_wrong(tmp_path: Path, name: str) -> None:
     entry = FILES[name]
