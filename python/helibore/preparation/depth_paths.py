@@ -4,6 +4,9 @@ r"""Find the shift of a pass as a function of depth: the likeliest smooth path t
            |__/....\__          row to row, and may jump. A forward and a backward pass give its distribution at each
            +---------- depth    row. How much it wanders is chosen by the evidence; a constant shift wanders hardly.
 
+A shift that wanders is looked for once more about the line through it (a cable that stretches); that path is kept if it
+wanders less, with the deviation of the first, which knows of no line.
+
 Readings follow Student's t about the field of the other passes. Neighbouring readings err together, so the logarithm of
 the likelihood is divided by the geometric mean of two numbers: how much more the slope of the fit over whole stretches
 varies than if readings erred alone, and how much more the differences from the field do.
@@ -12,7 +15,7 @@ varies than if readings erred alone, and how much more the differences from the 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -47,6 +50,8 @@ class DepthPath:
     fits: Floats  # logarithm of the likelihood of each shift in each row, divided as above, (m, shifts)
     bias: float  # m: how much more the readings are than the fields
     divisor: float  # of the logarithm of the likelihood
+    wander: float  # metres in 5 cm of depth
+    base: Floats  # shift of each row at which the trial shifts are 0, (m,) m
 
 
 def find_path(rows: RowsOfPass, fields: Sequence[Field], noise: float) -> DepthPath:
@@ -61,6 +66,20 @@ def find_path(rows: RowsOfPass, fields: Sequence[Field], noise: float) -> DepthP
     noise
         Metres, of a reading of the pass.
     """
+    path = _path_about(np.zeros(rows.depth.size), rows, fields, noise)
+    known = path.known
+    if path.wander == _WANDERS[0] or known.sum() < 3:
+        return path
+    slope, level = np.polyfit(rows.depth[known], path.shift[known], 1, w=1 / path.sigma[known])
+    sloped = _path_about(slope * rows.depth + level, rows, fields, noise)
+    if sloped.wander >= path.wander:
+        return path
+    return replace(sloped, sigma=np.maximum(sloped.sigma, path.sigma), known=sloped.known & known)
+
+
+def _path_about(base: Floats, rows: RowsOfPass, fields: Sequence[Field], noise: float) -> DepthPath:
+    """Return the path of a pass that is moved by ``base`` (m,) beforehand."""
+    rows = replace(rows, depth=rows.depth + base)
     bias, divisor = 0.0, 4.0
     wanders: tuple[float, ...] = _WANDERS
     for _ in range(2):
@@ -76,12 +95,12 @@ def find_path(rows: RowsOfPass, fields: Sequence[Field], noise: float) -> DepthP
         divisor = float(np.sqrt(max(excess, 1.0) * together))
         at = _WANDERS.index(wander)
         wanders = _WANDERS[max(at - 1, 0) : at + 2]
-    probability, _ = _probabilities(rows.depth, raw / divisor, wanders)
+    probability, wander = _probabilities(rows.depth, raw / divisor, wanders)
     shift = probability @ GRID
     away = GRID - shift[:, None]
     sigma = np.hypot(np.sqrt((probability * np.square(away)).sum(axis=1)), FINEST)
     known = (sigma < APART) & ((probability * (np.abs(away) > APART)).sum(axis=1) < 0.02)
-    return DepthPath(shift, sigma, known, raw / divisor, bias, divisor)
+    return DepthPath(base + shift, sigma, known, raw / divisor, bias, divisor, wander, base)
 
 
 def student(off: Floats, variance: Floats) -> Floats:

@@ -41,6 +41,8 @@ _AT_ONCE = 4  # most passes in place with which a pass is matched, those that it
 _REPORTED = 0.01  # share of the rows whose shift is not known, from which a pass is reported
 _REPEATED = 0.6  # correlation of a hole with itself, moved, from which it repeats itself
 _TURNS = 3  # most times that a pass is turned
+_RESTLESS, _VAGUE = 0.01, 0.04  # metres: wander of a shift in 5 cm, and its median deviation, from which it is refused
+_JUMPED = 0.45  # metres: more than a shift can change where a tool goes to and fro
 _LEAST_GAIN = 4.0  # logarithm of the likelihood that the found shift must gain over a rival: odds of 50
 
 
@@ -273,6 +275,7 @@ def _judged(rows: RowsOfPass, theirs: list[Field], path: DepthPath) -> DepthFunc
     if not inside.any():
         return DepthFunction(reason="none of its readings lies where the others have some")
     known = path.known & inside
+    known &= _in_long_pieces(rows.depth, path.shift, known)
     second, share, gain_of = _rival(path)
     repeats = _repeats(theirs[0])
     design = rows.design()
@@ -294,15 +297,33 @@ def _judged(rows: RowsOfPass, theirs: list[Field], path: DepthPath) -> DepthFunc
     if known.sum() < 0.5 * inside.sum():
         part = f"its shift is known to {APART:g} m in {100 * known.sum() / max(inside.sum(), 1):.0f} % of its rows"
         return replace(result, reason=f"no clear match: {part}")
+    sigma = float(np.median(path.sigma[inside]))
+    if path.wander >= _RESTLESS and sigma > _VAGUE:
+        rule = f"it moves to and fro, and its shift is known to {sigma:.3f} m only (median), not to {_VAGUE:g} m"
+        return replace(result, reason=f"no clear match: {rule}")
     shift = np.interp(rows.depth, rows.depth[known], path.shift[known])
     beyond = np.abs(shift - path.shift)
-    sigma = np.where(known, path.sigma, np.hypot(path.sigma, beyond))
-    return replace(result, depth=rows.depth, shift=shift, sigma=sigma, known=known, found=True)
+    deviation = np.where(known, path.sigma, np.hypot(path.sigma, beyond))
+    return replace(result, depth=rows.depth, shift=shift, sigma=deviation, known=known, found=True)
+
+
+def _in_long_pieces(depth: Floats, shift: Floats, known: Mask) -> Mask:
+    """Return the rows between two jumps of a shift that are at least as far apart as passes must overlap.
+
+    In a shorter piece another shift may fit by chance.
+    """
+    piece, rows = np.zeros(depth.size, dtype=np.int64), np.flatnonzero(known)
+    piece[rows[1:]] = np.abs(np.diff(shift[rows])) > _JUMPED
+    piece = np.cumsum(piece)
+    ends = np.flatnonzero(np.diff(piece, prepend=-1, append=piece[-1] + 1))
+    lengths = depth[ends[1:] - 1] - depth[ends[:-1]]
+    long: Mask = (lengths >= _OVERLAP)[piece] | (piece[-1] == 0)
+    return long
 
 
 def _rival(path: DepthPath) -> tuple[float, float, float]:
     """Return the second-best constant offset from the path, its share of the gain, and the gain of the path."""
-    at = np.round((path.shift - GRID[0]) / STEP).astype(np.int64)
+    at = np.round((path.shift - path.base - GRID[0]) / STEP).astype(np.int64)
     away = np.arange(-GRID.size + 1, GRID.size)
     score = np.full(away.size, np.nan)
     for index, one in enumerate(away.tolist()):

@@ -501,3 +501,34 @@ def test_an_odd_pass_of_several_files_has_the_number_that_its_file_gives_it():
     assert more.startswith("pass 3 reads up to 1")
     assert "more in radius" in more
     assert more.endswith("preparation.passes=3 shows it")
+
+
+def uneven(depth, toolface, seed):
+    """A hole that nowhere repeats itself: its level and its oval change along it."""
+    rng = np.random.default_rng(seed)
+    along = np.arange(-5.0, 75.0, 0.05)
+    kernel = np.exp(-0.5 * np.square(np.arange(-40, 41) * 0.05 / 0.4))
+    waves = (np.convolve(rng.normal(0, 1, along.size), kernel / np.linalg.norm(kernel), "same") for _ in range(3))
+    level, cosine, sine = (size * np.interp(depth, along, wave) for size, wave in zip((3, 1, 1), waves, strict=True))
+    turned = 2 * np.radians(toolface)
+    return 0.109 + 1e-3 * (level + cosine * np.cos(turned) + sine * np.sin(turned))
+
+
+def uneven_passes(seed, shift):
+    """Two passes of four arms over such a hole; ``shift`` is a function of the depths of the second."""
+    rng, parts = np.random.default_rng([seed, 1]), []
+    for number, of in enumerate((lambda depth: 0 * depth, shift)):
+        depth = np.repeat(np.arange(0, 70, 0.15) + rng.uniform(0, 0.15), 4)
+        toolface = (rng.uniform(0, 360) + 12 * depth + np.tile([0, 90, 180, 270], depth.size // 4)) % 360
+        radius = uneven(depth + of(depth), toolface, seed) + rng.normal(0, 5e-4, depth.size)
+        parts.append((depth, toolface, radius, np.full(depth.size, number)))
+    return [np.concatenate(column) for column in zip(*parts, strict=True)]
+
+
+@pytest.mark.parametrize("slope", [-0.005, 0.005])
+def test_four_arms_follow_a_cable_that_stretches(slope):
+    found = find_shifts(*uneven_passes(41, lambda depth: slope * (depth - 20)), held=[0]).functions[1]
+    off = found.shift - slope * (found.depth - 20)
+    assert found.known.mean() > 0.9
+    assert np.sqrt(np.mean(np.square(off))) < 0.035
+    assert np.mean(np.abs(off) < 1.96 * found.sigma) > 0.9
