@@ -33,8 +33,8 @@ struct PointEstimates {
 
 // `samples` must be in canonical order, as Wall::samples returns them. The helix, the window and `direct` of the
 // settings have no effect. The neighbours of a point are searched for only once, also for several nuggets. Throws
-// InputError on a bad setting, with near_and_far, if columns differ in length, if depths of samples fall, or if a depth, toolface, radius
-// or nugget breaks its rule.
+// InputError on a bad setting, with near_and_far, if columns differ in length, if depths of samples fall, or if a
+// depth, toolface, radius or nugget breaks its rule.
 PointEstimates estimate_at(const SampleColumns& samples, const PointColumns& points, const Settings& settings,
                            std::span<const double> nuggets = {});
 

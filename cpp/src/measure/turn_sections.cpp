@@ -22,7 +22,9 @@ std::size_t part_of(double toolface) {
     return static_cast<std::size_t>(part) % section_parts;
 }
 
-double mean_of(double sum, double count) { return count > 0.0 ? sum / count : std::numeric_limits<double>::quiet_NaN(); }
+double mean_of(double sum, double count) {
+    return count > 0.0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+}
 
 void require_helix(const HelixVertices& vertices) {
     require(std::isfinite(vertices.start_depth), "start_depth", vertices.start_depth, "must be finite");
